@@ -1,0 +1,101 @@
+#include "rilievo/gl/state_guard.h"
+
+#include <iterator>
+
+namespace rilievo::gl {
+namespace {
+
+constexpr GLenum kCapabilities[] = {GL_DEPTH_TEST,
+                                    GL_BLEND,
+                                    GL_CULL_FACE,
+                                    GL_SCISSOR_TEST,
+                                    GL_SAMPLE_ALPHA_TO_COVERAGE,
+                                    GL_FRAMEBUFFER_SRGB,
+                                    GL_POLYGON_OFFSET_FILL,
+                                    GL_DEPTH_CLAMP};
+
+}  // namespace
+
+StateGuard::StateGuard() {
+  static_assert(std::size(kCapabilities) == kCaps);
+  for (int i = 0; i < kCaps; ++i) caps_[i] = glIsEnabled(kCapabilities[i]);
+  glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
+  glGetBooleanv(GL_COLOR_WRITEMASK, color_mask_);
+  glGetIntegerv(GL_DEPTH_FUNC, &depth_func_);
+  glGetIntegerv(GL_CURRENT_PROGRAM, &program_);
+  glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertex_array_);
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_framebuffer_);
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_framebuffer_);
+  glGetIntegerv(GL_VIEWPORT, viewport_);
+  glGetIntegerv(GL_SCISSOR_BOX, scissor_);
+  constexpr GLenum blend[] = {GL_BLEND_SRC_RGB,   GL_BLEND_DST_RGB,      GL_BLEND_SRC_ALPHA,
+                              GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
+  for (int i = 0; i < 6; ++i) glGetIntegerv(blend[i], &blend_[i]);
+  glGetIntegerv(GL_CULL_FACE_MODE, &cull_face_);
+  glGetIntegerv(GL_FRONT_FACE, &front_face_);
+  glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &array_buffer_);
+  glGetIntegerv(GL_UNPACK_ALIGNMENT, &unpack_alignment_);
+  glGetIntegerv(GL_PACK_ALIGNMENT, &pack_alignment_);
+  glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage_buffer_);
+  glGetIntegerv(GL_UNIFORM_BUFFER_BINDING, &uniform_buffer_);
+  glGetIntegerv(GL_POLYGON_MODE, polygon_mode_);
+  glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_);
+  glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
+  glGetFloatv(GL_LINE_WIDTH, &line_width_);
+  glGetFloatv(GL_POLYGON_OFFSET_FACTOR, &polygon_offset_[0]);
+  glGetFloatv(GL_POLYGON_OFFSET_UNITS, &polygon_offset_[1]);
+  glGetIntegerv(GL_ACTIVE_TEXTURE, &active_texture_);
+  for (int i = 0; i < kUnits; ++i) {
+    glActiveTexture(GL_TEXTURE0 + GLenum(i));
+    glGetIntegerv(GL_TEXTURE_BINDING_2D, &textures_[i][0]);
+    glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &textures_[i][1]);
+    glGetIntegerv(GL_SAMPLER_BINDING, &samplers_[i]);
+  }
+  glActiveTexture(GLenum(active_texture_));
+  for (int i = 0; i < kBindings; ++i) {
+    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, GLuint(i), &storage_[i]);
+    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, GLuint(i), &uniform_[i]);
+  }
+}
+
+StateGuard::~StateGuard() {
+  for (int i = 0; i < kCaps; ++i)
+    caps_[i] ? glEnable(kCapabilities[i]) : glDisable(kCapabilities[i]);
+  glDepthMask(depth_mask_);
+  glColorMask(color_mask_[0], color_mask_[1], color_mask_[2], color_mask_[3]);
+  glDepthFunc(GLenum(depth_func_));
+  glUseProgram(GLuint(program_));
+  glBindVertexArray(GLuint(vertex_array_));
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(draw_framebuffer_));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(read_framebuffer_));
+  glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
+  glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
+  glBlendFuncSeparate(GLenum(blend_[0]), GLenum(blend_[1]), GLenum(blend_[2]), GLenum(blend_[3]));
+  glBlendEquationSeparate(GLenum(blend_[4]), GLenum(blend_[5]));
+  glCullFace(GLenum(cull_face_));
+  glFrontFace(GLenum(front_face_));
+  glPixelStorei(GL_UNPACK_ALIGNMENT, unpack_alignment_);
+  glPixelStorei(GL_PACK_ALIGNMENT, pack_alignment_);
+  glPolygonMode(GL_FRONT_AND_BACK, GLenum(polygon_mode_[0]));
+  glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
+  glClearDepthf(clear_depth_);
+  glLineWidth(line_width_);
+  glPolygonOffset(polygon_offset_[0], polygon_offset_[1]);
+  for (int i = 0; i < kUnits; ++i) {
+    glActiveTexture(GL_TEXTURE0 + GLenum(i));
+    glBindTexture(GL_TEXTURE_2D, GLuint(textures_[i][0]));
+    glBindTexture(GL_TEXTURE_2D_ARRAY, GLuint(textures_[i][1]));
+    glBindSampler(GLuint(i), GLuint(samplers_[i]));
+  }
+  glActiveTexture(GLenum(active_texture_));
+  // Indexed bindings also change the generic binding, which is therefore restored after them.
+  for (int i = 0; i < kBindings; ++i) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(i), GLuint(storage_[i]));
+    glBindBufferBase(GL_UNIFORM_BUFFER, GLuint(i), GLuint(uniform_[i]));
+  }
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, GLuint(storage_buffer_));
+  glBindBuffer(GL_UNIFORM_BUFFER, GLuint(uniform_buffer_));
+  glBindBuffer(GL_ARRAY_BUFFER, GLuint(array_buffer_));
+}
+
+}  // namespace rilievo::gl

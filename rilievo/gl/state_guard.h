@@ -1,0 +1,26 @@
+// Leaves the caller's OpenGL state as it was found.
+#pragma once
+
+#include <epoxy/gl.h>
+
+namespace rilievo::gl {
+
+// Restores, at the end of the scope, every piece of OpenGL state that Rilievo's drawing changes.
+class StateGuard {
+ public:
+  StateGuard();
+  ~StateGuard();
+  StateGuard(const StateGuard&) = delete;
+  StateGuard& operator=(const StateGuard&) = delete;
+
+ private:
+  static constexpr int kCaps = 8, kUnits = 8, kBindings = 6;
+  GLboolean caps_[kCaps], depth_mask_, color_mask_[4];
+  GLint depth_func_, program_, vertex_array_, draw_framebuffer_, read_framebuffer_, viewport_[4],
+      blend_[6], cull_face_, front_face_, active_texture_, textures_[kUnits][2], samplers_[kUnits],
+      storage_[kBindings], uniform_[kBindings], scissor_[4], array_buffer_, unpack_alignment_,
+      pack_alignment_, storage_buffer_, uniform_buffer_, polygon_mode_[2];
+  GLfloat clear_color_[4], clear_depth_, line_width_, polygon_offset_[2];
+};
+
+}  // namespace rilievo::gl
