@@ -1,10 +1,86 @@
 #include "rilievo/scene/scene.h"
 
+#include <algorithm>
+
 namespace rilievo {
+namespace {
+
+// Bounds of the vertices that triangles use: a file may keep vertices that nothing refers to.
+Box bounds_of(const Mesh& mesh, const glm::mat4& to_from_mesh) {
+  Box box;
+  const bool identity = to_from_mesh == glm::mat4(1.0f);
+  for (std::uint32_t i : mesh.indices) {
+    if (i >= mesh.positions.size()) continue;  // validate() is who complains
+    const glm::vec3& p = mesh.positions[i];
+    box.add(identity ? p : glm::vec3(to_from_mesh * glm::vec4(p, 1.0f)));
+  }
+  return box;
+}
+
+bool valid_index(int i, std::size_t size) { return i >= 0 && std::size_t(i) < size; }
+
+// Does the curve ever leave its first value?
+bool moves(const Channel& channel) {
+  if (channel.times.size() < 2 || channel.values.empty()) return false;
+  const bool cubic = channel.interpolation == Channel::Interpolation::cubic_spline;
+  for (std::size_t i = 0; i < channel.values.size(); ++i) {
+    const bool tangent = cubic && i % 3 != 1;
+    const glm::vec4& rest = tangent ? glm::vec4(0.0f) : channel.values[cubic ? 1 : 0];
+    if (channel.values[i] != rest) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::uint64_t count_triangles(const Scene& scene) {
+  std::uint64_t triangles = 0;
+  for (const Object& object : scene.objects) triangles += scene.models[object.model].triangles;
+  return triangles;
+}
+
+Box world_bounds(const Scene& scene, double time) {
+  std::vector<glm::mat4> world_from_model;
+  pose(scene, time, world_from_model);
+  Box box;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    box.add(transformed(world_from_model[i], scene.models[scene.objects[i].model].bounds));
+  return box;
+}
+
+void finish(Scene& scene) {
+  for (Mesh& mesh : scene.meshes) mesh.bounds = bounds_of(mesh, glm::mat4(1.0f));
+
+  for (Model& model : scene.models) {
+    model.bounds = {};
+    model.triangles = 0;
+    for (const Part& part : model.parts) {
+      if (!valid_index(part.mesh, scene.meshes.size())) continue;
+      const Mesh& mesh = scene.meshes[part.mesh];
+      model.triangles += mesh.triangles();
+      model.bounds.add(part.model_from_mesh == glm::mat4(1.0f)
+                           ? mesh.bounds
+                           : bounds_of(mesh, part.model_from_mesh));
+    }
+  }
+
+  // A node moves if a channel of its own or of an ancestor does; parents come first.
+  std::vector<char> node_moves(scene.nodes.size(), 0);
+  for (const Channel& channel : scene.channels)
+    if (valid_index(channel.node, scene.nodes.size()) && moves(channel))
+      node_moves[channel.node] = 1;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    if (valid_index(scene.nodes[i].parent, i) && node_moves[scene.nodes[i].parent])
+      node_moves[i] = 1;
+  for (Object& object : scene.objects)
+    object.moving = valid_index(object.node, scene.nodes.size()) && node_moves[object.node];
+}
+
 Light default_sun() {
   Light sun;
   sun.direction = glm::normalize(glm::vec3(-0.45f, -0.8f, -0.4f));
   sun.intensity = glm::vec3(3.0f, 2.85f, 2.6f);
   return sun;
 }
+
 }  // namespace rilievo

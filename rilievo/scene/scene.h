@@ -53,7 +53,9 @@ struct Material {
 };
 
 // Triangles with one material. Arrays other than positions and indices are empty or have one entry
-// a vertex. Counter-clockwise is front.
+// a vertex. Counter-clockwise is front; where world_from_mesh has a negative determinant (a
+// mirrored object), clockwise is: whoever draws or traces flips it by the determinant's sign, as in
+// glTF.
 struct Mesh {
   std::string name;
   int material = -1;  // index into Scene::materials, or the default material
@@ -146,7 +148,7 @@ void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_mo
 // Triangles of all objects, instances counted.
 [[nodiscard]] std::uint64_t count_triangles(const Scene& scene);
 
-// World bounds of all objects at `time`.
+// A box that holds all objects at `time`: the box of their transformed boxes.
 [[nodiscard]] Box world_bounds(const Scene& scene, double time = 0.0);
 
 // Fills in what can be derived: bounds and triangle counts of meshes and models, Object::moving.
