@@ -1,9 +1,10 @@
 # A file's folder decides what it is built into: rilievo/STAGE/*.cpp goes into the stage's library,
 # rilievo/STAGE/*_test.cpp into the program test_STAGE.
 
-set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt
-    nlohmann_json::nlohmann_json draco::draco meshoptimizer::meshoptimizer assimp::assimp
-    PkgConfig::webp)
+set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
+    meshoptimizer::meshoptimizer assimp::assimp PkgConfig::webp)
+# Only headers, and none of them in ours: who uses the installed library does not need them.
+set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
 
 # rilievo_library(NAME STAGES ...): the library rilievo::NAME out of the stages' folders.
 function(rilievo_library name)
@@ -26,18 +27,17 @@ function(rilievo_library name)
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:rilievo_flags>)
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${RILIEVO_CORE_HEADERS}>)
   if(name STREQUAL "rilievo")
-    target_link_libraries(${target} PUBLIC rilievo_core PRIVATE PkgConfig::epoxy)
+    target_link_libraries(${target} PUBLIC rilievo_core PkgConfig::epoxy PRIVATE fmt::fmt)
   else()
     target_link_libraries(${target} PUBLIC glm::glm PRIVATE ${RILIEVO_CORE_LINKS})
   endif()
+  rilievo_install(${target} ${name} STAGES ${arg_STAGES})
 endfunction()
 
 # test_STAGE for every stage that has tests; each TEST becomes a test of CTest.
 function(rilievo_stage_tests)
-  if(NOT RILIEVO_BUILD_TESTS)
-    return()
-  endif()
   include(GoogleTest)
   set(gl_stages gl capture draw cache compare)
   foreach(stage core scene io measure represent validity warp ${gl_stages})
@@ -49,7 +49,8 @@ function(rilievo_stage_tests)
       continue()
     endif()
     add_executable(test_${stage} ${tests})
-    target_link_libraries(test_${stage} PRIVATE rilievo_flags GTest::gtest_main ${RILIEVO_CORE_LINKS})
+    target_link_libraries(test_${stage} PRIVATE rilievo_flags GTest::gtest_main ${RILIEVO_CORE_LINKS}
+                                                ${RILIEVO_CORE_HEADERS})
     if(stage IN_LIST gl_stages)
       target_link_libraries(test_${stage} PRIVATE rilievo::rilievo PkgConfig::epoxy)
     else()
