@@ -1,0 +1,142 @@
+#include "rilievo/core/camera_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+namespace rilievo {
+namespace {
+
+constexpr double kVerticalFov = 0.87;  // 50 degrees
+constexpr double kOrbitSpeed = 10.0 * glm::pi<double>() / 180.0;
+constexpr double kElevation = 15.0 * glm::pi<double>() / 180.0;
+
+// Velocity of the eye at key `k`: the slope there of the parabola through three neighbouring keys
+// (k in their middle where there are keys on both sides). A straight walk at constant speed stays
+// one; a circle with a key every h radians is left by about h^2 / 6 of the step.
+glm::dvec3 velocity(const std::vector<PathKey>& keys, std::size_t k) {
+  const auto step = [&](std::size_t i) { return keys[i + 1].time - keys[i].time; };
+  const auto chord = [&](std::size_t i) { return (keys[i + 1].eye - keys[i].eye) / step(i); };
+  if (keys.size() == 2) return chord(0);
+  const std::size_t last = keys.size() - 1;
+  const std::size_t a = k == 0 ? 0 : k == last ? last - 2 : k - 1;
+  const glm::dvec3 curvature = (chord(a + 1) - chord(a)) / (step(a) + step(a + 1));
+  return k == a       ? chord(a) - curvature * step(a)
+         : k == a + 1 ? chord(a) + curvature * step(a)
+                      : chord(a + 1) + curvature * step(a + 1);
+}
+
+PathKey between(const std::vector<PathKey>& keys, double time) {
+  if (keys.size() == 1 || time <= keys.front().time) return keys.front();
+  if (time >= keys.back().time) return keys.back();
+  const auto above = std::upper_bound(keys.begin(), keys.end(), time,
+                                      [](double t, const PathKey& key) { return t < key.time; });
+  const std::size_t i = std::size_t(above - keys.begin()) - 1;
+  const PathKey &a = keys[i], &b = keys[i + 1];
+  const double step = b.time - a.time, s = (time - a.time) / step;
+  // Cubic Hermite: C1 through every key.
+  const double s2 = s * s, s3 = s2 * s;
+  PathKey p;
+  p.time = time;
+  p.eye = a.eye * (2 * s3 - 3 * s2 + 1) + b.eye * (3 * s2 - 2 * s3) +
+          step * (velocity(keys, i) * (s3 - 2 * s2 + s) + velocity(keys, i + 1) * (s3 - s2));
+  p.world_from_eye = glm::normalize(glm::slerp(a.world_from_eye, b.world_from_eye, s));
+  p.vertical_fov = glm::mix(a.vertical_fov, b.vertical_fov, s);
+  return p;
+}
+
+// The ball around `bounds`, and from how far it fits into a frame that is at least as wide as high:
+//   sin(fov / 2) = radius / distance, and 5 % for comfort.
+struct Framing {
+  glm::dvec3 center{0.0};
+  double radius = 1.0, distance = 0.0;
+
+  explicit Framing(const Box& bounds) {
+    if (!bounds.empty()) {
+      center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+      radius = 0.5 * glm::length(glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+    }
+    // A single point far from the origin still needs a distance that doubles can resolve.
+    radius = std::max({radius, 1e-6 * glm::length(center), 1e-6});
+    distance = 1.05 * radius / std::sin(0.5 * kVerticalFov);
+  }
+
+  // Near and far planes for eyes at distances from the center between `nearest` and `farthest`.
+  void set_planes(CameraPath& path, double nearest, double farthest) const {
+    path.z_near = std::max(0.5 * (nearest - radius), 1e-3 * radius);
+    path.z_far = farthest + 1.5 * radius;
+  }
+};
+
+}  // namespace
+
+PathKey look_key(double time, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up,
+                 double vertical_fov) {
+  const Camera camera = look_at(eye, target, up, vertical_fov, 1, 1, 1, 2);
+  return {time, eye, glm::normalize(glm::quat_cast(glm::dmat3(camera.world_from_eye))),
+          vertical_fov};
+}
+
+int frame_count(const CameraPath& path) {
+  RILIEVO_EXPECTS(!path.keys.empty());
+  const double seconds = path.keys.back().time - path.keys.front().time;
+  return int(std::clamp(std::round(seconds * kFramesPerSecond), 1.0, 1e9));
+}
+
+double frame_time(const CameraPath& path, int frame) {
+  RILIEVO_EXPECTS(!path.keys.empty());
+  return path.keys.front().time + frame / kFramesPerSecond;
+}
+
+Camera camera_at(const CameraPath& path, double time, int width, int height) {
+  RILIEVO_EXPECTS(!path.keys.empty());
+  const PathKey key = between(path.keys, time);
+  Camera camera = look_at(glm::dvec3(0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0),
+                          key.vertical_fov, width, height, path.z_near, path.z_far);
+  camera.world_from_eye = glm::dmat4(glm::mat3_cast(key.world_from_eye));
+  camera.world_from_eye[3] = glm::dvec4(key.eye, 1);
+  return camera;
+}
+
+CameraPath orbit_path(const Box& bounds, int frames) {
+  RILIEVO_EXPECTS_GE(frames, 1);
+  const Framing framing(bounds);
+  CameraPath path;
+  framing.set_planes(path, framing.distance, framing.distance);
+  // One key a degree: the curve through them leaves the circle by less than 1e-6 of its radius.
+  const double key_step = 1.0 * glm::pi<double>() / 180.0 / kOrbitSpeed;
+  const double seconds = frames / kFramesPerSecond;
+  const int steps = std::max(1, int(std::ceil(seconds / key_step)));
+  for (int i = 0; i <= steps; ++i) {
+    const double time = seconds * i / steps, azimuth = kOrbitSpeed * time + 0.5;
+    const glm::dvec3 direction{std::sin(azimuth) * std::cos(kElevation), std::sin(kElevation),
+                               std::cos(azimuth) * std::cos(kElevation)};
+    path.keys.push_back(look_key(time, framing.center + framing.distance * direction,
+                                 framing.center, {0, 1, 0}, kVerticalFov));
+  }
+  return path;
+}
+
+CameraPath walk_path(const Box& bounds, int frames) {
+  RILIEVO_EXPECTS_GE(frames, 1);
+  const Framing framing(bounds);
+  const double seconds = frames / kFramesPerSecond;
+  const double half_length = 0.5 * seconds * 0.1 * kWalkingSpeed * framing.radius;
+  // The middle of the walk frames the bounds. The walker passes at a right angle, so that every
+  // other point of the walk is farther away.
+  const glm::dvec3 outwards{std::sin(0.5) * std::cos(kElevation), std::sin(kElevation),
+                            std::cos(0.5) * std::cos(kElevation)};
+  const glm::dvec3 along{std::cos(0.5), 0, -std::sin(0.5)};
+  const glm::dvec3 middle = framing.center + framing.distance * outwards;
+  CameraPath path;
+  framing.set_planes(path, framing.distance, std::hypot(framing.distance, half_length));
+  for (const double end : {-1.0, 1.0}) {
+    PathKey key =
+        look_key((0.5 + 0.5 * end) * seconds, middle, framing.center, {0, 1, 0}, kVerticalFov);
+    key.eye += end * half_length * along;
+    path.keys.push_back(key);
+  }
+  return path;
+}
+
+}  // namespace rilievo
