@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "rilievo/core/depth.h"
+#include "rilievo/core/depth_image.h"
 
 namespace rilievo {
 namespace {
