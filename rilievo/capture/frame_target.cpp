@@ -102,14 +102,14 @@ Result<ProbeTarget> ProbeTarget::create(int width, int height) {
   return t;
 }
 
-void ProbeTarget::begin() {
+void ProbeTarget::begin(bool keeps_farthest) {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glViewport(0, 0, width_, height_);
   glDisable(GL_SCISSOR_TEST);
   glDepthMask(GL_TRUE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   const GLuint nothing[] = {kNoObject, 0, 0, 0};
-  const GLfloat far = 1;
+  const GLfloat far = keeps_farthest ? 0 : 1;
   glClearNamedFramebufferuiv(framebuffer_, GL_COLOR, 0, nothing);
   glClearNamedFramebufferfv(framebuffer_, GL_DEPTH, 0, &far);
 }
@@ -129,8 +129,9 @@ Image<float> ProbeTarget::read_eye_z(const Camera& camera) const {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.texels().data());
   flip_rows(depth);
+  const float empty = camera.keeps_farthest() ? 0.0f : 1.0f;
   for (float& z : depth.texels())
-    z = z >= 1.0f ? kNoDepth : float(eye_z_from(DepthKind::window_z, z, camera, {0, 0}));
+    z = z == empty ? kNoDepth : float(eye_z_from(DepthKind::window_z, z, camera, {0, 0}));
   return depth;
 }
 

@@ -1,8 +1,8 @@
 // Where frames are drawn: colour and depth, multisampled, without a window.
 //
-// The frame holds sRGB-encoded bytes (the frame is the edge at which colour leaves linear light), so
-// that the resolve of the samples averages what a screen shows; direct drawing, pictures and captures
-// share this, so that all are antialiased alike. Needs a current OpenGL context.
+// The frame holds sRGB-encoded bytes (the frame is the edge at which colour leaves linear light),
+// so that the resolve of the samples averages what a screen shows; direct drawing, pictures and
+// captures share this, so that all are antialiased alike. Needs a current OpenGL context.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,9 @@ class ProbeTarget {
  public:
   [[nodiscard]] static Result<ProbeTarget> create(int width, int height);
 
-  // Makes this the draw framebuffer and clears it to kNoObject, far depth.
-  void begin();
+  // Makes this the draw framebuffer and clears it to kNoObject and to the depth that everything
+  // beats: far, or near for cameras that keep the farthest sample.
+  void begin(bool keeps_farthest = false);
   [[nodiscard]] Image<std::uint32_t> read_objects() const;
   // eye_z of every pixel, kNoDepth where nothing was drawn.
   [[nodiscard]] Image<float> read_eye_z(const Camera& camera) const;

@@ -1,9 +1,10 @@
 // Draws a Scene with OpenGL, directly: the source of every rasterised picture, and the honest
 // baseline that pictures are measured against.
 //
-// Instanced (one draw call a mesh), culled by frustum and by face, front to back. Metallic-roughness
-// shading with the scene's lights, or the default sun, under the scene's sky. Positions reach the GPU
-// relative to the eye, so that large worlds keep their precision. Needs a current OpenGL context.
+// Instanced (one draw call a mesh), culled by frustum and by face, front to back.
+// Metallic-roughness shading with the scene's lights, or the default sun, under the scene's sky.
+// Positions reach the GPU relative to the eye, so that large worlds keep their precision. Needs a
+// current OpenGL context.
 #pragma once
 
 #include <cstdint>

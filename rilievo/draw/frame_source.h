@@ -32,8 +32,8 @@ class FrameSource {
   // framebuffer, whose colours are sRGB-encoded. May capture pictures first.
   virtual Result<> draw(const Camera& camera, double time) = 0;
 
-  // Draws the last frame's decisions once more, object identifiers instead of colours, into the bound
-  // probe (no sky): nothing is captured, nothing is decided.
+  // Draws the last frame's decisions once more, object identifiers instead of colours, into the
+  // bound probe (no sky): nothing is captured, nothing is decided.
   virtual Result<> draw_objects() = 0;
 
   [[nodiscard]] virtual FrameFigures figures() const = 0;

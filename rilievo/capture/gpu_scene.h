@@ -1,0 +1,77 @@
+// A Scene's meshes, materials and textures on the GPU. Placements are not part of it: they change.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "rilievo/gl/object.h"
+#include "rilievo/scene/scene.h"
+
+namespace rilievo {
+
+// Where a vertex array's attributes are found.
+enum VertexAttribute : GLuint {
+  kPosition = 0,
+  kNormal = 1,
+  kColor = 2,
+  kUv0 = 3,
+  kUv1 = 4,
+  kInstanceRow0 = 5,  // three rows of eye_relative_from_mesh, then the object's identifier
+  kInstanceObject = 8,
+};
+
+// Which texture units materials use.
+enum TextureUnit : GLuint {
+  kBaseColorUnit = 0,
+  kMetallicRoughnessUnit = 1,
+  kNormalUnit = 2,
+  kOcclusionUnit = 3,
+  kEmissiveUnit = 4,
+  kMaterialUnits = 5,
+};
+
+struct GpuMesh {
+  GLsizei index_count = 0;
+  GLuint first_index = 0;
+  GLint base_vertex = 0;
+  int material = 0;  // index into GpuScene::materials
+};
+
+// Matches the Material block of the shaders (std140).
+struct GpuMaterialBlock {
+  glm::vec4 base_color;
+  glm::vec4 emissive_normal_scale;
+  glm::vec4 metallic_roughness_occlusion_cutoff;
+  // Two rows of texture_from_uv and, in w of the first, the uv set, for each texture unit.
+  glm::vec4 uv_rows[kMaterialUnits * 2];
+};
+
+struct GpuMaterial {
+  std::array<int, kMaterialUnits> textures;  // index into GpuScene::textures; 0 is plain white
+  unsigned features = 0;                     // bits of shader::Feature
+  GLintptr block_offset = 0;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  bool double_sided = false;
+};
+
+struct GpuScene {
+  std::vector<GpuMesh> meshes;         // as Scene::meshes
+  std::vector<GpuMaterial> materials;  // as Scene::materials, then the default material
+  std::vector<gl::Texture> textures;
+  gl::Buffer vertices, uvs, indices, material_blocks;
+  gl::VertexArray vertex_array;  // instances come from binding kInstanceBinding
+};
+
+inline constexpr GLuint kInstanceBinding = 2;
+
+// One instance of a mesh, as the vertex shader reads it.
+struct GpuInstance {
+  glm::vec4 rows[3];
+  std::uint32_t object;
+  std::uint32_t padding[3];
+};
+
+[[nodiscard]] Result<GpuScene> upload(const Scene& scene);
+
+}  // namespace rilievo

@@ -1,0 +1,46 @@
+// The shaders of direct drawing, and which variants of them there are.
+#pragma once
+
+#include <string>
+
+#include "rilievo/gl/object.h"
+
+namespace rilievo::shader {
+
+// A variant is a set of these; what a mesh does not use costs it nothing.
+enum Feature : unsigned {
+  kColors = 1,    // vertex colours
+  kTextures = 2,  // any texture at all
+  kNormalMap = 4,
+  kMask = 8,  // alpha mask
+  kUnlit = 16,
+  kBlend = 32,
+  kObjectIds = 64,  // identifiers instead of colours
+  kLinear = 128,    // OutputEncoding::linear
+};
+
+inline constexpr int kMaxLights = 16;
+
+// Matches the View block (std140).
+struct ViewBlock {
+  glm::mat4 clip_from_relative;
+  glm::mat4 relative_from_clip;
+  glm::vec4 eye_direction;  // xyz: for parallel cameras the way to the eye; w: 1 perspective,
+                            // -1 back-perspective, 0 parallel
+  glm::vec4 zenith, horizon, ground;
+  glm::vec4 light_count;
+  struct LightBlock {
+    glm::vec4 position_range;   // relative to the eye
+    glm::vec4 direction_kind;   // 0 directional, 1 point, 2 spot
+    glm::vec4 intensity_inner;  // w: cosine of the inner cone
+    glm::vec4 outer;            // x: cosine of the outer cone
+  } lights[kMaxLights];
+};
+
+[[nodiscard]] Result<gl::Program> make_scene_program(unsigned features);
+[[nodiscard]] Result<gl::Program> make_sky_program(bool linear);
+
+// GLSL that turns linear light into what an 8-bit frame holds: `vec3 srgb_from_linear(vec3)`.
+extern const char* const kSrgbFromLinear;
+
+}  // namespace rilievo::shader
