@@ -2,7 +2,7 @@
 # rilievo/STAGE/*_test.cpp into the program test_STAGE.
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
-    meshoptimizer::meshoptimizer assimp::assimp PkgConfig::webp)
+    meshoptimizer::meshoptimizer assimp::assimp embree PkgConfig::webp)
 # Only headers, and none of them in ours: who uses the installed library does not need them.
 set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
 
@@ -40,7 +40,7 @@ endfunction()
 function(rilievo_stage_tests)
   include(GoogleTest)
   set(gl_stages gl capture draw cache compare)
-  foreach(stage core scene io measure represent validity warp ${gl_stages})
+  foreach(stage core scene io measure sample represent validity warp ${gl_stages})
     if(stage IN_LIST gl_stages AND NOT RILIEVO_WITH_GL)
       continue()
     endif()
