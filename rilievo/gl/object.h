@@ -59,7 +59,7 @@ using Program = Object<detail::destroy_program>;
 // Both sources start with "#version 450"; `defines` ("#define A 1\n...") go after that line.
 [[nodiscard]] Result<Program> make_program(std::string_view name, std::string_view vertex,
                                            std::string_view fragment,
-                                           std::string_view defines = {});
+                                           std::string_view defines = "");
 
 // A buffer that is rewritten every frame and grows when it must.
 class StreamBuffer {

@@ -42,12 +42,6 @@ double scale_px(const Camera& frame) {
 
 }  // namespace
 
-// A flat sample's parallax for a small eye offset r is r |1/plane - 1/d|. The two ends of the slab
-// are alike when 1/plane is the mean of 1/front and 1/back.
-double best_plane(DepthSlab slab) noexcept {
-  return std::clamp(2 * slab.front * slab.back / (slab.front + slab.back), slab.front, slab.back);
-}
-
 double max_parallax(DepthSlab slab, double eye_offset) noexcept {
   RILIEVO_EXPECTS_LT(0.0, slab.front);
   RILIEVO_EXPECTS_LE(slab.front, slab.back);

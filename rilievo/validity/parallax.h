@@ -11,18 +11,9 @@
 #include <glm/glm.hpp>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/represent/picture_geometry.h"
 
 namespace rilievo {
-
-// Between which distances from the capture eye lie a picture's samples? 0 < front <= back.
-struct DepthSlab {
-  double front = 1, back = 1;
-  friend bool operator==(const DepthSlab&, const DepthSlab&) = default;
-};
-
-// The flat picture's plane with the least parallax for every sample of the slab: the nearest and
-// the farthest sample slide equally far. Within [front, back].
-[[nodiscard]] double best_plane(DepthSlab slab) noexcept;
 
 // Largest parallax angle seen by an eye at most `eye_offset` from the capture eye between two
 // points of one capture ray within the slab. Exact over that ball.

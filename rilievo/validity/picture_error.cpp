@@ -226,14 +226,6 @@ double linear_depth_error(const PictureGeometry& picture, const RayPolygon& poly
 
 }  // namespace
 
-PictureGeometry picture_geometry(const Camera& capture) {
-  PictureGeometry picture;
-  picture.capture = capture;
-  picture.slab = {capture.z_near, capture.z_far};
-  picture.plane_z = best_plane(picture.slab);
-  return picture;
-}
-
 PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
                          const RigidMotion& motion) {
   RILIEVO_EXPECTS(picture.capture.projection == Projection::perspective);

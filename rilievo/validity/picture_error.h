@@ -18,23 +18,6 @@
 
 namespace rilievo {
 
-enum class DepthMode {
-  exact,   // each sample's depth from its own position in space (S1.2)
-  linear,  // eq. (4): between the capture frustum's near and far planes on the frame's line of
-           // sight
-};
-
-struct PictureGeometry {
-  Camera capture;      // perspective; its frustum holds all samples
-  double plane_z = 1;  // where the flat rectangle lies: eye_z of the capture, slab.front ... back
-  DepthSlab slab;      // of the samples; may be tighter than the capture's z_near ... z_far
-  int delta_bits = 0;  // 2 ... 16 (see core/depth.h); 0: depth is not quantised
-  DepthMode depth_mode = DepthMode::exact;
-};
-
-// A picture of all that `capture` may see between its z_near and z_far, on the best plane.
-[[nodiscard]] PictureGeometry picture_geometry(const Camera& capture);
-
 // What the object did since the capture: world_now_from_world_then.
 struct RigidMotion {
   glm::dmat4 now_from_then{1.0};

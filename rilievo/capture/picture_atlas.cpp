@@ -1,0 +1,224 @@
+#include "rilievo/capture/picture_atlas.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace rilievo {
+namespace {
+
+constexpr int kSize = AtlasAllocator::kLayerSize;
+
+// One pass from the samples of the capture to colour and Delta.
+const char* const kResolveVertex = R"(#version 450
+void main() {
+  gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0);
+}
+)";
+
+const char* const kResolveFragment = R"(#version 450
+#if SAMPLES > 1
+layout(binding = 0) uniform sampler2DMS color_samples;
+layout(binding = 1) uniform sampler2DMS depth_samples;
+#else
+layout(binding = 0) uniform sampler2D color_samples;
+layout(binding = 1) uniform sampler2D depth_samples;
+#endif
+layout(location = 0) uniform ivec2 slot_origin;
+layout(location = 1) uniform float delta_steps;
+layout(location = 2) uniform float largest_code;  // of the texture's format
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out float out_delta;
+
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy) - slot_origin;
+  vec3 sum = vec3(0.0);
+  float covered = 0.0, nearest = 1.0;
+  for (int i = 0; i < SAMPLES; ++i) {
+    float depth = texelFetch(depth_samples, texel, i).r;
+    if (depth < 1.0) {
+      sum += texelFetch(color_samples, texel, i).rgb;
+      covered += 1.0;
+      nearest = min(nearest, depth);
+    }
+  }
+  out_color = vec4(sum, covered) / float(SAMPLES);
+  // The code above the steps is the reserved one: nothing here.
+  float code = covered > 0.0 ? floor(nearest * delta_steps + 0.5) : delta_steps + 1.0;
+  out_delta = code / largest_code;
+}
+)";
+
+gl::Texture make_capture_texture(GLenum format, int size, int samples) {
+  return samples > 1 ? gl::make_texture_2d_multisample(format, size, size, samples)
+                     : gl::make_texture_2d(format, size, size);
+}
+
+template <class T>
+void flip_rows(Image<T>& image) {
+  for (int y = 0; y < image.height() / 2; ++y)
+    std::swap_ranges(image.row(y).begin(), image.row(y).end(),
+                     image.row(image.height() - 1 - y).begin());
+}
+
+}  // namespace
+
+Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
+  RILIEVO_EXPECTS(2 <= options.delta_bits && options.delta_bits <= 16);
+  const std::size_t texels = std::size_t(kSize) * kSize;
+  const std::size_t a_layer = texels * (4 + (options.delta_bits > 8 ? 2 : 1));
+  // Under a small budget a large capture buffer would leave no room for pictures.
+  const int capture_size = options.max_bytes < (std::size_t(64) << 20) ? kSize / 2 : kSize;
+  const std::size_t buffers =
+      std::size_t(capture_size) * std::size_t(capture_size) * 8 * std::size_t(options.samples);
+  GLint most_layers = 0;
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+  if (options.max_bytes < buffers + a_layer)
+    return Error{"pictures", "a memory budget of " + std::to_string(options.max_bytes >> 20) +
+                                 " MB is too small: at least " +
+                                 std::to_string(((buffers + a_layer) >> 20) + 1) +
+                                 " MB are needed"};
+  const int layers =
+      int(std::min((options.max_bytes - buffers) / a_layer, std::size_t(most_layers)));
+
+  PictureAtlas atlas(layers);
+  atlas.options_ = options;
+  atlas.capture_size_ = capture_size;
+  atlas.bytes_ = buffers + std::size_t(layers) * a_layer;
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  atlas.color_ = gl::make_texture_2d_array(GL_RGBA8, kSize, kSize, layers);
+  atlas.delta_ =
+      gl::make_texture_2d_array(options.delta_bits > 8 ? GL_R16 : GL_R8, kSize, kSize, layers);
+  // Codes next to each other have nothing to do with each other.
+  glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  atlas.capture_color_ = make_capture_texture(GL_RGBA8, capture_size, options.samples);
+  atlas.capture_depth_ = make_capture_texture(GL_DEPTH_COMPONENT32F, capture_size, options.samples);
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    return Error{"pictures", "the GPU has no " + std::to_string(atlas.bytes_ >> 20) + " MB left"};
+
+  atlas.capture_framebuffer_ = gl::make_framebuffer();
+  glNamedFramebufferTexture(atlas.capture_framebuffer_, GL_COLOR_ATTACHMENT0, atlas.capture_color_,
+                            0);
+  glNamedFramebufferTexture(atlas.capture_framebuffer_, GL_DEPTH_ATTACHMENT, atlas.capture_depth_,
+                            0);
+  atlas.layer_framebuffer_ = gl::make_framebuffer();
+  const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  glNamedFramebufferDrawBuffers(atlas.layer_framebuffer_, 2, both);
+  Result<gl::Program> resolve =
+      gl::make_program("picture resolve", kResolveVertex, kResolveFragment,
+                       "#define SAMPLES " + std::to_string(options.samples) + "\n");
+  if (!resolve) return resolve.error();
+  atlas.resolve_ = std::move(*resolve);
+  atlas.no_vertices_ = gl::make_vertex_array();
+  return atlas;
+}
+
+void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
+                           std::span<const std::uint32_t> objects, const AtlasSlot& slot) {
+  RILIEVO_EXPECTS_EQ(camera.width, slot.width);
+  RILIEVO_EXPECTS_EQ(camera.height, slot.height);
+  RILIEVO_EXPECTS(!camera.keeps_farthest());
+  RILIEVO_EXPECTS(slot.width <= capture_size_ && slot.height <= capture_size_);
+  // Draw, in a corner of the capture buffer ...
+  glBindFramebuffer(GL_FRAMEBUFFER, capture_framebuffer_);
+  glViewport(0, 0, slot.width, slot.height);
+  glScissor(0, 0, slot.width, slot.height);
+  glEnable(GL_SCISSOR_TEST);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  const GLfloat transparent[] = {0, 0, 0, 0}, far = 1;
+  glClearNamedFramebufferfv(capture_framebuffer_, GL_COLOR, 0, transparent);
+  glClearNamedFramebufferfv(capture_framebuffer_, GL_DEPTH, 0, &far);
+  glDisable(GL_SCISSOR_TEST);
+  renderer.draw_opaque(camera, objects, OutputEncoding::srgb);
+
+  // ... and resolve into the slot.
+  glNamedFramebufferTextureLayer(layer_framebuffer_, GL_COLOR_ATTACHMENT0, color_, 0, slot.layer);
+  glNamedFramebufferTextureLayer(layer_framebuffer_, GL_COLOR_ATTACHMENT1, delta_, 0, slot.layer);
+  glBindFramebuffer(GL_FRAMEBUFFER, layer_framebuffer_);
+  glViewport(slot.x, slot.y, slot.width, slot.height);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glUseProgram(resolve_);
+  glBindTextureUnit(0, capture_color_);
+  glBindTextureUnit(1, capture_depth_);
+  glUniform2i(0, slot.x, slot.y);
+  glUniform1f(1, float(delta_steps(options_.delta_bits)));
+  glUniform1f(2, options_.delta_bits > 8 ? 65535.0f : 255.0f);
+  glBindVertexArray(no_vertices_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void PictureAtlas::capture_objects(SceneRenderer& renderer, const Camera& camera,
+                                   std::span<const std::uint32_t> objects, const AtlasSlot& slot) {
+  if (!object_) {
+    object_ = gl::make_texture_2d_array(GL_R32UI, kSize, kSize, allocator_.layers());
+    glTextureParameteri(object_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(object_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    object_depth_ = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, kSize, kSize);
+    object_framebuffer_ = gl::make_framebuffer();
+    glNamedFramebufferTexture(object_framebuffer_, GL_DEPTH_ATTACHMENT, object_depth_, 0);
+  }
+  glNamedFramebufferTextureLayer(object_framebuffer_, GL_COLOR_ATTACHMENT0, object_, 0, slot.layer);
+  glBindFramebuffer(GL_FRAMEBUFFER, object_framebuffer_);
+  glViewport(slot.x, slot.y, slot.width, slot.height);
+  glScissor(slot.x, slot.y, slot.width, slot.height);
+  glEnable(GL_SCISSOR_TEST);
+  glDepthMask(GL_TRUE);
+  const GLuint nothing[] = {0, 0, 0, 0};
+  const GLfloat far = 1;
+  glClearNamedFramebufferuiv(object_framebuffer_, GL_COLOR, 0, nothing);
+  glClearNamedFramebufferfv(object_framebuffer_, GL_DEPTH, 0, &far);
+  glDisable(GL_SCISSOR_TEST);
+  renderer.draw_objects(camera, objects);
+}
+
+Nailboard PictureAtlas::read(const AtlasSlot& slot, const PictureGeometry& geometry) const {
+  Nailboard board;
+  board.geometry = geometry;
+  board.geometry.delta_bits = options_.delta_bits;
+  board.color = Rgba8Image(slot.width, slot.height);
+  board.delta = Image<std::uint16_t>(slot.width, slot.height);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  const std::size_t texels = std::size_t(slot.width) * std::size_t(slot.height);
+  glGetTextureSubImage(color_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RGBA,
+                       GL_UNSIGNED_BYTE, GLsizei(texels * 4), board.color.texels().data());
+  if (options_.delta_bits > 8) {
+    glGetTextureSubImage(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
+                         GL_UNSIGNED_SHORT, GLsizei(texels * 2), board.delta.texels().data());
+  } else {
+    std::vector<std::uint8_t> codes(texels);
+    glGetTextureSubImage(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
+                         GL_UNSIGNED_BYTE, GLsizei(texels), codes.data());
+    std::copy(codes.begin(), codes.end(), board.delta.texels().begin());
+  }
+  flip_rows(board.color);
+  flip_rows(board.delta);
+  return board;
+}
+
+void PictureAtlas::write(const AtlasSlot& slot, const Nailboard& nailboard) {
+  RILIEVO_EXPECTS_EQ(nailboard.geometry.delta_bits, options_.delta_bits);
+  RILIEVO_EXPECTS_EQ(nailboard.color.width(), slot.width);
+  RILIEVO_EXPECTS_EQ(nailboard.color.height(), slot.height);
+  Rgba8Image color = nailboard.color;
+  Image<std::uint16_t> delta = nailboard.delta;
+  flip_rows(color);
+  flip_rows(delta);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage3D(color_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RGBA,
+                      GL_UNSIGNED_BYTE, color.texels().data());
+  if (options_.delta_bits > 8) {
+    glTextureSubImage3D(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
+                        GL_UNSIGNED_SHORT, delta.texels().data());
+  } else {
+    const std::vector<std::uint8_t> codes(delta.texels().begin(), delta.texels().end());
+    glTextureSubImage3D(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
+                        GL_UNSIGNED_BYTE, codes.data());
+  }
+}
+
+}  // namespace rilievo

@@ -1,0 +1,71 @@
+// Pictures on the GPU: colour and Delta of many nailboards in a few texture arrays, so that one
+// draw call reaches them all; and the capture that fills them without leaving the GPU.
+//
+// All memory is taken at once: a budget, once granted, is never passed. Needs a current OpenGL
+// context.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "rilievo/capture/atlas_allocator.h"
+#include "rilievo/capture/scene_renderer.h"
+#include "rilievo/gl/object.h"
+#include "rilievo/represent/nailboard.h"
+
+namespace rilievo {
+
+struct AtlasOptions {
+  std::size_t max_bytes = 256u << 20;  // texture memory, capture buffers included
+  int delta_bits = 8;                  // 2, 4, 6, 8 or 16
+  int samples = 4;                     // samples a texel at capture: the frame's antialiasing
+};
+
+class PictureAtlas {
+ public:
+  [[nodiscard]] static Result<PictureAtlas> create(const AtlasOptions& options);
+
+  // Room for a picture; nothing when the budget is full.
+  [[nodiscard]] std::optional<AtlasSlot> allocate(int width, int height) {
+    return allocator_.allocate(width, height);
+  }
+  void free(const AtlasSlot& slot) { allocator_.free(slot); }
+
+  // Captures `objects` (opaque parts) into the slot, whose size is the camera's. Coverage becomes
+  // alpha; depth is the nearest sample's. Changes the bound framebuffer and viewport.
+  void capture(SceneRenderer& renderer, const Camera& camera,
+               std::span<const std::uint32_t> objects, const AtlasSlot& slot);
+  // Object identifiers of the same picture, for probes. Allocates their texture at the first call.
+  void capture_objects(SceneRenderer& renderer, const Camera& camera,
+                       std::span<const std::uint32_t> objects, const AtlasSlot& slot);
+
+  // Between the GPU and memory, bit for bit.
+  [[nodiscard]] Nailboard read(const AtlasSlot& slot, const PictureGeometry& geometry) const;
+  void write(const AtlasSlot& slot, const Nailboard& nailboard);
+
+  [[nodiscard]] int delta_bits() const { return options_.delta_bits; }
+  // Texels a side of the largest picture; smaller under a small budget.
+  [[nodiscard]] int max_picture_size() const { return capture_size_; }
+  [[nodiscard]] const AtlasAllocator& allocator() const { return allocator_; }
+  // Texture memory taken.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] GLuint color_texture() const { return color_; }
+  [[nodiscard]] GLuint delta_texture() const { return delta_; }
+  [[nodiscard]] GLuint object_texture() const { return object_; }
+
+ private:
+  explicit PictureAtlas(int layers) : allocator_(layers) {}
+
+  AtlasOptions options_;
+  AtlasAllocator allocator_;
+  int capture_size_ = 0;
+  std::size_t bytes_ = 0;
+  gl::Texture color_, delta_, object_;
+  gl::Texture capture_color_, capture_depth_, object_depth_;
+  gl::Framebuffer capture_framebuffer_, layer_framebuffer_, object_framebuffer_;
+  gl::Program resolve_;
+  gl::VertexArray no_vertices_;
+};
+
+}  // namespace rilievo

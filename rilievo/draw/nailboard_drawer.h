@@ -1,0 +1,65 @@
+// Draws thousands of nailboards in one draw call, front to back, with the depth of what they show
+// (S1.2, S1.3), or flat, as the thing to beat (S1.6).
+//
+// Edges: a texel's alpha is the share of its samples that the object covered at capture. It is
+// interpolated between texels and becomes a coverage mask (alpha to coverage), so that in a frame
+// of n samples a pixel the silhouette takes n + 1 steps, whatever the order of drawing; each sample
+// is still either drawn or not, as the z-buffer needs it. In a frame of one sample the edge is
+// where alpha passes one half.
+//
+// Needs a current OpenGL context; draws into the bound framebuffer and viewport.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rilievo/capture/picture_atlas.h"
+#include "rilievo/core/depth_image.h"
+#include "rilievo/represent/nailboard.h"
+
+namespace rilievo {
+
+struct NailboardInstance {
+  AtlasSlot slot;
+  PictureGeometry geometry;
+  // The rigid motion of the object since the capture; identity if it stood still.
+  glm::dmat4 world_now_from_capture{1.0};
+  // What the probe sees: this object, or, if kNoObject, the identifiers captured with the picture.
+  std::uint32_t object = kNoObject;
+};
+
+class NailboardDrawer {
+ public:
+  [[nodiscard]] static Result<NailboardDrawer> create();
+
+  // Colours, sRGB-encoded.
+  void draw(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+            std::span<const NailboardInstance> instances);
+  // Object identifiers, for probes.
+  void draw_objects(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+                    std::span<const NailboardInstance> instances);
+  // The polygons' outlines, hidden where they lie behind what has been drawn (S1.8).
+  void draw_outlines(const Camera& frame, std::span<const NailboardInstance> instances,
+                     const glm::vec3& color);
+
+ private:
+  struct Instance;  // as the vertex shader reads it
+  void upload(const Camera& frame, std::span<const NailboardInstance> instances);
+  void draw_polygons(const PictureAtlas& atlas, DepthMode mode, bool objects, std::size_t count);
+
+  gl::Program programs_[3][2];  // by DepthMode; colours or identifiers
+  gl::Program outline_;
+  gl::VertexArray vertex_array_;
+  gl::Buffer instance_buffer_;
+  std::size_t capacity_ = 0;
+  glm::mat4 clip_from_relative_{1.0f};
+  struct Key {
+    float distance;
+    std::uint32_t index;
+  };
+  std::vector<Key> order_;
+  std::vector<std::byte> staging_;
+};
+
+}  // namespace rilievo

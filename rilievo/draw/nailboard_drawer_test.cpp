@@ -1,0 +1,182 @@
+// The GPU against the formulas of represent/nailboard.h, pixel by pixel.
+#include "rilievo/draw/nailboard_drawer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "rilievo/capture/frame_target.h"
+#include "rilievo/gl/context.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kWidth = 96, kHeight = 64;
+
+Nailboard random_board(std::mt19937& rng, int bits) {
+  std::uniform_real_distribution<float> u(-1, 1);
+  Box box;
+  box.add(glm::vec3(-1)), box.add(glm::vec3(1.0f, 0.6f, 0.8f));
+  Camera camera = *tight_camera(Projection::perspective, {u(rng), 1 + u(rng), 5}, {0, 1, 0}, box);
+  camera.width = 40, camera.height = 33;
+  Nailboard board;
+  board.geometry = picture_geometry(camera);
+  board.geometry.delta_bits = bits;
+  board.color = Rgba8Image(40, 33);
+  board.delta = Image<std::uint16_t>(40, 33, std::uint16_t(delta_transparent(bits)));
+  for (int y = 1; y < 32; ++y)
+    for (int x = 1; x < 39; ++x) {
+      if (rng() % 6 == 0) continue;
+      board.delta(x, y) = std::uint16_t(rng() % delta_transparent(bits));
+      board.color(x, y) = glm::u8vec4(rng() % 256, rng() % 256, rng() % 256, 255);
+    }
+  return board;
+}
+
+struct Expected {
+  bool covered = false;
+  double depth = 1;
+  bool near_an_edge = false;  // of a texel: rounding may pick the neighbour
+};
+
+// What the nailboard shows at a pixel, by definition.
+Expected at_pixel(const Nailboard& board, const Camera& frame, DepthMode mode, int px, int py) {
+  const Camera& c = board.geometry.capture;
+  const glm::dvec3 eye = frame.position();
+  const glm::dvec3 direction = world_from_raster(frame, {px + 0.5, py + 0.5}, 1) - eye;
+  const double t = (board.geometry.plane_z - glm::dot(c.forward(), eye - c.position())) /
+                   glm::dot(c.forward(), direction);
+  const glm::dvec3 on_polygon = eye + t * direction;
+  const glm::dvec3 raster = raster_from_world(c, on_polygon);
+  Expected e;
+  const auto edge = [](double v) { return std::abs(v - std::round(v)) < 2e-3; };
+  e.near_an_edge = edge(raster.x) || edge(raster.y);
+  const int x = int(std::floor(raster.x)), y = int(std::floor(raster.y));
+  if (x < 0 || y < 0 || x >= c.width || y >= c.height) return e;
+  const int bits = board.geometry.delta_bits;
+  if (board.delta(x, y) == delta_transparent(bits)) return e;
+  e.covered = true;
+  const double delta = decode_delta(board.delta(x, y), bits);
+  e.depth =
+      mode == DepthMode::exact    ? exact_depth(board.geometry, frame, {raster.x, raster.y}, delta)
+      : mode == DepthMode::linear ? linear_depth(board.geometry, frame, {raster.x, raster.y}, delta)
+                                  : flat_depth(board.geometry, frame, {raster.x, raster.y});
+  return e;
+}
+
+TEST(NailboardDrawer, writes_the_depth_that_the_formulas_give) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok()) << context.error().message();
+  auto drawer = NailboardDrawer::create();
+  ASSERT_TRUE(drawer.ok()) << drawer.error().message();
+  auto probe = ProbeTarget::create(kWidth, kHeight);
+  ASSERT_TRUE(probe.ok());
+  std::mt19937 rng(1);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int bits : {2, 4, 6, 8, 16}) {
+    auto atlas = PictureAtlas::create({64u << 20, bits, 1});
+    ASSERT_TRUE(atlas.ok()) << atlas.error().message();
+    for (DepthMode mode : {DepthMode::flat, DepthMode::linear, DepthMode::exact}) {
+      const Nailboard board = random_board(rng, bits);
+      const auto slot = atlas->allocate(board.color.width(), board.color.height());
+      ASSERT_TRUE(slot);
+      atlas->write(*slot, board);
+      const Camera frame =
+          look_at(board.geometry.capture.position() + 0.5 * glm::dvec3(u(rng), u(rng), u(rng)),
+                  {0, 0, 0}, {0.05, 1, 0}, 0.5, kWidth, kHeight, 0.5, 20);
+      probe->begin();
+      NailboardInstance instance{*slot, board.geometry, glm::dmat4(1), 7};
+      drawer->draw_objects(*atlas, frame, mode, {&instance, 1});
+      ASSERT_TRUE(gl::check_errors("draw").ok());
+      const auto objects = probe->read_objects();
+      const auto depth = probe->read_eye_z(frame);
+
+      int covered = 0, compared = 0;
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          const Expected e = at_pixel(board, frame, mode, x, y);
+          if (e.near_an_edge) continue;
+          ++compared;
+          // Where alpha, interpolated, passes one half next to a transparent texel is the sampler's
+          // affair: a texel that is drawn must be covered, not the reverse.
+          if (objects(x, y) != kNoObject) {
+            ASSERT_TRUE(e.covered) << x << " " << y;
+            ++covered;
+            const double seen = depth_from_eye_z(DepthKind::window_z, depth(x, y), frame, {});
+            // Floats: a few parts in 2^24 of numbers near 1, through one division.
+            ASSERT_NEAR(seen, e.depth, 4e-6) << bits << " bits, mode " << int(mode);
+          }
+        }
+      EXPECT_GT(covered, kWidth * kHeight / 4);
+      EXPECT_GT(compared, kWidth * kHeight * 9 / 10);
+      atlas->free(*slot);
+    }
+  }
+}
+
+TEST(NailboardDrawer, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  auto drawer = NailboardDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  ASSERT_TRUE(atlas.ok());
+  auto probe = ProbeTarget::create(kWidth, kHeight);
+  ASSERT_TRUE(probe.ok());
+  std::mt19937 rng(2);
+  const Nailboard board = random_board(rng, 8);
+  const auto slot = atlas->allocate(40, 33);
+  atlas->write(*slot, board);
+  // Powers of two, so that both ways round alike.
+  glm::dmat4 motion(1.0);
+  motion[3] = {0.25, -0.125, 0.5, 1};
+  Camera frame = look_at({0.5, 1, 5}, {0, 0, 0}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.5, 20);
+  NailboardInstance instance{*slot, board.geometry, motion, 7};
+  probe->begin();
+  drawer->draw_objects(*atlas, frame, DepthMode::exact, {&instance, 1});
+  const auto moved = probe->read_eye_z(frame);
+  frame.world_from_eye = glm::inverse(motion) * frame.world_from_eye;
+  instance.world_now_from_capture = glm::dmat4(1);
+  probe->begin();
+  drawer->draw_objects(*atlas, frame, DepthMode::exact, {&instance, 1});
+  const auto still = probe->read_eye_z(frame);
+  int same = 0, drawn = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      drawn += still(x, y) != kNoDepth;
+      same += moved(x, y) == still(x, y) ||
+              std::abs(moved(x, y) - still(x, y)) < 1e-4f;  // floats at 5 m
+    }
+  EXPECT_GT(drawn, 1000);
+  // A pixel centre on a texel's edge may round either way.
+  EXPECT_GT(same, kWidth * kHeight - 20);
+}
+
+TEST(PictureAtlas, gives_back_what_was_written) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  std::mt19937 rng(3);
+  for (int bits : {2, 8, 16}) {
+    auto atlas = PictureAtlas::create({64u << 20, bits, 4});
+    ASSERT_TRUE(atlas.ok());
+    EXPECT_LE(atlas->bytes(), 64u << 20);
+    const Nailboard a = random_board(rng, bits), b = random_board(rng, bits);
+    const auto slot_a = atlas->allocate(40, 33), slot_b = atlas->allocate(40, 33);
+    atlas->write(*slot_a, a);
+    atlas->write(*slot_b, b);
+    EXPECT_EQ(atlas->read(*slot_a, a.geometry).delta, a.delta);
+    EXPECT_EQ(atlas->read(*slot_b, b.geometry).color, b.color);
+  }
+}
+
+TEST(PictureAtlas, refuses_a_budget_that_holds_no_picture) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  const auto atlas = PictureAtlas::create({1u << 20, 8, 4});
+  ASSERT_FALSE(atlas.ok());
+  EXPECT_NE(atlas.error().message().find("too small"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,149 @@
+// Exact depth with one division a pixel. Let E be the capturing eye and P the point of the polygon
+// at this pixel, both relative to the frame's eye, and d the eye_z of the surface that the texel
+// shows. It lies at E + (P - E) d / plane_z. Its clip coordinates are linear in that; divided by d
+// / plane_z, which cancels in the projection, and with q = plane_z / d:
+//
+//   clip ~ q clip(E) + (clip(P) - clip(E)),      window_z = (clip_z / clip_w + 1) / 2 (1)
+//
+// q is affine in Delta, since Delta is a window_z and so affine in 1 / d:
+//
+//   q = plane_z / z_near + Delta (plane_z / z_far - plane_z / z_near) (2)
+//
+// clip(E) is constant over the polygon and clip(P) is what the rasteriser interpolates anyway.
+//
+// Linear depth, eq. (4) of [Schaufler 1997]: window_z of a plane is affine over the screen, so z_N
+// and z_F - z_N interpolate without perspective, and a multiply-add remains.
+#include "rilievo/draw/nailboard_shaders.h"
+
+#include <string>
+
+namespace rilievo::shader {
+namespace {
+
+const char* const kVersion = "#version 450\n";
+
+const char* const kInstance = R"(
+layout(location = 0) in vec4 origin_layer;   // polygon's lower left corner; atlas layer
+layout(location = 1) in vec4 u_axis_slot_x;  // edges of the polygon; slot in the atlas, texels
+layout(location = 2) in vec4 v_axis_slot_y;
+layout(location = 3) in vec4 eye_slot_width;      // E
+layout(location = 4) in vec4 forward_slot_height; // the capturing camera's -z
+layout(location = 5) in vec4 depths;  // z_near, z_far, plane_z; identifier's bits
+layout(location = 0) uniform mat4 clip_from_relative;
+)";
+
+const char* const kVertex = R"(
+out vec3 v_uv;  // texels, and the layer
+#if MODE == 2
+out vec2 v_towards;  // z and w of clip(P) - clip(E), z scaled for (1)
+flat out vec4 v_eye;  // z and w of clip(E); q at Delta = 0 and its slope
+#elif MODE == 1
+noperspective out vec2 v_near_extent;  // z_N, z_F - z_N
+#endif
+#ifdef OBJECT_IDS
+flat out uint v_object;
+#endif
+
+#if MODE == 1
+float window_z_on_plane(vec3 p, float eye_z) {
+  vec3 e = eye_slot_width.xyz, axis = forward_slot_height.xyz;
+  vec4 clip = clip_from_relative * vec4(p * ((eye_z + dot(axis, e)) / dot(axis, p)), 1.0);
+  return 0.5 * clip.z / clip.w + 0.5;
+}
+#endif
+
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  vec3 p = origin_layer.xyz + corner.x * u_axis_slot_x.xyz + corner.y * v_axis_slot_y.xyz;
+  gl_Position = clip_from_relative * vec4(p, 1.0);
+  v_uv = vec3(vec2(u_axis_slot_x.w, v_axis_slot_y.w) +
+                  corner * vec2(eye_slot_width.w, forward_slot_height.w),
+              origin_layer.w);
+#if MODE == 2
+  vec4 e = clip_from_relative * vec4(eye_slot_width.xyz, 1.0);
+  vec4 towards = gl_Position - e;
+  // Window instead of clip depth: (z / w + 1) / 2 = (z + w) / 2 / w.
+  v_towards = vec2(0.5 * (towards.z + towards.w), towards.w);
+  float q_near = depths.z / depths.x, q_far = depths.z / depths.y;
+  v_eye = vec4(0.5 * (e.z + e.w), e.w, q_near, q_far - q_near);
+#elif MODE == 1
+  float z_n = window_z_on_plane(p, depths.x);
+  v_near_extent = vec2(z_n, window_z_on_plane(p, depths.y) - z_n);
+#endif
+#ifdef OBJECT_IDS
+  v_object = floatBitsToUint(depths.w);
+#endif
+}
+)";
+
+const char* const kFragment = R"(
+in vec3 v_uv;
+#if MODE == 2
+in vec2 v_towards;
+flat in vec4 v_eye;
+#elif MODE == 1
+noperspective in vec2 v_near_extent;
+#endif
+layout(binding = 0) uniform sampler2DArray color_texture;
+layout(binding = 1) uniform sampler2DArray delta_texture;
+layout(location = 1) uniform float delta_scale;  // texture's value to Delta
+layout(location = 2) uniform float largest_delta;  // between 1 and the reserved code
+#ifdef OBJECT_IDS
+layout(binding = 2) uniform usampler2DArray object_texture;
+flat in uint v_object;
+layout(location = 0) out uint out_object;
+#else
+layout(location = 0) out vec4 out_color;
+#endif
+
+void main() {
+  ivec3 texel = ivec3(v_uv);
+  float delta = texelFetch(delta_texture, texel, 0).r * delta_scale;
+  if (delta > largest_delta) discard;
+  vec4 color = texture(color_texture, vec3(v_uv.xy * (1.0 / 1024.0), v_uv.z));
+#if MODE == 2
+  float q = v_eye.z + v_eye.w * delta;
+  gl_FragDepth = (q * v_eye.x + v_towards.x) / (q * v_eye.y + v_towards.y);
+#elif MODE == 1
+  gl_FragDepth = v_near_extent.x + v_near_extent.y * delta;
+#endif
+#ifdef OBJECT_IDS
+  if (color.a < 0.5) discard;
+  out_object = v_object != 0u ? v_object : texelFetch(object_texture, texel, 0).r;
+#else
+  if (color.a < (gl_NumSamples > 1 ? 0.125 : 0.5)) discard;
+  out_color = vec4(color.rgb / color.a, color.a);
+#endif
+}
+)";
+
+const char* const kOutlineVertex = R"(
+void main() {
+  // Around the polygon, not across it.
+  vec2 corner = vec2(((gl_VertexID + 1) >> 1) & 1, gl_VertexID >> 1);
+  vec3 p = origin_layer.xyz + corner.x * u_axis_slot_x.xyz + corner.y * v_axis_slot_y.xyz;
+  gl_Position = clip_from_relative * vec4(p, 1.0);
+}
+)";
+
+const char* const kOutlineFragment = R"(
+layout(location = 1) uniform vec3 color;
+layout(location = 0) out vec4 out_color;
+void main() { out_color = vec4(color, 1.0); }
+)";
+
+}  // namespace
+
+Result<gl::Program> make_nailboard_program(DepthMode mode, bool objects) {
+  std::string defines = "#define MODE " + std::to_string(int(mode)) + "\n";
+  if (objects) defines += "#define OBJECT_IDS 1\n";
+  return gl::make_program("nailboard", std::string(kVersion) + kInstance + kVertex,
+                          std::string(kVersion) + kFragment, defines);
+}
+
+Result<gl::Program> make_outline_program() {
+  return gl::make_program("outline", std::string(kVersion) + kInstance + kOutlineVertex,
+                          std::string(kVersion) + kOutlineFragment);
+}
+
+}  // namespace rilievo::shader
