@@ -11,7 +11,8 @@ function(rilievo_install target name)
   foreach(stage ${arg_STAGES})
     if(EXISTS ${PROJECT_SOURCE_DIR}/rilievo/${stage})
       install(DIRECTORY ${PROJECT_SOURCE_DIR}/rilievo/${stage}
-              DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rilievo FILES_MATCHING PATTERN "*.h")
+              DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rilievo FILES_MATCHING PATTERN "*.h"
+              PATTERN "*_test_helpers.h" EXCLUDE)
     endif()
   endforeach()
 endfunction()
