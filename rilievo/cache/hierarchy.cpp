@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "rilievo/core/expects.h"
@@ -44,7 +45,7 @@ struct Builder {
       return std::min(int((place(object)[axis] - places.min[axis]) * scale[axis]), kBins - 1);
     };
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(extent[axis] > 0)) continue;
+      if (!(extent[axis] > 0) || !std::isfinite(scale[axis])) continue;
       std::array<Box, kBins> box;
       std::array<std::uint32_t, kBins> count{};
       for (std::uint32_t i = first; i < last; ++i) {

@@ -85,15 +85,22 @@ RayPolygon all_rays(const ImageWindow& w) {
 
 // Keeps the rays with n.r >= least (Sutherland and Hodgman).
 void cut(RayPolygon& polygon, const glm::dvec3& n, double least) {
-  RayPolygon kept;
-  const auto inside = [&](const glm::dvec2& c) { return n.x * c.x + n.y * c.y - n.z - least; };
+  std::array<double, 12> above;
+  bool all = true;
   for (int i = 0; i < polygon.size; ++i) {
-    const glm::dvec2& a = polygon.corner[std::size_t(i)];
-    const glm::dvec2& b = polygon.corner[std::size_t((i + 1) % polygon.size)];
-    const double at_a = inside(a), at_b = inside(b);
-    if (at_a >= 0) kept.corner[std::size_t(kept.size++)] = a;
-    if ((at_a >= 0) != (at_b >= 0))
-      kept.corner[std::size_t(kept.size++)] = a + (b - a) * (at_a / (at_a - at_b));
+    const glm::dvec2& c = polygon.corner[std::size_t(i)];
+    above[std::size_t(i)] = n.x * c.x + n.y * c.y - n.z - least;
+    all &= above[std::size_t(i)] >= 0;
+  }
+  if (all) return;
+  RayPolygon kept;
+  for (int i = 0; i < polygon.size; ++i) {
+    const auto here = std::size_t(i), next = std::size_t((i + 1) % polygon.size);
+    const glm::dvec2 &a = polygon.corner[here], &b = polygon.corner[next];
+    if (above[here] >= 0) kept.corner[std::size_t(kept.size++)] = a;
+    if ((above[here] >= 0) != (above[next] >= 0))
+      kept.corner[std::size_t(kept.size++)] =
+          a + (b - a) * (above[here] / (above[here] - above[next]));
   }
   polygon = kept;
 }
@@ -224,39 +231,78 @@ double linear_depth_error(const PictureGeometry& picture, const RayPolygon& poly
   return worst + largest_ratio * eta / (least_h - eta);
 }
 
-}  // namespace
+// A flat impostor writes the weight p g - t of its rectangle. The difference grows as d leaves p
+// and is monotone in g.
+double flat_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
+                        const View& view) {
+  double worst = 0;
+  for (int i = 0; i < polygon.size; ++i) {
+    const double g = glm::dot(view.f, glm::dvec3(polygon.corner[std::size_t(i)], -1));
+    for (double d : {picture.slab.front, picture.slab.back}) {
+      if (d * g - view.t <= 0) return kInfinity;
+      worst = std::max(worst, std::abs((d - picture.plane_z) * g) / (d * g - view.t));
+    }
+  }
+  return worst;
+}
 
-PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
-                         const RigidMotion& motion) {
+double depth_error(const PictureGeometry& picture, const RayPolygon& polygon, const View& view) {
+  switch (picture.depth_mode) {
+    case DepthMode::flat:
+      return flat_depth_error(picture, polygon, view);
+    case DepthMode::linear:
+      return linear_depth_error(picture, polygon, view);
+    case DepthMode::exact:
+      return exact_depth_error(picture, polygon, view);
+  }
+  return kInfinity;
+}
+
+// Fills in what concerns the screen position; yields the rays that the frame sees.
+RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame, const View& view,
+                        PictureError& error) {
   RILIEVO_EXPECTS(picture.capture.projection == Projection::perspective);
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   RILIEVO_EXPECTS_LE(picture.slab.front, picture.plane_z);
   RILIEVO_EXPECTS_LE(picture.plane_z, picture.slab.back);
-  if (!rigid(motion.now_from_then))
-    return {true, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-
-  const View view = view_of(frame, picture, motion);
   const ImageWindow& w = picture.capture.window;
   const glm::dvec2 half(0.5 * (w.right - w.left) / picture.capture.width,
                         0.5 * (w.top - w.bottom) / picture.capture.height);
-  const double p = picture.plane_z, front = picture.slab.front, back = picture.slab.back;
-
-  PictureError error;
-  // What is missing is missed where it truly is, not on the flat rectangle.
-  const RayPolygon hidden = rays_in_frame(picture, frame, view, front, back, {0, 0});
-  if (hidden.size > 0) error.disocclusion_px = largest_gap(hidden, view, front, back);
-
+  const double p = picture.plane_z;
   const RayPolygon drawn = rays_in_frame(picture, frame, view, p, p, half);
-  if (drawn.size == 0) return error;
+  if (drawn.size == 0) return drawn;
   error.in_frame = true;
-  error.parallax_px =
-      std::max(largest_gap(drawn, view, p, front), largest_gap(drawn, view, p, back));
+  error.parallax_px = std::max(largest_gap(drawn, view, p, picture.slab.front),
+                               largest_gap(drawn, view, p, picture.slab.back));
   error.magnification_px = std::max(0.0, half_texel_px(drawn, view, p, half) - std::sqrt(0.5));
   error.total_px = error.parallax_px + error.magnification_px;
-  error.depth_relative = picture.depth_mode == DepthMode::exact
-                             ? exact_depth_error(picture, drawn, view)
-                             : linear_depth_error(picture, drawn, view);
+  return drawn;
+}
+
+}  // namespace
+
+PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
+                         const RigidMotion& motion) {
+  if (!rigid(motion.now_from_then))
+    return {true, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
+  const View view = view_of(frame, picture, motion);
+  PictureError error;
+  // What is missing is missed where it truly is, not on the flat rectangle.
+  const DepthSlab& slab = picture.slab;
+  const RayPolygon hidden = rays_in_frame(picture, frame, view, slab.front, slab.back, {0, 0});
+  if (hidden.size > 0) error.disocclusion_px = largest_gap(hidden, view, slab.front, slab.back);
+
+  const RayPolygon drawn = screen_error(picture, frame, view, error);
+  if (error.in_frame) error.depth_relative = depth_error(picture, drawn, view);
   return error;
+}
+
+double bound_total_px(const PictureGeometry& picture, const Camera& frame,
+                      const RigidMotion& motion) {
+  if (!rigid(motion.now_from_then)) return kInfinity;
+  PictureError error;
+  screen_error(picture, frame, view_of(frame, picture, motion), error);
+  return error.total_px;
 }
 
 }  // namespace rilievo

@@ -48,4 +48,8 @@ struct PictureError {
 [[nodiscard]] PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
                                        const RigidMotion& motion = {});
 
+// Its total_px alone, for less: what a cache asks for every picture in every frame.
+[[nodiscard]] double bound_total_px(const PictureGeometry& picture, const Camera& frame,
+                                    const RigidMotion& motion = {});
+
 }  // namespace rilievo

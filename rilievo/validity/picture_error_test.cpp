@@ -50,7 +50,7 @@ Case random_case(std::mt19937& rng) {
   if (u(rng) < 0.3) c.picture.plane_z = glm::mix(capture.z_near, capture.z_far, u(rng));
   const int bits[] = {0, 2, 4, 6, 8, 16};
   c.picture.delta_bits = bits[rng() % 6];
-  c.picture.depth_mode = rng() % 2 ? DepthMode::linear : DepthMode::exact;
+  c.picture.depth_mode = DepthMode(rng() % 3);
 
   const glm::dvec3 moved = eye + distance * power(1e-4, 0.5) * random_direction(rng);
   const glm::dvec3 target = object + distance * 0.3 * u(rng) * random_direction(rng);
@@ -105,6 +105,7 @@ TEST(PictureError, no_sample_slides_further_and_half_the_bound_is_too_small) {
   for (int i = 0; i < 5000; ++i) {
     const Case c = random_case(rng);
     const PictureError bound = bound_error(c.picture, c.frame, c.motion);
+    ASSERT_EQ(bound.total_px, bound_total_px(c.picture, c.frame, c.motion));
     double worst = 0;
     for (const glm::dvec2& texel : spread(c.picture.capture, 8))
       for (double share : {0.0, 0.4, 1.0}) {
@@ -168,6 +169,7 @@ TEST(PictureError, every_pixel_shows_a_sample_that_belongs_nearby) {
 // lines of sight, planes, and screen depth; no formula of the implementation.
 double drawn_depth(const Case& c, const glm::dvec2& texel, double d) {
   const Camera& capture = c.picture.capture;
+  if (c.picture.depth_mode == DepthMode::flat) return show(c, texel, d).drawn.z;
   double delta = depth_from_eye_z(DepthKind::window_z, d, capture, texel);
   if (c.picture.delta_bits > 0)
     delta = decode_delta(encode_delta(float(delta), c.picture.delta_bits), c.picture.delta_bits);
@@ -194,11 +196,11 @@ double drawn_depth(const Case& c, const glm::dvec2& texel, double d) {
 TEST(PictureError, no_depth_is_further_off_and_half_the_bound_is_too_small) {
   std::mt19937 rng(3);
   std::uniform_real_distribution<double> u(0, 1);
-  int violations_of_half[2] = {}, cases[2] = {};
-  std::vector<double> tightness[2];
+  int violations_of_half[3] = {}, cases[3] = {};
+  std::vector<double> tightness[3];
   for (int i = 0; i < 6000; ++i) {
     const Case c = random_case(rng);
-    const int mode = c.picture.depth_mode == DepthMode::linear;
+    const auto mode = std::size_t(c.picture.depth_mode);
     const PictureError bound = bound_error(c.picture, c.frame, c.motion);
     if (!bound.in_frame || !std::isfinite(bound.depth_relative)) continue;
     double worst = 0;
@@ -216,7 +218,7 @@ TEST(PictureError, no_depth_is_further_off_and_half_the_bound_is_too_small) {
     violations_of_half[mode] += worst > 0.5 * bound.depth_relative + 2e-6;
     if (worst > 1e-4) tightness[mode].push_back(bound.depth_relative / worst);
   }
-  for (int mode : {0, 1}) {
+  for (std::size_t mode : {0, 1, 2}) {
     EXPECT_GT(cases[mode], 1500);
     EXPECT_GT(violations_of_half[mode], 700);
     EXPECT_LT(median(tightness[mode]), 1.5);
