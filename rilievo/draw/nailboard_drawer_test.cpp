@@ -77,6 +77,8 @@ TEST(NailboardDrawer, writes_the_depth_that_the_formulas_give) {
   for (int bits : {2, 4, 6, 8, 16}) {
     auto atlas = PictureAtlas::create({64u << 20, bits, 1});
     ASSERT_TRUE(atlas.ok()) << atlas.error().message();
+    // Not the first layer: interpolated, its number must not round down.
+    for (int layer = 0; layer < 3; ++layer) ASSERT_TRUE(atlas->allocate(1024, 1024));
     for (DepthMode mode : {DepthMode::flat, DepthMode::linear, DepthMode::exact}) {
       const Nailboard board = random_board(rng, bits);
       const auto slot = atlas->allocate(board.color.width(), board.color.height());

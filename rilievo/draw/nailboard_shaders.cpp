@@ -33,7 +33,8 @@ layout(location = 0) uniform mat4 clip_from_relative;
 )";
 
 const char* const kVertex = R"(
-out vec3 v_uv;  // texels, and the layer
+out vec2 v_uv;  // texels
+flat out int v_layer;
 #if MODE == 2
 out vec2 v_towards;  // z and w of clip(P) - clip(E), z scaled for (1)
 flat out vec4 v_eye;  // z and w of clip(E); q at Delta = 0 and its slope
@@ -56,9 +57,9 @@ void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
   vec3 p = origin_layer.xyz + corner.x * u_axis_slot_x.xyz + corner.y * v_axis_slot_y.xyz;
   gl_Position = clip_from_relative * vec4(p, 1.0);
-  v_uv = vec3(vec2(u_axis_slot_x.w, v_axis_slot_y.w) +
-                  corner * vec2(eye_slot_width.w, forward_slot_height.w),
-              origin_layer.w);
+  v_uv = vec2(u_axis_slot_x.w, v_axis_slot_y.w) +
+         corner * vec2(eye_slot_width.w, forward_slot_height.w);
+  v_layer = int(origin_layer.w);
 #if MODE == 2
   vec4 e = clip_from_relative * vec4(eye_slot_width.xyz, 1.0);
   vec4 towards = gl_Position - e;
@@ -77,7 +78,8 @@ void main() {
 )";
 
 const char* const kFragment = R"(
-in vec3 v_uv;
+in vec2 v_uv;
+flat in int v_layer;
 #if MODE == 2
 in vec2 v_towards;
 flat in vec4 v_eye;
@@ -97,10 +99,10 @@ layout(location = 0) out vec4 out_color;
 #endif
 
 void main() {
-  ivec3 texel = ivec3(v_uv);
+  ivec3 texel = ivec3(v_uv, v_layer);
   float delta = texelFetch(delta_texture, texel, 0).r * delta_scale;
   if (delta > largest_delta) discard;
-  vec4 color = texture(color_texture, vec3(v_uv.xy * (1.0 / 1024.0), v_uv.z));
+  vec4 color = texture(color_texture, vec3(v_uv * (1.0 / 1024.0), float(v_layer)));
 #if MODE == 2
   float q = v_eye.z + v_eye.w * delta;
   gl_FragDepth = (q * v_eye.x + v_towards.x) / (q * v_eye.y + v_towards.y);
