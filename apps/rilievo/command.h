@@ -1,0 +1,25 @@
+// The sub-commands: each adds its options to the parser and runs if it was chosen.
+//
+// Exit codes: 0 done; 2 bad usage or bad input, with one line `rilievo: WHERE: reason` on the error
+// output; 1 a fault of the program's own.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "rilievo/core/result.h"
+
+namespace rilievo::app {
+
+struct Command {
+  CLI::App* parser = nullptr;
+  std::function<Result<>()> run;
+};
+
+[[nodiscard]] Command info_command(CLI::App& app);
+[[nodiscard]] Command render_command(CLI::App& app);
+#ifdef RILIEVO_VIEWER
+[[nodiscard]] Command view_command(CLI::App& app);
+#endif
+
+}  // namespace rilievo::app

@@ -1,0 +1,84 @@
+#include "apps/rilievo/frame_options.h"
+
+#include <charconv>
+
+namespace rilievo::app {
+namespace {
+
+// More pixels than any screen; with 4 samples they take 2 GB.
+constexpr int kMaxSide = 16384;
+constexpr long kMaxPixels = 1L << 26;
+constexpr int kMaxFrames = 1'000'000;
+constexpr int kDefaultFrames = 120;
+
+}  // namespace
+
+void parse_size(const std::string& text, int& width, int& height) {
+  int w = 0, h = 0;
+  const char *begin = text.data(), *end = begin + text.size();
+  const auto [x, error] = std::from_chars(begin, end, w);
+  bool good = error == std::errc() && x != end && *x == 'x';
+  if (good) {
+    const auto [rest, error_h] = std::from_chars(x + 1, end, h);
+    good = error_h == std::errc() && rest == end;
+  }
+  if (!good) throw CLI::ValidationError("--size", "'" + text + "' is not WIDTHxHEIGHT");
+  if (w < 1 || h < 1 || w > kMaxSide || h > kMaxSide || long(w) * h > kMaxPixels)
+    throw CLI::ValidationError("--size", text + " is not between 1x1 and 8192x8192 pixels");
+  width = w;
+  height = h;
+}
+
+void add_frame_options(CLI::App& command, FrameOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--size",
+          [&options](const std::string& text) { parse_size(text, options.width, options.height); },
+          "Pixels of a frame (default 1280x720)")
+      ->type_name("WxH");
+  command
+      .add_option("--frames", options.frames, "Frames to draw (default: those of the path, or 120)")
+      ->check(CLI::Range(1, kMaxFrames))
+      ->type_name("N");
+  auto* path =
+      command.add_option("--path", options.path_file, "Camera path, JSON (rilievo-path-1)")
+          ->type_name("FILE.json");
+  auto* orbit =
+      command.add_option("--orbit", options.orbit, "Circle around the scene for N frames")
+          ->check(CLI::Range(1, kMaxFrames))
+          ->type_name("N");
+  auto* walk = command.add_option("--walk", options.walk, "Walk past the scene for N frames")
+                   ->check(CLI::Range(1, kMaxFrames))
+                   ->type_name("N");
+  path->excludes(orbit)->excludes(walk);
+  orbit->excludes(walk);
+  command
+      .add_option(
+          "--samples", options.samples,
+          "Antialiasing of every method and of the true frames: samples a pixel (default 4)")
+      ->check(CLI::IsMember({1, 4}));
+}
+
+Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {
+  FramePlan plan;
+  if (!options.path_file.empty()) {
+    Result<CameraPath> path = load_path(options.path_file);
+    if (!path) return path.error();
+    plan.path = std::move(*path);
+    plan.frames = options.frames ? options.frames : std::min(frame_count(plan.path), kMaxFrames);
+    return plan;
+  }
+  plan.frames = options.frames  ? options.frames
+                : options.orbit ? options.orbit
+                : options.walk  ? options.walk
+                                : kDefaultFrames;
+  const Box bounds = world_bounds(opened.scene);
+  if (opened.walk && !options.orbit) {
+    plan.path = *opened.walk;
+  } else {
+    plan.path = options.walk ? walk_path(bounds, plan.frames) : orbit_path(bounds, plan.frames);
+  }
+  return plan;
+}
+
+}  // namespace rilievo::app

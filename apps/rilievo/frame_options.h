@@ -1,0 +1,35 @@
+// The options that say which frames are drawn: the path of the camera, the size, the number.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "apps/rilievo/scene_file.h"
+#include "rilievo/core/camera_path.h"
+#include "rilievo/core/result.h"
+
+namespace rilievo::app {
+
+struct FrameOptions {
+  int width = 1280, height = 720;
+  int samples = 4;
+  int frames = 0;  // 0: as many as the path has
+  int orbit = 0, walk = 0;
+  std::string path_file;
+};
+
+// `most_frames` bounds --frames.
+void add_frame_options(CLI::App& command, FrameOptions& options);
+
+struct FramePlan {
+  CameraPath path;
+  int frames = 1;
+};
+
+// The path asked for; or the scene's own walk; or one found from its bounds.
+[[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
+
+// "WIDTHxHEIGHT" into `width` and `height`; throws CLI::ValidationError.
+void parse_size(const std::string& text, int& width, int& height);
+
+}  // namespace rilievo::app

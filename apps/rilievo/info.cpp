@@ -1,0 +1,129 @@
+// rilievo info FILE: what is in it?
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/rilievo/command.h"
+#include "apps/rilievo/output.h"
+#include "apps/rilievo/scene_file.h"
+#include "rilievo/io/exr.h"
+
+namespace rilievo::app {
+namespace {
+
+struct Options {
+  std::string file, json;
+};
+
+std::string text_of(const glm::vec3& v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+}
+
+nlohmann::json list_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+const char* name_of(Projection projection) {
+  switch (projection) {
+    case Projection::perspective:
+      return "perspective";
+    case Projection::back_perspective:
+      return "back-perspective";
+    case Projection::parallel:
+      return "parallel";
+  }
+  return "";
+}
+
+Result<> describe_scene(const Options& options) {
+  const Result<OpenedScene> opened = open_scene(options.file);
+  if (!opened) return opened.error();
+  const Scene& scene = opened->scene;
+  const Box bounds = world_bounds(scene);
+  std::size_t moving = 0, texels = 0, stored = 0;
+  for (const Object& object : scene.objects) moving += object.moving ? 1 : 0;
+  for (const Texture& texture : scene.textures) texels += texture.texels.texels().size();
+  for (const Mesh& mesh : scene.meshes) stored += mesh.triangles();
+  if (!options.json.empty()) {
+    nlohmann::json json{{"schema", "rilievo-info-1"},
+                        {"name", scene.name},
+                        {"triangles", count_triangles(scene)},
+                        {"stored_triangles", stored},
+                        {"objects", scene.objects.size()},
+                        {"moving_objects", moving},
+                        {"models", scene.models.size()},
+                        {"meshes", scene.meshes.size()},
+                        {"materials", scene.materials.size()},
+                        {"textures", scene.textures.size()},
+                        {"texels", texels},
+                        {"lights", scene.lights.size()},
+                        {"cameras", scene.cameras.size()},
+                        {"duration_s", scene.duration}};
+    if (!bounds.empty()) {
+      json["bounds_min"] = list_of(bounds.min);
+      json["bounds_max"] = list_of(bounds.max);
+    }
+    return write_text(options.json, json.dump(2) + "\n");
+  }
+  fmt::print("{}\n", options.file);
+  fmt::print("  triangles  {} ({} stored)\n", count_triangles(scene), stored);
+  fmt::print("  objects    {} ({} moving)\n", scene.objects.size(), moving);
+  fmt::print("  models     {} of {} meshes\n", scene.models.size(), scene.meshes.size());
+  fmt::print("  materials  {}, textures {} ({:.1f} Mtexels)\n", scene.materials.size(),
+             scene.textures.size(), 1e-6 * double(texels));
+  fmt::print("  lights     {}, cameras {}\n", scene.lights.size(), scene.cameras.size());
+  if (scene.duration > 0) fmt::print("  animation  {:.3g} s\n", scene.duration);
+  if (!bounds.empty())
+    fmt::print("  bounds     {} to {} m\n", text_of(bounds.min), text_of(bounds.max));
+  return Done{};
+}
+
+Result<> describe_pictures(const Options& options) {
+  const Result<PictureFile> opened = load_picture_file(options.file);
+  if (!opened) return opened.error();
+  nlohmann::json list = nlohmann::json::array();
+  if (options.json.empty())
+    fmt::print("{}\n  {} pictures with depth\n", options.file, opened->pictures.size());
+  for (const DepthImage& picture : opened->pictures) {
+    const Camera& camera = picture.camera;
+    std::size_t covered = 0;
+    for (const float depth : picture.depth.texels()) covered += depth != kNoDepth ? 1 : 0;
+    const double share =
+        double(covered) / double(std::max<std::size_t>(1, picture.depth.texels().size()));
+    if (options.json.empty())
+      fmt::print("  {:<24} {}x{} {} from {}, depth {:.4g} to {:.4g} m, {:.1f} % covered\n",
+                 picture.name.empty() ? "(no name)" : picture.name, camera.width, camera.height,
+                 name_of(camera.projection), text_of(camera.position()), camera.z_near,
+                 camera.z_far, 100 * share);
+    list.push_back({{"name", picture.name},
+                    {"size", {camera.width, camera.height}},
+                    {"projection", name_of(camera.projection)},
+                    {"position", list_of(camera.position())},
+                    {"z_near", camera.z_near},
+                    {"z_far", camera.z_far},
+                    {"covered", share}});
+  }
+  if (options.json.empty()) return Done{};
+  return write_text(
+      options.json,
+      nlohmann::json{{"schema", "rilievo-info-1"}, {"pictures", list}}.dump(2) + "\n");
+}
+
+}  // namespace
+
+Command info_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "Say what a scene or a file of pictures holds");
+  command->add_option("FILE", options->file, std::string(kSceneHelp) + ", or pictures in OpenEXR")
+      ->required();
+  add_json_option(*command, options->json);
+  command->footer("Example: rilievo info model.glb");
+  return {command, [options] {
+            return is_picture_file(options->file) ? describe_pictures(*options)
+                                                  : describe_scene(*options);
+          }};
+}
+
+}  // namespace rilievo::app

@@ -1,0 +1,259 @@
+// rilievo view SCENE: a window on a scene, drawn by any method, beside direct drawing.
+
+#include <epoxy/gl.h>
+// After epoxy.
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "apps/rilievo/command.h"
+#include "apps/rilievo/frame_options.h"
+#include "apps/rilievo/output.h"
+#include "apps/rilievo/scene_file.h"
+#include "apps/rilievo/view_state.h"
+#include "apps/rilievo/window.h"
+#include "rilievo/capture/frame_target.h"
+#include "rilievo/draw/direct_frames.h"
+#include "rilievo/gl/context.h"
+#include "rilievo/io/png.h"
+
+namespace rilievo::app {
+namespace {
+
+struct Options {
+  std::string scene, screenshot, method = "direct";
+  bool split = false;
+  FrameOptions frames;
+  MethodOptions methods;
+};
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Draws a frame into `target`; milliseconds.
+Result<double> draw(FrameSource& source, FrameTarget& target, const Camera& camera, double time) {
+  gl::finish();
+  const Clock::time_point start = Clock::now();
+  target.begin();
+  if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
+  target.resolve();
+  gl::finish();
+  return ms_since(start);
+}
+
+// Columns [left, right) of the resolved frame onto the window.
+void show_columns(const FrameTarget& target, int left, int right) {
+  glBlitNamedFramebuffer(target.resolved_framebuffer(), 0, left, 0, right, target.height(), left, 0,
+                         right, target.height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+Rgba8Image read_window(int width, int height) {
+  Image<glm::u8vec4> image(width, height);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  for (int y = 0; y < height; ++y)
+    glReadPixels(0, height - 1 - y, width, 1, GL_RGBA, GL_UNSIGNED_BYTE, image.row(y).data());
+  for (glm::u8vec4& pixel : image.texels()) pixel.a = 255;
+  return image;
+}
+
+// Mouse and keys into a pose.
+void move_eye(ViewState& state, const glm::dvec3& center, GLFWwindow* window) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool dragging = !io.WantCaptureMouse && ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  const double per_pixel = state.vertical_fov / std::max(1.0f, io.DisplaySize.y);
+  const double left = dragging ? -per_pixel * io.MouseDelta.x : 0;
+  const double up = dragging ? -per_pixel * io.MouseDelta.y : 0;
+  const double wheel = io.WantCaptureMouse ? 0 : 0.1 * io.MouseWheel;
+  if (state.mode == ViewMode::orbit) circle(state.pose, center, 3 * left, 3 * up, wheel);
+  if (state.mode != ViewMode::fly) return;
+  turn(state.pose, -left, -up);  // grabs the picture
+  if (io.WantCaptureKeyboard) return;
+  const auto key = [&](int plus, int minus) {
+    return double(glfwGetKey(window, plus) == GLFW_PRESS) -
+           double(glfwGetKey(window, minus) == GLFW_PRESS);
+  };
+  const glm::dvec3 way{key(GLFW_KEY_D, GLFW_KEY_A), key(GLFW_KEY_E, GLFW_KEY_Q),
+                       key(GLFW_KEY_W, GLFW_KEY_S)};
+  fly(state.pose, way * double(state.speed) * double(io.DeltaTime));
+}
+
+Camera camera_of(const ViewState& state, int width, int height) {
+  return look_at(state.pose.eye, state.pose.eye + forward_of(state.pose), {0, 1, 0},
+                 state.vertical_fov, width, height, state.path.z_near, state.path.z_far);
+}
+
+void measure(ViewState& state, const FrameFigures& figures, double frame_ms) {
+  state.figures = figures;
+  state.frame_ms.add(float(frame_ms));
+  state.captures.add(float(figures.captures));
+  state.megabytes.add(1e-6f * float(figures.picture_bytes));
+}
+
+// A file name that is not taken yet.
+std::string free_name(const char* stem, const char* extension) {
+  for (int i = 1;; ++i) {
+    const std::string name = fmt::format("{}-{}{}", stem, i, extension);
+    if (!std::filesystem::exists(name)) return name;
+  }
+}
+
+std::string outcome(const Result<>& result, const std::string& file) {
+  return result ? "saved " + file : result.error().where + ": " + result.error().reason;
+}
+
+class Viewer {
+ public:
+  Viewer(const Options& options, const Scene& scene, const FramePlan& plan, SceneRenderer& renderer,
+         Window& window)
+      : options_(options),
+        renderer_(renderer),
+        window_(window),
+        direct_(renderer),
+        center_(world_bounds(scene).empty() ? glm::dvec3(0)
+                                            : glm::dvec3(world_bounds(scene).center())) {
+    state_.path = plan.path;
+    state_.path_frames = plan.frames;
+    state_.method = options.method;
+    state_.methods = options.methods;
+    state_.split = options.split;
+    state_.vertical_fov = plan.path.keys.front().vertical_fov;
+    state_.speed = float(0.2 * std::max(1e-3, double(world_bounds(scene).radius())));
+  }
+
+  Result<> run() {
+    for (int frame = 0; window_.begin_frame(); ++frame) {
+      if (Result<> drawn = frame_of(frame); !drawn) return drawn;
+      const bool last = !options_.screenshot.empty() && frame + 1 >= state_.path_frames;
+      if (last) return save_png(options_.screenshot, read_window(width_, height_));
+      window_.show();
+    }
+    return Done{};
+  }
+
+ private:
+  Result<> frame_of(int frame) {
+    if (Result<> ready = prepare(); !ready) return ready;
+    const bool scripted = !options_.screenshot.empty();
+    if (scripted) state_.path_frame = frame;
+    if (state_.mode == ViewMode::play) {
+      state_.time = frame_time(state_.path, state_.path_frame);
+      state_.pose = pose_of(camera_at(state_.path, state_.time, 1, 1));
+    } else {
+      move_eye(state_, center_, window_.handle());
+      if (state_.animate) state_.time += ImGui::GetIO().DeltaTime;
+    }
+    const Camera camera = state_.mode == ViewMode::play
+                              ? camera_at(state_.path, state_.time, width_, height_)
+                              : camera_of(state_, width_, height_);
+    const Result<double> ms = draw(*source_, *left_, camera, state_.time);
+    if (!ms) return ms.error();
+    measure(state_, source_->figures(), *ms);
+    show_columns(*left_, 0, width_);
+    if (state_.split) {
+      const Result<double> direct_ms = draw(direct_, *right_, camera, state_.time);
+      if (!direct_ms) return direct_ms.error();
+      state_.direct_ms.add(float(*direct_ms));
+      show_columns(*right_, int(state_.split_at * float(width_)), width_);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    answer(read_on_request());
+    show_panel(state_);
+    window_.draw_panel();
+    if (state_.mode == ViewMode::play && state_.animate && !scripted)
+      state_.path_frame = (state_.path_frame + 1) % state_.path_frames;
+    return Done{};
+  }
+
+  // The targets fit the window, the source fits the method.
+  Result<> prepare() {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_.handle(), &width, &height);
+    width = std::max(width, 1), height = std::max(height, 1);
+    if (!left_ || width != width_ || height != height_) {
+      width_ = width, height_ = height;
+      for (auto* target : {&left_, &right_}) {
+        Result<FrameTarget> made = FrameTarget::create(width, height, options_.frames.samples);
+        if (!made) return made.error();
+        *target = std::make_unique<FrameTarget>(std::move(*made));
+      }
+    }
+    if (!state_.new_source) return Done{};
+    state_.new_source = false;
+    Result<std::unique_ptr<FrameSource>> made =
+        make_source(state_.method, state_.methods, renderer_);
+    if (!made) return made.error();
+    source_ = std::move(*made);
+    return Done{};
+  }
+
+  // The picture without the panel, if a screenshot was asked for.
+  Rgba8Image read_on_request() {
+    return state_.save_screenshot ? read_window(width_, height_) : Rgba8Image();
+  }
+
+  void answer(const Rgba8Image& picture) {
+    if (state_.save_screenshot) {
+      const std::string file = free_name("screenshot", ".png");
+      state_.message = outcome(save_png(file, picture), file);
+    }
+    if (state_.save_path) {
+      CameraPath path = state_.recorded;
+      path.z_near = state_.path.z_near, path.z_far = state_.path.z_far;
+      const std::string file = free_name("path", ".json");
+      state_.message = path.keys.empty() ? "set a key first" : outcome(save_path(path, file), file);
+    }
+    state_.save_screenshot = state_.save_path = false;
+  }
+
+  const Options& options_;
+  SceneRenderer& renderer_;
+  Window& window_;
+  DirectFrames direct_;
+  glm::dvec3 center_;
+  ViewState state_;
+  std::unique_ptr<FrameSource> source_;
+  std::unique_ptr<FrameTarget> left_, right_;
+  int width_ = 0, height_ = 0;
+};
+
+Result<> view(const Options& options) {
+  const Result<OpenedScene> opened = open_scene(options.scene);
+  if (!opened) return opened.error();
+  const Result<FramePlan> plan = plan_frames(options.frames, *opened);
+  if (!plan) return plan.error();
+  const auto window = Window::create("Rilievo - " + options.scene, options.frames.width,
+                                     options.frames.height, true);
+  if (!window) return window.error();
+  Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
+  if (!renderer) return renderer.error();
+  return Viewer(options, opened->scene, *plan, *renderer, **window).run();
+}
+
+}  // namespace
+
+Command view_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
+  command->add_option("SCENE", options->scene, kSceneHelp)->required();
+  command->add_option("--method", options->method, "How the frames are drawn (default direct)")
+      ->check(CLI::IsMember(method_names()));
+  command->add_flag("--split", options->split, "Direct drawing in the right half");
+  command
+      ->add_option("--screenshot", options->screenshot,
+                   "Play the path once, save the window as PNG, and quit")
+      ->type_name("FILE");
+  add_frame_options(*command, options->frames);
+  add_method_options(*command, options->methods);
+  command->footer("Example: rilievo view builtin:bridge --split");
+  return {command, [options] { return view(*options); }};
+}
+
+}  // namespace rilievo::app

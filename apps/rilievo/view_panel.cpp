@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "apps/rilievo/view_state.h"
+
+namespace rilievo::app {
+namespace {
+
+void plot(const char* label, const History& history, const char* unit) {
+  const std::string overlay = fmt::format("{} {:.1f} {}", label, history.last(), unit);
+  ImGui::PlotLines(fmt::format("##{}", label).c_str(), history.data(), history.size(), 0,
+                   overlay.c_str(), 0.0f, 1.1f * history.largest() + 1e-3f,
+                   ImVec2(ImGui::GetContentRegionAvail().x, 44));
+}
+
+void camera_panel(ViewState& state) {
+  int mode = int(state.mode);
+  ImGui::RadioButton("fly", &mode, int(ViewMode::fly));
+  ImGui::SameLine();
+  ImGui::RadioButton("orbit", &mode, int(ViewMode::orbit));
+  ImGui::SameLine();
+  ImGui::RadioButton("play path", &mode, int(ViewMode::play));
+  state.mode = ViewMode(mode);
+  if (state.mode == ViewMode::play)
+    ImGui::SliderInt("frame", &state.path_frame, 0, state.path_frames - 1);
+  if (state.mode == ViewMode::fly) {
+    ImGui::SliderFloat("m/s", &state.speed, 0.01f, 1000.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+    ImGui::TextDisabled("W A S D Q E, drag to look");
+  }
+  if (state.mode == ViewMode::orbit) ImGui::TextDisabled("drag to turn, wheel to come closer");
+  if (ImGui::Button("Set key")) {
+    const double time = double(state.recorded.keys.size());
+    state.recorded.keys.push_back(look_key(time, state.pose.eye,
+                                           state.pose.eye + forward_of(state.pose), {0, 1, 0},
+                                           state.vertical_fov));
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Forget keys")) state.recorded.keys.clear();
+  ImGui::SameLine();
+  ImGui::Text("%d keys", int(state.recorded.keys.size()));
+  if (ImGui::Button("Save path")) state.save_path = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Screenshot")) state.save_screenshot = true;
+}
+
+void method_panel(ViewState& state) {
+  if (ImGui::BeginCombo("method", state.method.c_str())) {
+    for (const std::string& name : method_names()) {
+      if (!ImGui::Selectable(name.c_str(), name == state.method)) continue;
+      state.method = name;
+      state.new_source = true;
+    }
+    ImGui::EndCombo();
+  }
+  state.new_source |= ImGui::Checkbox("outlines", &state.methods.outlines);
+  ImGui::SameLine();
+  ImGui::Checkbox("animate", &state.animate);
+  constexpr std::array bits{2, 4, 6, 8, 16};
+  if (ImGui::BeginCombo("bits of Delta", std::to_string(state.methods.delta_bits).c_str())) {
+    for (const int b : bits) {
+      if (!ImGui::Selectable(std::to_string(b).c_str(), b == state.methods.delta_bits)) continue;
+      state.methods.delta_bits = b;
+      state.new_source = true;
+    }
+    ImGui::EndCombo();
+  }
+  bool linear = state.methods.depth == "linear";
+  if (ImGui::Checkbox("linear depth, eq. (4)", &linear)) {
+    state.methods.depth = linear ? "linear" : "exact";
+    state.new_source = true;
+  }
+  ImGui::Checkbox("split against direct drawing", &state.split);
+  if (state.split) ImGui::SliderFloat("at", &state.split_at, 0.0f, 1.0f, "%.2f");
+}
+
+}  // namespace
+
+void show_panel(ViewState& state) {
+  ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize(ImVec2(330, 0), ImGuiCond_FirstUseEver);
+  ImGui::Begin("Rilievo");
+  camera_panel(state);
+  ImGui::Separator();
+  method_panel(state);
+  ImGui::Separator();
+  plot("frame", state.frame_ms, "ms");
+  if (state.split) plot("direct", state.direct_ms, "ms");
+  plot("captures", state.captures, "a frame");
+  plot("pictures", state.megabytes, "MB");
+  ImGui::Text("%d polygons, %d pictures, %d of several objects", state.figures.polygons,
+              state.figures.pictures, state.figures.hierarchy);
+  if (state.figures.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.figures.bound_px);
+  if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
+  ImGui::End();
+}
+
+}  // namespace rilievo::app

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""The command line keeps its promises: exit codes, one-line errors, JSON, the same bytes each time.
+
+    test_cli.py PATH/TO/rilievo [unittest arguments]
+"""
+
+import hashlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+RILIEVO = None
+TEAPOTS = "builtin:teapots?triangles=20000"
+
+
+def rilievo(*arguments, env=None, cwd=None):
+    return subprocess.run([RILIEVO, *map(str, arguments)], capture_output=True, text=True, timeout=240,
+                          env={**os.environ, **(env or {})}, cwd=cwd, errors="replace")
+
+
+def digests(folder):
+    """Name -> digest of every file below `folder`."""
+    return {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+            for file in sorted(pathlib.Path(folder).rglob("*")) if file.is_file()}
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+        self.addCleanup(self.temporary.cleanup)
+
+    def refused(self, *arguments):
+        """Exit code 2 and one line on the error output; returns that line."""
+        result = rilievo(*arguments)
+        self.assertEqual(result.returncode, 2, (arguments, result.stdout, result.stderr))
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, (arguments, result.stderr))
+        self.assertTrue(lines[0].startswith("rilievo: "), lines[0])
+        return lines[0]
+
+    def done(self, *arguments, **options):
+        result = rilievo(*arguments, **options)
+        self.assertEqual(result.returncode, 0, (arguments, result.stdout, result.stderr))
+        return result
+
+
+class Usage(Folder):
+    def test_every_command_explains_itself_by_an_example(self):
+        commands = ["info", "render"]
+        for command in commands:
+            self.assertIn(f"Example: rilievo {command}", self.done(command, "--help").stdout)
+        for command in commands:
+            self.assertIn(command, self.done("--help").stdout)
+
+    def test_wrong_usage_ends_in_one_line(self):
+        frame = ("render", TEAPOTS, "-o", self.folder / "out")
+        for arguments in [
+            (), ("nonsense",), ("render",), ("render", TEAPOTS),
+            (*frame, "--size", "0x0"), (*frame, "--size", "12"), (*frame, "--size", "1x"),
+            (*frame, "--size", "-5x5"), (*frame, "--size", "16384x16384"),
+            (*frame, "--size", "99999999999999999999x1"),
+            (*frame, "--frames", "0"), (*frame, "--frames", "-1"), (*frame, "--frames", "nan"),
+            (*frame, "--orbit", "3", "--walk", "3"), (*frame, "--orbit", "0"),
+            (*frame, "--samples", "3"), (*frame, "--method", "magic"),
+            (*frame, "--delta-bits", "7"), (*frame, "--depth", "curved"),
+        ]:
+            with self.subTest(arguments=arguments):
+                self.refused(*arguments)
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_scenes_that_are_not_there_are_named(self):
+        for scene in ["/nowhere/at all.glb", "builtin:atlantis", "builtin:teapots?triangles=-1",
+                      "builtin:teapots?wheels=4", str(self.folder)]:
+            with self.subTest(scene=scene):
+                self.assertIn(scene, self.refused("info", scene))
+
+
+class Paths(Folder):
+    def path_file(self, text):
+        file = self.folder / "path.json"
+        file.write_text(text)
+        return file
+
+    def test_a_broken_path_file_is_named(self):
+        key = '{"time": 0, "eye": [0, 1, 9], "target": [0, 0, 0], "vertical_fov": 0.9}'
+        for text in ["", "{", "[]", "{}", '{"schema": "rilievo-path-1", "keys": []}',
+                     '{"schema": "rilievo-path-1", "keys": [%s, %s]}' % (key, key),
+                     '{"schema": "rilievo-path-1", "keys": [%s]}' % key.replace("9]", "NaN]"),
+                     '{"schema": "rilievo-path-1", "keys": [%s]}' % key.replace("9]", "1e999]"),
+                     '{"schema": "rilievo-path-1", "keys": [%s]}' % key.replace("0.9", "9")]:
+            with self.subTest(text=text):
+                file = self.path_file(text)
+                self.assertIn(str(file), self.refused("render", TEAPOTS, "--path", file, "-o",
+                                                      self.folder / "out"))
+
+    def test_a_path_of_one_key_is_one_frame(self):
+        file = self.path_file('{"schema": "rilievo-path-1", "keys": [{"time": 0, "eye": [0, 3, 9],'
+                              ' "target": [0, 0, 0], "vertical_fov": 0.9}]}')
+        self.done("render", TEAPOTS, "--path", file, "--size", "64x36", "-o", self.folder / "a" / "b")
+        self.assertEqual(list(digests(self.folder / "a" / "b")), ["frame_00000.png"])
+
+
+class Results(Folder):
+    def test_info_in_json_counts_the_scene(self):
+        result = self.done("info", TEAPOTS, "--json", "-")
+        info = json.loads(result.stdout)
+        self.assertEqual(info["schema"], "rilievo-info-1")
+        self.assertLessEqual(abs(info["triangles"] - 20000), 1000)
+        self.assertEqual(result.stderr, "")  # no progress in a pipe
+
+    def test_frames_are_the_same_whatever_the_threads_and_from_run_to_run(self):
+        # Software drawing; LP_NUM_THREADS is llvmpipe's, 0 draws in the calling thread.
+        for method in ["direct"]:
+            with self.subTest(method=method):
+                runs = []
+                for i, threads in enumerate(["0", "1", "2", "2"]):
+                    out = self.folder / f"{method}{i}"
+                    self.done("render", TEAPOTS, "--method", method, "--size",
+                              "320x180", "--frames", "5", "-o", out,
+                              env={"LP_NUM_THREADS": threads, "LIBGL_ALWAYS_SOFTWARE": "1"})
+                    runs.append(digests(out))
+                self.assertEqual(len(runs[0]), 5)
+                for run in runs[1:]:
+                    self.assertEqual(run, runs[0])
+
+
+class Corpus(Folder):
+    """Files of RILIEVO_DATA, where there is such a folder."""
+
+    def test_no_broken_file_does_harm(self):
+        data = os.environ.get("RILIEVO_DATA")
+        if not data:
+            self.skipTest("RILIEVO_DATA is not set")
+        files = [file for file in sorted(pathlib.Path(data, "invalid").rglob("*")) if file.is_file()]
+        self.assertGreater(len(files), 0)
+        for file in files:
+            with self.subTest(file=file.name):
+                result = rilievo("info", file)
+                self.assertIn(result.returncode, (0, 2), result.stderr)
+                if result.returncode == 2:
+                    self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+                    self.assertIn(str(file), result.stderr)
+
+
+if __name__ == "__main__":
+    RILIEVO = sys.argv.pop(1)
+    unittest.main()
