@@ -1,0 +1,15 @@
+// How far apart are two frames, pixel by pixel?
+//
+// The peak signal-to-noise ratio of 8-bit sRGB frames over R, G and B together; alpha is ignored.
+// Exact integer sums: the same figure from any number of threads.
+#pragma once
+
+#include "rilievo/core/color.h"
+
+namespace rilievo {
+
+// 10 log10(255^2 / mean squared difference) in dB; +infinity if the frames are the same. Requires
+// two frames of one size, of at least one pixel.
+[[nodiscard]] double psnr_db(const Rgba8Image& a, const Rgba8Image& b);
+
+}  // namespace rilievo

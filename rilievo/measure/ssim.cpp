@@ -1,0 +1,110 @@
+// Cf. [Wang et al. 2004], section III.B:
+//
+//               (2 ma mb + C1) (2 cov + C2)                   C1 = (0.01 * 255)^2
+//   SSIM = ---------------------------------------            C2 = (0.03 * 255)^2
+//          (ma^2 + mb^2 + C1) (va + vb + C2)
+//
+// with the window's means m, variances v and covariance. The variances are only ever added, so four
+// blurred planes do: a, b, a^2 + b^2, a b. The blur is separable: along rows into a strip's
+// buffer, then down its columns. Subtracting 128 from the luma first leaves the variances as they
+// are and halves what floats lose in E[a^2] - E[a]^2.
+
+#include "rilievo/measure/ssim.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace rilievo {
+namespace {
+
+constexpr int kRows = 32;  // output rows of a strip
+constexpr int kPlanes = 4;
+constexpr float kMiddle = 128.0f;
+constexpr float kC1 = 0.01f * 255 * 0.01f * 255, kC2 = 0.03f * 255 * 0.03f * 255;
+
+using Window = std::array<float, kSsimWindow>;
+
+Window gaussian() {
+  std::array<double, kSsimWindow> w{};
+  double sum = 0;
+  for (int i = 0; i < kSsimWindow; ++i) {
+    const double d = (i - kSsimWindow / 2) / 1.5;
+    sum += w[i] = std::exp(-0.5 * d * d);
+  }
+  Window out{};
+  for (int i = 0; i < kSsimWindow; ++i) out[i] = float(w[i] / sum);
+  return out;
+}
+
+void luma(std::span<const glm::u8vec4> row, float* out) {
+  for (std::size_t x = 0; x < row.size(); ++x)
+    out[x] =
+        0.299f * float(row[x].r) + 0.587f * float(row[x].g) + 0.114f * float(row[x].b) - kMiddle;
+}
+
+// out[x] = sum of window[k] * in[x + k * step], x in [0, count).
+void blur(const Window& window, const float* in, int step, int count, float* out) {
+  for (int x = 0; x < count; ++x) out[x] = window[0] * in[x];
+  for (int k = 1; k < kSsimWindow; ++k)
+    for (int x = 0; x < count; ++x) out[x] += window[k] * in[x + k * step];
+}
+
+float ssim_of(float ma, float mb, float squares, float products) {
+  // In this order equal frames yield exactly 1.
+  const float variances = squares - (ma * ma + mb * mb);
+  const float covariance = products - ma * mb;
+  const float a = ma + kMiddle, b = mb + kMiddle;
+  return (2 * a * b + kC1) * (2 * covariance + kC2) / ((a * a + b * b + kC1) * (variances + kC2));
+}
+
+// The sum of SSIM over each of `sums.size()` windows' rows from row `first` on.
+void strip(const Rgba8Image& a, const Rgba8Image& b, const Window& window, int first,
+           std::span<double> sums) {
+  const int width = a.width(), inside = width - kSsimWindow + 1;
+  const int in_rows = int(sums.size()) + kSsimWindow - 1;
+  std::vector<float> planes(std::size_t(kPlanes) * width);
+  std::vector<float> blurred(std::size_t(kPlanes) * inside * in_rows);
+  float* const pa = planes.data();
+  float *const pb = pa + width, *const squares = pb + width, *const products = squares + width;
+  for (int y = 0; y < in_rows; ++y) {
+    luma(a.row(first + y), pa);
+    luma(b.row(first + y), pb);
+    for (int x = 0; x < width; ++x) squares[x] = pa[x] * pa[x] + pb[x] * pb[x];
+    for (int x = 0; x < width; ++x) products[x] = pa[x] * pb[x];
+    for (int p = 0; p < kPlanes; ++p)
+      blur(window, pa + p * width, 1, inside, &blurred[std::size_t(y * kPlanes + p) * inside]);
+  }
+  std::vector<float> means(std::size_t(kPlanes) * inside);
+  for (std::size_t y = 0; y < sums.size(); ++y) {
+    blur(window, &blurred[y * kPlanes * inside], kPlanes * inside, kPlanes * inside, means.data());
+    const float* const m = means.data();
+    double sum = 0;
+    for (int x = 0; x < inside; ++x)
+      sum += double(ssim_of(m[x], m[inside + x], m[2 * inside + x], m[3 * inside + x]));
+    sums[y] = sum;
+  }
+}
+
+}  // namespace
+
+double ssim(const Rgba8Image& a, const Rgba8Image& b) {
+  RILIEVO_EXPECTS(a.width() == b.width() && a.height() == b.height());
+  RILIEVO_EXPECTS(a.width() >= kSsimWindow && a.height() >= kSsimWindow);
+  const Window window = gaussian();
+  const int rows = a.height() - kSsimWindow + 1;
+  std::vector<double> sums(std::size_t(rows), 0.0);
+  tbb::parallel_for(0, (rows + kRows - 1) / kRows, [&](int i) {
+    const int first = i * kRows;
+    strip(a, b, window, first,
+          std::span(sums).subspan(std::size_t(first), std::size_t(std::min(kRows, rows - first))));
+  });
+  double sum = 0;
+  for (double row : sums) sum += row;
+  return sum / (double(rows) * (a.width() - kSsimWindow + 1));
+}
+
+}  // namespace rilievo
