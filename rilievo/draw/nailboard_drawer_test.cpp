@@ -117,6 +117,52 @@ TEST(NailboardDrawer, writes_the_depth_that_the_formulas_give) {
   }
 }
 
+TEST(NailboardDrawer, writes_right_depths_where_the_polygon_reaches_behind_the_eye) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  auto drawer = NailboardDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  auto probe = ProbeTarget::create(kWidth, kHeight);
+  ASSERT_TRUE(probe.ok());
+  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  ASSERT_TRUE(atlas.ok());
+  std::mt19937 rng(4);
+  Nailboard board = random_board(rng, 8);
+  // 143 degrees wide; the frame looks 60 degrees to the side: two corners are behind its eye.
+  Camera& capture = board.geometry.capture;
+  capture.window = {-3, 3, -1, 1};
+  capture.z_near = 4, capture.z_far = 8;
+  board.geometry = picture_geometry(capture);
+  board.geometry.delta_bits = 8;
+  const auto slot = atlas->allocate(40, 33);
+  atlas->write(*slot, board);
+  const NailboardInstance instance{*slot, board.geometry, glm::dmat4(1), 7};
+  const glm::dvec3 eye = capture.position() + glm::dvec3(0.1, -0.05, 0.15);
+  const glm::dvec3 gaze = 0.5 * capture.forward() + 0.866 * glm::dvec3(capture.world_from_eye[0]);
+  const Camera frame = look_at(eye, eye + gaze, {0, 1, 0}, 0.5, kWidth, kHeight, 0.5, 40);
+  const glm::dvec3 left_corner = world_from_raster(capture, {0, 0}, board.geometry.plane_z);
+  ASSERT_LT(raster_from_world(frame, left_corner).z, 0);
+  for (DepthMode mode : {DepthMode::flat, DepthMode::linear, DepthMode::exact}) {
+    probe->begin();
+    drawer->draw_objects(*atlas, frame, mode, {&instance, 1});
+    const auto objects = probe->read_objects();
+    const auto depth = probe->read_eye_z(frame);
+    int covered = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (objects(x, y) == kNoObject) continue;
+        const Expected e = at_pixel(board, frame, mode, x, y);
+        if (e.near_an_edge) continue;
+        ASSERT_TRUE(e.covered) << x << " " << y;
+        const double seen = depth_from_eye_z(DepthKind::window_z, depth(x, y), frame, {});
+        // As above; eye_z and window_z were rounded once more on the way.
+        ASSERT_NEAR(seen, e.depth, 4e-6) << "mode " << int(mode) << " at " << x << " " << y;
+        ++covered;
+      }
+    EXPECT_GT(covered, kWidth * kHeight / 2) << "mode " << int(mode);
+  }
+}
+
 TEST(NailboardDrawer, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
   auto context = gl::Context::create();
   ASSERT_TRUE(context.ok());

@@ -12,7 +12,14 @@
 // clip(E) is constant over the polygon and clip(P) is what the rasteriser interpolates anyway.
 //
 // Linear depth, eq. (4) of [Schaufler 1997]: window_z of a plane is affine over the screen, so z_N
-// and z_F - z_N interpolate without perspective, and a multiply-add remains.
+// and z_F - z_N could interpolate without perspective, were no corner of the polygon behind the
+// eye, where there is no window_z. Times clip_w they are linear in P everywhere: with A the
+// capturing camera's -z, the line of sight through P meets the plane of eye_z z at
+//
+//   N = s P,  1 / s = A.P / (z + A.E),   clip_z = s Z(P) + c,  clip_w = s W(P)  (c: at the eye)
+//   window_z W(P) = (Z(P) + c A.P / (z + A.E) + W(P)) / 2 (3)
+//
+// and the division by W(P) is the one that the rasteriser has made: gl_FragCoord.w.
 #include "rilievo/draw/nailboard_shaders.h"
 
 #include <string>
@@ -39,17 +46,17 @@ flat out int v_layer;
 out vec2 v_towards;  // z and w of clip(P) - clip(E), z scaled for (1)
 flat out vec4 v_eye;  // z and w of clip(E); q at Delta = 0 and its slope
 #elif MODE == 1
-noperspective out vec2 v_near_extent;  // z_N, z_F - z_N
+out vec2 v_near_extent;  // z_N, z_F - z_N, times clip_w
 #endif
 #ifdef OBJECT_IDS
 flat out uint v_object;
 #endif
 
 #if MODE == 1
-float window_z_on_plane(vec3 p, float eye_z) {
+float window_z_times_w(vec3 p, vec4 clip, float eye_z) {  // (3)
   vec3 e = eye_slot_width.xyz, axis = forward_slot_height.xyz;
-  vec4 clip = clip_from_relative * vec4(p * ((eye_z + dot(axis, e)) / dot(axis, p)), 1.0);
-  return 0.5 * clip.z / clip.w + 0.5;
+  float at_eye = clip_from_relative[3].z;
+  return 0.5 * (clip.z - at_eye + at_eye * dot(axis, p) / (eye_z + dot(axis, e)) + clip.w);
 }
 #endif
 
@@ -68,8 +75,8 @@ void main() {
   float q_near = depths.z / depths.x, q_far = depths.z / depths.y;
   v_eye = vec4(0.5 * (e.z + e.w), e.w, q_near, q_far - q_near);
 #elif MODE == 1
-  float z_n = window_z_on_plane(p, depths.x);
-  v_near_extent = vec2(z_n, window_z_on_plane(p, depths.y) - z_n);
+  float z_n = window_z_times_w(p, gl_Position, depths.x);
+  v_near_extent = vec2(z_n, window_z_times_w(p, gl_Position, depths.y) - z_n);
 #endif
 #ifdef OBJECT_IDS
   v_object = floatBitsToUint(depths.w);
@@ -84,7 +91,7 @@ flat in int v_layer;
 in vec2 v_towards;
 flat in vec4 v_eye;
 #elif MODE == 1
-noperspective in vec2 v_near_extent;
+in vec2 v_near_extent;
 #endif
 layout(binding = 0) uniform sampler2DArray color_texture;
 layout(binding = 1) uniform sampler2DArray delta_texture;
@@ -107,7 +114,7 @@ void main() {
   float q = v_eye.z + v_eye.w * delta;
   gl_FragDepth = (q * v_eye.x + v_towards.x) / (q * v_eye.y + v_towards.y);
 #elif MODE == 1
-  gl_FragDepth = v_near_extent.x + v_near_extent.y * delta;
+  gl_FragDepth = (v_near_extent.x + v_near_extent.y * delta) * gl_FragCoord.w;
 #endif
 #ifdef OBJECT_IDS
   if (color.a < 0.5) discard;
