@@ -189,6 +189,8 @@ void describe_attributes(GpuScene& gpu) {
   glVertexArrayAttribIFormat(vao, kInstanceObject, 1, GL_UNSIGNED_INT,
                              offsetof(GpuInstance, object));
   glVertexArrayAttribBinding(vao, kInstanceObject, kInstanceBinding);
+  attribute(kInstanceShare, kInstanceBinding, 2, GL_FLOAT, GL_FALSE,
+            offsetof(GpuInstance, share_from));
   glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
   glVertexArrayVertexBuffer(vao, 0, gpu.vertices, 0, sizeof(Vertex));
   glVertexArrayVertexBuffer(vao, 1, gpu.uvs, 0, sizeof(UvVertex));

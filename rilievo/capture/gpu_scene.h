@@ -17,8 +17,10 @@ enum VertexAttribute : GLuint {
   kColor = 2,
   kUv0 = 3,
   kUv1 = 4,
-  kInstanceRow0 = 5,  // three rows of eye_relative_from_mesh, then the object's identifier
+  kInstanceRow0 = 5,  // three rows of eye_relative_from_mesh, then the object's
+                      // identifier and its share of the pixels
   kInstanceObject = 8,
+  kInstanceShare = 9,
 };
 
 // Which texture units materials use.
@@ -69,7 +71,8 @@ inline constexpr GLuint kInstanceBinding = 2;
 struct GpuInstance {
   glm::vec4 rows[3];
   std::uint32_t object;
-  std::uint32_t padding[3];
+  float share_from, share_to;  // see shader::kPixelHash
+  std::uint32_t padding;
 };
 
 [[nodiscard]] Result<GpuScene> upload(const Scene& scene);

@@ -63,6 +63,8 @@ struct SceneRenderer::State {
 
   DrawList list;
   std::vector<GpuInstance> staging;
+  std::vector<glm::vec2> shares;  // by object, while shares are drawn; else empty
+  std::vector<std::uint32_t> shared_objects;
   gl::StreamBuffer view_buffer;
   gl::Buffer instance_buffer;
   std::size_t instance_capacity = 0;
@@ -76,7 +78,8 @@ struct SceneRenderer::State {
 
 Result<> SceneRenderer::State::compile() {
   for (const GpuMaterial& material : gpu.materials) {
-    for (unsigned extra : {0u, unsigned(shader::kLinear), unsigned(shader::kObjectIds)}) {
+    for (unsigned extra : {0u, unsigned(shader::kLinear), unsigned(shader::kObjectIds),
+                           unsigned(shader::kShare), unsigned(shader::kShare | shader::kLinear)}) {
       const unsigned features = material.features | extra;
       if (programs.contains(features)) continue;
       Result<gl::Program> program = shader::make_scene_program(features);
@@ -117,7 +120,8 @@ void SceneRenderer::State::upload_instances() {
   staging.clear();
   for (const Placement& placement : list.instances()) {
     const glm::mat4 rows = glm::transpose(placement.relative_from_mesh);
-    staging.push_back({{rows[0], rows[1], rows[2]}, placement.object + 1, {}});
+    const glm::vec2 share = shares.empty() ? glm::vec2(0, 1) : shares[placement.object];
+    staging.push_back({{rows[0], rows[1], rows[2]}, placement.object + 1, share.x, share.y, 0});
   }
   if (staging.size() > instance_capacity || !instance_buffer) {
     instance_capacity = staging.size() + staging.size() / 2 + 64;
@@ -236,6 +240,25 @@ void SceneRenderer::draw_opaque(const Camera& camera, std::span<const std::uint3
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   s.draw_list(camera, encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
+}
+
+void SceneRenderer::draw_shares(const Camera& camera, std::span<const PixelShare> shares,
+                                OutputEncoding encoding) {
+  if (shares.empty()) return;
+  State& s = *state_;
+  s.shares.resize(s.bounds.size());
+  s.shared_objects.clear();
+  for (const PixelShare& share : shares) {
+    s.shares[share.object] = {share.from, share.to};
+    s.shared_objects.push_back(share.object);
+  }
+  s.list.build_front_to_back(*s.scene, camera, s.shared_objects, s.poses, s.bounds,
+                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  const unsigned linear = encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u;
+  s.draw_list(camera, shader::kShare | linear);
+  s.shares.clear();
 }
 
 void SceneRenderer::draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,

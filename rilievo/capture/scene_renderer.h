@@ -22,6 +22,12 @@ enum class OutputEncoding {
   srgb,    // for frames: sRGB-encoded values into an ordinary 8-bit framebuffer
 };
 
+// An object drawn only where the pixel's hash is in [from, to).
+struct PixelShare {
+  std::uint32_t object = 0;
+  float from = 0, to = 1;
+};
+
 class SceneRenderer {
  public:
   // Uploads the scene's meshes and textures and compiles the shaders. `scene` must outlive it.
@@ -45,6 +51,10 @@ class SceneRenderer {
   // Draws the opaque and alpha-masked parts of `objects` (indices into Scene::objects, any order)
   // into the bound framebuffer with depth. Culls nothing by frustum: pass what cull() gave.
   void draw_opaque(const Camera& camera, std::span<const std::uint32_t> objects,
+                   OutputEncoding encoding);
+  // The same of a share of the pixels of each object (see shader::kPixelHash): what fades in or
+  // out.
+  void draw_shares(const Camera& camera, std::span<const PixelShare> shares,
                    OutputEncoding encoding);
   // Then the blended parts over it, back to front.
   void draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,

@@ -43,6 +43,10 @@ out vec4 v_uv;
 layout(location = 5) in vec4 row0;
 layout(location = 6) in vec4 row1;
 layout(location = 7) in vec4 row2;
+#ifdef SHARE
+layout(location = 9) in vec2 share;
+flat out vec2 v_share;
+#endif
 #ifdef OBJECT_IDS
 layout(location = 8) in uint object;
 flat out uint v_object;
@@ -65,6 +69,9 @@ void main() {
   v_normal = sign(dot(row0.xyz, yz)) *
              vec3(dot(yz, normal.xyz), dot(zx, normal.xyz), dot(xy, normal.xyz));
 #endif
+#ifdef SHARE
+  v_share = share;
+#endif
 #ifdef COLORS
   v_color = color;
 #endif
@@ -82,6 +89,9 @@ layout(std140, binding = 1) uniform Material {
   vec4 uv_rows[10];
 } material;
 
+#ifdef SHARE
+flat in vec2 v_share;
+#endif
 #ifdef COLORS
 in vec4 v_color;
 #endif
@@ -197,6 +207,10 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
 #endif
 
 void main() {
+#ifdef SHARE
+  float hash = pixel_hash();
+  if (hash < v_share.x || hash >= v_share.y) discard;
+#endif
   vec4 base = material.base_color;
 #ifdef TEXTURES
   base *= texture(base_color_texture, uv_of(0));
@@ -274,6 +288,12 @@ const char* const kVersion = "#version 450\n";
 
 }  // namespace
 
+const char* const kPixelHash = R"(
+float pixel_hash() {
+  return fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
+}
+)";
+
 const char* const kSrgbFromLinear = R"(
 vec3 srgb_from_linear(vec3 c) {
   c = clamp(c, 0.0, 1.0);
@@ -294,9 +314,10 @@ Result<gl::Program> make_scene_program(unsigned features) {
   define(kBlend, "BLEND");
   define(kObjectIds, "OBJECT_IDS");
   define(kLinear, "LINEAR");
+  define(kShare, "SHARE");
   const std::string head = std::string(kVersion) + kCommon;
-  return gl::make_program("scene", head + kVertex, head + kSky + kSrgbFromLinear + kFragment,
-                          defines);
+  return gl::make_program("scene", head + kVertex,
+                          head + kSky + kSrgbFromLinear + kPixelHash + kFragment, defines);
 }
 
 Result<gl::Program> make_sky_program(bool linear) {

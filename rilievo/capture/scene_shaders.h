@@ -17,6 +17,7 @@ enum Feature : unsigned {
   kBlend = 32,
   kObjectIds = 64,  // identifiers instead of colours
   kLinear = 128,    // OutputEncoding::linear
+  kShare = 256,     // a share of the pixels only, chosen by kPixelHash
 };
 
 inline constexpr int kMaxLights = 16;
@@ -39,6 +40,12 @@ struct ViewBlock {
 
 [[nodiscard]] Result<gl::Program> make_scene_program(unsigned features);
 [[nodiscard]] Result<gl::Program> make_sky_program(bool linear);
+
+// GLSL `float pixel_hash()`: a number in [0, 1) for each pixel, evenly spread in every
+// neighbourhood [Jimenez 2014, interleaved gradient noise]. What is drawn where the hash is in [a,
+// b) and what is drawn where it is in [b, c) complement each other pixel by pixel, whatever drew
+// them: so one fades into the other without blending, in any order, through the z-buffer.
+extern const char* const kPixelHash;
 
 // GLSL that turns linear light into what an 8-bit frame holds: `vec3 srgb_from_linear(vec3)`.
 extern const char* const kSrgbFromLinear;

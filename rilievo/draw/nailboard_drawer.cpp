@@ -9,12 +9,13 @@
 namespace rilievo {
 
 struct NailboardDrawer::Instance {
-  glm::vec4 origin_layer, u_axis_slot_x, v_axis_slot_y, eye_slot_width, forward_slot_height, depths;
+  glm::vec4 origin_layer, u_axis_slot_x, v_axis_slot_y, eye_slot_width, forward_slot_height, depths,
+      share;
 };
 
 namespace {
 
-constexpr GLuint kAttributes = 6;
+constexpr GLuint kAttributes = 7;
 
 // The picture's polygon in the world, as of its capture: lower left corner and the edges from
 // there.
@@ -36,10 +37,11 @@ Polygon polygon_of(const PictureGeometry& geometry) {
 Result<NailboardDrawer> NailboardDrawer::create() {
   NailboardDrawer drawer;
   for (int mode = 0; mode < 3; ++mode)
-    for (bool objects : {false, true}) {
-      Result<gl::Program> program = shader::make_nailboard_program(DepthMode(mode), objects);
+    for (int output = 0; output < 3; ++output) {
+      Result<gl::Program> program =
+          shader::make_nailboard_program(DepthMode(mode), shader::NailboardOutput(output));
       if (!program) return program.error();
-      drawer.programs_[mode][objects] = std::move(*program);
+      drawer.programs_[mode][output] = std::move(*program);
     }
   Result<gl::Program> outline = shader::make_outline_program();
   if (!outline) return outline.error();
@@ -63,14 +65,18 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
 
   // Front to back, so that what is hidden is not shaded.
   order_.clear();
+  whole_ = 0;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     const PictureGeometry& g = instances[i].geometry;
     const glm::dvec3 middle = g.capture.position() + g.capture.forward() * g.plane_z;
     const glm::dvec3 to =
         glm::dvec3(instances[i].world_now_from_capture * glm::dvec4(middle, 1)) - eye;
-    order_.push_back({float(glm::dot(to, to)), i});
+    const bool share = instances[i].share_from > 0 || instances[i].share_to < 1;
+    whole_ += !share;
+    order_.push_back({share, float(glm::dot(to, to)), i});
   }
   std::sort(order_.begin(), order_.end(), [](const Key& a, const Key& b) {
+    if (a.share != b.share) return b.share;
     return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
   });
 
@@ -103,9 +109,12 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
   glBindVertexArray(vertex_array_);
 }
 
-void NailboardDrawer::draw_polygons(const PictureAtlas& atlas, DepthMode mode, bool objects,
+void NailboardDrawer::draw_polygons(const PictureAtlas& atlas, DepthMode mode,
+                                    shader::NailboardOutput output, std::size_t first,
                                     std::size_t count) {
-  glUseProgram(programs_[int(mode)][objects]);
+  if (count == 0) return;
+  const bool objects = output == shader::NailboardOutput::objects;
+  glUseProgram(programs_[int(mode)][int(output)]);
   glUniformMatrix4fv(0, 1, GL_FALSE, &clip_from_relative_[0][0]);
   const float steps = float(delta_steps(atlas.delta_bits()));
   glUniform1f(1, (atlas.delta_bits() > 8 ? 65535.0f : 255.0f) / steps);
@@ -123,7 +132,7 @@ void NailboardDrawer::draw_polygons(const PictureAtlas& atlas, DepthMode mode, b
     glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   else
     glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, GLsizei(count));
+  glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, GLsizei(count), GLuint(first));
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
@@ -131,14 +140,16 @@ void NailboardDrawer::draw(const PictureAtlas& atlas, const Camera& frame, Depth
                            std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   upload(frame, instances);
-  draw_polygons(atlas, mode, false, instances.size());
+  draw_polygons(atlas, mode, shader::NailboardOutput::color, 0, whole_);
+  draw_polygons(atlas, mode, shader::NailboardOutput::share_of_color, whole_,
+                instances.size() - whole_);
 }
 
 void NailboardDrawer::draw_objects(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                                    std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   upload(frame, instances);
-  draw_polygons(atlas, mode, true, instances.size());
+  draw_polygons(atlas, mode, shader::NailboardOutput::objects, 0, instances.size());
 }
 
 void NailboardDrawer::draw_outlines(const Camera& frame,

@@ -16,6 +16,7 @@
 
 #include "rilievo/capture/picture_atlas.h"
 #include "rilievo/core/depth_image.h"
+#include "rilievo/draw/nailboard_shaders.h"
 #include "rilievo/represent/nailboard.h"
 
 namespace rilievo {
@@ -27,6 +28,8 @@ struct NailboardInstance {
   glm::dmat4 world_now_from_capture{1.0};
   // What the probe sees: this object, or, if kNoObject, the identifiers captured with the picture.
   std::uint32_t object = kNoObject;
+  // Drawn only where the pixel's hash is in [from, to): what fades in or out (shader::kPixelHash).
+  float share_from = 0, share_to = 1;
 };
 
 class NailboardDrawer {
@@ -46,19 +49,22 @@ class NailboardDrawer {
  private:
   struct Instance;  // as the vertex shader reads it
   void upload(const Camera& frame, std::span<const NailboardInstance> instances);
-  void draw_polygons(const PictureAtlas& atlas, DepthMode mode, bool objects, std::size_t count);
+  void draw_polygons(const PictureAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
+                     std::size_t first, std::size_t count);
 
-  gl::Program programs_[3][2];  // by DepthMode; colours or identifiers
+  gl::Program programs_[3][3];  // by DepthMode and output
   gl::Program outline_;
   gl::VertexArray vertex_array_;
   gl::Buffer instance_buffer_;
   std::size_t capacity_ = 0;
   glm::mat4 clip_from_relative_{1.0f};
   struct Key {
+    bool share;
     float distance;
     std::uint32_t index;
   };
-  std::vector<Key> order_;
+  std::vector<Key> order_;  // whole ones, then shares; each front to back
+  std::size_t whole_ = 0;
   std::vector<std::byte> staging_;
 };
 

@@ -201,6 +201,61 @@ TEST(NailboardDrawer, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
   EXPECT_GT(same, kWidth * kHeight - 20);
 }
 
+TEST(NailboardDrawer, shares_of_polygons_and_of_pictures_complement_each_other) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  // A wall before the eye, and a picture of a wall in the same place.
+  Scene scene;
+  Mesh wall;
+  wall.positions = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
+  wall.normals.assign(4, {0, 0, 1});
+  wall.indices = {0, 1, 2, 0, 2, 3};
+  wall.material = 0;
+  scene.meshes = {wall};
+  scene.materials.resize(1);
+  scene.materials[0].unlit = true;
+  scene.models.resize(1);
+  scene.models[0].parts = {Part{}};
+  scene.objects.resize(1);
+  finish(scene);
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+  auto drawer = NailboardDrawer::create();
+  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  auto target = FrameTarget::create(kWidth, kHeight, 1);
+  ASSERT_TRUE(drawer.ok() && atlas.ok() && target.ok());
+  const Camera frame = look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.5, 20);
+  Box box;
+  box.add(glm::vec3(-9, -9, -0.5f)), box.add(glm::vec3(9, 9, 0.5f));
+  Nailboard board;
+  Camera capture = *tight_camera(Projection::perspective, {0, 0, 5}, {0, 1, 0}, box);
+  capture.width = capture.height = 64;
+  board.geometry = picture_geometry(capture);
+  board.geometry.delta_bits = 8;
+  board.color = Rgba8Image(64, 64, glm::u8vec4(255));
+  board.delta = Image<std::uint16_t>(64, 64, 127);
+  const auto slot = atlas->allocate(64, 64);
+  atlas->write(*slot, board);
+
+  const auto white = [&] {
+    target->resolve();
+    int count = 0;
+    for (const glm::u8vec4& texel : target->read().texels()) count += texel.r == 255;
+    return count;
+  };
+  const int all = kWidth * kHeight;
+  for (float part : {0.0f, 0.3f, 0.5f, 0.9f}) {
+    target->begin();
+    const PixelShare polygons{0, 0, part};
+    renderer->draw_shares(frame, {&polygons, 1}, OutputEncoding::srgb);
+    // The hash is evenly spread: a share of the hash is that share of the pixels, to 1 %.
+    EXPECT_NEAR(white(), part * all, 0.01 * all);
+    NailboardInstance instance{*slot, board.geometry, glm::dmat4(1), 1, part, 1};
+    drawer->draw(*atlas, frame, DepthMode::exact, {&instance, 1});
+    EXPECT_EQ(white(), all);
+  }
+}
+
 TEST(PictureAtlas, gives_back_what_was_written) {
   auto context = gl::Context::create();
   ASSERT_TRUE(context.ok());

@@ -24,6 +24,8 @@
 
 #include <string>
 
+#include "rilievo/capture/scene_shaders.h"
+
 namespace rilievo::shader {
 namespace {
 
@@ -36,6 +38,7 @@ layout(location = 2) in vec4 v_axis_slot_y;
 layout(location = 3) in vec4 eye_slot_width;      // E
 layout(location = 4) in vec4 forward_slot_height; // the capturing camera's -z
 layout(location = 5) in vec4 depths;  // z_near, z_far, plane_z; identifier's bits
+layout(location = 6) in vec4 share;   // of the pixels, in x and y
 layout(location = 0) uniform mat4 clip_from_relative;
 )";
 
@@ -50,6 +53,9 @@ out vec2 v_near_extent;  // z_N, z_F - z_N, times clip_w
 #endif
 #ifdef OBJECT_IDS
 flat out uint v_object;
+#endif
+#ifdef SHARE
+flat out vec2 v_share;
 #endif
 
 #if MODE == 1
@@ -81,6 +87,9 @@ void main() {
 #ifdef OBJECT_IDS
   v_object = floatBitsToUint(depths.w);
 #endif
+#ifdef SHARE
+  v_share = share.xy;
+#endif
 }
 )";
 
@@ -92,6 +101,9 @@ in vec2 v_towards;
 flat in vec4 v_eye;
 #elif MODE == 1
 in vec2 v_near_extent;
+#endif
+#ifdef SHARE
+flat in vec2 v_share;
 #endif
 layout(binding = 0) uniform sampler2DArray color_texture;
 layout(binding = 1) uniform sampler2DArray delta_texture;
@@ -106,6 +118,10 @@ layout(location = 0) out vec4 out_color;
 #endif
 
 void main() {
+#ifdef SHARE
+  float hash = pixel_hash();
+  if (hash < v_share.x || hash >= v_share.y) discard;
+#endif
   ivec3 texel = ivec3(v_uv, v_layer);
   float delta = texelFetch(delta_texture, texel, 0).r * delta_scale;
   if (delta > largest_delta) discard;
@@ -143,11 +159,12 @@ void main() { out_color = vec4(color, 1.0); }
 
 }  // namespace
 
-Result<gl::Program> make_nailboard_program(DepthMode mode, bool objects) {
+Result<gl::Program> make_nailboard_program(DepthMode mode, NailboardOutput output) {
   std::string defines = "#define MODE " + std::to_string(int(mode)) + "\n";
-  if (objects) defines += "#define OBJECT_IDS 1\n";
+  if (output == NailboardOutput::objects) defines += "#define OBJECT_IDS 1\n";
+  if (output == NailboardOutput::share_of_color) defines += "#define SHARE 1\n";
   return gl::make_program("nailboard", std::string(kVersion) + kInstance + kVertex,
-                          std::string(kVersion) + kFragment, defines);
+                          std::string(kVersion) + kPixelHash + kFragment, defines);
 }
 
 Result<gl::Program> make_outline_program() {

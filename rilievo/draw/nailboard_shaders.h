@@ -6,7 +6,13 @@
 
 namespace rilievo::shader {
 
-[[nodiscard]] Result<gl::Program> make_nailboard_program(DepthMode mode, bool objects);
+enum class NailboardOutput {
+  color,
+  share_of_color,  // a share of the pixels only, chosen by kPixelHash
+  objects,         // identifiers
+};
+
+[[nodiscard]] Result<gl::Program> make_nailboard_program(DepthMode mode, NailboardOutput output);
 [[nodiscard]] Result<gl::Program> make_outline_program();
 
 }  // namespace rilievo::shader
