@@ -23,6 +23,21 @@ glm::vec4 slerp(const glm::vec4& a, const glm::vec4& b, float s) {
   return unit(xyzw(glm::slerp(quaternion(a), quaternion(b), s)));
 }
 
+// A node's translation, rotation (xyzw) and scale, kept in the columns of a matrix until its turn
+// comes, so that posing needs no memory of its own.
+glm::mat4 packed(const Node& node) {
+  return {glm::vec4(node.translation, 0), xyzw(node.rotation), glm::vec4(node.scale, 0),
+          glm::vec4(0)};
+}
+
+glm::mat4 parent_from_node(const glm::mat4& packed) {
+  const glm::mat3 rotation = glm::mat3_cast(quaternion(unit(packed[1])));
+  return {glm::vec4(rotation[0] * packed[2].x, 0), glm::vec4(rotation[1] * packed[2].y, 0),
+          glm::vec4(rotation[2] * packed[2].z, 0), glm::vec4(glm::vec3(packed[0]), 1)};
+}
+
+}  // namespace
+
 glm::vec4 sample(const Channel& c, double time) {
   const bool rotation = c.path == Channel::Path::rotation;
   const bool cubic = c.interpolation == Channel::Interpolation::cubic_spline;
@@ -51,28 +66,14 @@ glm::vec4 sample(const Channel& c, double time) {
                 (3 * s2 - 2 * s3) * value(k + 1) + (s3 - s2) * d * in_tangent);
 }
 
-// A node's translation, rotation (xyzw) and scale, kept in the columns of a matrix until its turn
-// comes, so that posing needs no memory of its own.
-glm::mat4 packed(const Node& node) {
-  return {glm::vec4(node.translation, 0), xyzw(node.rotation), glm::vec4(node.scale, 0),
-          glm::vec4(0)};
+double repeated(double time, double duration) {
+  if (!(duration > 0.0) || !std::isfinite(time)) return 0.0;
+  const double t = std::fmod(time, duration);
+  return t < 0.0 ? t + duration : t;
 }
-
-glm::mat4 parent_from_node(const glm::mat4& packed) {
-  const glm::mat3 rotation = glm::mat3_cast(quaternion(unit(packed[1])));
-  return {glm::vec4(rotation[0] * packed[2].x, 0), glm::vec4(rotation[1] * packed[2].y, 0),
-          glm::vec4(rotation[2] * packed[2].z, 0), glm::vec4(glm::vec3(packed[0]), 1)};
-}
-
-}  // namespace
 
 void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_model) {
-  // The animation repeats.
-  double t = 0.0;
-  if (scene.duration > 0.0f && std::isfinite(time)) {
-    t = std::fmod(time, double(scene.duration));
-    if (t < 0.0) t += double(scene.duration);
-  }
+  const double t = repeated(time, double(scene.duration));
 
   // The nodes' matrices live behind the objects' in the caller's buffer, which keeps its capacity.
   world_from_model.resize(scene.objects.size() + scene.nodes.size());

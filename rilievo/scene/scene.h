@@ -142,6 +142,13 @@ struct Scene {
   Sky sky;
 };
 
+// The curve's value at `time` (seconds; constant before the first key and after the last): a vec3
+// in xyz, or a unit quaternion.
+[[nodiscard]] glm::vec4 sample(const Channel& channel, double time);
+
+// The time within the animation that `time` stands for: it repeats.
+[[nodiscard]] double repeated(double time, double duration);
+
 // world_from_model of every object at `time` seconds into the caller's buffer, which is resized.
 void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_model);
 
