@@ -1,5 +1,8 @@
 #include "apps/rilievo/methods.h"
 
+#include <glm/glm.hpp>
+
+#include "rilievo/cache/picture_frames.h"
 #include "rilievo/draw/direct_frames.h"
 
 namespace rilievo::app {
@@ -12,19 +15,40 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_option("--depth", options.depth, "How nailboards write depth (default exact)")
       ->check(CLI::IsMember({"exact", "linear"}));
   command.add_flag("--outlines", options.outlines, "Outline what is drawn from a picture");
+  command
+      .add_option(
+          "--angle", options.angle_degrees,
+          "A picture is captured again when its object has moved by this angle (default 0.15)")
+      ->check(CLI::Range(0.0, 90.0))
+      ->type_name("DEGREES");
+  command.add_option("--memory-mb", options.memory_mb, "Memory for pictures (default 256)")
+      ->check(CLI::Range(1, 65536))
+      ->type_name("MB");
 }
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"direct"};
+  static const std::vector<std::string> names{"direct", "flat", "nailboard"};
   return names;
 }
 
+DepthMode depth_mode(const MethodOptions& options) {
+  return options.depth == "linear" ? DepthMode::linear : DepthMode::exact;
+}
+
 Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
-                                                 const MethodOptions& options,
+                                                 const MethodOptions& options, int samples,
                                                  SceneRenderer& renderer) {
-  (void)options;
   if (method == "direct") return {std::make_unique<DirectFrames>(renderer)};
-  return Error{"--method", "unknown method '" + method + "'"};
+  PictureFramesOptions pictures;
+  pictures.mode = method == "flat" ? DepthMode::flat : depth_mode(options);
+  pictures.delta_bits = options.delta_bits;
+  pictures.max_angle = glm::radians(options.angle_degrees);
+  pictures.outlines = options.outlines;
+  pictures.max_bytes = std::size_t(options.memory_mb) << 20;
+  pictures.samples = samples;
+  Result<PictureFrames> made = PictureFrames::create(renderer, pictures);
+  if (!made) return made.error();
+  return {std::make_unique<PictureFrames>(std::move(*made))};
 }
 
 }  // namespace rilievo::app

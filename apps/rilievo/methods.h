@@ -8,6 +8,7 @@
 
 #include "rilievo/capture/scene_renderer.h"
 #include "rilievo/draw/frame_source.h"
+#include "rilievo/represent/picture_geometry.h"
 
 namespace rilievo::app {
 
@@ -15,16 +16,23 @@ struct MethodOptions {
   int delta_bits = 8;
   std::string depth = "exact";
   bool outlines = false;
+  double angle_degrees = 0.15;
+  int memory_mb = 256;
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);
+
+// Of nailboards: --depth.
+[[nodiscard]] DepthMode depth_mode(const MethodOptions& options);
 
 // direct, flat, nailboard.
 [[nodiscard]] const std::vector<std::string>& method_names();
 
 // `renderer` must outlive the source.
+// `samples` is the frame's antialiasing, which pictures share.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                                const MethodOptions& options,
+                                                               int samples,
                                                                SceneRenderer& renderer);
 
 }  // namespace rilievo::app

@@ -1,51 +1,109 @@
-// rilievo render SCENE -o DIR: draws the frames of a path into PNG files.
+// rilievo render SCENE -o DIR: draws the frames of a path into PNG files; and the pictures with
+// depth that they were drawn from, which it also draws.
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/cache/picture_frames.h"
 #include "rilievo/capture/frame_target.h"
+#include "rilievo/draw/stored_pictures.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
+#include "rilievo/measure/stats.h"
 
 namespace rilievo::app {
 namespace {
 
 struct Options {
-  std::string scene, output, method = "direct";
+  std::string scene, output, pictures, json, method = "nailboard";
   FrameOptions frames;
   MethodOptions methods;
 };
 
-Result<> draw_frames(const Options& options, const FramePlan& plan, FrameSource& source) {
-  Result<FrameTarget> target =
-      FrameTarget::create(options.frames.width, options.frames.height, options.frames.samples);
-  if (!target) return target.error();
-  if (Result<> made = make_folder(options.output); !made) return made;
-  Progress progress("frame");
-  for (int frame = 0; frame < plan.frames; ++frame) {
-    progress.show(frame, plan.frames);
-    const double time = frame_time(plan.path, frame);
-    const Camera camera = camera_at(plan.path, time, options.frames.width, options.frames.height);
-    target->begin();
-    if (Result<> drawn = source.draw(camera, time); !drawn) return drawn;
-    target->resolve();
-    const std::filesystem::path file =
-        std::filesystem::path(options.output) / fmt::format("frame_{:05}.png", frame);
-    if (Result<> saved = save_png(file, target->read()); !saved) return saved;
+// Where the eye is in each frame.
+struct Walk {
+  FramePlan plan;
+  std::optional<Camera> only;  // instead of the plan's cameras
+
+  [[nodiscard]] int frames() const { return only ? 1 : plan.frames; }
+  [[nodiscard]] double time(int frame) const { return only ? 0.0 : frame_time(plan.path, frame); }
+  [[nodiscard]] Camera camera(int frame, int width, int height) const {
+    return only ? *only : camera_at(plan.path, time(frame), width, height);
   }
-  return Done{};
+};
+
+std::string numbered(const std::string& folder, const char* stem, int frame,
+                     const char* extension) {
+  return (std::filesystem::path(folder) / fmt::format("{}_{:05}{}", stem, frame, extension))
+      .string();
 }
 
-Result<> render(const Options& options) {
+Result<> save_pictures_of(const FrameSource& source, const Options& options, const Camera& camera,
+                          int frame) {
+  const auto* with_pictures = dynamic_cast<const PictureFrames*>(&source);
+  if (!with_pictures) return Error{"--save-pictures", "these pictures are in a file already"};
+  const FramePictures saved{with_pictures->read_pictures(), camera, options.methods.delta_bits};
+  // A frame of nothing but light objects has none.
+  if (saved.pictures.empty()) return Done{};
+  return save_frame_pictures(numbered(options.pictures, "pictures", frame, ".exr"), saved);
+}
+
+Result<> draw_frames(const Options& options, const Walk& walk, int width, int height,
+                     FrameSource& source) {
+  Result<FrameTarget> target = FrameTarget::create(width, height, options.frames.samples);
+  if (!target) return target.error();
+  for (const std::string& folder : {options.output, options.pictures})
+    if (Result<> made = make_folder(folder); !made) return made;
+  std::vector<double> frame_ms;
+  int captures = 0;
+  Progress progress("frame");
+  for (int frame = 0; frame < walk.frames(); ++frame) {
+    progress.show(frame, walk.frames());
+    const Camera camera = walk.camera(frame, width, height);
+    const auto start = std::chrono::steady_clock::now();
+    target->begin();
+    if (Result<> drawn = source.draw(camera, walk.time(frame)); !drawn) return drawn;
+    target->resolve();
+    gl::finish();
+    frame_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+            .count());
+    captures += source.figures().captures;
+    const std::string file = numbered(options.output, "frame", frame, ".png");
+    if (Result<> saved = save_png(file, target->read()); !saved) return saved;
+    if (options.pictures.empty()) continue;
+    if (Result<> saved = save_pictures_of(source, options, camera, frame); !saved) return saved;
+  }
+  if (options.json.empty()) return Done{};
+  const Summary ms = summarize(frame_ms);
+  const nlohmann::json json{{"schema", "rilievo-render-1"},
+                            {"scene", options.scene},
+                            {"method", options.method},
+                            {"size", {width, height}},
+                            {"samples", options.frames.samples},
+                            {"frames", walk.frames()},
+                            {"frame_ms", {{"p50", ms.p50}, {"p99", ms.p99}, {"max", ms.max}}},
+                            {"captures", captures},
+                            {"picture_bytes", source.figures().picture_bytes}};
+  return write_text(options.json, json.dump(2) + "\n");
+}
+
+Result<> render_scene(const Options& options) {
+  if (!options.pictures.empty() && options.method == "direct")
+    return Error{"--save-pictures", "direct drawing uses no pictures"};
   const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
@@ -55,9 +113,61 @@ Result<> render(const Options& options) {
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
   const Result<std::unique_ptr<FrameSource>> source =
-      make_source(options.method, options.methods, *renderer);
+      make_source(options.method, options.methods, options.frames.samples, *renderer);
   if (!source) return source.error();
-  return draw_frames(options, *plan, **source);
+  return draw_frames(options, {*plan, {}}, options.frames.width, options.frames.height, **source);
+}
+
+// Stored pictures before the sky.
+class PicturesAndSky : public FrameSource {
+ public:
+  PicturesAndSky(StoredPictures pictures, SceneRenderer& sky)
+      : pictures_(std::move(pictures)), sky_(sky) {}
+  Result<> draw(const Camera& camera, double time) override {
+    if (Result<> drawn = pictures_.draw(camera, time); !drawn) return drawn;
+    sky_.draw_sky(camera, OutputEncoding::srgb);
+    return Done{};
+  }
+  Result<> draw_objects() override { return pictures_.draw_objects(); }
+  [[nodiscard]] FrameFigures figures() const override { return pictures_.figures(); }
+
+ private:
+  StoredPictures pictures_;
+  SceneRenderer& sky_;
+};
+
+// The eye of the frame that the pictures were saved from; else that of the first picture.
+Result<Walk> walk_of(const Options& options, const FramePictures& stored) {
+  Walk walk;
+  if (!options.frames.path_file.empty()) {
+    const Result<FramePlan> plan = plan_frames(options.frames, {});
+    if (!plan) return plan.error();
+    walk.plan = *plan;
+    return walk;
+  }
+  walk.only = stored.camera ? *stored.camera : stored.pictures.front().camera;
+  return walk;
+}
+
+Result<> render_pictures(const Options& options) {
+  const Result<FramePictures> stored = load_frame_pictures(options.scene);
+  if (!stored) return stored.error();
+  const Result<Walk> walk = walk_of(options, *stored);
+  if (!walk) return walk.error();
+  const auto context = gl::Context::create();
+  if (!context) return context.error();
+  const Scene nothing;
+  Result<SceneRenderer> sky = SceneRenderer::create(nothing);
+  if (!sky) return sky.error();
+  Result<StoredPictures> pictures = StoredPictures::create(
+      stored->pictures,
+      {depth_mode(options.methods), stored->delta_bits, options.methods.outlines});
+  if (!pictures)
+    return Error{options.scene, pictures.error().where + ": " + pictures.error().reason};
+  PicturesAndSky source(std::move(*pictures), *sky);
+  const bool saved_size = walk->only.has_value();
+  return draw_frames(options, *walk, saved_size ? walk->only->width : options.frames.width,
+                     saved_size ? walk->only->height : options.frames.height, source);
 }
 
 }  // namespace
@@ -65,16 +175,27 @@ Result<> render(const Options& options) {
 Command render_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Draw the frames of a camera path");
-  command->add_option("SCENE", options->scene, kSceneHelp)->required();
+  command
+      ->add_option("SCENE", options->scene,
+                   std::string(kSceneHelp) + "; or an OpenEXR file of pictures with depth")
+      ->required();
   command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
       ->required()
       ->type_name("DIR");
-  command->add_option("--method", options->method, "How the frames are drawn (default direct)")
+  command->add_option("--method", options->method, "How the frames are drawn (default nailboard)")
       ->check(CLI::IsMember(method_names()));
+  command
+      ->add_option("--save-pictures", options->pictures,
+                   "Folder for the pictures that each frame was drawn from, pictures_00000.exr ...")
+      ->type_name("DIR");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
+  add_json_option(*command, options->json);
   command->footer("Example: rilievo render model.glb --orbit 60 --size 640x360 -o frames");
-  return {command, [options] { return render(*options); }};
+  return {command, [options] {
+            return is_picture_file(options->scene) ? render_pictures(*options)
+                                                   : render_scene(*options);
+          }};
 }
 
 }  // namespace rilievo::app

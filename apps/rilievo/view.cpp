@@ -25,7 +25,7 @@ namespace rilievo::app {
 namespace {
 
 struct Options {
-  std::string scene, screenshot, method = "direct";
+  std::string scene, screenshot, method = "nailboard";
   bool split = false;
   FrameOptions frames;
   MethodOptions methods;
@@ -188,7 +188,7 @@ class Viewer {
     if (!state_.new_source) return Done{};
     state_.new_source = false;
     Result<std::unique_ptr<FrameSource>> made =
-        make_source(state_.method, state_.methods, renderer_);
+        make_source(state_.method, state_.methods, options_.frames.samples, renderer_);
     if (!made) return made.error();
     source_ = std::move(*made);
     return Done{};
@@ -243,7 +243,7 @@ Command view_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command->add_option("SCENE", options->scene, kSceneHelp)->required();
-  command->add_option("--method", options->method, "How the frames are drawn (default direct)")
+  command->add_option("--method", options->method, "How the frames are drawn (default nailboard)")
       ->check(CLI::IsMember(method_names()));
   command->add_flag("--split", options->split, "Direct drawing in the right half");
   command

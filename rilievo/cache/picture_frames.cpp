@@ -150,6 +150,9 @@ std::vector<DepthImage> PictureFrames::read_pictures() const {
   std::vector<DepthImage> read;
   for (const NailboardInstance& instance : instances_) {
     read.push_back(depth_image_from(atlas_.read(instance.slot, instance.geometry)));
+    Camera& camera = read.back().camera;
+    if (instance.world_now_from_capture != glm::dmat4(1.0))
+      camera.world_from_eye = instance.world_now_from_capture * camera.world_from_eye;
     const std::string& name = renderer_.scene().objects[instance.object - 1].name;
     read.back().name = std::to_string(instance.object) + (name.empty() ? "" : " " + name);
     read.back().object = Image<std::uint32_t>(instance.slot.width, instance.slot.height);

@@ -38,7 +38,8 @@ class PictureFrames : public FrameSource {
   Result<> draw_objects() override;
   [[nodiscard]] FrameFigures figures() const override { return figures_; }
 
-  // The pictures that the last frame drew, as of their capture, named after their objects.
+  // The pictures that the last frame drew, named after their objects. The camera of an object that
+  // has moved since its capture has moved along.
   [[nodiscard]] std::vector<DepthImage> read_pictures() const;
 
  private:

@@ -67,6 +67,7 @@ class Usage(Folder):
             (*frame, "--frames", "0"), (*frame, "--frames", "-1"), (*frame, "--frames", "nan"),
             (*frame, "--orbit", "3", "--walk", "3"), (*frame, "--orbit", "0"),
             (*frame, "--samples", "3"), (*frame, "--method", "magic"),
+            (*frame, "--save-pictures", self.folder, "--method", "direct"),
             (*frame, "--delta-bits", "7"), (*frame, "--depth", "curved"),
         ]:
             with self.subTest(arguments=arguments):
@@ -113,9 +114,20 @@ class Results(Folder):
         self.assertLessEqual(abs(info["triangles"] - 20000), 1000)
         self.assertEqual(result.stderr, "")  # no progress in a pipe
 
+    def test_saved_pictures_draw_the_frame_they_were_saved_from(self):
+        frame = ("--frames", "1", "--size", "320x180")
+        for bits in ["8", "16"]:
+            self.done("render", "builtin:teapot?triangles=5000", *frame, "--delta-bits", bits, "-o",
+                      self.folder / "live", "--save-pictures", self.folder / "pictures")
+            self.done("render", self.folder / "pictures" / "pictures_00000.exr", "-o",
+                      self.folder / "again")
+            self.assertEqual(digests(self.folder / "again"), digests(self.folder / "live"))
+        info = self.done("info", self.folder / "pictures" / "pictures_00000.exr", "--json", "-")
+        self.assertEqual(len(json.loads(info.stdout)["pictures"]), 1)
+
     def test_frames_are_the_same_whatever_the_threads_and_from_run_to_run(self):
         # Software drawing; LP_NUM_THREADS is llvmpipe's, 0 draws in the calling thread.
-        for method in ["direct"]:
+        for method in ["direct", "flat", "nailboard"]:
             with self.subTest(method=method):
                 runs = []
                 for i, threads in enumerate(["0", "1", "2", "2"]):

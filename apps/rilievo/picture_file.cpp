@@ -1,0 +1,70 @@
+#include "apps/rilievo/picture_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include "rilievo/io/exr.h"
+
+namespace rilievo::app {
+namespace {
+
+constexpr char kFrame[] = "frame";
+
+std::string text_of(const FramePictures& frame) {
+  const Camera& camera = *frame.camera;
+  const ImageWindow& window = camera.window;
+  nlohmann::json pose = nlohmann::json::array();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) pose.push_back(camera.world_from_eye[column][row]);
+  return nlohmann::json{{"world_from_eye", pose},
+                        {"window", {window.left, window.right, window.bottom, window.top}},
+                        {"z_near", camera.z_near},
+                        {"z_far", camera.z_far},
+                        {"size", {camera.width, camera.height}},
+                        {"delta_bits", frame.delta_bits}}
+      .dump();
+}
+
+Result<> read_text(const std::string& text, const std::string& file, FramePictures& frame) {
+  const Error broken{file, "the attribute of the frame's camera is broken"};
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return broken;
+  try {
+    Camera camera;
+    for (int i = 0; i < 16; ++i)
+      camera.world_from_eye[i / 4][i % 4] = json.at("world_from_eye").at(i).get<double>();
+    const auto& window = json.at("window");
+    camera.window = {window.at(0).get<double>(), window.at(1).get<double>(),
+                     window.at(2).get<double>(), window.at(3).get<double>()};
+    camera.z_near = json.at("z_near").get<double>();
+    camera.z_far = json.at("z_far").get<double>();
+    camera.width = json.at("size").at(0).get<int>();
+    camera.height = json.at("size").at(1).get<int>();
+    frame.delta_bits = json.at("delta_bits").get<int>();
+    if (!validate(camera) || frame.delta_bits < 2 || frame.delta_bits > 16) return broken;
+    frame.camera = camera;
+  } catch (const nlohmann::json::exception&) {
+    return broken;
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<> save_frame_pictures(const std::string& file, const FramePictures& frame) {
+  FileAttributes attributes;
+  if (frame.camera) attributes.file[kFrame] = text_of(frame);
+  return save_pictures(file, frame.pictures, attributes);
+}
+
+Result<FramePictures> load_frame_pictures(const std::string& file) {
+  Result<PictureFile> loaded = load_picture_file(file);
+  if (!loaded) return loaded.error();
+  FramePictures frame;
+  frame.pictures = std::move(loaded->pictures);
+  const auto text = loaded->attributes.file.find(kFrame);
+  if (text != loaded->attributes.file.end())
+    if (Result<> read = read_text(text->second, file, frame); !read) return read.error();
+  return frame;
+}
+
+}  // namespace rilievo::app
