@@ -96,7 +96,8 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
                        glm::vec4(point(capture.position()), float(in.slot.width)),
                        glm::vec4(glm::vec3(turned * capture.forward()), float(in.slot.height)),
                        glm::vec4(float(capture.z_near), float(capture.z_far),
-                                 float(in.geometry.plane_z), std::bit_cast<float>(in.object))};
+                                 float(in.geometry.plane_z), std::bit_cast<float>(in.object)),
+                       glm::vec4(in.share_from, in.share_to, 0, 0)};
     std::memcpy(staging_.data() + i * sizeof(Instance), &out, sizeof out);
   }
   if (staging_.size() > capacity_ || !instance_buffer_) {

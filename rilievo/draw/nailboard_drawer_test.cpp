@@ -240,7 +240,8 @@ TEST(NailboardDrawer, shares_of_polygons_and_of_pictures_complement_each_other) 
   const auto white = [&] {
     target->resolve();
     int count = 0;
-    for (const glm::u8vec4& texel : target->read().texels()) count += texel.r == 255;
+    const Rgba8Image image = target->read();
+    for (const glm::u8vec4& texel : image.texels()) count += texel.r == 255;
     return count;
   };
   const int all = kWidth * kHeight;
