@@ -1,6 +1,12 @@
 #include "apps/rilievo/scene_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
 #include "rilievo/scene/builtin.h"
+#include "rilievo/scene/load_scene.h"
 
 namespace rilievo::app {
 
@@ -10,7 +16,13 @@ Result<OpenedScene> open_scene(const std::string& text) {
     if (!built) return built.error();
     return OpenedScene{std::move(built->scene), std::move(built->path)};
   }
-  return Error{text, "is not a built-in scene"};
+  Result<LoadedScene> loaded = load_scene(text);
+  if (!loaded) return loaded.error();
+  for (std::string warning : loaded->warnings) {
+    std::replace(warning.begin(), warning.end(), '\n', ' ');
+    fmt::print(stderr, "rilievo: {}: warning: {}\n", text, warning);
+  }
+  return OpenedScene{std::move(loaded->scene), {}};
 }
 
 }  // namespace rilievo::app
