@@ -12,7 +12,9 @@ function(rilievo_install target name)
     if(EXISTS ${PROJECT_SOURCE_DIR}/rilievo/${stage})
       install(DIRECTORY ${PROJECT_SOURCE_DIR}/rilievo/${stage}
               DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rilievo FILES_MATCHING PATTERN "*.h"
-              PATTERN "*_test_helpers.h" EXCLUDE)
+              PATTERN "*_test_helpers.h" EXCLUDE
+              # Behind load_scene.h; they need the headers of what reads for it.
+              PATTERN "gltf_*.h" EXCLUDE PATTERN "assimp_*.h" EXCLUDE)
     endif()
   endforeach()
 endfunction()

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "rilievo/core/file.h"
-#include "tests/scene/gltf_builder.h"
+#include "rilievo/scene/gltf_test_helpers.h"
 
 namespace rilievo {
 namespace {

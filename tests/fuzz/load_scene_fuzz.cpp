@@ -1,0 +1,32 @@
+// Any bytes, taken for each kind of scene they could be: a valid scene or an Error, within the
+// bound on memory.
+//
+//   load_scene_fuzz -rss_limit_mb=2048 -max_len=65536 CORPUS
+//
+// CORPUS is a folder of small scenes as they are: .glb, .gltf, .obj, .ply, .stl.
+#include <cstdlib>
+#include <cstring>
+
+#include "rilievo/scene/load_scene.h"
+
+namespace {
+
+void load(const std::uint8_t* data, std::size_t size, const char* name) {
+  rilievo::LoadOptions options;
+  options.time = 0.3;
+  options.max_bytes = 256u << 20;
+  const auto loaded = rilievo::load_scene({data, size}, name, options);
+  if (loaded && !rilievo::validate(loaded->scene)) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  load(data, size, "fuzz");
+  // OBJ has no first bytes of its own, and STL none that are sure.
+  const bool known = size > 0 && (data[0] == '{' || data[0] == 'g' || data[0] == 'p');
+  if (known) return 0;
+  load(data, size, "fuzz.obj");
+  if (size >= 6 && std::memcmp(data, "solid ", 6) != 0) load(data, size, "fuzz.stl");
+  return 0;
+}
