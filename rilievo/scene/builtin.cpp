@@ -18,6 +18,7 @@ struct Entry {
   BuiltinScene (*make)(std::uint64_t triangles, std::uint64_t seed);
 };
 constexpr Entry kEntries[] = {
+    {"bridge", 2'000'000, 100'000, 50'000'000, make_bridge},
     {"forest", 10'000'000, 10'000, 100'000'000, make_forest},
     {"teapots", 200'000, 10'000, 20'000'000, make_teapots},
     {"teapot", 30'000, 500, 10'000'000,

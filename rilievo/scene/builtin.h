@@ -21,7 +21,7 @@ namespace rilievo {
 
 struct BuiltinScene {
   Scene scene;      // finished and valid
-  CameraPath path;  // half a minute; its first frames are the scene's default walk
+  CameraPath path;  // 16 s or more; its first frames are the scene's default walk
 };
 
 // Does `spec` name a built-in scene, rather than a file?

@@ -111,7 +111,7 @@ Mesh make_tree(TreeKind kind, std::uint64_t seed, int triangles) {
   const int count = std::clamp(int(leaves / 60), 6, shape.blobs);
   const float grow = std::cbrt(float(shape.blobs) / float(count));
   for (int i = 0; i < count; ++i) {
-    const int n = budget.divide(leaves / count, 8, 2);
+    const int n = budget.divide(leaves / count, 8, 0, 2);
     const float h = (float(i) + 0.5f) / float(count);
     const float y = crown_start + h * (shape.height - crown_start);
     const glm::vec3 tint = shape.leaves * random.between(0.88f, 1.12f);

@@ -175,10 +175,11 @@ void add_tube(Mesh& mesh, const glm::vec3& a, const glm::vec3& b, float ra, floa
   });
 }
 
-int TriangleBudget::divide(double wanted, double factor, int least) {
+int TriangleBudget::divide(double wanted, double square, double linear, int least) {
   const double target = std::max(wanted + owed_, 0.0);
-  const int n = std::max(least, int(std::lround(std::sqrt(target / factor))));
-  owed_ += wanted - factor * n * n;
+  const double root = (std::sqrt(linear * linear + 4 * square * target) - linear) / (2 * square);
+  const int n = std::max(least, int(std::lround(root)));
+  owed_ += wanted - (square * n + linear) * n;
   return n;
 }
 

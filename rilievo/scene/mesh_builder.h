@@ -57,8 +57,9 @@ void add_tube(Mesh& mesh, const glm::vec3& a, const glm::vec3& b, float ra, floa
 // one piece is given to the next.
 class TriangleBudget {
  public:
-  // n for a piece of `factor` * n^2 triangles that should have `wanted` of them; at least `least`.
-  int divide(double wanted, double factor, int least);
+  // n for a piece of `square` * n^2 + `linear` * n triangles that should have `wanted` of them; at
+  // least `least`.
+  int divide(double wanted, double square, double linear, int least);
 
  private:
   double owed_ = 0.0;

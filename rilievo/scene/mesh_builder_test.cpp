@@ -126,9 +126,9 @@ TEST(MeshBuilder, a_budget_is_met_over_many_pieces) {
     double wanted = 0, got = 0, largest = 0;
     for (int i = 0; i < 40; ++i) {
       const double target = 20 + double(rng() % 2000);
-      const int n = budget.divide(target, 8, 1);
-      wanted += target, got += 8.0 * n * n;
-      largest = std::max(largest, 8.0 * (2 * n + 1));
+      const int n = budget.divide(target, 8, 5, 1);
+      wanted += target, got += 8.0 * n * n + 5.0 * n;
+      largest = std::max(largest, 8.0 * (2 * n + 1) + 5);
     }
     // What is owed at the end is at most one step of the finest piece.
     EXPECT_NEAR(got, wanted, largest);
