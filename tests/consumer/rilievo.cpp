@@ -1,14 +1,40 @@
-// Uses rilievo::rilievo, and through it OpenGL, without a window.
+#include <rilievo/cache/picture_frames.h>
+#include <rilievo/capture/frame_target.h>
+#include <rilievo/gl/context.h>
+#include <rilievo/io/png.h>
+#include <rilievo/scene/builtin.h>
+
 #include <cstdio>
 
-#include "rilievo/gl/context.h"
+using namespace rilievo;
+
+// Walks through a scene whose heavy objects are drawn from pictures with depth.
+Result<> walk(const char* spec, const char* file) {
+  auto context = gl::Context::create();  // or make your own window's context current
+  if (!context) return context.error();
+  auto made = make_builtin(spec);  // or load_scene("house.glb")
+  if (!made) return made.error();
+  auto renderer = SceneRenderer::create(made->scene);
+  if (!renderer) return renderer.error();
+  auto frames = PictureFrames::create(*renderer, {.mode = DepthMode::linear});
+  if (!frames) return frames.error();
+  auto target = FrameTarget::create(640, 360, 4);
+  if (!target) return target.error();
+  for (int frame = 0; frame < 10; ++frame) {
+    const double time = frame_time(made->path, frame);
+    target->begin();
+    if (auto drawn = frames->draw(camera_at(made->path, time, 640, 360), time); !drawn)
+      return drawn.error();
+    target->resolve();
+    const FrameFigures done = frames->figures();
+    std::printf("frame %d: %d objects as polygons, %d as pictures, %d of them new\n", frame,
+                done.polygons, done.pictures, done.captures);
+  }
+  return save_png(file, target->read());
+}
 
 int main() {
-  const auto context = rilievo::gl::Context::create();
-  if (!context) {
-    std::fprintf(stderr, "%s\n", context.error().message().c_str());
-    return 1;
-  }
-  std::printf("Draws with %s\n", rilievo::gl::renderer_name().c_str());
-  return 0;
+  const auto done = walk("builtin:teapots?triangles=100000", "teapots.png");
+  if (!done) std::fprintf(stderr, "%s\n", done.error().message().c_str());
+  return done ? 0 : 1;
 }
