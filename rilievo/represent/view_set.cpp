@@ -253,6 +253,17 @@ ViewPick pick_views(const ViewSet& set, const glm::dvec3& towards_viewer) {
   return sorted_pick(set, {{nearest, to_other}, {other, to_nearest}}, direction);
 }
 
+std::vector<int> nearest_views(const ViewSet& set, const glm::dvec3& towards_viewer, int count) {
+  std::vector<int> views(set.directions.size());
+  for (int i = 0; i < int(views.size()); ++i) views[i] = i;
+  std::stable_sort(views.begin(), views.end(), [&](int a, int b) {
+    return glm::dot(set.directions[a], towards_viewer) >
+           glm::dot(set.directions[b], towards_viewer);
+  });
+  if (count < int(views.size())) views.resize(std::max(count, 0));
+  return views;
+}
+
 Result<Camera> view_camera(const Box& box, const glm::dvec3& direction,
                            const ViewCameraOptions& options) {
   RILIEVO_EXPECTS_GT(options.distance, 1.0);

@@ -58,6 +58,10 @@ struct ViewPick {
 };
 [[nodiscard]] ViewPick pick_views(const ViewSet& set, const glm::dvec3& towards_viewer);
 
+// The `count` views nearest to the direction (fewer if there are fewer), nearest first.
+[[nodiscard]] std::vector<int> nearest_views(const ViewSet& set, const glm::dvec3& towards_viewer,
+                                             int count);
+
 struct ViewCameraOptions {
   Projection projection = Projection::back_perspective;
   int size = 256;  // texels, square
