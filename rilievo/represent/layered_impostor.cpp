@@ -20,6 +20,10 @@ struct Range {
   float nearest = kNoDepth, farthest = -kNoDepth;
 };
 
+// Neighbours of more are not looked for in reasonable time, nor would anybody want them.
+constexpr std::size_t kMaxViews = 1024;
+constexpr double kSameDirection = 1e-3;
+
 // The bounds between layers: edge[i] to edge[i + 1] is layer i, or between, for fractions.
 float layer_edge(const Range& range, const SliceOptions& options, float i) {
   const float t = i / float(options.layers);
@@ -89,6 +93,8 @@ std::vector<Slice> slice_surface(const TexelSurface& surface, const SliceOptions
 Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
                                               const SliceOptions& options) {
   if (pictures.empty()) return Error{"layered impostor", "there is no picture"};
+  if (pictures.size() > kMaxViews)
+    return Error{"layered impostor", "it has more than " + std::to_string(kMaxViews) + " views"};
   LayeredImpostor impostor;
   impostor.slicing = options;
   std::vector<glm::dvec3> directions;
@@ -100,7 +106,7 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
       return Error{where, "its camera is parallel"};
     directions.push_back(view_direction(picture.camera));
     for (std::size_t k = 0; k < i; ++k)
-      if (glm::length(directions[k] - directions[i]) < 1e-4)
+      if (glm::length(directions[k] - directions[i]) < kSameDirection)
         return Error{where, "it looks the same way as picture " + std::to_string(k)};
 
     const Image<float> eye_z = eye_z_of(picture);
@@ -124,6 +130,18 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
   impostor.views = view_set_from_directions(std::move(directions));
   impostor.pictures = std::move(pictures);
   return impostor;
+}
+
+std::vector<FillSlices> neighbor_pairs(const ViewSet& views) {
+  std::vector<FillSlices> pairs;
+  for (const auto& edge : views.edges) {
+    pairs.push_back({edge[0], edge[1], {}});
+    pairs.push_back({edge[1], edge[0], {}});
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const FillSlices& a, const FillSlices& b) {
+    return std::pair(a.view, a.neighbor) < std::pair(b.view, b.neighbor);
+  });
+  return pairs;
 }
 
 LayeredFigures analyze_layered_impostor(const LayeredImpostor& impostor) {

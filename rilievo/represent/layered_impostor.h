@@ -89,9 +89,13 @@ struct LayeredImpostor {
 
 // Puts pictures together. Their directions are those in which their cameras look away from the
 // apex, or back to the eye. Nothing if there is no picture, if one is not valid or not from a
-// perspective or back-perspective camera, if all are empty, or if two share a direction.
+// perspective or back-perspective camera, if all are empty, if two share a direction (to a
+// milliradian), or if there are more than 1024.
 [[nodiscard]] Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
                                                             const SliceOptions& options);
+
+// Every ordered pair of neighbours, ascending, without slices.
+[[nodiscard]] std::vector<FillSlices> neighbor_pairs(const ViewSet& views);
 
 // The direction towards the viewers whom a picture from this camera serves. Unit.
 [[nodiscard]] glm::dvec3 view_direction(const Camera& camera);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rilievo/represent/test_shapes.h"
+#include "rilievo/represent/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

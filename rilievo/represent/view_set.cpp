@@ -75,7 +75,11 @@ glm::dvec3 common_plane(const std::vector<glm::dvec3>& directions) {
 // Indices in the order of their angle around `normal`, from that of points[indices[0]].
 std::vector<int> ordered_around(const std::vector<glm::dvec3>& points, std::vector<int> indices,
                                 const glm::dvec3& center, const glm::dvec3& normal) {
-  const glm::dvec3 x = glm::normalize(points[indices[0]] - center), y = glm::cross(normal, x);
+  glm::dvec3 x = points[indices[0]] - center;
+  for (int p : indices)
+    if (x == glm::dvec3(0.0)) x = points[p] - center;
+  x = glm::normalize(x);
+  const glm::dvec3 y = glm::cross(normal, x);
   std::vector<std::pair<double, int>> around;
   for (int p : indices) {
     const glm::dvec3 d = points[p] - center;
@@ -89,7 +93,8 @@ std::vector<int> ordered_around(const std::vector<glm::dvec3>& points, std::vect
 
 // Triangles of the convex hull of points on the unit sphere, by definition: a plane through three
 // points with no point outside it is a face; points on that plane make a polygon, cut into a fan
-// from its smallest index. O(n^4), for the few dozen directions of a view set.
+// from its smallest index. Most planes are given up after a few points: about O(n^3), for the few
+// dozen directions of a view set.
 std::vector<std::array<int, 3>> hull(const std::vector<glm::dvec3>& points) {
   const int n = int(points.size());
   std::vector<std::array<int, 3>> triangles;
@@ -99,15 +104,16 @@ std::vector<std::array<int, 3>> hull(const std::vector<glm::dvec3>& points) {
         glm::dvec3 normal = glm::cross(points[j] - points[i], points[k] - points[i]);
         if (glm::length(normal) < kFlat) continue;
         normal = glm::normalize(normal);
-        double highest = -1e300, lowest = 1e300;
-        std::vector<int> face;
-        for (int p = 0; p < n; ++p) {
+        double highest = 0, lowest = 0;
+        for (int p = 0; p < n && !(highest > kFlat && lowest < -kFlat); ++p) {
           const double height = glm::dot(normal, points[p] - points[i]);
           highest = std::max(highest, height);
           lowest = std::min(lowest, height);
-          if (std::abs(height) <= kFlat) face.push_back(p);
         }
         if (highest > kFlat && lowest < -kFlat) continue;
+        std::vector<int> face;
+        for (int p = 0; p < n; ++p)
+          if (std::abs(glm::dot(normal, points[p] - points[i])) <= kFlat) face.push_back(p);
         if (highest > kFlat) normal = -normal;
         // Each polygon comes up for every three of its corners: take it the first time.
         if (face[0] != i || face[1] != j || face[2] != k) continue;

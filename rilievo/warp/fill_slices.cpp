@@ -54,14 +54,7 @@ void find_from(const LayeredImpostor& impostor, const Camera& camera, int view, 
 }  // namespace
 
 void find_fill_slices(LayeredImpostor& impostor, const FillOptions& options) {
-  std::vector<FillSlices> fills;
-  for (const auto& edge : impostor.views.edges) {
-    fills.push_back({edge[0], edge[1], {}});
-    fills.push_back({edge[1], edge[0], {}});
-  }
-  std::sort(fills.begin(), fills.end(), [](const FillSlices& a, const FillSlices& b) {
-    return std::pair(a.view, a.neighbor) < std::pair(b.view, b.neighbor);
-  });
+  std::vector<FillSlices> fills = neighbor_pairs(impostor.views);
   const glm::dvec3 center(impostor.bounds.center());
   const double reach = options.distance * impostor.bounds.radius();
   tbb::parallel_for(std::size_t(0), fills.size(), [&](std::size_t i) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/represent/test_shapes.h"
+#include "rilievo/represent/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

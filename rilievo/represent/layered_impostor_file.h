@@ -1,0 +1,28 @@
+// How is a layered impostor kept in a file?
+//
+// As its pictures (io/exr.h): one part of an OpenEXR file a view, which any EXR tool opens. What
+// makes a layered impostor of them are string attributes:
+//   rilievo.file.representation   "layered-impostor"
+//   rilievo.file.slicing          "LAYERS OVERLAP SPACING TEXELS": a whole number, a number,
+//                                 eye_z or window_z, pieces or samples
+//   rilievo.picture.fills         "NEIGHBOR LAYER X0 Y0 X1 Y1" for each slice that fills this
+//                                 view's holes (S2.6), separated by "; ". In all views or in none:
+//                                 without, they have not been looked for
+// Slices, surfaces and neighbours follow from the pictures and are made again on loading.
+#pragma once
+
+#include <filesystem>
+
+#include "rilievo/represent/layered_impostor.h"
+
+namespace rilievo {
+
+// Colours are rounded to halfs (io/exr.h).
+[[nodiscard]] Result<> save_layered_impostor(const std::filesystem::path& path,
+                                             const LayeredImpostor& impostor);
+
+// The error names the file and what is wrong with it: not an EXR, no layered impostor, broken
+// pictures, attributes that contradict them.
+[[nodiscard]] Result<LayeredImpostor> load_layered_impostor(const std::filesystem::path& path);
+
+}  // namespace rilievo
