@@ -5,6 +5,7 @@
 
 #include "rilievo/capture/picture_camera.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/represent/sample_error.h"
 
 namespace rilievo {
 namespace {
@@ -144,6 +145,14 @@ Result<> PictureFrames::draw_objects() {
   drawer_.draw_objects(atlas_, camera_, options_.mode, instances_);
   renderer_.draw_objects(camera_, polygons_);
   return Done{};
+}
+
+void PictureFrames::append_errors(int step, std::vector<float>& errors_px) const {
+  for (const NailboardInstance& instance : instances_) {
+    Camera frame = camera_;
+    frame.world_from_eye = glm::inverse(instance.world_now_from_capture) * frame.world_from_eye;
+    append_sample_errors(atlas_.read(instance.slot, instance.geometry), frame, step, errors_px);
+  }
 }
 
 std::vector<DepthImage> PictureFrames::read_pictures() const {

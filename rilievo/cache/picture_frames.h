@@ -37,6 +37,7 @@ class PictureFrames : public FrameSource {
   Result<> draw(const Camera& camera, double time) override;
   Result<> draw_objects() override;
   [[nodiscard]] FrameFigures figures() const override { return figures_; }
+  void append_errors(int step, std::vector<float>& errors_px) const override;
 
   // The pictures that the last frame drew, named after their objects. The camera of an object that
   // has moved since its capture has moved along.

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "rilievo/core/camera.h"
 #include "rilievo/core/result.h"
@@ -37,6 +38,10 @@ class FrameSource {
   virtual Result<> draw_objects() = 0;
 
   [[nodiscard]] virtual FrameFigures figures() const = 0;
+
+  // Appends how far from where they belong the last draw() showed samples of its pictures, pixels;
+  // every `step`-th texel in x and y. Slow; nothing for sources without pictures.
+  virtual void append_errors(int /*step*/, std::vector<float>& /*errors_px*/) const {}
 };
 
 }  // namespace rilievo

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "rilievo/represent/sample_error.h"
+
 namespace rilievo {
 namespace {
 
@@ -117,6 +119,40 @@ TEST(Nailboard, survives_the_way_to_a_picture_and_back_bit_for_bit) {
       ASSERT_EQ(again.color, board.color);
       ASSERT_EQ(again.delta, board.delta);
     }
+}
+
+TEST(SampleError, is_nothing_from_the_capturing_eye_and_the_parallax_from_another) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Nailboard board = make_nailboard(random_picture(rng), 16);
+    const PictureGeometry& g = board.geometry;
+    Camera frame = look_at(g.capture.position(), {0, 0, 0}, {0, 1, 0}, 0.6, 640, 480, 0.5, 30);
+    std::vector<float> errors;
+    append_sample_errors(board, frame, 1, errors);
+    ASSERT_GT(errors.size(), 100u);
+    for (float e : errors) EXPECT_LT(e, 1e-6f);  // rounding
+
+    frame.world_from_eye[3] += glm::dvec4(0.2 * u(rng), 0.2 * u(rng), 0.2 * u(rng), 0);
+    errors.clear();
+    append_sample_errors(board, frame, 1, errors);
+    // Brute force: the angle between the sample and its place on the polygon, texel by texel.
+    std::size_t k = 0;
+    for (int y = 0; y < 12; ++y)
+      for (int x = 0; x < 16; ++x) {
+        if (board.delta(x, y) == delta_transparent(16)) continue;
+        const glm::dvec2 raster(x + 0.5, y + 0.5);
+        const glm::dvec3 drawn =
+            raster_from_world(frame, world_from_raster(g.capture, raster, g.plane_z));
+        if (drawn.x < 0 || drawn.x > 640 || drawn.y < 0 || drawn.y > 480) continue;
+        const double z =
+            eye_z_from(DepthKind::window_z, decode_delta(board.delta(x, y), 16), g.capture, raster);
+        const glm::dvec3 truth = raster_from_world(frame, world_from_raster(g.capture, raster, z));
+        ASSERT_LT(k, errors.size());
+        EXPECT_NEAR(errors[k++], glm::length(glm::dvec2(drawn - truth)), 1e-4);  // a float's digits
+      }
+    EXPECT_EQ(k, errors.size());
+  }
 }
 
 }  // namespace
