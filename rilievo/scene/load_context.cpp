@@ -7,7 +7,8 @@
 namespace rilievo {
 
 void MemoryBudget::borrow(std::uint64_t count, std::uint64_t each) const {
-  if (each != 0 && count > left_ / each)
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(count, each, &bytes) || bytes > left_)
     refuse("needs more memory than the " + std::to_string(total_ >> 20) + " MiB allowed");
 }
 

@@ -8,9 +8,9 @@
 #include <new>
 
 #include "rilievo/core/file.h"
-#include "rilievo/scene/assimp_read.h"
 #include "rilievo/scene/gltf_read.h"
 #include "rilievo/scene/load_context.h"
+#include "rilievo/scene/polygon_read.h"
 
 namespace rilievo {
 namespace {
@@ -23,14 +23,6 @@ std::string lower_extension(const std::filesystem::path& path) {
   std::string e = path.extension().string();
   std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
   return e.empty() ? e : e.substr(1);
-}
-
-// A binary STL has 80 bytes of anything, a count, and 50 bytes a triangle.
-bool is_binary_stl(Bytes file) {
-  if (file.size() < 84) return false;
-  const std::uint64_t triangles =
-      file[80] | file[81] << 8 | file[82] << 16 | std::uint64_t(file[83]) << 24;
-  return file.size() == 84 + 50 * triangles;
 }
 
 // What a file is that cannot be a scene, by its first bytes.
@@ -78,7 +70,10 @@ std::string kind_of(Bytes file, const std::string& extension) {
 LoadedScene read(Bytes file, const std::string& extension, LoadContext& context) {
   const std::string kind = kind_of(file, extension);
   LoadedScene out;
-  out.scene = kind == "gltf" ? read_gltf(file, context) : read_with_assimp(file, kind, context);
+  out.scene = kind == "gltf"  ? read_gltf(file, context)
+              : kind == "obj" ? read_obj(file, context)
+              : kind == "ply" ? read_ply(file, context)
+                              : read_stl(file, context);
   finish(out.scene);
   if (const Result<> valid = validate(out.scene); !valid) refuse(valid.error().reason);
   if (count_triangles(out.scene) == 0)

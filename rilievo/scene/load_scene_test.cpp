@@ -53,7 +53,8 @@ TEST(LoadScene, says_what_a_file_is_instead) {
             "is cut short: a .glb file has a header of 12 bytes");
   EXPECT_EQ(reason(std::string("glTF\1\0\0\0\x0C\0\0\0", 12), "a.glb"),
             "is glTF 1.0; only 2.0 can be read");
-  EXPECT_EQ(reason("# nothing\n", "a.obj").substr(0, 14), "cannot be read");
+  EXPECT_EQ(reason("# nothing\n", "a.obj"), "is not an OBJ file: it has no statement of one");
+  EXPECT_EQ(reason("v 0 0 0\n", "a.obj"), "has points or lines only, no triangles to draw");
 }
 
 TEST(LoadScene, a_missing_file_is_named) {
