@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 #include "rilievo/core/result.h"
 
@@ -13,11 +14,14 @@ namespace rilievo::app {
 
 struct Command {
   CLI::App* parser = nullptr;
-  std::function<Result<>()> run;
+  // `command_line` is what was typed, for reports that say how to do it again.
+  std::function<Result<>(const std::string& command_line)> run;
 };
 
 [[nodiscard]] Command info_command(CLI::App& app);
 [[nodiscard]] Command render_command(CLI::App& app);
+[[nodiscard]] Command compare_command(CLI::App& app);
+[[nodiscard]] Command bench_command(CLI::App& app);
 #ifdef RILIEVO_VIEWER
 [[nodiscard]] Command view_command(CLI::App& app);
 #endif

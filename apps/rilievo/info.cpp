@@ -120,7 +120,7 @@ Command info_command(CLI::App& app) {
       ->required();
   add_json_option(*command, options->json);
   command->footer("Example: rilievo info model.glb");
-  return {command, [options] {
+  return {command, [options](const std::string&) {
             return is_picture_file(options->file) ? describe_pictures(*options)
                                                   : describe_scene(*options);
           }};

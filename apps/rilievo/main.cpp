@@ -18,6 +18,18 @@ int fail(std::string message, int code) {
   return code;
 }
 
+// As a shell would take it.
+std::string command_line(int argc, char** argv) {
+  std::string line = "rilievo";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain =
+        !word.empty() && word.find_first_of(" \t\n'\"\\?&*;|<>()[]{}$`!#~") == word.npos;
+    line += plain ? " " + word : " '" + word + "'";
+  }
+  return line;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Draws heavy 3D scenes as pictures with depth, and measures them against the truth."};
@@ -29,8 +41,7 @@ int run(int argc, char** argv) {
       "report\nEvery command says more with --help.");
   using namespace rilievo::app;
   const std::vector<Command> commands{
-      info_command(app),
-      render_command(app),
+      info_command(app), render_command(app), compare_command(app), bench_command(app),
 #ifdef RILIEVO_VIEWER
       view_command(app),
 #endif
@@ -44,7 +55,7 @@ int run(int argc, char** argv) {
   }
   for (const Command& command : commands) {
     if (!*command.parser) continue;
-    const rilievo::Result<> result = command.run();
+    const rilievo::Result<> result = command.run(command_line(argc, argv));
     if (!result) return fail(result.error().where + ": " + result.error().reason, 2);
   }
   return 0;

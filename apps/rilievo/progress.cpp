@@ -18,8 +18,11 @@ void Progress::show(int done, int total) {
   std::fflush(stderr);
 }
 
-Progress::~Progress() {
+void Progress::clear() {
   if (shown_) fmt::print(stderr, "\r\033[K");
+  shown_ = false;
 }
+
+Progress::~Progress() { clear(); }
 
 }  // namespace rilievo::app

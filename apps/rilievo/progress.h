@@ -13,6 +13,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(int done, int total);
+  // Before something else is printed.
+  void clear();
 
  private:
   std::string what_;

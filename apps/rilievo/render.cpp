@@ -192,7 +192,7 @@ Command render_command(CLI::App& app) {
   add_method_options(*command, options->methods);
   add_json_option(*command, options->json);
   command->footer("Example: rilievo render model.glb --orbit 60 --size 640x360 -o frames");
-  return {command, [options] {
+  return {command, [options](const std::string&) {
             return is_picture_file(options->scene) ? render_pictures(*options)
                                                    : render_scene(*options);
           }};

@@ -253,7 +253,7 @@ Command view_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
   command->footer("Example: rilievo view builtin:bridge --split");
-  return {command, [options] { return view(*options); }};
+  return {command, [options](const std::string&) { return view(*options); }};
 }
 
 }  // namespace rilievo::app

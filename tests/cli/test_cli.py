@@ -51,7 +51,7 @@ class Folder(unittest.TestCase):
 
 class Usage(Folder):
     def test_every_command_explains_itself_by_an_example(self):
-        commands = ["info", "render"]
+        commands = ["info", "render", "compare", "bench"]
         for command in commands:
             self.assertIn(f"Example: rilievo {command}", self.done(command, "--help").stdout)
         for command in commands:
@@ -68,6 +68,9 @@ class Usage(Folder):
             (*frame, "--orbit", "3", "--walk", "3"), (*frame, "--orbit", "0"),
             (*frame, "--samples", "3"), (*frame, "--method", "magic"),
             (*frame, "--save-pictures", self.folder, "--method", "direct"),
+            ("bench",), ("bench", "nonsense"), ("compare", TEAPOTS),
+            ("compare", TEAPOTS, "--methods", "magic", "-o", self.folder / "out"),
+            ("compare", TEAPOTS, "--size", "10x100", "-o", self.folder / "out"),
             (*frame, "--delta-bits", "7"), (*frame, "--depth", "curved"),
         ]:
             with self.subTest(arguments=arguments):
@@ -113,6 +116,50 @@ class Results(Folder):
         self.assertEqual(info["schema"], "rilievo-info-1")
         self.assertLessEqual(abs(info["triangles"] - 20000), 1000)
         self.assertEqual(result.stderr, "")  # no progress in a pipe
+
+    def test_compare_reports_every_method_and_direct_drawing(self):
+        out = self.folder / "new" / "report"
+        result = self.done("compare", TEAPOTS, "--methods", "nailboard,flat", "--frames", "3",
+                           "--size", "160x90", "-o", out, "--json", "-")
+        report = json.loads(result.stdout)
+        self.assertEqual(report, json.loads((out / "report.json").read_text()))
+        self.assertEqual(report["schema"], "rilievo-report-1")
+        self.assertEqual(report["size"], [160, 90])
+        self.assertEqual(report["frames"], 3)
+        self.assertEqual(set(report["methods"]), {"direct", "nailboard", "flat"})
+        for method in report["methods"].values():
+            for figure, parts in {"frame_ms": ["p50", "p99", "max"], "psnr_db": ["mean", "min"],
+                                  "ssim": ["mean", "min"], "flip": ["mean", "max"],
+                                  "wrong_visibility": ["mean", "max"], "depth_error": ["p50", "p99"],
+                                  "uncovered": ["mean", "max"]}.items():
+                self.assertEqual(set(method[figure]), set(parts))
+            self.assertGreater(method["frame_ms"]["p50"], 0)
+            for figure in ["captures", "capture_ms", "picture_bytes"]:
+                self.assertIn(figure, method)
+        direct, nailboard, flat = (report["methods"][m] for m in ["direct", "nailboard", "flat"])
+        self.assertEqual(direct["wrong_visibility"]["max"], 0)
+        self.assertEqual(direct["ssim"]["min"], 1)
+        self.assertGreater(nailboard["captures"], 0)
+        # The things on the table touch each other: a flat picture cannot get that right.
+        self.assertGreater(flat["wrong_visibility"]["mean"], nailboard["wrong_visibility"]["mean"])
+        page = (out / "report.html").read_text()
+        self.assertNotIn("http://", page.replace("http://www.w3.org/", ""))
+
+    def test_benches_report_their_figures(self):
+        figures = {
+            "nailboard-error": ["max_error_percent_rotation_30", "max_error_percent_translation_5"],
+            "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
+        }
+        for bench, names in figures.items():
+            with self.subTest(bench=bench):
+                html = self.folder / "pages" / f"{bench}.html"
+                result = self.done("bench", bench, "--quick", "--json", "-", "--html", html)
+                report = json.loads(result.stdout)
+                self.assertEqual(report["schema"], "rilievo-bench-1")
+                self.assertEqual(report["bench"], bench)
+                for name in names:
+                    self.assertIsInstance(report["figures"][name], float)
+                self.assertIn("<html", html.read_text())
 
     def test_saved_pictures_draw_the_frame_they_were_saved_from(self):
         frame = ("--frames", "1", "--size", "320x180")

@@ -1,0 +1,84 @@
+// rilievo bench NAME: measures one thing, and says what came out.
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "apps/commit.h"
+#include "apps/rilievo/command.h"
+#include "apps/rilievo/output.h"
+#include "apps/rilievo/progress.h"
+#include "bench/bench.h"
+#include "rilievo/gl/context.h"
+#include "rilievo/measure/bench_report.h"
+
+namespace rilievo::app {
+namespace {
+
+struct Options {
+  std::string name, json, html;
+  bool quick = false;
+};
+
+const bench::Bench* find(const std::string& name) {
+  for (const bench::Bench& one : bench::benches())
+    if (one.name == name) return &one;
+  return nullptr;
+}
+
+std::string known_benches() {
+  std::string text;
+  for (const bench::Bench& one : bench::benches())
+    text += fmt::format("  {:<18}{}\n", one.name, one.question);
+  return text;
+}
+
+Result<> run(const Options& options) {
+  const bench::Bench& bench = *find(options.name);
+  std::unique_ptr<gl::Context> context;
+  if (bench.needs_gl) {
+    Result<std::unique_ptr<gl::Context>> made = gl::Context::create();
+    if (!made) return made.error();
+    context = std::move(*made);
+  }
+  Progress progress(options.name);
+  bench::BenchOptions bench_options;
+  bench_options.quick = options.quick;
+  bench_options.progress = [&](int done, int total) { progress.show(done, total); };
+  Result<BenchReport> report = bench.run(bench_options);
+  if (!report) return report.error();
+  progress.clear();
+  report->bench = options.name;
+  report->commit = commit();
+  report->machine = this_machine();
+  if (context) report->machine.gl_renderer = gl::renderer_name();
+  if (options.quick) report->notes.push_back("A quick run: the figures mean nothing.");
+  if (!options.html.empty())
+    if (Result<> done = write_text(options.html, bench_html(*report)); !done) return done;
+  if (!options.json.empty())
+    if (Result<> done = write_text(options.json, bench_json(*report)); !done) return done;
+  if (options.json != "-") fmt::print("{}", bench_text(*report));
+  return Done{};
+}
+
+}  // namespace
+
+Command bench_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("bench", "Measure one thing");
+  command->add_option("NAME", options->name, "What to measure")
+      ->required()
+      ->check([](const std::string& name) {
+        return find(name) ? std::string()
+                          : "no such bench; they are named by `rilievo bench --help`";
+      });
+  add_json_option(*command, options->json);
+  command->add_option("--html", options->html, "Write a page with plots")->type_name("FILE");
+  command->add_flag("--quick", options->quick, "Far fewer cases: only shows that the bench runs");
+  command->footer("Benches:\n" + known_benches() +
+                  "Example: rilievo bench nailboard-error --json -");
+  return {command, [options](const std::string&) { return run(*options); }};
+}
+
+}  // namespace rilievo::app

@@ -1,0 +1,144 @@
+// rilievo compare SCENE --methods a,b,c -o DIR: draws a walk by each method and directly, and
+// reports how fast and how right each was.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/commit.h"
+#include "apps/rilievo/command.h"
+#include "apps/rilievo/frame_options.h"
+#include "apps/rilievo/methods.h"
+#include "apps/rilievo/output.h"
+#include "apps/rilievo/progress.h"
+#include "apps/rilievo/scene_file.h"
+#include "rilievo/compare/compare.h"
+#include "rilievo/gl/context.h"
+#include "rilievo/measure/stats.h"
+
+namespace rilievo::app {
+namespace {
+
+struct Options {
+  std::string scene, output, json, command_line;
+  std::vector<std::string> methods{"flat", "nailboard"};
+  FrameOptions frames;
+  MethodOptions method_options;
+};
+
+// Direct drawing is always there, and first: it draws the true frames.
+std::vector<std::string> with_direct(const std::vector<std::string>& methods) {
+  std::vector<std::string> all{"direct"};
+  for (const std::string& method : methods)
+    if (std::find(all.begin(), all.end(), method) == all.end()) all.push_back(method);
+  return all;
+}
+
+void print_summary(const Report& report) {
+  fmt::print("{:<12}{:>10}{:>10}{:>10}{:>9}{:>10}{:>12}{:>10}\n", "method", "p50 ms", "p99 ms",
+             "PSNR dB", "SSIM", "FLIP", "wrong vis.", "captures");
+  for (const MethodResult& method : report.methods) {
+    const auto mean_of = [&](double FrameResult::*figure) {
+      double sum = 0;
+      for (const FrameResult& frame : method.frames) sum += std::min(frame.*figure, kMostPsnrDb);
+      return sum / double(method.frames.size());
+    };
+    std::vector<double> ms;
+    for (const FrameResult& frame : method.frames) ms.push_back(frame.frame_ms);
+    const Summary time = summarize(ms);
+    fmt::print("{:<12}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
+               time.p50, time.p99, mean_of(&FrameResult::psnr_db), mean_of(&FrameResult::ssim),
+               mean_of(&FrameResult::flip), 100 * mean_of(&FrameResult::wrong_visibility),
+               method.captures);
+  }
+}
+
+Result<> run(const Options& options) {
+  if (std::min(options.frames.width, options.frames.height) < kLeastCompareSize)
+    return Error{"--size",
+                 fmt::format("frames to compare have at least {0}x{0} pixels", kLeastCompareSize)};
+  const Result<OpenedScene> opened = open_scene(options.scene);
+  if (!opened) return opened.error();
+  const Result<FramePlan> plan = plan_frames(options.frames, *opened);
+  if (!plan) return plan.error();
+  const auto context = gl::Context::create();
+  if (!context) return context.error();
+  Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
+  if (!renderer) return renderer.error();
+
+  std::vector<std::unique_ptr<FrameSource>> sources;
+  std::vector<ComparedSource> compared;
+  for (const std::string& method : with_direct(options.methods)) {
+    Result<std::unique_ptr<FrameSource>> source =
+        make_source(method, options.method_options, options.frames.samples, *renderer);
+    if (!source) return source.error();
+    sources.push_back(std::move(*source));
+    compared.push_back({method, sources.back().get()});
+  }
+
+  CompareOptions compare_options;
+  compare_options.width = options.frames.width;
+  compare_options.height = options.frames.height;
+  compare_options.samples = options.frames.samples;
+  compare_options.frames = plan->frames;
+  Progress progress("frame");
+  compare_options.progress = [&](int done, int total) { progress.show(done, total); };
+  const auto walk = [&](int frame) {
+    const double time = frame_time(plan->path, frame);
+    return WalkFrame{camera_at(plan->path, time, options.frames.width, options.frames.height),
+                     time};
+  };
+  Result<Report> report = compare(compared, walk, compare_options);
+  if (!report) return report.error();
+  progress.clear();
+  report->commit = commit();
+  report->scene_name = opened->scene.name.empty() ? options.scene : opened->scene.name;
+  report->triangles = count_triangles(opened->scene);
+  report->objects = opened->scene.objects.size();
+  report->command = options.command_line;
+
+  const std::filesystem::path folder = options.output;
+  const std::string json = report_json(*report);
+  if (Result<> done = write_text((folder / "report.json").string(), json); !done) return done;
+  const std::string page = report_html(*report);
+  if (Result<> done = write_text((folder / "report.html").string(), page); !done) return done;
+  if (!options.json.empty())
+    if (Result<> done = write_text(options.json, json); !done) return done;
+  if (options.json != "-") print_summary(*report);
+  return Done{};
+}
+
+}  // namespace
+
+Command compare_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "Measure methods along a camera path against direct drawing; write a report");
+  command->add_option("SCENE", options->scene, kSceneHelp)->required();
+  command
+      ->add_option("--methods", options->methods,
+                   "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
+                       " (default flat,nailboard)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(method_names()))
+      ->type_name("A,B,...");
+  command->add_option("-o,--output", options->output, "Folder for report.html and report.json")
+      ->required()
+      ->type_name("DIR");
+  add_frame_options(*command, options->frames);
+  add_method_options(*command, options->method_options);
+  add_json_option(*command, options->json);
+  command->footer(
+      "Example: rilievo compare builtin:bridge --methods flat,nailboard --frames 48 -o report");
+  return {command, [options](const std::string& command_line) {
+            options->command_line = command_line;
+            return run(*options);
+          }};
+}
+
+}  // namespace rilievo::app

@@ -1,0 +1,29 @@
+// What can be measured, by name: `rilievo bench NAME`.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "rilievo/core/result.h"
+#include "rilievo/measure/bench_report.h"
+
+namespace rilievo::bench {
+
+struct BenchOptions {
+  // Far fewer cases: shows that the bench runs, its figures mean nothing.
+  bool quick = false;
+  // Called now and then with what is done and how much there is.
+  std::function<void(int done, int total)> progress;
+};
+
+struct Bench {
+  std::string_view name;
+  std::string_view question;
+  bool needs_gl = true;  // run with an OpenGL context current
+  Result<BenchReport> (*run)(const BenchOptions&) = nullptr;
+};
+
+[[nodiscard]] std::span<const Bench> benches();
+
+}  // namespace rilievo::bench

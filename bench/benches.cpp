@@ -1,0 +1,19 @@
+#include <array>
+
+#include "bench/bench.h"
+#include "bench/draw.h"
+#include "bench/nailboard_error.h"
+
+namespace rilievo::bench {
+
+std::span<const Bench> benches() {
+  static constexpr std::array list{
+      Bench{"nailboard-error", "What does the linear depth of eq. (4) cost? (figure 8)", false,
+            nailboard_error},
+      Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?", true,
+            draw},
+  };
+  return list;
+}
+
+}  // namespace rilievo::bench

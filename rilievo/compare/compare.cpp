@@ -1,0 +1,124 @@
+#include "rilievo/compare/compare.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "rilievo/gl/context.h"
+#include "rilievo/io/jpeg.h"
+#include "rilievo/measure/psnr.h"
+#include "rilievo/measure/ssim.h"
+#include "rilievo/measure/stats.h"
+#include "rilievo/measure/visibility.h"
+
+namespace rilievo {
+namespace {
+
+// A method while its frames come in.
+struct Tally {
+  MethodResult result;
+  Histogram depth_errors;
+  std::int64_t polygons = 0, pictures = 0, hierarchy = 0;
+  double bound_px = 0;
+
+  void add_figures(const FrameFigures& figures) {
+    result.captures += figures.captures;
+    result.capture_ms += figures.capture_ms;
+    result.picture_bytes = std::max(result.picture_bytes, std::uint64_t(figures.picture_bytes));
+    polygons += figures.polygons;
+    pictures += figures.pictures;
+    hierarchy += figures.hierarchy;
+    bound_px = std::max(bound_px, figures.bound_px);
+  }
+
+  void add_frame(const DrawnFrame& truth, const DrawnFrame& frame) {
+    const Visibility visibility = compare_visibility(truth.objects, frame.objects);
+    result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
+                             ssim(truth.color, frame.color), 0, visibility.wrong_share(),
+                             visibility.uncovered_share()});
+    add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
+    add_figures(frame.figures);
+  }
+
+  MethodResult finish() {
+    result.depth_error_p50 = depth_errors.percentile(0.50);
+    result.depth_error_p99 = depth_errors.percentile(0.99);
+    if (bound_px > 0) result.bound_px_max = bound_px;
+    result.drawn_as = {{"polygons", polygons}, {"nailboard", pictures}, {"hierarchy", hierarchy}};
+    return std::move(result);
+  }
+};
+
+EncodedPicture jpeg(const Rgba8Image& picture) { return {"image/jpeg", encode_jpeg(picture)}; }
+
+// How many frames of every source fit into the memory.
+int block_size(std::size_t sources, const CompareOptions& options) {
+  const std::size_t pixel = sizeof(glm::u8vec4) + sizeof(std::uint32_t) + sizeof(float);
+  const std::size_t bytes =
+      sources * pixel * std::size_t(options.width) * std::size_t(options.height);
+  return int(std::clamp<std::size_t>(options.max_bytes / bytes, 1, std::size_t(options.frames)));
+}
+
+}  // namespace
+
+Result<Report> compare(std::span<const ComparedSource> sources,
+                       const std::function<WalkFrame(int frame)>& walk,
+                       const CompareOptions& options) {
+  RILIEVO_EXPECTS(!sources.empty());
+  RILIEVO_EXPECTS_GE(options.frames, 1);
+  RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kLeastCompareSize);
+  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
+  if (!target) return target.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
+  if (!probe) return probe.error();
+
+  Report report;
+  report.machine = this_machine();
+  report.machine.gl_renderer = gl::renderer_name();
+  report.width = options.width;
+  report.height = options.height;
+  report.antialiasing = std::to_string(target->samples()) + " samples a pixel";
+  report.shown = frames_to_show(options.frames, options.shown_frames);
+
+  // Compiles what is compiled late, captures what is captured first.
+  std::vector<Tally> tallies(sources.size());
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    tallies[s].result.name = sources[s].name;
+    for (int i = 0; i < options.warm_up; ++i) {
+      const Result<double> ms = time_frame(*sources[s].source, *target, walk(0));
+      if (!ms) return ms.error();
+      const FrameFigures figures = sources[s].source->figures();
+      tallies[s].result.captures += figures.captures;
+      tallies[s].result.capture_ms += figures.capture_ms;
+    }
+  }
+
+  const int step = block_size(sources.size(), options);
+  for (int first = 0; first < options.frames; first += step) {
+    const int end = std::min(first + step, options.frames);
+    std::vector<std::vector<DrawnFrame>> drawn(sources.size());
+    for (std::size_t s = 0; s < sources.size(); ++s)
+      for (int frame = first; frame < end; ++frame) {
+        Result<DrawnFrame> one = draw_frame(*sources[s].source, *target, *probe, walk(frame));
+        if (!one) return one.error();
+        drawn[s].push_back(std::move(*one));
+      }
+    for (int frame = first; frame < end; ++frame) {
+      const std::size_t i = std::size_t(frame - first);
+      const bool shown = std::binary_search(report.shown.begin(), report.shown.end(), frame);
+      const DrawnFrame& truth = drawn[0][i];
+      if (shown) report.true_pictures.push_back(jpeg(truth.color));
+      for (std::size_t s = 0; s < sources.size(); ++s) {
+        tallies[s].add_frame(truth, drawn[s][i]);
+        if (!shown) continue;
+        tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));
+        tallies[s].result.differences.push_back(
+            jpeg(difference_picture(truth.color, drawn[s][i].color)));
+      }
+      if (options.progress) options.progress(frame + 1, options.frames);
+    }
+  }
+  for (Tally& tally : tallies) report.methods.push_back(tally.finish());
+  return report;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,32 @@
+#include "rilievo/compare/drawn_frame.h"
+
+#include <chrono>
+
+#include "rilievo/gl/context.h"
+
+namespace rilievo {
+
+Result<double> time_frame(FrameSource& source, FrameTarget& target, const WalkFrame& frame) {
+  gl::finish();
+  const auto start = std::chrono::steady_clock::now();
+  target.begin();
+  if (Result<> drawn = source.draw(frame.camera, frame.time); !drawn) return drawn.error();
+  target.resolve();
+  gl::finish();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+Result<DrawnFrame> draw_frame(FrameSource& source, FrameTarget& target, ProbeTarget& probe,
+                              const WalkFrame& frame) {
+  const Result<double> ms = time_frame(source, target, frame);
+  if (!ms) return ms.error();
+  DrawnFrame drawn{*ms, source.figures(), target.read()};
+  probe.begin();
+  if (Result<> probed = source.draw_objects(); !probed) return probed.error();
+  drawn.objects = probe.read_objects();
+  drawn.eye_z = probe.read_eye_z(frame.camera);
+  return drawn;
+}
+
+}  // namespace rilievo
