@@ -5,6 +5,7 @@
 
 #include "rilievo/gl/context.h"
 #include "rilievo/io/jpeg.h"
+#include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
 #include "rilievo/measure/stats.h"
@@ -33,8 +34,8 @@ struct Tally {
   void add_frame(const DrawnFrame& truth, const DrawnFrame& frame) {
     const Visibility visibility = compare_visibility(truth.objects, frame.objects);
     result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
-                             ssim(truth.color, frame.color), 0, visibility.wrong_share(),
-                             visibility.uncovered_share()});
+                             ssim(truth.color, frame.color), flip(truth.color, frame.color),
+                             visibility.wrong_share(), visibility.uncovered_share()});
     add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_figures(frame.figures);
   }
