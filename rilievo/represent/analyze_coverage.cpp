@@ -145,7 +145,7 @@ Coverage analyze_coverage(const RayScene& rays, std::span<const Camera> cameras,
                          glm::vec3(d * (options.viewpoint_radii * coverage.radius)));
 
   struct Found {
-    bool visible = false;
+    int viewpoints = 0;
     int pictures = 0;
     double spacing = kNever;
   };
@@ -157,10 +157,9 @@ Coverage analyze_coverage(const RayScene& rays, std::span<const Camera> cameras,
       const float distance = glm::length(to);
       if (glm::dot(point.normal, to) <= 0) continue;
       if (rays.occluded(viewpoint, -to / distance, 0.0f, distance - lift)) continue;
-      found[i].visible = true;
-      break;
+      ++found[i].viewpoints;
     }
-    if (!found[i].visible) return;
+    if (found[i].viewpoints == 0) return;
     for (const Camera& camera : cameras) {
       const double spacing = sample_spacing(rays, camera, point);
       found[i].pictures += spacing < kNever;
@@ -168,10 +167,12 @@ Coverage analyze_coverage(const RayScene& rays, std::span<const Camera> cameras,
     }
   });
 
-  std::size_t visible = 0, once = 0, twice = 0;
+  std::size_t visible = 0, once = 0, twice = 0, seen = 0, seen_covered = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!found[i].visible) continue;
+    if (found[i].viewpoints == 0) continue;
     ++visible;
+    seen += std::size_t(found[i].viewpoints);
+    seen_covered += found[i].pictures >= 1 ? std::size_t(found[i].viewpoints) : 0;
     once += found[i].pictures >= 1;
     twice += found[i].pictures >= 2;
     coverage.spacing.push_back(float(found[i].spacing));
@@ -181,6 +182,7 @@ Coverage analyze_coverage(const RayScene& rays, std::span<const Camera> cameras,
   if (points.empty() || visible == 0) return coverage;
   coverage.visible_share = double(visible) / double(points.size());
   coverage.covered_share = double(once) / double(visible);
+  coverage.covered_seen_share = double(seen_covered) / double(seen);
   coverage.covered_twice_share = double(twice) / double(visible);
   return coverage;
 }

@@ -37,6 +37,9 @@ struct Coverage {
   double visible_share = 0;        // of the surface's area, visible from outside
   double covered_share = 0;        // of what is visible: sampled by at least one picture
   double covered_twice_share = 0;  // ... by at least two
+  // The same with every point counted as often as viewpoints see it: what one sees on average from
+  // there. A cavity that shows through a crack counts little.
+  double covered_seen_share = 0;
   // Of what is visible: distance between the texels of the picture that samples it best, metres;
   // infinite where none does. One a visible point, ascending.
   std::vector<float> spacing;

@@ -135,28 +135,31 @@ TEST(AnalyzeCoverage, agrees_with_trying_every_triangle) {
 
   const Box bounds = world_bounds(scene);
   const glm::dvec3 center(bounds.center());
-  int visible = 0, covered = 0;
+  int visible = 0, covered = 0, seen_times = 0, covered_times = 0;
   const std::vector<SurfacePoint> points = spread_points(*rays, options);
   ASSERT_EQ(points.size(), 600u);
   for (const SurfacePoint& point : points) {
     const glm::dvec3 p(point.position), n(point.normal);
-    bool seen = false;
+    int seen = 0;
     for (const glm::dvec3& d : spread_directions(40)) {
       const glm::dvec3 from = center + d * (4.0 * double(bounds.radius()));
-      seen = seen || (glm::dot(n, from - p) > 0 && !slow_occluded(scene, from, p - from, 0.9999));
+      seen += glm::dot(n, from - p) > 0 && !slow_occluded(scene, from, p - from, 0.9999);
     }
-    visible += seen;
+    visible += seen > 0;
+    seen_times += seen;
     bool sampled = false;
     for (const Camera& camera : cameras) {
       const glm::dvec3 out = p - camera.position();
       sampled = sampled ||
                 (glm::dot(n, out) > 0 && !slow_occluded(scene, p + 100.0 * out, -out, 99.9999));
     }
-    covered += seen && sampled;
+    covered += seen > 0 && sampled;
+    covered_times += sampled ? seen : 0;
   }
   // Floats against doubles: a point or two within rounding of a shadow's edge.
   EXPECT_NEAR(coverage.visible_share * 600, visible, 2);
   EXPECT_NEAR(coverage.covered_share * coverage.visible_share * 600, covered, 3);
+  EXPECT_NEAR(coverage.covered_seen_share, double(covered_times) / seen_times, 0.003);
   EXPECT_LT(visible, 600);
   EXPECT_LE(coverage.covered_share, 1);
   EXPECT_EQ(coverage.spacing.size(), std::size_t(std::lround(coverage.visible_share * 600)));

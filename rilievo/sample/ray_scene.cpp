@@ -149,6 +149,8 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
   for (std::size_t m = 0; m < scene.models.size(); ++m) {
     const Model& model = scene.models[m];
     state->models.emplace_back(rtcNewScene(state->device));
+    // Else rays slip through between triangles that share an edge.
+    rtcSetSceneFlags(state->models.back().get(), RTC_SCENE_FLAG_ROBUST);
     for (int p = 0; p < int(model.parts.size()); ++p) {
       const Part& part = model.parts[p];
       const Mesh& mesh = scene.meshes[part.mesh];
@@ -187,6 +189,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
   }
 
   state->world.reset(rtcNewScene(state->device));
+  rtcSetSceneFlags(state->world.get(), RTC_SCENE_FLAG_ROBUST);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     RTCGeometry instance = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, state->models[scene.objects[i].model].get());
