@@ -2,6 +2,7 @@
 
 #include "bench/bench.h"
 #include "bench/draw.h"
+#include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
 
 namespace rilievo::bench {
@@ -10,6 +11,8 @@ std::span<const Bench> benches() {
   static constexpr std::array list{
       Bench{"nailboard-error", "What does the linear depth of eq. (4) cost? (figure 8)", false,
             nailboard_error},
+      Bench{"nailboard-bits", "How many bits of Delta does a nailboard need? (figure 5)", true,
+            nailboard_bits},
       Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?", true,
             draw},
   };

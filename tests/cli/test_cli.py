@@ -148,6 +148,7 @@ class Results(Folder):
     def test_benches_report_their_figures(self):
         figures = {
             "nailboard-error": ["max_error_percent_rotation_30", "max_error_percent_translation_5"],
+            "nailboard-bits": [f"wrong_visibility_{bits}bit" for bits in [2, 4, 6, 8, 16]],
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
         }
         for bench, names in figures.items():
