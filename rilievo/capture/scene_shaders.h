@@ -1,6 +1,7 @@
 // The shaders of direct drawing, and which variants of them there are.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <string>
 
 #include "rilievo/gl/object.h"

@@ -16,7 +16,7 @@ Result<> walk(const char* spec, const char* file) {
   if (!made) return made.error();
   auto renderer = SceneRenderer::create(made->scene);
   if (!renderer) return renderer.error();
-  auto frames = PictureFrames::create(*renderer, {.mode = DepthMode::linear});
+  auto frames = PictureFrames::create(*renderer, {.max_angle = 0.02});
   if (!frames) return frames.error();
   auto target = FrameTarget::create(640, 360, 4);
   if (!target) return target.error();
