@@ -1,0 +1,280 @@
+#include "rilievo/cache/cut.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+enum Choice : std::uint8_t {
+  kNothing,  // neither seen now nor soon
+  kKeep,     // the picture at hand
+  kCapture,  // a new picture
+  kBelow,    // the children; polygons for an object
+};
+
+// A capture that pays within so many frames is made at once, others when there is time.
+constexpr double kPaysSoon = 4, kPaysLate = 16;
+
+glm::dmat4 power(const glm::dmat4& m, int n) {
+  glm::dmat4 result(1.0);
+  for (int i = 0; i < n; ++i) result = m * result;
+  return result;
+}
+
+}  // namespace
+
+Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const CacheState& state_,
+         const FrameView& frame_, const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_)
+    : tree(tree_),
+      moving(moving_),
+      state(state_),
+      frame(frame_),
+      options(options_),
+      scratch(scratch_),
+      plan(plan_),
+      view(view_axes(frame_, options_.fade_frames + options_.spread_frames)) {}
+
+const Box& Cut::box_of(Entity e) const {
+  return is_moving(e) ? moving[e - nodes()].box : tree.nodes[e].box;
+}
+
+std::uint64_t Cut::triangles_of(Entity e) const {
+  return is_moving(e) ? moving[e - nodes()].triangles : tree.nodes[e].triangles;
+}
+
+glm::dvec3 Cut::drift_of(Entity e) const {
+  if (!is_moving(e)) return view.velocity;
+  // The eye's next place, carried back by what the object will have done.
+  const glm::dmat4 last_from_now = glm::inverse(moving[e - nodes()].now_from_last);
+  return glm::dvec3(last_from_now * glm::dvec4(view.eye + view.velocity, 1)) - view.eye;
+}
+
+PictureEstimate Cut::estimate(Entity e) const {
+  const std::uint64_t triangles = triangles_of(e);
+  if (is_moving(e) ? moving[e - nodes()].deforms
+                   : !tree.nodes[e].leaf() && triangles > options.picture_triangles)
+    return {};
+  return estimate_picture(view, box_of(e), triangles, drift_of(e), options);
+}
+
+const Picture* Cut::picture_of(const std::vector<std::uint32_t>& by_entity, Entity e) const {
+  if (e >= by_entity.size() || by_entity[e] == 0) return nullptr;
+  const std::uint32_t slot = by_entity[e] - 1;
+  return scratch.dropped[slot] ? nullptr : &state.slots[slot];
+}
+
+// The bound now and, as long as the motion goes on as it is, the frames until it passes the limit;
+// at most Picture::lead of them are looked into.
+const PlanScratch::Checked& Cut::check(std::uint32_t slot) {
+  PlanScratch::Checked& checked = scratch.checked[slot];
+  if (checked.frame == state.frame) return checked;
+  const Picture& picture = state.slots[slot];
+  const MovingObject* object =
+      is_moving(picture.entity) ? &moving[picture.entity - nodes()] : nullptr;
+  const glm::dmat4 motion =
+      object ? object->world_from_object * glm::inverse(picture.world_from_object)
+             : glm::dmat4(1.0);
+  const auto bound_at = [&](int k) {
+    Camera camera = frame.camera;
+    camera.world_from_eye[3] += glm::dvec4(frame.velocity * double(k), 0);
+    return bound_total_px(picture.geometry, camera,
+                          {object ? power(object->now_from_last, k) * motion : motion});
+  };
+  checked = {state.frame, float(bound_at(0)), 0};
+  if (object && object->deforms) checked.now_px = INFINITY;
+  if (!(checked.now_px <= picture.limit_px)) return checked;
+  if (bound_at(picture.lead) <= picture.limit_px) {
+    checked.remaining = picture.lead;
+    return checked;
+  }
+  int lives = 0, ends = picture.lead;
+  while (ends - lives > 1) {
+    const int middle = (lives + ends) / 2;
+    (bound_at(middle) <= picture.limit_px ? lives : ends) = middle;
+  }
+  checked.remaining = float(lives);
+  return checked;
+}
+
+bool Cut::valid(const Picture* picture) {
+  return picture && double(check(slot_of(picture)).now_px) <= picture->limit_px;
+}
+
+void Cut::drop(std::uint32_t slot) {
+  RILIEVO_EXPECTS(state.slots[slot].held && !scratch.dropped[slot]);
+  scratch.dropped[slot] = 1;
+  plan.evictions.push_back(slot);
+  plan.bytes -= state.slots[slot].bytes;
+}
+
+// Pictures that have been faded out, and those whose successors have been faded in.
+void Cut::evict_finished() {
+  for (std::uint32_t slot = 0; slot < state.slots.size(); ++slot) {
+    const Picture& picture = state.slots[slot];
+    if (!picture.held) continue;
+    if (picture.retire_length > 0 && state.frame >= picture.retire_start + picture.retire_length) {
+      drop(slot);
+    } else if (state.previous[picture.entity] == slot + 1) {
+      const std::uint32_t successor = state.current[picture.entity];
+      if (successor == 0 || state.frame >= state.slots[successor - 1].fade_start +
+                                               state.slots[successor - 1].fade_length)
+        drop(slot);
+    }
+  }
+}
+
+Cut::Costs Cut::evaluate_below(Entity e) {
+  if (!is_moving(e) && !tree.nodes[e].leaf()) {
+    const Costs a = evaluate(e + 1), b = evaluate(tree.nodes[e].second_child);
+    return {a.best + b.best, a.now + b.now};
+  }
+  const double polygons = options.cost.object + double(triangles_of(e)) +
+                          options.cost.polygon_pixel * covered_pixels(view, box_of(e));
+  return {polygons, polygons};
+}
+
+Cut::Costs Cut::evaluate(Entity e) {
+  scratch.now_cost[e] = 0;
+  scratch.choice[e] = kNothing;
+  if (!may_see(view.now, box_of(e)) && !may_see(view.ahead, box_of(e))) return {0, 0};
+
+  const Picture* picture = picture_of(state.current, e);
+  const bool at_hand = valid(picture);
+  if (at_hand && picture->retire_length == 0 &&
+      check(slot_of(picture)).remaining >= float(picture->lead)) {
+    scratch.choice[e] = kKeep;
+    scratch.now_cost[e] = float(picture->draw_cost);
+    return {picture->rate * (1 - options.hysteresis), picture->draw_cost};
+  }
+  double own = INFINITY;
+  const bool retiring = at_hand && picture->retire_length > 0;
+  if (!retiring)
+    if (const PictureEstimate estimated = estimate(e); estimated.possible)
+      own = picture_rate(estimated, options);
+  const Costs below = evaluate_below(e);
+  scratch.choice[e] = own < below.best ? kCapture : kBelow;
+  const double now = at_hand ? std::min(picture->draw_cost, below.now) : below.now;
+  scratch.now_cost[e] = float(now);
+  return {std::min(own, below.best), now};
+}
+
+void Cut::enqueue(Entity e, double deadline, bool covered) {
+  const PictureEstimate estimated = estimate(e);
+  const double benefit = std::max(double(scratch.now_cost[e]) - estimated.draw, 1e-3);
+  if (!covered) {
+    const double pays_in = estimated.capture / benefit;
+    deadline = pays_in < kPaysSoon ? 0 : std::min(pays_in, kPaysLate);
+  }
+  scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture)});
+  full_bytes += estimated.texels * options.bytes_per_texel;
+}
+
+// Asks for the captures that the choices need; `deadline`: frames until what covers this now ends,
+// if anything does. Is everything at hand?
+bool Cut::request(Entity e, double deadline, bool covered) {
+  if (scratch.choice[e] == kNothing) return true;
+  const Picture* picture = picture_of(state.current, e);
+  if (scratch.choice[e] == kKeep) {
+    full_bytes += double(picture->bytes) / (picture->texel_scale * picture->texel_scale);
+    return true;
+  }
+  const bool at_hand = valid(picture);
+  if (at_hand) {
+    // The fade takes place while the old picture still holds.
+    const double fade = std::min<double>(options.fade_frames, 0.5 * picture->lead);
+    deadline = std::max(0.0, double(check(slot_of(picture)).remaining) - fade);
+    covered = true;
+  }
+  if (scratch.choice[e] == kCapture) {
+    enqueue(e, deadline, covered);
+    return false;
+  }
+  bool ready = true;
+  if (!is_moving(e) && !tree.nodes[e].leaf()) {
+    ready = request(e + 1, deadline, covered);
+    ready = request(tree.nodes[e].second_child, deadline, covered) && ready;
+  }
+  if (at_hand && ready && picture->retire_length == 0) plan.retirements.push_back(slot_of(picture));
+  return ready;
+}
+
+void Cut::choose() {
+  if (nodes() > 0) {
+    evaluate(0);
+    request(0, 0, false);
+  }
+  for (Entity e = nodes(); e < plan.entities; ++e) {
+    evaluate(e);
+    request(e, 0, false);
+  }
+}
+
+bool Cut::pictures_cover(Entity e) {
+  if (!may_see(view.now, box_of(e))) return true;
+  return scratch.captured[e] != 0 || valid(picture_of(state.current, e)) || pictures_cover_below(e);
+}
+
+bool Cut::pictures_cover_below(Entity e) {
+  return !is_moving(e) && !tree.nodes[e].leaf() && pictures_cover(e + 1) &&
+         pictures_cover(tree.nodes[e].second_child);
+}
+
+void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float from, float to) {
+  if (!(from < to)) return;
+  plan.pictures.push_back({slot, from, to, bound_px});
+  plan.bound_px = std::max(plan.bound_px, double(bound_px));
+  ++(is_moving(e) || tree.nodes[e].leaf() ? plan.single : plan.hierarchy);
+}
+
+void Cut::draw_below(Entity e, float from, float to) {
+  if (is_moving(e)) {
+    plan.moving_polygons.push_back({e - nodes(), from, to});
+    plan.polygon_triangles += triangles_of(e);
+  } else if (tree.nodes[e].leaf()) {
+    plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to});
+    plan.polygon_triangles += triangles_of(e);
+  } else {
+    draw(e + 1, from, to);
+    draw(tree.nodes[e].second_child, from, to);
+  }
+}
+
+// A picture fades in over the one before it, or over its children's, and out over its children's:
+// what is below gets the rest of the pixels. Never over polygons: they would cost the time that the
+// picture saves.
+void Cut::draw(Entity e, float from, float to) {
+  if (!may_see(view.now, box_of(e))) return;
+  const Capture* capture = scratch.captured[e] ? &plan.captures[scratch.captured[e] - 1] : nullptr;
+  const Picture* old = picture_of(capture ? state.current : state.previous, e);
+  const Picture* picture = capture ? &capture->picture : picture_of(state.current, e);
+  if (!picture || (!capture && !valid(picture))) return draw_below(e, from, to);
+
+  const float bound_px = capture ? float(bound_total_px(picture->geometry, frame.camera))
+                                 : check(slot_of(picture)).now_px;
+  const std::uint32_t slot = capture ? capture->slot : slot_of(picture);
+  const float frames = float(state.frame - picture->fade_start) + 1;
+  float share = std::min(1.0f, frames / float(picture->fade_length));
+  const bool over_old = share < 1 && valid(old);
+  if (!over_old && picture->retire_length > 0)
+    share = std::min(share, 1 - (float(state.frame - picture->retire_start) + 1) /
+                                    (float(picture->retire_length) + 1));
+  if (share < 1 && !over_old && !pictures_cover_below(e)) share = 1;
+
+  const float middle = share < 1 ? from + (to - from) * share : to;
+  emit(slot, e, bound_px, from, middle);
+  if (!(middle < to)) return;
+  if (over_old)
+    emit(slot_of(old), e, check(slot_of(old)).now_px, middle, to);
+  else
+    draw_below(e, middle, to);
+}
+
+void Cut::draw() {
+  if (nodes() > 0) draw(0, 0, 1);
+  for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
+}
+
+}  // namespace rilievo

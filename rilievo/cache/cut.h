@@ -1,0 +1,72 @@
+// The cut through the hierarchy: which nodes should be pictures, which are, and what to draw.
+//
+// The best cut has the least cost a frame, captures included: a picture costs its pixels, and its
+// capture divided by the frames it will live; the least cost of a node is its own picture's or the
+// sum of its children's. Far away pictures live long and whole groves share one; nearer they live
+// shorter and stand for single trees; nearest a tree's triangles are cheaper than its pixels. All
+// of that follows from the one sum.
+//
+// A picture at hand that will last is kept without looking below it, so that a frame costs as much
+// as the cut is wide, not as the scene is large. What is about to end is replaced before it does.
+#pragma once
+
+#include "rilievo/cache/estimate.h"
+#include "rilievo/cache/policy.h"
+
+namespace rilievo {
+
+// One frame's planning. Order of use: evict_finished, choose, schedule_captures (schedule.h), draw.
+struct Cut {
+  const Hierarchy& tree;
+  std::span<const MovingObject> moving;
+  const CacheState& state;
+  const FrameView& frame;
+  const CacheOptions& options;
+  PlanScratch& scratch;
+  Plan& plan;
+  ViewAxes view;
+  double full_bytes = 0;  // of all pictures that stay or are requested, were they at full density
+
+  Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const CacheState& state_,
+      const FrameView& frame_, const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_);
+
+  void evict_finished();
+  void choose();
+  void draw();
+
+  // Of entities.
+  [[nodiscard]] std::uint32_t nodes() const { return std::uint32_t(tree.nodes.size()); }
+  [[nodiscard]] bool is_moving(Entity e) const { return e >= nodes(); }
+  [[nodiscard]] const Box& box_of(Entity e) const;
+  [[nodiscard]] std::uint64_t triangles_of(Entity e) const;
+  // How the eye moves against the entity in a frame, world space.
+  [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
+  [[nodiscard]] PictureEstimate estimate(Entity e) const;
+
+  // Of slots. Nothing if the entity has no picture, or it has been dropped.
+  [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
+                                          Entity e) const;
+  const PlanScratch::Checked& check(std::uint32_t slot);
+  [[nodiscard]] bool valid(const Picture* picture);
+  [[nodiscard]] std::uint32_t slot_of(const Picture* picture) const {
+    return std::uint32_t(picture - state.slots.data());
+  }
+  void drop(std::uint32_t slot);
+  // Is everything visible below the node shown by pictures at hand?
+  [[nodiscard]] bool pictures_cover(Entity e);
+  [[nodiscard]] bool pictures_cover_below(Entity e);
+
+ private:
+  struct Costs {
+    double best, now;  // of the best cut; of drawing with what is at hand
+  };
+  Costs evaluate(Entity e);
+  Costs evaluate_below(Entity e);
+  bool request(Entity e, double deadline, bool covered);
+  void enqueue(Entity e, double deadline, bool covered);
+  void draw(Entity e, float from, float to);
+  void draw_below(Entity e, float from, float to);
+  void emit(std::uint32_t slot, Entity e, float bound_px, float from, float to);
+};
+
+}  // namespace rilievo

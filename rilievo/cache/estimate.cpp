@@ -1,0 +1,187 @@
+// How long a picture lives, from the formula of validity/picture_error.cpp:
+//
+//   parallax px = |d - p| |(X.v, Y.v)| / ((p g - t)(d g - t)),   v = r (f.e) - e (f.r)
+//
+// For a capture camera parallel to the frame's g = 1, and for an eye that moves by `drift` a frame,
+// to first order,
+//
+//   px a frame = (1/front - 1/back)/2 |(px (x drift_z - drift_x), py (y drift_z - drift_y))|
+//
+// at the picture's ray (x, y): the depth's share of the optical flow. It is largest at a corner.
+#include "rilievo/cache/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rilievo {
+namespace {
+
+// A picture as wide as this tangent is taken from too near.
+constexpr double kWidest = 2.5;
+// While a picture is in use the eye comes nearer by at most this share of the distance: texels
+// need not be smaller than pixels by more.
+constexpr double kApproach = 0.3;
+constexpr double kShortestLife = 2;  // frames
+
+std::array<ViewAxes::Plane, 5> frustum_of(const Camera& camera, const glm::dvec3& eye) {
+  const glm::dvec3 right(camera.world_from_eye[0]), up(camera.world_from_eye[1]);
+  const glm::dvec3 forward = camera.forward();
+  const ImageWindow& w = camera.window;
+  const std::array<glm::dvec3, 5> normals{right - w.left * forward, w.right * forward - right,
+                                          up - w.bottom * forward, w.top * forward - up, forward};
+  std::array<ViewAxes::Plane, 5> planes;
+  for (std::size_t i = 0; i < 5; ++i)
+    planes[i] = {normals[i], glm::dot(normals[i], eye) + (i == 4 ? camera.z_near : 0.0)};
+  return planes;
+}
+
+// The box from an eye that looks along the frame's axes.
+struct Seen {
+  double front, back;
+  ImageWindow window;  // meaningful if front > 0
+};
+
+Seen see(const ViewAxes& view, const Box& box, const glm::dvec3& eye) {
+  const glm::dvec3 center = glm::dvec3(box.center()) - eye;
+  const glm::dvec3 half = 0.5 * glm::dvec3(box.extent());
+  const glm::dvec3 at(glm::dot(center, view.right), glm::dot(center, view.up),
+                      glm::dot(center, view.forward));
+  std::array<glm::dvec3, 3> axis;  // half edges in the frame's axes
+  for (int k = 0; k < 3; ++k)
+    axis[std::size_t(k)] = half[k] * glm::dvec3(view.right[k], view.up[k], view.forward[k]);
+  const double reach = std::abs(axis[0].z) + std::abs(axis[1].z) + std::abs(axis[2].z);
+  Seen seen{at.z - reach, at.z + reach, {1e300, -1e300, 1e300, -1e300}};
+  if (seen.front <= 0) return seen;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 p = at + (i & 1 ? axis[0] : -axis[0]) + (i & 2 ? axis[1] : -axis[1]) +
+                         (i & 4 ? axis[2] : -axis[2]);
+    const double x = p.x / p.z, y = p.y / p.z;
+    seen.window.left = std::min(seen.window.left, x);
+    seen.window.right = std::max(seen.window.right, x);
+    seen.window.bottom = std::min(seen.window.bottom, y);
+    seen.window.top = std::max(seen.window.top, y);
+  }
+  return seen;
+}
+
+ImageWindow intersection(const ImageWindow& a, const ImageWindow& b) {
+  return {std::clamp(a.left, b.left, b.right), std::clamp(a.right, b.left, b.right),
+          std::clamp(a.bottom, b.bottom, b.top), std::clamp(a.top, b.bottom, b.top)};
+}
+
+double area(const ImageWindow& w) { return (w.right - w.left) * (w.top - w.bottom); }
+
+// The window widened to whole texels of a grid that has the frame's pixels among its lines.
+void align(double low, double step, double& from, double& to, int& texels) {
+  const double first = std::floor((from - low) / step), last = std::ceil((to - low) / step);
+  texels = std::max(1, int(last - first));
+  from = low + first * step;
+  to = from + texels * step;
+}
+
+}  // namespace
+
+ViewAxes view_axes(const FrameView& view, double frames_ahead) {
+  ViewAxes axes;
+  const Camera& c = view.camera;
+  axes.camera = c;
+  axes.eye = c.position();
+  axes.right = glm::dvec3(c.world_from_eye[0]);
+  axes.up = glm::dvec3(c.world_from_eye[1]);
+  axes.forward = c.forward();
+  axes.velocity = view.velocity;
+  axes.px = c.width / (c.window.right - c.window.left);
+  axes.py = c.height / (c.window.top - c.window.bottom);
+  axes.now = frustum_of(c, axes.eye);
+  axes.ahead = frustum_of(c, axes.eye + view.velocity * frames_ahead);
+  return axes;
+}
+
+bool may_see(const std::array<ViewAxes::Plane, 5>& frustum, const Box& box) {
+  const glm::dvec3 center(box.center()), half = 0.5 * glm::dvec3(box.extent());
+  for (const ViewAxes::Plane& plane : frustum)
+    if (glm::dot(plane.normal, center) + glm::dot(glm::abs(plane.normal), half) < plane.offset)
+      return false;
+  return true;
+}
+
+double covered_pixels(const ViewAxes& view, const Box& box) {
+  const Seen seen = see(view, box, view.eye);
+  const ImageWindow& frame = view.camera.window;
+  return view.px * view.py * area(seen.front > 0 ? intersection(seen.window, frame) : frame);
+}
+
+PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint64_t triangles,
+                                 const glm::dvec3& drift, const CacheOptions& options) {
+  PictureEstimate e;
+  const Seen seen = see(view, box, view.eye);
+  if (seen.front <= view.camera.z_near) return e;
+  const ImageWindow& w = seen.window;
+  if (std::max({-w.left, w.right, -w.bottom, w.top}) > kWidest) return e;
+
+  const ImageWindow visible = intersection(w, view.camera.window);
+  const glm::dvec3 d(glm::dot(drift, view.right), glm::dot(drift, view.up),
+                     glm::dot(drift, view.forward));
+  double flow = 0;
+  for (double x : {visible.left, visible.right})
+    for (double y : {visible.bottom, visible.top})
+      flow = std::max(flow, std::hypot(view.px * (x * d.z - d.x), view.py * (y * d.z - d.y)));
+  const double per_frame = 0.5 * (1 / seen.front - 1 / seen.back) * flow;
+  e.life = options.longest_life;
+  if (per_frame * e.life > options.error_px) e.life = options.error_px / per_frame;
+  // The eye comes nearer twice as long: before the capture's eye and after.
+  const double approach = std::max(0.0, d.z) * (1 + options.anticipation);
+  if (approach * e.life > kApproach * seen.front) e.life = kApproach * seen.front / approach;
+  if (e.life * (1 + options.anticipation) < kShortestLife) return e;
+  e.ahead = options.anticipation * e.life;
+
+  // The plane's distance now, from the capture's eye, and at the end.
+  const double plane = best_plane({seen.front, seen.back});
+  const double captured = plane - d.z * e.ahead, last = plane - d.z * (e.ahead + e.life);
+  e.density = captured / std::min(plane, last);
+  const double texels_x = (w.right - w.left) * view.px * plane / std::min(plane, last);
+  const double texels_y = (w.top - w.bottom) * view.py * plane / std::min(plane, last);
+  if (std::max(texels_x, texels_y) > options.max_texels - 2) return e;
+  e.texels = texels_x * texels_y;
+
+  const CostModel& cost = options.cost;
+  e.draw = cost.picture + cost.picture_pixel * view.px * view.py * area(visible);
+  e.capture = cost.capture + double(triangles) + cost.capture_texel * e.texels;
+  e.possible = true;
+  return e;
+}
+
+PlacedPicture place_picture(const ViewAxes& view, const Box& box, const PictureEstimate& estimate,
+                            const glm::dvec3& drift, double texel_scale,
+                            const CacheOptions& options) {
+  PlacedPicture placed;
+  // Texels larger than pixels from the start, where memory is short, are allowed for.
+  placed.limit_px = options.error_px + std::sqrt(0.5) * (1 / texel_scale - 1);
+  double ahead = estimate.ahead;
+  for (int attempt = 0; attempt < 5 && !placed.good;
+       ++attempt, ahead = attempt < 4 ? ahead / 2 : 0) {
+    const glm::dvec3 eye = view.eye + drift * ahead;
+    const Seen seen = see(view, box, eye);
+    if (seen.front <= 0) continue;
+    Camera camera = view.camera;
+    camera.world_from_eye[3] = glm::dvec4(eye, 1);
+    camera.window = seen.window;
+    const double density = estimate.density * texel_scale;
+    align(view.camera.window.left, 1 / (view.px * density), camera.window.left, camera.window.right,
+          camera.width);
+    align(view.camera.window.bottom, 1 / (view.py * density), camera.window.bottom,
+          camera.window.top, camera.height);
+    if (std::max(camera.width, camera.height) > options.max_texels) continue;
+    // Surfaces that touch the box must not be clipped by rounding.
+    const double slack = 1e-4 * std::max(seen.back - seen.front, 1e-3 * seen.back);
+    camera.z_near = std::max(seen.front - slack, 0.5 * seen.front);
+    camera.z_far = seen.back + slack;
+    placed.geometry = picture_geometry(camera);
+    placed.geometry.delta_bits = options.delta_bits;
+    placed.geometry.depth_mode = options.depth_mode;
+    placed.good = bound_total_px(placed.geometry, view.camera) <= placed.limit_px;
+  }
+  return placed;
+}
+
+}  // namespace rilievo

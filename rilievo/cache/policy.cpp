@@ -1,0 +1,135 @@
+#include "rilievo/cache/policy.h"
+
+#include <algorithm>
+
+#include "rilievo/cache/schedule.h"
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+void forget(CacheState& state, std::uint32_t slot) {
+  Picture& picture = state.slots[slot];
+  RILIEVO_EXPECTS(picture.held);
+  for (std::vector<std::uint32_t>* by_entity : {&state.current, &state.previous})
+    if ((*by_entity)[picture.entity] == slot + 1) (*by_entity)[picture.entity] = 0;
+  state.bytes -= picture.bytes;
+  picture.held = false;
+  state.free_slots.push_back(slot);
+}
+
+}  // namespace
+
+void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
+                const CacheState& state, const FrameView& view, const CacheOptions& options,
+                PlanScratch& scratch, Plan& plan) {
+  RILIEVO_EXPECTS(view.camera.projection == Projection::perspective);
+  const std::size_t entities = hierarchy.nodes.size() + moving.size();
+  RILIEVO_EXPECTS(state.current.empty() || state.current.size() == entities);
+  plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear();
+  plan.polygons.clear(), plan.moving_polygons.clear(), plan.retirements.clear();
+  plan.entities = entities;
+  plan.polygon_triangles = plan.captured_triangles = 0;
+  plan.single = plan.hierarchy = plan.starved = 0;
+  plan.bound_px = 0;
+  plan.bytes = state.bytes;
+
+  scratch.checked.assign(state.slots.size(), {});
+  scratch.dropped.assign(state.slots.size(), 0);
+  scratch.choice.resize(entities), scratch.now_cost.resize(entities);
+  scratch.captured.resize(entities, 0);
+  scratch.requests.clear(), scratch.idle.clear();
+
+  Cut cut(hierarchy, moving, state, view, options, scratch, plan);
+  cut.evict_finished();
+  cut.choose();
+  schedule_captures(cut);
+  cut.draw();
+  for (const Capture& capture : plan.captures) scratch.captured[capture.entity] = 0;
+}
+
+void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
+                    std::span<const MovingObject> moving) {
+  RILIEVO_EXPECTS_LT(index, plan.captures.size());
+  const Capture& capture = plan.captures[index];
+  // Its share of the pixels, if it is in the frame at all.
+  for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
+    const DrawnPicture drawn = plan.pictures[i];
+    if (drawn.slot != capture.slot) continue;
+    plan.pictures.erase(plan.pictures.begin() + std::ptrdiff_t(i));
+    plan.polygon_triangles += capture.triangles;
+    if (capture.entity >= hierarchy.nodes.size()) {
+      const auto object = std::uint32_t(capture.entity - hierarchy.nodes.size());
+      RILIEVO_EXPECTS_LT(object, moving.size());
+      plan.moving_polygons.push_back({object, drawn.from, drawn.to});
+      --plan.single;
+    } else {
+      const HierarchyNode& node = hierarchy.nodes[capture.entity];
+      for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
+        plan.polygons.push_back({hierarchy.order[k], drawn.from, drawn.to});
+      --(node.leaf() ? plan.single : plan.hierarchy);
+    }
+    break;
+  }
+  plan.captured_triangles -= capture.triangles;
+  plan.bytes -= capture.picture.bytes;
+  plan.captures[index].picture.held = false;
+}
+
+void commit(const Plan& plan, CacheState& state) {
+  state.current.resize(plan.entities, 0);
+  state.previous.resize(plan.entities, 0);
+  // Slots for the captures first, as they were given out; then what was evicted becomes free.
+  for (const Capture& capture : plan.captures) {
+    if (capture.slot >= state.slots.size()) {
+      RILIEVO_EXPECTS_EQ(capture.slot, state.slots.size());
+      state.slots.emplace_back();
+    } else {
+      RILIEVO_EXPECTS_EQ(capture.slot, state.free_slots.back());
+      state.free_slots.pop_back();
+    }
+  }
+  for (std::uint32_t slot : plan.evictions) forget(state, slot);
+  for (const Capture& capture : plan.captures) {
+    if (!capture.picture.held) {  // refused
+      state.free_slots.push_back(capture.slot);
+      continue;
+    }
+    RILIEVO_EXPECTS_EQ(state.previous[capture.entity], 0u);
+    state.previous[capture.entity] = state.current[capture.entity];
+    state.current[capture.entity] = capture.slot + 1;
+    state.slots[capture.slot] = capture.picture;
+    state.bytes += capture.picture.bytes;
+  }
+  for (std::uint32_t slot : plan.retirements) {
+    Picture& picture = state.slots[slot];
+    picture.retire_start = state.frame + 1;
+    picture.retire_length = std::max<std::uint16_t>(1, std::uint16_t(picture.lead / 2));
+  }
+  for (const DrawnPicture& drawn : plan.pictures) state.slots[drawn.slot].used = state.frame;
+  state.credit = plan.credit;
+  ++state.frame;
+}
+
+void invalidate(CacheState& state, std::vector<std::uint32_t>& evictions) {
+  for (std::uint32_t slot = 0; slot < state.slots.size(); ++slot)
+    if (state.slots[slot].held) {
+      forget(state, slot);
+      evictions.push_back(slot);
+    }
+}
+
+void invalidate(const Hierarchy& hierarchy, std::uint32_t object, CacheState& state,
+                std::vector<std::uint32_t>& evictions) {
+  for (Entity e = 0; e < state.current.size() && e < hierarchy.nodes.size(); ++e) {
+    const HierarchyNode& node = hierarchy.nodes[e];
+    const auto begin = hierarchy.order.begin() + node.first, end = begin + node.count;
+    for (std::uint32_t name : {state.current[e], state.previous[e]})
+      if (name != 0 && std::find(begin, end, object) != end) {
+        forget(state, name - 1);
+        evictions.push_back(name - 1);
+      }
+  }
+}
+
+}  // namespace rilievo
