@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/capture/picture_atlas.h"
 #include "rilievo/capture/scene_renderer.h"
 #include "rilievo/draw/frame_source.h"
 #include "rilievo/draw/nailboard_drawer.h"
+#include "rilievo/draw/picture_atlas.h"
 
 namespace rilievo {
 

@@ -2,7 +2,7 @@
 // kind.
 //
 // What leaves the GPU here goes into files, warps and measures. Pictures that stay on the GPU are
-// captured by picture_atlas.h instead. Needs a current OpenGL context; changes the bound
+// captured by draw/picture_atlas.h instead. Needs a current OpenGL context; changes the bound
 // framebuffer and viewport.
 #pragma once
 

@@ -14,9 +14,9 @@
 #include <span>
 #include <vector>
 
-#include "rilievo/capture/picture_atlas.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/draw/nailboard_shaders.h"
+#include "rilievo/draw/picture_atlas.h"
 #include "rilievo/represent/nailboard.h"
 
 namespace rilievo {

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "rilievo/capture/picture_atlas.h"
 #include "rilievo/draw/frame_source.h"
 #include "rilievo/draw/nailboard_drawer.h"
+#include "rilievo/draw/picture_atlas.h"
 
 namespace rilievo {
 

@@ -127,10 +127,10 @@ TEST(SampleError, is_nothing_from_the_capturing_eye_and_the_parallax_from_anothe
   for (int i = 0; i < 200; ++i) {
     const Nailboard board = make_nailboard(random_picture(rng), 16);
     const PictureGeometry& g = board.geometry;
-    Camera frame = look_at(g.capture.position(), {0, 0, 0}, {0, 1, 0}, 0.6, 640, 480, 0.5, 30);
+    Camera frame = look_at(g.capture.position(), {0, 0, 0}, {0, 1, 0}, 1.2, 640, 480, 0.5, 30);
     std::vector<float> errors;
     append_sample_errors(board, frame, 1, errors);
-    ASSERT_GT(errors.size(), 100u);
+    ASSERT_GT(errors.size(), 90u);               // of 192 texels, two thirds of them covered
     for (float e : errors) EXPECT_LT(e, 1e-6f);  // rounding
 
     frame.world_from_eye[3] += glm::dvec4(0.2 * u(rng), 0.2 * u(rng), 0.2 * u(rng), 0);

@@ -9,8 +9,8 @@
 #include <optional>
 #include <span>
 
-#include "rilievo/capture/atlas_allocator.h"
 #include "rilievo/capture/scene_renderer.h"
+#include "rilievo/draw/atlas_allocator.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/represent/nailboard.h"
 

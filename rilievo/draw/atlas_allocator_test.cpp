@@ -1,4 +1,4 @@
-#include "rilievo/capture/atlas_allocator.h"
+#include "rilievo/draw/atlas_allocator.h"
 
 #include <gtest/gtest.h>
 

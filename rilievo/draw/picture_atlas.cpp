@@ -1,4 +1,4 @@
-#include "rilievo/capture/picture_atlas.h"
+#include "rilievo/draw/picture_atlas.h"
 
 #include <algorithm>
 #include <string>
