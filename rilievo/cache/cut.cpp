@@ -78,29 +78,28 @@ const PlanScratch::Checked& Cut::check(std::uint32_t slot) {
       object ? object->world_from_object * glm::inverse(picture.world_from_object)
              : glm::dmat4(1.0);
   const auto bound_at = [&](int k) {
-    Camera camera = frame.camera;
-    camera.world_from_eye[3] += glm::dvec4(frame.velocity * double(k), 0);
-    return bound_total_px(picture.geometry, camera,
+    return bound_total_px(picture.geometry, k == 0 ? frame.camera : camera_ahead(frame, k),
                           {object ? power(object->now_from_last, k) * motion : motion});
   };
-  checked = {state.frame, float(bound_at(0)), 0};
+  const double limit = limit_px(picture, options);
+  checked = {state.frame, bound_at(0), 0};
   if (object && object->deforms) checked.now_px = INFINITY;
-  if (!(checked.now_px <= picture.limit_px)) return checked;
-  if (bound_at(picture.lead) <= picture.limit_px) {
+  if (!(checked.now_px <= limit)) return checked;
+  if (bound_at(picture.lead) <= limit) {
     checked.remaining = picture.lead;
     return checked;
   }
   int lives = 0, ends = picture.lead;
   while (ends - lives > 1) {
     const int middle = (lives + ends) / 2;
-    (bound_at(middle) <= picture.limit_px ? lives : ends) = middle;
+    (bound_at(middle) <= limit ? lives : ends) = middle;
   }
-  checked.remaining = float(lives);
+  checked.remaining = lives;
   return checked;
 }
 
 bool Cut::valid(const Picture* picture) {
-  return picture && double(check(slot_of(picture)).now_px) <= picture->limit_px;
+  return picture && check(slot_of(picture)).now_px <= limit_px(*picture, options);
 }
 
 void Cut::drop(std::uint32_t slot) {
@@ -133,7 +132,7 @@ Cut::Costs Cut::evaluate_below(Entity e) {
   }
   const double polygons = options.cost.object + double(triangles_of(e)) +
                           options.cost.polygon_pixel * covered_pixels(view, box_of(e));
-  return {polygons, polygons};
+  return {polygons, may_see(view.now, box_of(e)) ? polygons : 0};
 }
 
 Cut::Costs Cut::evaluate(Entity e) {
@@ -144,7 +143,7 @@ Cut::Costs Cut::evaluate(Entity e) {
   const Picture* picture = picture_of(state.current, e);
   const bool at_hand = valid(picture);
   if (at_hand && picture->retire_length == 0 &&
-      check(slot_of(picture)).remaining >= float(picture->lead)) {
+      check(slot_of(picture)).remaining >= picture->lead) {
     scratch.choice[e] = kKeep;
     scratch.now_cost[e] = float(picture->draw_cost);
     return {picture->rate * (1 - options.hysteresis), picture->draw_cost};
@@ -164,7 +163,9 @@ Cut::Costs Cut::evaluate(Entity e) {
 void Cut::enqueue(Entity e, double deadline, bool covered) {
   const PictureEstimate estimated = estimate(e);
   const double benefit = std::max(double(scratch.now_cost[e]) - estimated.draw, 1e-3);
-  if (!covered) {
+  if (!covered && !may_see(view.now, box_of(e))) {
+    deadline = options.spread_frames;  // it comes into view
+  } else if (!covered) {
     const double pays_in = estimated.capture / benefit;
     deadline = pays_in < kPaysSoon ? 0 : std::min(pays_in, kPaysLate);
   }
@@ -185,7 +186,7 @@ bool Cut::request(Entity e, double deadline, bool covered) {
   if (at_hand) {
     // The fade takes place while the old picture still holds.
     const double fade = std::min<double>(options.fade_frames, 0.5 * picture->lead);
-    deadline = std::max(0.0, double(check(slot_of(picture)).remaining) - fade);
+    deadline = std::max(0.0, check(slot_of(picture)).remaining - fade);
     covered = true;
   }
   if (scratch.choice[e] == kCapture) {
@@ -253,7 +254,7 @@ void Cut::draw(Entity e, float from, float to) {
   if (!picture || (!capture && !valid(picture))) return draw_below(e, from, to);
 
   const float bound_px = capture ? float(bound_total_px(picture->geometry, frame.camera))
-                                 : check(slot_of(picture)).now_px;
+                                 : float(check(slot_of(picture)).now_px);
   const std::uint32_t slot = capture ? capture->slot : slot_of(picture);
   const float frames = float(state.frame - picture->fade_start) + 1;
   float share = std::min(1.0f, frames / float(picture->fade_length));
@@ -267,7 +268,7 @@ void Cut::draw(Entity e, float from, float to) {
   emit(slot, e, bound_px, from, middle);
   if (!(middle < to)) return;
   if (over_old)
-    emit(slot_of(old), e, check(slot_of(old)).now_px, middle, to);
+    emit(slot_of(old), e, float(check(slot_of(old)).now_px), middle, to);
   else
     draw_below(e, middle, to);
 }

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 namespace rilievo {
 namespace {
@@ -23,7 +24,8 @@ constexpr double kWidest = 2.5;
 constexpr double kApproach = 0.3;
 constexpr double kShortestLife = 2;  // frames
 
-std::array<ViewAxes::Plane, 5> frustum_of(const Camera& camera, const glm::dvec3& eye) {
+std::array<ViewAxes::Plane, 5> frustum_of(const Camera& camera) {
+  const glm::dvec3 eye = camera.position();
   const glm::dvec3 right(camera.world_from_eye[0]), up(camera.world_from_eye[1]);
   const glm::dvec3 forward = camera.forward();
   const ImageWindow& w = camera.window;
@@ -81,6 +83,16 @@ void align(double low, double step, double& from, double& to, int& texels) {
 
 }  // namespace
 
+Camera camera_ahead(const FrameView& view, double frames) {
+  Camera camera = view.camera;
+  const double angle = glm::length(view.turn) * frames;
+  if (angle > 0)
+    camera.world_from_eye =
+        glm::rotate(glm::dmat4(1), angle, glm::normalize(view.turn)) * camera.world_from_eye;
+  camera.world_from_eye[3] = glm::dvec4(view.camera.position() + view.velocity * frames, 1);
+  return camera;
+}
+
 ViewAxes view_axes(const FrameView& view, double frames_ahead) {
   ViewAxes axes;
   const Camera& c = view.camera;
@@ -92,8 +104,8 @@ ViewAxes view_axes(const FrameView& view, double frames_ahead) {
   axes.velocity = view.velocity;
   axes.px = c.width / (c.window.right - c.window.left);
   axes.py = c.height / (c.window.top - c.window.bottom);
-  axes.now = frustum_of(c, axes.eye);
-  axes.ahead = frustum_of(c, axes.eye + view.velocity * frames_ahead);
+  axes.now = frustum_of(c);
+  axes.ahead = frustum_of(camera_ahead(view, frames_ahead));
   return axes;
 }
 
@@ -156,7 +168,7 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const PictureE
                             const CacheOptions& options) {
   PlacedPicture placed;
   // Texels larger than pixels from the start, where memory is short, are allowed for.
-  placed.limit_px = options.error_px + std::sqrt(0.5) * (1 / texel_scale - 1);
+  placed.coarse_px = std::sqrt(0.5) * (1 / texel_scale - 1);
   double ahead = estimate.ahead;
   for (int attempt = 0; attempt < 5 && !placed.good;
        ++attempt, ahead = attempt < 4 ? ahead / 2 : 0) {
@@ -179,7 +191,8 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const PictureE
     placed.geometry = picture_geometry(camera);
     placed.geometry.delta_bits = options.delta_bits;
     placed.geometry.depth_mode = options.depth_mode;
-    placed.good = bound_total_px(placed.geometry, view.camera) <= placed.limit_px;
+    placed.good =
+        bound_total_px(placed.geometry, view.camera) <= options.error_px + placed.coarse_px;
   }
   return placed;
 }

@@ -23,6 +23,9 @@ struct ViewAxes {
   std::array<Plane, 5> now, ahead;  // of the frustum, without its far plane
 };
 
+// The camera `frames` from now if the motion goes on.
+[[nodiscard]] Camera camera_ahead(const FrameView& view, double frames);
+
 [[nodiscard]] ViewAxes view_axes(const FrameView& view, double frames_ahead);
 
 // May the box be in the frustum? False only if it is not.
@@ -52,11 +55,11 @@ struct PictureEstimate {
 [[nodiscard]] double covered_pixels(const ViewAxes& view, const Box& box);
 
 // The picture itself: a camera whose axes are the frame's, so that texels lie as pixels do, tight
-// around the box, as far ahead of the frame's eye as keeps it within `limit_px` now.
+// around the box, as far ahead of the frame's eye as keeps it within the limit now.
 struct PlacedPicture {
   PictureGeometry geometry;
-  double limit_px = 1;
-  bool good = false;  // within the limit now
+  double coarse_px = 0;  // by which it may pass error_px: texels made too coarse
+  bool good = false;     // within the limit now
 };
 [[nodiscard]] PlacedPicture place_picture(const ViewAxes& view, const Box& box,
                                           const PictureEstimate& estimate, const glm::dvec3& drift,

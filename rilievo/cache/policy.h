@@ -9,9 +9,9 @@
 //   draw plan.pictures, plan.polygons, plan.moving_polygons in any order
 //   commit(plan, state);
 //
-// Every picture drawn has bound_total_px <= its limit, which is CacheOptions::error_px unless
-// memory is short. World space, metres; time in frames. The same plan for the same input. Steady
-// state does not allocate.
+// Every picture drawn has bound_total_px <= CacheOptions::error_px, and if memory is short so much
+// more as its texels are too coarse (Picture::coarse_px). World space, metres; time in frames. The
+// same plan for the same input. Steady state does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -77,15 +77,17 @@ struct MovingObject {
 };
 
 struct FrameView {
-  Camera camera;             // perspective
-  glm::dvec3 velocity{0.0};  // of the eye, metres a frame, as expected for the next frames
+  Camera camera;  // perspective
+  // As expected for the next frames (see eye_motion.h): of the eye, metres a frame; of the gaze,
+  // radians a frame about this world axis.
+  glm::dvec3 velocity{0.0}, turn{0.0};
 };
 
 struct Picture {
   Entity entity = 0;
   PictureGeometry geometry;           // world space at capture
   glm::dmat4 world_from_object{1.0};  // of a moving object at capture
-  double limit_px = 1;                // drawn while bound_total_px <= this
+  double coarse_px = 0;               // of its error, what coarse texels made from the start
   double draw_cost = 0, rate = 0;     // triangles a frame: to draw; captures included
   std::uint64_t bytes = 0;
   double texel_scale = 1;  // below 1: coarser than the frame, memory was short
@@ -96,6 +98,11 @@ struct Picture {
   std::uint16_t lead = 1;           // frames before its end at which it is replaced
   bool held = false;                // is there a picture in this slot?
 };
+
+// The picture is drawn while bound_total_px is at most this. Follows error_px when it changes.
+[[nodiscard]] inline double limit_px(const Picture& picture, const CacheOptions& options) {
+  return options.error_px + picture.coarse_px;
+}
 
 // What one frame leaves for the next. Start with an empty one.
 struct CacheState {
@@ -147,7 +154,7 @@ struct Plan {
 struct PlanScratch {
   struct Checked {
     std::uint32_t frame = 0xFFFFFFFFu;
-    float now_px = 0, remaining = 0;
+    double now_px = 0, remaining = 0;
   };
   struct Request {
     Entity entity = 0;

@@ -33,7 +33,7 @@ bool make_room(Cut& cut, std::uint64_t bytes, Entity e) {
     for (std::uint32_t slot = 0; slot < cut.state.slots.size(); ++slot) {
       const PlanScratch::Checked& checked = cut.scratch.checked[slot];
       const bool needed = checked.frame == cut.state.frame &&
-                          double(checked.now_px) <= cut.state.slots[slot].limit_px;
+                          checked.now_px <= limit_px(cut.state.slots[slot], cut.options);
       if (cut.state.slots[slot].held && !needed && !cut.scratch.dropped[slot]) idle.push_back(slot);
     }
     std::sort(idle.begin(), idle.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -83,7 +83,7 @@ bool capture(Cut& cut, Entity e) {
   picture.entity = e;
   picture.geometry = placed.geometry;
   if (cut.is_moving(e)) picture.world_from_object = cut.moving[e - cut.nodes()].world_from_object;
-  picture.limit_px = placed.limit_px;
+  picture.coarse_px = placed.coarse_px;
   picture.draw_cost = estimated.draw;
   picture.rate = picture_rate(estimated, options);
   picture.bytes = bytes;

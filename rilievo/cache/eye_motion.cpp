@@ -1,0 +1,43 @@
+#include "rilievo/cache/eye_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rilievo {
+namespace {
+
+// The rotation vector of a rigid map: its axis times its angle.
+glm::dvec3 rotation_vector(const glm::dmat3& m) {
+  // The antisymmetric part is sin(angle) times the axis, the trace 1 + 2 cos(angle).
+  const glm::dvec3 axis = 0.5 * glm::dvec3(m[1][2] - m[2][1], m[2][0] - m[0][2], m[0][1] - m[1][0]);
+  const double sine = glm::length(axis), cosine = 0.5 * (m[0][0] + m[1][1] + m[2][2] - 1);
+  // A half turn in one frame has no direction, and no turn has none either.
+  return sine > 1e-12 ? axis / sine * std::atan2(sine, cosine) : glm::dvec3(0);
+}
+
+// `now`, no longer than `before`.
+glm::dvec3 no_longer(const glm::dvec3& now, const glm::dvec3& before) {
+  const double length = glm::length(now);
+  return length > 0 ? now * std::min(1.0, glm::length(before) / length) : now;
+}
+
+}  // namespace
+
+FrameView follow(EyeMotion& motion, const Camera& camera) {
+  FrameView view;
+  view.camera = camera;
+  if (motion.frames > 0) {
+    const glm::dvec3 step = camera.position() - motion.last.position();
+    const glm::dvec3 turn = rotation_vector(glm::dmat3(camera.world_from_eye) *
+                                            glm::transpose(glm::dmat3(motion.last.world_from_eye)));
+    // The first step has nothing to be compared with.
+    view.velocity = motion.frames > 1 ? no_longer(step, motion.step) : step;
+    view.turn = motion.frames > 1 ? no_longer(turn, motion.turn) : turn;
+    motion.step = step, motion.turn = turn;
+  }
+  motion.last = camera;
+  ++motion.frames;
+  return view;
+}
+
+}  // namespace rilievo
