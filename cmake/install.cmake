@@ -14,7 +14,10 @@ function(rilievo_install target name)
               DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rilievo FILES_MATCHING PATTERN "*.h"
               PATTERN "*_test_helpers.h" EXCLUDE
               # Behind load_scene.h; they need the headers of what reads for it.
-              PATTERN "gltf_*.h" EXCLUDE)
+              PATTERN "gltf_*.h" EXCLUDE
+              # Behind save_glb.h and builtin.h.
+              PATTERN "glb_*.h" EXCLUDE PATTERN "builtin_*.h" EXCLUDE
+              PATTERN "masonry.h" EXCLUDE PATTERN "mesh_builder.h" EXCLUDE)
     endif()
   endforeach()
 endfunction()
