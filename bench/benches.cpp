@@ -1,6 +1,7 @@
 #include <array>
 
 #include "bench/bench.h"
+#include "bench/bound.h"
 #include "bench/draw.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
@@ -13,6 +14,7 @@ std::span<const Bench> benches() {
             nailboard_error},
       Bench{"nailboard-bits", "How many bits of Delta does a nailboard need? (figure 5)", true,
             nailboard_bits},
+      Bench{"bound", "Does the error bound hold, and how tight is it?", false, bound},
       Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?", true,
             draw},
   };

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/bench.h"
+
 namespace rilievo::bench {
 
 struct BoundOptions {
@@ -31,5 +33,8 @@ struct BoundFigures {
 
 // The same figures for the same options, everywhere.
 [[nodiscard]] BoundFigures run_bound_benchmark(const BoundOptions& options);
+
+// As `rilievo bench bound` reports it.
+[[nodiscard]] Result<BenchReport> bound(const BenchOptions& options);
 
 }  // namespace rilievo::bench

@@ -38,7 +38,7 @@ Result<Rgba8Image> picture_of(FrameSource& source, const WalkFrame& frame,
 
 Result<BenchReport> nailboard_bits(const BenchOptions& options) {
   const Result<BuiltinScene> built =
-      make_builtin(options.quick ? "builtin:teapots?triangles=5000" : "builtin:teapots");
+      make_builtin(options.quick ? "builtin:teapots?triangles=20000" : "builtin:teapots");
   if (!built) return built.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(built->scene);
   if (!renderer) return renderer.error();

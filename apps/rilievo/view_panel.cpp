@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <cmath>
+
 #include "apps/rilievo/view_state.h"
 
 namespace rilievo::app {
@@ -76,6 +78,16 @@ void method_panel(ViewState& state) {
 }  // namespace
 
 void show_panel(ViewState& state) {
+  if (state.split) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float x = std::floor(state.split_at * size.x);
+    constexpr ImU32 white = IM_COL32(255, 255, 255, 200);
+    ImDrawList& over = *ImGui::GetBackgroundDrawList();
+    over.AddLine(ImVec2(x, 0), ImVec2(x, size.y), white);
+    const float width = ImGui::CalcTextSize(state.method.c_str()).x;
+    over.AddText(ImVec2(x - width - 8, size.y - 24), white, state.method.c_str());
+    over.AddText(ImVec2(x + 8, size.y - 24), white, "direct");
+  }
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize(ImVec2(330, 0), ImGuiCond_FirstUseEver);
   ImGui::Begin("Rilievo");
@@ -87,7 +99,7 @@ void show_panel(ViewState& state) {
   if (state.split) plot("direct", state.direct_ms, "ms");
   plot("captures", state.captures, "a frame");
   plot("pictures", state.megabytes, "MB");
-  ImGui::Text("%d polygons, %d pictures, %d of several objects", state.figures.polygons,
+  ImGui::Text("%d polygons, %d pictures, %d of groups", state.figures.polygons,
               state.figures.pictures, state.figures.hierarchy);
   if (state.figures.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.figures.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());

@@ -8,6 +8,8 @@ import hashlib
 import json
 import os
 import pathlib
+import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -149,6 +151,7 @@ class Results(Folder):
         figures = {
             "nailboard-error": ["max_error_percent_rotation_30", "max_error_percent_translation_5"],
             "nailboard-bits": [f"wrong_visibility_{bits}bit" for bits in [2, 4, 6, 8, 16]],
+            "bound": ["cases", "violations", "tightness_median"],
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
         }
         for bench, names in figures.items():
@@ -159,7 +162,7 @@ class Results(Folder):
                 self.assertEqual(report["schema"], "rilievo-bench-1")
                 self.assertEqual(report["bench"], bench)
                 for name in names:
-                    self.assertIsInstance(report["figures"][name], float)
+                    self.assertIsInstance(report["figures"][name], (int, float))
                 self.assertIn("<html", html.read_text())
 
     def test_saved_pictures_draw_the_frame_they_were_saved_from(self):
@@ -187,6 +190,44 @@ class Results(Folder):
                 self.assertEqual(len(runs[0]), 5)
                 for run in runs[1:]:
                     self.assertEqual(run, runs[0])
+
+
+@unittest.skipUnless(shutil.which("xvfb-run"), "needs xvfb-run")
+class Window(Folder):
+    """With a display that nobody sees. EMBED is the program of examples/embed."""
+
+    def xvfb(self, *command):
+        result = subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1280x800x24", *map(str, command)],
+                                capture_output=True, text=True, timeout=240)
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def is_picture(self, file):
+        data = file.read_bytes()
+        self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", data[16:24]), (640, 360))
+        # One colour all over would shrink to far less.
+        self.assertGreater(len(data), 20000)
+
+    def test_the_window_plays_a_path_and_saves_what_it_shows(self):
+        shot = self.folder / "view.png"
+        self.xvfb(RILIEVO, "view", TEAPOTS, "--size", "640x360", "--frames", "3", "--split",
+                  "--outlines", "--screenshot", shot)
+        self.is_picture(shot)
+
+    def test_another_program_embeds_pictures_in_its_own_loop(self):
+        shot = self.folder / "embed.png"
+        self.xvfb(os.environ["EMBED"], TEAPOTS, "3", shot)
+        self.assertEqual(shot.read_bytes()[:4], b"\x89PNG")
+        self.assertGreater(shot.stat().st_size, 20000)
+
+
+class NoWindow(Folder):
+    def test_without_a_display_there_is_one_line(self):
+        result = subprocess.run([RILIEVO, "view", TEAPOTS], capture_output=True, text=True,
+                                timeout=240, env={k: v for k, v in os.environ.items()
+                                                  if k not in ("DISPLAY", "WAYLAND_DISPLAY")})
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
 
 
 class Corpus(Folder):
