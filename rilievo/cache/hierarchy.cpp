@@ -13,7 +13,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kBins = 16;
+constexpr int kMostBins = 16;
 // Beyond this depth a node is cut into halves by number: bounds the depth for any input.
 constexpr int kHeuristicDepth = 40;
 
@@ -37,32 +37,34 @@ struct Builder {
   std::uint32_t cut(std::uint32_t first, std::uint32_t last) {
     Box places;
     for (std::uint32_t i = first; i < last; ++i) places.add(place(tree.order[i]));
-    const glm::vec3 extent = places.extent(), scale = float(kBins) / extent;
+    // A bin for each of few objects: most nodes of a tree are small.
+    const int bins = std::clamp(int(last - first), 2, kMostBins);
+    const glm::vec3 extent = places.extent(), scale = float(bins) / extent;
 
     double least = std::numeric_limits<double>::infinity();
     int best_axis = -1, best_bin = 0;
     const auto bin_of = [&](std::uint32_t object, int axis) {
-      return std::min(int((place(object)[axis] - places.min[axis]) * scale[axis]), kBins - 1);
+      return std::min(int((place(object)[axis] - places.min[axis]) * scale[axis]), bins - 1);
     };
     for (int axis = 0; axis < 3; ++axis) {
       if (!(extent[axis] > 0) || !std::isfinite(scale[axis])) continue;
-      std::array<Box, kBins> box;
-      std::array<std::uint32_t, kBins> count{};
+      std::array<Box, kMostBins> box;
+      std::array<std::uint32_t, kMostBins> count{};
       for (std::uint32_t i = first; i < last; ++i) {
         const auto bin = std::size_t(bin_of(tree.order[i], axis));
         box[bin].add(boxes[tree.order[i]]);
         ++count[bin];
       }
       // Cost of everything from bin i on, then of everything before it.
-      std::array<double, kBins> right{};
+      std::array<double, kMostBins> right{};
       Box grown;
       std::uint32_t objects = 0;
-      for (int i = kBins - 1; i > 0; --i) {
+      for (int i = bins - 1; i > 0; --i) {
         grown.add(box[std::size_t(i)]), objects += count[std::size_t(i)];
         right[std::size_t(i)] = half_area(grown) * objects;
       }
       grown = {}, objects = 0;
-      for (int i = 1; i < kBins; ++i) {
+      for (int i = 1; i < bins; ++i) {
         grown.add(box[std::size_t(i - 1)]), objects += count[std::size_t(i - 1)];
         if (objects == 0 || objects == last - first) continue;
         const double cost = half_area(grown) * objects + right[std::size_t(i)];
