@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -29,6 +32,7 @@ namespace {
 
 struct Options {
   std::string scene, output, pictures, json, method = "nailboard";
+  double loop_seconds = 0;
   FrameOptions frames;
   MethodOptions methods;
 };
@@ -101,6 +105,60 @@ Result<> draw_frames(const Options& options, const Walk& walk, int width, int he
   return write_text(options.json, json.dump(2) + "\n");
 }
 
+double resident_mb() {
+  std::ifstream file("/proc/self/statm");
+  double total = 0, resident = 0;
+  file >> total >> resident;
+  return resident * double(sysconf(_SC_PAGESIZE)) / double(1 << 20);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Draws the path over and over, writes no frames, and watches the memory: a cache must not grow.
+Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
+  Result<FrameTarget> target =
+      FrameTarget::create(options.frames.width, options.frames.height, options.frames.samples);
+  if (!target) return target.error();
+  const auto start = std::chrono::steady_clock::now();
+  double after_warm_up_mb = 0, most_mb = 0;
+  // The first minute fills pools and caches; of a short loop, the first tenth.
+  const double warm_up = std::min(60.0, 0.1 * options.loop_seconds);
+  std::int64_t frames = 0, captures = 0;
+  Progress progress("second");
+  for (double now = 0; now < options.loop_seconds; now = seconds_since(start), ++frames) {
+    const int frame = int(frames % walk.frames());
+    target->begin();
+    if (Result<> drawn = source.draw(
+            walk.camera(frame, options.frames.width, options.frames.height), walk.time(frame));
+        !drawn)
+      return drawn;
+    target->resolve();
+    gl::finish();
+    captures += source.figures().captures;
+    if (frames % 16 == 0) progress.show(int(now), int(options.loop_seconds));
+    const double mb = resident_mb();
+    if (now >= warm_up && after_warm_up_mb == 0) after_warm_up_mb = mb;
+    most_mb = std::max(most_mb, mb);
+  }
+  progress.clear();
+  const nlohmann::json json{
+      {"schema", "rilievo-loop-1"}, {"scene", options.scene},
+      {"method", options.method},   {"seconds", seconds_since(start)},
+      {"frames", frames},           {"captures", captures},
+      {"warm_up_seconds", warm_up}, {"memory_mb_after_warm_up", after_warm_up_mb},
+      {"memory_mb_most", most_mb},  {"memory_mb_at_the_end", resident_mb()}};
+  if (options.json.empty()) {
+    fmt::print(
+        "{} frames in {:.0f} s; memory {:.0f} MB after {:.0f} s, {:.0f} MB at the end, at "
+        "most {:.0f} MB\n",
+        frames, seconds_since(start), after_warm_up_mb, warm_up, resident_mb(), most_mb);
+    return Done{};
+  }
+  return write_text(options.json, json.dump(2) + "\n");
+}
+
 Result<> render_scene(const Options& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
@@ -115,7 +173,9 @@ Result<> render_scene(const Options& options) {
   const Result<std::unique_ptr<FrameSource>> source =
       make_source(options.method, options.methods, options.frames.samples, *renderer);
   if (!source) return source.error();
-  return draw_frames(options, {*plan, {}}, options.frames.width, options.frames.height, **source);
+  const Walk walk{*plan, {}};
+  if (options.loop_seconds > 0) return loop(options, walk, **source);
+  return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
 }
 
 // Stored pictures before the sky.
@@ -179,9 +239,16 @@ Command render_command(CLI::App& app) {
       ->add_option("SCENE", options->scene,
                    std::string(kSceneHelp) + "; or an OpenEXR file of pictures with depth")
       ->required();
-  command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
-      ->required()
-      ->type_name("DIR");
+  auto* output =
+      command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
+          ->type_name("DIR");
+  auto* loop_seconds =
+      command
+          ->add_option("--loop-seconds", options->loop_seconds,
+                       "Instead: draw the path over and over for so long, and watch the memory")
+          ->check(CLI::Range(0.1, 1e6))
+          ->type_name("S");
+  output->excludes(loop_seconds);
   command->add_option("--method", options->method, "How the frames are drawn (default nailboard)")
       ->check(CLI::IsMember(method_names()));
   command
@@ -192,7 +259,9 @@ Command render_command(CLI::App& app) {
   add_method_options(*command, options->methods);
   add_json_option(*command, options->json);
   command->footer("Example: rilievo render model.glb --orbit 60 --size 640x360 -o frames");
-  return {command, [options](const std::string&) {
+  return {command, [options](const std::string&) -> Result<> {
+            if (options->output.empty() && options->loop_seconds == 0)
+              return Error{"-o", "the folder for the frames is missing"};
             return is_picture_file(options->scene) ? render_pictures(*options)
                                                    : render_scene(*options);
           }};

@@ -53,7 +53,7 @@ class Folder(unittest.TestCase):
 
 class Usage(Folder):
     def test_every_command_explains_itself_by_an_example(self):
-        commands = ["info", "render", "compare", "bench"]
+        commands = ["info", "scene", "render", "compare", "bench"]
         for command in commands:
             self.assertIn(f"Example: rilievo {command}", self.done(command, "--help").stdout)
         for command in commands:
@@ -146,6 +146,25 @@ class Results(Folder):
         self.assertGreater(flat["wrong_visibility"]["mean"], nailboard["wrong_visibility"]["mean"])
         page = (out / "report.html").read_text()
         self.assertNotIn("http://", page.replace("http://www.w3.org/", ""))
+
+    def test_a_scene_written_as_a_file_draws_the_same(self):
+        glb = self.folder / "made" / "teapots.glb"
+        path = self.folder / "made" / "path.json"
+        self.done("scene", "teapots?triangles=20000", "-o", glb, "--save-path", path)
+        same = ("--method", "direct", "--path", path, "--frames", "2", "--size", "160x90")
+        self.done("render", TEAPOTS, *same, "-o", self.folder / "built")
+        self.done("render", glb, *same, "-o", self.folder / "loaded")
+        self.assertEqual(digests(self.folder / "loaded"), digests(self.folder / "built"))
+        self.assertIn("name must end in .glb", self.refused("scene", "teapots", "-o", "t.obj"))
+
+    def test_a_loop_reports_its_memory(self):
+        result = self.done("render", TEAPOTS, "--size", "64x36", "--frames", "4", "--loop-seconds",
+                           "1", "--json", "-")
+        loop = json.loads(result.stdout)
+        self.assertGreaterEqual(loop["seconds"], 1)
+        self.assertGreater(loop["frames"], 4)
+        self.assertGreater(loop["memory_mb_after_warm_up"], 1)
+        self.assertGreaterEqual(loop["memory_mb_most"], loop["memory_mb_after_warm_up"])
 
     def test_benches_report_their_figures(self):
         figures = {
