@@ -49,7 +49,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
 }
 
 void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
-                    std::span<const MovingObject> moving) {
+                    [[maybe_unused]] std::span<const MovingObject> moving) {
   RILIEVO_EXPECTS_LT(index, plan.captures.size());
   const Capture& capture = plan.captures[index];
   // Its share of the pixels, if it is in the frame at all.

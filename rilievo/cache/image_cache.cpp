@@ -1,0 +1,272 @@
+#include "rilievo/cache/image_cache.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "rilievo/capture/draw_list.h"
+#include "rilievo/gl/context.h"
+#include "rilievo/gl/state_guard.h"
+#include "rilievo/represent/sample_error.h"
+
+namespace rilievo {
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+}  // namespace
+
+Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
+  Result<PictureAtlas> atlas =
+      PictureAtlas::create({options.max_bytes, options.delta_bits, options.samples});
+  if (!atlas) return atlas.error();
+  Result<NailboardDrawer> drawer = NailboardDrawer::create();
+  if (!drawer) return drawer.error();
+  ImageCache cache(renderer, std::move(*atlas), std::move(*drawer));
+  cache.options_ = options;
+  cache.build();
+  return cache;
+}
+
+void ImageCache::build() {
+  const Scene& scene = renderer_.scene();
+  std::vector<Box> boxes;
+  std::vector<std::uint64_t> triangles;
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+    if (renderer_.has_blended_parts(i)) blended_.push_back(i);
+    if (!renderer_.has_opaque_parts(i)) continue;
+    const std::uint64_t count = scene.models[std::size_t(scene.objects[i].model)].triangles;
+    if (scene.objects[i].moving) {
+      moving_objects_.push_back(i);
+      MovingObject moving;
+      moving.triangles = count;
+      moving.box = renderer_.object_bounds(i);
+      moving.world_from_object = glm::dmat4(renderer_.poses()[i]);
+      moving_.push_back(moving);
+    } else {
+      static_objects_.push_back(i);
+      boxes.push_back(renderer_.object_bounds(i));
+      triangles.push_back(count);
+    }
+  }
+  hierarchy_ = build_hierarchy(boxes, triangles);
+
+  policy_.max_texels = atlas_.max_picture_size();
+  policy_.texel_cell = AtlasAllocator::kCell;
+  policy_.delta_bits = options_.delta_bits;
+  policy_.depth_mode = options_.depth_mode;
+  policy_.bytes_per_texel = options_.delta_bits > 8 ? 6 : 5;
+  // First fit leaves gaps between pictures: plan for less than there is, and refuse what does not
+  // fit.
+  policy_.memory_bytes = std::uint64_t(atlas_.allocator().layers()) * AtlasAllocator::kLayerSize *
+                         AtlasAllocator::kLayerSize * std::uint64_t(policy_.bytes_per_texel);
+}
+
+void ImageCache::update_moving() {
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const std::uint32_t object = moving_objects_[i];
+    const glm::dmat4 now(renderer_.poses()[object]);
+    moving_[i].now_from_last = now == moving_[i].world_from_object
+                                   ? glm::dmat4(1.0)
+                                   : now * glm::inverse(moving_[i].world_from_object);
+    moving_[i].world_from_object = now;
+    moving_[i].box = renderer_.object_bounds(object);
+  }
+}
+
+void ImageCache::objects_of(Entity entity, std::vector<std::uint32_t>& objects) const {
+  objects.clear();
+  if (entity >= hierarchy_.nodes.size()) {
+    objects.push_back(moving_objects_[entity - hierarchy_.nodes.size()]);
+    return;
+  }
+  const HierarchyNode& node = hierarchy_.nodes[entity];
+  for (std::uint32_t i = 0; i < node.count; ++i)
+    objects.push_back(static_objects_[hierarchy_.order[node.first + i]]);
+}
+
+glm::dmat4 ImageCache::motion_since_capture(const Picture& picture) const {
+  if (picture.entity < hierarchy_.nodes.size()) return glm::dmat4(1.0);
+  const glm::dmat4& now = moving_[picture.entity - hierarchy_.nodes.size()].world_from_object;
+  if (now == picture.world_from_object) return glm::dmat4(1.0);
+  return now * glm::inverse(picture.world_from_object);
+}
+
+void ImageCache::release(std::uint32_t slot) {
+  if (slot >= held_.size() || !held_[slot].slot) return;
+  atlas_.free(*held_[slot].slot);
+  held_[slot].slot.reset();
+}
+
+void ImageCache::plan(const Camera& camera) {
+  const FrameView view = follow(motion_, camera);
+  policy_.error_px = options_.error_px;
+  policy_.fade_frames = options_.fade_frames;
+  if (options_.capture_ms > 0 && triangles_per_ms_ > 0)
+    policy_.capture_triangles = std::uint64_t(options_.capture_ms * triangles_per_ms_);
+  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_);
+}
+
+void ImageCache::carry_out_captures() {
+  for (std::uint32_t slot : plan_.evictions) release(slot);
+  if (plan_.captures.empty()) return;
+  const auto start = std::chrono::steady_clock::now();
+  std::uint64_t triangles = 0;
+  for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
+    const Capture& capture = plan_.captures[i];
+    const Camera& camera = capture.geometry.capture;
+    const std::optional<AtlasSlot> slot = atlas_.allocate(camera.width, camera.height);
+    if (!slot) {
+      refuse_capture(plan_, i--, hierarchy_, moving_);
+      continue;
+    }
+    if (capture.slot >= held_.size()) held_.resize(capture.slot + 1);
+    Held& held = held_[capture.slot];
+    held.slot = slot;
+    held.objects_captured = false;
+    held.camera = camera;
+    objects_of(capture.entity, held.objects);
+    atlas_.capture(renderer_, camera, held.objects, *slot);
+    triangles += capture.triangles;
+    ++figures_.captures;
+  }
+  gl::finish();
+  figures_.capture_ms = milliseconds_since(start);
+  if (triangles > 0 && figures_.capture_ms > 0) {
+    const double now = double(triangles) / figures_.capture_ms;
+    // The first measurement includes the driver's warm-up; later ones smooth it away.
+    triangles_per_ms_ = triangles_per_ms_ > 0 ? 0.8 * triangles_per_ms_ + 0.2 * now : now;
+  }
+}
+
+void ImageCache::collect() {
+  instances_.clear();
+  for (const DrawnPicture& drawn : plan_.pictures) {
+    const Picture& picture = state_.slots[drawn.slot];
+    const Held& held = held_[drawn.slot];
+    const std::uint32_t object = held.objects.size() == 1 ? held.objects[0] + 1 : kNoObject;
+    instances_.push_back({*held.slot, picture.geometry, motion_since_capture(picture), object,
+                          drawn.from, drawn.to});
+  }
+  polygons_.clear();
+  shares_.clear();
+  const auto add = [&](std::uint32_t object, float from, float to) {
+    if (from <= 0 && to >= 1)
+      polygons_.push_back(object);
+    else
+      shares_.push_back({object, from, to});
+  };
+  for (const DrawnObject& drawn : plan_.polygons)
+    add(static_objects_[drawn.object], drawn.from, drawn.to);
+  for (const DrawnObject& drawn : plan_.moving_polygons)
+    add(moving_objects_[drawn.object], drawn.from, drawn.to);
+}
+
+Result<> ImageCache::draw(const Camera& camera, double time) {
+  const gl::StateGuard guard;
+  GLint framebuffer = 0, viewport[4];
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_VIEWPORT, viewport);
+
+  camera_ = camera;
+  time_ = time;
+  figures_ = {};
+  renderer_.set_time(time);
+  update_moving();
+  plan(camera);
+  carry_out_captures();
+  commit(plan_, state_);
+  collect();
+
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
+  glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+  drawer_.draw(atlas_, camera, options_.depth_mode, instances_);
+  renderer_.draw_opaque(camera, polygons_, OutputEncoding::srgb);
+  renderer_.draw_shares(camera, shares_, OutputEncoding::srgb);
+  if (options_.sky) renderer_.draw_sky(camera, OutputEncoding::srgb);
+  visible_blended_.clear();
+  const Frustum frustum = frustum_of(camera);
+  for (std::uint32_t object : blended_)
+    if (may_touch(frustum, renderer_.object_bounds(object))) visible_blended_.push_back(object);
+  renderer_.draw_blended(camera, visible_blended_, OutputEncoding::srgb);
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_, {1.0f, 0.85f, 0.1f});
+
+  figures_.polygons = int(polygons_.size() + shares_.size());
+  figures_.pictures = plan_.single;
+  figures_.hierarchy = plan_.hierarchy;
+  figures_.bound_px = plan_.bound_px;
+  figures_.picture_bytes = atlas_.bytes();
+  return Done{};
+}
+
+Result<> ImageCache::draw_objects() {
+  const gl::StateGuard guard;
+  GLint framebuffer = 0, viewport[4];
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_VIEWPORT, viewport);
+  renderer_.set_time(time_);
+  // Identifiers of pictures of several objects, where no probe has asked for them before.
+  for (const DrawnPicture& drawn : plan_.pictures) {
+    Held& held = held_[drawn.slot];
+    if (held.objects.size() == 1 || held.objects_captured) continue;
+    atlas_.capture_objects(renderer_, held.camera, held.objects, *held.slot);
+    held.objects_captured = true;
+  }
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
+  glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+  drawer_.draw_objects(atlas_, camera_, options_.depth_mode, instances_);
+  renderer_.draw_objects(camera_, polygons_);
+  return Done{};
+}
+
+void ImageCache::invalidate() {
+  std::vector<std::uint32_t> evictions;
+  rilievo::invalidate(state_, evictions);
+  for (std::uint32_t slot : evictions) release(slot);
+}
+
+void ImageCache::invalidate_object(std::uint32_t object) {
+  std::vector<std::uint32_t> evictions;
+  const auto moving = std::find(moving_objects_.begin(), moving_objects_.end(), object);
+  if (moving != moving_objects_.end()) {
+    invalidate();
+    return;
+  }
+  const auto found = std::find(static_objects_.begin(), static_objects_.end(), object);
+  if (found == static_objects_.end()) return;
+  rilievo::invalidate(hierarchy_, std::uint32_t(found - static_objects_.begin()), state_,
+                      evictions);
+  for (std::uint32_t slot : evictions) release(slot);
+}
+
+std::vector<ImageCache::Shown> ImageCache::shown() const {
+  std::vector<Shown> shown;
+  for (const DrawnPicture& drawn : plan_.pictures) {
+    const Picture& picture = state_.slots[drawn.slot];
+    shown.push_back({picture.geometry, motion_since_capture(picture), drawn.bound_px,
+                     held_[drawn.slot].objects, *held_[drawn.slot].slot});
+  }
+  return shown;
+}
+
+void ImageCache::append_errors(int step, std::vector<float>& errors_px) const {
+  for (const NailboardInstance& instance : instances_) {
+    Camera frame = camera_;
+    frame.world_from_eye = glm::inverse(instance.world_now_from_capture) * frame.world_from_eye;
+    append_sample_errors(atlas_.read(instance.slot, instance.geometry), frame, step, errors_px);
+  }
+}
+
+std::vector<DepthImage> ImageCache::read_pictures() const {
+  std::vector<DepthImage> read;
+  for (const Shown& picture : shown()) {
+    read.push_back(depth_image_from(atlas_.read(picture.slot, picture.geometry)));
+    read.back().name =
+        std::to_string(read.size()) + " of " + std::to_string(picture.objects.size()) + " objects";
+  }
+  return read;
+}
+
+}  // namespace rilievo
