@@ -8,6 +8,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(draco REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(embree 3 REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 

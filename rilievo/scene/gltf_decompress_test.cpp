@@ -211,5 +211,24 @@ TEST(GltfDraco, a_mesh_comes_back_within_its_quantisation) {
   }
 }
 
+// A few bytes that announce 2^28 faces, or 255 kinds of seams over 2^20 faces: refused before the
+// decoder allocates them.
+TEST(GltfDraco, what_a_stream_announces_is_held_against_the_budget) {
+  const auto why = [](const std::string& numbers) {
+    GltfBuilder b = test::triangle();
+    const std::string head("DRACO\2\2\1\1\0\0\0", 12);
+    nlohmann::json& primitive = b.json["meshes"][0]["primitives"][0];
+    primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", b.view(head + numbers)},
+                                                             {"attributes", {{"POSITION", 0}}}};
+    LoadOptions options;
+    options.max_bytes = 1u << 30;
+    const std::string file = b.glb();
+    return load_scene(bytes_of(file), "draco.glb", options).error().reason;
+  };
+  EXPECT_EQ(why("\3\xFF\xFF\xFF\x7F"), "needs more memory than the 1024 MiB allowed");
+  EXPECT_EQ(why("\3\xFF\xFF\x3F\xFF"), "needs more memory than the 1024 MiB allowed");
+  EXPECT_EQ(why("\3\1").find("needs more memory"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace rilievo::gltf

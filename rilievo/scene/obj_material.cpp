@@ -140,7 +140,8 @@ void ObjMaterials::read(const std::string& names) {
   // A name with spaces, or several names: try the whole first.
   const auto add = [&](const std::string& name) {
     const std::string file = read_neighbor(context_, name);
-    parse(utf8_from(bytes_of(file)));
+    std::string converted;
+    parse(utf8_from(bytes_of(file), converted));
   };
   std::string why;
   try {

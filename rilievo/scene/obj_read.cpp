@@ -182,8 +182,9 @@ class Reader {
 }  // namespace
 
 Scene read_obj(Bytes file, LoadContext& context) {
-  context.budget.take(file.size());
-  const std::string text = utf8_from(file);
+  context.budget.borrow(file.size(), 2);  // if it is in UTF-16
+  std::string converted;
+  const std::string_view text = utf8_from(file, converted);
   // A zero is in no text, but soon in anything else.
   if (text.substr(0, 4096).find('\0') != std::string::npos)
     refuse("is not an OBJ file: it holds binary data");

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "rilievo/scene/jpeg_decode.h"
+
 namespace rilievo {
 namespace {
 
@@ -27,7 +29,6 @@ void* stb_reallocate(void* block, std::size_t size) {
 #define STBI_REALLOC(block, size) rilievo::stb_reallocate(block, size)
 #define STBI_FREE(block) std::free(block)
 #define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
 #define STBI_NO_STDIO
@@ -105,6 +106,7 @@ Rgba8Image decode_picture(Bytes encoded, MemoryBudget& budget) {
     return decode_webp(encoded, budget);
   if (starts_with(encoded, "\xABKTX 20\xBB")) refuse("is a KTX2 picture, which is not supported");
   if (starts_with(encoded, "DDS ")) refuse("is a DDS picture, which is not supported");
+  if (starts_with(encoded, "\xFF\xD8\xFF")) return decode_jpeg(encoded, budget, blank);
   return decode_stb(encoded, budget);
 }
 

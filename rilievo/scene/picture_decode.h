@@ -1,5 +1,6 @@
-// The texels of an encoded picture: PNG and JPEG (also BMP and TGA) by stb_image, WebP by libwebp.
-// Which of them it is, the first bytes say. Internal to loading; throws LoadFault.
+// The texels of an encoded picture: JPEG by libjpeg (stb_image 2.27 writes past its tables on a
+// damaged one), WebP by libwebp, PNG, BMP and TGA by stb_image. Which it is, the first bytes say.
+// Internal to loading; throws LoadFault.
 #pragma once
 
 #include "rilievo/core/color.h"

@@ -112,6 +112,15 @@ TEST(DecodePicture, memory_is_bounded_by_the_size_it_announces) {
   EXPECT_EQ(reason("\xABKTX 20\xBB\r\n\x1A\n"), "is a KTX2 picture, which is not supported");
 }
 
+// More codes of one length than there are bytes: stb_image 2.27 writes 3825 entries into a table of
+// 257.
+TEST(DecodePicture, a_jpeg_with_too_many_codes_is_refused) {
+  std::string jpeg("\xFF\xD8\xFF\xC4\0\x15\0", 7);
+  jpeg += std::string(16, '\xFF') + std::string(4000, '\1');
+  EXPECT_EQ(reason(jpeg),
+            "is a JPEG picture that cannot be decoded: Bogus Huffman table definition");
+}
+
 TEST(DecodePicture, jpeg) {
   const char* const data = std::getenv("RILIEVO_DATA");
   if (!data) GTEST_SKIP() << "RILIEVO_DATA is not set";
@@ -122,6 +131,7 @@ TEST(DecodePicture, jpeg) {
   const Rgba8Image image = decode_picture(bytes_of(*file), budget);
   EXPECT_EQ(image.width(), 256);
   EXPECT_EQ(image.height(), 192);
+  EXPECT_EQ(image(0, 0).a, 255);
 }
 
 }  // namespace

@@ -73,7 +73,8 @@ Scene read_stl(Bytes file, LoadContext& context) {
   if (is_binary_stl(file)) {
     read_binary(file, soup, context.budget);
   } else {
-    const std::string text = utf8_from(file);
+    std::string converted;
+    const std::string_view text = utf8_from(file, converted);
     if (!trimmed(text).starts_with("solid"))
       refuse("is not an STL file: it neither begins with 'solid' nor has the length it announces");
     read_text(text, soup, context.budget);

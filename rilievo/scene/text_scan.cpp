@@ -29,16 +29,16 @@ std::string_view without_plus(std::string_view word) {
 
 }  // namespace
 
-std::string utf8_from(Bytes text) {
+std::string_view utf8_from(Bytes text, std::string& converted) {
   const bool little = text.size() >= 2 && text[0] == 0xFF && text[1] == 0xFE;
   const bool big = text.size() >= 2 && text[0] == 0xFE && text[1] == 0xFF;
   if (!little && !big) {
     const bool mark = text.size() >= 3 && text[0] == 0xEF && text[1] == 0xBB && text[2] == 0xBF;
     const Bytes body = text.subspan(mark ? 3 : 0);
-    return {body.begin(), body.end()};
+    return {reinterpret_cast<const char*>(body.data()), body.size()};
   }
   constexpr std::uint32_t kReplacement = 0xFFFD;
-  std::string out;
+  converted.clear();
   std::uint32_t high = 0;
   for (std::size_t i = 2; i + 1 < text.size(); i += 2) {
     std::uint32_t c = little ? text[i] | text[i + 1] << 8 : text[i] << 8 | text[i + 1];
@@ -49,9 +49,9 @@ std::string utf8_from(Bytes text) {
     if (c >= 0xDC00 && c < 0xE000)
       c = high ? 0x10000 + ((high - 0xD800) << 10) + (c - 0xDC00) : kReplacement;
     high = 0;
-    append_utf8(c, out);
+    append_utf8(c, converted);
   }
-  return out;
+  return converted;
 }
 
 std::optional<std::string_view> take_line(std::string_view& text) {

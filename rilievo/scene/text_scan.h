@@ -9,8 +9,9 @@
 
 namespace rilievo {
 
-// Text in UTF-16 (with its byte order mark) as UTF-8; other text as it is, less a mark.
-[[nodiscard]] std::string utf8_from(Bytes text);
+// Text in UTF-16 (with its byte order mark) as UTF-8, in `converted`; other text as it is, less a
+// mark.
+[[nodiscard]] std::string_view utf8_from(Bytes text, std::string& converted);
 
 // Takes the next line off `text`, ended by any of \n, \r, \r\n. Nothing at the end of the text.
 [[nodiscard]] std::optional<std::string_view> take_line(std::string_view& text);
