@@ -29,6 +29,7 @@ struct Options {
   std::vector<std::string> methods{"flat", "nailboard"};
   FrameOptions frames;
   MethodOptions method_options;
+  bool pop = false;
 };
 
 // Direct drawing is always there, and first: it draws the true frames.
@@ -86,6 +87,7 @@ Result<> run(const Options& options) {
   compare_options.height = options.frames.height;
   compare_options.samples = options.frames.samples;
   compare_options.frames = plan->frames;
+  compare_options.pop = options.pop;
   Progress progress("frame");
   compare_options.progress = [&](int done, int total) { progress.show(done, total); };
   const auto walk = [&](int frame) {
@@ -130,6 +132,8 @@ Command compare_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "Folder for report.html and report.json")
       ->required()
       ->type_name("DIR");
+  command->add_flag("--pop", options->pop,
+                    "Also measure how much more than the true ones frames change (takes longer)");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

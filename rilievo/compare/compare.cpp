@@ -20,6 +20,10 @@ struct Tally {
   Histogram depth_errors;
   std::int64_t polygons = 0, pictures = 0, hierarchy = 0;
   double bound_px = 0;
+  Histogram errors_px;
+  float largest_error_px = 0;
+  Rgba8Image last;  // frame
+  double pop = 0;
 
   void add_figures(const FrameFigures& figures) {
     result.captures += figures.captures;
@@ -31,16 +35,35 @@ struct Tally {
     bound_px = std::max(bound_px, figures.bound_px);
   }
 
+  // The difference of two frames that are the same need not be measured.
+  static double flip_of(const Rgba8Image& truth, const Rgba8Image& frame) {
+    return truth == frame ? 0 : flip(truth, frame);
+  }
+
   void add_frame(const DrawnFrame& truth, const DrawnFrame& frame) {
     const Visibility visibility = compare_visibility(truth.objects, frame.objects);
     result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
-                             ssim(truth.color, frame.color), flip(truth.color, frame.color),
+                             ssim(truth.color, frame.color), flip_of(truth.color, frame.color),
                              visibility.wrong_share(), visibility.uncovered_share()});
     add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_figures(frame.figures);
+    for (const float error : frame.errors_px) {
+      errors_px.add(error);
+      largest_error_px = std::max(largest_error_px, error);
+    }
   }
 
-  MethodResult finish() {
+  // `true_change`: FLIP between the true frame and the one before it.
+  void add_change(const Rgba8Image& frame, double true_change) {
+    if (!last.empty()) pop = std::max(pop, flip_of(last, frame) - true_change);
+    last = frame;
+  }
+
+  MethodResult finish(bool with_pop) {
+    if (errors_px.count() > 0)
+      result.error_px =
+          ErrorPx{errors_px.percentile(0.50), errors_px.percentile(0.99), largest_error_px};
+    if (with_pop) result.pop_max = pop;
     result.depth_error_p50 = depth_errors.percentile(0.50);
     result.depth_error_p99 = depth_errors.percentile(0.99);
     if (bound_px > 0) result.bound_px_max = bound_px;
@@ -99,7 +122,8 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     std::vector<std::vector<DrawnFrame>> drawn(sources.size());
     for (std::size_t s = 0; s < sources.size(); ++s)
       for (int frame = first; frame < end; ++frame) {
-        Result<DrawnFrame> one = draw_frame(*sources[s].source, *target, *probe, walk(frame));
+        Result<DrawnFrame> one =
+            draw_frame(*sources[s].source, *target, *probe, walk(frame), options.error_step);
         if (!one) return one.error();
         drawn[s].push_back(std::move(*one));
       }
@@ -108,7 +132,10 @@ Result<Report> compare(std::span<const ComparedSource> sources,
       const bool shown = std::binary_search(report.shown.begin(), report.shown.end(), frame);
       const DrawnFrame& truth = drawn[0][i];
       if (shown) report.true_pictures.push_back(jpeg(truth.color));
+      const double true_change =
+          options.pop && !tallies[0].last.empty() ? flip(tallies[0].last, truth.color) : 0;
       for (std::size_t s = 0; s < sources.size(); ++s) {
+        if (options.pop) tallies[s].add_change(drawn[s][i].color, true_change);
         tallies[s].add_frame(truth, drawn[s][i]);
         if (!shown) continue;
         tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));
@@ -118,7 +145,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
       if (options.progress) options.progress(frame + 1, options.frames);
     }
   }
-  for (Tally& tally : tallies) report.methods.push_back(tally.finish());
+  for (Tally& tally : tallies) report.methods.push_back(tally.finish(options.pop));
   return report;
 }
 

@@ -36,6 +36,10 @@ struct CompareOptions {
   int warm_up = 1;
   // For frames that wait to be measured.
   std::size_t max_bytes = std::size_t(256) << 20;
+  // The error of every so many texels in x and y of every picture drawn is measured; 0: none.
+  int error_step = 4;
+  // Measure how much more than the true ones frames differ from those before them: popping.
+  bool pop = false;
   // At most so many frames' pictures go into the report.
   int shown_frames = 8;
   std::function<void(int done, int total)> progress;

@@ -19,6 +19,8 @@ class TwoHalves : public FrameSource {
       : edge_(edge), hole_(hole), right_z_(right_z) {}
 
   Result<> draw(const Camera&, double) override {
+    edge_ += step_;
+    step_ = -step_;
     fill(0, edge_, [](int) {
       const float red[] = {1, 0, 0, 1};
       glClearBufferfv(GL_COLOR, 0, red);
@@ -44,6 +46,13 @@ class TwoHalves : public FrameSource {
     return Done{};
   }
 
+  // Every second frame has its edge elsewhere.
+  void blink(int by) { step_ = by; }
+
+  void append_errors(int step, std::vector<float>& errors_px) const override {
+    for (int i = 0; i < 100; i += step) errors_px.push_back(float(i) / 100.0f);
+  }
+
   [[nodiscard]] FrameFigures figures() const override {
     FrameFigures figures;
     figures.captures = drawn_ == 1 ? 7 : 1;
@@ -65,7 +74,7 @@ class TwoHalves : public FrameSource {
   int edge_ = 0;
   bool hole_ = false;
   float right_z_ = 0.5f;
-  int drawn_ = 0;
+  int drawn_ = 0, step_ = 0;
 };
 
 class CompareTest : public testing::Test {
@@ -157,6 +166,40 @@ TEST_F(CompareTest, counts_what_the_warm_up_captured) {
   const std::vector<std::pair<std::string, std::int64_t>> drawn{
       {"polygons", 0}, {"nailboard", 10}, {"hierarchy", 0}};
   EXPECT_EQ(method.drawn_as, drawn);
+}
+
+TEST_F(CompareTest, sums_up_what_sources_say_of_their_errors) {
+  TwoHalves truth(32);
+  const ComparedSource sources[] = {{"direct", &truth}};
+  options.error_step = 1;
+  const Result<Report> report = compare(sources, still, options);
+  ASSERT_TRUE(report.ok()) << report.error().message();
+  const auto& errors = report->methods[0].error_px;
+  ASSERT_TRUE(errors.has_value());
+  // A histogram's bin is 1 / 64 wide.
+  EXPECT_NEAR(errors->p50, 0.49, 0.49 / 64);
+  EXPECT_NEAR(errors->p99, 0.98, 0.98 / 64);
+  EXPECT_EQ(errors->max, 0.99f);
+}
+
+TEST_F(CompareTest, popping_is_a_change_that_the_true_frames_do_not_have) {
+  options.pop = true;
+  TwoHalves still_truth(32), still_one(42), blinking(32), all_blink(32);
+  blinking.blink(10);
+  all_blink.blink(10);
+  const ComparedSource calm[] = {
+      {"direct", &still_truth}, {"off", &still_one}, {"pops", &blinking}};
+  Result<Report> report = compare(calm, still, options);
+  ASSERT_TRUE(report.ok()) << report.error().message();
+  EXPECT_EQ(report->methods[0].pop_max, 0.0);
+  EXPECT_EQ(report->methods[1].pop_max, 0.0);  // wrong, but always alike
+  EXPECT_GT(report->methods[2].pop_max, 0.01);
+  // What the truth does is no pop.
+  const ComparedSource wild[] = {{"direct", &all_blink}, {"still", &still_one}};
+  report = compare(wild, still, options);
+  ASSERT_TRUE(report.ok()) << report.error().message();
+  EXPECT_EQ(report->methods[0].pop_max, 0.0);
+  EXPECT_EQ(report->methods[1].pop_max, 0.0);
 }
 
 TEST_F(CompareTest, little_memory_changes_nothing_but_the_order) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/core/camera.h"
@@ -24,14 +25,17 @@ struct DrawnFrame {
   Rgba8Image color;
   Image<std::uint32_t> objects;  // at pixel centres; so is eye_z
   Image<float> eye_z;
+  std::vector<float> errors_px;  // of samples of the pictures drawn
 };
 
 // Draws and times the frame, without reading it back. Needs a current OpenGL context.
 [[nodiscard]] Result<double> time_frame(FrameSource& source, FrameTarget& target,
                                         const WalkFrame& frame);
 
-// The same, then colours, objects and depths.
+// The same, then colours, objects and depths; and the error of every `error_step`-th texel in x and
+// y, if that is not 0.
 [[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, FrameTarget& target,
-                                            ProbeTarget& probe, const WalkFrame& frame);
+                                            ProbeTarget& probe, const WalkFrame& frame,
+                                            int error_step);
 
 }  // namespace rilievo

@@ -42,6 +42,8 @@ struct MethodResult {
   // Where they are known:
   std::optional<double> bound_px_max;
   std::optional<ErrorPx> error_px;
+  // The most by which a frame differs from the one before it (FLIP) above the true frames' change.
+  std::optional<double> pop_max;
   std::vector<std::pair<std::string, std::int64_t>> drawn_as;  // "polygons", "nailboard", ...
   // For the page: one of each for every frame shown, in their order.
   std::vector<EncodedPicture> pictures, differences;

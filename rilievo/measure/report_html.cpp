@@ -80,6 +80,11 @@ const std::array kRows = {
                                           m.error_px->p99, m.error_px->max)
                             : std::string();
         }},
+    Row{"Pop, most",
+        "By how much a frame differs from the one before it (FLIP), above the true frames' change.",
+        [](const MethodResult& m, const MethodSummary&) {
+          return m.pop_max ? fmt::format("{:.4f}", *m.pop_max) : std::string();
+        }},
     Row{"Drawn as", "How many objects, over all frames.",
         [](const MethodResult& m, const MethodSummary&) {
           std::string out;
