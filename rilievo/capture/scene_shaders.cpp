@@ -244,8 +244,10 @@ void main() {
   float side = view.eye_direction.w;
   vec3 v = side == 0.0 ? view.eye_direction.xyz : -side * normalize(v_relative);
   vec3 n = normalize(v_normal);
-  // Both sides of a thin sheet are lit as seen; single-sided faces never show their back.
-  if (dot(n, v) < 0.0) n = -n;
+  // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
+  // silhouette the smooth normal of a visible face may already point away.
+  vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
+  if (dot(facing, v) * dot(facing, n) < 0.0) n = -n;
 #ifdef NORMAL_MAP
   n = mapped_normal(n);
 #endif

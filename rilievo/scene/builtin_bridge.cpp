@@ -110,9 +110,9 @@ constexpr Grove kGroves[] = {
     {25, 62, 10, 30, 7, false},        // before the road on the right
     {24, 66, -52, -10, 12, false},     // behind it
     {92, 108, -8, 8, 4, false},        // over the end of the road
-    {-55, 120, -125, -62, 18, false},  // on the hills
+    {-55, 120, -125, -62, 26, false},  // on the hills
     {21, 30, -30, 30, 6, true},        // along the water
-    {-30, -20, -34, -9, 3, true},     {-20, -15, 10, 20, 3, true},
+    {-30, -20, -34, -9, 3, true},     {-26, -20.6f, 9.5f, 15, 2, true},
 };
 
 void add_trees(Scene& scene, const Land& land, double triangles, Random& random) {

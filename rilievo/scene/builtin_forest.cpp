@@ -28,7 +28,7 @@ constexpr float kVerticalFov = 0.87f;  // 50 degrees: 79 degrees wide at 16:9
 float height(float x, float z, std::uint64_t seed) {
   const float ahead = -z;
   // A ridge, a steep side, a valley, and a slope of 8 % on its far side.
-  const float fall = -18.0f * glm::smoothstep(5.0f, 27.0f, ahead);
+  const float fall = -18.0f * glm::smoothstep(-4.0f, 26.0f, ahead);
   const float rise = 0.08f * std::max(0.0f, ahead - 90.0f);
   const float rolling =
       glm::smoothstep(15.0f, 80.0f, ahead) * 3.0f + glm::smoothstep(100.0f, 500.0f, ahead) * 8.0f;
@@ -145,8 +145,8 @@ BuiltinScene make_forest(std::uint64_t triangles, std::uint64_t seed) {
   const Ground ground{[&](float x, float z) { return height(x, z, seed); },
                       [&](const glm::vec3& p) {
                         const float patch = noise(p / 23.0f, seed + 1);
-                        return glm::mix(glm::vec3(0.10f, 0.105f, 0.045f),
-                                        glm::vec3(0.155f, 0.13f, 0.075f), 0.5f + 0.5f * patch);
+                        return glm::mix(glm::vec3(0.085f, 0.11f, 0.04f),
+                                        glm::vec3(0.14f, 0.14f, 0.07f), 0.5f + 0.5f * patch);
                       }};
   float farthest = 0;
   for (const Tile& tile : tiles) {
