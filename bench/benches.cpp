@@ -5,6 +5,7 @@
 #include "bench/draw.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
+#include "bench/tradeoff.h"
 
 namespace rilievo::bench {
 
@@ -17,6 +18,8 @@ std::span<const Bench> benches() {
       Bench{"bound", "Does the error bound hold, and how tight is it?", false, bound},
       Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?", true,
             draw},
+      Bench{"tradeoff", "What does an allowed error buy, and what does it cost?", true, tradeoff},
+      Bench{"scaling", "What does a cached frame cost as the scene grows?", true, scaling},
   };
   return list;
 }

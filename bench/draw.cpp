@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "rilievo/capture/frame_target.h"
-#include "rilievo/draw/picture_atlas.h"
 #include "rilievo/draw/nailboard_drawer.h"
+#include "rilievo/draw/picture_atlas.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
 

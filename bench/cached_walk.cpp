@@ -1,0 +1,74 @@
+#include "bench/cached_walk.h"
+
+#include <memory>
+
+#include "rilievo/compare/drawn_frame.h"
+#include "rilievo/draw/direct_frames.h"
+#include "rilievo/measure/flip.h"
+#include "rilievo/measure/psnr.h"
+#include "rilievo/measure/ssim.h"
+
+namespace rilievo::bench {
+
+Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
+                                            std::span<const ImageCacheOptions> caches,
+                                            const CachedWalkOptions& options) {
+  Result<SceneRenderer> renderer = SceneRenderer::create(builtin.scene);
+  if (!renderer) return renderer.error();
+  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
+  if (!target) return target.error();
+  DirectFrames direct(*renderer);
+  std::vector<std::unique_ptr<ImageCache>> sources;
+  for (ImageCacheOptions cache : caches) {
+    cache.samples = options.samples;
+    Result<ImageCache> made = ImageCache::create(*renderer, cache);
+    if (!made) return made.error();
+    sources.push_back(std::make_unique<ImageCache>(std::move(*made)));
+  }
+
+  const std::size_t count = sources.size();
+  std::vector<CachedWalk> walks(count);
+  std::vector<std::vector<double>> times(count), psnr(count), ssims(count), flips(count);
+  std::vector<double> direct_ms;
+  for (int frame = 0; frame < options.frames; ++frame) {
+    const double time = frame_time(builtin.path, frame);
+    const WalkFrame at{camera_at(builtin.path, time, options.width, options.height), time};
+    const bool compared =
+        options.compare_every > 0 && frame % options.compare_every == options.compare_every - 1;
+    Rgba8Image truth;
+    if (compared) {
+      const Result<double> ms = time_frame(direct, *target, at);
+      if (!ms) return ms.error();
+      direct_ms.push_back(*ms);
+      truth = target->read();
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Result<double> ms = time_frame(*sources[i], *target, at);
+      if (!ms) return ms.error();
+      const FrameFigures figures = sources[i]->figures();
+      walks[i].captures += figures.captures;
+      walks[i].bound_px = std::max(walks[i].bound_px, figures.bound_px);
+      if (frame == 0)
+        walks[i].first_frame_ms = *ms;
+      else
+        times[i].push_back(*ms);
+      if (!compared) continue;
+      const Rgba8Image seen = target->read();
+      psnr[i].push_back(psnr_db(truth, seen));
+      ssims[i].push_back(ssim(truth, seen));
+      flips[i].push_back(flip(truth, seen));
+    }
+    if (options.progress) options.progress(frame + 1, options.frames);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!times[i].empty()) walks[i].frame_ms = summarize(times[i]);
+    if (direct_ms.empty()) continue;
+    walks[i].direct_ms_p50 = percentile(direct_ms, 0.5);
+    walks[i].psnr_db = summarize(psnr[i]).mean;
+    walks[i].ssim = summarize(ssims[i]).mean;
+    walks[i].flip = summarize(flips[i]).mean;
+  }
+  return walks;
+}
+
+}  // namespace rilievo::bench
