@@ -44,6 +44,7 @@ layout(location = 0) uniform mat4 clip_from_relative;
 
 const char* const kVertex = R"(
 out vec2 v_uv;  // texels
+flat out vec4 v_slot;  // centres of its first and last texels: beyond them lie other pictures
 flat out int v_layer;
 #if MODE == 2
 out vec2 v_towards;  // z and w of clip(P) - clip(E), z scaled for (1)
@@ -72,6 +73,8 @@ void main() {
   gl_Position = clip_from_relative * vec4(p, 1.0);
   v_uv = vec2(u_axis_slot_x.w, v_axis_slot_y.w) +
          corner * vec2(eye_slot_width.w, forward_slot_height.w);
+  v_slot = vec4(u_axis_slot_x.w, v_axis_slot_y.w, u_axis_slot_x.w + eye_slot_width.w,
+                v_axis_slot_y.w + forward_slot_height.w) + vec4(0.5, 0.5, -0.5, -0.5);
   v_layer = int(origin_layer.w);
 #if MODE == 2
   vec4 e = clip_from_relative * vec4(eye_slot_width.xyz, 1.0);
@@ -95,6 +98,7 @@ void main() {
 
 const char* const kFragment = R"(
 in vec2 v_uv;
+flat in vec4 v_slot;
 flat in int v_layer;
 #if MODE == 2
 in vec2 v_towards;
@@ -122,10 +126,12 @@ void main() {
   float hash = pixel_hash();
   if (hash < v_share.x || hash >= v_share.y) discard;
 #endif
-  ivec3 texel = ivec3(v_uv, v_layer);
+  // Where samples are covered and the pixel's centre is not, v_uv lies off the polygon.
+  vec2 uv = clamp(v_uv, v_slot.xy, v_slot.zw);
+  ivec3 texel = ivec3(uv, v_layer);
   float delta = texelFetch(delta_texture, texel, 0).r * delta_scale;
   if (delta > largest_delta) discard;
-  vec4 color = texture(color_texture, vec3(v_uv * (1.0 / 1024.0), float(v_layer)));
+  vec4 color = texture(color_texture, vec3(uv * (1.0 / 1024.0), float(v_layer)));
 #if MODE == 2
   float q = v_eye.z + v_eye.w * delta;
   gl_FragDepth = (q * v_eye.x + v_towards.x) / (q * v_eye.y + v_towards.y);
