@@ -26,7 +26,7 @@ namespace {
 
 struct Options {
   std::string scene, output, json, command_line;
-  std::vector<std::string> methods{"flat", "nailboard"};
+  std::vector<std::string> methods{"flat", "nailboard", "cache"};
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false;
@@ -125,7 +125,7 @@ Command compare_command(CLI::App& app) {
   command
       ->add_option("--methods", options->methods,
                    "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
-                       " (default flat,nailboard)")
+                       " (default flat,nailboard,cache)")
       ->delimiter(',')
       ->check(CLI::IsMember(method_names()))
       ->type_name("A,B,...");

@@ -2,6 +2,7 @@
 
 #include <glm/glm.hpp>
 
+#include "rilievo/cache/image_cache.h"
 #include "rilievo/cache/picture_frames.h"
 #include "rilievo/draw/direct_frames.h"
 
@@ -24,10 +25,22 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_option("--memory-mb", options.memory_mb, "Memory for pictures (default 256)")
       ->check(CLI::Range(1, 65536))
       ->type_name("MB");
+  command
+      .add_option("--error-px", options.error_px,
+                  "cache: no sample is drawn farther from its place, pixels (default 1)")
+      ->check(CLI::Range(0.01, 100.0))
+      ->type_name("E");
+  command
+      .add_option("--capture-ms", options.capture_ms,
+                  "cache: time for captures in a frame (default: a budget of triangles instead, "
+                  "which makes runs repeatable)")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->type_name("T");
+  command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
 }
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"direct", "flat", "nailboard"};
+  static const std::vector<std::string> names{"direct", "flat", "nailboard", "cache"};
   return names;
 }
 
@@ -39,6 +52,20 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  const MethodOptions& options, int samples,
                                                  SceneRenderer& renderer) {
   if (method == "direct") return {std::make_unique<DirectFrames>(renderer)};
+  if (method == "cache") {
+    ImageCacheOptions cache;
+    cache.error_px = options.error_px;
+    cache.max_bytes = std::size_t(options.memory_mb) << 20;
+    cache.capture_ms = options.capture_ms;
+    if (!options.fade) cache.fade_frames = 1;
+    cache.delta_bits = options.delta_bits;
+    cache.depth_mode = depth_mode(options);
+    cache.samples = samples;
+    cache.outlines = options.outlines;
+    Result<ImageCache> made = ImageCache::create(renderer, cache);
+    if (!made) return made.error();
+    return {std::make_unique<ImageCache>(std::move(*made))};
+  }
   PictureFramesOptions pictures;
   pictures.mode = method == "flat" ? DepthMode::flat : depth_mode(options);
   pictures.delta_bits = options.delta_bits;

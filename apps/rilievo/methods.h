@@ -16,8 +16,11 @@ struct MethodOptions {
   int delta_bits = 8;
   std::string depth = "exact";
   bool outlines = false;
-  double angle_degrees = 0.15;
+  double angle_degrees = 0.15;  // flat, nailboard
   int memory_mb = 256;
+  double error_px = 1;    // cache
+  double capture_ms = 0;  // cache; 0: a budget by triangles
+  bool fade = true;       // cache
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);
@@ -25,7 +28,7 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 // Of nailboards: --depth.
 [[nodiscard]] DepthMode depth_mode(const MethodOptions& options);
 
-// direct, flat, nailboard.
+// direct, flat, nailboard, cache.
 [[nodiscard]] const std::vector<std::string>& method_names();
 
 // `renderer` must outlive the source.

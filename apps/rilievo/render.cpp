@@ -20,6 +20,7 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/cache/image_cache.h"
 #include "rilievo/cache/picture_frames.h"
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/draw/stored_pictures.h"
@@ -57,9 +58,13 @@ std::string numbered(const std::string& folder, const char* stem, int frame,
 
 Result<> save_pictures_of(const FrameSource& source, const Options& options, const Camera& camera,
                           int frame) {
-  const auto* with_pictures = dynamic_cast<const PictureFrames*>(&source);
-  if (!with_pictures) return Error{"--save-pictures", "these pictures are in a file already"};
-  const FramePictures saved{with_pictures->read_pictures(), camera, options.methods.delta_bits};
+  FramePictures saved{{}, camera, options.methods.delta_bits};
+  if (const auto* frames = dynamic_cast<const PictureFrames*>(&source))
+    saved.pictures = frames->read_pictures();
+  else if (const auto* cache = dynamic_cast<const ImageCache*>(&source))
+    saved.pictures = cache->read_pictures();
+  else
+    return Error{"--save-pictures", "these pictures are in a file already"};
   // A frame of nothing but light objects has none.
   if (saved.pictures.empty()) return Done{};
   return save_frame_pictures(numbered(options.pictures, "pictures", frame, ".exr"), saved);

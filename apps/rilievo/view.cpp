@@ -16,6 +16,7 @@
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
+#include "rilievo/cache/image_cache.h"
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/gl/context.h"
@@ -25,7 +26,7 @@ namespace rilievo::app {
 namespace {
 
 struct Options {
-  std::string scene, screenshot, method = "nailboard";
+  std::string scene, screenshot, method = "cache";
   bool split = false;
   FrameOptions frames;
   MethodOptions methods;
@@ -185,7 +186,14 @@ class Viewer {
         *target = std::make_unique<FrameTarget>(std::move(*made));
       }
     }
-    if (!state_.new_source) return Done{};
+    if (!state_.new_source) {
+      if (auto* cache = dynamic_cast<ImageCache*>(source_.get())) {
+        cache->options().error_px = state_.methods.error_px;
+        cache->options().capture_ms = state_.methods.capture_ms;
+        cache->options().outlines = state_.methods.outlines;
+      }
+      return Done{};
+    }
     state_.new_source = false;
     Result<std::unique_ptr<FrameSource>> made =
         make_source(state_.method, state_.methods, options_.frames.samples, renderer_);
@@ -243,7 +251,7 @@ Command view_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command->add_option("SCENE", options->scene, kSceneHelp)->required();
-  command->add_option("--method", options->method, "How the frames are drawn (default nailboard)")
+  command->add_option("--method", options->method, "How the frames are drawn (default cache)")
       ->check(CLI::IsMember(method_names()));
   command->add_flag("--split", options->split, "Direct drawing in the right half");
   command

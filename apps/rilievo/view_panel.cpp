@@ -45,6 +45,19 @@ void camera_panel(ViewState& state) {
   if (ImGui::Button("Screenshot")) state.save_screenshot = true;
 }
 
+void cache_panel(ViewState& state) {
+  MethodOptions& options = state.methods;
+  float error_px = float(options.error_px), capture_ms = float(options.capture_ms);
+  ImGui::SliderFloat("error, pixels", &error_px, 0.1f, 8.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("captures, ms", &capture_ms, 0.0f, 50.0f,
+                     capture_ms > 0 ? "%.1f" : "by triangles");
+  options.error_px = error_px;
+  options.capture_ms = capture_ms;
+  // The memory is taken at once: another budget is another cache, made when the slider is let go.
+  ImGui::SliderInt("memory, MB", &options.memory_mb, 32, 1024);
+  state.new_source |= ImGui::IsItemDeactivatedAfterEdit();
+}
+
 void method_panel(ViewState& state) {
   if (ImGui::BeginCombo("method", state.method.c_str())) {
     for (const std::string& name : method_names()) {
@@ -54,7 +67,9 @@ void method_panel(ViewState& state) {
     }
     ImGui::EndCombo();
   }
-  state.new_source |= ImGui::Checkbox("outlines", &state.methods.outlines);
+  // A cache keeps its pictures.
+  if (ImGui::Checkbox("outlines", &state.methods.outlines) && state.method != "cache")
+    state.new_source = true;
   ImGui::SameLine();
   ImGui::Checkbox("animate", &state.animate);
   constexpr std::array bits{2, 4, 6, 8, 16};
@@ -71,6 +86,7 @@ void method_panel(ViewState& state) {
     state.methods.depth = linear ? "linear" : "exact";
     state.new_source = true;
   }
+  if (state.method == "cache") cache_panel(state);
   ImGui::Checkbox("split against direct drawing", &state.split);
   if (state.split) ImGui::SliderFloat("at", &state.split_at, 0.0f, 1.0f, "%.2f");
 }

@@ -41,7 +41,7 @@ struct ViewState {
   CameraPath recorded;  // keys set by hand
 
   // How the scene is drawn.
-  std::string method = "nailboard";
+  std::string method = "cache";
   MethodOptions methods;
   bool split = false;
   float split_at = 0.5f;  // of the width: the method on the left, direct drawing on the right

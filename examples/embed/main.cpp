@@ -11,8 +11,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
 
-#include "rilievo/cache/picture_frames.h"
-#include "rilievo/gl/state_guard.h"
+#include "rilievo/cache/image_cache.h"
 #include "rilievo/io/png.h"
 #include "rilievo/scene/builtin.h"
 #include "rilievo/scene/load_scene.h"
@@ -60,7 +59,7 @@ int main(int argc, char** argv) {
   glfwMakeContextCurrent(window);
   {
     SceneRenderer renderer = take(SceneRenderer::create(scene));
-    PictureFrames pictures = take(PictureFrames::create(renderer, {}));
+    ImageCache cache = take(ImageCache::create(renderer, {}));
     const gl::Program fan = take(gl::make_program("fan", kVertex, kFragment));
     const gl::VertexArray no_vertices = gl::make_vertex_array();
     const Box bounds = world_bounds(scene);
@@ -80,11 +79,8 @@ int main(int argc, char** argv) {
 
       glViewport(0, 0, width, height);
       glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-      {
-        // Rilievo draws into the framebuffer that is bound, and leaves the state as it was.
-        const gl::StateGuard guard;
-        if (Result<> drawn = pictures.draw(camera, time); !drawn) take(std::move(drawn));
-      }
+      // Rilievo draws into the framebuffer that is bound, and leaves the state as it was.
+      take(cache.draw(camera, time));
       // The host's polygons meet the pictures in the z-buffer.
       const glm::mat4 clip_from_fan =
           glm::mat4(clip_from_world(camera) * glm::translate(glm::dmat4(1), center) *

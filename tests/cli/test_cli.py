@@ -197,7 +197,7 @@ class Results(Folder):
 
     def test_frames_are_the_same_whatever_the_threads_and_from_run_to_run(self):
         # Software drawing; LP_NUM_THREADS is llvmpipe's, 0 draws in the calling thread.
-        for method in ["direct", "flat", "nailboard"]:
+        for method in ["direct", "flat", "nailboard", "cache"]:
             with self.subTest(method=method):
                 runs = []
                 for i, threads in enumerate(["0", "1", "2", "2"]):
