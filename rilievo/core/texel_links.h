@@ -19,8 +19,8 @@ namespace rilievo {
 struct LinkOptions {
   // Depth per lateral distance. Up to `gentle` neighbours are always linked; up to `steepest` if
   // the surface is already as steep beside them; never above.
-  float gentle = 2.0f;
-  float steepest = 16.0f;
+  float gentle = 6.0f;
+  float steepest = 20.0f;
   // A step is believed if it is at most this many times the step beside it.
   float growth = 2.0f;
 };

@@ -127,13 +127,13 @@ TEST(TexelLinks, spheres_in_front_of_each_other_are_told_apart) {
           EXPECT_EQ(linked, bool(links(b.x, b.y) >> ((k + 4) % 8) & 1));
           if (surfaces(x, y) == surfaces(b.x, b.y))
             ++same, same_missed += !linked;
-          else if (std::abs(picture.depth(x, y) - picture.depth(b.x, b.y)) > 1.5)
-            // Six texels' widths of depth at the balls' distance: steeper than most surface is.
+          else if (std::abs(picture.depth(x, y) - picture.depth(b.x, b.y)) > 2.5)
+            // Eight texels' widths of depth at the farthest ball: steeper than is believed at once.
             ++apart, apart_missed += linked;
         }
   }
   EXPECT_GT(same, 100000);
-  EXPECT_GT(apart, 3000);
+  EXPECT_GT(apart, 1500);
   // At its outline a ball falls off steeper than any rule allows: one pair in a hundred may be
   // given up, and as few jumps may look like the steps beside them.
   EXPECT_LT(same_missed, same / 100);
