@@ -150,18 +150,20 @@ SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segme
 
   SurfaceWalk walk;
   double t = 0, side = walker.side(texel, 0);
-  walk.passed_behind = side <= 0;
-  const auto hit = [&](const glm::ivec2& where, double when) {
-    walk.hit = true;
+  walk.passed_behind = walk.passed_outline = side <= 0;
+  const auto stop = [&](const glm::ivec2& where, double when) {
     walk.t = when;
     walk.at = walker.at(when);
     walk.texel = where;
-    return walk;
   };
   for (;;) {
     const double end = std::min({next.x, next.y, 1.0});
     const double side_end = walker.side(texel, end);
-    if (side > 0 && side_end <= 0) return hit(texel, walker.root(texel, t, end));
+    if (side > 0 && side_end <= 0) {
+      walk.hit = true;
+      stop(texel, walker.root(texel, t, end));
+      return walk;
+    }
     if (end >= 1) return walk;
     const glm::ivec2 before = texel;
     const int axis = next.x <= next.y ? 0 : 1;
@@ -171,9 +173,12 @@ SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segme
     if (texel[axis] < 0 || texel[axis] >= size[axis]) return walk;
     side = walker.side(texel, t);
     if (side_end > 0 && side <= 0) {
-      if (surface.texels(before.x, before.y).links >> link_of(texel - before) & 1)
-        return hit(texel, t);
+      const SurfaceTexel& beyond = surface.texels(before.x, before.y);
+      walk.hit = beyond.links >> link_of(texel - before) & 1;
+      stop(walk.hit ? texel : before, t);
+      if (walk.hit) return walk;
       walk.passed_behind = true;
+      walk.passed_outline = walk.passed_outline || beyond.q == 0;
     }
   }
 }

@@ -64,10 +64,11 @@ struct DisparitySegment {
 // there: all of its way was seen to be empty.
 struct SurfaceWalk {
   bool hit = false;
-  bool passed_behind = false;  // did it pass behind an edge (before it hit)?
-  double t = 0;                // of the hit, along the segment
-  glm::dvec3 at{0.0};          // of the hit: u, v, q
-  glm::ivec2 texel{0};
+  bool passed_behind = false;   // did it pass behind an edge (before it hit)?
+  bool passed_outline = false;  // ... behind one next to which the picture shows nothing?
+  double t = 0;                 // of the hit, along the segment; without one, of the last edge
+  glm::dvec3 at{0.0};           // u, v, q there
+  glm::ivec2 texel{0};          // of the surface that was hit; without a hit, that beyond the edge
 };
 
 // Walks the texels under the segment.

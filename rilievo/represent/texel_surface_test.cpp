@@ -66,6 +66,9 @@ SurfaceWalk slow_intersect(const TexelSurface& surface, const DisparitySegment& 
         return walk;
       }
       walk.passed_behind = true;
+      walk.passed_outline =
+          walk.passed_outline || last.x < 0 || surface.texels(last.x, last.y).q == 0;
+      walk.t = s.begin, walk.texel = last;
     }
     if (enters && !leaves) {
       // The first of many steps that is not in front, then bisection.

@@ -159,21 +159,23 @@ glm::dvec3 barycentric(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
   return sum > 0 ? weights / sum : glm::dvec3(-1.0);
 }
 
-// Nearest first; weights clamped to the triangle.
-ViewPick sorted_pick(const ViewSet& set, std::vector<std::pair<int, double>> views,
-                     const glm::dvec3& direction) {
-  std::sort(views.begin(), views.end(), [&](const auto& a, const auto& b) {
-    const double da = glm::dot(set.directions[a.first], direction);
-    const double db = glm::dot(set.directions[b.first], direction);
-    return da != db ? da > db : a.first < b.first;
-  });
-  ViewPick pick;
+// `view` first, then the nearer one; weights clamped to the triangle.
+ViewPick sorted_pick(const ViewSet& set, int view, ViewPick pick, const glm::dvec3& direction) {
+  const auto before = [&](int a, int b) {
+    if (a < 0 || b < 0) return b < 0 && a >= 0;
+    if (a == view || b == view) return a == view && b != view;
+    return glm::dot(set.directions[a], direction) > glm::dot(set.directions[b], direction);
+  };
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < 2; ++i)
+      if (before(pick.views[i + 1], pick.views[i])) {
+        std::swap(pick.views[i], pick.views[i + 1]);
+        std::swap(pick.weights[i], pick.weights[i + 1]);
+      }
   double sum = 0;
-  for (const auto& [view, weight] : views) sum += std::max(weight, 0.0);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    pick.views[i] = views[i].first;
-    pick.weights[i] = sum > 0 ? std::max(views[i].second, 0.0) / sum : (i == 0 ? 1.0 : 0.0);
-  }
+  for (double& w : pick.weights) sum += w = std::max(w, 0.0);
+  for (double& w : pick.weights) w /= sum > 0 ? sum : 1.0;
+  if (sum == 0) pick.weights[0] = 1;
   return pick;
 }
 
@@ -222,52 +224,81 @@ ViewSet make_view_set(const ViewSetOptions& options) {
 
 ViewPick pick_views(const ViewSet& set, const glm::dvec3& towards_viewer) {
   RILIEVO_EXPECTS(!set.directions.empty());
-  const double length = glm::length(towards_viewer);
-  const glm::dvec3 direction = length > 0 ? towards_viewer / length : set.directions[0];
   int nearest = 0;
-  for (int i = 1; i < int(set.directions.size()); ++i)
-    if (glm::dot(set.directions[i], direction) > glm::dot(set.directions[nearest], direction))
-      nearest = i;
+  nearest_views(set, towards_viewer, {&nearest, 1});
+  return pick_views_around(set, nearest, towards_viewer);
+}
 
-  // Of the triangles at the nearest view, that which holds the direction, or comes closest.
+ViewPick pick_views_around(const ViewSet& set, int view, const glm::dvec3& towards_viewer) {
+  const double length = glm::length(towards_viewer);
+  const glm::dvec3 direction = length > 0 ? towards_viewer / length : set.directions[view];
+  // Of the triangles at the view, that which holds the direction, or comes closest.
   double best = -1e300;
-  std::vector<std::pair<int, double>> views;
+  ViewPick pick;
   for (const auto& t : set.triangles) {
-    if (t[0] != nearest && t[1] != nearest && t[2] != nearest) continue;
+    if (t[0] != view && t[1] != view && t[2] != view) continue;
     const glm::dvec3 w =
         barycentric(set.directions[t[0]], set.directions[t[1]], set.directions[t[2]], direction);
     const double inside = std::min({w.x, w.y, w.z});
     if (inside <= best) continue;
     best = inside;
-    views = {{t[0], w.x}, {t[1], w.y}, {t[2], w.z}};
+    pick = {{t[0], t[1], t[2]}, {w.x, w.y, w.z}};
   }
-  if (!views.empty()) return sorted_pick(set, std::move(views), direction);
+  if (pick.views[0] >= 0) return sorted_pick(set, view, pick, direction);
 
-  // No triangle: the better of the edges at the nearest view, weighted by the angle across it.
+  // No triangle: the better of the edges at the view, weighted by the angle across it.
   double closest = -1e300;
   int other = -1;
   for (const auto& e : set.edges) {
-    if (e[0] != nearest && e[1] != nearest) continue;
-    const int end = e[0] == nearest ? e[1] : e[0];
+    if (e[0] != view && e[1] != view) continue;
+    const int end = e[0] == view ? e[1] : e[0];
     const double near_end = glm::dot(set.directions[end], direction);
     if (near_end > closest) closest = near_end, other = end;
   }
-  if (other < 0) return sorted_pick(set, {{nearest, 1.0}}, direction);
-  const double to_nearest =
-      std::acos(std::clamp(glm::dot(set.directions[nearest], direction), -1.0, 1.0));
+  if (other < 0) return {{view, -1, -1}, {1, 0, 0}};
+  const double to_it = std::acos(std::clamp(glm::dot(set.directions[view], direction), -1.0, 1.0));
   const double to_other = std::acos(std::clamp(closest, -1.0, 1.0));
-  return sorted_pick(set, {{nearest, to_other}, {other, to_nearest}}, direction);
+  return sorted_pick(set, view, {{view, other, -1}, {to_other, to_it, 0}}, direction);
 }
 
-std::vector<int> nearest_views(const ViewSet& set, const glm::dvec3& towards_viewer, int count) {
-  std::vector<int> views(set.directions.size());
-  for (int i = 0; i < int(views.size()); ++i) views[i] = i;
-  std::stable_sort(views.begin(), views.end(), [&](int a, int b) {
-    return glm::dot(set.directions[a], towards_viewer) >
-           glm::dot(set.directions[b], towards_viewer);
-  });
-  if (count < int(views.size())) views.resize(std::max(count, 0));
-  return views;
+int nearest_views(const ViewSet& set, const glm::dvec3& towards_viewer, std::span<int> out) {
+  std::size_t found = 0;
+  for (int i = 0; i < int(set.directions.size()); ++i) {
+    const double near = glm::dot(set.directions[i], towards_viewer);
+    // Insertion into the few that are nearest so far; the first of equals stays first.
+    std::size_t at = found;
+    while (at > 0 && glm::dot(set.directions[out[at - 1]], towards_viewer) < near) --at;
+    if (at == out.size()) continue;
+    found = std::min(found + 1, out.size());
+    for (std::size_t k = found - 1; k > at; --k) out[k] = out[k - 1];
+    out[at] = i;
+  }
+  return int(found);
+}
+
+void handover_weights(const ViewSet& set, const glm::dvec3& towards_viewer, double zone,
+                      std::span<const int> views, std::span<float> weights) {
+  RILIEVO_EXPECTS(!views.empty() && weights.size() >= views.size());
+  const glm::dvec3 direction = glm::normalize(towards_viewer);
+  const auto angle = [&](int view) {
+    return std::acos(std::clamp(glm::dot(set.directions[view], direction), -1.0, 1.0));
+  };
+  const double nearest = angle(views[0]);
+  double sum = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double farther = angle(views[i]) - nearest;
+    const double weight = i == 0 ? 1.0 : zone > 0 ? std::max(0.0, 1.0 - farther / zone) : 0.0;
+    weights[i] = float(weight);
+    sum += weight;
+  }
+  for (std::size_t i = 0; i < views.size(); ++i) weights[i] = float(weights[i] / sum);
+}
+
+double mean_spacing(const ViewSet& set) {
+  double sum = 0;
+  for (const auto& e : set.edges)
+    sum += std::acos(std::clamp(glm::dot(set.directions[e[0]], set.directions[e[1]]), -1.0, 1.0));
+  return set.edges.empty() ? 0.0 : sum / double(set.edges.size());
 }
 
 Result<Camera> view_camera(const Box& box, const glm::dvec3& direction,

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "rilievo/core/bounds.h"
@@ -57,10 +58,22 @@ struct ViewPick {
   std::array<double, 3> weights{0, 0, 0};
 };
 [[nodiscard]] ViewPick pick_views(const ViewSet& set, const glm::dvec3& towards_viewer);
+// The same around any view: views[0] is `view`, of whose triangles one is chosen.
+[[nodiscard]] ViewPick pick_views_around(const ViewSet& set, int view,
+                                         const glm::dvec3& towards_viewer);
 
-// The `count` views nearest to the direction (fewer if there are fewer), nearest first.
-[[nodiscard]] std::vector<int> nearest_views(const ViewSet& set, const glm::dvec3& towards_viewer,
-                                             int count);
+// The views nearest to the direction, nearest first, as many as `out` has room for; how many those
+// are. Allocates nothing.
+int nearest_views(const ViewSet& set, const glm::dvec3& towards_viewer, std::span<int> out);
+
+// How much each of the views that nearest_views() gave shows, so that nothing jumps when another
+// becomes the nearest: by how much farther than the nearest it lies, its weight falls linearly to
+// nothing at `zone` radians. The weights sum to 1; zone 0 leaves the nearest alone.
+void handover_weights(const ViewSet& set, const glm::dvec3& towards_viewer, double zone,
+                      std::span<const int> views, std::span<float> weights);
+
+// Mean angle between neighbours, radians; 0 if there are none.
+[[nodiscard]] double mean_spacing(const ViewSet& set);
 
 struct ViewCameraOptions {
   Projection projection = Projection::back_perspective;

@@ -114,6 +114,62 @@ TEST(ViewSet, at_a_view_that_view_alone) {
   }
 }
 
+TEST(ViewSet, nearest_views_are_those_that_sorting_puts_first) {
+  std::mt19937 rng(6);
+  const ViewSet set = whole(ViewSpread::both_32);
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 direction = random_direction(rng);
+    std::vector<int> sorted(32);
+    for (int k = 0; k < 32; ++k) sorted[k] = k;
+    std::sort(sorted.begin(), sorted.end(), [&](int a, int b) {
+      return glm::dot(direction, set.directions[a]) > glm::dot(direction, set.directions[b]);
+    });
+    for (int count : {1, 3, 6, 40}) {
+      std::vector<int> views(count, -1);
+      const int found = nearest_views(set, 3.0 * direction, views);
+      ASSERT_EQ(found, std::min(count, 32));
+      for (int k = 0; k < found; ++k) EXPECT_EQ(views[k], sorted[k]);
+    }
+  }
+}
+
+TEST(ViewSet, handover_is_continuous_and_sums_to_one) {
+  std::mt19937 rng(7);
+  for (ViewSpread spread : {ViewSpread::faces_12, ViewSpread::vertices_20, ViewSpread::both_32}) {
+    const ViewSet set = whole(spread);
+    const double zone = 0.2;
+    const auto weights_at = [&](const glm::dvec3& direction) {
+      std::array<int, 6> views;
+      std::array<float, 6> weights;
+      const int found = nearest_views(set, direction, views);
+      handover_weights(set, direction, zone, std::span(views).first(found), weights);
+      std::vector<double> all(set.directions.size(), 0.0);
+      for (int k = 0; k < found; ++k) all[views[k]] = weights[k];
+      return all;
+    };
+    for (int i = 0; i < 300; ++i) {
+      const glm::dvec3 a = random_direction(rng);
+      const glm::dvec3 b = glm::normalize(a + 1e-3 * random_direction(rng));
+      const std::vector<double> wa = weights_at(a), wb = weights_at(b);
+      double sum = 0;
+      for (std::size_t k = 0; k < wa.size(); ++k) {
+        sum += wa[k];
+        // The angles move by at most a milliradian each: their difference by two, and the sum that
+        // divides by five times that.
+        EXPECT_NEAR(wa[k], wb[k], 12 * 1e-3 / zone);
+      }
+      EXPECT_NEAR(sum, 1.0, 1e-6);
+    }
+    // Alone at a view; with no zone alone everywhere.
+    EXPECT_EQ(weights_at(set.directions[3])[3], 1.0);
+    std::array<int, 2> views;
+    std::array<float, 2> weights;
+    nearest_views(set, {0.1, 0.2, 0.3}, views);
+    handover_weights(set, {0.1, 0.2, 0.3}, 0.0, views, weights);
+    EXPECT_EQ(weights, (std::array<float, 2>{1.0f, 0.0f}));
+  }
+}
+
 TEST(ViewSet, hemisphere_keeps_the_upper_views_and_no_lid) {
   std::mt19937 rng(3);
   for (const glm::dvec3 up : {glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 2), glm::dvec3(1, -2, 0.5)}) {

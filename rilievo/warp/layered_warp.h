@@ -29,17 +29,33 @@ struct SliceDraw {
                                      std::span<const SliceDraw> draws, const Camera& camera,
                                      Image<int>* drawn = nullptr);
 
-// The slices that serve this eye: all of the nearest view's; with `fill` also the fill slices of
-// the two others, or all of theirs if none have been found yet.
+// The slices that `view` takes to serve this eye, appended: all of its own, nearest to the eye
+// first where it looks as the picture's viewers do; with `fill` also those that fill its holes, of
+// the two others of the triangle around the direction (or all of theirs, if none have been found
+// yet).
+void slices_of_view(const LayeredImpostor& impostor, int view, const glm::dvec3& eye, bool fill,
+                    std::vector<SliceDraw>& draws);
+
+// The same of the view nearest to the eye's direction.
 [[nodiscard]] std::vector<SliceDraw> slices_for_eye(const LayeredImpostor& impostor,
                                                     const glm::dvec3& eye, bool fill);
 
+struct SurfaceWarpOptions {
+  int max_views = 6;       // pictures asked, 1 to 6; 1 shows the holes
+  double handover = 0.15;  // zone in which views fade into each other, in mean spacings of the
+                           // views; 0: they switch
+};
+
 // The second way, which does not slice: every pixel's ray is intersected with the surfaces of the
-// `max_views` nearest views in turn. The first that answers for certain is believed: a hit, or
-// nothing, without having passed behind an edge. If none does, the hit nearest to the eye counts.
-// 1 shows the holes. Requires a perspective camera and max_views >= 1.
+// nearest views. Those with a weight (handover_weights) are blended where they answer for certain:
+// with a hit, or with nothing, without having passed behind an edge; where some see a surface and
+// others past it, the more weighty party wins. If none is certain, the next nearest views are asked
+// until one is. If none is, the hit nearest to the eye counts; if there is no hit, and the ray was
+// lost behind one part of the surface in front of another in each of them, but never behind an
+// outline, the pixel is within the object: it shows a skin between the two, in the colour of the
+// farther. Requires a perspective camera.
 [[nodiscard]] DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
-                                       int max_views = 6);
+                                       const SurfaceWarpOptions& options = {});
 
 struct FillOptions {
   double distance = 4.0;  // of the eyes that look for holes, in radii of the bounds

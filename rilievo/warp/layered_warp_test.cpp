@@ -143,8 +143,9 @@ TEST(LayeredWarp, back_perspective_views_fill_each_others_holes) {
       if (pass) continue;
       const auto alone = slices_for_eye(impostor, camera.position(), false);
       one += share_uncovered_inside(truth, warp_slices(impostor, alone, camera));
-      surface_one += share_uncovered_inside(truth, warp_surfaces(impostor, camera, 1));
-      surface_all += share_uncovered_inside(truth, warp_surfaces(impostor, camera, 6));
+      surface_one +=
+          share_uncovered_inside(truth, warp_surfaces(impostor, camera, {.max_views = 1}));
+      surface_all += share_uncovered_inside(truth, warp_surfaces(impostor, camera));
     }
     find_fill_slices(impostor);
   }

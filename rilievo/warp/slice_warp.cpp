@@ -89,26 +89,37 @@ DepthImage warp_slices(const LayeredImpostor& impostor, std::span<const SliceDra
   return frame;
 }
 
-std::vector<SliceDraw> slices_for_eye(const LayeredImpostor& impostor, const glm::dvec3& eye,
-                                      bool fill) {
-  const ViewPick pick = pick_views(impostor.views, eye - glm::dvec3(impostor.bounds.center()));
-  std::vector<SliceDraw> draws;
-  const auto all_of = [&](int view) {
-    for (int s = 0; s < int(impostor.slices[view].size()); ++s)
-      draws.push_back({view, s, impostor.slices[view][s].rect});
-  };
-  all_of(pick.views[0]);
-  if (!fill) return draws;
+void slices_of_view(const LayeredImpostor& impostor, int view, const glm::dvec3& eye, bool fill,
+                    std::vector<SliceDraw>& draws) {
+  const std::vector<Slice>& own = impostor.slices[view];
+  const bool back = impostor.pictures[view].camera.keeps_farthest();
+  for (int i = 0; i < int(own.size()); ++i) {
+    const int s = back ? int(own.size()) - 1 - i : i;
+    draws.push_back({view, s, own[s].rect});
+  }
+  if (!fill) return;
+  const ViewPick pick =
+      pick_views_around(impostor.views, view, eye - glm::dvec3(impostor.bounds.center()));
   for (int neighbor : {pick.views[1], pick.views[2]}) {
     if (neighbor < 0) continue;
-    if (impostor.fills.empty()) {
-      all_of(neighbor);
-      continue;
-    }
-    for (const FillSlices& f : impostor.fills)
-      if (f.view == pick.views[0] && f.neighbor == neighbor)
-        for (const FillSlice& s : f.slices) draws.push_back({neighbor, s.slice, s.rect});
+    if (impostor.fills.empty())
+      for (int s = 0; s < int(impostor.slices[neighbor].size()); ++s)
+        draws.push_back({neighbor, s, impostor.slices[neighbor][s].rect});
+    const auto pair = std::partition_point(
+        impostor.fills.begin(), impostor.fills.end(), [&](const FillSlices& f) {
+          return std::pair(f.view, f.neighbor) < std::pair(view, neighbor);
+        });
+    if (pair == impostor.fills.end() || pair->view != view || pair->neighbor != neighbor) continue;
+    for (const FillSlice& s : pair->slices) draws.push_back({neighbor, s.slice, s.rect});
   }
+}
+
+std::vector<SliceDraw> slices_for_eye(const LayeredImpostor& impostor, const glm::dvec3& eye,
+                                      bool fill) {
+  std::vector<SliceDraw> draws;
+  int nearest = 0;
+  nearest_views(impostor.views, eye - glm::dvec3(impostor.bounds.center()), {&nearest, 1});
+  slices_of_view(impostor, nearest, eye, fill, draws);
   return draws;
 }
 

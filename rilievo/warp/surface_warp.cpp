@@ -1,6 +1,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
@@ -34,6 +35,24 @@ glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const
   return sum / total;
 }
 
+constexpr int kMaxViews = 6;
+
+struct Seen {
+  float eye_z = kNoDepth;
+  glm::vec4 color{0.0f};
+  std::uint32_t object = kNoObject;
+};
+
+Seen what_is_seen(const LayeredImpostor& impostor, int view, const PixelRay& ray,
+                  const SurfaceWalk& walk) {
+  const DepthImage& picture = impostor.pictures[view];
+  const glm::dvec3 world = world_from_raster(picture.camera, glm::dvec2(walk.at), 1 / walk.at.z);
+  return {
+      float(glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction)),
+      color_at(picture, impostor.surfaces[view], walk),
+      picture.object.empty() ? 1 : picture.object(walk.texel.x, walk.texel.y)};
+}
+
 }  // namespace
 
 std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
@@ -64,11 +83,18 @@ SurfaceWalk walk_picture(const LayeredImpostor& impostor, int view, const PixelR
   return segment ? intersect(impostor.surfaces[view], *segment) : SurfaceWalk{};
 }
 
-DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera, int max_views) {
+DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
+                         const SurfaceWarpOptions& options) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  RILIEVO_EXPECTS_GE(max_views, 1);
-  const std::vector<int> views = nearest_views(
-      impostor.views, camera.position() - glm::dvec3(impostor.bounds.center()), max_views);
+  RILIEVO_EXPECTS(options.max_views >= 1 && options.max_views <= kMaxViews);
+  const glm::dvec3 towards = camera.position() - glm::dvec3(impostor.bounds.center());
+  std::array<int, kMaxViews> nearest;
+  std::array<float, kMaxViews> weights{};
+  const int count = nearest_views(impostor.views, towards,
+                                  std::span(nearest).first(std::size_t(options.max_views)));
+  const std::span<const int> views(nearest.data(), std::size_t(count));
+  handover_weights(impostor.views, towards, options.handover * mean_spacing(impostor.views), views,
+                   weights);
 
   DepthImage frame;
   frame.camera = camera;
@@ -79,23 +105,36 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera, 
     for (int x = 0; x < camera.width; ++x) {
       const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
       if (!ray) continue;
-      for (int view : views) {
-        const DepthImage& picture = impostor.pictures[view];
-        const SurfaceWalk walk = walk_picture(impostor, view, *ray);
+      Seen certain, doubtful, skin;
+      bool inside = true;
+      float surface = 0, nothing = 0, heaviest = 0;
+      glm::vec4 blended(0.0f);
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        if (weights[i] == 0 && surface + nothing > 0) break;
+        const float weight = weights[i] > 0 ? weights[i] : 1.0f;
+        const SurfaceWalk walk = walk_picture(impostor, views[i], *ray);
         if (walk.hit) {
-          const glm::dvec3 world =
-              world_from_raster(picture.camera, glm::dvec2(walk.at), 1 / walk.at.z);
-          const double eye_z = glm::dot(world - ray->origin, ray->direction) /
-                               glm::dot(ray->direction, ray->direction);
-          if (eye_z < frame.depth(x, y)) {
-            frame.depth(x, y) = float(eye_z);
-            frame.color(x, y) = color_at(picture, impostor.surfaces[view], walk);
-            frame.object(x, y) =
-                picture.object.empty() ? 1 : picture.object(walk.texel.x, walk.texel.y);
-          }
+          const Seen seen = what_is_seen(impostor, views[i], *ray, walk);
+          if (seen.eye_z < doubtful.eye_z) doubtful = seen;
+          if (walk.passed_behind) continue;
+          surface += weight;
+          blended += weight * seen.color;
+          if (weight > heaviest) heaviest = weight, certain = seen;
+        } else if (!walk.passed_behind) {
+          nothing += weight;
+        } else if (walk.passed_outline) {
+          inside = false;
+        } else if (skin.eye_z == kNoDepth) {
+          skin = what_is_seen(impostor, views[i], *ray, walk);
         }
-        if (!walk.passed_behind) break;
       }
+      if (nothing > surface) continue;
+      if (doubtful.eye_z == kNoDepth && inside && views.size() > 1) doubtful = skin;
+      const Seen& shown = surface > 0 ? certain : doubtful;
+      if (shown.eye_z == kNoDepth) continue;
+      frame.depth(x, y) = shown.eye_z;
+      frame.color(x, y) = surface > 0 ? blended / surface : shown.color;
+      frame.object(x, y) = shown.object;
     }
   });
   return frame;
