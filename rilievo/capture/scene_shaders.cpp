@@ -242,12 +242,19 @@ void main() {
   vec3 color = base.rgb;
 #else
   float side = view.eye_direction.w;
-  vec3 v = side == 0.0 ? view.eye_direction.xyz : -side * normalize(v_relative);
+  vec3 v = side == 0.0 ? view.eye_direction.xyz : -side * normalize(v_relative);  // to who sees it
   vec3 n = normalize(v_normal);
   // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
   // silhouette the smooth normal of a visible face may already point away.
   vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
   if (dot(facing, v) * dot(facing, n) < 0.0) n = -n;
+  // A back-perspective picture is for viewers far away: they see along its axis, not along its rays,
+  // which part where theirs meet. What turns away from the axis is seen from beside it, by those
+  // for whom the picture is still the nearest: some 20 degrees away, and so at 10 on average.
+  if (side < 0.0) {
+    v = view.eye_direction.xyz;
+    v = normalize(v + max(0.0, 0.17 - dot(n, v)) * n);
+  }
 #ifdef NORMAL_MAP
   n = mapped_normal(n);
 #endif

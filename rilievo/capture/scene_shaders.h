@@ -27,7 +27,7 @@ inline constexpr int kMaxLights = 16;
 struct ViewBlock {
   glm::mat4 clip_from_relative;
   glm::mat4 relative_from_clip;
-  glm::vec4 eye_direction;  // xyz: for parallel cameras the way to the eye; w: 1 perspective,
+  glm::vec4 eye_direction;  // xyz: seen from afar, the way to the eye; w: 1 perspective,
                             // -1 back-perspective, 0 parallel
   glm::vec4 zenith, horizon, ground;
   glm::vec4 light_count;
