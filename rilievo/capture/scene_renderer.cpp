@@ -34,8 +34,7 @@ shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   const float side = camera.projection == Projection::parallel           ? 0.0f
                      : camera.projection == Projection::back_perspective ? -1.0f
                                                                          : 1.0f;
-  view.eye_direction =
-      glm::vec4(glm::vec3((side < 0.0f ? 1.0 : -1.0) * camera.forward()), side);
+  view.eye_direction = glm::vec4(glm::vec3((side < 0.0f ? 1.0 : -1.0) * camera.forward()), side);
   view.zenith = glm::vec4(scene.sky.zenith, 0);
   view.horizon = glm::vec4(scene.sky.horizon, 0);
   view.ground = glm::vec4(scene.sky.ground, 0);
