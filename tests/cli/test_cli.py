@@ -249,24 +249,6 @@ class NoWindow(Folder):
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
 
 
-class Corpus(Folder):
-    """Files of RILIEVO_DATA, where there is such a folder."""
-
-    def test_no_broken_file_does_harm(self):
-        data = os.environ.get("RILIEVO_DATA")
-        if not data:
-            self.skipTest("RILIEVO_DATA is not set")
-        files = [file for file in sorted(pathlib.Path(data, "invalid").rglob("*")) if file.is_file()]
-        self.assertGreater(len(files), 0)
-        for file in files:
-            with self.subTest(file=file.name):
-                result = rilievo("info", file)
-                self.assertIn(result.returncode, (0, 2), result.stderr)
-                if result.returncode == 2:
-                    self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
-                    self.assertIn(str(file), result.stderr)
-
-
 if __name__ == "__main__":
     RILIEVO = sys.argv.pop(1)
     unittest.main()
