@@ -19,7 +19,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option(
           "--angle", options.angle_degrees,
-          "A picture is captured again when its object has moved by this angle (default 0.15)")
+          "A picture is captured again when its object has moved by this angle (default 0.7)")
       ->check(CLI::Range(0.0, 90.0))
       ->type_name("DEGREES");
   command.add_option("--memory-mb", options.memory_mb, "Memory for pictures (default 256)")

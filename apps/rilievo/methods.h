@@ -16,7 +16,7 @@ struct MethodOptions {
   int delta_bits = 8;
   std::string depth = "exact";
   bool outlines = false;
-  double angle_degrees = 0.15;  // flat, nailboard
+  double angle_degrees = 0.7;  // flat, nailboard
   int memory_mb = 256;
   double error_px = 1;    // cache
   double capture_ms = 0;  // cache; 0: a budget by triangles
