@@ -25,12 +25,13 @@
 namespace rilievo {
 
 // What drawing costs, in triangles: how many triangles the renderer draws in the same time.
-// Defaults measured on a software rasteriser at 20 million triangles a second.
+// Defaults measured on a software rasteriser with four samples a pixel: a triangle 280 ns, a pixel
+// of a picture 5 ns, a pixel of shaded polygons 30 ns.
 struct CostModel {
-  double picture = 30;          // one picture drawn
-  double picture_pixel = 0.06;  // one pixel of its rectangle
+  double picture = 10;          // one picture drawn
+  double picture_pixel = 0.02;  // one pixel of its rectangle
   double object = 20;           // one object drawn as polygons, besides its triangles
-  double polygon_pixel = 0.04;  // one pixel of the rectangle around an object
+  double polygon_pixel = 0.10;  // one pixel of the rectangle around an object
   double capture = 2000;        // one capture, besides the triangles captured
   double capture_texel = 0.2;   // one texel of it
 };

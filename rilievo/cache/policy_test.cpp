@@ -408,8 +408,8 @@ TEST(Policy, a_walk_through_ten_million_triangles_draws_a_hundredth_of_them) {
     EXPECT_LT(cost.largest_after_start, 500'000);
     EXPECT_LT(cost.pictures, 500u);
     EXPECT_LE(cost.bound_px, 1);
-    // And five times the trees cost hardly more.
-    EXPECT_LT(cost_of_walk(25000, kind).median, 1.3 * cost.median);
+    // And five times the trees cost hardly more; costs come in whole trees of 2000 triangles.
+    EXPECT_LE(cost_of_walk(25000, kind).median, 1.3 * cost.median + 2000);
   }
 }
 

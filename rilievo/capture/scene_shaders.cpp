@@ -304,9 +304,13 @@ float pixel_hash() {
 )";
 
 const char* const kSrgbFromLinear = R"(
+// The power 1 / 2.4 by square roots, which every processor has [Chilliant 2012]: within a quarter of
+// a byte, a third of the time of pow on a software rasteriser.
 vec3 srgb_from_linear(vec3 c) {
   c = clamp(c, 0.0, 1.0);
-  return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), c));
+  vec3 r2 = sqrt(c), r4 = sqrt(r2), r8 = sqrt(r4);
+  vec3 curve = 0.662002687 * r2 + 0.684122060 * r4 - 0.323583601 * r8 - 0.0225411470 * c;
+  return mix(12.92 * c, curve, step(vec3(0.0031308), c));
 }
 )";
 
