@@ -20,7 +20,7 @@ struct PictureFramesOptions {
   DepthMode mode = DepthMode::exact;
   int delta_bits = 8;
   // The way of the eye since the capture, relative to the object, over its distance; radians.
-  double max_angle = 0.0025;
+  double max_angle = 0.012;
   std::uint64_t min_triangles = 300;  // lighter objects are drawn as polygons
   double texels_per_pixel = 1.0;
   bool outlines = false;
