@@ -5,6 +5,7 @@
 #include "bench/draw.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
+#include "bench/pop.h"
 #include "bench/tradeoff.h"
 
 namespace rilievo::bench {
@@ -20,6 +21,8 @@ std::span<const Bench> benches() {
             draw},
       Bench{"tradeoff", "What does an allowed error buy, and what does it cost?", true, tradeoff},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", true, scaling},
+      Bench{"pop", "Does a picture that replaces another one pop, and does fading help?", true,
+            pop},
   };
   return list;
 }

@@ -4,60 +4,36 @@
     test_cli.py PATH/TO/rilievo [unittest arguments]
 """
 
-import hashlib
 import json
 import os
 import pathlib
 import shutil
 import struct
 import subprocess
-import sys
-import tempfile
 import unittest
 
-RILIEVO = None
-TEAPOTS = "builtin:teapots?triangles=20000"
+import command
+from command import TEAPOTS, files_below
 
 
-def rilievo(*arguments, env=None, cwd=None):
-    return subprocess.run([RILIEVO, *map(str, arguments)], capture_output=True, text=True, timeout=240,
-                          env={**os.environ, **(env or {})}, cwd=cwd, errors="replace")
-
-
-def digests(folder):
-    """Name -> digest of every file below `folder`."""
-    return {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
-            for file in sorted(pathlib.Path(folder).rglob("*")) if file.is_file()}
-
-
-class Folder(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.temporary.name)
-        self.addCleanup(self.temporary.cleanup)
-
+class Folder(command.Case):
     def refused(self, *arguments):
-        """Exit code 2 and one line on the error output; returns that line."""
-        result = rilievo(*arguments)
+        """Exit code 2, nothing but one line on the error output; returns that line."""
+        result = command.run(*arguments)
         self.assertEqual(result.returncode, 2, (arguments, result.stdout, result.stderr))
         lines = result.stderr.splitlines()
         self.assertEqual(len(lines), 1, (arguments, result.stderr))
         self.assertTrue(lines[0].startswith("rilievo: "), lines[0])
         return lines[0]
 
-    def done(self, *arguments, **options):
-        result = rilievo(*arguments, **options)
-        self.assertEqual(result.returncode, 0, (arguments, result.stdout, result.stderr))
-        return result
-
 
 class Usage(Folder):
     def test_every_command_explains_itself_by_an_example(self):
         commands = ["info", "scene", "render", "compare", "bench"]
         for command in commands:
-            self.assertIn(f"Example: rilievo {command}", self.done(command, "--help").stdout)
+            self.assertIn(f"Example: rilievo {command}", self.succeeds(command, "--help").stdout)
         for command in commands:
-            self.assertIn(command, self.done("--help").stdout)
+            self.assertIn(command, self.succeeds("--help").stdout)
 
     def test_wrong_usage_ends_in_one_line(self):
         frame = ("render", TEAPOTS, "-o", self.folder / "out")
@@ -107,13 +83,13 @@ class Paths(Folder):
     def test_a_path_of_one_key_is_one_frame(self):
         file = self.path_file('{"schema": "rilievo-path-1", "keys": [{"time": 0, "eye": [0, 3, 9],'
                               ' "target": [0, 0, 0], "vertical_fov": 0.9}]}')
-        self.done("render", TEAPOTS, "--path", file, "--size", "64x36", "-o", self.folder / "a" / "b")
-        self.assertEqual(list(digests(self.folder / "a" / "b")), ["frame_00000.png"])
+        self.succeeds("render", TEAPOTS, "--path", file, "--size", "64x36", "-o", self.folder / "a" / "b")
+        self.assertEqual(list(files_below(self.folder / "a" / "b")), ["frame_00000.png"])
 
 
 class Results(Folder):
     def test_info_in_json_counts_the_scene(self):
-        result = self.done("info", TEAPOTS, "--json", "-")
+        result = self.succeeds("info", TEAPOTS, "--json", "-")
         info = json.loads(result.stdout)
         self.assertEqual(info["schema"], "rilievo-info-1")
         self.assertLessEqual(abs(info["triangles"] - 20000), 1000)
@@ -121,7 +97,7 @@ class Results(Folder):
 
     def test_compare_reports_every_method_and_direct_drawing(self):
         out = self.folder / "new" / "report"
-        result = self.done("compare", TEAPOTS, "--methods", "nailboard,flat", "--frames", "3",
+        result = self.succeeds("compare", TEAPOTS, "--methods", "nailboard,flat", "--frames", "3",
                            "--size", "160x90", "-o", out, "--json", "-")
         report = json.loads(result.stdout)
         self.assertEqual(report, json.loads((out / "report.json").read_text()))
@@ -150,15 +126,15 @@ class Results(Folder):
     def test_a_scene_written_as_a_file_draws_the_same(self):
         glb = self.folder / "made" / "teapots.glb"
         path = self.folder / "made" / "path.json"
-        self.done("scene", "teapots?triangles=20000", "-o", glb, "--save-path", path)
+        self.succeeds("scene", "teapots?triangles=20000", "-o", glb, "--save-path", path)
         same = ("--method", "direct", "--path", path, "--frames", "2", "--size", "160x90")
-        self.done("render", TEAPOTS, *same, "-o", self.folder / "built")
-        self.done("render", glb, *same, "-o", self.folder / "loaded")
-        self.assertEqual(digests(self.folder / "loaded"), digests(self.folder / "built"))
+        self.succeeds("render", TEAPOTS, *same, "-o", self.folder / "built")
+        self.succeeds("render", glb, *same, "-o", self.folder / "loaded")
+        self.assertEqual(files_below(self.folder / "loaded"), files_below(self.folder / "built"))
         self.assertIn("name must end in .glb", self.refused("scene", "teapots", "-o", "t.obj"))
 
     def test_a_loop_reports_its_memory(self):
-        result = self.done("render", TEAPOTS, "--size", "64x36", "--frames", "4", "--loop-seconds",
+        result = self.succeeds("render", TEAPOTS, "--size", "64x36", "--frames", "4", "--loop-seconds",
                            "1", "--json", "-")
         loop = json.loads(result.stdout)
         self.assertGreaterEqual(loop["seconds"], 1)
@@ -170,13 +146,14 @@ class Results(Folder):
         figures = {
             "nailboard-error": ["max_error_percent_rotation_30", "max_error_percent_translation_5"],
             "nailboard-bits": [f"wrong_visibility_{bits}bit" for bits in [2, 4, 6, 8, 16]],
+            "pop": ["pop_max_faded", "pop_max_unfaded"],
             "bound": ["cases", "violations", "tightness_median"],
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
         }
         for bench, names in figures.items():
             with self.subTest(bench=bench):
                 html = self.folder / "pages" / f"{bench}.html"
-                result = self.done("bench", bench, "--quick", "--json", "-", "--html", html)
+                result = self.succeeds("bench", bench, "--quick", "--json", "-", "--html", html)
                 report = json.loads(result.stdout)
                 self.assertEqual(report["schema"], "rilievo-bench-1")
                 self.assertEqual(report["bench"], bench)
@@ -187,28 +164,50 @@ class Results(Folder):
     def test_saved_pictures_draw_the_frame_they_were_saved_from(self):
         frame = ("--frames", "1", "--size", "320x180")
         for bits in ["8", "16"]:
-            self.done("render", "builtin:teapot?triangles=5000", *frame, "--delta-bits", bits, "-o",
+            self.succeeds("render", "builtin:teapot?triangles=5000", *frame, "--delta-bits", bits, "-o",
                       self.folder / "live", "--save-pictures", self.folder / "pictures")
-            self.done("render", self.folder / "pictures" / "pictures_00000.exr", "-o",
+            self.succeeds("render", self.folder / "pictures" / "pictures_00000.exr", "-o",
                       self.folder / "again")
-            self.assertEqual(digests(self.folder / "again"), digests(self.folder / "live"))
-        info = self.done("info", self.folder / "pictures" / "pictures_00000.exr", "--json", "-")
+            self.assertEqual(files_below(self.folder / "again"), files_below(self.folder / "live"))
+        info = self.succeeds("info", self.folder / "pictures" / "pictures_00000.exr", "--json", "-")
         self.assertEqual(len(json.loads(info.stdout)["pictures"]), 1)
 
+    # Software drawing with 0 (in the calling thread), 1 or 2 threads of llvmpipe; measuring with as
+    # many as the process may use.
+    THREADS = [("0", "1"), ("1", "2"), ("2", "2"), ("2", "2")]
+
+    def with_threads(self, drawing, measuring, *arguments):
+        environment = {**os.environ, "LP_NUM_THREADS": drawing, "LIBGL_ALWAYS_SOFTWARE": "1"}
+        one_core = {min(os.sched_getaffinity(0))}
+        pin = (lambda: os.sched_setaffinity(0, one_core)) if measuring == "1" else None
+        return self.succeeds(*arguments, env=environment, preexec_fn=pin)
+
     def test_frames_are_the_same_whatever_the_threads_and_from_run_to_run(self):
-        # Software drawing; LP_NUM_THREADS is llvmpipe's, 0 draws in the calling thread.
         for method in ["direct", "flat", "nailboard", "cache"]:
             with self.subTest(method=method):
                 runs = []
-                for i, threads in enumerate(["0", "1", "2", "2"]):
+                for i, threads in enumerate(self.THREADS):
                     out = self.folder / f"{method}{i}"
-                    self.done("render", TEAPOTS, "--method", method, "--size",
-                              "320x180", "--frames", "5", "-o", out,
-                              env={"LP_NUM_THREADS": threads, "LIBGL_ALWAYS_SOFTWARE": "1"})
-                    runs.append(digests(out))
+                    self.with_threads(*threads, "render", TEAPOTS, "--method", method, "--size",
+                                      "320x180", "--frames", "5", "-o", out)
+                    runs.append(files_below(out))
                 self.assertEqual(len(runs[0]), 5)
                 for run in runs[1:]:
                     self.assertEqual(run, runs[0])
+
+    def test_figures_are_the_same_whatever_the_threads_except_for_times(self):
+        runs = []
+        for threads in self.THREADS[:3]:
+            result = self.with_threads(*threads, "compare", TEAPOTS, "--size", "160x90", "--frames",
+                                       "3", "--pop", "-o", self.folder / "report", "--json", "-")
+            report = json.loads(result.stdout)
+            for method in report["methods"].values():
+                for times in (method, method["series"]):
+                    times.pop("frame_ms")
+                method.pop("capture_ms")
+            runs.append(report["methods"])
+        self.assertEqual(runs[1], runs[0])
+        self.assertEqual(runs[2], runs[0])
 
 
 @unittest.skipUnless(shutil.which("xvfb-run"), "needs xvfb-run")
@@ -229,7 +228,7 @@ class Window(Folder):
 
     def test_the_window_plays_a_path_and_saves_what_it_shows(self):
         shot = self.folder / "view.png"
-        self.xvfb(RILIEVO, "view", TEAPOTS, "--size", "640x360", "--frames", "3", "--split",
+        self.xvfb(command.program, "view", TEAPOTS, "--size", "640x360", "--frames", "3", "--split",
                   "--outlines", "--screenshot", shot)
         self.is_picture(shot)
 
@@ -242,7 +241,7 @@ class Window(Folder):
 
 class NoWindow(Folder):
     def test_without_a_display_there_is_one_line(self):
-        result = subprocess.run([RILIEVO, "view", TEAPOTS], capture_output=True, text=True,
+        result = subprocess.run([command.program, "view", TEAPOTS], capture_output=True, text=True,
                                 timeout=240, env={k: v for k, v in os.environ.items()
                                                   if k not in ("DISPLAY", "WAYLAND_DISPLAY")})
         self.assertEqual(result.returncode, 2)
@@ -250,5 +249,4 @@ class NoWindow(Folder):
 
 
 if __name__ == "__main__":
-    RILIEVO = sys.argv.pop(1)
-    unittest.main()
+    command.main()

@@ -1,0 +1,74 @@
+#include "bench/pop.h"
+
+#include <fmt/format.h>
+
+#include "rilievo/cache/image_cache.h"
+#include "rilievo/compare/compare.h"
+#include "rilievo/draw/direct_frames.h"
+#include "rilievo/scene/builtin.h"
+
+namespace rilievo::bench {
+
+Result<BenchReport> pop(const BenchOptions& options) {
+  const char* name =
+      options.quick ? "builtin:forest?triangles=100000" : "builtin:forest?triangles=1000000";
+  const Result<BuiltinScene> built = make_builtin(name);
+  if (!built) return built.error();
+  Result<SceneRenderer> renderer = SceneRenderer::create(built->scene);
+  if (!renderer) return renderer.error();
+  DirectFrames direct(*renderer);
+  Result<ImageCache> faded = ImageCache::create(*renderer, {});
+  if (!faded) return faded.error();
+  ImageCacheOptions at_once;
+  at_once.fade_frames = 1;
+  Result<ImageCache> unfaded = ImageCache::create(*renderer, at_once);
+  if (!unfaded) return unfaded.error();
+
+  CompareOptions compare_options;
+  compare_options.width = options.quick ? 160 : 960;
+  compare_options.height = options.quick ? 90 : 540;
+  compare_options.frames = options.quick ? 3 : 120;
+  compare_options.error_step = 0;
+  compare_options.pop = true;
+  compare_options.shown_frames = 1;
+  compare_options.progress = options.progress;
+  const auto walk = [&](int frame) {
+    const double time = frame_time(built->path, frame);
+    return WalkFrame{camera_at(built->path, time, compare_options.width, compare_options.height),
+                     time};
+  };
+  const ComparedSource sources[] = {
+      {"direct", &direct}, {"faded", &*faded}, {"at once", &*unfaded}};
+  const Result<Report> compared = compare(sources, walk, compare_options);
+  if (!compared) return compared.error();
+
+  BenchReport report;
+  Table table{"FLIP between a frame and the one before it, above the true frames' change",
+              {"new pictures", "most", "captures", "mean FLIP against the true frames"},
+              {}};
+  Plot plot{"FLIP against the true frames", "frame", "FLIP", {}};
+  for (const MethodResult& method : {compared->methods[1], compared->methods[2]}) {
+    Curve curve{method.name, {}, {}};
+    double sum = 0;
+    for (std::size_t i = 0; i < method.frames.size(); ++i) {
+      curve.x.push_back(double(i));
+      curve.y.push_back(method.frames[i].flip);
+      sum += method.frames[i].flip;
+    }
+    table.rows.push_back({method.name, fmt::format("{:.5f}", *method.pop_max),
+                          std::to_string(method.captures),
+                          fmt::format("{:.4f}", sum / double(method.frames.size()))});
+    plot.curves.push_back(std::move(curve));
+  }
+  const double with = *compared->methods[1].pop_max, without = *compared->methods[2].pop_max;
+  report.figures = {{"pop_max_faded", with}, {"pop_max_unfaded", without}};
+  if (without > 0) report.figures.emplace_back("pop_ratio", with / without);
+  report.tables = {std::move(table)};
+  report.plots = {std::move(plot)};
+  report.notes = {fmt::format("{}, {} frames of {} x {}, error 1 pixel.", name,
+                              compare_options.frames, compare_options.width,
+                              compare_options.height)};
+  return report;
+}
+
+}  // namespace rilievo::bench
