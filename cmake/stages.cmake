@@ -57,6 +57,6 @@ function(rilievo_stage_tests)
       target_link_libraries(test_${stage} PRIVATE rilievo::core)
     endif()
     gtest_discover_tests(test_${stage} TEST_PREFIX "${stage}: " DISCOVERY_TIMEOUT 60
-                         PROPERTIES TIMEOUT 300)
+                         PROPERTIES TIMEOUT 900)
   endforeach()
 endfunction()
