@@ -30,7 +30,7 @@ Result<BenchReport> pop(const BenchOptions& options) {
   compare_options.frames = options.quick ? 3 : 120;
   compare_options.error_step = 0;
   compare_options.pop = true;
-  compare_options.shown_frames = 1;
+  compare_options.shown_frames = 2;
   compare_options.progress = options.progress;
   const auto walk = [&](int frame) {
     const double time = frame_time(built->path, frame);
