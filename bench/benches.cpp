@@ -2,6 +2,7 @@
 
 #include "bench/bench.h"
 #include "bench/bound.h"
+#include "bench/coverage.h"
 #include "bench/draw.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
@@ -23,6 +24,8 @@ std::span<const Bench> benches() {
       Bench{"scaling", "What does a cached frame cost as the scene grows?", true, scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?", true,
             pop},
+      Bench{"coverage", "How much of an object do its pictures hold? (S2, figures 2 and 5)", false,
+            coverage},
   };
   return list;
 }

@@ -149,6 +149,8 @@ class Results(Folder):
             "pop": ["pop_max_faded", "pop_max_unfaded"],
             "bound": ["cases", "violations", "tightness_median"],
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
+            "coverage": [f"covered_teapot_{what}" for what in
+                         ["back_1", "ordinary_1", "12", "20", "32"]],
         }
         for bench, names in figures.items():
             with self.subTest(bench=bench):
