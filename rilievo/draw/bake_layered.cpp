@@ -32,11 +32,11 @@ Result<LayeredImpostor> bake_layered(SceneRenderer& renderer,
     picture->name = fmt::format("view {:02}", view);
     pictures.push_back(std::move(*picture));
   }
+  if (options.progress) options.progress(total, total);
   Result<LayeredImpostor> impostor = make_layered_impostor(std::move(pictures), options.slicing);
   if (!impostor) return impostor;
   impostor->name = renderer.scene().name;
   if (options.fills) find_fill_slices(*impostor);
-  if (options.progress) options.progress(total, total);
   return impostor;
 }
 

@@ -29,7 +29,7 @@ class Folder(command.Case):
 
 class Usage(Folder):
     def test_every_command_explains_itself_by_an_example(self):
-        commands = ["info", "scene", "render", "compare", "bench"]
+        commands = ["info", "scene", "bake", "render", "compare", "bench"]
         for command in commands:
             self.assertIn(f"Example: rilievo {command}", self.succeeds(command, "--help").stdout)
         for command in commands:
