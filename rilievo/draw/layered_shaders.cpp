@@ -206,7 +206,8 @@ void main() {
   float surface = 0.0, nothing = 0.0, heaviest = 0.0;
   float depth = 2.0, doubtful_depth = 2.0;
   uint object = 0u, doubtful_object = 0u;
-  bool inside = true, skin = false;
+  bool skin = false;
+  int inside = 0;
   for (int i = 0; i < list.y; ++i) {
     bool weighty = i < list.z;
     if (!weighty && surface + nothing > 0.0) break;
@@ -217,10 +218,8 @@ void main() {
     if (frustum_segment(view, v_ray, t, from, to)) walk = walk_view(view, from, to);
     if (!walk.hit) {
       if (!walk.behind) nothing += weight;
-      if (!walk.behind || walk.outline) {
-        inside = inside && !walk.outline;
-        continue;
-      }
+      if (walk.behind) inside += walk.outline ? -1 : 1;
+      if (!walk.behind || walk.outline) continue;
       if (doubtful_depth < 2.0 || skin) continue;
     }
     int layer = int(view.base.w);
@@ -241,7 +240,7 @@ void main() {
     blended += weight * c;
     if (weight > heaviest) heaviest = weight, depth = z, object = o;
   }
-  if (skin && (!inside || list.y == 1)) doubtful_depth = 2.0;
+  if (skin && (inside <= 0 || list.y == 1)) doubtful_depth = 2.0;
   if (nothing > surface) discard;
   if (surface == 0.0) depth = doubtful_depth, object = doubtful_object, blended = doubtful_color;
   if (depth > 1.0) discard;

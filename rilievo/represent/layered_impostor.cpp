@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "rilievo/core/texel_links.h"
+#include "rilievo/represent/inside.h"
 
 namespace rilievo {
 namespace {
@@ -40,8 +41,16 @@ glm::dvec3 view_direction(const Camera& camera) {
   return glm::normalize(camera.keeps_farthest() ? camera.forward() : -camera.forward());
 }
 
-DepthInterval sliced_interval(const SurfaceTexel& texel, const SliceOptions& options) {
+DepthInterval piece_interval(const SurfaceTexel& texel, const SliceOptions& options) {
   return options.pieces ? depth_interval(texel) : DepthInterval{1 / texel.q, 1 / texel.q};
+}
+
+DepthInterval sliced_interval(const SurfaceTexel& texel, const SliceOptions& options) {
+  DepthInterval interval = piece_interval(texel, options);
+  if (!options.pieces || texel.inside == 0) return interval;
+  interval.front = std::min(interval.front, texel.inside);
+  interval.back = std::max(interval.back, texel.inside);
+  return interval;
 }
 
 std::vector<Slice> slice_surface(const TexelSurface& surface, const SliceOptions& options) {
@@ -50,7 +59,7 @@ std::vector<Slice> slice_surface(const TexelSurface& surface, const SliceOptions
   Range range;
   for (const SurfaceTexel& texel : surface.texels.texels()) {
     if (texel.q == 0) continue;
-    const DepthInterval interval = sliced_interval(texel, options);
+    const DepthInterval interval = piece_interval(texel, options);
     range.nearest = std::min(range.nearest, interval.front);
     range.farthest = std::max(range.farthest, interval.back);
   }
@@ -123,10 +132,12 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
               glm::vec3(world_from_raster(picture.camera, {x + (corner & 1), y + (corner >> 1 & 1)},
                                           corner & 4 ? interval.front : interval.back)));
       }
-    impostor.slices.push_back(slice_surface(surface, options));
     impostor.surfaces.push_back(std::move(surface));
   }
   if (impostor.bounds.empty()) return Error{"layered impostor", "all pictures are empty"};
+  if (options.pieces) find_inside(impostor.surfaces);
+  for (const TexelSurface& surface : impostor.surfaces)
+    impostor.slices.push_back(slice_surface(surface, options));
   impostor.views = view_set_from_directions(std::move(directions));
   impostor.pictures = std::move(pictures);
   return impostor;

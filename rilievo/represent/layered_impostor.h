@@ -36,7 +36,8 @@ struct SliceOptions {
   int layers = 64;       // 1 to 4096
   float overlap = 0.0f;  // by how much of its own thickness an interval reaches beyond, both ends
                          // together; 0: the intervals are disjoint
-  bool pieces = true;    // a texel has the interval of its piece; else only its sample's depth
+  bool pieces = true;    // a texel has the interval of its piece, and of the inside of the object
+                         // behind it (inside.h); else only its sample's depth
   SliceSpacing spacing = SliceSpacing::eye_z;
 };
 
@@ -77,7 +78,9 @@ struct LayeredImpostor {
                                            // neighbours, ascending
 };
 
-// The interval of eye_z that decides on which slices a texel lies. Requires texel.q != 0.
+// The interval of eye_z of a texel's piece, or of its sample; and the one that decides on which
+// slices it lies, which reaches behind it into the inside. Require texel.q != 0.
+[[nodiscard]] DepthInterval piece_interval(const SurfaceTexel& texel, const SliceOptions& options);
 [[nodiscard]] DepthInterval sliced_interval(const SurfaceTexel& texel, const SliceOptions& options);
 [[nodiscard]] inline bool shows(const Slice& slice, const DepthInterval& interval) {
   return slice.front <= interval.back && interval.front < slice.back;

@@ -30,6 +30,9 @@ struct SurfaceTexel {
   std::uint8_t links = 0;
   // Change of q over one texel to the right, down, left, up (all outwards).
   std::array<float, 4> slope{};
+  // eye_z down to which the space behind it is seen to be empty by no picture (find_inside); 0: not
+  // known, or none is.
+  float inside = 0;
 };
 
 struct TexelSurface {

@@ -45,7 +45,7 @@ void find_from(const LayeredImpostor& impostor, const Camera& camera, int view, 
       const SurfaceWalk seen = walk_picture(impostor, neighbor, *ray);
       if (!seen.hit) continue;
       const SurfaceTexel& texel = impostor.surfaces[neighbor].texels(seen.texel.x, seen.texel.y);
-      const DepthInterval interval = sliced_interval(texel, impostor.slicing);
+      const DepthInterval interval = piece_interval(texel, impostor.slicing);
       for (std::size_t s = 0; s < slices.size(); ++s)
         if (shows(slices[s], interval)) add_texel(seen.texel, rects[s]);
     }

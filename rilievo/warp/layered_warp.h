@@ -51,9 +51,9 @@ struct SurfaceWarpOptions {
 // with a hit, or with nothing, without having passed behind an edge; where some see a surface and
 // others past it, the more weighty party wins. If none is certain, the next nearest views are asked
 // until one is. If none is, the hit nearest to the eye counts; if there is no hit, and the ray was
-// lost behind one part of the surface in front of another in each of them, but never behind an
-// outline, the pixel is within the object: it shows a skin between the two, in the colour of the
-// farther. Requires a perspective camera.
+// lost behind one part of the surface in front of another in more of them than behind an outline,
+// the pixel is within the object: it shows a skin between the two, in the colour of the farther.
+// Requires a perspective camera.
 [[nodiscard]] DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
                                        const SurfaceWarpOptions& options = {});
 

@@ -106,7 +106,7 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
       const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
       if (!ray) continue;
       Seen certain, doubtful, skin;
-      bool inside = true;
+      int inside = 0;
       float surface = 0, nothing = 0, heaviest = 0;
       glm::vec4 blended(0.0f);
       for (std::size_t i = 0; i < views.size(); ++i) {
@@ -122,14 +122,14 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
           if (weight > heaviest) heaviest = weight, certain = seen;
         } else if (!walk.passed_behind) {
           nothing += weight;
-        } else if (walk.passed_outline) {
-          inside = false;
-        } else if (skin.eye_z == kNoDepth) {
-          skin = what_is_seen(impostor, views[i], *ray, walk);
+        } else {
+          inside += walk.passed_outline ? -1 : 1;
+          if (!walk.passed_outline && skin.eye_z == kNoDepth)
+            skin = what_is_seen(impostor, views[i], *ray, walk);
         }
       }
       if (nothing > surface) continue;
-      if (doubtful.eye_z == kNoDepth && inside && views.size() > 1) doubtful = skin;
+      if (doubtful.eye_z == kNoDepth && inside > 0 && views.size() > 1) doubtful = skin;
       const Seen& shown = surface > 0 ? certain : doubtful;
       if (shown.eye_z == kNoDepth) continue;
       frame.depth(x, y) = shown.eye_z;
