@@ -53,11 +53,15 @@ bool starts_with(Bytes bytes, const char* magic, std::size_t at = 0) {
   return bytes.size() >= at + n && std::memcmp(bytes.data() + at, magic, n) == 0;
 }
 
-Rgba8Image blank(int width, int height, MemoryBudget& budget) {
+void check_size(int width, int height) {
   if (width < 1 || height < 1) refuse("is a picture without texels");
   if (width > kMaxSide || height > kMaxSide)
     refuse("is a picture of " + std::to_string(width) + " x " + std::to_string(height) +
            " texels; at most " + std::to_string(kMaxSide) + " a side can be used");
+}
+
+Rgba8Image blank(int width, int height, MemoryBudget& budget) {
+  check_size(width, height);
   budget.take(std::uint64_t(width) * std::uint64_t(height), 4);
   return {width, height};
 }
@@ -76,20 +80,28 @@ Rgba8Image decode_webp(Bytes encoded, MemoryBudget& budget) {
   return out;
 }
 
-Rgba8Image decode_stb(Bytes encoded, MemoryBudget& budget) {
+int stb_size(Bytes encoded) {
   if (encoded.size() > std::size_t(std::numeric_limits<int>::max()))
     refuse("is a picture of more than 2 GiB");
-  const int size = int(encoded.size());
+  return int(encoded.size());
+}
+
+// The most that stb_image needs: four channels of two bytes and a filter byte a row; and the
+// compressed bytes, both in blocks that grow by doubling.
+void limit_stb(int width, int height, Bytes encoded, const MemoryBudget& budget) {
+  const std::size_t raw = std::size_t(width) * std::size_t(height) * 8 + std::size_t(height);
+  stb_largest_block = 2 * raw + 2 * encoded.size() + (1 << 16);
+  budget.borrow(2 * stb_largest_block);
+}
+
+Rgba8Image decode_stb(Bytes encoded, MemoryBudget& budget) {
+  const int size = stb_size(encoded);
   int width = 0, height = 0, channels = 0;
   stb_largest_block = 1 << 20;
   if (!stbi_info_from_memory(encoded.data(), size, &width, &height, &channels))
     refuse(std::string("is a picture that cannot be decoded: ") + stbi_failure_reason());
   Rgba8Image out = blank(width, height, budget);
-  // The most that stb_image needs: four channels of two bytes and a filter byte a row; and the
-  // compressed bytes, both in blocks that grow by doubling.
-  const std::size_t raw = out.texels().size() * 8 + std::size_t(height);
-  stb_largest_block = 2 * raw + 2 * encoded.size() + (1 << 16);
-  budget.borrow(2 * stb_largest_block);
+  limit_stb(width, height, encoded, budget);
   stbi_uc* const texels =
       stbi_load_from_memory(encoded.data(), size, &width, &height, &channels, 4);
   if (!texels) refuse(std::string("is a picture that cannot be decoded: ") + stbi_failure_reason());
@@ -108,6 +120,26 @@ Rgba8Image decode_picture(Bytes encoded, MemoryBudget& budget) {
   if (starts_with(encoded, "DDS ")) refuse("is a DDS picture, which is not supported");
   if (starts_with(encoded, "\xFF\xD8\xFF")) return decode_jpeg(encoded, budget, blank);
   return decode_stb(encoded, budget);
+}
+
+Image<std::uint16_t> decode_grey16(Bytes encoded, MemoryBudget& budget) {
+  const int size = stb_size(encoded);
+  int width = 0, height = 0, channels = 0;
+  stb_largest_block = 1 << 20;
+  if (!starts_with(encoded, "\x89PNG") ||
+      !stbi_info_from_memory(encoded.data(), size, &width, &height, &channels) || channels != 1 ||
+      !stbi_is_16_bit_from_memory(encoded.data(), size))
+    refuse("is not a PNG picture of 16-bit grey");
+  check_size(width, height);
+  budget.take(std::uint64_t(width) * std::uint64_t(height), 2);
+  limit_stb(width, height, encoded, budget);
+  stbi_us* const texels =
+      stbi_load_16_from_memory(encoded.data(), size, &width, &height, &channels, 1);
+  if (!texels) refuse(std::string("is a picture that cannot be decoded: ") + stbi_failure_reason());
+  Image<std::uint16_t> out(width, height);
+  std::memcpy(out.texels().data(), texels, out.texels().size_bytes());
+  std::free(texels);
+  return out;
 }
 
 }  // namespace rilievo

@@ -3,6 +3,8 @@
 // Internal to loading; throws LoadFault.
 #pragma once
 
+#include <cstdint>
+
 #include "rilievo/core/color.h"
 #include "rilievo/scene/load_context.h"
 
@@ -10,5 +12,8 @@ namespace rilievo {
 
 // Eight bits a channel, alpha straight, row 0 on top, at most 16384 texels a side.
 [[nodiscard]] Rgba8Image decode_picture(Bytes encoded, MemoryBudget& budget);
+
+// The numbers of a PNG of 16-bit grey, as depth is kept in; anything else is refused.
+[[nodiscard]] Image<std::uint16_t> decode_grey16(Bytes encoded, MemoryBudget& budget);
 
 }  // namespace rilievo
