@@ -4,6 +4,7 @@
 #include "bench/bound.h"
 #include "bench/coverage.h"
 #include "bench/draw.h"
+#include "bench/layered.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
 #include "bench/pop.h"
@@ -26,6 +27,8 @@ std::span<const Bench> benches() {
             pop},
       Bench{"coverage", "How much of an object do its pictures hold? (S2, figures 2 and 5)", false,
             coverage},
+      Bench{"layered", "What do layered impostors look like from new eyes? (S2.3 to S2.6)", true,
+            layered},
   };
   return list;
 }

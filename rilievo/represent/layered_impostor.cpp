@@ -135,7 +135,8 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
     impostor.surfaces.push_back(std::move(surface));
   }
   if (impostor.bounds.empty()) return Error{"layered impostor", "all pictures are empty"};
-  if (options.pieces) find_inside(impostor.surfaces);
+  // What hardly anybody looks at hides nothing of itself.
+  if (options.pieces && impostor.surfaces.size() >= 4) find_inside(impostor.surfaces);
   for (const TexelSurface& surface : impostor.surfaces)
     impostor.slices.push_back(slice_surface(surface, options));
   impostor.views = view_set_from_directions(std::move(directions));

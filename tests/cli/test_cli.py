@@ -151,6 +151,8 @@ class Results(Folder):
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
             "coverage": [f"covered_teapot_{what}" for what in
                          ["back_1", "ordinary_1", "12", "20", "32"]],
+            "layered": ["psnr_db_teapot_32_256_64", "uncovered_teapot_32_256_64",
+                        "tears_overlap_0_at_20deg", "jump_slices_switch_12"],
         }
         for bench, names in figures.items():
             with self.subTest(bench=bench):

@@ -1,0 +1,134 @@
+#include "bench/layered_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rilievo/compare/drawn_frame.h"
+#include "rilievo/measure/flip.h"
+#include "rilievo/measure/psnr.h"
+#include "rilievo/measure/ssim.h"
+#include "rilievo/measure/visibility.h"
+#include "rilievo/scene/random.h"
+
+namespace rilievo::bench {
+namespace {
+
+constexpr std::size_t kTimedEvery = 5;
+
+// Like psnr_db(), over the pixels that show an object in the true frame.
+double object_psnr_db(const ShownFrame& truth, const Rgba8Image& color) {
+  std::int64_t sum = 0, count = 0;
+  for (std::size_t i = 0; i < color.texels().size(); ++i) {
+    if (truth.objects.texels()[i] == kNoObject) continue;
+    ++count;
+    for (int k = 0; k < 3; ++k) {
+      const int d = int(color.texels()[i][k]) - int(truth.color.texels()[i][k]);
+      sum += d * d;
+    }
+  }
+  return sum == 0 ? 100.0 : 10 * std::log10(255.0 * 255.0 * 3 * double(count) / double(sum));
+}
+
+}  // namespace
+
+Camera camera_on(const Box& box, const glm::dvec3& eye, int size) {
+  const glm::dvec3 center(box.center());
+  const double radius = box.radius(), distance = glm::length(eye);
+  // Away from the poles any up will do.
+  const glm::dvec3 up =
+      std::abs(eye.y) > 0.99 * distance ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  return look_at(center + radius * eye, center, up, 2 * std::asin(1 / distance), size, size,
+                 (distance - 1.01) * radius, (distance + 1.01) * radius);
+}
+
+std::vector<Camera> random_eyes(const Box& box, const EyeOptions& options) {
+  std::vector<Camera> cameras;
+  Random random(options.seed);
+  for (int i = 0; i < options.count; ++i) {
+    const double y = 2.0 * random.unit() - 1, angle = 2 * std::numbers::pi * random.unit();
+    const double r = std::sqrt(1 - y * y);
+    const glm::dvec3 direction{r * std::cos(angle), y, r * std::sin(angle)};
+    const double distance = random.between(float(options.nearest), float(options.farthest));
+    cameras.push_back(camera_on(box, distance * direction, options.size));
+  }
+  return cameras;
+}
+
+Result<> LayeredFrames::draw(const Camera& camera, double) {
+  camera_ = camera;
+  const LayeredInstance here;
+  drawer_.draw(pictures_, camera, {&here, 1}, options_);
+  renderer_.draw_sky(camera, OutputEncoding::srgb);
+  return Done{};
+}
+
+Result<> LayeredFrames::draw_objects() {
+  const LayeredInstance here;
+  drawer_.draw_objects(pictures_, camera_, {&here, 1}, options_);
+  return Done{};
+}
+
+FrameFigures LayeredFrames::figures() const {
+  FrameFigures figures;
+  figures.pictures = 1;
+  figures.picture_bytes = pictures_.bytes();
+  return figures;
+}
+
+Result<ObjectFrames> ObjectFrames::create(int size, int samples) {
+  ObjectFrames frames;
+  Result<FrameTarget> target = FrameTarget::create(size, size, samples);
+  if (!target) return target.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(size, size);
+  if (!probe) return probe.error();
+  frames.target_ = std::move(*target);
+  frames.probe_ = std::move(*probe);
+  return frames;
+}
+
+Result<ShownFrame> ObjectFrames::draw(FrameSource& source, const Camera& camera) {
+  target_.begin();
+  if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
+  target_.resolve();
+  ShownFrame shown{target_.read(), {}};
+  probe_.begin();
+  if (Result<> drawn = source.draw_objects(); !drawn) return drawn.error();
+  shown.objects = probe_.read_objects();
+  return shown;
+}
+
+Result<double> ObjectFrames::time_ms(FrameSource& source, const Camera& camera) {
+  return time_frame(source, target_, {camera, 0});
+}
+
+Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
+                                std::span<const Camera> cameras, std::span<const ShownFrame> truths,
+                                int flip_every) {
+  std::vector<double> psnr, object_psnr, ssims, flips, times;
+  Visibility total;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (i % kTimedEvery == 0) {
+      const Result<double> ms = frames.time_ms(source, cameras[i]);
+      if (!ms) return ms.error();
+      times.push_back(*ms);
+    }
+    const Result<ShownFrame> shown = frames.draw(source, cameras[i]);
+    if (!shown) return shown.error();
+    const ShownFrame& truth = truths[i];
+    psnr.push_back(std::min(psnr_db(truth.color, shown->color), 100.0));
+    object_psnr.push_back(object_psnr_db(truth, shown->color));
+    ssims.push_back(ssim(truth.color, shown->color));
+    if (i % std::size_t(flip_every) == 0) flips.push_back(flip(truth.color, shown->color));
+    const Visibility one = compare_visibility(truth.objects, shown->objects);
+    total.counted += one.counted;
+    total.wrong += one.wrong;
+    total.counted_objects += one.counted_objects;
+    total.uncovered += one.uncovered;
+  }
+  return Quality{summarize(psnr),       summarize(object_psnr),  summarize(ssims),
+                 summarize(flips),      total.uncovered_share(), total.wrong_share(),
+                 percentile(times, 0.5)};
+}
+
+}  // namespace rilievo::bench

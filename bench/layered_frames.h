@@ -1,0 +1,83 @@
+// Frames of one object, drawn directly and from its layered impostor, and how alike they are.
+//
+// Eyes stand all around the object, at 3 to 5 radii of the ball around it; the ball fills the
+// frame, so that with frames as large as the pictures a pixel is about a texel. Both frames have
+// the scene's sky and the same antialiasing. Needs a current OpenGL context.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rilievo/capture/frame_target.h"
+#include "rilievo/capture/scene_renderer.h"
+#include "rilievo/draw/frame_source.h"
+#include "rilievo/draw/layered_drawer.h"
+#include "rilievo/measure/stats.h"
+
+namespace rilievo::bench {
+
+// A camera at `eye` (offset from the box's centre, in radii of its ball) whose square frame the
+// ball just fills.
+[[nodiscard]] Camera camera_on(const Box& box, const glm::dvec3& eye, int size);
+
+// Evenly over all directions, and over distances from `nearest` to `farthest` radii.
+struct EyeOptions {
+  int count = 500;
+  int size = 256;
+  double nearest = 3, farthest = 5;
+  std::uint64_t seed = 1;
+};
+[[nodiscard]] std::vector<Camera> random_eyes(const Box& box, const EyeOptions& options);
+
+// The impostor under the scene's sky.
+class LayeredFrames : public FrameSource {
+ public:
+  LayeredFrames(SceneRenderer& renderer, LayeredDrawer& drawer, LayeredPictures& pictures,
+                const LayeredOptions& options)
+      : renderer_(renderer), drawer_(drawer), pictures_(pictures), options_(options) {}
+
+  Result<> draw(const Camera& camera, double time) override;
+  Result<> draw_objects() override;
+  [[nodiscard]] FrameFigures figures() const override;
+
+ private:
+  SceneRenderer& renderer_;
+  LayeredDrawer& drawer_;
+  LayeredPictures& pictures_;
+  LayeredOptions options_;
+  Camera camera_;
+};
+
+// What a frame shows; objects at pixel centres.
+struct ShownFrame {
+  Rgba8Image color;
+  Image<std::uint32_t> objects;
+};
+
+class ObjectFrames {
+ public:
+  [[nodiscard]] static Result<ObjectFrames> create(int size, int samples);
+  [[nodiscard]] Result<ShownFrame> draw(FrameSource& source, const Camera& camera);
+  [[nodiscard]] Result<double> time_ms(FrameSource& source, const Camera& camera);
+
+ private:
+  FrameTarget target_;
+  ProbeTarget probe_;
+};
+
+struct Quality {
+  Summary psnr_db;         // over the frames, each with its sky
+  Summary object_psnr_db;  // over the pixels whose centre shows the object in the true frame
+  Summary ssim;
+  Summary flip;          // of every flip_every-th frame
+  double uncovered = 0;  // of all frames' pixels of the object away from its outline
+  double wrong = 0;      // of all frames' pixels away from the outline
+  double frame_ms = 0;   // median
+};
+// `truths` are what `cameras` see.
+[[nodiscard]] Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
+                                              std::span<const Camera> cameras,
+                                              std::span<const ShownFrame> truths, int flip_every);
+
+}  // namespace rilievo::bench

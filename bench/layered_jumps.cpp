@@ -1,0 +1,128 @@
+// The paper found the switching between views "distractingly noticeable" under 20 views: by how
+// much more than the true frames do frames differ from those before them?
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/layered.h"
+#include "bench/layered_frames.h"
+#include "rilievo/draw/bake_layered.h"
+#include "rilievo/draw/direct_frames.h"
+#include "rilievo/measure/flip.h"
+
+namespace rilievo::bench {
+namespace {
+
+constexpr double kDistance = 4;       // radii
+constexpr double kStepDegrees = 0.5;  // of the orbit
+constexpr double kTiltDegrees = 35;   // of the orbit's plane, so that it crosses many borders
+
+glm::dvec3 on_orbit(double degrees) {
+  const double a = glm::radians(degrees), tilt = glm::radians(kTiltDegrees);
+  return kDistance *
+         glm::dvec3(std::cos(a), std::sin(a) * std::sin(tilt), std::sin(a) * std::cos(tilt));
+}
+
+struct Way {
+  const char* name;
+  LayeredMethod method;
+  bool fade;
+};
+constexpr Way kWays[] = {{"slices_switch", LayeredMethod::slices, false},
+                         {"slices_fade", LayeredMethod::slices, true},
+                         {"surfaces_switch", LayeredMethod::surfaces, false},
+                         {"surfaces_fade", LayeredMethod::surfaces, true}};
+
+}  // namespace
+
+Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
+  const std::vector<BenchObject> objects = bench_objects(options.quick ? 3000 : 20000);
+  const Scene& scene = objects[0].scene;
+  const Box box = world_bounds(scene);
+  const int size = options.quick ? 48 : 256, steps = options.quick ? 4 : 240;
+  Result<SceneRenderer> renderer = SceneRenderer::create(scene);
+  if (!renderer) return renderer.error();
+  Result<ObjectFrames> frames = ObjectFrames::create(size, 4);
+  if (!frames) return frames.error();
+  Result<LayeredDrawer> drawer = LayeredDrawer::create();
+  if (!drawer) return drawer.error();
+
+  // FLIP between a frame and the one before it.
+  const auto changes = [&](FrameSource& source) -> Result<std::vector<double>> {
+    std::vector<double> flips;
+    Rgba8Image last;
+    for (int i = 0; i <= steps; ++i) {
+      const Camera camera = camera_on(box, on_orbit(i * kStepDegrees), size);
+      Result<ShownFrame> shown = frames->draw(source, camera);
+      if (!shown) return shown.error();
+      if (i > 0) flips.push_back(flip(last, shown->color));
+      last = std::move(shown->color);
+    }
+    return flips;
+  };
+  DirectFrames direct(*renderer);
+  const Result<std::vector<double>> true_changes = changes(direct);
+  if (!true_changes) return true_changes.error();
+
+  Table table{"Jumps: FLIP between a frame and the one before it, above that of the true frames",
+              {"views", "slices, switched", "faded", "surfaces, switched", "faded",
+               "mean: slices, switched", "faded", "surfaces, switched", "faded"},
+              {}};
+  Plot plot{"Frame to frame, 12 and 32 views", "orbit, degrees", "FLIP to the frame before", {}};
+  Curve curve{"true frames", {}, {}};
+  for (std::size_t i = 0; i < true_changes->size(); ++i) {
+    curve.x.push_back(double(i + 1) * kStepDegrees);
+    curve.y.push_back((*true_changes)[i]);
+  }
+  const std::vector<double> x = curve.x;
+  plot.curves.push_back(std::move(curve));
+  int done = 0;
+  for (const auto& [count, spread] :
+       {std::pair(12, ViewSpread::faces_12), std::pair(20, ViewSpread::vertices_20),
+        std::pair(32, ViewSpread::both_32)}) {
+    BakeOptions bake;
+    bake.views.spread = spread;
+    bake.camera.size = size;
+    Result<LayeredImpostor> impostor = bake_layered(*renderer, bake);
+    if (!impostor) return impostor.error();
+    Result<LayeredPictures> pictures = LayeredPictures::create(std::move(*impostor));
+    if (!pictures) return pictures.error();
+    std::vector<std::string> most{std::to_string(count)}, means;
+    for (const Way& way : kWays) {
+      LayeredOptions layered_options;
+      layered_options.method = way.method;
+      if (!way.fade) layered_options.handover = 0;
+      LayeredFrames source(*renderer, *drawer, *pictures, layered_options);
+      const Result<std::vector<double>> drawn = changes(source);
+      if (!drawn) return drawn.error();
+      double jump = 0, sum = 0;
+      for (std::size_t i = 0; i < drawn->size(); ++i) {
+        const double more = (*drawn)[i] - (*true_changes)[i];
+        jump = std::max(jump, more);
+        sum += more;
+      }
+      report.figures.emplace_back(fmt::format("jump_{}_{}", way.name, count), jump);
+      most.push_back(fmt::format("{:.4f}", jump));
+      means.push_back(fmt::format("{:.4f}", sum / double(drawn->size())));
+      if (count == 12) plot.curves.push_back({fmt::format("{}, 12", way.name), x, *drawn});
+      if (options.progress) options.progress(++done, 3 * int(std::size(kWays)));
+    }
+    most.insert(most.end(), means.begin(), means.end());
+    table.rows.push_back(std::move(most));
+  }
+  plot.title = "Frame to frame, 12 views";
+  report.tables.push_back(std::move(table));
+  report.plots.push_back(std::move(plot));
+  report.notes.push_back(fmt::format(
+      "Jumps: {} steps of {} degrees on an orbit of 4 radii, tilted by {} degrees. Switched: "
+      "handover 0. Faded: the default.",
+      steps, kStepDegrees, kTiltDegrees));
+  return Done{};
+}
+
+}  // namespace rilievo::bench
