@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -121,6 +122,45 @@ TEST_F(LayeredDrawerTest, surfaces_are_what_the_walk_on_the_cpu_finds) {
     EXPECT_LT(d.depth, d.pixels / 100);
     EXPECT_LT(d.object, d.pixels / 100);
     EXPECT_LT(d.color, d.pixels / 40);
+  }
+}
+
+TEST_F(LayeredDrawerTest, a_view_that_begins_to_fade_in_changes_nothing_yet) {
+  const LayeredImpostor impostor = jug_impostor();
+  auto pictures = LayeredPictures::create(impostor);
+  ASSERT_TRUE(pictures.ok());
+  constexpr double kHandover = 0.5;
+  for (const std::array<int, 2>& edge : {impostor.views.edges[3], impostor.views.edges[20]}) {
+    // From one view towards the other, until that has a weight of 1e-4 or so.
+    double begin = 0, end = 0.5;
+    glm::dvec3 towards(0.0);
+    std::array<int, 6> views{};
+    std::array<float, 6> weights{};
+    for (int i = 0; i < 60 && !(weights[1] > 5e-5 && weights[1] < 5e-4); ++i) {
+      const double s = 0.5 * (begin + end);
+      towards = glm::normalize(
+          glm::mix(impostor.views.directions[edge[0]], impostor.views.directions[edge[1]], s));
+      nearest_views(impostor.views, towards, views);
+      handover_weights(impostor.views, towards, kHandover * mean_spacing(impostor.views), views,
+                       weights);
+      (weights[1] > 1e-4 ? end : begin) = s;
+    }
+    ASSERT_GT(weights[1], 5e-5);
+    ASSERT_LT(weights[1], 5e-4);
+    const Camera camera = frame_camera(impostor.bounds, towards, 3);
+    const Drawn switched = draw(*pictures, camera, {.handover = 0});
+    const Drawn faded = draw(*pictures, camera, {.handover = kHandover});
+    EXPECT_EQ(faded.object, switched.object);
+    int covered = 0, differ = 0;
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x)
+        for (int k = 0; k < 3; ++k) {
+          covered += switched.object(x, y) != kNoObject;
+          // A weight of 5e-4 moves a byte by an eighth, and then it is rounded.
+          differ += std::abs(int(faded.color(x, y)[k]) - int(switched.color(x, y)[k])) > 1;
+        }
+    EXPECT_GT(covered, 3000);
+    EXPECT_EQ(differ, 0);
   }
 }
 

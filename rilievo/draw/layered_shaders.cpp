@@ -242,12 +242,14 @@ void main() {
   }
   if (skin && (inside <= 0 || list.y == 1)) doubtful_depth = 2.0;
   if (nothing > surface) discard;
-  if (surface == 0.0) depth = doubtful_depth, object = doubtful_object, blended = doubtful_color;
+  if (surface == 0.0)
+    depth = doubtful_depth, object = doubtful_object, blended = doubtful_color, surface = 1.0;
   if (depth > 1.0) discard;
   gl_FragDepth = depth;
 #ifdef OBJECT_IDS
   out_object = object;
 #else
+  blended /= surface;
   out_color = vec4(blended.rgb / max(blended.a, 1e-3), 1.0);
 #endif
 }
