@@ -5,6 +5,7 @@
 #include "bench/coverage.h"
 #include "bench/draw.h"
 #include "bench/layered.h"
+#include "bench/layered_cost.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
 #include "bench/pop.h"
@@ -29,6 +30,8 @@ std::span<const Bench> benches() {
             coverage},
       Bench{"layered", "What do layered impostors look like from new eyes? (S2.3 to S2.6)", true,
             layered},
+      Bench{"layered-cost", "What do layered impostors cost? (S2.8: tables 2 and 3, figure 8)",
+            true, layered_cost},
   };
   return list;
 }

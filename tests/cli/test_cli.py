@@ -153,6 +153,7 @@ class Results(Folder):
                          ["back_1", "ordinary_1", "12", "20", "32"]],
             "layered": ["psnr_db_teapot_32_256_64", "uncovered_teapot_32_256_64",
                         "tears_overlap_0_at_20deg", "jump_slices_switch_12"],
+            "layered-cost": ["memory_mb_32_256", "draw_ms_64_220", "break_even_triangles_64_220"],
         }
         for bench, names in figures.items():
             with self.subTest(bench=bench):
