@@ -2,20 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "rilievo/draw/nailboard_shaders.h"
 
 namespace rilievo {
 
-struct NailboardDrawer::Instance {
-  glm::vec4 origin_layer, u_axis_slot_x, v_axis_slot_y, eye_slot_width, forward_slot_height, depths,
-      share;
-};
-
 namespace {
-
-constexpr GLuint kAttributes = 7;
 
 // The picture's polygon in the world, as of its capture: lower left corner and the edges from
 // there.
@@ -47,13 +39,6 @@ Result<NailboardDrawer> NailboardDrawer::create() {
   if (!outline) return outline.error();
   drawer.outline_ = std::move(*outline);
   drawer.vertex_array_ = gl::make_vertex_array();
-  for (GLuint i = 0; i < kAttributes; ++i) {
-    glEnableVertexArrayAttrib(drawer.vertex_array_, i);
-    glVertexArrayAttribFormat(drawer.vertex_array_, i, 4, GL_FLOAT, GL_FALSE,
-                              GLuint(i * sizeof(glm::vec4)));
-    glVertexArrayAttribBinding(drawer.vertex_array_, i, 0);
-  }
-  glVertexArrayBindingDivisor(drawer.vertex_array_, 0, 1);
   return drawer;
 }
 
@@ -65,14 +50,12 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
 
   // Front to back, so that what is hidden is not shaded.
   order_.clear();
-  whole_ = 0;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     const PictureGeometry& g = instances[i].geometry;
     const glm::dvec3 middle = g.capture.position() + g.capture.forward() * g.plane_z;
     const glm::dvec3 to =
         glm::dvec3(instances[i].world_now_from_capture * glm::dvec4(middle, 1)) - eye;
     const bool share = instances[i].share_from > 0 || instances[i].share_to < 1;
-    whole_ += !share;
     order_.push_back({share, float(glm::dot(to, to)), i});
   }
   std::sort(order_.begin(), order_.end(), [](const Key& a, const Key& b) {
@@ -80,7 +63,7 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
     return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
   });
 
-  staging_.resize(order_.size() * sizeof(Instance));
+  staging_.clear();
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const NailboardInstance& in = instances[order_[i].index];
     const Camera& capture = in.geometry.capture;
@@ -90,29 +73,55 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
     const auto point = [&](const glm::dvec3& p) {
       return glm::vec3(glm::dvec3(motion * glm::dvec4(p, 1)) - eye);
     };
-    const Instance out{glm::vec4(point(polygon.origin), float(in.slot.layer)),
-                       glm::vec4(glm::vec3(turned * polygon.u_axis), float(in.slot.x)),
-                       glm::vec4(glm::vec3(turned * polygon.v_axis), float(in.slot.y)),
-                       glm::vec4(point(capture.position()), float(in.slot.width)),
-                       glm::vec4(glm::vec3(turned * capture.forward()), float(in.slot.height)),
-                       glm::vec4(float(capture.z_near), float(capture.z_far),
-                                 float(in.geometry.plane_z), std::bit_cast<float>(in.object)),
-                       glm::vec4(in.share_from, in.share_to, 0, 0)};
-    std::memcpy(staging_.data() + i * sizeof(Instance), &out, sizeof out);
+    staging_.push_back({glm::vec4(point(polygon.origin), float(in.slot.layer)),
+                        glm::vec4(glm::vec3(turned * polygon.u_axis), float(in.slot.x)),
+                        glm::vec4(glm::vec3(turned * polygon.v_axis), float(in.slot.y)),
+                        glm::vec4(point(capture.position()), float(in.slot.width)),
+                        glm::vec4(glm::vec3(turned * capture.forward()), float(in.slot.height)),
+                        glm::vec4(float(capture.z_near), float(capture.z_far),
+                                  float(in.geometry.plane_z), std::bit_cast<float>(in.object)),
+                        glm::vec4(in.share_from, in.share_to, 0, 0)});
   }
-  if (staging_.size() > capacity_ || !instance_buffer_) {
-    capacity_ = staging_.size() + staging_.size() / 2 + 64 * sizeof(Instance);
-    instance_buffer_ = gl::make_buffer(capacity_, nullptr, GL_DYNAMIC_STORAGE_BIT);
-  }
-  glInvalidateBufferData(instance_buffer_);
-  glNamedBufferSubData(instance_buffer_, 0, GLsizeiptr(staging_.size()), staging_.data());
-  glVertexArrayVertexBuffer(vertex_array_, 0, instance_buffer_, 0, sizeof(Instance));
+  instance_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 0, std::as_bytes(std::span(staging_)));
   glBindVertexArray(vertex_array_);
 }
 
-void NailboardDrawer::draw_polygons(const PictureAtlas& atlas, DepthMode mode,
-                                    shader::NailboardOutput output, std::size_t first,
-                                    std::size_t count) {
+void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+                                 std::span<const NailboardInstance> instances) {
+  GLint viewport[4];
+  glGetIntegerv(GL_VIEWPORT, viewport);
+  visible_.begin(glm::dmat4(clip_from_relative_), viewport[2], viewport[3], frame.z_near,
+                 frame.z_far);
+  cells_.clear();
+  whole_ = 0;
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const NailboardInstance& in = instances[order_[i].index];
+    const Instance& placed = staging_[i];
+    StandingPicture standing;
+    standing.origin = placed.origin_layer, standing.eye = placed.eye_slot_width;
+    standing.u_axis = placed.u_axis_slot_x, standing.v_axis = placed.v_axis_slot_y;
+    standing.z_near = in.geometry.capture.z_near, standing.z_far = in.geometry.capture.z_far;
+    standing.plane_z = in.geometry.plane_z;
+    standing.relief = mode != DepthMode::flat;
+    // Depths by eq. (4) are not between those of the surface.
+    standing.hides = mode != DepthMode::linear && !order_[i].share;
+    visible_.append(std::uint32_t(i), standing, atlas.blocks(in.slot), cells_);
+    if (!order_[i].share) whole_ = cells_.size();
+  }
+  static_assert(sizeof(DrawnCells) == 12, "three words, as the vertex shader reads them");
+  cell_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 1, std::as_bytes(std::span(cells_)));
+  if (cells_.size() <= index_capacity_) return;
+  index_capacity_ = 2 * cells_.size();
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t i = 0; i < index_capacity_; ++i)
+    for (const std::uint32_t corner : {0, 1, 2, 2, 1, 3}) indices.push_back(4 * i + corner);
+  index_buffer_ = gl::make_buffer(indices.size() * sizeof(std::uint32_t), indices.data(), 0);
+  glVertexArrayElementBuffer(vertex_array_, index_buffer_);
+}
+
+void NailboardDrawer::draw_cells(const PictureAtlas& atlas, DepthMode mode,
+                                 shader::NailboardOutput output, std::size_t first,
+                                 std::size_t count) {
   if (count == 0) return;
   const bool objects = output == shader::NailboardOutput::objects;
   glUseProgram(programs_[int(mode)][int(output)]);
@@ -133,24 +142,26 @@ void NailboardDrawer::draw_polygons(const PictureAtlas& atlas, DepthMode mode,
     glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   else
     glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, GLsizei(count), GLuint(first));
+  glDrawElements(GL_TRIANGLES, GLsizei(6 * count), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(6 * first * sizeof(std::uint32_t)));
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
-void NailboardDrawer::draw(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+void NailboardDrawer::draw(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                            std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   upload(frame, instances);
-  draw_polygons(atlas, mode, shader::NailboardOutput::color, 0, whole_);
-  draw_polygons(atlas, mode, shader::NailboardOutput::share_of_color, whole_,
-                instances.size() - whole_);
+  find_cells(atlas, frame, mode, instances);
+  draw_cells(atlas, mode, shader::NailboardOutput::color, 0, whole_);
+  draw_cells(atlas, mode, shader::NailboardOutput::share_of_color, whole_, cells_.size() - whole_);
 }
 
-void NailboardDrawer::draw_objects(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+void NailboardDrawer::draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                                    std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   upload(frame, instances);
-  draw_polygons(atlas, mode, shader::NailboardOutput::objects, 0, instances.size());
+  find_cells(atlas, frame, mode, instances);
+  draw_cells(atlas, mode, shader::NailboardOutput::objects, 0, cells_.size());
 }
 
 void NailboardDrawer::draw_outlines(const Camera& frame,

@@ -1,5 +1,6 @@
 // Draws thousands of nailboards in one draw call, front to back, with the depth of what they show
-// (S1.2, S1.3), or flat, as the thing to beat (S1.6).
+// (S1.2, S1.3), or flat, as the thing to beat (S1.6). Cells of them that are empty, or hidden by
+// other nailboards, are left out (visible_cells.h).
 //
 // Edges: a texel's alpha is the share of its samples that the object covered at capture. It is
 // interpolated between texels and becomes a coverage mask (alpha to coverage), so that in a frame
@@ -17,6 +18,7 @@
 #include "rilievo/core/depth_image.h"
 #include "rilievo/draw/nailboard_shaders.h"
 #include "rilievo/draw/picture_atlas.h"
+#include "rilievo/draw/visible_cells.h"
 #include "rilievo/represent/nailboard.h"
 
 namespace rilievo {
@@ -37,26 +39,33 @@ class NailboardDrawer {
   [[nodiscard]] static Result<NailboardDrawer> create();
 
   // Colours, sRGB-encoded.
-  void draw(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+  void draw(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
             std::span<const NailboardInstance> instances);
   // Object identifiers, for probes.
-  void draw_objects(const PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+  void draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                     std::span<const NailboardInstance> instances);
   // The polygons' outlines, hidden where they lie behind what has been drawn (S1.8).
   void draw_outlines(const Camera& frame, std::span<const NailboardInstance> instances,
                      const glm::vec3& color);
 
  private:
-  struct Instance;  // as the vertex shader reads it
+  // As the vertex shader reads it.
+  struct Instance {
+    glm::vec4 origin_layer, u_axis_slot_x, v_axis_slot_y, eye_slot_width, forward_slot_height,
+        depths, share;
+  };
   void upload(const Camera& frame, std::span<const NailboardInstance> instances);
-  void draw_polygons(const PictureAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
-                     std::size_t first, std::size_t count);
+  void find_cells(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+                  std::span<const NailboardInstance> instances);
+  void draw_cells(const PictureAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
+                  std::size_t first, std::size_t count);
 
   gl::Program programs_[3][3];  // by DepthMode and output
   gl::Program outline_;
   gl::VertexArray vertex_array_;
-  gl::Buffer instance_buffer_;
-  std::size_t capacity_ = 0;
+  gl::StreamBuffer instance_buffer_, cell_buffer_;
+  gl::Buffer index_buffer_;
+  std::size_t index_capacity_ = 0;  // rectangles
   glm::mat4 clip_from_relative_{1.0f};
   struct Key {
     bool share;
@@ -64,8 +73,10 @@ class NailboardDrawer {
     std::uint32_t index;
   };
   std::vector<Key> order_;  // whole ones, then shares; each front to back
-  std::size_t whole_ = 0;
-  std::vector<std::byte> staging_;
+  std::size_t whole_ = 0;   // rectangles of whole ones
+  std::vector<Instance> staging_;
+  VisibleCells visible_;
+  std::vector<DrawnCells> cells_;
 };
 
 }  // namespace rilievo

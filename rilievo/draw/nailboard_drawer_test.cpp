@@ -323,6 +323,54 @@ TEST(PictureAtlas, gives_back_what_was_written) {
   }
 }
 
+TEST(PictureAtlas, sums_blocks_up) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  std::mt19937 rng(5);
+  for (int bits : {2, 8, 16}) {
+    auto atlas = PictureAtlas::create({64u << 20, bits, 4});
+    ASSERT_TRUE(atlas.ok());
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(atlas->allocate(33, 40));
+    Nailboard board = random_board(rng, bits);
+    for (int y = 8; y < 24; ++y)  // some blocks without holes
+      for (int x = 8; x < 24; ++x) {
+        if (board.delta(x, y) == delta_transparent(bits)) board.delta(x, y) = 1;
+        board.color(x, y).a = 255;
+      }
+    board.color(9, 9).a = 254;
+    const auto slot = atlas->allocate(40, 33);
+    atlas->write(*slot, board);
+    const PictureBlocksView blocks = atlas->blocks(*slot);
+    ASSERT_EQ(blocks.width, 40);
+    ASSERT_EQ(blocks.height, 33);
+    int opaque = 0;
+    for (int by = 0; by < 9; ++by)
+      for (int bx = 0; bx < 10; ++bx) {
+        double nearest = 2, farthest = 0;
+        bool solid = true;
+        for (int i = 0; i < 16; ++i) {
+          const int x = 4 * bx + i % 4, y = 32 - (4 * by + i / 4);  // rows run upwards
+          const bool covered = y >= 0 && board.delta(x, y) != delta_transparent(bits);
+          solid = solid && covered && board.color(x, y).a == 255;
+          if (!covered) continue;
+          nearest = std::min(nearest, double(decode_delta(board.delta(x, y), bits)));
+          farthest = std::max(farthest, double(decode_delta(board.delta(x, y), bits)));
+        }
+        const PictureBlock& block = blocks.block(bx, by);
+        ASSERT_EQ(block.empty(), nearest > 1) << bx << " " << by;
+        ASSERT_EQ(block.opaque(), solid);
+        opaque += solid;
+        if (block.empty()) continue;
+        // Outwards by less than a step; 1e-5 for floats on the GPU.
+        EXPECT_LE(block.nearest_delta(), nearest + 1e-5);
+        EXPECT_GT(block.nearest_delta(), nearest - 1.0 / 254 - 1e-5);
+        EXPECT_GE(block.farthest_delta(), farthest - 1e-5);
+        EXPECT_LT(block.farthest_delta(), farthest + 1.0 / 127 + 1e-5);
+      }
+    EXPECT_GT(opaque, 4);
+  }
+}
+
 TEST(PictureAtlas, refuses_a_budget_that_holds_no_picture) {
   auto context = gl::Context::create();
   ASSERT_TRUE(context.ok());

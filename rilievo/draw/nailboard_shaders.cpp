@@ -32,17 +32,22 @@ namespace {
 const char* const kVersion = "#version 450\n";
 
 const char* const kInstance = R"(
-layout(location = 0) in vec4 origin_layer;   // polygon's lower left corner; atlas layer
-layout(location = 1) in vec4 u_axis_slot_x;  // edges of the polygon; slot in the atlas, texels
-layout(location = 2) in vec4 v_axis_slot_y;
-layout(location = 3) in vec4 eye_slot_width;      // E
-layout(location = 4) in vec4 forward_slot_height; // the capturing camera's -z
-layout(location = 5) in vec4 depths;  // z_near, z_far, plane_z; identifier's bits
-layout(location = 6) in vec4 share;   // of the pixels, in x and y
+struct Picture {
+  vec4 origin_layer;   // polygon's lower left corner; atlas layer
+  vec4 u_axis_slot_x;  // edges of the polygon; slot in the atlas, texels
+  vec4 v_axis_slot_y;
+  vec4 eye_slot_width;       // E
+  vec4 forward_slot_height;  // the capturing camera's -z
+  vec4 depths;  // z_near, z_far, plane_z; identifier's bits
+  vec4 share;   // of the pixels, in x and y
+};
+layout(std430, binding = 0) readonly buffer Pictures { Picture pictures[]; };
 layout(location = 0) uniform mat4 clip_from_relative;
 )";
 
 const char* const kVertex = R"(
+// Of each rectangle drawn three words: its picture; x0 | y0 << 16; x1 | y1 << 16, texels.
+layout(std430, binding = 1) readonly buffer Rectangles { uint rectangles[]; };
 out vec2 v_uv;  // texels
 flat out vec4 v_slot;  // centres of its first and last texels: beyond them lie other pictures
 flat out int v_layer;
@@ -60,38 +65,45 @@ flat out vec2 v_share;
 #endif
 
 #if MODE == 1
-float window_z_times_w(vec3 p, vec4 clip, float eye_z) {  // (3)
-  vec3 e = eye_slot_width.xyz, axis = forward_slot_height.xyz;
+float window_z_times_w(Picture picture, vec3 p, vec4 clip, float eye_z) {  // (3)
+  vec3 e = picture.eye_slot_width.xyz, axis = picture.forward_slot_height.xyz;
   float at_eye = clip_from_relative[3].z;
   return 0.5 * (clip.z - at_eye + at_eye * dot(axis, p) / (eye_z + dot(axis, e)) + clip.w);
 }
 #endif
 
 void main() {
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  vec3 p = origin_layer.xyz + corner.x * u_axis_slot_x.xyz + corner.y * v_axis_slot_y.xyz;
+  int first = 3 * (gl_VertexID >> 2);
+  Picture picture = pictures[rectangles[first]];
+  uint x = rectangles[first + 1 + (gl_VertexID & 1)];
+  uint y = rectangles[first + 1 + ((gl_VertexID >> 1) & 1)];
+  vec2 texel = vec2(float(x & 0xFFFFu), float(y >> 16));
+  vec2 slot = vec2(picture.u_axis_slot_x.w, picture.v_axis_slot_y.w);
+  vec2 size = vec2(picture.eye_slot_width.w, picture.forward_slot_height.w);
+  vec2 corner = texel / size;
+  vec3 p = picture.origin_layer.xyz + corner.x * picture.u_axis_slot_x.xyz +
+           corner.y * picture.v_axis_slot_y.xyz;
   gl_Position = clip_from_relative * vec4(p, 1.0);
-  v_uv = vec2(u_axis_slot_x.w, v_axis_slot_y.w) +
-         corner * vec2(eye_slot_width.w, forward_slot_height.w);
-  v_slot = vec4(u_axis_slot_x.w, v_axis_slot_y.w, u_axis_slot_x.w + eye_slot_width.w,
-                v_axis_slot_y.w + forward_slot_height.w) + vec4(0.5, 0.5, -0.5, -0.5);
-  v_layer = int(origin_layer.w);
+  v_uv = slot + texel;
+  v_slot = vec4(slot, slot + size) + vec4(0.5, 0.5, -0.5, -0.5);
+  v_layer = int(picture.origin_layer.w);
+  vec4 depths = picture.depths;
 #if MODE == 2
-  vec4 e = clip_from_relative * vec4(eye_slot_width.xyz, 1.0);
+  vec4 e = clip_from_relative * vec4(picture.eye_slot_width.xyz, 1.0);
   vec4 towards = gl_Position - e;
   // Window instead of clip depth: (z / w + 1) / 2 = (z + w) / 2 / w.
   v_towards = vec2(0.5 * (towards.z + towards.w), towards.w);
   float q_near = depths.z / depths.x, q_far = depths.z / depths.y;
   v_eye = vec4(0.5 * (e.z + e.w), e.w, q_near, q_far - q_near);
 #elif MODE == 1
-  float z_n = window_z_times_w(p, gl_Position, depths.x);
-  v_near_extent = vec2(z_n, window_z_times_w(p, gl_Position, depths.y) - z_n);
+  float z_n = window_z_times_w(picture, p, gl_Position, depths.x);
+  v_near_extent = vec2(z_n, window_z_times_w(picture, p, gl_Position, depths.y) - z_n);
 #endif
 #ifdef OBJECT_IDS
   v_object = floatBitsToUint(depths.w);
 #endif
 #ifdef SHARE
-  v_share = share.xy;
+  v_share = picture.share.xy;
 #endif
 }
 )";
@@ -152,7 +164,9 @@ const char* const kOutlineVertex = R"(
 void main() {
   // Around the polygon, not across it.
   vec2 corner = vec2(((gl_VertexID + 1) >> 1) & 1, gl_VertexID >> 1);
-  vec3 p = origin_layer.xyz + corner.x * u_axis_slot_x.xyz + corner.y * v_axis_slot_y.xyz;
+  Picture picture = pictures[gl_InstanceID];
+  vec3 p = picture.origin_layer.xyz + corner.x * picture.u_axis_slot_x.xyz +
+           corner.y * picture.v_axis_slot_y.xyz;
   gl_Position = clip_from_relative * vec4(p, 1.0);
 }
 )";

@@ -49,6 +49,35 @@ void main() {
 }
 )";
 
+// A block (picture_blocks.h) from its texels.
+const char* const kReduceFragment = R"(#version 450
+layout(binding = 0) uniform sampler2DArray color_texture;
+layout(binding = 1) uniform sampler2DArray delta_texture;
+layout(location = 0) uniform ivec3 slot_origin;
+layout(location = 1) uniform ivec2 slot_size;
+layout(location = 2) uniform float delta_scale;
+layout(location = 3) uniform float largest_delta;
+layout(location = 0) out vec2 out_block;
+
+void main() {
+  ivec2 first = 4 * (ivec2(gl_FragCoord.xy) - slot_origin.xy / 4);
+  float nearest = 2.0, farthest = 0.0;
+  bool opaque = true;
+  for (int i = 0; i < 16; ++i) {
+    ivec2 texel = first + ivec2(i & 3, i >> 2);
+    bool inside = all(lessThan(texel, slot_size));
+    ivec3 at = ivec3(slot_origin.xy + min(texel, slot_size - 1), slot_origin.z);
+    float delta = texelFetch(delta_texture, at, 0).r * delta_scale;
+    bool covered = delta <= largest_delta;
+    if (inside && covered) nearest = min(nearest, delta), farthest = max(farthest, delta);
+    opaque = opaque && inside && covered && texelFetch(color_texture, at, 0).a == 1.0;
+  }
+  float low = nearest > 1.5 ? 255.0 : floor(clamp(nearest, 0.0, 1.0) * 254.0);
+  float high = 2.0 * ceil(clamp(farthest, 0.0, 1.0) * 127.0) + (opaque ? 1.0 : 0.0);
+  out_block = vec2(low, high) / 255.0;
+}
+)";
+
 gl::Texture make_capture_texture(GLenum format, int size, int samples) {
   return samples > 1 ? gl::make_texture_2d_multisample(format, size, size, samples)
                      : gl::make_texture_2d(format, size, size);
@@ -66,7 +95,9 @@ void flip_rows(Image<T>& image) {
 Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   RILIEVO_EXPECTS(2 <= options.delta_bits && options.delta_bits <= 16);
   const std::size_t texels = std::size_t(kSize) * kSize;
-  const std::size_t a_layer = texels * (4 + (options.delta_bits > 8 ? 2 : 1));
+  constexpr std::size_t layer_blocks =
+      std::size_t(PictureBlocks::kLayerBlocks) * PictureBlocks::kLayerBlocks;
+  const std::size_t a_layer = texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + 2 * layer_blocks;
   // Under a small budget a large capture buffer would leave no room for pictures.
   const int capture_size = options.max_bytes < (std::size_t(64) << 20) ? kSize / 2 : kSize;
   const std::size_t buffers =
@@ -90,6 +121,8 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   atlas.color_ = gl::make_texture_2d_array(GL_RGBA8, kSize, kSize, layers);
   atlas.delta_ =
       gl::make_texture_2d_array(options.delta_bits > 8 ? GL_R16 : GL_R8, kSize, kSize, layers);
+  atlas.block_textures_ = gl::make_texture_2d_array(GL_RG8, PictureBlocks::kLayerBlocks,
+                                                    PictureBlocks::kLayerBlocks, layers);
   // Codes next to each other have nothing to do with each other.
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -111,6 +144,10 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
                        "#define SAMPLES " + std::to_string(options.samples) + "\n");
   if (!resolve) return resolve.error();
   atlas.resolve_ = std::move(*resolve);
+  Result<gl::Program> reduce = gl::make_program("picture blocks", kResolveVertex, kReduceFragment);
+  if (!reduce) return reduce.error();
+  atlas.reduce_ = std::move(*reduce);
+  atlas.block_framebuffer_ = gl::make_framebuffer();
   atlas.no_vertices_ = gl::make_vertex_array();
   return atlas;
 }
@@ -150,6 +187,47 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   glUniform1f(2, options_.delta_bits > 8 ? 65535.0f : 255.0f);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  reduce_to_blocks(slot);
+}
+
+void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
+  glNamedFramebufferTextureLayer(block_framebuffer_, GL_COLOR_ATTACHMENT0, block_textures_, 0,
+                                 slot.layer);
+  glBindFramebuffer(GL_FRAMEBUFFER, block_framebuffer_);
+  glViewport(slot.x / kBlockTexels, slot.y / kBlockTexels, blocks_across(slot.width),
+             blocks_across(slot.height));
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glUseProgram(reduce_);
+  glBindTextureUnit(0, color_);
+  glBindTextureUnit(1, delta_);
+  const float steps = float(delta_steps(options_.delta_bits));
+  glUniform3i(0, slot.x, slot.y, slot.layer);
+  glUniform2i(1, slot.width, slot.height);
+  glUniform1f(2, (options_.delta_bits > 8 ? 65535.0f : 255.0f) / steps);
+  glUniform1f(3, 1.0f + 0.5f / steps);
+  glBindVertexArray(no_vertices_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  unread_.push_back(slot);
+}
+
+PictureBlocksView PictureAtlas::blocks(const AtlasSlot& slot) {
+  for (const AtlasSlot& unread : unread_) {
+    const int columns = blocks_across(unread.width), rows = blocks_across(unread.height);
+    read_blocks_.resize(std::size_t(columns) * std::size_t(rows));
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTextureSubImage(block_textures_, 0, unread.x / kBlockTexels, unread.y / kBlockTexels,
+                         unread.layer, columns, rows, 1, GL_RG, GL_UNSIGNED_BYTE,
+                         GLsizei(read_blocks_.size() * sizeof(PictureBlock)), read_blocks_.data());
+    blocks_.assign(unread, read_blocks_);
+  }
+  unread_.clear();
+  return blocks_.view(slot);
+}
+
+void PictureAtlas::narrow(const AtlasSlot& slot, PictureGeometry& geometry) {
+  if (const auto range = delta_range(blocks(slot))) narrow_slab(geometry, *range);
 }
 
 void PictureAtlas::capture_objects(SceneRenderer& renderer, const Camera& camera,
@@ -219,6 +297,13 @@ void PictureAtlas::write(const AtlasSlot& slot, const Nailboard& nailboard) {
     glTextureSubImage3D(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
                         GL_UNSIGNED_BYTE, codes.data());
   }
+  // In somebody's frame: where the next draw call goes must not change.
+  GLint framebuffer = 0, viewport[4];
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  glGetIntegerv(GL_VIEWPORT, viewport);
+  reduce_to_blocks(slot);
+  glBindFramebuffer(GL_FRAMEBUFFER, GLuint(framebuffer));
+  glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
 }
 
 }  // namespace rilievo

@@ -11,6 +11,7 @@
 
 #include "rilievo/capture/scene_renderer.h"
 #include "rilievo/draw/atlas_allocator.h"
+#include "rilievo/draw/picture_blocks.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/represent/nailboard.h"
 
@@ -44,6 +45,12 @@ class PictureAtlas {
   [[nodiscard]] Nailboard read(const AtlasSlot& slot, const PictureGeometry& geometry) const;
   void write(const AtlasSlot& slot, const Nailboard& nailboard);
 
+  // What the slot's picture shows, block by block. Waits for the GPU the first time after a capture
+  // or a write.
+  [[nodiscard]] PictureBlocksView blocks(const AtlasSlot& slot);
+  // Narrows the geometry's slab to what the slot's picture shows; an empty one keeps it.
+  void narrow(const AtlasSlot& slot, PictureGeometry& geometry);
+
   [[nodiscard]] int delta_bits() const { return options_.delta_bits; }
   // Texels a side of the largest picture; smaller under a small budget.
   [[nodiscard]] int max_picture_size() const { return capture_size_; }
@@ -55,7 +62,8 @@ class PictureAtlas {
   [[nodiscard]] GLuint object_texture() const { return object_; }
 
  private:
-  explicit PictureAtlas(int layers) : allocator_(layers) {}
+  explicit PictureAtlas(int layers) : allocator_(layers), blocks_(layers) {}
+  void reduce_to_blocks(const AtlasSlot& slot);
 
   AtlasOptions options_;
   AtlasAllocator allocator_;
@@ -63,8 +71,12 @@ class PictureAtlas {
   std::size_t bytes_ = 0;
   gl::Texture color_, delta_, object_;
   gl::Texture capture_color_, capture_depth_, object_depth_;
-  gl::Framebuffer capture_framebuffer_, layer_framebuffer_, object_framebuffer_;
-  gl::Program resolve_;
+  gl::Texture block_textures_;
+  gl::Framebuffer capture_framebuffer_, layer_framebuffer_, object_framebuffer_, block_framebuffer_;
+  gl::Program resolve_, reduce_;
+  PictureBlocks blocks_;
+  std::vector<AtlasSlot> unread_;  // whose blocks the GPU has and blocks_ has not
+  std::vector<PictureBlock> read_blocks_;
   gl::VertexArray no_vertices_;
 };
 

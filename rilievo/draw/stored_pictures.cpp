@@ -47,8 +47,10 @@ Result<StoredPictures> StoredPictures::create(std::span<const DepthImage> pictur
     const auto slot = stored.atlas_.allocate(board.color.width(), board.color.height());
     if (!slot) return Error{pictures[i].name, "does not fit beside the other pictures"};
     stored.atlas_.write(*slot, board);
+    PictureGeometry geometry = board.geometry;
+    stored.atlas_.narrow(*slot, geometry);
     stored.instances_.push_back(
-        {*slot, board.geometry, glm::dmat4(1.0), only_object(pictures[i], std::uint32_t(i + 1))});
+        {*slot, geometry, glm::dmat4(1.0), only_object(pictures[i], std::uint32_t(i + 1))});
   }
   return stored;
 }

@@ -36,4 +36,17 @@ struct PictureGeometry {
 // A picture of all that `capture` may see between its z_near and z_far, on the best plane.
 [[nodiscard]] PictureGeometry picture_geometry(const Camera& capture);
 
+// Deltas of a picture's nearest and farthest sample, 0 <= nearest <= farthest <= 1.
+struct DeltaRange {
+  double nearest = 0, farthest = 1;
+  friend bool operator==(const DeltaRange&, const DeltaRange&) = default;
+};
+
+// The distances with Deltas `range` of the frustum between `whole`.
+[[nodiscard]] DepthSlab part_of(DepthSlab whole, const DeltaRange& range);
+
+// Its samples turned out to have these Deltas, before they were rounded to delta_bits or after:
+// narrows the slab to them and moves the polygon to its best plane.
+void narrow_slab(PictureGeometry& picture, DeltaRange range);
+
 }  // namespace rilievo
