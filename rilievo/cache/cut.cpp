@@ -16,6 +16,7 @@ enum Choice : std::uint8_t {
 };
 
 // A capture that pays within so many frames is made at once, others when there is time.
+constexpr double kRangeMargin = 0.1;
 constexpr double kPaysSoon = 4, kPaysLate = 16;
 
 glm::dmat4 power(const glm::dmat4& m, int n) {
@@ -57,7 +58,16 @@ PictureEstimate Cut::estimate(Entity e) const {
   if (is_moving(e) ? moving[e - nodes()].deforms
                    : !tree.nodes[e].leaf() && triangles > options.picture_triangles)
     return {};
-  return estimate_picture(view, box_of(e), triangles, drift_of(e), options);
+  return estimate_picture(view, box_of(e), triangles, drift_of(e), options, expected_range(e));
+}
+
+// What it showed last, or what pictures show on the whole; and somewhat more.
+DeltaRange Cut::expected_range(Entity e) const {
+  const DeltaRange& range = e < state.ranges.size() && state.ranges[e]
+                                ? *state.ranges[e]
+                                : state.usual_range[several(e) ? 1 : 0];
+  const double margin = kRangeMargin * (range.farthest - range.nearest);
+  return {std::max(0.0, range.nearest - margin), std::min(1.0, range.farthest + margin)};
 }
 
 const Picture* Cut::picture_of(const std::vector<std::uint32_t>& by_entity, Entity e) const {

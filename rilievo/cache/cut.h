@@ -37,11 +37,13 @@ struct Cut {
   // Of entities.
   [[nodiscard]] std::uint32_t nodes() const { return std::uint32_t(tree.nodes.size()); }
   [[nodiscard]] bool is_moving(Entity e) const { return e >= nodes(); }
+  [[nodiscard]] bool several(Entity e) const { return !is_moving(e) && !tree.nodes[e].leaf(); }
   [[nodiscard]] const Box& box_of(Entity e) const;
   [[nodiscard]] std::uint64_t triangles_of(Entity e) const;
   // How the eye moves against the entity in a frame, world space.
   [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
   [[nodiscard]] PictureEstimate estimate(Entity e) const;
+  [[nodiscard]] DeltaRange expected_range(Entity e) const;
 
   // Of slots. Nothing if the entity has no picture, or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,

@@ -124,7 +124,8 @@ double covered_pixels(const ViewAxes& view, const Box& box) {
 }
 
 PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint64_t triangles,
-                                 const glm::dvec3& drift, const CacheOptions& options) {
+                                 const glm::dvec3& drift, const CacheOptions& options,
+                                 const DeltaRange& range) {
   PictureEstimate e;
   const Seen seen = see(view, box, view.eye);
   if (seen.front <= view.camera.z_near) return e;
@@ -138,7 +139,8 @@ PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint
   for (double x : {visible.left, visible.right})
     for (double y : {visible.bottom, visible.top})
       flow = std::max(flow, std::hypot(view.px * (x * d.z - d.x), view.py * (y * d.z - d.y)));
-  const double per_frame = 0.5 * (1 / seen.front - 1 / seen.back) * flow;
+  const DepthSlab slab = part_of({seen.front, seen.back}, range);
+  const double per_frame = 0.5 * (1 / slab.front - 1 / slab.back) * flow;
   e.life = options.longest_life;
   if (per_frame * e.life > options.error_px) e.life = options.error_px / per_frame;
   // The eye comes nearer twice as long: before the capture's eye and after.
@@ -148,7 +150,7 @@ PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint
   e.ahead = options.anticipation * e.life;
 
   // The plane's distance now, from the capture's eye, and at the end.
-  const double plane = best_plane({seen.front, seen.back});
+  const double plane = best_plane(slab);
   const double captured = plane - d.z * e.ahead, last = plane - d.z * (e.ahead + e.life);
   e.density = captured / std::min(plane, last);
   const double texels_x = (w.right - w.left) * view.px * plane / std::min(plane, last);
@@ -165,7 +167,7 @@ PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint
 
 PlacedPicture place_picture(const ViewAxes& view, const Box& box, const PictureEstimate& estimate,
                             const glm::dvec3& drift, double texel_scale,
-                            const CacheOptions& options) {
+                            const CacheOptions& options, const DeltaRange& range) {
   PlacedPicture placed;
   // Texels larger than pixels from the start, where memory is short, are allowed for.
   placed.coarse_px = std::sqrt(0.5) * (1 / texel_scale - 1);
@@ -191,8 +193,9 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const PictureE
     placed.geometry = picture_geometry(camera);
     placed.geometry.delta_bits = options.delta_bits;
     placed.geometry.depth_mode = options.depth_mode;
-    placed.good =
-        bound_total_px(placed.geometry, view.camera) <= options.error_px + placed.coarse_px;
+    PictureGeometry expected = placed.geometry;
+    narrow_slab(expected, range);
+    placed.good = bound_total_px(expected, view.camera) <= options.error_px + placed.coarse_px;
   }
   return placed;
 }

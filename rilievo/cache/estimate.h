@@ -41,10 +41,12 @@ struct PictureEstimate {
   double density = 1;  // texels per pixel: texels will not have outgrown pixels when it ends
 };
 
-// `drift`: metres that the eye moves against the object in a frame.
+// `drift`: metres that the eye moves against the object in a frame. `range`: which part of the
+// box's depths the picture is expected to show.
 [[nodiscard]] PictureEstimate estimate_picture(const ViewAxes& view, const Box& box,
                                                std::uint64_t triangles, const glm::dvec3& drift,
-                                               const CacheOptions& options);
+                                               const CacheOptions& options,
+                                               const DeltaRange& range = {});
 
 // Rate of a picture that is captured over and over again: triangles a frame.
 [[nodiscard]] inline double picture_rate(const PictureEstimate& e, const CacheOptions& options) {
@@ -59,11 +61,12 @@ struct PictureEstimate {
 struct PlacedPicture {
   PictureGeometry geometry;
   double coarse_px = 0;  // by which it may pass error_px: texels made too coarse
-  bool good = false;     // within the limit now
+  bool good = false;     // within the limit now, if the picture shows what is expected
 };
 [[nodiscard]] PlacedPicture place_picture(const ViewAxes& view, const Box& box,
                                           const PictureEstimate& estimate, const glm::dvec3& drift,
-                                          double texel_scale, const CacheOptions& options);
+                                          double texel_scale, const CacheOptions& options,
+                                          const DeltaRange& range = {});
 
 [[nodiscard]] inline std::uint64_t picture_bytes(const Camera& camera,
                                                  const CacheOptions& options) {

@@ -9,6 +9,7 @@
 #include "rilievo/represent/sample_error.h"
 
 namespace rilievo {
+
 namespace {
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
@@ -119,7 +120,7 @@ void ImageCache::carry_out_captures() {
     const Camera& camera = capture.geometry.capture;
     const std::optional<AtlasSlot> slot = atlas_.allocate(camera.width, camera.height);
     if (!slot) {
-      refuse_capture(plan_, i--, hierarchy_, moving_);
+      refuse_capture(plan_, i, hierarchy_, moving_);
       continue;
     }
     if (capture.slot >= held_.size()) held_.resize(capture.slot + 1);
@@ -132,6 +133,13 @@ void ImageCache::carry_out_captures() {
     triangles += capture.triangles;
     ++figures_.captures;
   }
+  for (std::size_t i = 0; i < plan_.captures.size(); ++i)
+    if (const Capture& capture = plan_.captures[i]; capture.picture.held)
+      if (const auto range = delta_range(atlas_.blocks(*held_[capture.slot].slot)))
+        if (!narrow_capture(plan_, i, camera_, *range, policy_)) {
+          refuse_capture(plan_, i, hierarchy_, moving_);
+          release(capture.slot);
+        }
   gl::finish();
   figures_.capture_ms = milliseconds_since(start);
   if (triangles > 0 && figures_.capture_ms > 0) {

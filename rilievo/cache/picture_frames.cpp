@@ -81,6 +81,7 @@ bool PictureFrames::capture(std::uint32_t object, const Camera& frame) {
                     glm::dvec3(bounds.center()), frame_};
   picture->geometry.delta_bits = options_.delta_bits;
   picture->geometry.depth_mode = options_.mode;
+  atlas_.narrow(*slot, picture->geometry);
   return true;
 }
 

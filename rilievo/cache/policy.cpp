@@ -18,6 +18,16 @@ void forget(CacheState& state, std::uint32_t slot) {
   state.free_slots.push_back(slot);
 }
 
+// Of what is drawn now.
+void find_bound(Plan& plan) {
+  plan.bound_px = 0;
+  for (const DrawnPicture& drawn : plan.pictures)
+    plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
+}
+
+// How soon CacheState::usual_range follows what captures show.
+constexpr double kForget = 1.0 / 32;
+
 }  // namespace
 
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
@@ -71,9 +81,24 @@ void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
     }
     break;
   }
+  find_bound(plan);
   plan.captured_triangles -= capture.triangles;
   plan.bytes -= capture.picture.bytes;
   plan.captures[index].picture.held = false;
+}
+
+bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame, const DeltaRange& range,
+                    const CacheOptions& options) {
+  RILIEVO_EXPECTS_LT(index, plan.captures.size());
+  Capture& capture = plan.captures[index];
+  capture.range = range;
+  narrow_slab(capture.geometry, range);
+  capture.picture.geometry = capture.geometry;
+  const double bound_px = bound_total_px(capture.geometry, frame);
+  for (DrawnPicture& drawn : plan.pictures)
+    if (drawn.slot == capture.slot) drawn.bound_px = float(bound_px);
+  find_bound(plan);
+  return bound_px <= limit_px(capture.picture, options);
 }
 
 void commit(const Plan& plan, CacheState& state) {
@@ -90,7 +115,14 @@ void commit(const Plan& plan, CacheState& state) {
     }
   }
   for (std::uint32_t slot : plan.evictions) forget(state, slot);
+  state.ranges.resize(plan.entities);
   for (const Capture& capture : plan.captures) {
+    if (capture.range) {
+      state.ranges[capture.entity] = capture.range;
+      DeltaRange& usual = state.usual_range[capture.several ? 1 : 0];
+      usual.nearest += kForget * (capture.range->nearest - usual.nearest);
+      usual.farthest += kForget * (capture.range->farthest - usual.farthest);
+    }
     if (!capture.picture.held) {  // refused
       state.free_slots.push_back(capture.slot);
       continue;

@@ -5,7 +5,8 @@
 // as polygons. No OpenGL. Once a frame:
 //
 //   plan_frame(hierarchy, moving, state, view, options, scratch, plan);
-//   free the textures of plan.evictions; make those of plan.captures, in this order
+//   free the textures of plan.evictions; make those of plan.captures, in this order, and say
+//   what they turned out to be: refuse_capture, narrow_capture
 //   draw plan.pictures, plan.polygons, plan.moving_polygons in any order
 //   commit(plan, state);
 //
@@ -15,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -111,6 +113,10 @@ struct CacheState {
   std::vector<Picture> slots;  // slot: the picture's name, also for textures
   std::vector<std::uint32_t> free_slots;
   std::vector<std::uint32_t> current, previous;  // by entity: slot + 1, or 0; previous: fading out
+  // Of its depths, how much an entity's last picture showed, if it had any; and how much pictures
+  // show on the whole: mostly their fronts.
+  std::vector<std::optional<DeltaRange>> ranges;
+  DeltaRange usual_range[2];  // of one object; of several
   std::uint64_t bytes = 0;
   double credit = 0;  // triangles saved up for captures
 };
@@ -120,7 +126,9 @@ struct Capture {
   Entity entity = 0;
   PictureGeometry geometry;  // geometry.capture is the camera to capture with, its size included
   std::uint64_t triangles = 0;
-  Picture picture;  // as committed
+  Picture picture;                  // as committed
+  bool several = false;             // objects
+  std::optional<DeltaRange> range;  // what it turned out to show
 };
 
 // Of the pixels, those whose hash in [0, 1) falls into [from, to) are drawn from this. At every
@@ -175,6 +183,12 @@ struct PlanScratch {
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
                 PlanScratch& scratch, Plan& plan);
+
+// Capture `index` turned out to have samples between these Deltas only. To be called before
+// commit(). Is it good enough for this frame? If not, it was expected to be flatter than it is: to
+// be refused.
+[[nodiscard]] bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame,
+                                  const DeltaRange& range, const CacheOptions& options);
 
 // The textures of capture `index` could not be made: draws its objects as polygons instead, and
 // forgets the capture. To be called before commit().

@@ -346,6 +346,50 @@ TEST(Policy, what_is_refused_is_drawn_as_polygons) {
   EXPECT_GT(run.textures.size(), 10u);
 }
 
+TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_bound) {
+  const Forest forest = plant(500);
+  const CacheOptions options;
+  int captures[2] = {0, 0}, refused = 0;
+  for (const bool narrow : {false, true}) {
+    Loop run;
+    std::mt19937 rng(3);
+    for (int f = 0; f < 200; ++f) {
+      const FrameView view = walk(1, f);
+      plan_frame(forest.tree, {}, run.state, view, options, run.scratch, run.plan);
+      for (std::uint32_t slot : run.plan.evictions) run.textures.erase(slot);
+      for (std::size_t i = 0; i < run.plan.captures.size(); ++i) {
+        const double nearest = 0.1 + 0.1 * double(rng() % 3);
+        // Now and then one is deeper than those before.
+        const double farthest = rng() % 20 ? nearest + 0.3 : 1.0;
+        captures[narrow] += 1;
+        if (narrow && !narrow_capture(run.plan, i, view.camera, {nearest, farthest}, options)) {
+          refuse_capture(run.plan, i, forest.tree, {});
+          ++refused;
+          continue;
+        }
+        run.textures.insert(run.plan.captures[i].slot);
+      }
+      ASSERT_LE(run.plan.bound_px, options.error_px) << f;
+      for (const DrawnPicture& drawn : run.plan.pictures)
+        ASSERT_LE(drawn.bound_px, run.plan.bound_px);
+      commit(run.plan, run.state);
+      for (const DrawnPicture& drawn : run.plan.pictures) {
+        const Picture& picture = run.state.slots[drawn.slot];
+        ASSERT_LE(bound_total_px(picture.geometry, view.camera), options.error_px) << f;
+      }
+      std::vector<Shares> shares(forest.boxes.size()), none;
+      ASSERT_NO_FATAL_FAILURE(add_shares(run, forest.tree, shares, none));
+      for (std::size_t i = 0; i < forest.boxes.size(); ++i)
+        if (surely_sees(view.camera, forest.boxes[i])) {
+          ASSERT_TRUE(complete(shares[i])) << f << " " << i;
+        }
+    }
+  }
+  EXPECT_LT(captures[1], captures[0] * 3 / 4);
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, captures[1] / 20);
+}
+
 TEST(Policy, invalidated_pictures_are_not_drawn) {
   const Forest forest = plant(300);
   Loop run;

@@ -63,8 +63,8 @@ bool capture(Cut& cut, Entity e) {
   const CacheOptions& options = cut.options;
   const PictureEstimate estimated = cut.estimate(e);
   const glm::dvec3 drift = cut.drift_of(e);
-  const PlacedPicture placed =
-      place_picture(cut.view, cut.box_of(e), estimated, drift, cut.plan.texel_scale, options);
+  const PlacedPicture placed = place_picture(cut.view, cut.box_of(e), estimated, drift,
+                                             cut.plan.texel_scale, options, cut.expected_range(e));
   if (!placed.good) return false;
   const std::uint64_t bytes = picture_bytes(placed.geometry.capture, options);
   if (!make_room(cut, bytes, e)) {
@@ -78,6 +78,7 @@ bool capture(Cut& cut, Entity e) {
   made.entity = e;
   made.geometry = placed.geometry;
   made.triangles = cut.triangles_of(e);
+  made.several = cut.several(e);
 
   Picture& picture = made.picture;
   picture.entity = e;
