@@ -4,8 +4,8 @@
 //   builtin:NAME[?triangles=N&seed=S]
 //     bridge   a stone bridge over a river, trees, houses, cars in motion: figure 12 of
 //              [Schaufler 1997]; triangles within 5 % of N
-//     forest   instanced trees on a slope; a larger N reaches farther, the trees near the path stay
-//              the same; triangles within one tree of N
+//     forest   instanced trees on a slope; a larger N reaches farther and has finer trees, in the
+//              same places; triangles within one tree of N
 //     teapots  touching and interpenetrating things: figure 1 of the same; within 5 % of N
 //     teapot   a single teapot: one object; within 5 % of N
 #pragma once

@@ -3,7 +3,9 @@
 // The eye walks along a ridge (z = 0, towards +x) and looks over a valley (towards -z) whose far
 // side rises, so that distant trees show above near ones. Trees stand in the cells of a square
 // grid; what stands in a cell follows from the cell's number and the seed alone, and cells are
-// taken in the order of their distance: a larger forest contains the smaller one, unchanged.
+// taken in the order of their distance: a larger forest contains the smaller one. Ten times the
+// triangles are three times the trees, of three times the triangles each, so that a small forest
+// fills the same view with coarser trees.
 
 #include <algorithm>
 #include <cmath>
@@ -116,10 +118,11 @@ BuiltinScene make_forest(std::uint64_t triangles, std::uint64_t seed) {
   earth.name = "earth", earth.roughness = 0.95f;
   scene.materials = {leaves, earth};
 
-  constexpr int kTreeTriangles[kTreeKinds] = {3600, 2000, 2400, 2800, 1500};
+  constexpr int kTreeTriangles[kTreeKinds] = {3600, 2000, 2400, 2800, 1500};  // of ten million
+  const double detail = std::sqrt(double(triangles) / 1e7);
   std::uint64_t counts[kTreeKinds];
   for (int kind = 0; kind < kTreeKinds; ++kind) {
-    add_model(scene, make_tree(TreeKind(kind), seed, kTreeTriangles[kind]), 0);
+    add_model(scene, make_tree(TreeKind(kind), seed, int(detail * kTreeTriangles[kind])), 0);
     counts[kind] = scene.meshes.back().triangles();
   }
 
