@@ -104,7 +104,7 @@ Result<double> ObjectFrames::time_ms(FrameSource& source, const Camera& camera) 
 
 Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
                                 std::span<const Camera> cameras, std::span<const ShownFrame> truths,
-                                int flip_every) {
+                                int slow_every) {
   std::vector<double> psnr, object_psnr, ssims, flips, times;
   Visibility total;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -118,8 +118,10 @@ Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
     const ShownFrame& truth = truths[i];
     psnr.push_back(std::min(psnr_db(truth.color, shown->color), 100.0));
     object_psnr.push_back(object_psnr_db(truth, shown->color));
-    ssims.push_back(ssim(truth.color, shown->color));
-    if (i % std::size_t(flip_every) == 0) flips.push_back(flip(truth.color, shown->color));
+    if (i % std::size_t(slow_every) == 0) {
+      ssims.push_back(ssim(truth.color, shown->color));
+      flips.push_back(flip(truth.color, shown->color));
+    }
     const Visibility one = compare_visibility(truth.objects, shown->objects);
     total.counted += one.counted;
     total.wrong += one.wrong;

@@ -69,15 +69,14 @@ class ObjectFrames {
 struct Quality {
   Summary psnr_db;         // over the frames, each with its sky
   Summary object_psnr_db;  // over the pixels whose centre shows the object in the true frame
-  Summary ssim;
-  Summary flip;          // of every flip_every-th frame
-  double uncovered = 0;  // of all frames' pixels of the object away from its outline
-  double wrong = 0;      // of all frames' pixels away from the outline
-  double frame_ms = 0;   // median
+  Summary ssim, flip;      // of every slow_every-th frame
+  double uncovered = 0;    // of all frames' pixels of the object away from its outline
+  double wrong = 0;        // of all frames' pixels away from the outline
+  double frame_ms = 0;     // median
 };
 // `truths` are what `cameras` see.
 [[nodiscard]] Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
                                               std::span<const Camera> cameras,
-                                              std::span<const ShownFrame> truths, int flip_every);
+                                              std::span<const ShownFrame> truths, int slow_every);
 
 }  // namespace rilievo::bench

@@ -10,6 +10,7 @@
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/report.h"
+#include "rilievo/validity/layered_error.h"
 
 namespace rilievo::bench {
 namespace {
@@ -21,7 +22,7 @@ struct Plan {
   std::vector<int> sizes, layers;
   int eyes = 500;        // for the teapot ...
   int other_eyes = 100;  // ... and for the other objects
-  int flip_every = 10;
+  int slow_every = 10;
   int frame = kFrame;
   int shrink = 1;  // divides the pictures' size
 };
@@ -102,6 +103,7 @@ class Sweep {
   // The object's pictures in one setting, drawn in every way that is asked for.
   Result<> measure(Subject& subject, LayeredImpostor impostor, int size, bool walk, bool unfilled) {
     const int views = int(impostor.pictures.size()), layers = impostor.slicing.layers;
+    if (views == 32 && size == 256 && layers == 64) add_bounds(subject, impostor);
     Result<LayeredPictures> pictures = LayeredPictures::create(std::move(impostor));
     if (!pictures) return pictures.error();
     for (const LayeredMethod method : {LayeredMethod::slices, LayeredMethod::surfaces}) {
@@ -114,7 +116,7 @@ class Sweep {
         if (!fill) options.max_views = 1;
         LayeredFrames source(subject.renderer, drawer_, *pictures, options);
         const Result<Quality> quality =
-            measure_quality(frames_, source, subject.cameras, subject.truths, plan_.flip_every);
+            measure_quality(frames_, source, subject.cameras, subject.truths, plan_.slow_every);
         if (!quality) return quality.error();
         const std::string setting = slices ? fmt::format("{}_{}_{}", views, size, layers)
                                            : fmt::format("{}_{}_surfaces", views, size);
@@ -127,9 +129,31 @@ class Sweep {
     return Done{};
   }
 
-  void finish() { report_.tables.push_back(std::move(table_)); }
+  void finish() {
+    report_.tables.push_back(std::move(table_));
+    report_.tables.push_back(std::move(bounds_));
+  }
 
  private:
+  // What the bound claims for an eye at 4 radii.
+  void add_bounds(const Subject& subject, const LayeredImpostor& impostor) {
+    const Camera camera = camera_on(world_bounds(subject.object.scene), {0, 0, 4}, plan_.frame);
+    const LayeredErrorFigures figures = layered_error_figures(impostor);
+    const LayeredError slices =
+        bound_layered_error(figures, true, impostor.bounds, glm::dmat4(1), camera);
+    const LayeredError walk =
+        bound_layered_error(figures, false, impostor.bounds, glm::dmat4(1), camera);
+    const auto of_radius = [&](double metres) {
+      return fmt::format("{:.2f}", 100 * metres / double(impostor.bounds.radius()));
+    };
+    bounds_.rows.push_back({subject.object.name, of_radius(figures.slice), of_radius(figures.reach),
+                            of_radius(figures.texel), fmt::format("{:.2f}", slices.surface_px),
+                            fmt::format("{:.2f}", slices.sample_px),
+                            fmt::format("{:.2f}", walk.sample_px)});
+    report_.figures.emplace_back("bound_px_slices_" + subject.object.name, slices.sample_px);
+    report_.figures.emplace_back("bound_px_surfaces_" + subject.object.name, walk.sample_px);
+  }
+
   // Two frames of the settings that are compared most.
   Result<> show(Subject& subject, FrameSource& source, const std::string& setting, bool fill) {
     if (subject.object.name != "teapot" && subject.object.name != "house") return Done{};
@@ -160,6 +184,12 @@ class Sweep {
                {"object", "warp", "views", "size", "layers", "holes filled", "PSNR dB", "least dB",
                 "object's dB", "SSIM", "FLIP", "uncovered %", "wrong %", "ms p50"},
                {}};
+  Table bounds_{
+      "What the bound claims (validity/layered_error.h): 32 views of 256, 64 layers; percent "
+      "of the radius, and pixels for an eye at 4 radii",
+      {"object", "slice", "piece", "texel", "slices: to the surface, px", "to the sample, px",
+       "surfaces: to the sample, px"},
+      {}};
 };
 
 }  // namespace
@@ -225,8 +255,8 @@ Result<> add_quality(const BenchOptions& options, BenchReport& report) {
       "about as large as a texel of 256. Every frame has the scene's sky, drawn alike in both, and "
       "4 samples a pixel. PSNR over the whole frame, and over the pixels whose middle shows the "
       "object. Uncovered: of the pixels of the object that are not within 1 pixel of its outline; "
-      "as figures, shares. FLIP of every {}th frame.",
-      plan.eyes, plan.other_eyes, plan.frame, plan.frame, plan.flip_every));
+      "as figures, shares. SSIM and FLIP of every {}th frame.",
+      plan.eyes, plan.other_eyes, plan.frame, plan.frame, plan.slow_every));
   report.notes.push_back(
       "Both warps with their defaults: views fade into each other. \"No\" in the column of holes: "
       "the nearest view alone.");

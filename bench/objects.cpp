@@ -33,7 +33,7 @@ Scene stone_bridge(int triangles) {
   scene.name = "bridge";
   // Stones of fewer triangles would be too large to be stones.
   const double enough = std::max(triangles, 60000);
-  add_stone_bridge(scene, add_material(scene, "stone", 0.9f, false), enough, 1);
+  add_stone_bridge(scene, add_material(scene, "stone", 0.9f, true), enough, 1);
   finish(scene);
   return scene;
 }
@@ -50,8 +50,9 @@ std::vector<BenchObject> bench_objects(int triangles) {
                              0.35f, false)});
   objects.push_back({"oak", "thousands of leaves around branches",
                      of_mesh("oak", make_tree(TreeKind::oak, kSeed, triangles), 0.9f, true)});
-  objects.push_back({"house", "walls of stones with windows set in",
-                     of_mesh("house", make_house(kSeed, triangles), 0.9f, false)});
+  // From below one sees into what stands on the ground.
+  objects.push_back({"house", "walls of stones with windows set in, hollow from below",
+                     of_mesh("house", make_house(kSeed, triangles), 0.9f, true)});
   objects.push_back(
       {"lamp", "4 m high and thin", of_mesh("lamp", make_lamp_post(triangles), 0.6f, false)});
   objects.push_back({"bridge", "50 m long, vaults to see through", stone_bridge(triangles)});
