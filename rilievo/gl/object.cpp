@@ -1,5 +1,7 @@
 #include "rilievo/gl/object.h"
 
+#include <algorithm>
+
 namespace rilievo::gl {
 namespace {
 
@@ -102,16 +104,22 @@ Result<Program> make_program(std::string_view name, std::string_view vertex,
 }
 
 void StreamBuffer::upload_and_bind(GLenum target, GLuint index, std::span<const std::byte> bytes) {
-  if (bytes.size() > capacity_ || !buffer_) {
-    capacity_ = bytes.size() + bytes.size() / 2 + 256;
+  // Enough for any driver's alignment of offsets.
+  constexpr std::size_t kAlignment = 256, kLeastCapacity = std::size_t(1) << 20;
+  const std::size_t size = (bytes.size() / kAlignment + 1) * kAlignment;
+  if (size > capacity_) {
+    capacity_ = std::max(kLeastCapacity, 4 * size);
+    glFinish();
     buffer_ = make_buffer(capacity_, nullptr, GL_DYNAMIC_STORAGE_BIT);
+    used_ = 0;
+  } else if (used_ + size > capacity_) {
+    glFinish();
+    used_ = 0;
   }
-  if (!bytes.empty()) {
-    // Orphan first: the last frame may still be reading.
-    glInvalidateBufferData(buffer_);
-    glNamedBufferSubData(buffer_, 0, GLsizeiptr(bytes.size()), bytes.data());
-  }
-  glBindBufferBase(target, index, buffer_);
+  if (!bytes.empty())
+    glNamedBufferSubData(buffer_, GLintptr(used_), GLsizeiptr(bytes.size()), bytes.data());
+  glBindBufferRange(target, index, buffer_, GLintptr(used_), GLsizeiptr(size));
+  used_ += size;
 }
 
 }  // namespace rilievo::gl

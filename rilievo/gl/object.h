@@ -61,7 +61,11 @@ using Program = Object<detail::destroy_program>;
                                            std::string_view fragment,
                                            std::string_view defines = "");
 
-// A buffer that is rewritten every frame and grows when it must.
+// A buffer that is rewritten before every drawing and grows when it must.
+//
+// Each upload goes behind the one before; the GPU is waited for before a place is used again, every
+// megabyte or so. OpenGL promises the same without, but Mesa's software drivers, which shade
+// fragments late, read what has been written since.
 class StreamBuffer {
  public:
   // Copies `bytes` into the buffer and binds it at `index` of `target` (GL_SHADER_STORAGE_BUFFER or
@@ -70,7 +74,7 @@ class StreamBuffer {
 
  private:
   Buffer buffer_;
-  std::size_t capacity_ = 0;
+  std::size_t capacity_ = 0, used_ = 0;
 };
 
 }  // namespace rilievo::gl
