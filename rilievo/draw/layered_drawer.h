@@ -24,8 +24,6 @@
 
 namespace rilievo {
 
-enum class LayeredMethod { surfaces, slices };
-
 struct LayeredOptions {
   LayeredMethod method = LayeredMethod::surfaces;
   int max_views = 6;       // pictures asked for a pixel, or with 1 only the nearest: its holes stay

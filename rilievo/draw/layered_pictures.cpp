@@ -11,6 +11,9 @@
 namespace rilievo {
 namespace {
 
+// Of a texel, by texture.
+constexpr int kColorBytes = 4, kQBytes = 4, kSlopeBytes = 8, kLinksBytes = 1, kIntervalBytes = 4;
+
 // One layer of a texture array from an image, whose row 0 becomes the texture's row 0: shaders
 // fetch by raster position.
 template <class T>
@@ -65,6 +68,16 @@ bool shows_several_objects(const LayeredImpostor& impostor) {
 
 }  // namespace
 
+std::size_t layered_texture_bytes(int views, int width, int height, LayeredMethod method) {
+  constexpr int n = LayeredPictures::kBlock;
+  const std::size_t texels = std::size_t(width) * std::size_t(height);
+  const std::size_t blocks = std::size_t((width + n - 1) / n) * std::size_t((height + n - 1) / n);
+  return std::size_t(views) *
+         (method == LayeredMethod::surfaces
+              ? texels * (kColorBytes + kQBytes + kSlopeBytes + kLinksBytes) + blocks * kQBytes
+              : texels * (kColorBytes + kIntervalBytes));
+}
+
 IntervalScale interval_scale(const LayeredImpostor& impostor, int view) {
   const std::vector<Slice>& slices = impostor.slices[view];
   if (slices.empty()) return {};
@@ -96,7 +109,7 @@ Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
       source.pictures.size() > std::size_t(max_layers))
     return Error{source.name, "its pictures are more or larger than this OpenGL's textures"};
 
-  pictures.color_ = pictures.make_array(GL_RGBA8, pictures.width_, pictures.height_, 4);
+  pictures.color_ = pictures.make_array(GL_RGBA8, pictures.width_, pictures.height_, kColorBytes);
   for (std::size_t v = 0; v < source.pictures.size(); ++v)
     upload(pictures.color_, int(v), encoded(source.pictures[v].color), GL_RGBA, GL_UNSIGNED_BYTE);
   if (shows_several_objects(source)) {
@@ -113,11 +126,11 @@ Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
 
 LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
   if (!q_) {
-    q_ = make_array(GL_R32F, width_, height_, 4);
-    slope_ = make_array(GL_RGBA16F, width_, height_, 8);
-    links_ = make_array(GL_R8UI, width_, height_, 1);
-    blocks_ =
-        make_array(GL_R32F, (width_ + kBlock - 1) / kBlock, (height_ + kBlock - 1) / kBlock, 4);
+    q_ = make_array(GL_R32F, width_, height_, kQBytes);
+    slope_ = make_array(GL_RGBA16F, width_, height_, kSlopeBytes);
+    links_ = make_array(GL_R8UI, width_, height_, kLinksBytes);
+    blocks_ = make_array(GL_R32F, (width_ + kBlock - 1) / kBlock, (height_ + kBlock - 1) / kBlock,
+                         kQBytes);
     for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
       const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
       Image<float> q(texels.width(), texels.height());
@@ -140,7 +153,7 @@ LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
 
 GLuint LayeredPictures::interval_texture() {
   if (!interval_) {
-    interval_ = make_array(GL_RG16, width_, height_, 4);
+    interval_ = make_array(GL_RG16, width_, height_, kIntervalBytes);
     for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
       const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
       const IntervalScale scale = interval_scale(impostor_, int(v));
@@ -156,6 +169,19 @@ GLuint LayeredPictures::interval_texture() {
     }
   }
   return interval_;
+}
+
+void LayeredPictures::keep_only(LayeredMethod method) {
+  if (method == LayeredMethod::surfaces)
+    (void)surface_textures();
+  else
+    (void)interval_texture();
+  for (TexelSurface& surface : impostor_.surfaces) surface.texels = {};
+  for (DepthImage& picture : impostor_.pictures) {
+    picture.color = {};
+    picture.depth = {};
+    picture.object = {};
+  }
 }
 
 }  // namespace rilievo

@@ -12,6 +12,12 @@
 
 namespace rilievo {
 
+enum class LayeredMethod { surfaces, slices };
+
+// Bytes of texture memory for drawing so many views of one object, of this size.
+[[nodiscard]] std::size_t layered_texture_bytes(int views, int width, int height,
+                                                LayeredMethod method);
+
 class LayeredPictures {
  public:
   // Keeps what it needs of the impostor. Fails if the driver's textures do not reach as far.
@@ -32,6 +38,9 @@ class LayeredPictures {
   };
   [[nodiscard]] SurfaceTextures surface_textures();
   [[nodiscard]] GLuint interval_texture();
+  // Uploads what this way of drawing takes and lets go of the texels in main memory: from now on
+  // there is no other way, and impostor() is without its pictures' and surfaces' texels.
+  void keep_only(LayeredMethod method);
 
   // Texels a side of a block; of each the surface nearest to the viewers is known, so that a walk
   // can step over it.

@@ -7,8 +7,6 @@
 #include <optional>
 #include <string_view>
 
-#include "rilievo/io/exr.h"
-
 namespace rilievo {
 namespace {
 
@@ -114,40 +112,44 @@ Result<> save_layered_impostor(const std::filesystem::path& path, const LayeredI
   return save_pictures(path, impostor.pictures, attributes);
 }
 
-Result<LayeredImpostor> load_layered_impostor(const std::filesystem::path& path) {
-  Result<PictureFile> file = load_picture_file(path);
-  if (!file) return file.error();
-  const auto refuse = [&](const std::string& reason) { return Error{path.string(), reason}; };
-  const auto attribute = [&](const Attributes& from, const char* key) -> const std::string* {
-    const auto found = from.find(key);
-    return found == from.end() ? nullptr : &found->second;
-  };
-  const std::string* representation = attribute(file->attributes.file, kRepresentation);
-  if (!representation || *representation != kLayeredImpostor)
-    return refuse("it is not a layered impostor: it does not say that its pictures are views");
-  const std::string* text = attribute(file->attributes.file, kSlicing);
-  if (!text) return refuse("it does not say how its views are sliced");
-  const std::optional<SliceOptions> slicing = slicing_from(*text);
-  if (!slicing) return refuse(fmt::format("\"{}\" is not a way to slice views", *text));
+bool says_layered_impostor(const FileAttributes& attributes) {
+  const auto found = attributes.file.find(kRepresentation);
+  return found != attributes.file.end() && found->second == kLayeredImpostor;
+}
 
-  Result<LayeredImpostor> impostor = make_layered_impostor(std::move(file->pictures), *slicing);
+Result<LayeredImpostor> layered_impostor_from(PictureFile file, const std::filesystem::path& path) {
+  const auto refuse = [&](const std::string& reason) { return Error{path.string(), reason}; };
+  if (!says_layered_impostor(file.attributes))
+    return refuse("it is not a layered impostor: it does not say that its pictures are views");
+  const auto text = file.attributes.file.find(kSlicing);
+  if (text == file.attributes.file.end()) return refuse("it does not say how its views are sliced");
+  const std::optional<SliceOptions> slicing = slicing_from(text->second);
+  if (!slicing) return refuse(fmt::format("\"{}\" is not a way to slice views", text->second));
+
+  Result<LayeredImpostor> impostor = make_layered_impostor(std::move(file.pictures), *slicing);
   if (!impostor) return refuse(impostor.error().message());
   impostor->name = path.stem().string();
 
   std::size_t with_fills = 0;
-  for (const Attributes& a : file->attributes.pictures) with_fills += a.count(kFills);
+  for (const Attributes& a : file.attributes.pictures) with_fills += a.count(kFills);
   if (with_fills == 0) return impostor;
   if (with_fills != impostor->pictures.size())
     return refuse("some of its views, not all, say what fills their holes");
   impostor->fills = neighbor_pairs(impostor->views);
   for (std::size_t v = 0; v < impostor->pictures.size(); ++v) {
-    const Result<> added = add_fills(file->attributes.pictures[v].at(kFills), int(v), *impostor);
+    const Result<> added = add_fills(file.attributes.pictures[v].at(kFills), int(v), *impostor);
     if (!added) return refuse(fmt::format("view {}: {}", v, added.error().reason));
   }
   for (FillSlices& fill : impostor->fills)
     std::sort(fill.slices.begin(), fill.slices.end(),
               [](const FillSlice& a, const FillSlice& b) { return a.slice < b.slice; });
   return impostor;
+}
+
+Result<LayeredImpostor> load_layered_impostor(const std::filesystem::path& path) {
+  Result<PictureFile> file = load_picture_file(path);
+  if (!file) return file.error();
+  return layered_impostor_from(std::move(*file), path);
 }
 
 }  // namespace rilievo

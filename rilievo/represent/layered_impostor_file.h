@@ -13,6 +13,7 @@
 
 #include <filesystem>
 
+#include "rilievo/io/exr.h"
 #include "rilievo/represent/layered_impostor.h"
 
 namespace rilievo {
@@ -24,5 +25,12 @@ namespace rilievo {
 // The error names the file and what is wrong with it: not an EXR, no layered impostor, broken
 // pictures, attributes that contradict them.
 [[nodiscard]] Result<LayeredImpostor> load_layered_impostor(const std::filesystem::path& path);
+
+// The two steps of it, for a file that may hold something else. Does it say that its pictures are
+// the views of a layered impostor?
+[[nodiscard]] bool says_layered_impostor(const FileAttributes& attributes);
+// Of the pictures of a file, which `path` names in errors.
+[[nodiscard]] Result<LayeredImpostor> layered_impostor_from(PictureFile file,
+                                                            const std::filesystem::path& path);
 
 }  // namespace rilievo
