@@ -1,5 +1,6 @@
 // rilievo compare SCENE --methods a,b,c -o DIR: draws a walk by each method and directly, and
-// reports how fast and how right each was.
+// reports how fast and how right each was. A layered impostor from a file against the scene that it
+// was baked of: rilievo compare FILE.exr --scene SCENE -o DIR.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,13 +22,15 @@
 #include "rilievo/compare/compare.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/represent/layered_impostor_file.h"
 
 namespace rilievo::app {
 namespace {
 
 struct Options {
-  std::string scene, output, json, command_line;
-  std::vector<std::string> methods{"flat", "nailboard", "cache"};
+  // `impostor`: the file, if it is not the scene itself that is drawn.
+  std::string scene, impostor, output, json, command_line;
+  std::vector<std::string> methods;
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false;
@@ -41,7 +45,7 @@ std::vector<std::string> with_direct(const std::vector<std::string>& methods) {
 }
 
 void print_summary(const Report& report) {
-  fmt::print("{:<12}{:>10}{:>10}{:>10}{:>9}{:>10}{:>12}{:>10}\n", "method", "p50 ms", "p99 ms",
+  fmt::print("{:<16}{:>10}{:>10}{:>10}{:>9}{:>10}{:>12}{:>10}\n", "method", "p50 ms", "p99 ms",
              "PSNR dB", "SSIM", "FLIP", "wrong vis.", "captures");
   for (const MethodResult& method : report.methods) {
     const auto mean_of = [&](double FrameResult::*figure) {
@@ -59,10 +63,25 @@ void print_summary(const Report& report) {
   }
 }
 
+// What draws each method; the impostor, if there is one, is what they draw.
+Result<std::unique_ptr<FrameSource>> source_of(const std::string& method, const Options& options,
+                                               const std::optional<LayeredImpostor>& impostor,
+                                               SceneRenderer& renderer) {
+  if (!impostor || method == "direct")
+    return make_source(method, options.method_options, options.frames.samples, renderer);
+  return make_layered_source(method, options.method_options, *impostor, renderer);
+}
+
 Result<> run(const Options& options) {
   if (std::min(options.frames.width, options.frames.height) < kLeastCompareSize)
     return Error{"--size",
                  fmt::format("frames to compare have at least {0}x{0} pixels", kLeastCompareSize)};
+  std::optional<LayeredImpostor> impostor;
+  if (!options.impostor.empty()) {
+    Result<LayeredImpostor> loaded = load_layered_impostor(options.impostor);
+    if (!loaded) return loaded.error();
+    impostor = std::move(*loaded);
+  }
   const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
@@ -75,8 +94,7 @@ Result<> run(const Options& options) {
   std::vector<std::unique_ptr<FrameSource>> sources;
   std::vector<ComparedSource> compared;
   for (const std::string& method : with_direct(options.methods)) {
-    Result<std::unique_ptr<FrameSource>> source =
-        make_source(method, options.method_options, options.frames.samples, *renderer);
+    Result<std::unique_ptr<FrameSource>> source = source_of(method, options, impostor, *renderer);
     if (!source) return source.error();
     sources.push_back(std::move(*source));
     compared.push_back({method, sources.back().get()});
@@ -115,17 +133,45 @@ Result<> run(const Options& options) {
   return Done{};
 }
 
+// Which is the scene, which the file, and which methods there are.
+Result<> settle(Options& options, const std::string& given, const std::string& truth) {
+  const bool is_file = is_picture_file(given);
+  if (is_file && truth.empty())
+    return Error{given,
+                 "there are no true frames to compare it with: say --scene SCENE, the scene "
+                 "that it was baked of"};
+  if (!is_file && !truth.empty())
+    return Error{"--scene", "goes with the OpenEXR file of a layered impostor, not with a scene"};
+  if (is_picture_file(truth)) return Error{truth, "is not a scene: it draws no true frames"};
+  options.scene = is_file ? truth : given;
+  options.impostor = is_file ? given : "";
+  if (options.methods.empty())
+    options.methods =
+        is_file ? layered_method_names() : std::vector<std::string>{"flat", "nailboard", "cache"};
+  if (!is_file) return Done{};
+  for (const std::string& method : options.methods)
+    if (method != "direct")
+      if (Result<> known = expect_layered(method, "--methods"); !known) return known;
+  return Done{};
+}
+
 }  // namespace
 
 Command compare_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
+  auto given = std::make_shared<std::string>(), truth = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand(
       "compare", "Measure methods along a camera path against direct drawing; write a report");
-  command->add_option("SCENE", options->scene, kSceneHelp)->required();
+  command
+      ->add_option("SCENE", *given,
+                   std::string(kSceneHelp) + "; or the OpenEXR file of a layered impostor")
+      ->required();
+  command->add_option("--scene", *truth, "The scene that the layered impostor was baked of")
+      ->type_name("SCENE");
   command
       ->add_option("--methods", options->methods,
                    "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
-                       " (default flat,nailboard,cache)")
+                       " (default flat,nailboard,cache; for a layered impostor its own two)")
       ->delimiter(',')
       ->check(CLI::IsMember(method_names()))
       ->type_name("A,B,...");
@@ -139,8 +185,9 @@ Command compare_command(CLI::App& app) {
   add_json_option(*command, options->json);
   command->footer(
       "Example: rilievo compare builtin:bridge --methods flat,nailboard --frames 48 -o report");
-  return {command, [options](const std::string& command_line) {
+  return {command, [options, given, truth](const std::string& command_line) -> Result<> {
             options->command_line = command_line;
+            if (Result<> settled = settle(*options, *given, *truth); !settled) return settled;
             return run(*options);
           }};
 }

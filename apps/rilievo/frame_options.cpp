@@ -59,7 +59,7 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
       ->check(CLI::IsMember({1, 4}));
 }
 
-Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {
+Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds) {
   FramePlan plan;
   if (!options.path_file.empty()) {
     Result<CameraPath> path = load_path(options.path_file);
@@ -72,12 +72,13 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& op
                 : options.orbit ? options.orbit
                 : options.walk  ? options.walk
                                 : kDefaultFrames;
-  const Box bounds = world_bounds(opened.scene);
-  if (opened.walk && !options.orbit) {
-    plan.path = *opened.walk;
-  } else {
-    plan.path = options.walk ? walk_path(bounds, plan.frames) : orbit_path(bounds, plan.frames);
-  }
+  plan.path = options.walk ? walk_path(bounds, plan.frames) : orbit_path(bounds, plan.frames);
+  return plan;
+}
+
+Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {
+  Result<FramePlan> plan = plan_frames(options, world_bounds(opened.scene));
+  if (plan && opened.walk && options.path_file.empty() && !options.orbit) plan->path = *opened.walk;
   return plan;
 }
 

@@ -26,6 +26,8 @@ struct FramePlan {
   int frames = 1;
 };
 
+// The path asked for; or one found from the bounds of what there is to see.
+[[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds);
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
 

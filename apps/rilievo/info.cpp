@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,7 +11,9 @@
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/draw/layered_pictures.h"
 #include "rilievo/io/exr.h"
+#include "rilievo/represent/layered_impostor_file.h"
 
 namespace rilievo::app {
 namespace {
@@ -80,9 +83,83 @@ Result<> describe_scene(const Options& options) {
   return Done{};
 }
 
+std::size_t texture_bytes(const LayeredImpostor& impostor, LayeredMethod method) {
+  int width = 0, height = 0;
+  for (const DepthImage& picture : impostor.pictures) {
+    width = std::max(width, picture.camera.width);
+    height = std::max(height, picture.camera.height);
+  }
+  return layered_texture_bytes(int(impostor.pictures.size()), width, height, method);
+}
+
+Result<> describe_layered(const Options& options, const LayeredImpostor& impostor) {
+  const LayeredFigures figures = analyze_layered_impostor(impostor);
+  const DepthImage& first = impostor.pictures.front();
+  const std::size_t views = impostor.pictures.size();
+  std::size_t texels = 0;
+  for (const DepthImage& picture : impostor.pictures) texels += picture.depth.texels().size();
+  const double coverage = double(figures.covered_texels) / double(texels);
+  const std::size_t surfaces = texture_bytes(impostor, LayeredMethod::surfaces);
+  const std::size_t slices = texture_bytes(impostor, LayeredMethod::slices);
+  std::error_code none;
+  const std::size_t file_bytes = std::filesystem::file_size(options.file, none);
+  if (!options.json.empty()) {
+    const nlohmann::json json{{"schema", "rilievo-info-1"},
+                              {"representation", "layered-impostor"},
+                              {"views", views},
+                              {"size", {first.camera.width, first.camera.height}},
+                              {"projection", name_of(first.camera.projection)},
+                              {"layers", impostor.slicing.layers},
+                              {"overlap", impostor.slicing.overlap},
+                              {"file_bytes", file_bytes},
+                              {"paper_bytes", figures.paper_bytes},
+                              {"texture_bytes", {{"surfaces", surfaces}, {"slices", slices}}},
+                              {"coverage", coverage},
+                              {"slices", figures.slices},
+                              {"empty_slices", figures.empty_slices},
+                              {"fill_share", figures.fill_share},
+                              {"fill_saved", figures.fill_saved},
+                              {"holes_looked_for", !impostor.fills.empty()},
+                              {"hole_slices", figures.hole_slices},
+                              {"hole_fill_share", figures.hole_fill_share},
+                              {"bounds_min", list_of(impostor.bounds.min)},
+                              {"bounds_max", list_of(impostor.bounds.max)}};
+    return write_text(options.json, json.dump(2) + "\n");
+  }
+  fmt::print("{}\n  a layered impostor\n", options.file);
+  fmt::print("  views      {} {} pictures of {}x{}\n", views, name_of(first.camera.projection),
+             first.camera.width, first.camera.height);
+  fmt::print(
+      "  memory     {:.1f} MB in the file; {:.1f} MB as 4 bytes a texel; textures {:.1f} MB "
+      "for surfaces, {:.1f} MB for slices\n",
+      1e-6 * double(file_bytes), 1e-6 * double(figures.paper_bytes), 1e-6 * double(surfaces),
+      1e-6 * double(slices));
+  fmt::print("  coverage   {:.1f} % of the texels show something\n", 100 * coverage);
+  fmt::print("  slices     {} of {} layers a view, overlap {}; {} empty ones dropped\n",
+             figures.slices, impostor.slicing.layers, impostor.slicing.overlap,
+             figures.empty_slices);
+  fmt::print("  fill       {:.1f} % of the texels of full slices are drawn\n",
+             100 * figures.fill_share);
+  if (impostor.fills.empty())
+    fmt::print("  holes      not looked for\n");
+  else
+    fmt::print(
+        "  holes      of a view filled by {:.1f} slices of a neighbour, {:.1f} % of its fill\n",
+        figures.hole_slices, 100 * figures.hole_fill_share);
+  fmt::print("  bounds     {} to {} m\n", text_of(impostor.bounds.min),
+             text_of(impostor.bounds.max));
+  return Done{};
+}
+
 Result<> describe_pictures(const Options& options) {
-  const Result<PictureFile> opened = load_picture_file(options.file);
+  Result<PictureFile> opened = load_picture_file(options.file);
   if (!opened) return opened.error();
+  if (says_layered_impostor(opened->attributes)) {
+    const Result<LayeredImpostor> impostor =
+        layered_impostor_from(std::move(*opened), options.file);
+    if (!impostor) return impostor.error();
+    return describe_layered(options, *impostor);
+  }
   nlohmann::json list = nlohmann::json::array();
   if (options.json.empty())
     fmt::print("{}\n  {} pictures with depth\n", options.file, opened->pictures.size());

@@ -1,12 +1,30 @@
 #include "apps/rilievo/methods.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <glm/glm.hpp>
 
+#include "apps/rilievo/progress.h"
 #include "rilievo/cache/image_cache.h"
 #include "rilievo/cache/picture_frames.h"
+#include "rilievo/draw/before_sky.h"
 #include "rilievo/draw/direct_frames.h"
+#include "rilievo/draw/layered_frames.h"
+#include "rilievo/draw/stored_layered.h"
 
 namespace rilievo::app {
+namespace {
+
+LayeredOptions layered_options(const std::string& method, const MethodOptions& options) {
+  LayeredOptions layered;
+  if (method == "layered-slices" || options.warp == "slices")
+    layered.method = LayeredMethod::slices;
+  return layered;
+}
+
+}  // namespace
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
   command
@@ -37,11 +55,35 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(CLI::Range(0.1, 1000.0))
       ->type_name("T");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
+  command
+      .add_option("--warp", options.warp,
+                  "layered: walk through the pictures' surfaces, or draw their slices, which is "
+                  "layered-slices (default surfaces)")
+      ->check(CLI::IsMember({"surfaces", "slices"}));
+  command
+      .add_option("--texel-px", options.texel_px,
+                  "layered: objects whose texels would be larger are drawn as polygons (default 4)")
+      ->check(CLI::Range(0.01, 10000.0))
+      ->type_name("PIXELS");
+  add_layered_options(command, options.bake, "--view-size");
 }
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"direct", "flat", "nailboard", "cache"};
+  static const std::vector<std::string> names{"direct", "flat",    "nailboard",
+                                              "cache",  "layered", "layered-slices"};
   return names;
+}
+
+const std::vector<std::string>& layered_method_names() {
+  static const std::vector<std::string> names{"layered", "layered-slices"};
+  return names;
+}
+
+Result<> expect_layered(const std::string& method, const std::string& option) {
+  const std::vector<std::string>& names = layered_method_names();
+  if (std::find(names.begin(), names.end(), method) != names.end()) return Done{};
+  return Error{option, fmt::format("a layered impostor is not drawn as {}, but as {}", method,
+                                   fmt::join(names, " or "))};
 }
 
 DepthMode depth_mode(const MethodOptions& options) {
@@ -66,6 +108,20 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
     if (!made) return made.error();
     return {std::make_unique<ImageCache>(std::move(*made))};
   }
+  if (method == "layered" || method == "layered-slices") {
+    Result<BakeOptions> bake = bake_options(options.bake);
+    if (!bake) return bake.error();
+    LayeredFramesOptions layered;
+    layered.bake = *bake;
+    layered.layered = layered_options(method, options);
+    layered.max_bytes = std::size_t(options.memory_mb) << 20;
+    layered.max_texel_px = options.texel_px;
+    Progress progress("view");
+    layered.bake.progress = [&](int done, int total) { progress.show(done, total); };
+    Result<LayeredFrames> made = LayeredFrames::create(renderer, layered);
+    if (!made) return made.error();
+    return {std::make_unique<LayeredFrames>(std::move(*made))};
+  }
   PictureFramesOptions pictures;
   pictures.mode = method == "flat" ? DepthMode::flat : depth_mode(options);
   pictures.delta_bits = options.delta_bits;
@@ -76,6 +132,16 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
   Result<PictureFrames> made = PictureFrames::create(renderer, pictures);
   if (!made) return made.error();
   return {std::make_unique<PictureFrames>(std::move(*made))};
+}
+
+Result<std::unique_ptr<FrameSource>> make_layered_source(const std::string& method,
+                                                         const MethodOptions& options,
+                                                         LayeredImpostor impostor,
+                                                         SceneRenderer& sky) {
+  Result<StoredLayered> stored =
+      StoredLayered::create(std::move(impostor), layered_options(method, options));
+  if (!stored) return stored.error();
+  return {std::make_unique<BeforeSky>(std::make_unique<StoredLayered>(std::move(*stored)), sky)};
 }
 
 }  // namespace rilievo::app

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rilievo/io/exr.h"
+#include "rilievo/represent/layered_impostor_file.h"
 
 namespace rilievo::app {
 namespace {
@@ -56,15 +57,20 @@ Result<> save_frame_pictures(const std::string& file, const FramePictures& frame
   return save_pictures(file, frame.pictures, attributes);
 }
 
-Result<FramePictures> load_frame_pictures(const std::string& file) {
+Result<PictureFileContent> open_pictures(const std::string& file) {
   Result<PictureFile> loaded = load_picture_file(file);
   if (!loaded) return loaded.error();
+  if (says_layered_impostor(loaded->attributes)) {
+    Result<LayeredImpostor> impostor = layered_impostor_from(std::move(*loaded), file);
+    if (!impostor) return impostor.error();
+    return PictureFileContent(std::move(*impostor));
+  }
   FramePictures frame;
   frame.pictures = std::move(loaded->pictures);
   const auto text = loaded->attributes.file.find(kFrame);
   if (text != loaded->attributes.file.end())
     if (Result<> read = read_text(text->second, file, frame); !read) return read.error();
-  return frame;
+  return PictureFileContent(std::move(frame));
 }
 
 }  // namespace rilievo::app

@@ -1,12 +1,15 @@
-// Files of the pictures that a frame was drawn from, with what it takes to draw that frame again.
+// Files of pictures with depth: those that a frame was drawn from, with what it takes to draw that
+// frame again, and layered impostors.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "rilievo/core/depth_image.h"
 #include "rilievo/core/result.h"
+#include "rilievo/represent/layered_impostor.h"
 
 namespace rilievo::app {
 
@@ -18,7 +21,9 @@ struct FramePictures {
 
 [[nodiscard]] Result<> save_frame_pictures(const std::string& file, const FramePictures& frame);
 
-// Any OpenEXR file of pictures; `camera` only if it is one of ours.
-[[nodiscard]] Result<FramePictures> load_frame_pictures(const std::string& file);
+// Any OpenEXR file of pictures: a layered impostor if it says so; `camera` only if the pictures are
+// a frame's of ours.
+using PictureFileContent = std::variant<FramePictures, LayeredImpostor>;
+[[nodiscard]] Result<PictureFileContent> open_pictures(const std::string& file);
 
 }  // namespace rilievo::app

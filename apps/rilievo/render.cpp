@@ -1,8 +1,7 @@
 // rilievo render SCENE -o DIR: draws the frames of a path into PNG files; and the pictures with
-// depth that they were drawn from, which it also draws.
+// depth that they were drawn from, which it also draws, as it does layered impostors.
 
 #include <fmt/format.h>
-
 #include <unistd.h>
 
 #include <chrono>
@@ -23,6 +22,7 @@
 #include "rilievo/cache/image_cache.h"
 #include "rilievo/cache/picture_frames.h"
 #include "rilievo/capture/frame_target.h"
+#include "rilievo/draw/before_sky.h"
 #include "rilievo/draw/stored_pictures.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
@@ -31,8 +31,10 @@
 namespace rilievo::app {
 namespace {
 
+constexpr char kDefaultMethod[] = "nailboard";
+
 struct Options {
-  std::string scene, output, pictures, json, method = "nailboard";
+  std::string scene, output, pictures, json, method;
   double loop_seconds = 0;
   FrameOptions frames;
   MethodOptions methods;
@@ -63,8 +65,6 @@ Result<> save_pictures_of(const FrameSource& source, const Options& options, con
     saved.pictures = frames->read_pictures();
   else if (const auto* cache = dynamic_cast<const ImageCache*>(&source))
     saved.pictures = cache->read_pictures();
-  else
-    return Error{"--save-pictures", "these pictures are in a file already"};
   // A frame of nothing but light objects has none.
   if (saved.pictures.empty()) return Done{};
   return save_frame_pictures(numbered(options.pictures, "pictures", frame, ".exr"), saved);
@@ -167,6 +167,8 @@ Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
 Result<> render_scene(const Options& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
+  if (!options.pictures.empty() && options.method.starts_with("layered"))
+    return Error{"--save-pictures", "layered impostors are saved by rilievo bake"};
   const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
@@ -183,29 +185,11 @@ Result<> render_scene(const Options& options) {
   return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
 }
 
-// Stored pictures before the sky.
-class PicturesAndSky : public FrameSource {
- public:
-  PicturesAndSky(StoredPictures pictures, SceneRenderer& sky)
-      : pictures_(std::move(pictures)), sky_(sky) {}
-  Result<> draw(const Camera& camera, double time) override {
-    if (Result<> drawn = pictures_.draw(camera, time); !drawn) return drawn;
-    sky_.draw_sky(camera, OutputEncoding::srgb);
-    return Done{};
-  }
-  Result<> draw_objects() override { return pictures_.draw_objects(); }
-  [[nodiscard]] FrameFigures figures() const override { return pictures_.figures(); }
-
- private:
-  StoredPictures pictures_;
-  SceneRenderer& sky_;
-};
-
 // The eye of the frame that the pictures were saved from; else that of the first picture.
 Result<Walk> walk_of(const Options& options, const FramePictures& stored) {
   Walk walk;
   if (!options.frames.path_file.empty()) {
-    const Result<FramePlan> plan = plan_frames(options.frames, {});
+    const Result<FramePlan> plan = plan_frames(options.frames, Box{});
     if (!plan) return plan.error();
     walk.plan = *plan;
     return walk;
@@ -214,25 +198,48 @@ Result<Walk> walk_of(const Options& options, const FramePictures& stored) {
   return walk;
 }
 
-Result<> render_pictures(const Options& options) {
-  const Result<FramePictures> stored = load_frame_pictures(options.scene);
-  if (!stored) return stored.error();
-  const Result<Walk> walk = walk_of(options, *stored);
+Result<> render_pictures(const Options& options, const FramePictures& stored, SceneRenderer& sky) {
+  const Result<Walk> walk = walk_of(options, stored);
   if (!walk) return walk.error();
+  Result<StoredPictures> pictures = StoredPictures::create(
+      stored.pictures, {depth_mode(options.methods), stored.delta_bits, options.methods.outlines});
+  if (!pictures)
+    return Error{options.scene, pictures.error().where + ": " + pictures.error().reason};
+  BeforeSky source(std::make_unique<StoredPictures>(std::move(*pictures)), sky);
+  if (options.loop_seconds > 0) return loop(options, *walk, source);
+  const bool saved_size = walk->only.has_value();
+  return draw_frames(options, *walk, saved_size ? walk->only->width : options.frames.width,
+                     saved_size ? walk->only->height : options.frames.height, source);
+}
+
+Result<> render_layered(const Options& options, LayeredImpostor impostor, SceneRenderer& sky) {
+  const Result<FramePlan> plan = plan_frames(options.frames, impostor.bounds);
+  if (!plan) return plan.error();
+  Result<std::unique_ptr<FrameSource>> source =
+      make_layered_source(options.method, options.methods, std::move(impostor), sky);
+  if (!source) return Error{options.scene, source.error().reason};
+  const Walk walk{*plan, {}};
+  if (options.loop_seconds > 0) return loop(options, walk, **source);
+  return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
+}
+
+Result<> render_file(Options options) {
+  Result<PictureFileContent> content = open_pictures(options.scene);
+  if (!content) return content.error();
+  auto* layered = std::get_if<LayeredImpostor>(&*content);
+  if (options.method.empty())
+    options.method = layered ? layered_method_names().front() : kDefaultMethod;
+  if (layered)
+    if (Result<> known = expect_layered(options.method, "--method"); !known) return known;
+  if (!options.pictures.empty())
+    return Error{"--save-pictures", "these pictures are in a file already"};
   const auto context = gl::Context::create();
   if (!context) return context.error();
   const Scene nothing;
   Result<SceneRenderer> sky = SceneRenderer::create(nothing);
   if (!sky) return sky.error();
-  Result<StoredPictures> pictures = StoredPictures::create(
-      stored->pictures,
-      {depth_mode(options.methods), stored->delta_bits, options.methods.outlines});
-  if (!pictures)
-    return Error{options.scene, pictures.error().where + ": " + pictures.error().reason};
-  PicturesAndSky source(std::move(*pictures), *sky);
-  const bool saved_size = walk->only.has_value();
-  return draw_frames(options, *walk, saved_size ? walk->only->width : options.frames.width,
-                     saved_size ? walk->only->height : options.frames.height, source);
+  return layered ? render_layered(options, std::move(*layered), *sky)
+                 : render_pictures(options, std::get<FramePictures>(*content), *sky);
 }
 
 }  // namespace
@@ -242,7 +249,8 @@ Command render_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Draw the frames of a camera path");
   command
       ->add_option("SCENE", options->scene,
-                   std::string(kSceneHelp) + "; or an OpenEXR file of pictures with depth")
+                   std::string(kSceneHelp) +
+                       "; or an OpenEXR file of pictures with depth, or of a layered impostor")
       ->required();
   auto* output =
       command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
@@ -254,7 +262,9 @@ Command render_command(CLI::App& app) {
           ->check(CLI::Range(0.1, 1e6))
           ->type_name("S");
   output->excludes(loop_seconds);
-  command->add_option("--method", options->method, "How the frames are drawn (default nailboard)")
+  command
+      ->add_option("--method", options->method,
+                   "How the frames are drawn (default nailboard; layered if that is in the file)")
       ->check(CLI::IsMember(method_names()));
   command
       ->add_option("--save-pictures", options->pictures,
@@ -267,8 +277,9 @@ Command render_command(CLI::App& app) {
   return {command, [options](const std::string&) -> Result<> {
             if (options->output.empty() && options->loop_seconds == 0)
               return Error{"-o", "the folder for the frames is missing"};
-            return is_picture_file(options->scene) ? render_pictures(*options)
-                                                   : render_scene(*options);
+            if (is_picture_file(options->scene)) return render_file(*options);
+            if (options->method.empty()) options->method = kDefaultMethod;
+            return render_scene(*options);
           }};
 }
 

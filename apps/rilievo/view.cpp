@@ -1,4 +1,5 @@
-// rilievo view SCENE: a window on a scene, drawn by any method, beside direct drawing.
+// rilievo view SCENE: a window on a scene, drawn by any method, beside direct drawing; or on a
+// layered impostor from a file.
 
 #include <epoxy/gl.h>
 // After epoxy.
@@ -7,6 +8,7 @@
 #include <imgui.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,12 +23,13 @@
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
+#include "rilievo/represent/layered_impostor_file.h"
 
 namespace rilievo::app {
 namespace {
 
 struct Options {
-  std::string scene, screenshot, method = "cache";
+  std::string scene, screenshot, method;
   bool split = false;
   FrameOptions frames;
   MethodOptions methods;
@@ -110,23 +113,34 @@ std::string outcome(const Result<>& result, const std::string& file) {
   return result ? "saved " + file : result.error().where + ": " + result.error().reason;
 }
 
+// What is looked at.
+struct Subject {
+  Box bounds;
+  FramePlan plan;
+  std::vector<std::string> methods;  // the first if none is asked for
+  std::function<Result<std::unique_ptr<FrameSource>>(const std::string& method,
+                                                     const MethodOptions& options)>
+      make_source;
+  FrameSource* direct = nullptr;  // none if nothing but pictures is known
+};
+
 class Viewer {
  public:
-  Viewer(const Options& options, const Scene& scene, const FramePlan& plan, SceneRenderer& renderer,
-         Window& window)
+  Viewer(const Options& options, const Subject& subject, Window& window)
       : options_(options),
-        renderer_(renderer),
+        subject_(subject),
         window_(window),
-        direct_(renderer),
-        center_(world_bounds(scene).empty() ? glm::dvec3(0)
-                                            : glm::dvec3(world_bounds(scene).center())) {
+        center_(subject.bounds.empty() ? glm::dvec3(0) : glm::dvec3(subject.bounds.center())) {
+    const FramePlan& plan = subject.plan;
     state_.path = plan.path;
     state_.path_frames = plan.frames;
-    state_.method = options.method;
+    state_.method = options.method.empty() ? subject.methods.front() : options.method;
+    state_.method_names = subject.methods;
+    state_.can_split = subject.direct != nullptr;
     state_.methods = options.methods;
     state_.split = options.split;
     state_.vertical_fov = plan.path.keys.front().vertical_fov;
-    state_.speed = float(0.2 * std::max(1e-3, double(world_bounds(scene).radius())));
+    state_.speed = float(0.2 * std::max(1e-3, double(subject.bounds.radius())));
   }
 
   Result<> run() {
@@ -159,7 +173,7 @@ class Viewer {
     measure(state_, source_->figures(), *ms);
     show_columns(*left_, 0, width_);
     if (state_.split) {
-      const Result<double> direct_ms = draw(direct_, *right_, camera, state_.time);
+      const Result<double> direct_ms = draw(*subject_.direct, *right_, camera, state_.time);
       if (!direct_ms) return direct_ms.error();
       state_.direct_ms.add(float(*direct_ms));
       show_columns(*right_, int(state_.split_at * float(width_)), width_);
@@ -195,8 +209,7 @@ class Viewer {
       return Done{};
     }
     state_.new_source = false;
-    Result<std::unique_ptr<FrameSource>> made =
-        make_source(state_.method, state_.methods, options_.frames.samples, renderer_);
+    Result<std::unique_ptr<FrameSource>> made = subject_.make_source(state_.method, state_.methods);
     if (!made) return made.error();
     source_ = std::move(*made);
     return Done{};
@@ -222,9 +235,8 @@ class Viewer {
   }
 
   const Options& options_;
-  SceneRenderer& renderer_;
+  const Subject& subject_;
   Window& window_;
-  DirectFrames direct_;
   glm::dvec3 center_;
   ViewState state_;
   std::unique_ptr<FrameSource> source_;
@@ -232,17 +244,48 @@ class Viewer {
   int width_ = 0, height_ = 0;
 };
 
-Result<> view(const Options& options) {
+Result<std::unique_ptr<Window>> open_window(const Options& options) {
+  return Window::create("Rilievo - " + options.scene, options.frames.width, options.frames.height,
+                        true);
+}
+
+Result<> view_scene(const Options& options) {
   const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
-  const auto window = Window::create("Rilievo - " + options.scene, options.frames.width,
-                                     options.frames.height, true);
+  const auto window = open_window(options);
   if (!window) return window.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
-  return Viewer(options, opened->scene, *plan, *renderer, **window).run();
+  DirectFrames direct(*renderer);
+  Subject subject{world_bounds(opened->scene), *plan, {"cache"}, {}, &direct};
+  for (const std::string& name : method_names())
+    if (name != "cache") subject.methods.push_back(name);
+  subject.make_source = [&](const std::string& method, const MethodOptions& methods) {
+    return make_source(method, methods, options.frames.samples, *renderer);
+  };
+  return Viewer(options, subject, **window).run();
+}
+
+Result<> view_layered(const Options& options) {
+  const Result<LayeredImpostor> impostor = load_layered_impostor(options.scene);
+  if (!impostor) return impostor.error();
+  if (!options.method.empty())
+    if (Result<> known = expect_layered(options.method, "--method"); !known) return known;
+  if (options.split) return Error{"--split", "a file has no direct drawing to compare with"};
+  const Result<FramePlan> plan = plan_frames(options.frames, impostor->bounds);
+  if (!plan) return plan.error();
+  const auto window = open_window(options);
+  if (!window) return window.error();
+  const Scene nothing;
+  Result<SceneRenderer> sky = SceneRenderer::create(nothing);
+  if (!sky) return sky.error();
+  Subject subject{impostor->bounds, *plan, layered_method_names(), {}, nullptr};
+  subject.make_source = [&](const std::string& method, const MethodOptions& with) {
+    return make_layered_source(method, with, *impostor, *sky);
+  };
+  return Viewer(options, subject, **window).run();
 }
 
 }  // namespace
@@ -250,8 +293,13 @@ Result<> view(const Options& options) {
 Command view_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
-  command->add_option("SCENE", options->scene, kSceneHelp)->required();
-  command->add_option("--method", options->method, "How the frames are drawn (default cache)")
+  command
+      ->add_option("SCENE", options->scene,
+                   std::string(kSceneHelp) + "; or the OpenEXR file of a layered impostor")
+      ->required();
+  command
+      ->add_option("--method", options->method,
+                   "How the frames are drawn (default cache; layered if that is in the file)")
       ->check(CLI::IsMember(method_names()));
   command->add_flag("--split", options->split, "Direct drawing in the right half");
   command
@@ -261,7 +309,9 @@ Command view_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
   command->footer("Example: rilievo view builtin:bridge --split");
-  return {command, [options](const std::string&) { return view(*options); }};
+  return {command, [options](const std::string&) {
+            return is_picture_file(options->scene) ? view_layered(*options) : view_scene(*options);
+          }};
 }
 
 }  // namespace rilievo::app

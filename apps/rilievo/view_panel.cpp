@@ -60,13 +60,14 @@ void cache_panel(ViewState& state) {
 
 void method_panel(ViewState& state) {
   if (ImGui::BeginCombo("method", state.method.c_str())) {
-    for (const std::string& name : method_names()) {
+    for (const std::string& name : state.method_names) {
       if (!ImGui::Selectable(name.c_str(), name == state.method)) continue;
       state.method = name;
       state.new_source = true;
     }
     ImGui::EndCombo();
   }
+  if (!state.can_split) return;
   // A cache keeps its pictures.
   if (ImGui::Checkbox("outlines", &state.methods.outlines) && state.method != "cache")
     state.new_source = true;

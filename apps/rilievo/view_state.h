@@ -42,6 +42,8 @@ struct ViewState {
 
   // How the scene is drawn.
   std::string method = "cache";
+  std::vector<std::string> method_names;
+  bool can_split = true;  // is there direct drawing to compare with?
   MethodOptions methods;
   bool split = false;
   float split_at = 0.5f;  // of the width: the method on the left, direct drawing on the right

@@ -237,6 +237,14 @@ class Window(Folder):
                   "--outlines", "--screenshot", shot)
         self.is_picture(shot)
 
+    def test_the_window_shows_a_layered_impostor_from_a_file(self):
+        baked, shot = self.folder / "teapot.exr", self.folder / "view.png"
+        self.succeeds("bake", "builtin:teapot?triangles=4000", "--views", "12", "--size", "64",
+                      "-o", baked)
+        self.xvfb(command.program, "view", baked, "--size", "640x360", "--frames", "2",
+                  "--screenshot", shot)
+        self.is_picture(shot)
+
     def test_another_program_embeds_pictures_in_its_own_loop(self):
         shot = self.folder / "embed.png"
         self.xvfb(os.environ["EMBED"], TEAPOTS, "3", shot)

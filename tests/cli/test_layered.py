@@ -7,7 +7,7 @@
 import json
 
 import command
-from command import files_below
+from command import TEAPOTS, files_below
 
 TEAPOT = "builtin:teapot?triangles=4000"
 SMALL_BAKE = ("--views", "12", "--size", "48", "--layers", "24")
@@ -73,6 +73,111 @@ class Bake(command.Case):
             with self.subTest(arguments):
                 self.refused(["bake", *arguments], named)
                 self.assertEqual(files_below(self.folder), {})
+
+
+class Baked(command.Case):
+    """What is done with a file, without the scene."""
+
+    def setUp(self):
+        super().setUp()
+        self.file = self.folder / "teapot.exr"
+        self.succeeds("bake", TEAPOT, *SMALL_BAKE, "-o", self.file)
+
+    def test_info_says_what_is_in_it(self):
+        info = json.loads(self.succeeds("info", self.file, "--json", "-").stdout)
+        self.assertEqual(info["schema"], "rilievo-info-1")
+        self.assertEqual(info["representation"], "layered-impostor")
+        self.assertEqual((info["views"], info["size"], info["layers"]), (12, [48, 48], 24))
+        self.assertEqual(info["file_bytes"], self.file.stat().st_size)
+        self.assertEqual(info["paper_bytes"], 12 * 48 * 48 * 4)
+        self.assertGreater(info["texture_bytes"]["surfaces"], info["texture_bytes"]["slices"])
+        self.assertEqual(info["slices"] + info["empty_slices"], 12 * 24)
+        self.assertAlmostEqual(info["fill_share"] + info["fill_saved"], 1)
+        self.assertTrue(info["holes_looked_for"])
+        self.assertIn("12 back-perspective pictures", self.succeeds("info", self.file).stdout)
+
+    def test_it_is_drawn_from_new_eyes_by_either_warp(self):
+        made = {}
+        for name, arguments in {"default": (), "surfaces": ("--warp", "surfaces"),
+                                "slices": ("--warp", "slices"),
+                                "method": ("--method", "layered-slices")}.items():
+            self.succeeds("render", self.file, *arguments, "--orbit", "3", "--size", "96x64", "-o",
+                          self.folder / name, "--json", self.folder / f"{name}.json")
+            made[name] = files_below(self.folder / name)
+            self.assertEqual(len(set(made[name].values())), 3)
+        self.assertEqual(made["default"], made["surfaces"])
+        self.assertEqual(made["method"], made["slices"])
+        self.assertNotEqual(made["surfaces"], made["slices"])
+        figures = json.loads((self.folder / "default.json").read_text())
+        self.assertEqual(figures["method"], "layered")
+        self.assertEqual(figures["captures"], 0)
+
+    def test_it_is_compared_with_the_scene_it_was_baked_of(self):
+        out = self.folder / "report"
+        done = self.succeeds("compare", self.file, "--scene", TEAPOT, "--frames", "2", "--size",
+                             "96x64", "-o", out, "--json", "-")
+        methods = json.loads(done.stdout)["methods"]
+        self.assertEqual(set(methods), {"direct", "layered", "layered-slices"})
+        for name in ("layered", "layered-slices"):
+            # A teapot against the sky: where it is drawn at all it is mostly right, and 12 small
+            # views are no more than that.
+            self.assertLess(methods[name]["wrong_visibility"]["mean"], 0.05)
+            self.assertGreater(methods[name]["psnr_db"]["mean"], 20)
+            self.assertEqual(methods[name]["captures"], 0)
+            self.assertGreater(methods[name]["picture_bytes"], 0)
+        self.refused(["compare", self.file, "-o", out], self.file, "--scene")
+        self.refused(["compare", TEAPOT, "--scene", TEAPOT, "-o", out], "--scene")
+        self.refused(["compare", self.file, "--scene", self.file, "-o", out], self.file)
+        self.refused(["compare", self.file, "--scene", TEAPOT, "--methods", "flat", "-o", out],
+                     "flat", "layered")
+
+    def test_what_a_file_cannot_do_is_refused(self):
+        out = ("-o", self.folder / "out")
+        self.refused(["render", self.file, "--method", "nailboard", *out], "nailboard", "layered")
+        self.refused(["render", self.file, "--save-pictures", self.folder, *out], "file already")
+        self.refused(["view", self.file, "--split"], "--split")
+        self.refused(["view", self.file, "--method", "cache"], "cache", "layered")
+
+    def test_a_file_cut_short_is_named(self):
+        data = self.file.read_bytes()
+        for size in (0, 4, 100, len(data) // 2, len(data) - 1):
+            with self.subTest(size):
+                cut = self.write("cut.exr", data[:size])
+                for arguments in (["render", cut, "-o", self.folder / "out"], ["info", cut]):
+                    self.refused(arguments, cut)
+        self.assertFalse((self.folder / "out").exists())
+
+
+class Method(command.Case):
+    """Drawn of any scene, baked before the first frame."""
+
+    BAKE = ("--views", "12", "--layers", "16")
+
+    def test_compare_reports_them_like_any_other_method(self):
+        done = self.succeeds("compare", TEAPOTS, *self.BAKE, "--view-size", "32", "--methods",
+                             "layered,layered-slices", "--frames", "2", "--size", "96x64", "-o",
+                             self.folder / "report", "--json", "-")
+        methods = json.loads(done.stdout)["methods"]
+        for name in ("layered", "layered-slices"):
+            self.assertGreater(methods[name]["captures"], 0)
+            self.assertEqual(methods[name]["captures"] % 12, 0)
+            self.assertGreater(methods[name]["capture_ms"], 0)
+            self.assertLess(methods[name]["wrong_visibility"]["mean"], 0.1)
+
+    def test_memory_and_size_decide_what_is_polygons(self):
+        def captures(*arguments):
+            done = self.succeeds("render", TEAPOTS, *self.BAKE, "--method", "layered",
+                                 *arguments, "--frames", "1", "--size", "96x64", "-o",
+                                 self.folder / "out", "--json", "-")
+            return json.loads(done.stdout)["captures"]
+
+        # 12 * 256^2 texels of 17 bytes: 13 MB an object.
+        self.assertEqual(captures("--view-size", "256", "--memory-mb", "14"), 12)
+        self.assertEqual(captures("--view-size", "256", "--memory-mb", "12"), 0)
+
+    def test_pictures_that_are_baked_are_not_saved_a_frame_at_a_time(self):
+        self.refused(["render", TEAPOTS, "--method", "layered", "--save-pictures", self.folder,
+                      "-o", self.folder / "out"], "rilievo bake")
 
 
 if __name__ == "__main__":
