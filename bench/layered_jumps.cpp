@@ -73,7 +73,7 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
               {"views", "slices, switched", "faded", "surfaces, switched", "faded",
                "mean: slices, switched", "faded", "surfaces, switched", "faded"},
               {}};
-  Plot plot{"Frame to frame, 12 and 32 views", "orbit, degrees", "FLIP to the frame before", {}};
+  Plot plot{"Frame to frame, 12 views", "orbit, degrees", "FLIP to the frame before", {}};
   Curve curve{"true frames", {}, {}};
   for (std::size_t i = 0; i < true_changes->size(); ++i) {
     curve.x.push_back(double(i + 1) * kStepDegrees);
@@ -109,13 +109,12 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
       report.figures.emplace_back(fmt::format("jump_{}_{}", way.name, count), jump);
       most.push_back(fmt::format("{:.4f}", jump));
       means.push_back(fmt::format("{:.4f}", sum / double(drawn->size())));
-      if (count == 12) plot.curves.push_back({fmt::format("{}, 12", way.name), x, *drawn});
+      if (count == 12) plot.curves.push_back({way.name, x, *drawn});
       if (options.progress) options.progress(++done, 3 * int(std::size(kWays)));
     }
     most.insert(most.end(), means.begin(), means.end());
     table.rows.push_back(std::move(most));
   }
-  plot.title = "Frame to frame, 12 views";
   report.tables.push_back(std::move(table));
   report.plots.push_back(std::move(plot));
   report.notes.push_back(fmt::format(

@@ -236,5 +236,21 @@ TEST(SvgPlot, empty_and_constant_plots_are_drawn) {
   }
 }
 
+TEST(SvgPlot, many_curves_are_named_in_as_many_rows_as_they_need) {
+  Plot plot{"many", "x", "y", {}};
+  const auto height = [&] {
+    const std::string box = between(svg_plot(plot), "viewBox=\"0 0 640 ", "\"");
+    return std::stod(box);
+  };
+  plot.curves.push_back({"one", {0, 1}, {0, 1}});
+  const double one_row = height();
+  for (int i = 0; i < 11; ++i) plot.curves.push_back({"a curve of a long name", {0, 1}, {0, 1}});
+  // Three such names fit into a row: four rows.
+  EXPECT_EQ(height(), one_row + 3 * 18);
+  // The colours of the first eight come again, told apart by their dashes: in the legend and in
+  // the plot; the cursor is dashed too.
+  EXPECT_EQ(count(svg_plot(plot), "stroke-dasharray"), 4u * 2 + 1);
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -20,6 +20,14 @@ constexpr double kLeft = 62, kRight = kWidth - 14, kTop = 58, kBottom = kHeight 
 constexpr const char* kColors[] = {"#0a84d0", "#e0602a", "#14a37f", "#c774b2",
                                    "#d9a300", "#7d8ee8", "#8a8f98", "#a0522d"};
 
+constexpr double kLegendRow = 18;
+
+// Colours come again, dashed.
+std::string stroke(std::size_t curve) {
+  return fmt::format("stroke=\"{}\"{}", curve_color(curve),
+                     curve >= std::size(kColors) ? " stroke-dasharray=\"5 3\"" : "");
+}
+
 // One axis: values between low and high (their logarithms if log) onto from ... to.
 struct Axis {
   bool log = false;
@@ -121,7 +129,8 @@ std::string ticks_of(const Axis& x, const Axis& y) {
 }
 
 std::string curve_path(const Curve& curve, const Axis& x, const Axis& y, bool points,
-                       const std::string& color) {
+                       std::size_t index) {
+  const std::string color = curve_color(index);
   std::string path, marks;
   bool pen_down = false;
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
@@ -140,21 +149,24 @@ std::string curve_path(const Curve& curve, const Axis& x, const Axis& y, bool po
     pen_down = true;
   }
   return fmt::format(
-      "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\" "
-      "stroke-linejoin=\"round\"/>{}\n",
-      path, color, marks);
+      "<path d=\"{}\" fill=\"none\" {} stroke-width=\"2\" stroke-linejoin=\"round\"/>{}\n", path,
+      stroke(index), marks);
 }
 
-std::string legend(const std::vector<Curve>& curves) {
+// In as many rows as it takes; `rows` is how many that are.
+std::string legend(const std::vector<Curve>& curves, int& rows) {
   std::string out;
   double at = kLeft;
+  rows = 1;
   for (std::size_t i = 0; i < curves.size(); ++i) {
+    const double width = 42 + 6.6 * double(curves[i].name.size());
+    if (at > kLeft && at + width > kWidth + 10) at = kLeft, ++rows;
+    const double y = 40 + kLegendRow * (rows - 1);
     out += fmt::format(
-        "<line x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"40\" y2=\"40\" stroke=\"{2}\" "
-        "stroke-width=\"3\"/>"
-        "<text x=\"{3:.1f}\" y=\"44\">{4}</text>\n",
-        at, at + 18, curve_color(i), at + 23, html_text(curves[i].name));
-    at += 42 + 6.6 * double(curves[i].name.size());
+        "<line x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2}\" y2=\"{2}\" {3} stroke-width=\"3\"/>"
+        "<text x=\"{4:.1f}\" y=\"{5}\">{6}</text>\n",
+        at, at + 18, y, stroke(i), at + 23, y + 4, html_text(curves[i].name));
+    at += width;
   }
   return out;
 }
@@ -170,6 +182,9 @@ std::string svg_plot(const Plot& plot) {
   Axis y = make_axis(plot.curves, &Curve::y, plot.log_y, kBottom, kTop);
   if (x.low == x.high || plot.log_x) widen(x);
   widen(y);
+  int rows = 1;
+  const std::string names = legend(plot.curves, rows);
+  const double down = kLegendRow * (rows - 1);
 
   std::string out = fmt::format(
       "<svg class=\"plot\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" "
@@ -177,16 +192,17 @@ std::string svg_plot(const Plot& plot) {
       "font-family=\"system-ui, sans-serif\" font-size=\"12\" fill=\"currentColor\">\n"
       "<style>.grid{{stroke:currentColor;stroke-opacity:.14}}</style>\n"
       "<text x=\"{}\" y=\"20\" font-size=\"15\" font-weight=\"600\">{}</text>\n",
-      kWidth, kHeight, kLeft, kRight, x.low, x.high, kLeft, html_text(plot.title));
-  out += legend(plot.curves);
+      kWidth, kHeight + down, kLeft, kRight, x.low, x.high, kLeft, html_text(plot.title));
+  out += names;
+  out += fmt::format("<g transform=\"translate(0 {})\">\n", down);
   out += ticks_of(x, y);
   for (std::size_t i = 0; i < plot.curves.size(); ++i)
-    out += curve_path(plot.curves[i], x, y, plot.points, curve_color(i));
+    out += curve_path(plot.curves[i], x, y, plot.points, i);
   out += fmt::format(
       "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n"
       "<text transform=\"translate(14 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n"
       "<line class=\"cursor\" x1=\"-9\" x2=\"-9\" y1=\"{}\" y2=\"{}\" stroke=\"currentColor\" "
-      "stroke-dasharray=\"3 3\"/>\n</svg>\n",
+      "stroke-dasharray=\"3 3\"/>\n</g>\n</svg>\n",
       0.5 * (kLeft + kRight), kHeight - 8, html_text(plot.x_label), 0.5 * (kTop + kBottom),
       html_text(plot.y_label), kTop, kBottom);
   return out;
