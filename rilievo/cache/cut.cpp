@@ -195,7 +195,7 @@ bool Cut::request(Entity e, double deadline, bool covered) {
   const bool at_hand = valid(picture);
   if (at_hand) {
     // The fade takes place while the old picture still holds.
-    const double fade = std::min<double>(options.fade_frames, 0.5 * picture->lead);
+    const double fade = fade_length(picture->lead, options);
     deadline = std::max(0.0, check(slot_of(picture)).remaining - fade);
     covered = true;
   }
@@ -253,8 +253,12 @@ void Cut::draw_below(Entity e, float from, float to) {
   }
 }
 
-// A picture fades in over the one before it, or over its children's, and out over its children's:
-// what is below gets the rest of the pixels. Never over polygons: they would cost the time that the
+bool Cut::may_fade_over_below(Entity e) {
+  return triangles_of(e) <= kFadedTriangles || pictures_cover_below(e);
+}
+
+// A picture fades in over the one before it, or over what is below it, and out over what is below:
+// that gets the rest of the pixels. Not over many polygons: they would cost the time that the
 // picture saves.
 void Cut::draw(Entity e, float from, float to) {
   if (!may_see(view.now, box_of(e))) return;
@@ -272,7 +276,7 @@ void Cut::draw(Entity e, float from, float to) {
   if (!over_old && picture->retire_length > 0)
     share = std::min(share, 1 - (float(state.frame - picture->retire_start) + 1) /
                                     (float(picture->retire_length) + 1));
-  if (share < 1 && !over_old && !pictures_cover_below(e)) share = 1;
+  if (share < 1 && !over_old && !may_fade_over_below(e)) share = 1;
 
   const float middle = share < 1 ? from + (to - from) * share : to;
   emit(slot, e, bound_px, from, middle);

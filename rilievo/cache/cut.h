@@ -10,10 +10,21 @@
 // as the cut is wide, not as the scene is large. What is about to end is replaced before it does.
 #pragma once
 
+#include <algorithm>
+
 #include "rilievo/cache/estimate.h"
 #include "rilievo/cache/policy.h"
 
 namespace rilievo {
+
+// Of an entity whose polygons are worth drawing for a few frames more, so that its picture fades.
+inline constexpr std::uint64_t kFadedTriangles = 10'000;
+
+// Frames over which a picture's successor fades in: of its last `lead` frames most, if there are
+// few. A quarter is left to make the capture in.
+[[nodiscard]] inline int fade_length(int lead, const CacheOptions& options) {
+  return std::clamp(lead - lead / 4, 1, std::max(1, options.fade_frames));
+}
 
 // One frame's planning. Order of use: evict_finished, choose, schedule_captures (schedule.h), draw.
 struct Cut {
@@ -25,6 +36,7 @@ struct Cut {
   PlanScratch& scratch;
   Plan& plan;
   ViewAxes view;
+  std::uint64_t faded_triangles = 0;  // of polygons over which pictures of this frame fade in
   double full_bytes = 0;  // of all pictures that stay or are requested, were they at full density
 
   Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const CacheState& state_,
@@ -57,6 +69,7 @@ struct Cut {
   // Is everything visible below the node shown by pictures at hand?
   [[nodiscard]] bool pictures_cover(Entity e);
   [[nodiscard]] bool pictures_cover_below(Entity e);
+  [[nodiscard]] bool may_fade_over_below(Entity e);
 
  private:
   struct Costs {

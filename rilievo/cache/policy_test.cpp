@@ -387,7 +387,7 @@ TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_
   }
   EXPECT_LT(captures[1], captures[0] * 3 / 4);
   EXPECT_GT(refused, 0);
-  EXPECT_LT(refused, captures[1] / 20);
+  EXPECT_LT(refused, captures[1] / 10);
 }
 
 TEST(Policy, invalidated_pictures_are_not_drawn) {

@@ -17,6 +17,7 @@ namespace {
 // Of the memory, this much is planned for; the rest holds pictures that fade out.
 constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
+constexpr std::uint64_t kMostFadedTriangles = 10'000;  // begun in one frame
 
 double cost_of(const Cut& cut, Entity e) {
   return cut.options.cost.capture + double(cut.triangles_of(e));
@@ -93,10 +94,13 @@ bool capture(Cut& cut, Entity e) {
   // A short life has little time to be replaced in.
   const double life = (1 + options.anticipation) * estimated.life;
   picture.lead =
-      std::uint16_t(std::clamp(life / 4, 1.0, double(options.fade_frames + options.spread_frames)));
-  if (cut.valid(cut.picture_of(cut.state.current, e)) || cut.pictures_cover_below(e))
-    picture.fade_length =
-        std::uint16_t(std::clamp(int(picture.lead) / 2, 1, std::max(1, options.fade_frames)));
+      std::uint16_t(std::clamp(life / 3, 1.0, double(options.fade_frames + options.spread_frames)));
+  // Of a frame that begins with polygons all over, only some fade.
+  const bool over_pictures =
+      cut.valid(cut.picture_of(cut.state.current, e)) || cut.pictures_cover_below(e);
+  if (!over_pictures && cut.may_fade_over_below(e)) cut.faded_triangles += cut.triangles_of(e);
+  if (over_pictures || (cut.may_fade_over_below(e) && cut.faded_triangles <= kMostFadedTriangles))
+    picture.fade_length = std::uint16_t(fade_length(picture.lead, options));
   picture.held = true;
 
   cut.plan.bytes += bytes;
