@@ -5,6 +5,7 @@
 #include "rilievo/cache/image_cache.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/draw/direct_frames.h"
+#include "rilievo/measure/popping.h"
 #include "rilievo/scene/builtin.h"
 
 namespace rilievo::bench {
@@ -43,9 +44,10 @@ Result<BenchReport> pop(const BenchOptions& options) {
   if (!compared) return compared.error();
 
   BenchReport report;
-  Table table{"FLIP between a frame and the one before it, above the true frames' change",
-              {"new pictures", "most", "captures", "mean FLIP against the true frames"},
-              {}};
+  Table table{
+      "FLIP between a frame and the one before it, above the true frames' change, at most",
+      {"new pictures", "in a tile", "in a frame", "captures", "mean FLIP against the true frames"},
+      {}};
   Plot plot{"FLIP against the true frames", "frame", "FLIP", {}};
   for (const MethodResult& method : {compared->methods[1], compared->methods[2]}) {
     Curve curve{method.name, {}, {}};
@@ -56,6 +58,7 @@ Result<BenchReport> pop(const BenchOptions& options) {
       sum += method.frames[i].flip;
     }
     table.rows.push_back({method.name, fmt::format("{:.5f}", *method.pop_max),
+                          fmt::format("{:.5f}", *method.pop_frame_max),
                           std::to_string(method.captures),
                           fmt::format("{:.4f}", sum / double(method.frames.size()))});
     plot.curves.push_back(std::move(curve));
@@ -63,11 +66,16 @@ Result<BenchReport> pop(const BenchOptions& options) {
   const double with = *compared->methods[1].pop_max, without = *compared->methods[2].pop_max;
   report.figures = {{"pop_max_faded", with}, {"pop_max_unfaded", without}};
   if (without > 0) report.figures.emplace_back("pop_ratio", with / without);
+  report.figures.emplace_back("pop_frame_max_faded", *compared->methods[1].pop_frame_max);
+  report.figures.emplace_back("pop_frame_max_unfaded", *compared->methods[2].pop_frame_max);
   report.tables = {std::move(table)};
   report.plots = {std::move(plot)};
-  report.notes = {fmt::format("{}, {} frames of {} x {}, error 1 pixel.", name,
-                              compare_options.frames, compare_options.width,
-                              compare_options.height)};
+  report.notes = {
+      fmt::format("{}, {} frames of {} x {}, error 1 pixel.", name, compare_options.frames,
+                  compare_options.width, compare_options.height),
+      fmt::format("A tile has {0} x {0} pixels: a picture that pops is a small part "
+                  "of the frame.",
+                  kPopTile)};
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include "rilievo/gl/context.h"
 #include "rilievo/io/jpeg.h"
 #include "rilievo/measure/flip.h"
+#include "rilievo/measure/popping.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
 #include "rilievo/measure/stats.h"
@@ -23,7 +24,7 @@ struct Tally {
   Histogram errors_px;
   float largest_error_px = 0;
   Rgba8Image last;  // frame
-  double pop = 0;
+  Pop pop;
 
   void add_figures(const FrameFigures& figures) {
     result.captures += figures.captures;
@@ -53,17 +54,26 @@ struct Tally {
     }
   }
 
-  // `true_change`: FLIP between the true frame and the one before it.
-  void add_change(const Rgba8Image& frame, double true_change) {
-    if (!last.empty()) pop = std::max(pop, flip_of(last, frame) - true_change);
+  // `true_change`: FLIP map between the true frame and the one before it; empty for the first.
+  void add_change(const Rgba8Image& frame, const Image<float>& true_change) {
+    if (!true_change.empty()) {
+      const Pop now = largest_pop(true_change, change_to(frame));
+      pop = {std::max(pop.frame, now.frame), std::max(pop.tile, now.tile)};
+    }
     last = frame;
+  }
+  // FLIP map from the last frame to this one; empty if there was none.
+  [[nodiscard]] Image<float> change_to(const Rgba8Image& frame) const {
+    if (last.empty()) return {};
+    if (last == frame) return Image<float>(frame.width(), frame.height(), 0.0f);
+    return flip_map(last, frame);
   }
 
   MethodResult finish(bool with_pop) {
     if (errors_px.count() > 0)
       result.error_px =
           ErrorPx{errors_px.percentile(0.50), errors_px.percentile(0.99), largest_error_px};
-    if (with_pop) result.pop_max = pop;
+    if (with_pop) result.pop_max = pop.tile, result.pop_frame_max = pop.frame;
     result.depth_error_p50 = depth_errors.percentile(0.50);
     result.depth_error_p99 = depth_errors.percentile(0.99);
     if (bound_px > 0) result.bound_px_max = bound_px;
@@ -132,8 +142,8 @@ Result<Report> compare(std::span<const ComparedSource> sources,
       const bool shown = std::binary_search(report.shown.begin(), report.shown.end(), frame);
       const DrawnFrame& truth = drawn[0][i];
       if (shown) report.true_pictures.push_back(jpeg(truth.color));
-      const double true_change =
-          options.pop && !tallies[0].last.empty() ? flip(tallies[0].last, truth.color) : 0;
+      const Image<float> true_change =
+          options.pop ? tallies[0].change_to(truth.color) : Image<float>();
       for (std::size_t s = 0; s < sources.size(); ++s) {
         if (options.pop) tallies[s].add_change(drawn[s][i].color, true_change);
         tallies[s].add_frame(truth, drawn[s][i]);

@@ -38,7 +38,7 @@ struct CompareOptions {
   std::size_t max_bytes = std::size_t(256) << 20;
   // The error of every so many texels in x and y of every picture drawn is measured; 0: none.
   int error_step = 4;
-  // Measure how much more than the true ones frames differ from those before them: popping.
+  // Measure how much more than the true ones frames differ from those before them (popping.h).
   bool pop = false;
   // At most so many frames' pictures go into the report.
   int shown_frames = 8;

@@ -30,7 +30,8 @@ Json method_json(const MethodResult& method) {
   if (method.bound_px_max) out["bound_px"] = {{"max", *method.bound_px_max}};
   if (const auto& e = method.error_px)
     out["error_px"] = {{"p50", e->p50}, {"p99", e->p99}, {"max", e->max}};
-  if (method.pop_max) out["pop"] = {{"max", *method.pop_max}};
+  if (method.pop_max)
+    out["pop"] = {{"max", *method.pop_max}, {"frame_max", method.pop_frame_max.value_or(0)}};
   if (!method.drawn_as.empty()) {
     Json& drawn_as = out["drawn_as"] = Json::object();
     for (const auto& [way, count] : method.drawn_as) drawn_as[way] = count;

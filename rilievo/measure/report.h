@@ -43,7 +43,8 @@ struct MethodResult {
   std::optional<double> bound_px_max;
   std::optional<ErrorPx> error_px;
   // The most by which a frame differs from the one before it (FLIP) above the true frames' change.
-  std::optional<double> pop_max;
+  std::optional<double> pop_max;                               // over tiles (popping.h)
+  std::optional<double> pop_frame_max;                         // over whole frames
   std::vector<std::pair<std::string, std::int64_t>> drawn_as;  // "polygons", "nailboard", ...
   // For the page: one of each for every frame shown, in their order.
   std::vector<EncodedPicture> pictures, differences;
