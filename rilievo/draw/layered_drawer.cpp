@@ -49,7 +49,8 @@ Served serve(const LayeredImpostor& impostor, const glm::dvec3& eye,
   return served;
 }
 
-shader::LayeredView view_block(const Camera& camera, int layer, const glm::dvec3& eye) {
+shader::LayeredView view_block(const LayeredImpostor& impostor, int layer, const glm::dvec3& eye) {
+  const Camera& camera = impostor.pictures[layer].camera;
   const glm::dmat3 axes(camera.world_from_eye);
   const auto& [l, r, b, t] = camera.window;
   const double w = camera.width, h = camera.height;
@@ -60,14 +61,15 @@ shader::LayeredView view_block(const Camera& camera, int layer, const glm::dvec3
   const auto row = [&](const glm::dvec3& v) {
     return glm::vec4(glm::vec3(v), float(-glm::dot(v, apex)));
   };
-  return {row(u_row),
-          row(v_row),
-          row(forward),
-          glm::vec4(glm::vec3(apex), camera.keeps_farthest() ? -1.0f : 1.0f),
-          glm::vec4(glm::vec3(forward + l * axes[0] + t * axes[1]), float(layer)),
-          glm::vec4(glm::vec3(axes[0] * ((r - l) / w)), float(w)),
-          glm::vec4(glm::vec3(axes[1] * (-(t - b) / h)), float(h)),
-          glm::vec4(float(camera.z_near), float(camera.z_far), 0, 0)};
+  return {
+      row(u_row),
+      row(v_row),
+      row(forward),
+      glm::vec4(glm::vec3(apex), camera.keeps_farthest() ? -1.0f : 1.0f),
+      glm::vec4(glm::vec3(forward + l * axes[0] + t * axes[1]), float(layer)),
+      glm::vec4(glm::vec3(axes[0] * ((r - l) / w)), float(w)),
+      glm::vec4(glm::vec3(axes[1] * (-(t - b) / h)), float(h)),
+      glm::vec4(float(camera.z_near), float(camera.z_far), impostor.complete[layer] ? 1 : 0, 0)};
 }
 
 void set_state() {
@@ -141,8 +143,7 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
     block.views = {int(views_.size()), served.count, served.weighty, int(instance.object)};
     blocks_.push_back(block);
     for (int i = 0; i < served.count; ++i)
-      views_.push_back(
-          view_block(impostor.pictures[served.views[i]].camera, served.views[i], local.eye));
+      views_.push_back(view_block(impostor, served.views[i], local.eye));
   }
   figures_.views = int(views_.size());
 
@@ -195,7 +196,7 @@ void LayeredDrawer::draw_slices(LayeredPictures& pictures, const Camera& frame,
         const Slice& slice = impostor.slices[draw.view][draw.slice];
         if (draw.view != last) {
           last = draw.view;
-          views_.push_back(view_block(impostor.pictures[draw.view].camera, draw.view, local.eye));
+          views_.push_back(view_block(impostor, draw.view, local.eye));
         }
         const IntervalScale scale = interval_scale(impostor, draw.view);
         slices_.push_back(

@@ -217,7 +217,7 @@ void main() {
     Walk walk = Walk(false, false, false, vec3(0.0), ivec2(0));
     if (frustum_segment(view, v_ray, t, from, to)) walk = walk_view(view, from, to);
     if (!walk.hit) {
-      if (!walk.behind) nothing += weight;
+      if (!walk.behind) nothing += weight * view.depths.z;
       if (walk.behind) inside += walk.outline ? -1 : 1;
       if (!walk.behind || walk.outline) continue;
       if (doubtful_depth < 2.0 || skin) continue;

@@ -35,6 +35,26 @@ float layer_edge(const Range& range, const SliceOptions& options, float i) {
   return q > 0 ? 1 / q : kNoDepth;
 }
 
+bool lacks_samples(const DepthImage& picture) {
+  for (int y = 0; y < picture.depth.height(); ++y)
+    for (int x = 0; x < picture.depth.width(); ++x)
+      if (!picture.covered(x, y) && picture.color(x, y).a > 0) return true;
+  return false;
+}
+
+// Pieces may reach over their picture's edge, and another picture's pieces a little over this
+// one's: two texels' worth is not missed.
+bool holds(const Camera& camera, const Box& bounds) {
+  constexpr double kSlack = 2;
+  for (const glm::vec3& corner : bounds.corners()) {
+    const glm::dvec3 at = raster_from_world(camera, glm::dvec3(corner));
+    if (!(at.z > 0) || at.x < -kSlack || at.y < -kSlack || at.x > camera.width + kSlack ||
+        at.y > camera.height + kSlack)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 glm::dvec3 view_direction(const Camera& camera) {
@@ -139,6 +159,8 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
   if (options.pieces && impostor.surfaces.size() >= 4) find_inside(impostor.surfaces);
   for (const TexelSurface& surface : impostor.surfaces)
     impostor.slices.push_back(slice_surface(surface, options));
+  for (const DepthImage& picture : pictures)
+    impostor.complete.push_back(holds(picture.camera, impostor.bounds) && !lacks_samples(picture));
   impostor.views = view_set_from_directions(std::move(directions));
   impostor.pictures = std::move(pictures);
   return impostor;

@@ -74,8 +74,12 @@ struct LayeredImpostor {
   std::vector<DepthImage> pictures;        // one a direction
   std::vector<TexelSurface> surfaces;      // one a picture
   std::vector<std::vector<Slice>> slices;  // one list a picture, by ascending layer
-  std::vector<FillSlices> fills;           // not found yet, or one for each ordered pair of
-                                           // neighbours, ascending
+  // One a picture: where it shows nothing, does it know that nothing is there? Not if its frustum
+  // leaves out some of the bounds, or if it lacks samples, as one made of photographs may (S2.7):
+  // such texels have colour, but no depth.
+  std::vector<bool> complete;
+  std::vector<FillSlices> fills;  // not found yet, or one for each ordered pair of
+                                  // neighbours, ascending
 };
 
 // The interval of eye_z of a texel's piece, or of its sample; and the one that decides on which

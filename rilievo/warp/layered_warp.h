@@ -48,7 +48,8 @@ struct SurfaceWarpOptions {
 
 // The second way, which does not slice: every pixel's ray is intersected with the surfaces of the
 // nearest views. Those with a weight (handover_weights) are blended where they answer for certain:
-// with a hit, or with nothing, without having passed behind an edge; where some see a surface and
+// with a hit, or with nothing (LayeredImpostor::complete), without having passed behind an edge;
+// where some see a surface and
 // others past it, the more weighty party wins. If none is certain, the next nearest views are asked
 // until one is. If none is, the hit nearest to the eye counts; if there is no hit, and the ray was
 // lost behind one part of the surface in front of another in more of them than behind an outline,

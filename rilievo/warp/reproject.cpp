@@ -10,8 +10,9 @@
 // side that the photograph saw. The viewers of a back-perspective picture look against its rays:
 // for it the two must turn opposite ways.
 //
-// Two passes a target: where is the surface in front, over all photographs; and which sample within
-// its depth error is the densest.
+// Two passes a target: where is the surface in front, over all photographs; and the mean of the
+// samples within their depth error of it. Taking the densest sample alone was worse, by 1 to 2 dB
+// on a real room: depths' noise makes it a different photograph's at every other texel.
 
 #include "rilievo/warp/reproject.h"
 
@@ -46,8 +47,8 @@ struct Vertex {
 struct Target {
   Camera camera;
   glm::dmat4 eye_from_world;
-  Image<float> front;    // eye_z of the surface in front
-  Image<float> density;  // of the sample shown, 1 / m^2
+  Image<float> front;   // eye_z of the surface in front
+  Image<float> weight;  // of the samples shown, together
   DepthImage picture;
 };
 
@@ -147,6 +148,15 @@ void for_each_triangle(const Source& source, const Target& target, const Box& bo
   }
 }
 
+// Samples per square metre on the surface, squared: a photograph from twice as far counts for a
+// sixteenth of the nearer one, and where they are alike their noise is averaged.
+float weight_of(const std::array<const Vertex*, 3>& corner) {
+  const double area = 0.5 * glm::length(glm::cross(corner[1]->world - corner[0]->world,
+                                                   corner[2]->world - corner[0]->world));
+  // In samples per square centimetre, so that floats hold the sums of any capture.
+  return float(1e-8 / (area * area));
+}
+
 double mean_eye_z(const Source& source, const std::array<const Vertex*, 3>& corner) {
   double sum = 0;
   for (const Vertex* v : corner) sum += double(source.eye_z(v->texel.x, v->texel.y));
@@ -166,27 +176,37 @@ void find_front(std::span<const Source> sources, const ReprojectOptions& options
     });
 }
 
-void show_densest(std::span<const Source> sources, const ReprojectOptions& options,
-                  Target& target) {
+// Sums of the samples of the surface in front, by weight.
+void add_samples(std::span<const Source> sources, const ReprojectOptions& options, Target& target) {
   for (const Source& source : sources)
     for_each_triangle(source, target, options.box, [&](const auto& corner) {
       const double trusted = options.depth_error * mean_eye_z(source, corner);
-      const float density = float(1 / glm::length(glm::cross(corner[1]->world - corner[0]->world,
-                                                             corner[2]->world - corner[0]->world)));
-      cover(target, corner, [&](int x, int y, double eye_z, const glm::dvec3& weight) {
+      const float weight = weight_of(corner);
+      cover(target, corner, [&](int x, int y, double eye_z, const glm::dvec3& share) {
         const float front = target.front(x, y);
         // The front sample itself, exactly, whatever the error is.
         if (float(eye_z) != front && std::abs(eye_z - double(front)) > trusted) return;
-        if (!(density > target.density(x, y))) return;
-        target.density(x, y) = density;
-        target.picture.depth(x, y) = float(eye_z);
-        glm::vec4 color(0.0f);
-        for (int k = 0; k < 3; ++k)
-          color += float(weight[k]) * source.picture->color(corner[std::size_t(k)]->texel.x,
-                                                            corner[std::size_t(k)]->texel.y);
-        target.picture.color(x, y) = color;
+        float& depth = target.picture.depth(x, y);
+        if (target.weight(x, y) == 0) depth = 0;
+        target.weight(x, y) += weight;
+        depth += weight * float(eye_z);
+        for (int k = 0; k < 3; ++k) {
+          const glm::ivec2 texel = corner[std::size_t(k)]->texel;
+          target.picture.color(x, y) +=
+              weight * float(share[k]) * source.picture->color(texel.x, texel.y);
+        }
       });
     });
+}
+
+void divide_by_weight(Target& target) {
+  for (int y = 0; y < target.camera.height; ++y)
+    for (int x = 0; x < target.camera.width; ++x) {
+      const float weight = target.weight(x, y);
+      if (weight == 0) continue;
+      target.picture.depth(x, y) /= weight;
+      target.picture.color(x, y) /= weight;
+    }
 }
 
 // Does the photograph know that nothing is at this point?
@@ -227,15 +247,18 @@ bool is_hole(std::span<const Source> sources, const ReprojectOptions& options, c
   return false;
 }
 
+// Counts, and marks holes.
 ReprojectFigures count(std::span<const Source> sources, const ReprojectOptions& options,
-                       const Target& target) {
+                       Target& target) {
   ReprojectFigures figures;
   for (int y = 0; y < target.camera.height; ++y)
     for (int x = 0; x < target.camera.width; ++x) {
-      if (target.picture.covered(x, y))
+      if (target.picture.covered(x, y)) {
         ++figures.filled;
-      else
-        figures.holes += is_hole(sources, options, target, x, y);
+      } else if (is_hole(sources, options, target, x, y)) {
+        ++figures.holes;
+        target.picture.color(x, y) = {0, 0, 0, 1};
+      }
     }
   return figures;
 }
@@ -267,7 +290,8 @@ Reprojection reproject(std::span<const DepthImage> photographs, std::span<const 
     target.picture.color = ColorImage(camera.width, camera.height);
     target.picture.depth = Image<float>(camera.width, camera.height, kNoDepth);
     find_front(sources, options, target);
-    show_densest(sources, options, target);
+    add_samples(sources, options, target);
+    divide_by_weight(target);
     result.figures[i] = count(sources, options, target);
     result.pictures[i] = std::move(target.picture);
   });

@@ -4,8 +4,8 @@
 // into triangles between linked texels (core/texel_links.h), so that there are no cracks within a
 // surface and no skin over its edges, and the triangles are drawn into the target. A triangle has
 // one side, that which its photograph saw: a target whose viewers look at its back does not show
-// it. Where several photographs know the same piece of surface, that with the densest samples on it
-// counts, which is the one that sees it from nearby and straight on.
+// it. Where several photographs know the same piece of surface, they are averaged, each by the
+// square of how densely its samples lie on it: the one from nearby and straight on counts most.
 //
 // Photographs: perspective, depth of any kind. Targets: perspective (nearest surface shown) or
 // back-perspective (farthest from the apex). World space, metres. Same bytes for any number of
@@ -47,7 +47,9 @@ struct ReprojectFigures {
 };
 
 struct Reprojection {
-  std::vector<DepthImage> pictures;       // one a target, of eye_z; may be empty of samples
+  // One a target, of eye_z; may be empty of samples. A hole has no depth, but colour 0 0 0 1, from
+  // which a layered impostor knows that it cannot rely on nothing being there.
+  std::vector<DepthImage> pictures;
   std::vector<ReprojectFigures> figures;  // one a target
   ReprojectFigures total;
 };

@@ -121,7 +121,7 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
           blended += weight * seen.color;
           if (weight > heaviest) heaviest = weight, certain = seen;
         } else if (!walk.passed_behind) {
-          nothing += weight;
+          if (impostor.complete[std::size_t(views[i])]) nothing += weight;
         } else {
           inside += walk.passed_outline ? -1 : 1;
           if (!walk.passed_outline && skin.eye_z == kNoDepth)
