@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "rilievo/core/result.h"
@@ -13,6 +14,8 @@ namespace rilievo::bench {
 struct BenchOptions {
   // Far fewer cases: shows that the bench runs, its figures mean nothing.
   bool quick = false;
+  // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
+  std::string capture;
   // Called now and then with what is done and how much there is.
   std::function<void(int done, int total)> progress;
 };

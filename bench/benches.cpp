@@ -9,6 +9,7 @@
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
 #include "bench/pop.h"
+#include "bench/rgbd.h"
 #include "bench/tradeoff.h"
 
 namespace rilievo::bench {
@@ -32,6 +33,7 @@ std::span<const Bench> benches() {
             layered},
       Bench{"layered-cost", "What do layered impostors cost? (S2.8: tables 2 and 3, figure 8)",
             true, layered_cost},
+      Bench{"rgbd", "What do impostors of photographs with depth look like? (S2.7)", false, rgbd},
   };
   return list;
 }

@@ -17,7 +17,7 @@ namespace rilievo::app {
 namespace {
 
 struct Options {
-  std::string name, json, html;
+  std::string name, json, html, capture;
   bool quick = false;
 };
 
@@ -45,6 +45,7 @@ Result<> run(const Options& options) {
   Progress progress(options.name);
   bench::BenchOptions bench_options;
   bench_options.quick = options.quick;
+  bench_options.capture = options.capture;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
   if (!report) return report.error();
@@ -75,6 +76,12 @@ Command bench_command(CLI::App& app) {
       });
   add_json_option(*command, options->json);
   command->add_option("--html", options->html, "Write a page with plots")->type_name("FILE");
+  command
+      ->add_option(
+          "--capture", options->capture,
+          "For rgbd: a folder of photographs with depth (transforms.json, trajectory.log or "
+          "*.pose.txt)")
+      ->type_name("DIR");
   command->add_flag("--quick", options->quick, "Far fewer cases: only shows that the bench runs");
   command->footer("Benches:\n" + known_benches() +
                   "Example: rilievo bench nailboard-error --json -");

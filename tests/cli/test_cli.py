@@ -151,6 +151,8 @@ class Results(Folder):
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
             "coverage": [f"covered_teapot_{what}" for what in
                          ["back_1", "ordinary_1", "12", "20", "32"]],
+            "rgbd": [f"{what}_{way}" for way in ["cameras", "around", "direct"] for what in
+                     ["psnr", "uncovered", "uncovered_seen", "holes"]],
             "layered": ["psnr_db_teapot_32_256_64", "uncovered_teapot_32_256_64",
                         "tears_overlap_0_at_20deg", "jump_slices_switch_12"],
             "layered-cost": ["memory_mb_32_256", "draw_ms_64_220", "break_even_triangles_64_220"],
