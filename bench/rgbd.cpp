@@ -21,7 +21,7 @@ constexpr std::array<const char*, 3> kWays{"cameras", "around", "direct"};
 // Without a capture: the teapots from an arc in front of them.
 Result<std::vector<DepthImage>> made_up(bool quick) {
   const Result<BuiltinScene> built =
-      make_builtin(quick ? "builtin:teapots?triangles=5000" : "builtin:teapots?triangles=50000");
+      make_builtin(quick ? "builtin:teapots?triangles=10000" : "builtin:teapots?triangles=50000");
   if (!built) return built.error();
   const Result<RayScene> rays = RayScene::create(built->scene);
   if (!rays) return rays.error();

@@ -1,9 +1,10 @@
 // How is a layered impostor made of photographs with depth? (S2.7)
 //
-// By reprojecting all of them (warp/reproject.h) into each of its views. Which views, depends on
-// how the capture was taken: an object that was walked around is seen from all sides by views of a
-// ViewSet around its box; a room that was seen from a few places inside it is better kept in
-// pictures from those places, each completed by what the others saw.
+// By reprojecting all of them (warp/reproject.h) into each of its views: those of a ViewSet around
+// the box, or pictures at the photographs' own places, each completed by what the others saw. On a
+// room seen from eight places (`rilievo bench rgbd`) both draw a ninth place alike: 32 views of
+// 512 x 512 around it 0.2 dB better, pictures at the cameras with fewer holes and a quarter of the
+// texels. Around is the default, since it serves eyes anywhere.
 //
 // World space of the photographs. Same bytes for any number of threads.
 #pragma once
@@ -23,7 +24,7 @@ enum class PhotographViews {
 struct PhotographBakeOptions {
   ReprojectOptions reproject;  // its box: the region of interest
   SliceOptions slicing;
-  PhotographViews kind = PhotographViews::at_cameras;
+  PhotographViews kind = PhotographViews::around;
   int most_views = 32;       // at_cameras: those that look most differently
   ViewSetOptions views;      // around
   ViewCameraOptions camera;  // around

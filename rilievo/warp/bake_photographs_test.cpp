@@ -120,7 +120,7 @@ TEST(BakePhotographs, what_cannot_be_baked_is_refused) {
   EXPECT_FALSE(bake_photographs(photographs, options));
   options.reproject.box = {{10, 10, 10}, {11, 11, 11}};
   EXPECT_FALSE(bake_photographs(photographs, options));
-  options.kind = PhotographViews::around;
+  options.kind = PhotographViews::at_cameras;
   EXPECT_FALSE(bake_photographs(photographs, options));
   EXPECT_FALSE(bake_photographs({}, options));
 }
@@ -131,6 +131,7 @@ TEST(BakePhotographs, files_of_every_kind_bake_alike) {
   const Result<RayScene> rays = RayScene::create(scene);
   const std::vector<DepthImage> photographs = photographs_of_jug(*rays, 4, 1);
   PhotographBakeOptions options;
+  options.kind = PhotographViews::at_cameras;
   options.reproject.box = measured_bounds(photographs, 0.0);
   const Result<PhotographBake> truth = bake_photographs(photographs, options);
   for (RgbdFormat format : {RgbdFormat::nerfstudio, RgbdFormat::redwood, RgbdFormat::pose_files}) {
