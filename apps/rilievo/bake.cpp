@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/rilievo/capture.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/layered_options.h"
 #include "apps/rilievo/output.h"
@@ -20,6 +21,7 @@
 #include "rilievo/core/camera_path.h"
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/io/rgbd.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/represent/layered_impostor_file.h"
 
@@ -29,6 +31,8 @@ namespace {
 struct Options {
   std::string scene, output, json, as = "layered-impostor";
   LayeredBakeOptions bake;
+  std::vector<double> box;
+  bool around = false;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -133,6 +137,11 @@ Result<> run(const Options& options) {
   if (Result<BakeOptions> bake = bake_options(options.bake); !bake) return bake.error();
   if (is_picture_file(options.scene))
     return Error{options.scene, "holds pictures already: a scene is baked"};
+  if (is_rgbd_capture(options.scene))
+    return bake_capture(
+        {options.scene, options.output, options.json, options.bake, options.box, options.around});
+  if (!options.box.empty() || options.around)
+    return Error{options.scene, "is no capture: --box and --around are for photographs"};
   const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
@@ -156,16 +165,30 @@ Command bake_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("bake", "Take pictures of a scene from all around, into one file");
-  command->add_option("SCENE", options->scene, kSceneHelp)->required();
+  command
+      ->add_option("SCENE", options->scene,
+                   std::string(kSceneHelp) +
+                       ", or a capture: a folder of photographs with depth and their poses")
+      ->required();
   command->add_option("--as", options->as, "What is made of it (default layered-impostor)")
       ->check(CLI::IsMember({"layered-impostor"}));
   add_layered_options(*command, options->bake, "--size");
+  command
+      ->add_option("--box", options->box,
+                   "Of a capture: only what lies between two corners (default all)")
+      ->delimiter(',')
+      ->expected(6)
+      ->type_name("X0,Y0,Z0,X1,Y1,Z1");
+  command->add_flag(
+      "--around", options->around,
+      "Of a capture: views around the box, as of a scene, instead of at its own cameras");
   command->add_option("-o,--output", options->output, "The file to write")
       ->required()
       ->type_name("FILE.exr");
   add_json_option(*command, options->json);
   command->footer(
       "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
+      "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"
       "         rilievo render model.exr --orbit 60 -o frames");
   return {command, [options](const std::string&) { return run(*options); }};
 }

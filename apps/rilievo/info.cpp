@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "apps/rilievo/capture.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/draw/layered_pictures.h"
 #include "rilievo/io/exr.h"
+#include "rilievo/io/rgbd.h"
 #include "rilievo/represent/layered_impostor_file.h"
 
 namespace rilievo::app {
@@ -193,11 +195,16 @@ Result<> describe_pictures(const Options& options) {
 Command info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene or a file of pictures holds");
-  command->add_option("FILE", options->file, std::string(kSceneHelp) + ", or pictures in OpenEXR")
+  command
+      ->add_option(
+          "FILE", options->file,
+          std::string(kSceneHelp) + ", pictures in OpenEXR, or a folder of photographs with depth")
       ->required();
   add_json_option(*command, options->json);
   command->footer("Example: rilievo info model.glb");
   return {command, [options](const std::string&) {
+            if (is_rgbd_capture(options->file))
+              return describe_capture(options->file, options->json);
             return is_picture_file(options->file) ? describe_pictures(*options)
                                                   : describe_scene(*options);
           }};

@@ -120,7 +120,7 @@ TEST(BakePhotographs, what_cannot_be_baked_is_refused) {
   EXPECT_FALSE(bake_photographs(photographs, options));
   options.reproject.box = {{10, 10, 10}, {11, 11, 11}};
   EXPECT_FALSE(bake_photographs(photographs, options));
-  options.kind = PhotographViews::at_cameras;
+  options.kind = PhotographViews::around;
   EXPECT_FALSE(bake_photographs(photographs, options));
   EXPECT_FALSE(bake_photographs({}, options));
 }

@@ -5,6 +5,9 @@
 """
 
 import json
+import math
+import struct
+import zlib
 
 import command
 from command import TEAPOTS, files_below
@@ -178,6 +181,81 @@ class Method(command.Case):
     def test_pictures_that_are_baked_are_not_saved_a_frame_at_a_time(self):
         self.refused(["render", TEAPOTS, "--method", "layered", "--save-pictures", self.folder,
                       "-o", self.folder / "out"], "rilievo bake")
+
+
+class Capture(command.Case):
+    """Photographs with depth and their poses: a wall at two metres, seen from three places."""
+
+    SIZE = (64, 48)
+
+    def png(self, bits, rows):
+        def chunk(kind, body):
+            return (struct.pack(">I", len(body)) + kind + body +
+                    struct.pack(">I", zlib.crc32(kind + body)))
+        head = struct.pack(">IIBBBBB", *self.SIZE, bits, 0 if bits == 16 else 2, 0, 0, 0)
+        return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) +
+                chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) +
+                chunk(b"IEND", b""))
+
+    def setUp(self):
+        super().setUp()
+        self.capture = self.folder / "capture"
+        self.capture.mkdir()
+        width, height = self.SIZE
+        (self.capture / "camera-intrinsics.txt").write_text("60 0 31.5 0 60 23.5 0 0 1")
+        for i in range(3):
+            frame = self.capture / f"frame-{i:06}"
+            frame.with_suffix(".color.png").write_bytes(self.png(8, [
+                bytes(v for x in range(width) for v in (4 * x, 5 * y, 90)) for y in range(height)]))
+            frame.with_suffix(".depth.png").write_bytes(self.png(16, [
+                struct.pack(">H", 2000) * width] * height))
+            a = 0.1 * i  # radians, turned about the vertical
+            frame.with_suffix(".pose.txt").write_text(
+                f"{math.cos(a)} 0 {math.sin(a)} {0.1 * i}\n0 1 0 0\n"
+                f"{-math.sin(a)} 0 {math.cos(a)} 0\n0 0 0 1\n")
+
+    def test_info_says_what_it_holds(self):
+        text = self.succeeds("info", self.capture).stdout
+        self.assertIn("frames     3", text)
+        self.assertIn("64 x 48", text)
+        info = json.loads(self.succeeds("info", self.capture, "--json", "-").stdout)
+        self.assertEqual((info["schema"], info["frames"], info["size"]),
+                         ("rilievo-info-1", 3, [64, 48]))
+        self.assertGreater(info["bounds"][1][2], 1.9)
+
+    def test_it_is_baked_and_drawn_and_its_holes_are_told(self):
+        out = self.folder / "wall.exr"
+        for arguments, views in (((), 3), (("--around", "--views", "12", "--size", "32"), None)):
+            with self.subTest(arguments):
+                done = self.succeeds("bake", self.capture, *arguments, "-o", out, "--json", "-")
+                baked = json.loads(done.stdout)
+                self.assertEqual(baked["photographs"], 3)
+                if views:
+                    self.assertEqual(baked["views"], views)
+                self.assertGreater(baked["filled_texels"], 100)
+                self.assertTrue(0 < baked["hole_share"] < 1)
+                self.assertIn("holes", self.succeeds("bake", self.capture, *arguments,
+                                                     "-o", out).stdout)
+                self.succeeds("render", out, "--size", "32x32", "--frames", "1", "-o",
+                              self.folder / "frames")
+
+    def test_only_what_lies_in_the_box(self):
+        done = self.succeeds("bake", self.capture, "--box", "-0.3,-0.3,1,0.3,0.3,3", "-o",
+                             self.folder / "part.exr", "--json", "-")
+        self.assertEqual(json.loads(done.stdout)["box"][0][2], 1)
+
+    def test_what_cannot_be_baked_is_told_in_one_line(self):
+        out = ("-o", self.folder / "out.exr")
+        bake = ("bake", self.capture)
+        self.refused((*bake, "--box", "1,1,1,0,0,0", *out), "--box")
+        self.refused((*bake, "--box", "1,1,1", *out), "--box")
+        self.refused((*bake, "--box", "8,8,8,9,9,9", *out), self.capture)
+        self.refused(("bake", TEAPOT, "--around", *out), "--around")
+        pose = self.capture / "frame-000001.pose.txt"
+        pose.write_text("nan " * 16)
+        self.refused((*bake, *out), pose.name)
+        self.refused(("info", self.capture), pose.name)
+        self.assertFalse((self.folder / "out.exr").exists())
 
 
 if __name__ == "__main__":
