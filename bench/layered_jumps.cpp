@@ -29,14 +29,15 @@ glm::dvec3 on_orbit(double degrees) {
 }
 
 struct Way {
+  const char* figure;
   const char* name;
   LayeredMethod method;
   bool fade;
 };
-constexpr Way kWays[] = {{"slices_switch", LayeredMethod::slices, false},
-                         {"slices_fade", LayeredMethod::slices, true},
-                         {"surfaces_switch", LayeredMethod::surfaces, false},
-                         {"surfaces_fade", LayeredMethod::surfaces, true}};
+constexpr Way kWays[] = {{"slices_switch", "slices, switched", LayeredMethod::slices, false},
+                         {"slices_fade", "slices, faded", LayeredMethod::slices, true},
+                         {"surfaces_switch", "surfaces, switched", LayeredMethod::surfaces, false},
+                         {"surfaces_fade", "surfaces, faded", LayeredMethod::surfaces, true}};
 
 }  // namespace
 
@@ -106,7 +107,7 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
         jump = std::max(jump, more);
         sum += more;
       }
-      report.figures.emplace_back(fmt::format("jump_{}_{}", way.name, count), jump);
+      report.figures.emplace_back(fmt::format("jump_{}_{}", way.figure, count), jump);
       most.push_back(fmt::format("{:.4f}", jump));
       means.push_back(fmt::format("{:.4f}", sum / double(drawn->size())));
       if (count == 12) plot.curves.push_back({way.name, x, *drawn});

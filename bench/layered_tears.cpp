@@ -153,8 +153,10 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   report.tables.push_back(std::move(table));
   report.plots.push_back(std::move(plot));
   report.notes.push_back(
-      "Tears: every fourth of the 32 views, six eyes around each at 4 radii, no neighbours. What "
-      "the walk leaves open is what the picture does not hold; what is above it are tears.");
+      "Tears: every fourth of the 32 views, six eyes around each at 4 radii, no neighbours. The "
+      "walk "
+      "leaves open what the picture does not hold; slices of samples above it are torn. Slices of "
+      "pieces lie below it: they swell by up to a texel over the edges of holes.");
   return Done{};
 }
 
