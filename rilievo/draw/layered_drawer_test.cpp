@@ -125,6 +125,33 @@ TEST_F(LayeredDrawerTest, surfaces_are_what_the_walk_on_the_cpu_finds) {
   }
 }
 
+TEST_F(LayeredDrawerTest, holes_in_pictures_are_looked_through_as_on_the_cpu) {
+  std::vector<DepthImage> views = test_shapes::cast_views(
+      test_shapes::jug(), make_view_set({.spread = ViewSpread::faces_12}), {.size = 64});
+  // Each lost another square; its colour stays, by which a hole is known from nothing.
+  for (std::size_t v = 0; v < views.size(); ++v)
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 20; ++x)
+        views[v].depth(12 + int(v) % 3 * 10 + x, 12 + int(v) / 3 % 3 * 10 + y) = kNoDepth;
+  const Result<LayeredImpostor> impostor = make_layered_impostor(views, {});
+  ASSERT_TRUE(impostor.ok());
+  auto pictures = LayeredPictures::create(*impostor);
+  ASSERT_TRUE(pictures.ok()) << pictures.error().message();
+  std::mt19937 rng(7);
+  Difference d;
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_FALSE(impostor->complete[std::size_t(i)]);
+    const Camera camera = frame_camera(impostor->bounds, random_direction(rng), 3);
+    const Drawn drawn = draw(*pictures, camera, {.handover = 0.25});
+    compare(warp_surfaces(*impostor, camera, {.handover = 0.25}), drawn, 2e-3, d);
+  }
+  EXPECT_GT(d.pixels, 8000);
+  // As above.
+  EXPECT_LT(d.coverage, d.pixels / 200);
+  EXPECT_LT(d.depth, d.pixels / 50);
+  EXPECT_LT(d.color, d.pixels / 40);
+}
+
 TEST_F(LayeredDrawerTest, a_view_that_begins_to_fade_in_changes_nothing_yet) {
   const LayeredImpostor impostor = jug_impostor();
   auto pictures = LayeredPictures::create(impostor);
