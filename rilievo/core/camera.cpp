@@ -156,6 +156,7 @@ Result<> validate(const Camera& camera) {
     for (int r = 0; r < 3; ++r)
       if (std::abs(gram[c][r] - (c == r ? 1.0 : 0.0)) > 1e-6)
         return Error{"camera", "the axes are not orthonormal"};
+  if (glm::determinant(axes) < 0) return Error{"camera", "the axes are mirrored"};
   const glm::dvec4 last_row{camera.world_from_eye[0][3], camera.world_from_eye[1][3],
                             camera.world_from_eye[2][3], camera.world_from_eye[3][3]};
   if (last_row != glm::dvec4(0, 0, 0, 1)) return Error{"camera", "the pose is not affine"};

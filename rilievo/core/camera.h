@@ -68,7 +68,8 @@ struct Camera {
 [[nodiscard]] Result<Camera> tight_camera(Projection projection, const glm::dvec3& eye,
                                           const glm::dvec3& up, const Box& box);
 
-// Is every number finite, the frustum not degenerate, and the pose rigid (to 1e-6)?
+// Is every number finite, the frustum not degenerate, and the pose rigid (to 1e-6),
+// not mirrored?
 [[nodiscard]] Result<> validate(const Camera& camera);
 
 }  // namespace rilievo

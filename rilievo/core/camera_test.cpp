@@ -74,6 +74,8 @@ TEST(Camera, validate_refuses_what_is_not_a_camera) {
   EXPECT_FALSE(validate(c).ok());
   c = good, c.world_from_eye[0] *= 2.0;
   EXPECT_FALSE(validate(c).ok());
+  c = good, c.world_from_eye[0] *= -1.0;
+  EXPECT_EQ(validate(c).error().reason, "the axes are mirrored");
   c = good, c.window.right = c.window.left;
   EXPECT_FALSE(validate(c).ok());
   c = good, c.z_near = 0;
