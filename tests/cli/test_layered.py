@@ -151,6 +151,105 @@ class Baked(command.Case):
         self.assertFalse((self.folder / "out").exists())
 
 
+def attribute(name, kind, value):
+    return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+
+def exr(channels, matrices, size=4):
+    """A picture of `size` x `size` texels, not compressed, every texel {channel: value}."""
+    box = struct.pack("<4i", 0, 0, size - 1, size - 1)
+    listed = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1)
+                      for name in sorted(channels)) + b"\0"
+    header = struct.pack("<II", 20000630, 2)
+    header += attribute("channels", "chlist", listed)
+    header += attribute("compression", "compression", b"\0")
+    header += attribute("dataWindow", "box2i", box) + attribute("displayWindow", "box2i", box)
+    header += attribute("lineOrder", "lineOrder", b"\0")
+    header += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    header += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+    header += attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+    for name, rows in matrices.items():
+        header += attribute(name, "m44f", struct.pack("<16f", *(x for row in rows for x in row)))
+    header += b"\0"
+    line = b"".join(struct.pack(f"<{size}f", *[channels[name]] * size) for name in sorted(channels))
+    lines = [struct.pack("<ii", y, len(line)) + line for y in range(size)]
+    first = len(header) + 8 * size
+    offsets = b"".join(struct.pack("<Q", first + y * len(lines[0])) for y in range(size))
+    return header + offsets + b"".join(lines)
+
+
+class Foreign(command.Case):
+    """Files that are no layered impostor, or no longer one."""
+
+    CHANNELS = {"R": 0.5, "G": 0.25, "B": 0.125, "Z": 3.0}
+    # An eye at the origin that looks along -z, 90 degrees wide.
+    MATRICES = {"worldToCamera": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]],
+                "worldToNDC": [[0.5, 0, 0, 0], [0, -0.5, 0, 0], [-0.5, -0.5, -1, -1],
+                               [0, 0, -0.1, 0]]}
+
+    def refuses(self, content, *named):
+        file = self.write("file.exr", content)
+        for arguments in (["render", file, "-o", self.folder / "out"],
+                          ["compare", file, "--scene", TEAPOT, "-o", self.folder / "out"]):
+            with self.subTest(arguments):
+                self.refused(arguments, file, *named)
+        self.assertFalse((self.folder / "out").exists())
+
+    def matrix(self, name, change):
+        rows = [list(row) for row in self.MATRICES[name]]
+        change(rows)
+        return {**self.MATRICES, name: rows}
+
+    def test_a_picture_of_another_program_is_drawn_but_is_no_layered_impostor(self):
+        file = self.write("file.exr", exr(self.CHANNELS, self.MATRICES))
+        self.succeeds("render", file, "-o", self.folder / "out")
+        self.assertEqual(list(files_below(self.folder / "out")), ["frame_00000.png"])
+        self.refused(["compare", file, "--scene", TEAPOT, "-o", self.folder / "report"], file,
+                     "not a layered impostor")
+        self.refused(["view", file], file, "not a layered impostor")
+
+    def test_missing_channels_are_named(self):
+        for name in self.CHANNELS:
+            kept = {key: value for key, value in self.CHANNELS.items() if key != name}
+            self.refuses(exr(kept, self.MATRICES), f"no channel {name}")
+
+    def test_depths_and_colours_that_are_no_numbers(self):
+        for name, value, reason in (("Z", math.nan, "not a number"), ("Z", -1.0, "negative"),
+                                    ("R", math.nan, "not finite"), ("G", math.inf, "not finite")):
+            self.refuses(exr({**self.CHANNELS, name: value}, self.MATRICES), reason)
+
+    def test_matrices_that_are_no_camera(self):
+        self.refuses(exr(self.CHANNELS, {}), "no camera")
+        changes = (lambda m: m[0].__setitem__(0, math.nan), lambda m: m.__setitem__(1, [0] * 4),
+                   lambda m: m[0].__setitem__(0, -m[0][0]), lambda m: m[3].__setitem__(0, math.inf))
+        for change in changes:
+            for name in self.MATRICES:
+                self.refuses(exr(self.CHANNELS, self.matrix(name, change)))
+
+    def test_a_layered_impostor_that_somebody_damaged(self):
+        whole = self.folder / "whole.exr"
+        self.succeeds("bake", TEAPOT, "--views", "12", "--size", "16", "--layers", "24", "-o", whole)
+        data = whole.read_bytes()
+
+        def patched(name, kind, at, value):
+            """With bytes of the first picture's attribute replaced."""
+            begin = data.index(f"{name}\0{kind}\0".encode()) + len(name) + len(kind) + 2 + 4 + at
+            return data[:begin] + value + data[begin + len(value):]
+
+        pose = struct.unpack_from("<3d", data, data.index(b"rilievo.worldFromEye\0m44d\0") + 30)
+        for value, reason in ((struct.pack("<d", math.nan), "not finite"),
+                              (struct.pack("<3d", 0, 0, 0), "orthonormal"),
+                              (struct.pack("<3d", *(-x for x in pose)), "mirrored")):
+            self.refuses(patched("rilievo.worldFromEye", "m44d", 0, value), "part 0", reason)
+        for name, value in (("windowMax", -9.0), ("windowMin", math.nan), ("depthRange", math.inf)):
+            self.refuses(patched(f"rilievo.{name}", "v2d", 0, struct.pack("<d", value)), "part 0")
+        self.refuses(patched("rilievo.size", "v2i", 0, struct.pack("<i", 17)), "resized")
+        self.refuses(patched("rilievo.file.slicing", "string", 0, b"0 "), "slice views")
+        self.refuses(patched("rilievo.picture.fills", "string", 0, b"xx"), "fills holes")
+        # It no longer says what it is: pictures that no nailboard can show.
+        self.refuses(patched("rilievo.file.representation", "string", 0, b"L"), "")
+
+
 class Method(command.Case):
     """Drawn of any scene, baked before the first frame."""
 
