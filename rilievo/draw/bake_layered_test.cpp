@@ -41,6 +41,8 @@ TEST_F(BakeLayered, shows_what_rays_show) {
   EXPECT_EQ(total, 12);
   EXPECT_EQ(baked->views.directions.size(), 12u);
   EXPECT_FALSE(baked->fills.empty());
+  // Views that are tight around the object know that nothing is beside it.
+  for (std::size_t v = 0; v < baked->pictures.size(); ++v) EXPECT_TRUE(baked->complete[v]) << v;
 
   const auto cast = test_shapes::cast_views(scene, make_view_set(options.views), options.camera);
   ASSERT_EQ(cast.size(), baked->pictures.size());

@@ -42,8 +42,8 @@ bool lacks_samples(const DepthImage& picture) {
   return false;
 }
 
-// Pieces may reach over their picture's edge, and another picture's pieces a little over this
-// one's: two texels' worth is not missed.
+// Of the samples: their pieces may reach over the edge of a picture that is tight around the
+// object.
 bool holds(const Camera& camera, const Box& bounds) {
   constexpr double kSlack = 2;
   for (const glm::vec3& corner : bounds.corners()) {
@@ -127,6 +127,7 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
   LayeredImpostor impostor;
   impostor.slicing = options;
   std::vector<glm::dvec3> directions;
+  Box samples;  // without the pieces around them, which reach over the edges
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const DepthImage& picture = pictures[i];
     const std::string where = "picture " + std::to_string(i);
@@ -145,6 +146,8 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
     for (int y = 0; y < eye_z.height(); ++y)
       for (int x = 0; x < eye_z.width(); ++x) {
         if (eye_z(x, y) == kNoDepth) continue;
+        samples.add(
+            glm::vec3(world_from_raster(picture.camera, {x + 0.5, y + 0.5}, double(eye_z(x, y)))));
         // A sample stands for a piece of surface over its whole texel.
         const DepthInterval interval = depth_interval(surface.texels(x, y));
         for (int corner = 0; corner < 8; ++corner)
@@ -160,7 +163,7 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
   for (const TexelSurface& surface : impostor.surfaces)
     impostor.slices.push_back(slice_surface(surface, options));
   for (const DepthImage& picture : pictures)
-    impostor.complete.push_back(holds(picture.camera, impostor.bounds) && !lacks_samples(picture));
+    impostor.complete.push_back(holds(picture.camera, samples) && !lacks_samples(picture));
   impostor.views = view_set_from_directions(std::move(directions));
   impostor.pictures = std::move(pictures);
   return impostor;

@@ -75,8 +75,8 @@ struct LayeredImpostor {
   std::vector<TexelSurface> surfaces;      // one a picture
   std::vector<std::vector<Slice>> slices;  // one list a picture, by ascending layer
   // One a picture: where it shows nothing, does it know that nothing is there? Not if its frustum
-  // leaves out some of the bounds, or if it lacks samples, as one made of photographs may (S2.7):
-  // such texels have colour, but no depth.
+  // leaves out where other pictures have samples, or if it lacks samples, as one made of
+  // photographs may (S2.7): such texels have colour, but no depth.
   std::vector<bool> complete;
   std::vector<FillSlices> fills;  // not found yet, or one for each ordered pair of
                                   // neighbours, ascending
