@@ -58,6 +58,7 @@ LayeredImpostor alone(const LayeredImpostor& impostor, std::size_t view, const W
   one.views = view_set_from_directions({impostor.views.directions[view]});
   one.pictures = {impostor.pictures[view]};
   one.surfaces = {impostor.surfaces[view]};
+  one.complete = {impostor.complete[view]};
   if (!way.solid)
     for (SurfaceTexel& texel : one.surfaces[0].texels.texels()) texel.inside = 0;
   one.slices = {slice_surface(one.surfaces[0], one.slicing)};
