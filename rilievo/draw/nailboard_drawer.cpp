@@ -126,10 +126,8 @@ void NailboardDrawer::draw_cells(const PictureAtlas& atlas, DepthMode mode,
   const bool objects = output == shader::NailboardOutput::objects;
   glUseProgram(programs_[int(mode)][int(output)]);
   glUniformMatrix4fv(0, 1, GL_FALSE, &clip_from_relative_[0][0]);
-  const float steps = float(delta_steps(atlas.delta_bits()));
-  glUniform1f(1, (atlas.delta_bits() > 8 ? 65535.0f : 255.0f) / steps);
-  // Half a step above 1: the reserved code is a whole step above.
-  glUniform1f(2, 1.0f + 0.5f / steps);
+  glUniform1f(1, atlas.delta_scale());
+  glUniform1f(2, atlas.largest_delta());
   glBindTextureUnit(0, atlas.color_texture());
   glBindTextureUnit(1, atlas.delta_texture());
   if (objects) glBindTextureUnit(2, atlas.object_texture());

@@ -184,7 +184,7 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   glBindTextureUnit(1, capture_depth_);
   glUniform2i(0, slot.x, slot.y);
   glUniform1f(1, float(delta_steps(options_.delta_bits)));
-  glUniform1f(2, options_.delta_bits > 8 ? 65535.0f : 255.0f);
+  glUniform1f(2, largest_code());
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   reduce_to_blocks(slot);
@@ -202,11 +202,10 @@ void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
   glUseProgram(reduce_);
   glBindTextureUnit(0, color_);
   glBindTextureUnit(1, delta_);
-  const float steps = float(delta_steps(options_.delta_bits));
   glUniform3i(0, slot.x, slot.y, slot.layer);
   glUniform2i(1, slot.width, slot.height);
-  glUniform1f(2, (options_.delta_bits > 8 ? 65535.0f : 255.0f) / steps);
-  glUniform1f(3, 1.0f + 0.5f / steps);
+  glUniform1f(2, delta_scale());
+  glUniform1f(3, largest_delta());
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   unread_.push_back(slot);

@@ -52,6 +52,15 @@ class PictureAtlas {
   void narrow(const AtlasSlot& slot, PictureGeometry& geometry);
 
   [[nodiscard]] int delta_bits() const { return options_.delta_bits; }
+  // What a shader makes of the Delta texture's values: times delta_scale() they are Delta; above
+  // largest_delta(), half a step above 1, is the reserved code, a whole step above.
+  [[nodiscard]] float largest_code() const { return options_.delta_bits > 8 ? 65535.0f : 255.0f; }
+  [[nodiscard]] float delta_scale() const {
+    return largest_code() / float(delta_steps(options_.delta_bits));
+  }
+  [[nodiscard]] float largest_delta() const {
+    return 1.0f + 0.5f / float(delta_steps(options_.delta_bits));
+  }
   // Texels a side of the largest picture; smaller under a small budget.
   [[nodiscard]] int max_picture_size() const { return capture_size_; }
   [[nodiscard]] const AtlasAllocator& allocator() const { return allocator_; }

@@ -25,18 +25,24 @@ PictureBlocks::PictureBlocks(int layers)
     : blocks_(std::size_t(layers) * kLayerBlocks * kLayerBlocks),
       cells_(std::size_t(layers) * kLayerCells * kLayerCells, 255) {}
 
+std::size_t PictureBlocks::first_block(const AtlasSlot& slot) {
+  return (std::size_t(slot.layer) * kLayerBlocks + std::size_t(slot.y) / kBlockTexels) *
+             kLayerBlocks +
+         std::size_t(slot.x) / kBlockTexels;
+}
+
+std::size_t PictureBlocks::first_cell(const AtlasSlot& slot) {
+  return (std::size_t(slot.layer) * kLayerCells + std::size_t(slot.y) / kCellTexels) * kLayerCells +
+         std::size_t(slot.x) / kCellTexels;
+}
+
 void PictureBlocks::assign(const AtlasSlot& slot, std::span<const PictureBlock> blocks) {
   const int columns = blocks_across(slot.width), rows = blocks_across(slot.height);
   RILIEVO_EXPECTS_EQ(blocks.size(), std::size_t(columns) * std::size_t(rows));
-  const std::size_t row0 =
-      std::size_t(slot.layer) * kLayerBlocks + std::size_t(slot.y) / kBlockTexels;
-  const std::size_t column0 = std::size_t(slot.x) / kBlockTexels;
   for (int y = 0; y < rows; ++y)
-    std::copy_n(blocks.begin() + std::ptrdiff_t(y) * columns, columns,
-                blocks_.begin() + std::ptrdiff_t((row0 + std::size_t(y)) * kLayerBlocks + column0));
-  const std::size_t cell_row0 =
-      std::size_t(slot.layer) * kLayerCells + std::size_t(slot.y) / kCellTexels;
-  const std::size_t cell_column0 = std::size_t(slot.x) / kCellTexels;
+    std::copy_n(
+        blocks.begin() + std::ptrdiff_t(y) * columns, columns,
+        blocks_.begin() + std::ptrdiff_t(first_block(slot) + std::size_t(y) * kLayerBlocks));
   for (int y = 0; y < cells_across(slot.height); ++y)
     for (int x = 0; x < cells_across(slot.width); ++x) {
       std::uint8_t nearest = 255;
@@ -44,18 +50,17 @@ void PictureBlocks::assign(const AtlasSlot& slot, std::span<const PictureBlock> 
         for (int bx = x * kCellBlocks; bx < std::min(columns, (x + 1) * kCellBlocks); ++bx)
           nearest = std::min(
               nearest, blocks[std::size_t(by) * std::size_t(columns) + std::size_t(bx)].nearest);
-      cells_[(cell_row0 + std::size_t(y)) * kLayerCells + cell_column0 + std::size_t(x)] = nearest;
+      cells_[first_cell(slot) + std::size_t(y) * kLayerCells + std::size_t(x)] = nearest;
     }
 }
 
 PictureBlocksView PictureBlocks::view(const AtlasSlot& slot) const {
-  const std::size_t block =
-      (std::size_t(slot.layer) * kLayerBlocks + std::size_t(slot.y) / kBlockTexels) * kLayerBlocks +
-      std::size_t(slot.x) / kBlockTexels;
-  const std::size_t cell =
-      (std::size_t(slot.layer) * kLayerCells + std::size_t(slot.y) / kCellTexels) * kLayerCells +
-      std::size_t(slot.x) / kCellTexels;
-  return {&blocks_[block], &cells_[cell], kLayerBlocks, kLayerCells, slot.width, slot.height};
+  return {&blocks_[first_block(slot)],
+          &cells_[first_cell(slot)],
+          kLayerBlocks,
+          kLayerCells,
+          slot.width,
+          slot.height};
 }
 
 }  // namespace rilievo

@@ -69,6 +69,10 @@ class PictureBlocks {
   static constexpr int kLayerCells = AtlasAllocator::kLayerSize / kCellTexels;
 
  private:
+  // Of a slot's lower left corner.
+  [[nodiscard]] static std::size_t first_block(const AtlasSlot& slot);
+  [[nodiscard]] static std::size_t first_cell(const AtlasSlot& slot);
+
   std::vector<PictureBlock> blocks_;  // by layer, row, column
   std::vector<std::uint8_t> cells_;
 };
