@@ -98,8 +98,9 @@ bool capture(Cut& cut, Entity e) {
   // Of a frame that begins with polygons all over, only some fade.
   const bool over_pictures =
       cut.valid(cut.picture_of(cut.state.current, e)) || cut.pictures_cover_below(e);
-  if (!over_pictures && cut.may_fade_over_below(e)) cut.faded_triangles += cut.triangles_of(e);
-  if (over_pictures || (cut.may_fade_over_below(e) && cut.faded_triangles <= kMostFadedTriangles))
+  const bool over_polygons = !over_pictures && made.triangles <= kFadedTriangles;
+  if (over_polygons) cut.faded_triangles += made.triangles;
+  if (over_pictures || (over_polygons && cut.faded_triangles <= kMostFadedTriangles))
     picture.fade_length = std::uint16_t(fade_length(picture.lead, options));
   picture.held = true;
 
