@@ -54,10 +54,12 @@ struct Tally {
     }
   }
 
-  // `true_change`: FLIP map between the true frame and the one before it; empty for the first.
-  void add_change(const Rgba8Image& frame, const Image<float>& true_change) {
+  // FLIP maps between the true frame and the one before it, and between `frame` and the one before
+  // it; empty for the first.
+  void add_change(const Rgba8Image& frame, const Image<float>& true_change,
+                  const Image<float>& change) {
     if (!true_change.empty()) {
-      const Pop now = largest_pop(true_change, change_to(frame));
+      const Pop now = largest_pop(true_change, change);
       pop = {std::max(pop.frame, now.frame), std::max(pop.tile, now.tile)};
     }
     last = frame;
@@ -145,7 +147,9 @@ Result<Report> compare(std::span<const ComparedSource> sources,
       const Image<float> true_change =
           options.pop ? tallies[0].change_to(truth.color) : Image<float>();
       for (std::size_t s = 0; s < sources.size(); ++s) {
-        if (options.pop) tallies[s].add_change(drawn[s][i].color, true_change);
+        if (options.pop)
+          tallies[s].add_change(drawn[s][i].color, true_change,
+                                s == 0 ? true_change : tallies[s].change_to(drawn[s][i].color));
         tallies[s].add_frame(truth, drawn[s][i]);
         if (!shown) continue;
         tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));
