@@ -84,6 +84,9 @@ LayeredError bound_layered_error_from(const LayeredErrorFigures& figures, bool s
   };
   error.surface_px = pixels(error.surface_m);
   error.sample_px = pixels(error.sample_m);
+  const double placed_m = (sliced ? figures.slice : 0) + figures.texel;
+  // Polygons are off by half a pixel's diagonal too.
+  error.total_px = std::max(0.0, pixels(placed_m) - std::sqrt(0.5));
   return error;
 }
 

@@ -39,6 +39,10 @@ struct LayeredErrorFigures {
 struct LayeredError {
   double surface_m = 0, sample_m = 0;    // metres of the frame's world: on the screen and in depth
   double surface_px = 0, sample_px = 0;  // between where a point is drawn and where it belongs
+  // As PictureError::total_px, for every pixel centre q that shows a sample, whose position
+  // projects to s: |q - s| <= total_px + sqrt(1/2). That is the sample's slice and its texel, but
+  // not how far its piece stretches towards the next sample, where a flat picture leaves a gap.
+  double total_px = 0;
 };
 
 // O(1). `bounds` are the impostor's; `world_from_impostor` as in drawing, a rigid motion or uniform

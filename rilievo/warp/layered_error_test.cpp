@@ -90,11 +90,10 @@ struct Tally {
   int cases = 0, points = 0, violations = 0;
   std::vector<double> tightness;  // bound over the largest error of a case, pixels
 
-  void add(const LayeredError& bound, double worst_px, int points_of_case) {
+  void add(double bound_px, double worst_px, int points_of_case) {
     points += points_of_case;
     cases += points_of_case > 0;
-    if (worst_px > 0 && std::isfinite(bound.sample_px))
-      tightness.push_back(bound.sample_px / worst_px);
+    if (worst_px > 0 && std::isfinite(bound_px)) tightness.push_back(bound_px / worst_px);
   }
   double least() const { return *std::min_element(tightness.begin(), tightness.end()); }
   double median() {
@@ -109,7 +108,7 @@ constexpr double kRounding = 1e-5;
 TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed) {
   std::mt19937 rng(11);
   constexpr int kFrame = 16;
-  Tally tally;
+  Tally tally, placed;  // of all points, and of those of slices that hold the sample itself
   int on_pieces = 0, off_pieces = 0;
   double worst_aside = 0;  // over the bound
   for (int object = 0; object < 24; ++object) {
@@ -122,8 +121,8 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
       const std::vector<SliceDraw> draws = slices_for_eye(impostor, camera.position(), eye % 2);
       Image<int> drawn;
       const DepthImage frame = warp_slices(impostor, draws, camera, &drawn);
-      double worst_px = 0;
-      int points = 0;
+      double worst_px = 0, worst_placed_px = 0;
+      int points = 0, placed_points = 0;
       for (int y = 0; y < kFrame; ++y)
         for (int x = 0; x < kFrame; ++x) {
           if (drawn(x, y) < 0) continue;
@@ -145,6 +144,12 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
           worst_px = std::max(worst_px, px);
           tally.violations += glm::distance(point, sample) > bound.sample_m + kRounding ||
                               px > bound.sample_px * (1 + kRounding);
+          const float sample_z = 1 / surface.texels(texel.x, texel.y).q;
+          if (slice.front <= sample_z && sample_z < slice.back) {
+            ++placed_points;
+            worst_placed_px = std::max(worst_placed_px, px);
+            placed.violations += px > (bound.total_px + std::sqrt(0.5)) * (1 + kRounding);
+          }
           if (points++ % 5 || !impostor.slicing.pieces) continue;
           double slack = 0;
           const double aside = distance_to_piece(surface, texel, point, slack);
@@ -152,9 +157,15 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
           off_pieces += aside > bound.surface_m + slack;
           worst_aside = std::max(worst_aside, aside / bound.surface_m);
         }
-      tally.add(bound, worst_px, points);
+      tally.add(bound.sample_px, worst_px, points);
+      placed.add(bound.total_px + std::sqrt(0.5), worst_placed_px, placed_points);
     }
   }
+  EXPECT_GT(placed.points, 20000);
+  EXPECT_EQ(placed.violations, 0);
+  EXPECT_GE(placed.least(), 1);
+  RecordProperty("placed_tightness_median", std::to_string(placed.median()));
+  EXPECT_LT(placed.median(), 6);
   EXPECT_GT(on_pieces, 5000);
   EXPECT_EQ(off_pieces, 0);
   EXPECT_GT(worst_aside, 0.5);
@@ -172,7 +183,7 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
 TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claimed) {
   std::mt19937 rng(12);
   constexpr int kFrame = 16;
-  Tally tally;
+  Tally tally, placed;  // of all points, and of texels' corners as deep as their samples
   for (int object = 0; object < 24; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
     const LayeredErrorFigures figures = layered_error_figures(impostor);
@@ -182,7 +193,7 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
           bound_layered_error(figures, false, impostor.bounds, glm::dmat4(1), camera);
       EXPECT_EQ(bound.surface_px, 0);
       const int view = int(rng() % impostor.pictures.size());
-      double worst_px = 0;
+      double worst_px = 0, worst_placed_px = 0;
       int points = 0;
       for (int y = 0; y < kFrame; ++y)
         for (int x = 0; x < kFrame; ++x) {
@@ -199,10 +210,24 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
           worst_px = std::max(worst_px, px);
           tally.violations += glm::distance(point, sample) > bound.sample_m + kRounding ||
                               px > bound.sample_px * (1 + kRounding);
+          for (int corner = 0; corner < 4; ++corner) {
+            const double off = pixels_between(
+                camera, sample,
+                world_from_raster(surface.camera,
+                                  glm::dvec2(walk.texel + glm::ivec2(corner % 2, corner / 2)),
+                                  1 / double(surface.texels(walk.texel.x, walk.texel.y).q)));
+            worst_placed_px = std::max(worst_placed_px, off);
+            placed.violations += off > (bound.total_px + std::sqrt(0.5)) * (1 + kRounding);
+          }
         }
-      tally.add(bound, worst_px, points);
+      tally.add(bound.sample_px, worst_px, points);
+      placed.add(bound.total_px + std::sqrt(0.5), worst_placed_px, points);
     }
   }
+  EXPECT_EQ(placed.violations, 0);
+  EXPECT_GE(placed.least(), 1);
+  RecordProperty("placed_tightness_median", std::to_string(placed.median()));
+  EXPECT_LT(placed.median(), 6);
   EXPECT_GE(tally.cases, 2000);
   EXPECT_GT(tally.points, 50000);
   EXPECT_EQ(tally.violations, 0);
