@@ -112,12 +112,12 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
     Result<BakeOptions> bake = bake_options(options.bake);
     if (!bake) return bake.error();
     LayeredFramesOptions layered;
-    layered.bake = *bake;
+    layered.impostors.bake = *bake;
     layered.layered = layered_options(method, options);
-    layered.max_bytes = std::size_t(options.memory_mb) << 20;
+    layered.impostors.max_bytes = std::size_t(options.memory_mb) << 20;
     layered.max_texel_px = options.texel_px;
     Progress progress("view");
-    layered.bake.progress = [&](int done, int total) { progress.show(done, total); };
+    layered.impostors.bake.progress = [&](int done, int total) { progress.show(done, total); };
     Result<LayeredFrames> made = LayeredFrames::create(renderer, layered);
     if (!made) return made.error();
     return {std::make_unique<LayeredFrames>(std::move(*made))};

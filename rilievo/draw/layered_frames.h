@@ -1,10 +1,5 @@
 // Every heavy object of a scene as a layered impostor: pictures taken from all around once, before
-// the first frame, and never again.
-//
-// Objects of one model whose poses differ by a translation share an impostor: light is baked into
-// it, and only a translation leaves the light where it was (the sun's, that is: lamps and their
-// falloff move along). An object that is turned against another needs pictures of its own. An
-// object that moves carries its impostor along, and with it the light that it was baked in.
+// the first frame, and never again. Which objects share one: object_impostors.h.
 //
 // Polygons are what is light, what the memory has no room for, what blends, what stretches as it
 // moves, and what the eye is too near to.
@@ -14,27 +9,21 @@
 #include <optional>
 #include <vector>
 
-#include "rilievo/draw/bake_layered.h"
 #include "rilievo/draw/frame_source.h"
 #include "rilievo/draw/layered_drawer.h"
+#include "rilievo/draw/object_impostors.h"
 
 namespace rilievo {
 
 struct LayeredFramesOptions {
-  // `fills` is decided by the way they are drawn; `progress` counts the views of all impostors.
-  BakeOptions bake;
+  ObjectImpostorOptions impostors;  // `method` is that of `layered`
   LayeredOptions layered;
-  std::uint64_t min_triangles = 300;               // lighter objects are drawn as polygons
-  std::size_t max_bytes = std::size_t(256) << 20;  // of texture memory; the impostors that stand
-                                                   // for most triangles come first
-  double max_texel_px = 4;                         // an object whose texels would appear larger is
-                                                   // drawn as polygons
+  double max_texel_px = 4;  // an object whose texels would appear larger is drawn as polygons
 };
 
 class LayeredFrames : public FrameSource {
  public:
-  // Bakes at the renderer's time. `renderer` must outlive it. An object that has nothing to take
-  // pictures of stays polygons.
+  // Bakes at the renderer's time. `renderer` must outlive it.
   [[nodiscard]] static Result<LayeredFrames> create(SceneRenderer& renderer,
                                                     const LayeredFramesOptions& options);
 
@@ -45,9 +34,8 @@ class LayeredFrames : public FrameSource {
 
  private:
   struct Impostor {
-    LayeredPictures pictures;
-    glm::dmat4 object_from_impostor{1.0};  // the inverse of the pose that it was baked at
-    glm::dvec3 center{0.0};                // the ball around it, in the world of the baking
+    ObjectImpostor baked;
+    glm::dvec3 center{0.0};  // the ball around it, in the world of the baking
     double radius = 0;
     double texel = 0;  // metres, at the centre
     std::vector<LayeredInstance> instances{};

@@ -61,9 +61,9 @@ class LayeredFramesTest : public testing::Test {
     renderer_.emplace(std::move(*renderer));
     target_.emplace(std::move(*FrameTarget::create(kSize, kSize, 1)));
     probe_.emplace(std::move(*ProbeTarget::create(kSize, kSize)));
-    options_.bake.views.spread = ViewSpread::faces_12;
-    options_.bake.camera.size = 64;
-    options_.bake.slicing.layers = 32;
+    options_.impostors.bake.views.spread = ViewSpread::faces_12;
+    options_.impostors.bake.camera.size = 64;
+    options_.impostors.bake.slicing.layers = 32;
   }
 
   Rgba8Image frame_of(FrameSource& source, const Camera& camera, double time = 0) {
@@ -143,14 +143,14 @@ TEST_F(LayeredFramesTest, only_objects_apart_by_a_translation_share_an_impostor)
 }
 
 TEST_F(LayeredFramesTest, memory_goes_to_those_that_stand_for_most_triangles) {
-  options_.max_bytes = layered_texture_bytes(12, 64, 64, LayeredMethod::surfaces) + 1;
+  options_.impostors.max_bytes = layered_texture_bytes(12, 64, 64, LayeredMethod::surfaces) + 1;
   LayeredFrames frames = make();
   frame_of(frames, camera_from(kEye));
   EXPECT_EQ(frames.figures().captures, 12);
   EXPECT_EQ(frames.figures().pictures, 3);
-  EXPECT_LE(frames.figures().picture_bytes, options_.max_bytes);
+  EXPECT_LE(frames.figures().picture_bytes, options_.impostors.max_bytes);
 
-  options_.max_bytes = 0;
+  options_.impostors.max_bytes = 0;
   LayeredFrames none = make();
   DirectFrames direct(*renderer_);
   EXPECT_EQ(frame_of(none, camera_from(kEye)), frame_of(direct, camera_from(kEye)));
@@ -178,8 +178,8 @@ TEST_F(LayeredFramesTest, what_the_eye_is_too_near_to_is_polygons) {
 
 TEST_F(LayeredFramesTest, an_impostor_from_a_file_draws_like_the_drawer_before_the_sky) {
   const std::uint32_t torus = 2;
-  options_.bake.fills = true;
-  const auto baked = bake_layered(*renderer_, {&torus, 1}, options_.bake);
+  options_.impostors.bake.fills = true;
+  const auto baked = bake_layered(*renderer_, {&torus, 1}, options_.impostors.bake);
   ASSERT_TRUE(baked.ok()) << baked.error().message();
   const Camera camera = camera_from({-3, 3, 5});
   for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
