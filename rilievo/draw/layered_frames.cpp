@@ -8,12 +8,9 @@
 namespace rilievo {
 namespace {
 
-// An eye nearer than so many radii to the centre of the ball around an object sees sides of it that
-// the nearest pictures were not made for.
-constexpr double kNearRadii = 1.2;
-
 // The size of a view's texels where they show the centre, the coarsest view's.
-double texel_at(const LayeredImpostor& impostor, const glm::dvec3& center) {
+double texel_of(const LayeredImpostor& impostor) {
+  const glm::dvec3 center(impostor.bounds.center());
   double texel = 0;
   for (const DepthImage& picture : impostor.pictures) {
     const Camera& c = picture.camera;
@@ -46,9 +43,8 @@ Result<LayeredFrames> LayeredFrames::create(SceneRenderer& renderer,
       frames.impostor_of_[served] = int(frames.impostors_.size());
     frames.figures_.picture_bytes += object.pictures.bytes();
     frames.captures_ += int(impostor.pictures.size());
-    const glm::dvec3 center(impostor.bounds.center());
-    const double radius = impostor.bounds.radius(), texel = texel_at(impostor, center);
-    frames.impostors_.push_back({std::move(object), center, radius, texel});
+    const double texel = texel_of(impostor);
+    frames.impostors_.push_back({std::move(object), texel});
   }
   frames.capture_ms_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -61,11 +57,11 @@ std::optional<LayeredInstance> LayeredFrames::instance_of(std::uint32_t object,
   if (i < 0) return std::nullopt;
   const Impostor& impostor = impostors_[std::size_t(i)];
   const std::optional<glm::dmat4> motion = motion_of(impostor.baked, renderer_.poses()[object]);
-  if (!motion) return std::nullopt;
+  const Box& bounds = impostor.baked.pictures.impostor().bounds;
+  if (!motion || !is_served(bounds, *motion, camera)) return std::nullopt;
   const double scale = glm::length(glm::dvec3((*motion)[0]));
-  const glm::dvec3 center(*motion * glm::dvec4(impostor.center, 1));
+  const glm::dvec3 center(*motion * glm::dvec4(bounds.center(), 1));
   const double distance = glm::length(center - camera.position());
-  if (distance < kNearRadii * scale * impostor.radius) return std::nullopt;
   if (scale * impostor.texel > options_.max_texel_px * texel_angle(camera) * distance)
     return std::nullopt;
   return LayeredInstance{*motion, object + 1};
@@ -90,7 +86,7 @@ Result<> LayeredFrames::draw(const Camera& camera, double time) {
     }
     Impostor& impostor = impostors_[std::size_t(impostor_of_[object])];
     impostor.instances.push_back(*instance);
-    ++figures_.pictures;
+    ++figures_.layered;
     const LayeredError error = bound_layered_error(
         impostor.baked.error, options_.layered.method == LayeredMethod::slices,
         impostor.baked.pictures.impostor().bounds, instance->world_from_impostor, camera);

@@ -35,8 +35,6 @@ class LayeredFrames : public FrameSource {
  private:
   struct Impostor {
     ObjectImpostor baked;
-    glm::dvec3 center{0.0};  // the ball around it, in the world of the baking
-    double radius = 0;
     double texel = 0;  // metres, at the centre
     std::vector<LayeredInstance> instances{};
   };

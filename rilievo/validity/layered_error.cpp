@@ -28,6 +28,42 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 // What a drawer may keep of a texel's interval: 16 bits of the view's range, rounded outwards.
 constexpr double kIntervalStep = 1.0 / 65535;
+// Of the ball around the bounds.
+constexpr double kServedRadii = 1.2;
+
+// Tangent of the angle between the frame's axis and the farthest point of the box that is in the
+// frame, at most.
+double off_axis_tan(const Box& bounds, const glm::dmat4& world_from_impostor, const Camera& frame) {
+  const glm::dmat4 eye_from_impostor = glm::inverse(frame.world_from_eye) * world_from_impostor;
+  const double in_frame = corner_tan(frame);
+  double farthest = 0;
+  for (const glm::vec3& corner : bounds.corners()) {
+    const glm::dvec4 at = eye_from_impostor * glm::dvec4(corner, 1);
+    if (!(at.z < 0)) return in_frame;
+    farthest = std::max(farthest, std::hypot(at.x, at.y) / -at.z);
+  }
+  return std::min(farthest, in_frame);
+}
+
+// For samples at least `distance` metres from the eye and within `off_axis_tan` of the axis.
+LayeredError bound_at(const LayeredErrorFigures& figures, bool sliced, const Camera& frame,
+                      double distance, double off_axis_tan) {
+  RILIEVO_EXPECTS(frame.projection == Projection::perspective);
+  LayeredError error;
+  error.surface_m = sliced ? figures.slice + 2 * figures.texel : 0;
+  error.sample_m = (sliced ? figures.slice : 0) + figures.reach + figures.texel;
+  const auto pixels = [&](double metres) {
+    if (metres == 0) return 0.0;
+    if (!(metres < distance)) return kNever;
+    return pixels_from_angle(frame, off_axis_tan, std::asin(metres / distance));
+  };
+  error.surface_px = pixels(error.surface_m);
+  error.sample_px = pixels(error.sample_m);
+  const double placed_m = (sliced ? figures.slice : 0) + figures.texel;
+  // Polygons are off by half a pixel's diagonal too.
+  error.total_px = std::max(0.0, pixels(placed_m) - std::sqrt(0.5));
+  return error;
+}
 
 }  // namespace
 
@@ -70,24 +106,14 @@ LayeredErrorFigures layered_error_figures(const LayeredImpostor& impostor) {
   return figures;
 }
 
+bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor, const Camera& frame) {
+  const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
+  return glm::length(eye - glm::dvec3(bounds.center())) >= kServedRadii * double(bounds.radius());
+}
+
 LayeredError bound_layered_error_from(const LayeredErrorFigures& figures, bool sliced,
                                       const Camera& frame, double distance) {
-  RILIEVO_EXPECTS(frame.projection == Projection::perspective);
-  LayeredError error;
-  error.surface_m = sliced ? figures.slice + 2 * figures.texel : 0;
-  error.sample_m = (sliced ? figures.slice : 0) + figures.reach + figures.texel;
-  const double corner = corner_tan(frame);
-  const auto pixels = [&](double metres) {
-    if (metres == 0) return 0.0;
-    if (!(metres < distance)) return kNever;
-    return pixels_from_angle(frame, corner, std::asin(metres / distance));
-  };
-  error.surface_px = pixels(error.surface_m);
-  error.sample_px = pixels(error.sample_m);
-  const double placed_m = (sliced ? figures.slice : 0) + figures.texel;
-  // Polygons are off by half a pixel's diagonal too.
-  error.total_px = std::max(0.0, pixels(placed_m) - std::sqrt(0.5));
-  return error;
+  return bound_at(figures, sliced, frame, distance, corner_tan(frame));
 }
 
 LayeredError bound_layered_error(const LayeredErrorFigures& figures, bool sliced, const Box& bounds,
@@ -96,9 +122,9 @@ LayeredError bound_layered_error(const LayeredErrorFigures& figures, bool sliced
   const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
   const glm::dvec3 outside = glm::max(
       glm::max(glm::dvec3(bounds.min) - eye, eye - glm::dvec3(bounds.max)), glm::dvec3(0.0));
-  return bound_layered_error_from(
-      {figures.slice * scale, figures.reach * scale, figures.texel * scale}, sliced, frame,
-      scale * glm::length(outside));
+  return bound_at({figures.slice * scale, figures.reach * scale, figures.texel * scale}, sliced,
+                  frame, scale * glm::length(outside),
+                  off_axis_tan(bounds, world_from_impostor, frame));
 }
 
 }  // namespace rilievo

@@ -52,7 +52,12 @@ struct LayeredError {
                                                const glm::dmat4& world_from_impostor,
                                                const Camera& frame);
 
-// The same for every frame of `frame`'s size and field of view whose eye is at least `distance`
+// Eyes too near to the centre see sides of the object for which the pictures nearest to them were
+// not made, and which may be in none.
+[[nodiscard]] bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor,
+                             const Camera& frame);
+
+// The bound for every frame of `frame`'s size and field of view whose eye is at least `distance`
 // metres from the box.
 [[nodiscard]] LayeredError bound_layered_error_from(const LayeredErrorFigures& figures, bool sliced,
                                                     const Camera& frame, double distance);
