@@ -71,7 +71,7 @@ Result<> LayeredFrames::draw_objects() {
 
 FrameFigures LayeredFrames::figures() const {
   FrameFigures figures;
-  figures.pictures = 1;
+  figures.layered = 1;
   figures.picture_bytes = pictures_.bytes();
   return figures;
 }

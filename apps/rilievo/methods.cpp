@@ -24,6 +24,28 @@ LayeredOptions layered_options(const std::string& method, const MethodOptions& o
   return layered;
 }
 
+// What is baked before the first frame.
+Result<ObjectImpostorOptions> impostor_options(const MethodOptions& options, Progress& progress) {
+  Result<BakeOptions> bake = bake_options(options.bake);
+  if (!bake) return bake.error();
+  ObjectImpostorOptions impostors;
+  impostors.bake = std::move(*bake);
+  impostors.bake.progress = [&](int done, int total) { progress.show(done, total); };
+  return impostors;
+}
+
+Result<> add_baked(ImageCache& cache, const MethodOptions& options, SceneRenderer& renderer) {
+  Progress progress("view");
+  Result<ObjectImpostorOptions> impostors = impostor_options(options, progress);
+  if (!impostors) return impostors.error();
+  const LayeredOptions layered = layered_options("cache", options);
+  impostors->method = layered.method;
+  impostors->max_bytes = std::size_t(options.bake_mb) << 20;
+  Result<std::vector<ObjectImpostor>> baked = bake_object_impostors(renderer, *impostors);
+  if (!baked) return baked.error();
+  return cache.add_baked(std::move(*baked), layered);
+}
+
 }  // namespace
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
@@ -54,11 +76,18 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
                   "which makes runs repeatable)")
       ->check(CLI::Range(0.1, 1000.0))
       ->type_name("T");
+  command
+      .add_option("--bake-mb", options.bake_mb,
+                  "cache: of its memory, so much is for layered impostors of heavy objects, baked "
+                  "before the first frame (default 0)")
+      ->check(CLI::Range(0, 65536))
+      ->type_name("MB");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
   command
-      .add_option("--warp", options.warp,
-                  "layered: walk through the pictures' surfaces, or draw their slices, which is "
-                  "layered-slices (default surfaces)")
+      .add_option(
+          "--warp", options.warp,
+          "cache, layered: walk through the pictures' surfaces, or draw their slices, which "
+          "is layered-slices (default surfaces)")
       ->check(CLI::IsMember({"surfaces", "slices"}));
   command
       .add_option("--texel-px", options.texel_px,
@@ -97,7 +126,9 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
   if (method == "cache") {
     ImageCacheOptions cache;
     cache.error_px = options.error_px;
-    cache.max_bytes = std::size_t(options.memory_mb) << 20;
+    if (options.bake_mb >= options.memory_mb)
+      return Error{"--bake-mb", "must leave some of --memory-mb for pictures"};
+    cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) << 20;
     cache.capture_ms = options.capture_ms;
     if (!options.fade) cache.fade_frames = 1;
     cache.delta_bits = options.delta_bits;
@@ -106,18 +137,19 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
     cache.outlines = options.outlines;
     Result<ImageCache> made = ImageCache::create(renderer, cache);
     if (!made) return made.error();
+    if (options.bake_mb > 0)
+      if (Result<> added = add_baked(*made, options, renderer); !added) return added.error();
     return {std::make_unique<ImageCache>(std::move(*made))};
   }
   if (method == "layered" || method == "layered-slices") {
-    Result<BakeOptions> bake = bake_options(options.bake);
-    if (!bake) return bake.error();
-    LayeredFramesOptions layered;
-    layered.impostors.bake = *bake;
-    layered.layered = layered_options(method, options);
-    layered.impostors.max_bytes = std::size_t(options.memory_mb) << 20;
-    layered.max_texel_px = options.texel_px;
     Progress progress("view");
-    layered.impostors.bake.progress = [&](int done, int total) { progress.show(done, total); };
+    Result<ObjectImpostorOptions> impostors = impostor_options(options, progress);
+    if (!impostors) return impostors.error();
+    LayeredFramesOptions layered;
+    layered.impostors = std::move(*impostors);
+    layered.impostors.max_bytes = std::size_t(options.memory_mb) << 20;
+    layered.layered = layered_options(method, options);
+    layered.max_texel_px = options.texel_px;
     Result<LayeredFrames> made = LayeredFrames::create(renderer, layered);
     if (!made) return made.error();
     return {std::make_unique<LayeredFrames>(std::move(*made))};

@@ -24,8 +24,9 @@ struct MethodOptions {
   double error_px = 1;            // cache
   double capture_ms = 0;          // cache; 0: a budget by triangles
   bool fade = true;               // cache
-  LayeredBakeOptions bake;        // layered
-  std::string warp = "surfaces";  // layered
+  int bake_mb = 0;                // cache; 0: bakes nothing
+  LayeredBakeOptions bake;        // cache, layered
+  std::string warp = "surfaces";  // cache, layered
   double texel_px = 4;            // layered
 };
 

@@ -118,6 +118,7 @@ void show_panel(ViewState& state) {
   plot("pictures", state.megabytes, "MB");
   ImGui::Text("%d polygons, %d pictures, %d of groups", state.figures.polygons,
               state.figures.pictures, state.figures.hierarchy);
+  if (state.figures.layered > 0) ImGui::Text("%d layered impostors", state.figures.layered);
   if (state.figures.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.figures.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   ImGui::End();

@@ -12,7 +12,7 @@ enum Choice : std::uint8_t {
   kNothing,  // neither seen now nor soon
   kKeep,     // the picture at hand
   kCapture,  // a new picture
-  kBelow,    // the children; polygons for an object
+  kBelow,    // the children; polygons, or what is baked, for an object
 };
 
 // A capture that pays within so many frames is made at once, others when there is time.
@@ -27,10 +27,12 @@ glm::dmat4 power(const glm::dmat4& m, int n) {
 
 }  // namespace
 
-Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const CacheState& state_,
-         const FrameView& frame_, const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_)
+Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const BakedObjects& baked_,
+         const CacheState& state_, const FrameView& frame_, const CacheOptions& options_,
+         PlanScratch& scratch_, Plan& plan_)
     : tree(tree_),
       moving(moving_),
+      baked(baked_),
       state(state_),
       frame(frame_),
       options(options_),
@@ -135,14 +137,36 @@ void Cut::evict_finished() {
   }
 }
 
+Cut::Standing Cut::stands_for(Entity e) const {
+  const CostModel& cost = options.cost;
+  const double pixels = covered_pixels(view, box_of(e));
+  Standing standing{nullptr, 0,
+                    cost.object + double(triangles_of(e)) + cost.polygon_pixel * pixels};
+  const std::vector<std::uint32_t>& names = is_moving(e) ? baked.of_moving : baked.of_static;
+  if (names.empty()) return standing;
+  const std::uint32_t name = names[is_moving(e) ? e - nodes() : tree.order[tree.nodes[e].first]];
+  if (name == 0) return standing;
+  const BakedObject& candidate = baked.objects[name - 1];
+  const double drawn =
+      cost.baked +
+      pixels * (candidate.slices > 0 ? candidate.slices * cost.slice_pixel : cost.walked_pixel);
+  if (drawn >= standing.cost ||
+      !is_served(candidate.bounds, candidate.world_from_impostor, frame.camera))
+    return standing;
+  const LayeredError error =
+      bound_layered_error(candidate.error, candidate.slices > 0, candidate.bounds,
+                          candidate.world_from_impostor, frame.camera);
+  if (error.total_px <= options.error_px) standing = {&candidate, error.total_px, drawn};
+  return standing;
+}
+
 Cut::Costs Cut::evaluate_below(Entity e) {
   if (!is_moving(e) && !tree.nodes[e].leaf()) {
     const Costs a = evaluate(e + 1), b = evaluate(tree.nodes[e].second_child);
     return {a.best + b.best, a.now + b.now};
   }
-  const double polygons = options.cost.object + double(triangles_of(e)) +
-                          options.cost.polygon_pixel * covered_pixels(view, box_of(e));
-  return {polygons, may_see(view.now, box_of(e)) ? polygons : 0};
+  const double cost = stands_for(e).cost;
+  return {cost, may_see(view.now, box_of(e)) ? cost : 0};
 }
 
 Cut::Costs Cut::evaluate(Entity e) {
@@ -241,6 +265,14 @@ void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float from, float t
 }
 
 void Cut::draw_below(Entity e, float from, float to) {
+  if (is_moving(e) || tree.nodes[e].leaf())
+    // An impostor is for all pixels: what fades goes with polygons.
+    if (const Standing standing = stands_for(e); standing.baked && from <= 0 && to >= 1) {
+      plan.baked.push_back(
+          {std::uint32_t(standing.baked - baked.objects.data()), float(standing.bound_px)});
+      plan.bound_px = std::max(plan.bound_px, standing.bound_px);
+      return;
+    }
   if (is_moving(e)) {
     plan.moving_polygons.push_back({e - nodes(), from, to});
     plan.polygon_triangles += triangles_of(e);

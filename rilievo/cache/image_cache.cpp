@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "rilievo/capture/draw_list.h"
+#include "rilievo/core/expects.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/state_guard.h"
 #include "rilievo/represent/sample_error.h"
@@ -65,6 +66,54 @@ void ImageCache::build() {
                          AtlasAllocator::kLayerSize * std::uint64_t(policy_.bytes_per_texel);
 }
 
+// Where BakedObjects has the index of what is baked of an opaque object.
+std::uint32_t& ImageCache::baked_name(std::uint32_t object) {
+  const bool moving = renderer_.scene().objects[object].moving;
+  const std::vector<std::uint32_t>& objects = moving ? moving_objects_ : static_objects_;
+  const auto found = std::lower_bound(objects.begin(), objects.end(), object);
+  RILIEVO_EXPECTS(found != objects.end() && *found == object);
+  return (moving ? baked_objects_.of_moving
+                 : baked_objects_.of_static)[std::size_t(found - objects.begin())];
+}
+
+void ImageCache::name_baked() {
+  plan_.baked.clear();  // names of before
+  baked_objects_.of_static.assign(static_objects_.size(), 0);
+  baked_objects_.of_moving.assign(moving_objects_.size(), 0);
+  for (std::size_t i = 0; i < baked_objects_.objects.size(); ++i)
+    baked_name(baked_objects_.objects[i].object) = std::uint32_t(i + 1);
+}
+
+Result<> ImageCache::add_baked(std::vector<ObjectImpostor> impostors,
+                               const LayeredOptions& options) {
+  RILIEVO_EXPECTS(baked_.empty());
+  Result<LayeredDrawer> drawer = LayeredDrawer::create();
+  if (!drawer) return drawer.error();
+  layered_drawer_ = std::move(*drawer);
+  layered_options_ = options;
+  for (ObjectImpostor& impostor : impostors) {
+    const LayeredImpostor& layered = impostor.pictures.impostor();
+    BakedObject baked{impostor.error, 0, layered.bounds};
+    if (options.method == LayeredMethod::slices) {
+      std::size_t slices = 0;
+      for (const std::vector<Slice>& of_view : layered.slices) slices += of_view.size();
+      baked.slices = std::max(1, int(slices / layered.slices.size()));
+    }
+    baked.impostor = std::uint32_t(baked_.size());
+    for (const std::uint32_t object : impostor.objects) {
+      const std::optional<glm::dmat4> motion = motion_of(impostor, renderer_.poses()[object]);
+      if (!motion) continue;
+      baked.object = object;
+      baked.world_from_impostor = *motion;
+      baked_objects_.objects.push_back(baked);
+    }
+    baked_bytes_ += impostor.pictures.bytes();
+    baked_.push_back({std::move(impostor)});
+  }
+  name_baked();
+  return Done{};
+}
+
 void ImageCache::update_moving() {
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     const std::uint32_t object = moving_objects_[i];
@@ -74,6 +123,14 @@ void ImageCache::update_moving() {
                                    : now * glm::inverse(moving_[i].world_from_object);
     moving_[i].world_from_object = now;
     moving_[i].box = renderer_.object_bounds(object);
+  }
+  for (std::size_t i = 0; i < baked_objects_.objects.size(); ++i) {
+    BakedObject& baked = baked_objects_.objects[i];
+    if (!renderer_.scene().objects[baked.object].moving) continue;
+    const std::optional<glm::dmat4> motion =
+        motion_of(baked_[baked.impostor].impostor, renderer_.poses()[baked.object]);
+    baked_name(baked.object) = motion ? std::uint32_t(i + 1) : 0;
+    if (motion) baked.world_from_impostor = *motion;
   }
 }
 
@@ -107,7 +164,7 @@ void ImageCache::plan(const Camera& camera) {
   policy_.fade_frames = options_.fade_frames;
   if (options_.capture_ms > 0 && triangles_per_ms_ > 0)
     policy_.capture_triangles = std::uint64_t(options_.capture_ms * triangles_per_ms_);
-  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_);
+  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, baked_objects_);
 }
 
 void ImageCache::carry_out_captures() {
@@ -170,6 +227,11 @@ void ImageCache::collect() {
     add(static_objects_[drawn.object], drawn.from, drawn.to);
   for (const DrawnObject& drawn : plan_.moving_polygons)
     add(moving_objects_[drawn.object], drawn.from, drawn.to);
+  for (Baked& baked : baked_) baked.instances.clear();
+  for (const DrawnBaked& drawn : plan_.baked) {
+    const BakedObject& object = baked_objects_.objects[drawn.baked];
+    baked_[object.impostor].instances.push_back({object.world_from_impostor, object.object + 1});
+  }
 }
 
 Result<> ImageCache::draw(const Camera& camera, double time) {
@@ -191,6 +253,9 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
   drawer_.draw(atlas_, camera, options_.depth_mode, instances_);
+  for (Baked& baked : baked_)
+    if (!baked.instances.empty())
+      layered_drawer_->draw(baked.impostor.pictures, camera, baked.instances, layered_options_);
   renderer_.draw_opaque(camera, polygons_, OutputEncoding::srgb);
   renderer_.draw_shares(camera, shares_, OutputEncoding::srgb);
   if (options_.sky) renderer_.draw_sky(camera, OutputEncoding::srgb);
@@ -204,8 +269,9 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
   figures_.polygons = int(polygons_.size() + shares_.size());
   figures_.pictures = plan_.single;
   figures_.hierarchy = plan_.hierarchy;
+  figures_.layered = int(plan_.baked.size());
   figures_.bound_px = plan_.bound_px;
-  figures_.picture_bytes = atlas_.bytes();
+  figures_.picture_bytes = atlas_.bytes() + baked_bytes_;
   return Done{};
 }
 
@@ -225,6 +291,10 @@ Result<> ImageCache::draw_objects() {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
   drawer_.draw_objects(atlas_, camera_, options_.depth_mode, instances_);
+  for (Baked& baked : baked_)
+    if (!baked.instances.empty())
+      layered_drawer_->draw_objects(baked.impostor.pictures, camera_, baked.instances,
+                                    layered_options_);
   renderer_.draw_objects(camera_, polygons_);
   return Done{};
 }
@@ -233,20 +303,27 @@ void ImageCache::invalidate() {
   std::vector<std::uint32_t> evictions;
   rilievo::invalidate(state_, evictions);
   for (std::uint32_t slot : evictions) release(slot);
+  plan_.baked.clear();
+  baked_.clear();
+  baked_objects_ = {};
+  baked_bytes_ = 0;
 }
 
 void ImageCache::invalidate_object(std::uint32_t object) {
+  const auto place_in = [&](const std::vector<std::uint32_t>& objects) {
+    const auto found = std::lower_bound(objects.begin(), objects.end(), object);
+    const bool here = found != objects.end() && *found == object;
+    return here ? std::optional(std::uint32_t(found - objects.begin())) : std::nullopt;
+  };
   std::vector<std::uint32_t> evictions;
-  const auto moving = std::find(moving_objects_.begin(), moving_objects_.end(), object);
-  if (moving != moving_objects_.end()) {
-    invalidate();
-    return;
-  }
-  const auto found = std::find(static_objects_.begin(), static_objects_.end(), object);
-  if (found == static_objects_.end()) return;
-  rilievo::invalidate(hierarchy_, std::uint32_t(found - static_objects_.begin()), state_,
-                      evictions);
+  if (const auto moving = place_in(moving_objects_))
+    invalidate_moving(hierarchy_, *moving, state_, evictions);
+  else if (const auto still = place_in(static_objects_))
+    rilievo::invalidate(hierarchy_, *still, state_, evictions);
   for (std::uint32_t slot : evictions) release(slot);
+  if (std::erase_if(baked_objects_.objects,
+                    [&](const BakedObject& baked) { return baked.object == object; }) > 0)
+    name_baked();
 }
 
 std::vector<ImageCache::Shown> ImageCache::shown() const {

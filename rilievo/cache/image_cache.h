@@ -1,7 +1,8 @@
 // A scene drawn from pictures within an error that the user sets in pixels (S1.5, S1.7).
 //
 // The static parts hang in a spatial hierarchy whose nodes keep pictures of everything below them;
-// each moving object is a nailboard or polygons, by its cost and its picture's expected life. What
+// each moving object is a nailboard or polygons, by its cost and its picture's expected life.
+// Layered impostors that were baked before may stand for objects too. What
 // is done is decided by policy.h; here it is carried out with OpenGL.
 //
 // Draws into whichever framebuffer and viewport are bound, with the caller's camera, in the
@@ -18,7 +19,9 @@
 #include "rilievo/cache/policy.h"
 #include "rilievo/capture/scene_renderer.h"
 #include "rilievo/draw/frame_source.h"
+#include "rilievo/draw/layered_drawer.h"
 #include "rilievo/draw/nailboard_drawer.h"
+#include "rilievo/draw/object_impostors.h"
 #include "rilievo/draw/picture_atlas.h"
 
 namespace rilievo {
@@ -43,15 +46,21 @@ class ImageCache : public FrameSource {
   [[nodiscard]] static Result<ImageCache> create(SceneRenderer& renderer,
                                                  const ImageCacheOptions& options);
 
+  // Impostors that may be drawn instead of their objects' polygons, within error_px and where they
+  // cost less. They take memory besides max_bytes, count among picture_bytes, and are given up when
+  // the light changes. `options.method` is the one that they were made for. Once, before the first
+  // frame.
+  Result<> add_baked(std::vector<ObjectImpostor> impostors, const LayeredOptions& options);
+
   // One frame. The motion of the eye since the last one is taken for its motion in the next ones.
   Result<> draw(const Camera& camera, double time) override;
   Result<> draw_objects() override;
   [[nodiscard]] FrameFigures figures() const override { return figures_; }
   void append_errors(int step, std::vector<float>& errors_px) const override;
 
-  // Forgets every picture: the light has changed.
+  // Forgets every picture, and what is baked: the light has changed.
   void invalidate();
-  // Forgets the pictures that show this object (index into Scene::objects).
+  // Forgets the pictures that show this object (index into Scene::objects), and what it has baked.
   void invalidate_object(std::uint32_t object);
 
   // May be changed between frames: error_px, capture_ms, fade_frames, outlines.
@@ -69,6 +78,10 @@ class ImageCache : public FrameSource {
   [[nodiscard]] std::vector<DepthImage> read_pictures() const;
 
  private:
+  struct Baked {
+    ObjectImpostor impostor;
+    std::vector<LayeredInstance> instances{};
+  };
   struct Held {
     std::optional<AtlasSlot> slot;
     bool objects_captured = false;  // identifiers, for probes
@@ -86,6 +99,8 @@ class ImageCache : public FrameSource {
   void objects_of(Entity entity, std::vector<std::uint32_t>& objects) const;
   [[nodiscard]] glm::dmat4 motion_since_capture(const Picture& picture) const;
   void release(std::uint32_t slot);
+  [[nodiscard]] std::uint32_t& baked_name(std::uint32_t object);
+  void name_baked();
 
   SceneRenderer& renderer_;
   ImageCacheOptions options_;
@@ -97,6 +112,11 @@ class ImageCache : public FrameSource {
   std::vector<std::uint32_t> blended_;  // objects with blended parts
   Hierarchy hierarchy_;
   std::vector<MovingObject> moving_;
+  std::vector<Baked> baked_;
+  BakedObjects baked_objects_;
+  std::optional<LayeredDrawer> layered_drawer_;
+  LayeredOptions layered_options_;
+  std::size_t baked_bytes_ = 0;
   CacheOptions policy_;
   CacheState state_;
   PlanScratch scratch_;

@@ -8,6 +8,7 @@
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/represent/shapes_test_helpers.h"
 #include "rilievo/scene/builtin.h"
 
 namespace rilievo {
@@ -17,14 +18,17 @@ constexpr int kWidth = 320, kHeight = 180;
 
 struct ImageCacheTest : testing::Test {
   void load(const char* spec) {
+    auto scene = make_builtin(spec);
+    ASSERT_TRUE(scene.ok()) << scene.error().message();
+    load(std::move(*scene));
+  }
+  void load(BuiltinScene scene) {
     // What lives in a context goes before it.
     probe.reset(), target.reset(), renderer.reset(), context.reset();
     auto made = gl::Context::create();
     ASSERT_TRUE(made.ok()) << made.error().message();
     context = std::move(*made);
-    auto scene = make_builtin(spec);
-    ASSERT_TRUE(scene.ok()) << scene.error().message();
-    builtin = std::move(*scene);
+    builtin = std::move(scene);
     auto r = SceneRenderer::create(builtin.scene);
     ASSERT_TRUE(r.ok()) << r.error().message();
     renderer = std::make_unique<SceneRenderer>(std::move(*r));
@@ -37,6 +41,12 @@ struct ImageCacheTest : testing::Test {
     EXPECT_TRUE(source.draw(camera_at(builtin.path, time, kWidth, kHeight), time).ok());
     target->resolve();
     return target->read();
+  }
+
+  Image<std::uint32_t> objects_of(FrameSource& source) {
+    probe->begin();
+    EXPECT_TRUE(source.draw_objects().ok());
+    return probe->read_objects();
   }
 
   std::unique_ptr<gl::Context> context;
@@ -78,6 +88,19 @@ TEST_F(ImageCacheTest, what_is_shown_lies_within_the_bound_and_the_bound_within_
   }
 }
 
+// Of the pixels away from borders in the true frame, how many show another object?
+int count_wrong(const Image<std::uint32_t>& seen, const Image<std::uint32_t>& truth) {
+  int wrong = 0;
+  for (int y = 1; y + 1 < kHeight; ++y)
+    for (int x = 1; x + 1 < kWidth; ++x) {
+      bool inside = true;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) inside &= truth(x + dx, y + dy) == truth(x, y);
+      wrong += inside && seen(x, y) != truth(x, y);
+    }
+  return wrong;
+}
+
 TEST_F(ImageCacheTest, frames_look_like_direct_ones_and_show_the_same_objects) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
   auto cache = ImageCache::create(*renderer, {});
@@ -86,25 +109,112 @@ TEST_F(ImageCacheTest, frames_look_like_direct_ones_and_show_the_same_objects) {
   for (int frame = 0; frame < 12; ++frame) {
     const Rgba8Image cached = frame_of(*cache, frame);
     if (frame % 4 != 3) continue;
-    probe->begin();
-    ASSERT_TRUE(cache->draw_objects().ok());
-    const auto seen = probe->read_objects();
+    const auto seen = objects_of(*cache);
     const Rgba8Image truth = frame_of(direct, frame);
     // A pixel's error and a blur of half a texel cost some 30 dB at this size.
     EXPECT_GT(psnr_of(cached, truth), 28);
-    probe->begin();
-    ASSERT_TRUE(direct.draw_objects().ok());
-    const auto objects = probe->read_objects();
-    int wrong = 0;
-    for (int y = 1; y + 1 < kHeight; ++y)
-      for (int x = 1; x + 1 < kWidth; ++x) {
-        bool inside = true;
-        for (int dy = -1; dy <= 1; ++dy)
-          for (int dx = -1; dx <= 1; ++dx) inside &= objects(x + dx, y + dy) == objects(x, y);
-        wrong += inside && seen(x, y) != objects(x, y);
-      }
-    EXPECT_LE(wrong, kWidth * kHeight / 1000);  // 0.1 %
+    EXPECT_LE(count_wrong(seen, objects_of(direct)), kWidth * kHeight / 1000);  // 0.1 %
   }
+}
+
+// A fine ring that spins, through a ball that rests.
+BuiltinScene spinning_ring() {
+  BuiltinScene made;
+  test_shapes::add(made.scene, test_shapes::torus(1.0, 0.3, 300, 200), {0.8f, 0.5f, 0.2f});
+  test_shapes::add(made.scene, test_shapes::sphere(0.8), {0.3f, 0.6f, 0.3f},
+                   glm::translate(glm::mat4(1), {1, 0, 0}));
+  made.scene.nodes = {{-1, {}}};
+  made.scene.objects[0].node = 0;
+  Channel turn{0, Channel::Path::rotation, Channel::Interpolation::linear, {}, {}};
+  for (int i = 0; i <= 8; ++i) {
+    const float angle = 3.0f * float(i);
+    turn.times.push_back(float(i));
+    turn.values.push_back({std::sin(0.5f * angle), 0, 0, std::cos(0.5f * angle)});
+  }
+  made.scene.channels = {turn};
+  made.scene.duration = 8;
+  finish(made.scene);
+  return made;
+}
+
+TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
+  ASSERT_NO_FATAL_FAILURE(load(spinning_ring()));
+  const Camera camera = look_at({1, 2, 9}, {0, 0, 0}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.1, 100);
+  DirectFrames direct(*renderer);
+  for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
+    ImageCacheOptions options;
+    options.error_px = 2;
+    auto cache = ImageCache::create(*renderer, options);
+    ASSERT_TRUE(cache.ok()) << cache.error().message();
+    ObjectImpostorOptions bake{.method = method};
+    bake.bake.views.spread = ViewSpread::faces_12;
+    bake.bake.camera.size = 48;
+    auto impostors = bake_object_impostors(*renderer, bake);
+    ASSERT_TRUE(impostors.ok()) << impostors.error().message();
+    ASSERT_EQ(impostors->size(), 2u);
+    std::size_t baked_bytes = 0;
+    for (const ObjectImpostor& impostor : *impostors) baked_bytes += impostor.pictures.bytes();
+    ASSERT_TRUE(cache->add_baked(std::move(*impostors), {.method = method}).ok());
+    for (int frame = 0; frame < 24; ++frame) {
+      const double time = 0.25 * frame;  // 0.75 radians a frame: no flat picture lasts
+      target->begin();
+      ASSERT_TRUE(cache->draw(camera, time).ok());
+      target->resolve();
+      if (frame < 20) continue;
+      const FrameFigures figures = cache->figures();
+      EXPECT_EQ(figures.layered, 1) << frame;   // the ring
+      EXPECT_EQ(figures.pictures, 1) << frame;  // the ball, as long as it holds
+      EXPECT_EQ(figures.polygons + figures.captures, 0) << frame;
+      EXPECT_GT(figures.bound_px, 0);
+      EXPECT_LE(figures.bound_px, options.error_px);
+      EXPECT_GT(figures.picture_bytes, baked_bytes);
+      const Rgba8Image cached = target->read();
+      const auto seen = objects_of(*cache);
+      target->begin();
+      ASSERT_TRUE(direct.draw(camera, time).ok());
+      target->resolve();
+      // It carries the light of the baking along: that is what differs most.
+      EXPECT_GT(psnr_of(cached, target->read()), 24);
+      // The slices that a ball and a ring cut into each other: half a slice, over their border.
+      EXPECT_LE(count_wrong(seen, objects_of(direct)), kWidth * kHeight / 100);
+    }
+    cache->invalidate();
+    target->begin();
+    ASSERT_TRUE(cache->draw(camera, 0).ok());
+    EXPECT_EQ(cache->figures().layered, 0);
+    EXPECT_LT(cache->figures().picture_bytes, baked_bytes + options.max_bytes);
+  }
+}
+
+TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep_theirs) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
+  auto cache = ImageCache::create(*renderer, {});
+  ASSERT_TRUE(cache.ok());
+  const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
+  const auto frame = [&] {
+    target->begin();
+    EXPECT_TRUE(cache->draw(camera, 0).ok());
+    return cache->figures().captures;
+  };
+  for (int i = 0; i < 30; ++i) frame();
+  ASSERT_EQ(frame(), 0);
+  const auto shows = [&](std::uint32_t object) {
+    for (const ImageCache::Shown& shown : cache->shown())
+      if (shown.objects == std::vector{object}) return true;
+    return false;
+  };
+  int tried = 0;
+  for (std::uint32_t object = 0; object < builtin.scene.objects.size() && tried < 4; ++object) {
+    if (!shows(object) || builtin.scene.objects[object].moving != (tried % 2 == 0)) continue;
+    ++tried;
+    const std::size_t before = cache->shown().size();
+    cache->invalidate_object(object);
+    frame();
+    // In its place a new picture, soon, or its polygons.
+    EXPECT_GE(cache->shown().size() + 3, before);
+    EXPECT_LE(cache->figures().captures, 3);
+  }
+  EXPECT_GT(tried, 0);
 }
 
 TEST_F(ImageCacheTest, steady_frames_of_a_still_eye_capture_nothing) {

@@ -18,10 +18,20 @@ void forget(CacheState& state, std::uint32_t slot) {
   state.free_slots.push_back(slot);
 }
 
+void forget_entity(CacheState& state, Entity e, std::vector<std::uint32_t>& evictions) {
+  for (std::uint32_t name : {state.current[e], state.previous[e]})
+    if (name != 0) {
+      forget(state, name - 1);
+      evictions.push_back(name - 1);
+    }
+}
+
 // Of what is drawn now.
 void find_bound(Plan& plan) {
   plan.bound_px = 0;
   for (const DrawnPicture& drawn : plan.pictures)
+    plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
+  for (const DrawnBaked& drawn : plan.baked)
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
 }
 
@@ -32,11 +42,12 @@ constexpr double kForget = 1.0 / 32;
 
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan) {
+                PlanScratch& scratch, Plan& plan, const BakedObjects& baked) {
   RILIEVO_EXPECTS(view.camera.projection == Projection::perspective);
   const std::size_t entities = hierarchy.nodes.size() + moving.size();
   RILIEVO_EXPECTS(state.current.empty() || state.current.size() == entities);
-  plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear();
+  RILIEVO_EXPECTS(baked.of_moving.empty() || baked.of_moving.size() == moving.size());
+  plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear(), plan.baked.clear();
   plan.polygons.clear(), plan.moving_polygons.clear(), plan.retirements.clear();
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
@@ -50,7 +61,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.captured.resize(entities, 0);
   scratch.requests.clear(), scratch.idle.clear();
 
-  Cut cut(hierarchy, moving, state, view, options, scratch, plan);
+  Cut cut(hierarchy, moving, baked, state, view, options, scratch, plan);
   cut.evict_finished();
   cut.choose();
   schedule_captures(cut);
@@ -156,12 +167,15 @@ void invalidate(const Hierarchy& hierarchy, std::uint32_t object, CacheState& st
   for (Entity e = 0; e < state.current.size() && e < hierarchy.nodes.size(); ++e) {
     const HierarchyNode& node = hierarchy.nodes[e];
     const auto begin = hierarchy.order.begin() + node.first, end = begin + node.count;
-    for (std::uint32_t name : {state.current[e], state.previous[e]})
-      if (name != 0 && std::find(begin, end, object) != end) {
-        forget(state, name - 1);
-        evictions.push_back(name - 1);
-      }
+    if ((state.current[e] != 0 || state.previous[e] != 0) && std::find(begin, end, object) != end)
+      forget_entity(state, e, evictions);
   }
+}
+
+void invalidate_moving(const Hierarchy& hierarchy, std::uint32_t object, CacheState& state,
+                       std::vector<std::uint32_t>& evictions) {
+  const Entity e = Entity(hierarchy.nodes.size()) + object;
+  if (e < state.current.size()) forget_entity(state, e, evictions);
 }
 
 }  // namespace rilievo

@@ -7,12 +7,14 @@
 //   plan_frame(hierarchy, moving, state, view, options, scratch, plan);
 //   free the textures of plan.evictions; make those of plan.captures, in this order, and say
 //   what they turned out to be: refuse_capture, narrow_capture
-//   draw plan.pictures, plan.polygons, plan.moving_polygons in any order
+//   draw plan.pictures, plan.polygons, plan.moving_polygons, plan.baked in any order
 //   commit(plan, state);
 //
 // Every picture drawn has bound_total_px <= CacheOptions::error_px, and if memory is short so much
-// more as its texels are too coarse (Picture::coarse_px). World space, metres; time in frames. The
-// same plan for the same input. Steady state does not allocate.
+// more as its texels are too coarse (Picture::coarse_px). Layered impostors that were baked before
+// (S2) stand for their objects' polygons where LayeredError::total_px allows it and they cost less:
+// for what turns so fast that no flat picture lasts, above all. World space, metres; time in
+// frames. The same plan for the same input. Steady state does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +24,7 @@
 
 #include "rilievo/cache/hierarchy.h"
 #include "rilievo/core/camera.h"
+#include "rilievo/validity/layered_error.h"
 #include "rilievo/validity/picture_error.h"
 
 namespace rilievo {
@@ -36,6 +39,11 @@ struct CostModel {
   double polygon_pixel = 0.10;  // one pixel of the rectangle around an object
   double capture = 2000;        // one capture, besides the triangles captured
   double capture_texel = 0.2;   // one texel of it
+  // A layered impostor: the walk is dearest through crowns of trees, where rays meet little for
+  // long.
+  double baked = 3000;        // one drawn
+  double walked_pixel = 12;   // one pixel of its rectangle, by the walk through its surfaces ...
+  double slice_pixel = 0.03;  // ... or for each slice of a view
 };
 
 struct CacheOptions {
@@ -70,6 +78,22 @@ struct CacheOptions {
 
 // A node of the hierarchy, by index, or moving object i as hierarchy.nodes.size() + i.
 using Entity = std::uint32_t;
+
+// A layered impostor that stands for an object.
+struct BakedObject {
+  LayeredErrorFigures error;
+  int slices = 0;                          // in which it is drawn; 0: by the walk
+  Box bounds;                              // in the world of the baking
+  glm::dmat4 world_from_impostor{1.0};     // now
+  std::uint32_t object = 0, impostor = 0;  // the caller's names for both
+};
+
+// Which objects have one.
+struct BakedObjects {
+  std::vector<BakedObject> objects;
+  // By static and by moving object: index into `objects` + 1, or 0. Empty: none has one.
+  std::vector<std::uint32_t> of_static, of_moving;
+};
 
 struct MovingObject {
   Box box;  // world, now
@@ -142,19 +166,25 @@ struct DrawnObject {
   std::uint32_t object = 0;  // static: the caller's index; moving: index in `moving`
   float from = 0, to = 1;
 };
+// All pixels.
+struct DrawnBaked {
+  std::uint32_t baked = 0;  // index into BakedObjects::objects
+  float bound_px = 0;
+};
 
 struct Plan {
   std::vector<std::uint32_t> evictions;  // slots
   std::vector<Capture> captures;         // most urgent first
   std::vector<DrawnPicture> pictures;
   std::vector<DrawnObject> polygons, moving_polygons;
+  std::vector<DrawnBaked> baked;
   std::vector<std::uint32_t> retirements;  // slots that begin to fade out
 
   std::size_t entities = 0;  // nodes and moving objects
   std::uint64_t polygon_triangles = 0, captured_triangles = 0;
   std::uint64_t bytes = 0;        // of all pictures, after evictions and captures
   int single = 0, hierarchy = 0;  // drawn pictures of one object, of several
-  double bound_px = 0;            // the largest of the pictures drawn
+  double bound_px = 0;            // the largest of the pictures and impostors drawn
   int starved = 0;                // captures that had no room in memory
   double credit = 0, texel_scale = 1;
 };
@@ -182,7 +212,7 @@ struct PlanScratch {
 // for the same hierarchy and number of moving objects.
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan);
+                PlanScratch& scratch, Plan& plan, const BakedObjects& baked = {});
 
 // Capture `index` turned out to have samples between these Deltas only. To be called before
 // commit(). Is it good enough for this frame? If not, it was expected to be flatter than it is: to
@@ -204,5 +234,7 @@ void invalidate(CacheState& state, std::vector<std::uint32_t>& evictions);
 // One object changed: forgets every picture that shows it.
 void invalidate(const Hierarchy& hierarchy, std::uint32_t object, CacheState& state,
                 std::vector<std::uint32_t>& evictions);
+void invalidate_moving(const Hierarchy& hierarchy, std::uint32_t object, CacheState& state,
+                       std::vector<std::uint32_t>& evictions);
 
 }  // namespace rilievo

@@ -92,8 +92,8 @@ struct Loop {
   std::set<std::uint32_t> textures;  // slots whose pictures exist
 
   void frame(const Hierarchy& tree, std::span<const MovingObject> moving, const FrameView& view,
-             const CacheOptions& options) {
-    plan_frame(tree, moving, state, view, options, scratch, plan);
+             const CacheOptions& options, const BakedObjects& baked = {}) {
+    plan_frame(tree, moving, state, view, options, scratch, plan, baked);
     for (std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
     for (const Capture& capture : plan.captures) ASSERT_TRUE(textures.insert(capture.slot).second);
     commit(plan, state);
@@ -102,9 +102,14 @@ struct Loop {
 
 using Shares = std::vector<std::pair<float, float>>;
 
-// From which parts of the pixels each object is drawn.
+// From which parts of the pixels each object is drawn. What is baked is named by its object, after
+// the static ones if it moves.
 void add_shares(const Loop& run, const Hierarchy& tree, std::vector<Shares>& still,
-                std::vector<Shares>& moving) {
+                std::vector<Shares>& moving, const BakedObjects& baked = {}) {
+  for (const DrawnBaked& drawn : run.plan.baked) {
+    const std::uint32_t object = baked.objects[drawn.baked].object;
+    (object < still.size() ? still[object] : moving[object - still.size()]).emplace_back(0, 1);
+  }
   for (const DrawnPicture& drawn : run.plan.pictures) {
     ASSERT_TRUE(run.textures.count(drawn.slot));
     const Entity e = run.state.slots[drawn.slot].entity;
@@ -152,6 +157,29 @@ std::vector<MovingObject> cars(int frame) {
   return all;
 }
 
+// Of 64 texels a view, walked through.
+BakedObject baked_of(const Box& box, std::uint32_t object) {
+  BakedObject baked;
+  baked.error = {0, 0.1, 0.02 * double(box.radius())};
+  baked.bounds = box;
+  baked.object = object;
+  return baked;
+}
+
+// Of every third tree, and of the cars, which pass for heavy.
+BakedObjects bake_some(const Forest& forest, std::span<const MovingObject> moving) {
+  BakedObjects baked;
+  const auto trees = std::uint32_t(forest.boxes.size());
+  baked.of_static.assign(trees, 0);
+  baked.of_moving.assign(moving.size(), 0);
+  for (std::uint32_t i = 0; i < trees + moving.size(); i += 3) {
+    baked.objects.push_back(baked_of(i < trees ? forest.boxes[i] : moving[i - trees].box, i));
+    (i < trees ? baked.of_static[i] : baked.of_moving[i - trees]) =
+        std::uint32_t(baked.objects.size());
+  }
+  return baked;
+}
+
 TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets) {
   const Forest forest = plant(700);
   for (const std::uint64_t memory_mb : {64, 2}) {
@@ -161,13 +189,16 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
     Loop run;
     EyeMotion motion;
     bool degraded = false;
+    std::size_t baked_drawn = 0;
+    options.cost.baked = 500, options.cost.walked_pixel = 0.1;  // worth it for trees
     for (int f = 0; f < 300; ++f) {
       // One walk as the frames tell, one with foresight.
       const FrameView view = memory_mb == 64 ? follow(motion, stroll(f).camera) : stroll(f);
       const std::vector<MovingObject> moving = cars(f);
-      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, moving, view, options));
+      const BakedObjects baked = bake_some(forest, moving);
+      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, moving, view, options, baked));
       std::vector<Shares> still_shares(forest.boxes.size()), moving_shares(moving.size());
-      ASSERT_NO_FATAL_FAILURE(add_shares(run, forest.tree, still_shares, moving_shares));
+      ASSERT_NO_FATAL_FAILURE(add_shares(run, forest.tree, still_shares, moving_shares, baked));
       for (std::size_t i = 0; i < forest.boxes.size(); ++i)
         if (surely_sees(view.camera, forest.boxes[i])) {
           ASSERT_TRUE(complete(still_shares[i])) << f << " " << i;
@@ -195,6 +226,16 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
         degraded |= picture.coarse_px > 0;
         worst = std::max(worst, bound);
       }
+      for (const DrawnBaked& drawn : run.plan.baked) {
+        const BakedObject& object = baked.objects[drawn.baked];
+        const double bound = bound_layered_error(object.error, false, object.bounds,
+                                                 object.world_from_impostor, view.camera)
+                                 .total_px;
+        ASSERT_LE(bound, options.error_px);
+        ASSERT_NEAR(bound, double(drawn.bound_px), 1e-6);
+        worst = std::max(worst, bound);
+        ++baked_drawn;
+      }
       EXPECT_NEAR(run.plan.bound_px, worst, 1e-4 + 1e-6 * worst);
 
       std::uint64_t bytes = 0;
@@ -209,6 +250,7 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
       }
     }
     EXPECT_EQ(degraded, memory_mb == 2);
+    EXPECT_GT(baked_drawn, 100u);
     EXPECT_GT(run.plan.pictures.size(), 20u);
     EXPECT_GT(run.plan.hierarchy, 5);
     // It has stood still for 60 frames.

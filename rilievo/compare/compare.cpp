@@ -19,7 +19,7 @@ namespace {
 struct Tally {
   MethodResult result;
   Histogram depth_errors;
-  std::int64_t polygons = 0, pictures = 0, hierarchy = 0;
+  std::int64_t polygons = 0, pictures = 0, hierarchy = 0, layered = 0;
   double bound_px = 0;
   Histogram errors_px;
   float largest_error_px = 0;
@@ -33,6 +33,7 @@ struct Tally {
     polygons += figures.polygons;
     pictures += figures.pictures;
     hierarchy += figures.hierarchy;
+    layered += figures.layered;
     bound_px = std::max(bound_px, figures.bound_px);
   }
 
@@ -80,6 +81,7 @@ struct Tally {
     result.depth_error_p99 = depth_errors.percentile(0.99);
     if (bound_px > 0) result.bound_px_max = bound_px;
     result.drawn_as = {{"polygons", polygons}, {"nailboard", pictures}, {"hierarchy", hierarchy}};
+    if (layered > 0) result.drawn_as.emplace_back("layered", layered);
     return std::move(result);
   }
 };

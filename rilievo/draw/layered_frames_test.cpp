@@ -131,14 +131,14 @@ TEST_F(LayeredFramesTest, only_objects_apart_by_a_translation_share_an_impostor)
   // Tori: one for objects 1, 2 and 4, which is not turned yet; one for 3; a sphere.
   EXPECT_EQ(frames.figures().captures, 3 * 12);
   EXPECT_GT(frames.figures().capture_ms, 0);
-  EXPECT_EQ(frames.figures().pictures, 5);
+  EXPECT_EQ(frames.figures().layered, 5);
   EXPECT_EQ(frames.figures().polygons, 1);
   EXPECT_EQ(frames.figures().picture_bytes,
             3 * layered_texture_bytes(12, 64, 64, LayeredMethod::surfaces));
   frame_of(frames, camera_from(kEye), 0.5);
   EXPECT_EQ(frames.figures().captures, 0);
   EXPECT_EQ(frames.figures().capture_ms, 0);
-  EXPECT_EQ(frames.figures().pictures, 4);  // the sphere is stretched
+  EXPECT_EQ(frames.figures().layered, 4);  // the sphere is stretched
   EXPECT_EQ(frames.figures().polygons, 2);
 }
 
@@ -147,7 +147,7 @@ TEST_F(LayeredFramesTest, memory_goes_to_those_that_stand_for_most_triangles) {
   LayeredFrames frames = make();
   frame_of(frames, camera_from(kEye));
   EXPECT_EQ(frames.figures().captures, 12);
-  EXPECT_EQ(frames.figures().pictures, 3);
+  EXPECT_EQ(frames.figures().layered, 3);
   EXPECT_LE(frames.figures().picture_bytes, options_.impostors.max_bytes);
 
   options_.impostors.max_bytes = 0;
@@ -163,17 +163,17 @@ TEST_F(LayeredFramesTest, what_the_eye_is_too_near_to_is_polygons) {
   // From above onto the torus in the middle, and past it: in the ball of its bounds (1.5 metres).
   const Camera near = look_at({0, 1.2, 0.01}, {0, 0, 0}, {0, 0, 1}, 0.9, kSize, kSize, 0.01, 100);
   frame_of(frames, near);
-  EXPECT_EQ(frames.figures().pictures, 0);
+  EXPECT_EQ(frames.figures().layered, 0);
   EXPECT_EQ(frames.figures().polygons, 2);  // the box is below
 
   // Texels of 2.1 m / 64, or somewhat more, on an object 11.9 m away, in a frame with pixels of
   // 0.97 / 160 radians: about half a pixel.
   frame_of(frames, camera_from(kEye));
-  EXPECT_EQ(frames.figures().pictures, 5);
+  EXPECT_EQ(frames.figures().layered, 5);
   options_.max_texel_px = 0.25;
   LayeredFrames fine = make();
   frame_of(fine, camera_from(kEye));
-  EXPECT_EQ(fine.figures().pictures, 0);
+  EXPECT_EQ(fine.figures().layered, 0);
 }
 
 TEST_F(LayeredFramesTest, an_impostor_from_a_file_draws_like_the_drawer_before_the_sky) {

@@ -42,7 +42,7 @@ Result<> StoredLayered::draw_objects() {
 
 FrameFigures StoredLayered::figures() const {
   FrameFigures figures;
-  figures.pictures = 1;
+  figures.layered = 1;
   figures.picture_bytes = pictures_.bytes();
   return figures;
 }

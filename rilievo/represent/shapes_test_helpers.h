@@ -35,8 +35,8 @@ inline Mesh sphere(double radius) {
   });
 }
 
-inline Mesh torus(double radius, double tube) {
-  return grid_mesh(96, 32, [=](double s, double t) {
+inline Mesh torus(double radius, double tube, int columns = 96, int rows = 32) {
+  return grid_mesh(columns, rows, [=](double s, double t) {
     const double a = 2 * std::numbers::pi * s, b = 2 * std::numbers::pi * t;
     const double r = radius + tube * std::cos(b);
     return glm::vec3(r * std::sin(a), tube * std::sin(b), r * std::cos(a));
