@@ -21,6 +21,7 @@ LayeredOptions layered_options(const std::string& method, const MethodOptions& o
   LayeredOptions layered;
   if (method == "layered-slices" || options.warp == "slices")
     layered.method = LayeredMethod::slices;
+  layered.outlines = options.outlines;
   return layered;
 }
 

@@ -5,6 +5,7 @@
 
 #include "rilievo/capture/draw_list.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/draw/outline_color.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/state_guard.h"
 #include "rilievo/represent/sample_error.h"
@@ -253,6 +254,7 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
   drawer_.draw(atlas_, camera, options_.depth_mode, instances_);
+  layered_options_.outlines = options_.outlines;
   for (Baked& baked : baked_)
     if (!baked.instances.empty())
       layered_drawer_->draw(baked.impostor.pictures, camera, baked.instances, layered_options_);
@@ -264,7 +266,7 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
   for (std::uint32_t object : blended_)
     if (may_touch(frustum, renderer_.object_bounds(object))) visible_blended_.push_back(object);
   renderer_.draw_blended(camera, visible_blended_, OutputEncoding::srgb);
-  if (options_.outlines) drawer_.draw_outlines(camera, instances_, {1.0f, 0.85f, 0.1f});
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_, kOutlineColor);
 
   figures_.polygons = int(polygons_.size() + shares_.size());
   figures_.pictures = plan_.single;

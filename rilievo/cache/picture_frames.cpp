@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/draw/outline_color.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/represent/sample_error.h"
 
@@ -133,7 +134,7 @@ Result<> PictureFrames::draw(const Camera& camera, double time) {
   renderer_.draw_opaque(camera, polygons_, OutputEncoding::srgb);
   renderer_.draw_sky(camera, OutputEncoding::srgb);
   renderer_.draw_blended(camera, visible_, OutputEncoding::srgb);
-  if (options_.outlines) drawer_.draw_outlines(camera, instances_, {1.0f, 0.85f, 0.1f});
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_, kOutlineColor);
 
   figures_.polygons = int(polygons_.size());
   figures_.pictures = int(instances_.size());

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/draw/outline_color.h"
 
 namespace rilievo {
 namespace {
@@ -92,6 +93,9 @@ Result<LayeredDrawer> LayeredDrawer::create() {
     if (!slice) return slice.error();
     drawer.slice_programs_[output] = std::move(*slice);
   }
+  Result<gl::Program> box = shader::make_box_program();
+  if (!box) return box.error();
+  drawer.box_program_ = std::move(*box);
   drawer.no_attributes_ = gl::make_vertex_array();
   drawer.slice_attributes_ = gl::make_vertex_array();
   for (GLuint i = 0; i < sizeof(shader::LayeredSlice) / sizeof(glm::vec4); ++i) {
@@ -111,6 +115,7 @@ void LayeredDrawer::draw(LayeredPictures& pictures, const Camera& frame,
   const auto how = options.method == LayeredMethod::surfaces ? &LayeredDrawer::draw_surfaces
                                                              : &LayeredDrawer::draw_slices;
   (this->*how)(pictures, frame, instances, options, shader::LayeredOutput::color);
+  if (options.outlines) draw_outlines(pictures, frame, instances);
 }
 
 void LayeredDrawer::draw_objects(LayeredPictures& pictures, const Camera& frame,
@@ -120,6 +125,25 @@ void LayeredDrawer::draw_objects(LayeredPictures& pictures, const Camera& frame,
   const auto how = options.method == LayeredMethod::surfaces ? &LayeredDrawer::draw_surfaces
                                                              : &LayeredDrawer::draw_slices;
   (this->*how)(pictures, frame, instances, options, shader::LayeredOutput::objects);
+}
+
+void LayeredDrawer::draw_outlines(const LayeredPictures& pictures, const Camera& frame,
+                                  std::span<const LayeredInstance> instances) {
+  if (instances.empty()) return;
+  const Box& bounds = pictures.impostor().bounds;
+  set_state();
+  glUseProgram(box_program_);
+  glUniform3fv(3, 1, &kOutlineColor[0]);
+  glBindVertexArray(no_attributes_);
+  for (const LayeredInstance& instance : instances) {
+    const Local local = local_of(frame, instance);
+    const glm::vec3 low(glm::dvec3(bounds.min) - local.eye),
+        high(glm::dvec3(bounds.max) - local.eye);
+    glUniformMatrix4fv(0, 1, GL_FALSE, &local.clip_from_local[0][0]);
+    glUniform3fv(1, 1, &low[0]);
+    glUniform3fv(2, 1, &high[0]);
+    glDrawArrays(GL_LINES, 0, 24);
+  }
 }
 
 void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame,

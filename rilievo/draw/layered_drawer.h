@@ -29,6 +29,7 @@ struct LayeredOptions {
   int max_views = 6;       // pictures asked for a pixel, or with 1 only the nearest: its holes stay
   double handover = 0.25;  // zone in which views fade into each other, in mean spacings of the
                            // views: blended (surfaces) or pixel by pixel (slices); 0: they switch
+  bool outlines = false;   // the edges of the boxes around impostors (S1.8)
 };
 
 struct LayeredInstance {
@@ -57,6 +58,8 @@ class LayeredDrawer {
   [[nodiscard]] const Figures& figures() const { return figures_; }
 
  private:
+  void draw_outlines(const LayeredPictures& pictures, const Camera& frame,
+                     std::span<const LayeredInstance> instances);
   void draw_surfaces(LayeredPictures& pictures, const Camera& frame,
                      std::span<const LayeredInstance> instances, const LayeredOptions& options,
                      shader::LayeredOutput output);
@@ -65,6 +68,7 @@ class LayeredDrawer {
                    shader::LayeredOutput output);
 
   gl::Program surface_programs_[2], slice_programs_[2];  // by output
+  gl::Program box_program_;
   gl::VertexArray no_attributes_, slice_attributes_;
   gl::StreamBuffer view_buffer_, instance_buffer_;
   gl::Buffer slice_buffer_;

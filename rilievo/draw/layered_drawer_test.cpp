@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <array>
 #include <cmath>
 #include <random>
@@ -238,6 +240,46 @@ TEST_F(LayeredDrawerTest, an_impostor_that_moved_is_an_eye_that_moved_the_other_
       }
     EXPECT_GT(covered, 1000);
     EXPECT_LT(differ, covered / 100);  // other floats, other edges
+  }
+}
+
+TEST_F(LayeredDrawerTest, outlines_are_the_edges_of_the_box_before_what_it_shows) {
+  const LayeredImpostor impostor = jug_impostor();
+  auto pictures = LayeredPictures::create(impostor);
+  ASSERT_TRUE(pictures.ok());
+  const Camera camera = frame_camera(impostor.bounds, glm::normalize(glm::dvec3(1, 0.7, 0.4)), 4);
+  for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
+    const Drawn plain = draw(*pictures, camera, {.method = method});
+    const Drawn outlined = draw(*pictures, camera, {.method = method, .outlines = true});
+    EXPECT_TRUE(std::ranges::equal(outlined.object.texels(), plain.object.texels()));
+    int before = 0, shown = 0, behind = 0, hidden = 0;
+    for (int edge = 0; edge < 12; ++edge)
+      for (int i = 0; i <= 100; ++i) {
+        glm::dvec3 share;
+        share[edge / 4] = 0.01 * i;
+        share[(edge / 4 + 1) % 3] = edge & 1;
+        share[(edge / 4 + 2) % 3] = edge >> 1 & 1;
+        const glm::dvec3 at = raster_from_world(
+            camera, glm::dvec3(impostor.bounds.min) + share * glm::dvec3(impostor.bounds.extent()));
+        const int x = int(at.x), y = int(at.y);
+        if (x < 1 || y < 1 || x >= kSize - 1 || y >= kSize - 1) continue;
+        // A line goes through this pixel, or through one beside it.
+        bool changed = false, hides = true;
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) {
+            changed |= outlined.color(x + dx, y + dy) != plain.color(x + dx, y + dy);
+            hides &= double(plain.eye_z(x + dx, y + dy)) < at.z - 0.1;
+          }
+        if (plain.object(x, y) == kNoObject || at.z < double(plain.eye_z(x, y)) - 0.1)
+          ++before, shown += changed;
+        else if (hides)
+          ++behind, hidden += !changed;
+      }
+    EXPECT_GT(before, 300);
+    EXPECT_EQ(shown, before);
+    EXPECT_GT(behind, 50);
+    // Other edges cross in front of some.
+    EXPECT_GT(hidden, behind / 2);
   }
 }
 

@@ -299,6 +299,27 @@ void main() {
 }
 )";
 
+// Edge i runs along axis i / 4, from the corner that has two bits of i across it.
+const char* const kBoxVertex = R"(
+layout(location = 0) uniform mat4 clip_from_local;
+layout(location = 1) uniform vec3 box_min;
+layout(location = 2) uniform vec3 box_max;
+void main() {
+  int edge = gl_VertexID >> 1, axis = edge >> 2;
+  vec3 corner;
+  corner[axis] = float(gl_VertexID & 1);
+  corner[(axis + 1) % 3] = float(edge & 1);
+  corner[(axis + 2) % 3] = float(edge >> 1 & 1);
+  gl_Position = clip_from_local * vec4(mix(box_min, box_max, corner), 1.0);
+}
+)";
+
+const char* const kBoxFragment = R"(
+layout(location = 3) uniform vec3 color;
+layout(location = 0) out vec4 out_color;
+void main() { out_color = vec4(color, 1.0); }
+)";
+
 std::string defines(LayeredOutput output) {
   std::string text = "#define BLOCK 8\n#define SHARE 1\n";
   if (output == LayeredOutput::objects) text += "#define OBJECT_IDS 1\n";
@@ -318,6 +339,11 @@ Result<gl::Program> make_slice_program(LayeredOutput output) {
   const std::string head = kVersion;
   return gl::make_program("layered slices", head + kViews + kSliceVertex,
                           head + kOutput + kPixelHash + kSliceFragment, defines(output));
+}
+
+Result<gl::Program> make_box_program() {
+  const std::string head = kVersion;
+  return gl::make_program("box", head + kBoxVertex, head + kBoxFragment);
 }
 
 }  // namespace rilievo::shader

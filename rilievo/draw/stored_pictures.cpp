@@ -1,6 +1,7 @@
 #include "rilievo/draw/stored_pictures.h"
 
 #include <string>
+#include "rilievo/draw/outline_color.h"
 
 namespace rilievo {
 namespace {
@@ -58,7 +59,7 @@ Result<StoredPictures> StoredPictures::create(std::span<const DepthImage> pictur
 Result<> StoredPictures::draw(const Camera& camera, double) {
   camera_ = camera;
   drawer_.draw(atlas_, camera, options_.mode, instances_);
-  if (options_.outlines) drawer_.draw_outlines(camera, instances_, {1.0f, 0.85f, 0.1f});
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_, kOutlineColor);
   return Done{};
 }
 
