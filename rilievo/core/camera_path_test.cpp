@@ -8,6 +8,7 @@
 #include <random>
 
 #include "rilievo/core/file.h"
+#include "rilievo/core/file_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -134,12 +135,9 @@ TEST(CameraPath, degenerate_bounds_give_valid_paths) {
 TEST(CameraPath, a_file_brings_back_the_same_path) {
   std::mt19937 rng(6);
   const CameraPath path = random_path(rng, 20);
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() /
-      ("rilievo_path_" + std::to_string(std::random_device{}()) + ".json");
-  ASSERT_TRUE(save_path(path, file).ok());
-  const Result<CameraPath> loaded = load_path(file);
-  std::filesystem::remove(file);
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_path(path, folder / "path.json").ok());
+  const Result<CameraPath> loaded = load_path(folder / "path.json");
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   ASSERT_EQ(loaded->keys.size(), path.keys.size());
   EXPECT_EQ(loaded->z_near, path.z_near);
@@ -200,7 +198,8 @@ TEST(CameraPath, bad_files_are_refused_with_their_name_and_a_reason) {
 }
 
 TEST(CameraPath, what_is_not_a_path_is_not_saved) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "rilievo_not_saved";
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "path.json";
   CameraPath path;
   EXPECT_FALSE(save_path(path, file).ok());
   path.keys.push_back(look_key(0, {0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 1.0));

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "rilievo/core/file.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/io/io_test_helpers.h"
 

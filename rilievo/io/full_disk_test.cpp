@@ -1,46 +1,13 @@
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-
-#include <csignal>
-#include <fstream>
-#include <iterator>
 
 #include "rilievo/core/file.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/io/io_test_helpers.h"
 #include "rilievo/io/png.h"
 
 namespace rilievo {
 namespace {
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-std::size_t files_in(const std::filesystem::path& folder) {
-  const std::filesystem::directory_iterator files(folder);
-  return std::size_t(std::distance(begin(files), end(files)));
-}
-
-// While it lives, no file can grow past `bytes`: what a full disk looks like to a writer.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit now{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
 
 TEST(FullDisk, it_is_an_error_and_leaves_the_old_file_alone) {
   const TemporaryFolder folder;
@@ -54,8 +21,8 @@ TEST(FullDisk, it_is_an_error_and_leaves_the_old_file_alone) {
     ASSERT_FALSE(saved.ok());
     EXPECT_EQ(saved.error().where, (folder / "a").string());
   }
-  EXPECT_EQ(text_of(folder / "a"), "old");
-  EXPECT_EQ(files_in(folder.path()), 1u);
+  EXPECT_EQ(*read_file(folder / "a", 100), "old");
+  EXPECT_EQ(folder.entries(), 1);
 }
 
 TEST(FullDisk, wherever_it_becomes_full_it_is_an_error) {
@@ -67,7 +34,7 @@ TEST(FullDisk, wherever_it_becomes_full_it_is_an_error) {
     const SmallDisk full(room);
     ASSERT_FALSE(save_pictures(folder / "cut.exr", {&picture, 1}).ok()) << room;
   }
-  EXPECT_EQ(files_in(folder.path()), 1u);
+  EXPECT_EQ(folder.entries(), 1);
 }
 
 }  // namespace

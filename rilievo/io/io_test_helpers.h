@@ -1,38 +1,15 @@
-// What the tests of this stage share: a folder of their own, and pictures that halfs can hold.
+// Pictures that halfs can hold, for the tests of this stage.
 #pragma once
 
 #include <gtest/gtest.h>
 #include <half.h>
-#include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <random>
 #include <string>
 
 #include "rilievo/core/depth_image.h"
 
 namespace rilievo {
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "rilievo-io-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline Camera random_camera(std::mt19937& rng, int width, int height) {
   std::uniform_real_distribution<double> u(-1, 1);

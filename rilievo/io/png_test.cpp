@@ -6,7 +6,7 @@
 #include <random>
 
 #include "rilievo/core/file.h"
-#include "rilievo/io/io_test_helpers.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/jpeg.h"
 
 namespace rilievo {

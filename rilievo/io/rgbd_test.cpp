@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <random>
 
-#include "rilievo/io/io_test_helpers.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/rgbd_test_helpers.h"
 
 namespace rilievo {

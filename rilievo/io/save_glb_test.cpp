@@ -10,7 +10,7 @@
 #include <random>
 
 #include "rilievo/core/file.h"
-#include "rilievo/io/io_test_helpers.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/scene/builtin.h"
 #include "rilievo/scene/load_scene.h"
 

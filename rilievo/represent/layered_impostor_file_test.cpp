@@ -1,11 +1,11 @@
 #include "rilievo/represent/layered_impostor_file.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/represent/shapes_test_helpers.h"
 
@@ -14,14 +14,6 @@ namespace {
 
 class Files : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "rilievo-layered-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
   static LayeredImpostor jug(ViewSpread spread = ViewSpread::faces_12) {
@@ -50,7 +42,7 @@ class Files : public testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(Files, what_is_saved_is_loaded) {

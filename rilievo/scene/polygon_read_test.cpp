@@ -1,20 +1,18 @@
 #include "rilievo/scene/polygon_read.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <random>
 
 #include "rilievo/core/color.h"
+#include "rilievo/core/file.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/scene/load_scene.h"
 
 namespace rilievo {
 namespace {
-
-namespace fs = std::filesystem;
 
 Result<LoadedScene> load(const std::string& bytes, const std::string& name) {
   return load_scene(bytes_of(bytes), name);
@@ -24,15 +22,6 @@ std::string reason(const std::string& bytes, const std::string& name) {
   const Result<LoadedScene> loaded = load(bytes, name);
   return loaded.ok() ? "ok" : loaded.error().reason;
 }
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("rilievo-obj-" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  void write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path / name, std::ios::binary) << bytes;
-  }
-};
 
 const Material& material_of(const Scene& scene, std::size_t mesh) {
   return scene.materials[scene.meshes[mesh].material];
@@ -144,16 +133,16 @@ TEST(PolygonFiles, the_same_mesh_in_every_format_is_the_same) {
 }
 
 TEST(Obj, groups_are_objects_and_materials_parts) {
-  const Folder folder;
-  folder.write("m.mtl",
-               "newmtl red paint\nKd 1 0 0\nNs 198\nnewmtl glass\nKd 1 1 1\nd 0.25\n"
-               "newmtl odd\nTr 1\nKe 2 1 0\n");
-  folder.write(
-      "a.obj",
+  const TemporaryFolder folder;
+  (void)write_file(folder / "m.mtl",
+                   "newmtl red paint\nKd 1 0 0\nNs 198\nnewmtl glass\nKd 1 1 1\nd 0.25\n"
+                   "newmtl odd\nTr 1\nKe 2 1 0\n");
+  (void)write_file(
+      folder / "a.obj",
       "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\no one\nusemtl red paint\nf 1 2 3\n"
       "usemtl glass\nf 2 4 3\no two\nf 1 2 4\no one\nusemtl red paint\nf 1 2 4\n"
       "usemtl odd\nf 1 4 3\nusemtl none such\nf 1 2 3\n");
-  const Result<LoadedScene> loaded = load_scene(folder.path / "a.obj");
+  const Result<LoadedScene> loaded = load_scene(folder / "a.obj");
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   const Scene& scene = loaded->scene;
   ASSERT_EQ(scene.objects.size(), 2u);
@@ -188,9 +177,10 @@ TEST(Obj, attributes_are_kept_and_v_is_turned_round) {
 }
 
 TEST(Obj, a_missing_library_is_a_warning_only) {
-  const Folder folder;
-  folder.write("a.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n");
-  const Result<LoadedScene> loaded = load_scene(folder.path / "a.obj");
+  const TemporaryFolder folder;
+  (void)write_file(folder / "a.obj",
+                   "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n");
+  const Result<LoadedScene> loaded = load_scene(folder / "a.obj");
   ASSERT_TRUE(loaded.ok());
   ASSERT_EQ(loaded->warnings.size(), 1u);
   EXPECT_EQ(loaded->warnings[0],

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "rilievo/io/io_test_helpers.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/rgbd_test_helpers.h"
 #include "rilievo/represent/shapes_test_helpers.h"
 #include "rilievo/warp/layered_warp.h"
