@@ -10,6 +10,7 @@
 #include "bench/nailboard_error.h"
 #include "bench/pop.h"
 #include "bench/rgbd.h"
+#include "bench/spinning.h"
 #include "bench/tradeoff.h"
 
 namespace rilievo::bench {
@@ -27,6 +28,8 @@ std::span<const Bench> benches() {
       Bench{"scaling", "What does a cached frame cost as the scene grows?", true, scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?", true,
             pop},
+      Bench{"spinning", "What does a cache gain from impostors baked before, of what spins?", true,
+            spinning},
       Bench{"coverage", "How much of an object do its pictures hold? (S2, figures 2 and 5)", false,
             coverage},
       Bench{"layered", "What do layered impostors look like from new eyes? (S2.3 to S2.6)", true,

@@ -147,6 +147,8 @@ class Results(Folder):
             "nailboard-error": ["max_error_percent_rotation_30", "max_error_percent_translation_5"],
             "nailboard-bits": [f"wrong_visibility_{bits}bit" for bits in [2, 4, 6, 8, 16]],
             "pop": ["pop_max_faded", "pop_max_unfaded"],
+            "spinning": [f"{what}_{way}" for way in ["direct", "cache", "walk", "slices"] for what in
+                         ["frame_ms_p50", "psnr_db", "bound_px_max", "layered_share"]],
             "bound": ["cases", "violations", "tightness_median"],
             "draw": ["fill_cost_ratio", "nailboards_per_ms", "ten_thousand_ms"],
             "coverage": [f"covered_teapot_{what}" for what in
