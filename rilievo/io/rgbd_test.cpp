@@ -184,9 +184,9 @@ TEST(Rgbd, what_is_wrong_is_named) {
       {RgbdFormat::pose_files, "frame-000002.depth.png", [](S s) { return s.substr(0, 40); },
        "cannot be decoded"},
       {RgbdFormat::pose_files, "frame-000002.depth.png",
-       [](S) { return test_rgbd::grey16_png(Image<std::uint16_t>(48, 40)); }, "no depth"},
+       [](S) { return test_png::grey16_png(Image<std::uint16_t>(48, 40)); }, "no depth"},
       {RgbdFormat::pose_files, "frame-000002.depth.png",
-       [](S) { return test_rgbd::grey16_png(Image<std::uint16_t>(40, 48, 1000)); }, "40 x 48"},
+       [](S) { return test_png::grey16_png(Image<std::uint16_t>(40, 48, 1000)); }, "40 x 48"},
       {RgbdFormat::pose_files, "frame-000002.depth.png",
        [](S) {
          const auto png = encode_png(Rgba8Image(48, 40));

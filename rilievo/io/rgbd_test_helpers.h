@@ -11,43 +11,9 @@
 #include "rilievo/core/file.h"
 #include "rilievo/io/png.h"
 #include "rilievo/io/rgbd.h"
+#include "rilievo/scene/png_test_helpers.h"
 
 namespace rilievo::test_rgbd {
-
-inline std::string big_endian(std::uint32_t v) {
-  return {char(v >> 24), char(v >> 16), char(v >> 8), char(v)};
-}
-
-inline std::string png_chunk(const std::string& type, const std::string& body) {
-  std::uint32_t c = 0xFFFFFFFFu;
-  for (unsigned char b : type + body) {
-    c ^= b;
-    for (int k = 0; k < 8; ++k) c = c & 1 ? 0xEDB88320u ^ c >> 1 : c >> 1;
-  }
-  return big_endian(std::uint32_t(body.size())) + type + body + big_endian(~c);
-}
-
-// PNG of 16-bit grey, unfiltered, in stored (uncompressed) blocks.
-inline std::string grey16_png(const Image<std::uint16_t>& image) {
-  std::string raw, zlib = "\x78\x01";
-  for (int y = 0; y < image.height(); ++y) {
-    raw += '\0';
-    for (std::uint16_t v : image.row(y)) raw += {char(v >> 8), char(v)};
-  }
-  std::uint32_t a = 1, b = 0;
-  for (unsigned char c : raw) a = (a + c) % 65521, b = (b + a) % 65521;
-  for (std::size_t at = 0; at < raw.size(); at += 65535) {
-    const std::size_t n = std::min<std::size_t>(65535, raw.size() - at);
-    zlib += {char(at + n == raw.size()), char(n), char(n >> 8), char(~n), char(~n >> 8)};
-    zlib += raw.substr(at, n);
-  }
-  zlib += big_endian(b << 16 | a);
-  return "\x89PNG\r\n\x1A\n" +
-         png_chunk("IHDR", big_endian(std::uint32_t(image.width())) +
-                               big_endian(std::uint32_t(image.height())) +
-                               std::string("\x10\0\0\0\0", 5)) +
-         png_chunk("IDAT", zlib) + png_chunk("IEND", "");
-}
 
 inline void write_images(const DepthImage& picture, const std::filesystem::path& color,
                          const std::filesystem::path& depth) {
@@ -57,7 +23,7 @@ inline void write_images(const DepthImage& picture, const std::filesystem::path&
       if (picture.covered(x, y))
         units(x, y) = std::uint16_t(std::lround(picture.depth(x, y) * 1000));
   (void)save_png(color, srgb8_from_linear(picture.color));
-  (void)write_file(depth, grey16_png(units));
+  (void)write_file(depth, test_png::grey16_png(units));
 }
 
 // 16 numbers, row by row.
