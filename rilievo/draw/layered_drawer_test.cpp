@@ -15,12 +15,9 @@
 namespace rilievo {
 namespace {
 
-constexpr int kSize = 96;
+using test_shapes::random_direction;
 
-glm::dvec3 random_direction(std::mt19937& rng) {
-  std::normal_distribution<double> n;
-  return glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
-}
+constexpr int kSize = 96;
 
 Camera frame_camera(const Box& bounds, const glm::dvec3& direction, double distance) {
   const glm::dvec3 eye = glm::dvec3(bounds.center()) + direction * (distance * bounds.radius());
@@ -29,11 +26,7 @@ Camera frame_camera(const Box& bounds, const glm::dvec3& direction, double dista
 }
 
 LayeredImpostor jug_impostor(Projection kind = Projection::back_perspective) {
-  Result<LayeredImpostor> impostor =
-      make_layered_impostor(test_shapes::cast_views(test_shapes::jug(), make_view_set({}),
-                                                    {.projection = kind, .size = 64}),
-                            {.layers = 40, .overlap = 0.2f});
-  return std::move(*impostor);
+  return test_shapes::jug_impostor(64, {.layers = 40, .overlap = 0.2f}, kind);
 }
 
 class LayeredDrawerTest : public testing::Test {

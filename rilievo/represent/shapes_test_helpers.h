@@ -1,11 +1,13 @@
-// Small scenes for tests: shapes whose surfaces are known by formula.
+// Small scenes for tests, whose surfaces are known by formula, and what is seen of them.
 #pragma once
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
+#include <random>
 #include <utility>
 
+#include "rilievo/represent/layered_impostor.h"
 #include "rilievo/represent/view_set.h"
 #include "rilievo/sample/cast_picture.h"
 #include "rilievo/scene/scene.h"
@@ -88,6 +90,19 @@ inline std::vector<DepthImage> cast_views(const Scene& scene, const ViewSet& vie
   for (const glm::dvec3& direction : views.directions)
     pictures.push_back(cast_picture(*rays, *view_camera(bounds, direction, options)));
   return pictures;
+}
+
+inline LayeredImpostor jug_impostor(int size, const SliceOptions& options = {},
+                                    Projection kind = Projection::back_perspective) {
+  Result<LayeredImpostor> impostor = make_layered_impostor(
+      cast_views(jug(), make_view_set({}), {.projection = kind, .size = size}), options);
+  return std::move(*impostor);
+}
+
+// Evenly over all directions.
+inline glm::dvec3 random_direction(std::mt19937& rng) {
+  std::normal_distribution<double> n;
+  return glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
 }
 
 }  // namespace rilievo::test_shapes

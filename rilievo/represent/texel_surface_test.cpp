@@ -11,10 +11,7 @@
 namespace rilievo {
 namespace {
 
-glm::dvec3 random_direction(std::mt19937& rng) {
-  std::normal_distribution<double> n;
-  return glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
-}
+using test_shapes::random_direction;
 
 DepthImage jug_picture(Projection projection, const glm::dvec3& direction, int size) {
   const Scene scene = test_shapes::jug();

@@ -8,13 +8,12 @@
 #include <numbers>
 #include <random>
 
+#include "rilievo/represent/shapes_test_helpers.h"
+
 namespace rilievo {
 namespace {
 
-glm::dvec3 random_direction(std::mt19937& rng) {
-  std::normal_distribution<double> n;
-  return glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
-}
+using test_shapes::random_direction;
 
 int nearest_by_angle(const ViewSet& set, const glm::dvec3& direction) {
   int best = 0;

@@ -11,19 +11,8 @@
 namespace rilievo {
 namespace {
 
-glm::dvec3 random_direction(std::mt19937& rng) {
-  std::normal_distribution<double> n;
-  return glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
-}
-
-LayeredImpostor jug_impostor(int size, const SliceOptions& options = {},
-                             Projection kind = Projection::back_perspective) {
-  Result<LayeredImpostor> impostor =
-      make_layered_impostor(test_shapes::cast_views(test_shapes::jug(), make_view_set({}),
-                                                    {.projection = kind, .size = size}),
-                            options);
-  return std::move(*impostor);
-}
+using test_shapes::jug_impostor;
+using test_shapes::random_direction;
 
 Camera frame_camera(const Box& bounds, const glm::dvec3& direction, double distance, int size) {
   const glm::dvec3 eye =
