@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "rilievo/gl/context.h"
+#include "rilievo/gl/context_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -77,12 +77,10 @@ class TwoHalves : public FrameSource {
   int drawn_ = 0, step_ = 0;
 };
 
-class CompareTest : public testing::Test {
+class CompareTest : public gl::ContextTest {
  protected:
   void SetUp() override {
-    auto made = gl::Context::create();
-    ASSERT_TRUE(made.ok()) << made.error().message();
-    context = std::move(*made);
+    ASSERT_NO_FATAL_FAILURE(ContextTest::SetUp());
     options.width = kWidth;
     options.height = kHeight;
     options.frames = 5;
@@ -93,7 +91,6 @@ class CompareTest : public testing::Test {
     return {look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.9, kWidth, kHeight, 1, 10), 0};
   }
 
-  std::unique_ptr<gl::Context> context;
   CompareOptions options;
 };
 

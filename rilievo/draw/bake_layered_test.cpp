@@ -5,21 +5,13 @@
 
 #include <cmath>
 
-#include "rilievo/gl/context.h"
+#include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/represent/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {
 
-class BakeLayered : public testing::Test {
- protected:
-  void SetUp() override {
-    auto context = gl::Context::create();
-    ASSERT_TRUE(context.ok()) << context.error().message();
-    context_ = std::move(*context);
-  }
-  std::unique_ptr<gl::Context> context_;
-};
+class BakeLayered : public gl::ContextTest {};
 
 TEST_F(BakeLayered, shows_what_rays_show) {
   const Scene scene = test_shapes::jug();

@@ -9,7 +9,7 @@
 
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/core/color.h"
-#include "rilievo/gl/context.h"
+#include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/represent/shapes_test_helpers.h"
 
 namespace rilievo {
@@ -29,12 +29,10 @@ LayeredImpostor jug_impostor(Projection kind = Projection::back_perspective) {
   return test_shapes::jug_impostor(64, {.layers = 40, .overlap = 0.2f}, kind);
 }
 
-class LayeredDrawerTest : public testing::Test {
+class LayeredDrawerTest : public gl::ContextTest {
  protected:
   void SetUp() override {
-    auto context = gl::Context::create();
-    ASSERT_TRUE(context.ok()) << context.error().message();
-    context_ = std::move(*context);
+    ASSERT_NO_FATAL_FAILURE(ContextTest::SetUp());
     auto drawer = LayeredDrawer::create();
     ASSERT_TRUE(drawer.ok()) << drawer.error().message();
     drawer_.emplace(std::move(*drawer));
@@ -88,7 +86,6 @@ class LayeredDrawerTest : public testing::Test {
       }
   }
 
-  std::unique_ptr<gl::Context> context_;
   std::optional<LayeredDrawer> drawer_;
   std::optional<ProbeTarget> probe_;
   std::optional<FrameTarget> target_;

@@ -9,7 +9,7 @@
 #include "rilievo/draw/before_sky.h"
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/draw/stored_layered.h"
-#include "rilievo/gl/context.h"
+#include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/represent/shapes_test_helpers.h"
 
 namespace rilievo {
@@ -50,12 +50,10 @@ Camera camera_from(const glm::dvec3& eye) {
 }
 const glm::dvec3 kEye{2, 4, 11};
 
-class LayeredFramesTest : public testing::Test {
+class LayeredFramesTest : public gl::ContextTest {
  protected:
   void SetUp() override {
-    auto context = gl::Context::create();
-    ASSERT_TRUE(context.ok()) << context.error().message();
-    context_ = std::move(*context);
+    ASSERT_NO_FATAL_FAILURE(ContextTest::SetUp());
     auto renderer = SceneRenderer::create(scene_);
     ASSERT_TRUE(renderer.ok()) << renderer.error().message();
     renderer_.emplace(std::move(*renderer));
@@ -86,7 +84,6 @@ class LayeredFramesTest : public testing::Test {
   }
 
   const Scene scene_ = row_of_shapes();
-  std::unique_ptr<gl::Context> context_;
   std::optional<SceneRenderer> renderer_;
   std::optional<FrameTarget> target_;
   std::optional<ProbeTarget> probe_;

@@ -4,15 +4,34 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "rilievo/capture/frame_target.h"
-#include "rilievo/gl/context.h"
+#include "rilievo/gl/context_test_helpers.h"
 
 namespace rilievo {
 namespace {
 
 constexpr int kWidth = 96, kHeight = 64;
+
+class NailboardDrawerTest : public gl::ContextTest {
+ protected:
+  void SetUp() override {
+    ASSERT_NO_FATAL_FAILURE(ContextTest::SetUp());
+    auto made = NailboardDrawer::create();
+    ASSERT_TRUE(made.ok()) << made.error().message();
+    drawer.emplace(std::move(*made));
+    auto target = ProbeTarget::create(kWidth, kHeight);
+    ASSERT_TRUE(target.ok()) << target.error().message();
+    probe.emplace(std::move(*target));
+  }
+
+  std::optional<NailboardDrawer> drawer;
+  std::optional<ProbeTarget> probe;
+};
+
+class PictureAtlasTest : public gl::ContextTest {};
 
 Nailboard random_board(std::mt19937& rng, int bits) {
   std::uniform_real_distribution<float> u(-1, 1);
@@ -65,13 +84,7 @@ Expected at_pixel(const Nailboard& board, const Camera& frame, DepthMode mode, i
   return e;
 }
 
-TEST(NailboardDrawer, writes_the_depth_that_the_formulas_give) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok()) << context.error().message();
-  auto drawer = NailboardDrawer::create();
-  ASSERT_TRUE(drawer.ok()) << drawer.error().message();
-  auto probe = ProbeTarget::create(kWidth, kHeight);
-  ASSERT_TRUE(probe.ok());
+TEST_F(NailboardDrawerTest, writes_the_depth_that_the_formulas_give) {
   std::mt19937 rng(1);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int bits : {2, 4, 6, 8, 16}) {
@@ -117,13 +130,7 @@ TEST(NailboardDrawer, writes_the_depth_that_the_formulas_give) {
   }
 }
 
-TEST(NailboardDrawer, writes_right_depths_where_the_polygon_reaches_behind_the_eye) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
-  auto drawer = NailboardDrawer::create();
-  ASSERT_TRUE(drawer.ok());
-  auto probe = ProbeTarget::create(kWidth, kHeight);
-  ASSERT_TRUE(probe.ok());
+TEST_F(NailboardDrawerTest, writes_right_depths_where_the_polygon_reaches_behind_the_eye) {
   auto atlas = PictureAtlas::create({64u << 20, 8, 1});
   ASSERT_TRUE(atlas.ok());
   std::mt19937 rng(4);
@@ -163,15 +170,9 @@ TEST(NailboardDrawer, writes_right_depths_where_the_polygon_reaches_behind_the_e
   }
 }
 
-TEST(NailboardDrawer, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
-  auto drawer = NailboardDrawer::create();
-  ASSERT_TRUE(drawer.ok());
+TEST_F(NailboardDrawerTest, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
   auto atlas = PictureAtlas::create({64u << 20, 8, 1});
   ASSERT_TRUE(atlas.ok());
-  auto probe = ProbeTarget::create(kWidth, kHeight);
-  ASSERT_TRUE(probe.ok());
   std::mt19937 rng(2);
   const Nailboard board = random_board(rng, 8);
   const auto slot = atlas->allocate(40, 33);
@@ -201,9 +202,7 @@ TEST(NailboardDrawer, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
   EXPECT_GT(same, kWidth * kHeight - 20);
 }
 
-TEST(NailboardDrawer, shares_of_polygons_and_of_pictures_complement_each_other) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
+TEST_F(NailboardDrawerTest, shares_of_polygons_and_of_pictures_complement_each_other) {
   // A wall before the eye, and a picture of a wall in the same place.
   Scene scene;
   Mesh wall;
@@ -220,10 +219,9 @@ TEST(NailboardDrawer, shares_of_polygons_and_of_pictures_complement_each_other) 
   finish(scene);
   auto renderer = SceneRenderer::create(scene);
   ASSERT_TRUE(renderer.ok()) << renderer.error().message();
-  auto drawer = NailboardDrawer::create();
   auto atlas = PictureAtlas::create({64u << 20, 8, 1});
   auto target = FrameTarget::create(kWidth, kHeight, 1);
-  ASSERT_TRUE(drawer.ok() && atlas.ok() && target.ok());
+  ASSERT_TRUE(atlas.ok() && target.ok());
   const Camera frame = look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.5, 20);
   Box box;
   box.add(glm::vec3(-9, -9, -0.5f)), box.add(glm::vec3(9, 9, 0.5f));
@@ -258,11 +256,7 @@ TEST(NailboardDrawer, shares_of_polygons_and_of_pictures_complement_each_other) 
 }
 
 // A sample at the edge may be covered though the pixel's centre is not on the polygon.
-TEST(NailboardDrawer, shows_nothing_of_its_neighbours_in_the_atlas) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
-  auto drawer = NailboardDrawer::create();
-  ASSERT_TRUE(drawer.ok());
+TEST_F(NailboardDrawerTest, shows_nothing_of_its_neighbours_in_the_atlas) {
   auto atlas = PictureAtlas::create({64u << 20, 8, 1});
   ASSERT_TRUE(atlas.ok());
   auto target = FrameTarget::create(kWidth, kHeight, 4);
@@ -306,9 +300,7 @@ TEST(NailboardDrawer, shows_nothing_of_its_neighbours_in_the_atlas) {
   EXPECT_GT(drawn, 50 * 3 * 500);
 }
 
-TEST(PictureAtlas, gives_back_what_was_written) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
+TEST_F(PictureAtlasTest, gives_back_what_was_written) {
   std::mt19937 rng(3);
   for (int bits : {2, 8, 16}) {
     auto atlas = PictureAtlas::create({64u << 20, bits, 4});
@@ -323,9 +315,7 @@ TEST(PictureAtlas, gives_back_what_was_written) {
   }
 }
 
-TEST(PictureAtlas, sums_blocks_up) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
+TEST_F(PictureAtlasTest, sums_blocks_up) {
   std::mt19937 rng(5);
   for (int bits : {2, 8, 16}) {
     auto atlas = PictureAtlas::create({64u << 20, bits, 4});
@@ -371,9 +361,7 @@ TEST(PictureAtlas, sums_blocks_up) {
   }
 }
 
-TEST(PictureAtlas, refuses_a_budget_that_holds_no_picture) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
+TEST_F(PictureAtlasTest, refuses_a_budget_that_holds_no_picture) {
   const auto atlas = PictureAtlas::create({1u << 20, 8, 4});
   ASSERT_FALSE(atlas.ok());
   EXPECT_NE(atlas.error().message().find("too small"), std::string::npos);
