@@ -102,6 +102,23 @@ struct Tally {
   }
 };
 
+// Neither bound, on any point or on the placed ones, was broken; nor are they far too large.
+void expect_kept_and_tight(Tally& tally, Tally& placed) {
+  EXPECT_EQ(placed.violations, 0);
+  EXPECT_GE(placed.least(), 1);
+  testing::Test::RecordProperty("placed_tightness_median", std::to_string(placed.median()));
+  EXPECT_LT(placed.median(), 6);
+  EXPECT_GE(tally.cases, 2000);
+  EXPECT_GT(tally.points, 50000);
+  EXPECT_EQ(tally.violations, 0);
+  // The largest slice, the steepest piece and the nearest corner seldom meet in one point.
+  const double tightness = tally.median();
+  EXPECT_GE(tally.least(), 1);
+  testing::Test::RecordProperty("tightness_least", std::to_string(tally.least()));
+  EXPECT_LT(tightness, 12);
+  testing::Test::RecordProperty("tightness_median", std::to_string(tightness));
+}
+
 // Floats of slices and surfaces: a part in 10^6 of distances of some metres.
 constexpr double kRounding = 1e-5;
 
@@ -162,22 +179,10 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
     }
   }
   EXPECT_GT(placed.points, 20000);
-  EXPECT_EQ(placed.violations, 0);
-  EXPECT_GE(placed.least(), 1);
-  RecordProperty("placed_tightness_median", std::to_string(placed.median()));
-  EXPECT_LT(placed.median(), 6);
+  expect_kept_and_tight(tally, placed);
   EXPECT_GT(on_pieces, 5000);
   EXPECT_EQ(off_pieces, 0);
   EXPECT_GT(worst_aside, 0.5);
-  EXPECT_GE(tally.cases, 2000);
-  EXPECT_GT(tally.points, 50000);
-  EXPECT_EQ(tally.violations, 0);
-  // The largest slice, the steepest piece and the nearest corner seldom meet in one point.
-  const double tightness = tally.median();
-  EXPECT_GE(tally.least(), 1);
-  RecordProperty("tightness_least", std::to_string(tally.least()));
-  EXPECT_LT(tightness, 12);
-  RecordProperty("tightness_median", std::to_string(tightness));
 }
 
 TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claimed) {
@@ -224,18 +229,7 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
       placed.add(bound.total_px + std::sqrt(0.5), worst_placed_px, points);
     }
   }
-  EXPECT_EQ(placed.violations, 0);
-  EXPECT_GE(placed.least(), 1);
-  RecordProperty("placed_tightness_median", std::to_string(placed.median()));
-  EXPECT_LT(placed.median(), 6);
-  EXPECT_GE(tally.cases, 2000);
-  EXPECT_GT(tally.points, 50000);
-  EXPECT_EQ(tally.violations, 0);
-  const double tightness = tally.median();
-  EXPECT_GE(tally.least(), 1);
-  RecordProperty("tightness_least", std::to_string(tally.least()));
-  EXPECT_LT(tightness, 12);
-  RecordProperty("tightness_median", std::to_string(tightness));
+  expect_kept_and_tight(tally, placed);
 }
 
 TEST(LayeredError, scales_with_the_instance_and_knows_the_distance) {
