@@ -42,7 +42,7 @@ Result<NailboardDrawer> NailboardDrawer::create() {
   return drawer;
 }
 
-void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInstance> instances) {
+void NailboardDrawer::place(const Camera& frame, std::span<const NailboardInstance> instances) {
   const glm::dvec3 eye = frame.position();
   glm::dmat4 turn = frame.world_from_eye;
   turn[3] = {0, 0, 0, 1};
@@ -80,8 +80,12 @@ void NailboardDrawer::upload(const Camera& frame, std::span<const NailboardInsta
                         glm::vec4(glm::vec3(turned * capture.forward()), float(in.slot.height)),
                         glm::vec4(float(capture.z_near), float(capture.z_far),
                                   float(in.geometry.plane_z), std::bit_cast<float>(in.object)),
-                        glm::vec4(in.share_from, in.share_to, 0, 0)});
+                        glm::vec4(in.share_from, in.share_to, 0, 0),
+                        {}});
   }
+}
+
+void NailboardDrawer::upload() {
   instance_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 0, std::as_bytes(std::span(staging_)));
   glBindVertexArray(vertex_array_);
 }
@@ -90,13 +94,14 @@ void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, Depth
                                  std::span<const NailboardInstance> instances) {
   GLint viewport[4];
   glGetIntegerv(GL_VIEWPORT, viewport);
+  frame_size_ = {viewport[2], viewport[3]};
   visible_.begin(glm::dmat4(clip_from_relative_), viewport[2], viewport[3], frame.z_near,
                  frame.z_far);
   cells_.clear();
   whole_ = 0;
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const NailboardInstance& in = instances[order_[i].index];
-    const Instance& placed = staging_[i];
+    Instance& placed = staging_[i];
     StandingPicture standing;
     standing.origin = placed.origin_layer, standing.eye = placed.eye_slot_width;
     standing.u_axis = placed.u_axis_slot_x, standing.v_axis = placed.v_axis_slot_y;
@@ -105,7 +110,9 @@ void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, Depth
     standing.relief = mode != DepthMode::flat;
     // Depths by eq. (4) are not between those of the surface.
     standing.hides = mode != DepthMode::linear && !order_[i].share;
-    visible_.append(std::uint32_t(i), standing, atlas.blocks(in.slot), cells_);
+    const glm::mat3 texel_from_raster(
+        visible_.append(std::uint32_t(i), standing, atlas.blocks(in.slot), cells_));
+    for (int k = 0; k < 3; ++k) placed.texel_from_raster[k] = glm::vec4(texel_from_raster[k], 0);
     if (!order_[i].share) whole_ = cells_.size();
   }
   static_assert(sizeof(DrawnCells) == 12, "three words, as the vertex shader reads them");
@@ -128,6 +135,7 @@ void NailboardDrawer::draw_cells(const PictureAtlas& atlas, DepthMode mode,
   glUniformMatrix4fv(0, 1, GL_FALSE, &clip_from_relative_[0][0]);
   glUniform1f(1, atlas.delta_scale());
   glUniform1f(2, atlas.largest_delta());
+  glUniform2f(3, 2.0f / frame_size_.x, 2.0f / frame_size_.y);
   glBindTextureUnit(0, atlas.color_texture());
   glBindTextureUnit(1, atlas.delta_texture());
   if (objects) glBindTextureUnit(2, atlas.object_texture());
@@ -140,16 +148,19 @@ void NailboardDrawer::draw_cells(const PictureAtlas& atlas, DepthMode mode,
     glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   else
     glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  for (GLenum side = 0; side < 4; ++side) glEnable(GL_CLIP_DISTANCE0 + side);
   glDrawElements(GL_TRIANGLES, GLsizei(6 * count), GL_UNSIGNED_INT,
                  reinterpret_cast<const void*>(6 * first * sizeof(std::uint32_t)));
+  for (GLenum side = 0; side < 4; ++side) glDisable(GL_CLIP_DISTANCE0 + side);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
 void NailboardDrawer::draw(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                            std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
-  upload(frame, instances);
+  place(frame, instances);
   find_cells(atlas, frame, mode, instances);
+  upload();
   draw_cells(atlas, mode, shader::NailboardOutput::color, 0, whole_);
   draw_cells(atlas, mode, shader::NailboardOutput::share_of_color, whole_, cells_.size() - whole_);
 }
@@ -157,8 +168,9 @@ void NailboardDrawer::draw(PictureAtlas& atlas, const Camera& frame, DepthMode m
 void NailboardDrawer::draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                                    std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
-  upload(frame, instances);
+  place(frame, instances);
   find_cells(atlas, frame, mode, instances);
+  upload();
   draw_cells(atlas, mode, shader::NailboardOutput::objects, 0, cells_.size());
 }
 
@@ -166,7 +178,8 @@ void NailboardDrawer::draw_outlines(const Camera& frame,
                                     std::span<const NailboardInstance> instances,
                                     const glm::vec3& color) {
   if (instances.empty()) return;
-  upload(frame, instances);
+  place(frame, instances);
+  upload();
   glUseProgram(outline_);
   glUniformMatrix4fv(0, 1, GL_FALSE, &clip_from_relative_[0][0]);
   glUniform3f(1, color.r, color.g, color.b);

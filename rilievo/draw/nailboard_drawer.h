@@ -52,9 +52,10 @@ class NailboardDrawer {
   // As the vertex shader reads it.
   struct Instance {
     glm::vec4 origin_layer, u_axis_slot_x, v_axis_slot_y, eye_slot_width, forward_slot_height,
-        depths, share;
+        depths, share, texel_from_raster[3];
   };
-  void upload(const Camera& frame, std::span<const NailboardInstance> instances);
+  void place(const Camera& frame, std::span<const NailboardInstance> instances);
+  void upload();
   void find_cells(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                   std::span<const NailboardInstance> instances);
   void draw_cells(const PictureAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
@@ -77,6 +78,7 @@ class NailboardDrawer {
   std::vector<Instance> staging_;
   VisibleCells visible_;
   std::vector<DrawnCells> cells_;
+  glm::vec2 frame_size_{1.0f};  // pixels
 };
 
 }  // namespace rilievo

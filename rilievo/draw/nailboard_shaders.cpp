@@ -40,14 +40,21 @@ struct Picture {
   vec4 forward_slot_height;  // the capturing camera's -z
   vec4 depths;  // z_near, z_far, plane_z; identifier's bits
   vec4 share;   // of the pixels, in x and y
+  mat3 texel_from_raster;  // of (x, y, 1) in the frame, homogeneous
 };
 layout(std430, binding = 0) readonly buffer Pictures { Picture pictures[]; };
 layout(location = 0) uniform mat4 clip_from_relative;
 )";
 
 const char* const kVertex = R"(
-// Of each rectangle drawn three words: its picture; x0 | y0 << 16; x1 | y1 << 16, texels.
+// Of each rectangle of the frame three words: its picture; x0 | y0 << 16; x1 | y1 << 16, pixels; or
+// no pixels, for the whole polygon.
 layout(std430, binding = 1) readonly buffer Rectangles { uint rectangles[]; };
+layout(location = 3) uniform vec2 clip_from_pixels;
+out gl_PerVertex {
+  vec4 gl_Position;
+  float gl_ClipDistance[4];
+};
 out vec2 v_uv;  // texels
 flat out vec4 v_slot;  // centres of its first and last texels: beyond them lie other pictures
 flat out int v_layer;
@@ -75,15 +82,25 @@ float window_z_times_w(Picture picture, vec3 p, vec4 clip, float eye_z) {  // (3
 void main() {
   int first = 3 * (gl_VertexID >> 2);
   Picture picture = pictures[rectangles[first]];
-  uint x = rectangles[first + 1 + (gl_VertexID & 1)];
-  uint y = rectangles[first + 1 + ((gl_VertexID >> 1) & 1)];
-  vec2 texel = vec2(float(x & 0xFFFFu), float(y >> 16));
+  ivec2 side = ivec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1);
+  vec2 pixel = vec2(float(rectangles[first + 1 + side.x] & 0xFFFFu),
+                    float(rectangles[first + 1 + side.y] >> 16));
+  bool whole = rectangles[first + 2] == 0u;
   vec2 slot = vec2(picture.u_axis_slot_x.w, picture.v_axis_slot_y.w);
   vec2 size = vec2(picture.eye_slot_width.w, picture.forward_slot_height.w);
+  vec3 at = picture.texel_from_raster * vec3(pixel, 1.0);
+  vec2 texel = whole ? vec2(side) * size : at.xy / at.z;
   vec2 corner = texel / size;
   vec3 p = picture.origin_layer.xyz + corner.x * picture.u_axis_slot_x.xyz +
            corner.y * picture.v_axis_slot_y.xyz;
   gl_Position = clip_from_relative * vec4(p, 1.0);
+  // Exactly there, so that rectangles meet.
+  if (!whole) gl_Position.xy = (pixel * clip_from_pixels - 1.0) * gl_Position.w;
+  // A rectangle may reach over the polygon's edges.
+  gl_ClipDistance[0] = texel.x;
+  gl_ClipDistance[1] = size.x - texel.x;
+  gl_ClipDistance[2] = texel.y;
+  gl_ClipDistance[3] = size.y - texel.y;
   v_uv = slot + texel;
   v_slot = vec4(slot, slot + size) + vec4(0.5, 0.5, -0.5, -0.5);
   v_layer = int(picture.origin_layer.w);

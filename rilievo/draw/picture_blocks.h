@@ -28,7 +28,7 @@ struct PictureBlock {
 };
 inline constexpr int kBlockTexels = 4;  // a side
 
-// Drawn or left out as a whole.
+// Looked at before their blocks.
 inline constexpr int kCellBlocks = 4, kCellTexels = kCellBlocks * kBlockTexels;
 
 // Of one picture.

@@ -2,9 +2,12 @@
 //
 // A picture is mostly nothing around a silhouette, and in a forest most of the rest is hidden by
 // the pictures before it; but a fragment that writes its depth cannot be rejected before it is
-// shaded. So pictures are drawn cell by cell (picture_blocks.h): empty cells are left out, and so
-// are those of which every pixel lies in a tile of the frame that a picture drawn before closes:
-// one that covers all of it with opaque texels nearer than the cell's nearest.
+// shaded. So pictures are drawn by cells of the frame. Left out are cells in which the picture is
+// empty (picture_blocks.h), and those of which every tile is closed by a picture drawn before: one
+// that covers all of the tile with opaque texels nearer than this picture's nearest there.
+//
+// Cells consist of whole pixels: where two of one picture meet, nothing is shaded twice and no
+// sample falls between.
 //
 // What is left out changes no sample of the frame. Pure; frame raster here runs upwards, as
 // OpenGL's does. Keeps its buffers: a steady frame does not allocate.
@@ -30,11 +33,13 @@ struct StandingPicture {
   bool hides = true;
 };
 
-// Texels x0 <= x < x1, y0 <= y < y1 of a picture.
+// Of a picture, what it shows of the frame's pixels x0 <= x < x1, y0 <= y < y1. No pixels at all:
+// the whole polygon, wherever it reaches.
 struct DrawnCells {
   std::uint32_t picture = 0;
   std::uint16_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
+  [[nodiscard]] bool whole() const { return x1 == 0; }
   friend bool operator==(const DrawnCells&, const DrawnCells&) = default;
 };
 
@@ -43,25 +48,27 @@ class VisibleCells {
   // clip_from_relative: from axes of the world around the frame's eye.
   void begin(const glm::dmat4& clip_from_relative, int width, int height, double z_near,
              double z_far);
-  // Appends the rectangles of `picture` that may be seen. Those that hide most come first if
-  // pictures come front to back. Rectangles reach one texel over the cells that they stand for, so
-  // that no sample falls between two.
-  void append(std::uint32_t picture, const StandingPicture& standing,
-              const PictureBlocksView& blocks, std::vector<DrawnCells>& drawn);
+  // Appends the rectangles of the frame in which `picture` may be seen. Those that hide most come
+  // first if pictures come front to back. Returns what takes (x, y, 1), pixels, to the texels there
+  // (homogeneous); meaningless if the picture is to be drawn whole.
+  glm::dmat3 append(std::uint32_t picture, const StandingPicture& standing,
+                    const PictureBlocksView& blocks, std::vector<DrawnCells>& drawn);
 
  private:
-  struct Homography;
-  void append_cells(std::uint32_t picture, const Homography& raster_from_texel,
-                    const StandingPicture& standing, const PictureBlocksView& blocks,
-                    std::vector<DrawnCells>& drawn);
-  void close_tiles(const Homography& raster_from_texel, const PictureBlocksView& blocks);
+  struct Placement;
+  bool look_at_cell(const Placement& placement, const PictureBlocksView& blocks, int column,
+                    int row);
+  void append_runs(std::uint32_t picture, const Placement& placement, int row,
+                   std::vector<DrawnCells>& drawn);
 
-  static constexpr int kTile = 8;  // pixels a side
+  // Drawn or left out as a whole: cells of kCell x kCell pixels; hidden by tiles of kTile x kTile.
+  static constexpr int kTile = 8, kTiles = 2, kCell = kTile * kTiles;
   glm::dmat4 clip_from_relative_{1.0};
-  int width_ = 0, height_ = 0, tiles_ = 0, tile_rows_ = 0;
+  int width_ = 0, height_ = 0;
   double z_near_ = 0, z_far_ = 0;
-  std::vector<float> closed_;  // by tile: eye_z beyond which nothing is seen
-  std::vector<glm::dvec3> lower_, upper_;
+  std::size_t stride_ = 0;          // tiles from one row to the next
+  std::vector<float> closed_;       // by tile: eye_z beyond which nothing is seen
+  std::vector<std::uint8_t> seen_;  // by cell of a row
   std::vector<std::uint32_t> open_runs_, next_runs_;
 };
 

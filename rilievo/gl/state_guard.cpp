@@ -12,7 +12,11 @@ constexpr GLenum kCapabilities[] = {GL_DEPTH_TEST,
                                     GL_SAMPLE_ALPHA_TO_COVERAGE,
                                     GL_FRAMEBUFFER_SRGB,
                                     GL_POLYGON_OFFSET_FILL,
-                                    GL_DEPTH_CLAMP};
+                                    GL_DEPTH_CLAMP,
+                                    GL_CLIP_DISTANCE0,
+                                    GL_CLIP_DISTANCE1,
+                                    GL_CLIP_DISTANCE2,
+                                    GL_CLIP_DISTANCE3};
 
 }  // namespace
 

@@ -14,7 +14,7 @@ class StateGuard {
   StateGuard& operator=(const StateGuard&) = delete;
 
  private:
-  static constexpr int kCaps = 8, kUnits = 8, kBindings = 6;
+  static constexpr int kCaps = 12, kUnits = 8, kBindings = 6;
   GLboolean caps_[kCaps], depth_mask_, color_mask_[4];
   GLint depth_func_, program_, vertex_array_, draw_framebuffer_, read_framebuffer_, viewport_[4],
       blend_[6], cull_face_, front_face_, active_texture_, textures_[kUnits][2], samplers_[kUnits],
