@@ -5,66 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rilievo/capture/frame_target.h"
+#include "rilievo/cache/scene_test_helpers.h"
 #include "rilievo/draw/direct_frames.h"
-#include "rilievo/gl/context.h"
+#include "rilievo/measure/psnr.h"
 #include "rilievo/represent/shapes_test_helpers.h"
-#include "rilievo/scene/builtin.h"
 
 namespace rilievo {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 180;
-
-struct ImageCacheTest : testing::Test {
-  void load(const char* spec) {
-    auto scene = make_builtin(spec);
-    ASSERT_TRUE(scene.ok()) << scene.error().message();
-    load(std::move(*scene));
-  }
-  void load(BuiltinScene scene) {
-    // What lives in a context goes before it.
-    probe.reset(), target.reset(), renderer.reset(), context.reset();
-    auto made = gl::Context::create();
-    ASSERT_TRUE(made.ok()) << made.error().message();
-    context = std::move(*made);
-    builtin = std::move(scene);
-    auto r = SceneRenderer::create(builtin.scene);
-    ASSERT_TRUE(r.ok()) << r.error().message();
-    renderer = std::make_unique<SceneRenderer>(std::move(*r));
-    target = std::make_unique<FrameTarget>(std::move(*FrameTarget::create(kWidth, kHeight, 4)));
-    probe = std::make_unique<ProbeTarget>(std::move(*ProbeTarget::create(kWidth, kHeight)));
-  }
-  Rgba8Image frame_of(FrameSource& source, int frame) {
-    const double time = frame_time(builtin.path, frame);
-    target->begin();
-    EXPECT_TRUE(source.draw(camera_at(builtin.path, time, kWidth, kHeight), time).ok());
-    target->resolve();
-    return target->read();
-  }
-
-  Image<std::uint32_t> objects_of(FrameSource& source) {
-    probe->begin();
-    EXPECT_TRUE(source.draw_objects().ok());
-    return probe->read_objects();
-  }
-
-  std::unique_ptr<gl::Context> context;
-  BuiltinScene builtin;
-  std::unique_ptr<SceneRenderer> renderer;
-  std::unique_ptr<FrameTarget> target;
-  std::unique_ptr<ProbeTarget> probe;
-};
-
-double psnr_of(const Rgba8Image& a, const Rgba8Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.texels().size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const double e = double(a.texels()[i][k]) - double(b.texels()[i][k]);
-      sum += e * e;
-    }
-  return 10 * std::log10(255.0 * 255.0 / (sum / (3.0 * double(a.texels().size())) + 1e-9));
-}
+using ImageCacheTest = SceneTest;
 
 TEST_F(ImageCacheTest, what_is_shown_lies_within_the_bound_and_the_bound_within_the_limit) {
   for (const char* spec : {"builtin:forest?triangles=200000", "builtin:bridge?triangles=100000"}) {
@@ -88,19 +37,6 @@ TEST_F(ImageCacheTest, what_is_shown_lies_within_the_bound_and_the_bound_within_
   }
 }
 
-// Of the pixels away from borders in the true frame, how many show another object?
-int count_wrong(const Image<std::uint32_t>& seen, const Image<std::uint32_t>& truth) {
-  int wrong = 0;
-  for (int y = 1; y + 1 < kHeight; ++y)
-    for (int x = 1; x + 1 < kWidth; ++x) {
-      bool inside = true;
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) inside &= truth(x + dx, y + dy) == truth(x, y);
-      wrong += inside && seen(x, y) != truth(x, y);
-    }
-  return wrong;
-}
-
 TEST_F(ImageCacheTest, frames_look_like_direct_ones_and_show_the_same_objects) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
   auto cache = ImageCache::create(*renderer, {});
@@ -112,8 +48,8 @@ TEST_F(ImageCacheTest, frames_look_like_direct_ones_and_show_the_same_objects) {
     const auto seen = objects_of(*cache);
     const Rgba8Image truth = frame_of(direct, frame);
     // A pixel's error and a blur of half a texel cost some 30 dB at this size.
-    EXPECT_GT(psnr_of(cached, truth), 28);
-    EXPECT_LE(count_wrong(seen, objects_of(direct)), kWidth * kHeight / 1000);  // 0.1 %
+    EXPECT_GT(psnr_db(cached, truth), 28);
+    EXPECT_LE(wrong_inside(objects_of(direct), seen), kWidth * kHeight / 1000);  // 0.1 %
   }
 }
 
@@ -157,9 +93,7 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
     ASSERT_TRUE(cache->add_baked(std::move(*impostors), {.method = method}).ok());
     for (int frame = 0; frame < 24; ++frame) {
       const double time = 0.25 * frame;  // 0.75 radians a frame: no flat picture lasts
-      target->begin();
-      ASSERT_TRUE(cache->draw(camera, time).ok());
-      target->resolve();
+      const Rgba8Image cached = frame_of(*cache, camera, time);
       if (frame < 20) continue;
       const FrameFigures figures = cache->figures();
       EXPECT_EQ(figures.layered, 1) << frame;   // the ring
@@ -168,19 +102,14 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
       EXPECT_GT(figures.bound_px, 0);
       EXPECT_LE(figures.bound_px, options.error_px);
       EXPECT_GT(figures.picture_bytes, baked_bytes);
-      const Rgba8Image cached = target->read();
       const auto seen = objects_of(*cache);
-      target->begin();
-      ASSERT_TRUE(direct.draw(camera, time).ok());
-      target->resolve();
       // It carries the light of the baking along: that is what differs most.
-      EXPECT_GT(psnr_of(cached, target->read()), 24);
+      EXPECT_GT(psnr_db(cached, frame_of(direct, camera, time)), 24);
       // The slices that a ball and a ring cut into each other: half a slice, over their border.
-      EXPECT_LE(count_wrong(seen, objects_of(direct)), kWidth * kHeight / 100);
+      EXPECT_LE(wrong_inside(objects_of(direct), seen), kWidth * kHeight / 100);
     }
     cache->invalidate();
-    target->begin();
-    ASSERT_TRUE(cache->draw(camera, 0).ok());
+    frame_of(*cache, camera);
     EXPECT_EQ(cache->figures().layered, 0);
     EXPECT_LT(cache->figures().picture_bytes, baked_bytes + options.max_bytes);
   }
@@ -192,8 +121,7 @@ TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep
   ASSERT_TRUE(cache.ok());
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   const auto frame = [&] {
-    target->begin();
-    EXPECT_TRUE(cache->draw(camera, 0).ok());
+    frame_of(*cache, camera);
     return cache->figures().captures;
   };
   for (int i = 0; i < 30; ++i) frame();
@@ -224,15 +152,13 @@ TEST_F(ImageCacheTest, steady_frames_of_a_still_eye_capture_nothing) {
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   int last = 0;
   for (int frame = 0; frame < 20; ++frame) {
-    target->begin();
-    ASSERT_TRUE(cache->draw(camera, 0).ok());
+    frame_of(*cache, camera);
     last = cache->figures().captures;
   }
   EXPECT_EQ(last, 0);
   // Until the light changes.
   cache->invalidate();
-  target->begin();
-  ASSERT_TRUE(cache->draw(camera, 0).ok());
+  frame_of(*cache, camera);
   EXPECT_GT(cache->figures().captures, 0);
 }
 

@@ -5,72 +5,20 @@
 #include <cmath>
 #include <filesystem>
 
-#include "rilievo/capture/frame_target.h"
+#include "rilievo/cache/scene_test_helpers.h"
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/draw/stored_pictures.h"
-#include "rilievo/gl/context.h"
 #include "rilievo/io/exr.h"
-#include "rilievo/scene/builtin.h"
+#include "rilievo/measure/psnr.h"
 
 namespace rilievo {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 180;
-
-double psnr_of(const Rgba8Image& a, const Rgba8Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.texels().size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const double e = double(a.texels()[i][k]) - double(b.texels()[i][k]);
-      sum += e * e;
-    }
-  return 10 * std::log10(255.0 * 255.0 / (sum / (3.0 * double(a.texels().size())) + 1e-9));
-}
-
-// Pixels whose 3 x 3 neighbourhood in `truth` is one object, and that show another in `seen`.
-int wrong_inside(const Image<std::uint32_t>& truth, const Image<std::uint32_t>& seen) {
-  int wrong = 0;
-  for (int y = 1; y + 1 < truth.height(); ++y)
-    for (int x = 1; x + 1 < truth.width(); ++x) {
-      bool inside = true;
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) inside &= truth(x + dx, y + dy) == truth(x, y);
-      wrong += inside && seen(x, y) != truth(x, y);
-    }
-  return wrong;
-}
-
-struct Fixture : testing::Test {
+struct Fixture : SceneTest {
   void SetUp() override {
-    auto made = gl::Context::create();
-    ASSERT_TRUE(made.ok()) << made.error().message();
-    context = std::move(*made);
-    auto scene = make_builtin("builtin:teapots?triangles=20000");
-    ASSERT_TRUE(scene.ok()) << scene.error().message();
-    builtin = std::move(*scene);
-    auto r = SceneRenderer::create(builtin.scene);
-    ASSERT_TRUE(r.ok()) << r.error().message();
-    renderer = std::make_unique<SceneRenderer>(std::move(*r));
-    target = std::make_unique<FrameTarget>(std::move(*FrameTarget::create(kWidth, kHeight, 4)));
-    probe = std::make_unique<ProbeTarget>(std::move(*ProbeTarget::create(kWidth, kHeight)));
+    ASSERT_NO_FATAL_FAILURE(SceneTest::SetUp());
+    ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
   }
-  Rgba8Image frame_of(FrameSource& source, const Camera& camera, double time = 0) {
-    target->begin();
-    EXPECT_TRUE(source.draw(camera, time).ok());
-    target->resolve();
-    return target->read();
-  }
-  Image<std::uint32_t> objects_of(FrameSource& source) {
-    probe->begin();
-    EXPECT_TRUE(source.draw_objects().ok());
-    return probe->read_objects();
-  }
-
-  std::unique_ptr<gl::Context> context;
-  BuiltinScene builtin;
-  std::unique_ptr<SceneRenderer> renderer;
-  std::unique_ptr<FrameTarget> target;
-  std::unique_ptr<ProbeTarget> probe;
 };
 
 using PictureFramesTest = Fixture;
@@ -87,7 +35,7 @@ TEST_F(PictureFramesTest, nailboards_cut_into_each_other_as_polygons_do_and_flat
     options.mode = mode;
     auto frames = PictureFrames::create(*renderer, options);
     ASSERT_TRUE(frames.ok()) << frames.error().message();
-    psnr[int(mode)] = psnr_of(frame_of(*frames, camera), truth);
+    psnr[int(mode)] = psnr_db(frame_of(*frames, camera), truth);
     wrong[int(mode)] = wrong_inside(true_objects, objects_of(*frames));
     EXPECT_GT(frames->figures().pictures, 8);
     EXPECT_EQ(frames->figures().captures, frames->figures().pictures);
