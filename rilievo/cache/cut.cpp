@@ -147,9 +147,10 @@ Cut::Standing Cut::stands_for(Entity e) const {
   const std::uint32_t name = names[is_moving(e) ? e - nodes() : tree.order[tree.nodes[e].first]];
   if (name == 0) return standing;
   const BakedObject& candidate = baked.objects[name - 1];
-  const double drawn =
-      cost.baked +
-      pixels * (candidate.slices > 0 ? candidate.slices * cost.slice_pixel : cost.walked_pixel);
+  const double a_pixel = candidate.slices > 0
+                             ? candidate.slices * cost.slice_pixel
+                             : cost.walked_pixel + candidate.raggedness * cost.ragged_pixel;
+  const double drawn = cost.baked + pixels * a_pixel;
   if (drawn >= standing.cost ||
       !is_served(candidate.bounds, candidate.world_from_impostor, frame.camera))
     return standing;

@@ -94,7 +94,7 @@ Result<> ImageCache::add_baked(std::vector<ObjectImpostor> impostors,
   layered_options_ = options;
   for (ObjectImpostor& impostor : impostors) {
     const LayeredImpostor& layered = impostor.pictures.impostor();
-    BakedObject baked{impostor.error, 0, layered.bounds};
+    BakedObject baked{impostor.error, impostor.raggedness, 0, layered.bounds};
     if (options.method == LayeredMethod::slices) {
       std::size_t slices = 0;
       for (const std::vector<Slice>& of_view : layered.slices) slices += of_view.size();

@@ -39,11 +39,10 @@ struct CostModel {
   double polygon_pixel = 0.10;  // one pixel of the rectangle around an object
   double capture = 2000;        // one capture, besides the triangles captured
   double capture_texel = 0.2;   // one texel of it
-  // A layered impostor: the walk is dearest through crowns of trees, where rays meet little for
-  // long.
-  double baked = 3000;        // one drawn
-  double walked_pixel = 12;   // one pixel of its rectangle, by the walk through its surfaces ...
-  double slice_pixel = 0.03;  // ... or for each slice of a view
+  double baked = 3000;          // one layered impostor drawn
+  double walked_pixel = 1;      // one pixel of its rectangle, by the walk through its surfaces ...
+  double ragged_pixel = 30;     // ... and this times ObjectImpostor::raggedness
+  double slice_pixel = 0.02;    // ... or for each slice of a view
 };
 
 struct CacheOptions {
@@ -82,6 +81,7 @@ using Entity = std::uint32_t;
 // A layered impostor that stands for an object.
 struct BakedObject {
   LayeredErrorFigures error;
+  double raggedness = 0;                   // ObjectImpostor's
   int slices = 0;                          // in which it is drawn; 0: by the walk
   Box bounds;                              // in the world of the baking
   glm::dmat4 world_from_impostor{1.0};     // now

@@ -24,10 +24,12 @@ MovingObject top(int frame, double spin, std::uint64_t triangles) {
   return object;
 }
 
-BakedObjects baked_top(const MovingObject& object, double texel, double slice, int slices) {
+BakedObjects baked_top(const MovingObject& object, double texel, double slice, int slices,
+                       double raggedness = 0) {
   BakedObjects baked;
   BakedObject one;
   one.error = {slice, 0.2, texel};
+  one.raggedness = raggedness;
   one.slices = slices;
   one.bounds.add({-1, -1, -1}), one.bounds.add({1, 1, 1});
   one.world_from_impostor = object.world_from_object;
@@ -60,8 +62,8 @@ TEST(PolicyBaked, an_impostor_is_drawn_where_it_is_within_the_bound_and_cheaper)
     MovingObject object = top(0, 0, std::uint64_t(1000 * std::pow(1000, u(rng))));
     object.deforms = true;  // no pictures: polygons or the impostor
     const bool sliced = i % 2;
-    const BakedObjects baked =
-        baked_top(object, 0.002 + 0.02 * u(rng), 0.03 * u(rng), sliced ? 8 + int(rng() % 100) : 0);
+    const BakedObjects baked = baked_top(object, 0.002 + 0.02 * u(rng), 0.03 * u(rng),
+                                         sliced ? 8 + int(rng() % 100) : 0, u(rng));
     CacheOptions options;
     options.error_px = 0.25 * std::pow(16, u(rng));
     const FrameView view = eye_at(1.8 * std::pow(100, u(rng)));
@@ -72,8 +74,9 @@ TEST(PolicyBaked, an_impostor_is_drawn_where_it_is_within_the_bound_and_cheaper)
         bound_layered_error(baked.objects[0].error, sliced, baked.objects[0].bounds,
                             object.world_from_object, view.camera);
     const double pixels = covered_pixels(view_axes(view, 0), object.box);
-    const double a_pixel =
-        sliced ? baked.objects[0].slices * options.cost.slice_pixel : options.cost.walked_pixel;
+    const double a_pixel = sliced ? baked.objects[0].slices * options.cost.slice_pixel
+                                  : options.cost.walked_pixel +
+                                        baked.objects[0].raggedness * options.cost.ragged_pixel;
     const bool within = error.total_px <= options.error_px;
     const bool cheaper =
         options.cost.baked + pixels * a_pixel <

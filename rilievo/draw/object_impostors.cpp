@@ -52,6 +52,16 @@ std::vector<Group> heavy_groups(const SceneRenderer& renderer, std::uint64_t min
   return groups;
 }
 
+double raggedness_of(const LayeredImpostor& impostor) {
+  std::size_t shown = 0, ragged = 0;
+  for (const TexelSurface& surface : impostor.surfaces)
+    for (const SurfaceTexel& texel : surface.texels.texels()) {
+      shown += texel.q != 0;
+      ragged += texel.q != 0 && texel.links != 0xFF;
+    }
+  return shown > 0 ? double(ragged) / double(shown) : 0;
+}
+
 // Does the motion scale alike in all directions, and not mirror?
 bool is_uniform(const glm::dmat4& motion) {
   const glm::dmat3 m(motion);
@@ -92,10 +102,11 @@ Result<std::vector<ObjectImpostor>> bake_object_impostors(SceneRenderer& rendere
     Result<LayeredImpostor> impostor = bake_layered(renderer, {&baked, 1}, bake);
     if (!impostor) continue;
     const LayeredErrorFigures error = layered_error_figures(*impostor);
+    const double raggedness = raggedness_of(*impostor);
     Result<LayeredPictures> pictures = LayeredPictures::create(std::move(*impostor));
     if (!pictures) return pictures.error();
     pictures->keep_only(options.method);
-    impostors.push_back({std::move(*pictures), error, std::move(groups[g].objects),
+    impostors.push_back({std::move(*pictures), error, raggedness, std::move(groups[g].objects),
                          glm::inverse(glm::dmat4(renderer.poses()[baked]))});
   }
   return impostors;

@@ -19,6 +19,9 @@ namespace rilievo {
 struct ObjectImpostor {
   LayeredPictures pictures;
   LayeredErrorFigures error;
+  // Of the texels that show something, the share at whose edges the surface ends: next to nothing
+  // for a ball, a tenth for a teapot, a quarter for a tree. The walk goes on behind each.
+  double raggedness = 0;
   std::vector<std::uint32_t> objects{};  // indices into Scene::objects, ascending
   glm::dmat4 object_from_impostor{1.0};  // the inverse of the pose that it was baked at
 };
