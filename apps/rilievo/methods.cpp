@@ -80,7 +80,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--bake-mb", options.bake_mb,
                   "cache: of its memory, so much is for layered impostors of heavy objects, baked "
-                  "before the first frame (default 0)")
+                  "before the first frame; the light on what spins turns with it (default 0)")
       ->check(CLI::Range(0, 65536))
       ->type_name("MB");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
