@@ -266,24 +266,24 @@ void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float from, float t
 }
 
 void Cut::draw_below(Entity e, float from, float to) {
-  if (is_moving(e) || tree.nodes[e].leaf())
-    // An impostor is for all pixels: what fades goes with polygons.
-    if (const Standing standing = stands_for(e); standing.baked && from <= 0 && to >= 1) {
+  if (!is_moving(e) && !tree.nodes[e].leaf()) {
+    draw(e + 1, from, to);
+    draw(tree.nodes[e].second_child, from, to);
+    return;
+  }
+  // An impostor is for all pixels: what fades goes with polygons.
+  if (!baked.objects.empty() && from <= 0 && to >= 1)
+    if (const Standing standing = stands_for(e); standing.baked) {
       plan.baked.push_back(
           {std::uint32_t(standing.baked - baked.objects.data()), float(standing.bound_px)});
       plan.bound_px = std::max(plan.bound_px, standing.bound_px);
       return;
     }
-  if (is_moving(e)) {
+  if (is_moving(e))
     plan.moving_polygons.push_back({e - nodes(), from, to});
-    plan.polygon_triangles += triangles_of(e);
-  } else if (tree.nodes[e].leaf()) {
+  else
     plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to});
-    plan.polygon_triangles += triangles_of(e);
-  } else {
-    draw(e + 1, from, to);
-    draw(tree.nodes[e].second_child, from, to);
-  }
+  plan.polygon_triangles += triangles_of(e);
 }
 
 bool Cut::may_fade_over_below(Entity e) {
