@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "rilievo/cache/scene_test_helpers.h"
+#include "rilievo/core/file_test_helpers.h"
 #include "rilievo/draw/direct_frames.h"
 #include "rilievo/draw/stored_pictures.h"
 #include "rilievo/io/exr.h"
@@ -74,6 +74,7 @@ TEST_F(PictureFramesTest,
 
 TEST_F(PictureFramesTest, pictures_read_back_from_a_file_draw_the_same_frame_bit_for_bit) {
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
+  const TemporaryFolder folder;
   for (int bits : {8, 16}) {
     PictureFramesOptions options;
     options.delta_bits = bits;
@@ -81,11 +82,9 @@ TEST_F(PictureFramesTest, pictures_read_back_from_a_file_draw_the_same_frame_bit
     ASSERT_TRUE(frames.ok());
     frame_of(*frames, camera);
     const std::vector<DepthImage> pictures = frames->read_pictures();
-    const auto file = std::filesystem::temp_directory_path() /
-                      ("rilievo_pictures_" + std::to_string(bits) + ".exr");
+    const auto file = folder / ("pictures_" + std::to_string(bits) + ".exr");
     ASSERT_TRUE(save_pictures(file, pictures).ok());
     const auto loaded = load_pictures(file);
-    std::filesystem::remove(file);
     ASSERT_TRUE(loaded.ok()) << loaded.error().message();
     StoredPicturesOptions stored_options;
     stored_options.delta_bits = bits;
