@@ -5,7 +5,6 @@
 
 #include "rilievo/capture/draw_list.h"
 #include "rilievo/core/expects.h"
-#include "rilievo/draw/outline_color.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/state_guard.h"
 #include "rilievo/represent/sample_error.h"
@@ -266,7 +265,7 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
   for (std::uint32_t object : blended_)
     if (may_touch(frustum, renderer_.object_bounds(object))) visible_blended_.push_back(object);
   renderer_.draw_blended(camera, visible_blended_, OutputEncoding::srgb);
-  if (options_.outlines) drawer_.draw_outlines(camera, instances_, kOutlineColor);
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_);
 
   figures_.polygons = int(polygons_.size() + shares_.size());
   figures_.pictures = plan_.single;

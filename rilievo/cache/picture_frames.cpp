@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "rilievo/capture/picture_camera.h"
-#include "rilievo/draw/outline_color.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/represent/sample_error.h"
 
@@ -134,7 +133,7 @@ Result<> PictureFrames::draw(const Camera& camera, double time) {
   renderer_.draw_opaque(camera, polygons_, OutputEncoding::srgb);
   renderer_.draw_sky(camera, OutputEncoding::srgb);
   renderer_.draw_blended(camera, visible_, OutputEncoding::srgb);
-  if (options_.outlines) drawer_.draw_outlines(camera, instances_, kOutlineColor);
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_);
 
   figures_.polygons = int(polygons_.size());
   figures_.pictures = int(instances_.size());

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "rilievo/core/expects.h"
-#include "rilievo/draw/outline_color.h"
 
 namespace rilievo {
 namespace {
@@ -133,7 +132,6 @@ void LayeredDrawer::draw_outlines(const LayeredPictures& pictures, const Camera&
   const Box& bounds = pictures.impostor().bounds;
   set_state();
   glUseProgram(box_program_);
-  glUniform3fv(3, 1, &kOutlineColor[0]);
   glBindVertexArray(no_attributes_);
   for (const LayeredInstance& instance : instances) {
     const Local local = local_of(frame, instance);

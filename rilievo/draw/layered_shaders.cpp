@@ -6,6 +6,7 @@
 #include <string>
 
 #include "rilievo/capture/scene_shaders.h"
+#include "rilievo/draw/outline_shader.h"
 
 namespace rilievo::shader {
 namespace {
@@ -314,12 +315,6 @@ void main() {
 }
 )";
 
-const char* const kBoxFragment = R"(
-layout(location = 3) uniform vec3 color;
-layout(location = 0) out vec4 out_color;
-void main() { out_color = vec4(color, 1.0); }
-)";
-
 std::string defines(LayeredOutput output) {
   std::string text = "#define BLOCK 8\n#define SHARE 1\n";
   if (output == LayeredOutput::objects) text += "#define OBJECT_IDS 1\n";
@@ -342,8 +337,7 @@ Result<gl::Program> make_slice_program(LayeredOutput output) {
 }
 
 Result<gl::Program> make_box_program() {
-  const std::string head = kVersion;
-  return gl::make_program("box", head + kBoxVertex, head + kBoxFragment);
+  return make_outline_program(std::string(kVersion) + kBoxVertex);
 }
 
 }  // namespace rilievo::shader

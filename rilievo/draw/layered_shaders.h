@@ -42,7 +42,7 @@ enum class LayeredOutput { color, objects };
 
 [[nodiscard]] Result<gl::Program> make_surface_program(LayeredOutput output);
 [[nodiscard]] Result<gl::Program> make_slice_program(LayeredOutput output);
-// The 12 edges of a box, 24 vertices. Uniforms: 0 clip_from_local, 1 and 2 the box, 3 its colour.
+// The 12 edges of a box, 24 vertices. Uniforms: 0 clip_from_local, 1 and 2 the box.
 [[nodiscard]] Result<gl::Program> make_box_program();
 
 }  // namespace rilievo::shader

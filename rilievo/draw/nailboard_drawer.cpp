@@ -35,7 +35,7 @@ Result<NailboardDrawer> NailboardDrawer::create() {
       if (!program) return program.error();
       drawer.programs_[mode][output] = std::move(*program);
     }
-  Result<gl::Program> outline = shader::make_outline_program();
+  Result<gl::Program> outline = shader::make_nailboard_outline_program();
   if (!outline) return outline.error();
   drawer.outline_ = std::move(*outline);
   drawer.vertex_array_ = gl::make_vertex_array();
@@ -175,14 +175,12 @@ void NailboardDrawer::draw_objects(PictureAtlas& atlas, const Camera& frame, Dep
 }
 
 void NailboardDrawer::draw_outlines(const Camera& frame,
-                                    std::span<const NailboardInstance> instances,
-                                    const glm::vec3& color) {
+                                    std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   place(frame, instances);
   upload();
   glUseProgram(outline_);
   glUniformMatrix4fv(0, 1, GL_FALSE, &clip_from_relative_[0][0]);
-  glUniform3f(1, color.r, color.g, color.b);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_FALSE);

@@ -45,8 +45,7 @@ class NailboardDrawer {
   void draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                     std::span<const NailboardInstance> instances);
   // The polygons' outlines, hidden where they lie behind what has been drawn (S1.8).
-  void draw_outlines(const Camera& frame, std::span<const NailboardInstance> instances,
-                     const glm::vec3& color);
+  void draw_outlines(const Camera& frame, std::span<const NailboardInstance> instances);
 
  private:
   // As the vertex shader reads it.

@@ -25,6 +25,7 @@
 #include <string>
 
 #include "rilievo/capture/scene_shaders.h"
+#include "rilievo/draw/outline_shader.h"
 
 namespace rilievo::shader {
 namespace {
@@ -188,12 +189,6 @@ void main() {
 }
 )";
 
-const char* const kOutlineFragment = R"(
-layout(location = 1) uniform vec3 color;
-layout(location = 0) out vec4 out_color;
-void main() { out_color = vec4(color, 1.0); }
-)";
-
 }  // namespace
 
 Result<gl::Program> make_nailboard_program(DepthMode mode, NailboardOutput output) {
@@ -204,9 +199,8 @@ Result<gl::Program> make_nailboard_program(DepthMode mode, NailboardOutput outpu
                           std::string(kVersion) + kPixelHash + kFragment, defines);
 }
 
-Result<gl::Program> make_outline_program() {
-  return gl::make_program("outline", std::string(kVersion) + kInstance + kOutlineVertex,
-                          std::string(kVersion) + kOutlineFragment);
+Result<gl::Program> make_nailboard_outline_program() {
+  return make_outline_program(std::string(kVersion) + kInstance + kOutlineVertex);
 }
 
 }  // namespace rilievo::shader

@@ -13,6 +13,6 @@ enum class NailboardOutput {
 };
 
 [[nodiscard]] Result<gl::Program> make_nailboard_program(DepthMode mode, NailboardOutput output);
-[[nodiscard]] Result<gl::Program> make_outline_program();
+[[nodiscard]] Result<gl::Program> make_nailboard_outline_program();
 
 }  // namespace rilievo::shader

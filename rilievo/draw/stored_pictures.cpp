@@ -1,7 +1,6 @@
 #include "rilievo/draw/stored_pictures.h"
 
 #include <string>
-#include "rilievo/draw/outline_color.h"
 
 namespace rilievo {
 namespace {
@@ -59,7 +58,7 @@ Result<StoredPictures> StoredPictures::create(std::span<const DepthImage> pictur
 Result<> StoredPictures::draw(const Camera& camera, double) {
   camera_ = camera;
   drawer_.draw(atlas_, camera, options_.mode, instances_);
-  if (options_.outlines) drawer_.draw_outlines(camera, instances_, kOutlineColor);
+  if (options_.outlines) drawer_.draw_outlines(camera, instances_);
   return Done{};
 }
 
