@@ -24,6 +24,11 @@ shader::ViewBlock::LightBlock light_block(const Light& light, const glm::dvec3& 
   return block;
 }
 
+bool lit_by_one_sun(const Scene& scene) {
+  return scene.lights.empty() ||
+         (scene.lights.size() == 1 && scene.lights[0].kind == Light::Kind::directional);
+}
+
 shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   shader::ViewBlock view;
   glm::dmat4 turn = camera.world_from_eye;
@@ -70,21 +75,29 @@ struct SceneRenderer::State {
   std::size_t instance_capacity = 0;
 
   Result<> compile();
+  Result<const gl::Program*> program(unsigned features);
   void classify();
   void upload_view(const Camera& camera);
   void upload_instances();
   void draw_list(const Camera& camera, unsigned extra_features);
 };
 
+// Compiled by create(); later only if the scene's lights have become others.
+Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
+  if (!(features & (shader::kUnlit | shader::kObjectIds)) && !lit_by_one_sun(*scene))
+    features |= shader::kAnyLights;
+  const auto found = programs.find(features);
+  if (found != programs.end()) return &found->second;
+  Result<gl::Program> made = shader::make_scene_program(features);
+  if (!made) return made.error();
+  return &programs.emplace(features, std::move(*made)).first->second;
+}
+
 Result<> SceneRenderer::State::compile() {
   for (const GpuMaterial& material : gpu.materials) {
     for (unsigned extra : {0u, unsigned(shader::kLinear), unsigned(shader::kObjectIds),
                            unsigned(shader::kShare), unsigned(shader::kShare | shader::kLinear)}) {
-      const unsigned features = material.features | extra;
-      if (programs.contains(features)) continue;
-      Result<gl::Program> program = shader::make_scene_program(features);
-      if (!program) return program.error();
-      programs.emplace(features, std::move(*program));
+      if (auto made = program(material.features | extra); !made) return made.error();
     }
   }
   for (bool linear : {false, true}) {
@@ -152,7 +165,10 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
     if (mesh.material != bound_material) {
       bound_material = mesh.material;
       const unsigned features = material.features | extra_features;
-      glUseProgram(programs.at(features));
+      const Result<const gl::Program*> program_of_material = program(features);
+      // The same source as of create(), but for the lights.
+      RILIEVO_EXPECTS(program_of_material.ok());
+      glUseProgram(**program_of_material);
       glBindBufferRange(GL_UNIFORM_BUFFER, 1, gpu.material_blocks, material.block_offset,
                         sizeof(GpuMaterialBlock));
       if (features & shader::kTextures)

@@ -170,5 +170,43 @@ TEST(SceneRenderer, a_white_unlit_wall_fills_the_frame_with_white) {
   }
 }
 
+// One sun has a shader of its own; a lamp that gives no light calls for the one of any lights.
+TEST(SceneRenderer, one_sun_lights_as_any_lights_do) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  std::mt19937 rng(6);
+  Scene scene = random_scene(rng);
+  Light sun, lamp;
+  sun.direction = glm::normalize(glm::vec3(-1, -3, -2)), sun.intensity = {3, 2, 1};
+  lamp.kind = Light::Kind::point, lamp.intensity = glm::vec3(0);
+  scene.lights = {sun};
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+  const Camera camera = look_at({9, 5, 11}, {0, 0, 0}, {0, 1, 0}, 0.6, 96, 80, 0.1, 40);
+  std::vector<std::uint32_t> visible;
+  renderer->cull(camera, visible);
+  const auto draw = [&] {
+    auto target = FrameTarget::create(camera.width, camera.height, 1);
+    EXPECT_TRUE(target.ok());
+    target->begin();
+    renderer->draw_opaque(camera, visible, OutputEncoding::srgb);
+    target->resolve();
+    return target->read();
+  };
+  const Rgba8Image sunlit = draw();
+  scene.lights = {sun, lamp};  // may change while the renderer lives
+  const Rgba8Image by_any = draw();
+  scene.lights = {sun, sun};
+  const Rgba8Image brighter = draw();
+  int differing = 0;
+  for (std::size_t i = 0; i < sunlit.texels().size(); ++i) {
+    const glm::ivec4 a(sunlit.texels()[i]), b(by_any.texels()[i]);
+    // The same sums in another order of rounding, on the edge between two bytes.
+    for (int k = 0; k < 3; ++k) ASSERT_LE(std::abs(a[k] - b[k]), 1);
+    differing += sunlit.texels()[i] != brighter.texels()[i];
+  }
+  EXPECT_GT(differing, 500);  // of some 2000 that show anything
+}
+
 }  // namespace
 }  // namespace rilievo

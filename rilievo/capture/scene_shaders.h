@@ -16,9 +16,10 @@ enum Feature : unsigned {
   kMask = 8,  // alpha mask
   kUnlit = 16,
   kBlend = 32,
-  kObjectIds = 64,  // identifiers instead of colours
-  kLinear = 128,    // OutputEncoding::linear
-  kShare = 256,     // a share of the pixels only, chosen by kPixelHash
+  kObjectIds = 64,   // identifiers instead of colours
+  kLinear = 128,     // OutputEncoding::linear
+  kShare = 256,      // a share of the pixels only, chosen by kPixelHash
+  kAnyLights = 512,  // up to kMaxLights of any kind; without it, one directional light
 };
 
 inline constexpr int kMaxLights = 16;
