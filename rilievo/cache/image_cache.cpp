@@ -208,12 +208,20 @@ void ImageCache::carry_out_captures() {
 
 void ImageCache::collect() {
   instances_.clear();
-  for (const DrawnPicture& drawn : plan_.pictures) {
+  for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
+    const DrawnPicture& drawn = plan_.pictures[i];
     const Picture& picture = state_.slots[drawn.slot];
     const Held& held = held_[drawn.slot];
     const std::uint32_t object = held.objects.size() == 1 ? held.objects[0] + 1 : kNoObject;
     instances_.push_back({*held.slot, picture.geometry, motion_since_capture(picture), object,
                           drawn.from, drawn.to});
+    // A picture that fades in, and then the one that it replaces.
+    if (drawn.from > 0 && drawn.to >= 1 && i > 0 && plan_.pictures[i - 1].to == drawn.from &&
+        plan_.pictures[i - 1].from <= 0 &&
+        state_.slots[plan_.pictures[i - 1].slot].entity == picture.entity) {
+      instances_[i].partner = std::uint32_t(i - 1);
+      instances_[i - 1].partner = std::uint32_t(i);
+    }
   }
   polygons_.clear();
   shares_.clear();

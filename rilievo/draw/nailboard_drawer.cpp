@@ -55,13 +55,13 @@ void NailboardDrawer::place(const Camera& frame, std::span<const NailboardInstan
     const glm::dvec3 middle = g.capture.position() + g.capture.forward() * g.plane_z;
     const glm::dvec3 to =
         glm::dvec3(instances[i].world_now_from_capture * glm::dvec4(middle, 1)) - eye;
-    const bool share = instances[i].share_from > 0 || instances[i].share_to < 1;
-    order_.push_back({share, float(glm::dot(to, to)), i});
+    order_.push_back({float(glm::dot(to, to)), i});
   }
   std::sort(order_.begin(), order_.end(), [](const Key& a, const Key& b) {
-    if (a.share != b.share) return b.share;
     return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
   });
+  rank_.resize(order_.size());
+  for (std::uint32_t i = 0; i < order_.size(); ++i) rank_[order_[i].index] = i;
 
   staging_.clear();
   for (std::size_t i = 0; i < order_.size(); ++i) {
@@ -95,13 +95,10 @@ void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, Depth
   GLint viewport[4];
   glGetIntegerv(GL_VIEWPORT, viewport);
   frame_size_ = {viewport[2], viewport[3]};
-  visible_.begin(glm::dmat4(clip_from_relative_), viewport[2], viewport[3], frame.z_near,
-                 frame.z_far);
-  cells_.clear();
-  whole_ = 0;
+  standing_.clear();
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const NailboardInstance& in = instances[order_[i].index];
-    Instance& placed = staging_[i];
+    const Instance& placed = staging_[i];
     StandingPicture standing;
     standing.origin = placed.origin_layer, standing.eye = placed.eye_slot_width;
     standing.u_axis = placed.u_axis_slot_x, standing.v_axis = placed.v_axis_slot_y;
@@ -109,16 +106,24 @@ void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, Depth
     standing.plane_z = in.geometry.plane_z;
     standing.relief = mode != DepthMode::flat;
     // Depths by eq. (4) are not between those of the surface.
-    standing.hides = mode != DepthMode::linear && !order_[i].share;
-    const glm::mat3 texel_from_raster(
-        visible_.append(std::uint32_t(i), standing, atlas.blocks(in.slot), cells_));
-    for (int k = 0; k < 3; ++k) placed.texel_from_raster[k] = glm::vec4(texel_from_raster[k], 0);
-    if (!order_[i].share) whole_ = cells_.size();
+    standing.hides = mode != DepthMode::linear;
+    standing.share = in.share_from > 0 || in.share_to < 1;
+    if (in.partner) standing.partner = rank_[*in.partner];
+    standing.blocks = atlas.blocks(in.slot);
+    standing_.push_back(standing);
   }
+  visible_.find(glm::dmat4(clip_from_relative_), viewport[2], viewport[3], frame.z_near,
+                frame.z_far, standing_);
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const glm::mat3 texel_from_raster(visible_.texel_from_raster(i));
+    for (int k = 0; k < 3; ++k)
+      staging_[i].texel_from_raster[k] = glm::vec4(texel_from_raster[k], 0);
+  }
+  const std::span<const DrawnCells> cells = visible_.drawn();
   static_assert(sizeof(DrawnCells) == 12, "three words, as the vertex shader reads them");
-  cell_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 1, std::as_bytes(std::span(cells_)));
-  if (cells_.size() <= index_capacity_) return;
-  index_capacity_ = 2 * cells_.size();
+  cell_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 1, std::as_bytes(cells));
+  if (cells.size() <= index_capacity_) return;
+  index_capacity_ = 2 * cells.size();
   std::vector<std::uint32_t> indices;
   for (std::uint32_t i = 0; i < index_capacity_; ++i)
     for (const std::uint32_t corner : {0, 1, 2, 2, 1, 3}) indices.push_back(4 * i + corner);
@@ -161,8 +166,10 @@ void NailboardDrawer::draw(PictureAtlas& atlas, const Camera& frame, DepthMode m
   place(frame, instances);
   find_cells(atlas, frame, mode, instances);
   upload();
-  draw_cells(atlas, mode, shader::NailboardOutput::color, 0, whole_);
-  draw_cells(atlas, mode, shader::NailboardOutput::share_of_color, whole_, cells_.size() - whole_);
+  const std::size_t shares = visible_.drawn_before_shares();
+  draw_cells(atlas, mode, shader::NailboardOutput::color, 0, shares);
+  draw_cells(atlas, mode, shader::NailboardOutput::share_of_color, shares,
+             visible_.drawn().size() - shares);
 }
 
 void NailboardDrawer::draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
@@ -171,7 +178,7 @@ void NailboardDrawer::draw_objects(PictureAtlas& atlas, const Camera& frame, Dep
   place(frame, instances);
   find_cells(atlas, frame, mode, instances);
   upload();
-  draw_cells(atlas, mode, shader::NailboardOutput::objects, 0, cells_.size());
+  draw_cells(atlas, mode, shader::NailboardOutput::objects, 0, visible_.drawn().size());
 }
 
 void NailboardDrawer::draw_outlines(const Camera& frame,

@@ -32,6 +32,8 @@ struct NailboardInstance {
   std::uint32_t object = kNoObject;
   // Drawn only where the pixel's hash is in [from, to): what fades in or out (shader::kPixelHash).
   float share_from = 0, share_to = 1;
+  // Index of the instance of which all other pixels are drawn, if there is one.
+  std::optional<std::uint32_t> partner;
 };
 
 class NailboardDrawer {
@@ -68,15 +70,14 @@ class NailboardDrawer {
   std::size_t index_capacity_ = 0;  // rectangles
   glm::mat4 clip_from_relative_{1.0f};
   struct Key {
-    bool share;
     float distance;
     std::uint32_t index;
   };
-  std::vector<Key> order_;  // whole ones, then shares; each front to back
-  std::size_t whole_ = 0;   // rectangles of whole ones
+  std::vector<Key> order_;           // front to back
+  std::vector<std::uint32_t> rank_;  // in it, by instance
   std::vector<Instance> staging_;
+  std::vector<StandingPicture> standing_;
   VisibleCells visible_;
-  std::vector<DrawnCells> cells_;
   glm::vec2 frame_size_{1.0f};  // pixels
 };
 

@@ -8,6 +8,8 @@
 // the part of b - a that is counted on is 1 / 2n - e, and none at a greater e than kLevel.
 #include "rilievo/draw/visible_cells.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,8 +24,30 @@ constexpr float kTexelRounding = 0.01f;
 // Colour is interpolated between centres of texels: from half a texel around.
 constexpr float kFilterTexels = 0.5f;
 constexpr double kLevel = 0.005;
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
 int floor_int(double v) { return int(std::floor(v)); }
+
+// Of drawing a rectangle, in pixels shaded. Blocks of 4 x 4 pixels on the diagonal, where its two
+// triangles meet, are shaded twice; and a rectangle has costs of its own.
+int cost(const DrawnCells& cells) {
+  const int w = cells.x1 - cells.x0, h = cells.y1 - cells.y0;
+  return w * h + 4 * (w + h) + 100;
+}
+
+// Of the four corners of a tile, texels.
+struct Bounds {
+  glm::vec2 a, b;
+
+  Bounds(const glm::vec2& c0, const glm::vec2& c1, const glm::vec2& c2, const glm::vec2& c3)
+      : a(glm::min(glm::min(c0, c1), glm::min(c2, c3))),
+        b(glm::max(glm::max(c0, c1), glm::max(c2, c3))) {}
+  // To the fragments inside: see (1).
+  void shrink(float inside) {
+    const glm::vec2 by = inside * (b - a) - kTexelRounding;
+    a += by, b -= by;
+  }
+};
 
 }  // namespace
 
@@ -33,9 +57,12 @@ struct VisibleCells::Placement {
   glm::dmat3 texel_from_raster;
   // The surface at Delta stands at E + (P - E) / q, q affine in Delta: so does its eye_z.
   double eye_w = 0, near_ratio = 1, far_ratio = 1;
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // the first and the last cells that the polygon touches
-  float inside = 0;                    // of b - a: how far at least fragments lie inside of a tile
-  bool relief = true, hides = true;
+  int x0 = 0, y0 = 0, x1 = -1, y1 = -1;  // the first and the last cells that the polygon touches
+  float inside = 0;   // of b - a: how far at least fragments lie inside of a tile
+  float nearest = 0;  // eye_z of all that the picture shows
+  bool relief = true, hides = true, share = false, whole = false;
+  const Placement* partner = nullptr;  // one that has been looked at before
+  PictureBlocksView blocks;
 
   [[nodiscard]] glm::dvec3 at(double x, double y) const { return origin + x * u + y * v; }
   [[nodiscard]] double eye_z(double polygon_w, double delta) const {
@@ -57,21 +84,101 @@ struct VisibleCells::Placement {
     return std::min({eye_z(low, delta), eye_z(low, 1), eye_z(high, delta), eye_z(high, 1)}) *
            (1 - kRounding);
   }
+  // Of a pixel, in texels.
+  [[nodiscard]] glm::vec2 texel(int x, int y) const {
+    const glm::dvec3 h = texel_from_raster * glm::dvec3(x, y, 1);
+    return {float(h.x / h.z), float(h.y / h.z)};
+  }
+  [[nodiscard]] glm::ivec2 clamped(const glm::vec2& texel) const {
+    return glm::clamp(glm::ivec2(texel), glm::ivec2(0),
+                      glm::ivec2(blocks.width - 1, blocks.height - 1));
+  }
+  // Beyond which eye_z does the picture hide everything in a tile with these bounds? Infinite:
+  // nowhere.
+  [[nodiscard]] double hides_beyond(Bounds tile) const {
+    auto& [a, b] = tile;
+    if (a.x < 0 || a.y < 0 || b.x > float(blocks.width) || b.y > float(blocks.height))
+      return kNowhere;
+    tile.shrink(inside);
+    const glm::ivec2 from = clamped(a - kFilterTexels) / kBlockTexels,
+                     to = clamped(b + kFilterTexels) / kBlockTexels;
+    std::uint8_t opaque = 1, farthest = 0;
+    for (int y = from.y; y <= to.y; ++y)
+      for (int x = from.x; x <= to.x; ++x) {
+        const PictureBlock& block = blocks.block(x, y);
+        opaque &= block.farthest;
+        farthest = std::max(farthest, block.farthest);
+      }
+    if (!opaque) return kNowhere;
+    const double w = farthest_w(a, b), delta = PictureBlock{0, farthest}.farthest_delta();
+    return std::max({eye_z(w, delta), eye_z(w, 0), w}) * (1 + kRounding);
+  }
+  // The same of a tile, by its lower left pixel.
+  [[nodiscard]] double hides_beyond(int x, int y) const;
 };
 
-void VisibleCells::begin(const glm::dmat4& clip_from_relative, int width, int height, double z_near,
-                         double z_far) {
+double VisibleCells::Placement::hides_beyond(int x, int y) const {
+  if (x < x0 * kCell || y < y0 * kCell || x >= (x1 + 1) * kCell || y >= (y1 + 1) * kCell)
+    return kNowhere;
+  return hides_beyond(
+      Bounds(texel(x, y), texel(x + kTile, y), texel(x, y + kTile), texel(x + kTile, y + kTile)));
+}
+
+// Rows of cells, and what was found there: of pictures as a whole, of shares.
+struct VisibleCells::Band {
+  int first = 0, end = 0;
+  std::vector<DrawnCells> drawn[2];
+  std::vector<std::uint8_t> seen;              // by cell of a row
+  std::vector<std::uint32_t> open, next_open;  // rectangles that end in the last row
+
+  void append_runs(std::uint32_t picture, int x0, int x1, int row, const glm::ivec2& size,
+                   std::vector<DrawnCells>& to);
+};
+
+VisibleCells::VisibleCells() = default;
+VisibleCells::VisibleCells(VisibleCells&&) noexcept = default;
+VisibleCells& VisibleCells::operator=(VisibleCells&&) noexcept = default;
+VisibleCells::~VisibleCells() = default;
+
+const glm::dmat3& VisibleCells::texel_from_raster(std::size_t picture) const {
+  return placed_[picture].texel_from_raster;
+}
+
+void VisibleCells::find(const glm::dmat4& clip_from_relative, int width, int height, double z_near,
+                        double z_far, std::span<const StandingPicture> pictures) {
   clip_from_relative_ = clip_from_relative;
   width_ = width, height_ = height;
   z_near_ = z_near, z_far_ = z_far;
+  const int rows = (height + kCell - 1) / kCell;
   stride_ = std::size_t((width + kCell - 1) / kCell) * kTiles;
-  closed_.assign(stride_ * std::size_t((height + kCell - 1) / kCell) * kTiles,
-                 std::numeric_limits<float>::infinity());
+  closed_.assign(stride_ * std::size_t(rows) * kTiles, std::numeric_limits<float>::infinity());
+
+  placed_.assign(pictures.size(), {});
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    place(pictures[i], placed_[i]);
+    if (pictures[i].partner && *pictures[i].partner < i && pictures[*pictures[i].partner].hides)
+      placed_[i].partner = &placed_[*pictures[i].partner];
+  }
+  bands_.resize(kBands);
+  const int band_rows = (rows + kBands - 1) / kBands;
+  tbb::parallel_for(0, kBands, [&](int i) {
+    Band& band = bands_[std::size_t(i)];
+    band.first = std::min(rows, i * band_rows), band.end = std::min(rows, (i + 1) * band_rows);
+    look_at_band(band);
+  });
+
+  drawn_.clear();
+  for (const bool share : {false, true}) {
+    for (std::uint32_t i = 0; i < placed_.size(); ++i)
+      if (placed_[i].whole && placed_[i].share == share) drawn_.push_back({i, 0, 0, 0, 0});
+    for (const Band& band : bands_)
+      drawn_.insert(drawn_.end(), band.drawn[share].begin(), band.drawn[share].end());
+    if (!share) before_shares_ = drawn_.size();
+  }
 }
 
-glm::dmat3 VisibleCells::append(std::uint32_t picture, const StandingPicture& standing,
-                                const PictureBlocksView& blocks, std::vector<DrawnCells>& drawn) {
-  Placement p;
+void VisibleCells::place(const StandingPicture& standing, Placement& p) const {
+  const PictureBlocksView& blocks = p.blocks = standing.blocks;
   const auto raster = [&](const glm::dvec4& clip) {
     return glm::dvec3(0.5 * width_ * (clip.x + clip.w), 0.5 * height_ * (clip.y + clip.w), clip.w);
   };
@@ -80,7 +187,7 @@ glm::dmat3 VisibleCells::append(std::uint32_t picture, const StandingPicture& st
   p.v = raster(clip_from_relative_ * glm::dvec4(standing.v_axis, 0)) / double(blocks.height);
   p.texel_from_raster = glm::inverse(glm::dmat3(p.u, p.v, p.origin));
   p.eye_w = (clip_from_relative_ * glm::dvec4(standing.eye, 1)).w;
-  p.relief = standing.relief, p.hides = standing.hides;
+  p.relief = standing.relief, p.hides = standing.hides, p.share = standing.share;
   if (p.relief)
     p.near_ratio = standing.plane_z / standing.z_near,
     p.far_ratio = standing.plane_z / standing.z_far;
@@ -92,42 +199,56 @@ glm::dmat3 VisibleCells::append(std::uint32_t picture, const StandingPicture& st
       const glm::dvec3 corner{h.x / h.z, h.y / h.z, h.z};
       low = glm::min(low, corner), high = glm::max(high, corner);
     }
-  bool on_screen = low.z > z_near_;
-  if (on_screen) {
-    p.x0 = floor_int(std::max(low.x, 0.0) / kCell);
-    p.x1 = floor_int(std::min(high.x, width_ - 0.5) / kCell);
-    p.y0 = floor_int(std::max(low.y, 0.0) / kCell);
-    p.y1 = floor_int(std::min(high.y, height_ - 0.5) / kCell);
-    if (p.x0 > p.x1 || p.y0 > p.y1) return p.texel_from_raster;
-    // Beyond the polygon's horizon its plane is behind the eye. 1 / eye_z, affine in x and y.
-    double least = std::numeric_limits<double>::infinity();
-    for (const int x : {p.x0, p.x1 + 1})
-      for (const int y : {p.y0, p.y1 + 1})
-        least = std::min(least, (p.texel_from_raster * glm::dvec3(x * kCell, y * kCell, 1)).z);
-    on_screen = least > 0;
-    const double change =
-        kTile * (std::abs(p.texel_from_raster[0].z) + std::abs(p.texel_from_raster[1].z));
-    if (change < kLevel * least) p.inside = float(0.5 / kTile - kLevel);
-  }
-  if (!on_screen) {
-    // A polygon that reaches behind the eye has no outline on the screen.
-    drawn.push_back({picture, 0, 0, 0, 0});
-    return p.texel_from_raster;
-  }
+  // A polygon that reaches behind the eye has no outline on the screen.
+  p.whole = low.z <= z_near_;
+  if (p.whole) return;
+  const int x0 = floor_int(std::max(low.x, 0.0) / kCell);
+  const int x1 = floor_int(std::min(high.x, width_ - 0.5) / kCell);
+  const int y0 = floor_int(std::max(low.y, 0.0) / kCell);
+  const int y1 = floor_int(std::min(high.y, height_ - 0.5) / kCell);
+  if (x0 > x1 || y0 > y1) return;
+  // Beyond the polygon's horizon its plane is behind the eye. 1 / eye_z, affine in x and y.
+  double least = std::numeric_limits<double>::infinity();
+  for (const int x : {x0, x1 + 1})
+    for (const int y : {y0, y1 + 1})
+      least = std::min(least, (p.texel_from_raster * glm::dvec3(x * kCell, y * kCell, 1)).z);
+  p.whole = least <= 0;
+  if (p.whole) return;
+  const double change =
+      kTile * (std::abs(p.texel_from_raster[0].z) + std::abs(p.texel_from_raster[1].z));
+  if (change < kLevel * least) p.inside = float(0.5 / kTile - kLevel);
+  std::uint8_t nearest = 255;
+  for (int y = 0; y < cells_across(blocks.height); ++y)
+    for (int x = 0; x < cells_across(blocks.width); ++x)
+      nearest = std::min(nearest, blocks.cell(x, y));
+  if (nearest == 255) return;
+  p.nearest = float(p.nearest_eye_z({0, 0}, {blocks.width, blocks.height}, nearest));
+  p.x0 = x0, p.x1 = x1, p.y0 = y0, p.y1 = y1;
+}
 
-  open_runs_.clear();
-  seen_.resize(std::size_t(p.x1) + 1);
-  for (int row = p.y0; row <= p.y1; ++row) {
-    for (int column = p.x0; column <= p.x1; ++column)
-      seen_[std::size_t(column)] = look_at_cell(p, blocks, column, row);
-    append_runs(picture, p, row, drawn);
+void VisibleCells::look_at_band(Band& band) {
+  for (std::vector<DrawnCells>& drawn : band.drawn) drawn.clear();
+  band.seen.resize(stride_ / kTiles);
+  for (std::uint32_t i = 0; i < placed_.size(); ++i) {
+    const Placement& p = placed_[i];
+    band.open.clear();
+    for (int row = std::max(p.y0, band.first); row <= std::min(p.y1, band.end - 1); ++row) {
+      for (int column = p.x0; column <= p.x1; ++column)
+        band.seen[std::size_t(column)] = look_at_cell(p, column, row);
+      band.append_runs(i, p.x0, p.x1, row, {width_, height_}, band.drawn[p.share]);
+    }
   }
-  return p.texel_from_raster;
 }
 
 // Is anything of the picture seen in the cell? If so, closes the tiles that it closes.
-bool VisibleCells::look_at_cell(const Placement& p, const PictureBlocksView& blocks, int column,
-                                int row) {
+bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
+  float* closed = &closed_[std::size_t(row * kTiles) * stride_ + std::size_t(column * kTiles)];
+  float open = 0;
+  for (int y = 0; y < kTiles; ++y)
+    for (int x = 0; x < kTiles; ++x)
+      open = std::max(open, closed[std::size_t(y) * stride_ + std::size_t(x)]);
+  if (open <= p.nearest) return false;
+
   glm::vec2 t[kTiles + 1][kTiles + 1];  // corners of the cell's tiles, in texels
   for (int y = 0; y <= kTiles; ++y) {
     glm::dvec3 h = p.texel_from_raster * glm::dvec3(column * kCell, row * kCell + y * kTile, 1);
@@ -136,97 +257,82 @@ bool VisibleCells::look_at_cell(const Placement& p, const PictureBlocksView& blo
       t[y][x] = glm::vec2(float(h.x * z), float(h.y * z));
     }
   }
-  const auto bounds = [&](int x, int y, int tiles, glm::vec2& a, glm::vec2& b) {
-    const glm::vec2 &c0 = t[y][x], &c1 = t[y][x + tiles], &c2 = t[y + tiles][x],
-                    &c3 = t[y + tiles][x + tiles];
-    a = glm::min(glm::min(c0, c1), glm::min(c2, c3));
-    b = glm::max(glm::max(c0, c1), glm::max(c2, c3));
-  };
-  float* closed = &closed_[std::size_t(row * kTiles) * stride_ + std::size_t(column * kTiles)];
-  const glm::vec2 last(float(blocks.width - 1), float(blocks.height - 1));
-  const auto clamped = [&](const glm::vec2& texel) {
-    return glm::ivec2(glm::clamp(texel, glm::vec2(0), last));
-  };
 
   // All of it at once, by larger blocks.
-  glm::vec2 a, b;
-  bounds(0, 0, kTiles, a, b);
-  glm::ivec2 from = clamped(a - kTexelRounding) / kCellTexels,
-             to = clamped(b + kTexelRounding) / kCellTexels;
+  const Bounds cell(t[0][0], t[0][kTiles], t[kTiles][0], t[kTiles][kTiles]);
+  glm::ivec2 from = p.clamped(cell.a - kTexelRounding) / kCellTexels,
+             to = p.clamped(cell.b + kTexelRounding) / kCellTexels;
   std::uint8_t nearest = 255;
   for (int y = from.y; y <= to.y; ++y)
-    for (int x = from.x; x <= to.x; ++x) nearest = std::min(nearest, blocks.cell(x, y));
-  if (nearest == 255) return false;
-  float open = 0;
-  for (int y = 0; y < kTiles; ++y)
-    for (int x = 0; x < kTiles; ++x)
-      open = std::max(open, closed[std::size_t(y) * stride_ + std::size_t(x)]);
-  if (open <= p.nearest_eye_z(a, b, nearest)) return false;
+    for (int x = from.x; x <= to.x; ++x) nearest = std::min(nearest, p.blocks.cell(x, y));
+  if (nearest == 255 || open <= p.nearest_eye_z(cell.a, cell.b, nearest)) return false;
 
+  const bool may_hide = p.hides && (!p.share || p.partner);
   bool seen = false;
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x) {
-      if (seen && !p.hides) return true;
-      bounds(x, y, 1, a, b);
-      if (b.x < 0 || b.y < 0 || a.x > last.x + 1 || a.y > last.y + 1) continue;
-      float& tile = closed[std::size_t(y) * stride_ + std::size_t(x)];
-      const glm::vec2 inside = p.inside * (b - a) - kTexelRounding;
-      a += inside, b -= inside;
+      if (seen && !may_hide) return true;
+      const Bounds tile(t[y][x], t[y][x + 1], t[y + 1][x], t[y + 1][x + 1]);
+      if (tile.b.x < 0 || tile.b.y < 0 || tile.a.x > float(p.blocks.width) ||
+          tile.a.y > float(p.blocks.height))
+        continue;
+      float& beyond = closed[std::size_t(y) * stride_ + std::size_t(x)];
       if (!seen) {
-        from = clamped(a) / kBlockTexels, to = clamped(b) / kBlockTexels;
+        Bounds fragments = tile;
+        fragments.shrink(p.inside);
+        from = p.clamped(fragments.a) / kBlockTexels, to = p.clamped(fragments.b) / kBlockTexels;
         nearest = 255;
         for (int by = from.y; by <= to.y; ++by)
           for (int bx = from.x; bx <= to.x; ++bx)
-            nearest = std::min(nearest, blocks.block(bx, by).nearest);
-        if (nearest == 255 || tile <= p.nearest_eye_z(a, b, nearest)) continue;
+            nearest = std::min(nearest, p.blocks.block(bx, by).nearest);
+        if (nearest == 255 || beyond <= p.nearest_eye_z(fragments.a, fragments.b, nearest))
+          continue;
         seen = true;
       }
-      if (!p.hides || a.x < inside.x || a.y < inside.y || b.x + inside.x > last.x + 1 ||
-          b.y + inside.y > last.y + 1)
-        continue;
-      from = clamped(a - kFilterTexels) / kBlockTexels;
-      to = clamped(b + kFilterTexels) / kBlockTexels;
-      std::uint8_t opaque = 1, farthest = 0;
-      for (int by = from.y; by <= to.y; ++by)
-        for (int bx = from.x; bx <= to.x; ++bx) {
-          const PictureBlock& block = blocks.block(bx, by);
-          opaque &= block.farthest;
-          farthest = std::max(farthest, block.farthest);
-        }
-      if (!opaque) continue;
-      const double w = p.farthest_w(a, b), delta = PictureBlock{0, farthest}.farthest_delta();
-      const double eye_z = std::max({p.eye_z(w, delta), p.eye_z(w, 0), w}) * (1 + kRounding);
+      if (!may_hide) continue;
+      double eye_z = p.hides_beyond(tile);
+      if (p.share && eye_z < z_far_)
+        eye_z = std::max(
+            eye_z, p.partner->hides_beyond(column * kCell + x * kTile, row * kCell + y * kTile));
       // What lies beyond the far plane is clipped, and hides nothing.
-      if (eye_z < z_far_) tile = std::min(tile, float(eye_z));
+      if (eye_z < z_far_) beyond = std::min(beyond, float(eye_z));
     }
   return seen;
 }
 
-// The row's runs of cells that are seen; they lengthen those of the row below where they can.
-void VisibleCells::append_runs(std::uint32_t picture, const Placement& p, int row,
-                               std::vector<DrawnCells>& drawn) {
-  next_runs_.clear();
-  std::size_t below = 0;  // first run of the row below that may still be the same
-  for (int column = p.x0; column <= p.x1; ++column) {
-    if (!seen_[std::size_t(column)]) continue;
+// The row's runs of cells that are seen; they join rectangles of the row below where that is
+// cheaper, even if it draws cells that need not be.
+void VisibleCells::Band::append_runs(std::uint32_t picture, int x0, int x1, int row,
+                                     const glm::ivec2& size, std::vector<DrawnCells>& to) {
+  next_open.clear();
+  std::size_t below = 0;  // first rectangle of the row below that may still be joined
+  for (int column = x0; column <= x1; ++column) {
+    if (!seen[std::size_t(column)]) continue;
     const int first = column;
-    while (column + 1 <= p.x1 && seen_[std::size_t(column) + 1]) ++column;
+    while (column + 1 <= x1 &&
+           (seen[std::size_t(column) + 1] || (column + 2 <= x1 && seen[std::size_t(column) + 2])))
+      ++column;
     const auto pixel = [](int cell, int most) {
       return std::uint16_t(std::min(cell * kCell, most));
     };
-    const DrawnCells run{picture, pixel(first, width_), pixel(row, height_),
-                         pixel(column + 1, width_), pixel(row + 1, height_)};
-    while (below < open_runs_.size() && drawn[open_runs_[below]].x0 < run.x0) ++below;
-    if (below < open_runs_.size() && drawn[open_runs_[below]].x0 == run.x0 &&
-        drawn[open_runs_[below]].x1 == run.x1) {
-      drawn[open_runs_[below]].y1 = run.y1;
-      next_runs_.push_back(open_runs_[below]);
-    } else {
-      next_runs_.push_back(std::uint32_t(drawn.size()));
-      drawn.push_back(run);
+    const DrawnCells run{picture, pixel(first, size.x), pixel(row, size.y),
+                         pixel(column + 1, size.x), pixel(row + 1, size.y)};
+    while (below < open.size() && to[open[below]].x1 <= run.x0) ++below;
+    if (below < open.size() && to[open[below]].x0 < run.x1) {
+      DrawnCells& rectangle = to[open[below]];
+      DrawnCells joined = rectangle;
+      joined.x0 = std::min(joined.x0, run.x0), joined.x1 = std::max(joined.x1, run.x1);
+      joined.y1 = run.y1;
+      if (cost(joined) <= cost(rectangle) + cost(run)) {
+        rectangle = joined;
+        next_open.push_back(open[below++]);
+        continue;
+      }
     }
+    next_open.push_back(std::uint32_t(to.size()));
+    to.push_back(run);
   }
-  std::swap(open_runs_, next_runs_);
+  std::swap(open, next_open);
 }
 
 }  // namespace rilievo

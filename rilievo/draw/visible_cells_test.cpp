@@ -160,25 +160,38 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
     std::sort(pictures.begin(), pictures.end(), [](const Picture& a, const Picture& b) {
       return a.standing.plane_z < b.standing.plane_z;
     });
+    // Two at about the same place, as where one fades into the other.
+    pictures[8].standing = pictures[4].standing;
+    pictures[8].standing.eye.x += 0.05;
+    pictures[8].standing.z_near *= 0.98;
+    std::vector<StandingPicture> standing;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      standing.push_back(pictures[i].standing);
+      standing[i].blocks = blocks.view(pictures[i].slot);
+    }
+    // Some fade, alone or each into the other.
+    for (const std::size_t i : {1u, 4u, 8u}) standing[i].share = true;
+    for (const auto& [i, k] : {std::pair{4u, 8u}, std::pair{8u, 4u}}) standing[i].partner = k;
     VisibleCells visible;
-    visible.begin(clip, kWidth, kHeight, camera.z_near, camera.z_far);
-    std::vector<DrawnCells> drawn;
+    visible.find(clip, kWidth, kHeight, camera.z_near, camera.z_far, standing);
     std::vector<glm::dmat3> maps;
     std::vector<Image<std::uint8_t>> drawn_pixels(pictures.size(), {kWidth, kHeight, 0});
+    for (std::size_t k = 0; k < visible.drawn().size(); ++k) {
+      const DrawnCells& c = visible.drawn()[k];
+      ASSERT_EQ(standing[c.picture].share, k >= visible.drawn_before_shares());
+      ASSERT_FALSE(c.whole());
+      for (int y = c.y0; y < c.y1; ++y)
+        for (int x = c.x0; x < c.x1; ++x) drawn_pixels[c.picture](x, y) = 1;
+    }
     for (std::size_t i = 0; i < pictures.size(); ++i) {
-      drawn.clear();
-      maps.push_back(visible.append(std::uint32_t(i), pictures[i].standing,
-                                    blocks.view(pictures[i].slot), drawn));
-      for (const DrawnCells& c : drawn) {
-        ASSERT_EQ(c.picture, i);
-        ASSERT_FALSE(c.whole());
-        for (int y = c.y0; y < c.y1; ++y)
-          for (int x = c.x0; x < c.x1; ++x) ++drawn_pixels[i](x, y);
-      }
-      // Once, or not at all.
-      for (const std::uint8_t times : drawn_pixels[i].texels()) ASSERT_LE(times, 1);
+      maps.push_back(visible.texel_from_raster(i));
       check_map(maps[i], pictures[i], clip);
     }
+    // Of 4 and 8 complementary pixels; of 1 some.
+    const auto has_pixel = [](std::size_t i, int x, int y) {
+      const bool even = (x * 7 + y * 3) % 5 < 2;
+      return i == 8 ? !even : i == 1 || i == 4 ? even : true;
+    };
 
     // Texels that are not opaque may show or not: both ways.
     for (const bool ragged : {true, false}) {
@@ -187,10 +200,12 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
         const auto shows = [&](const Texel& texel) {
           return texel.opaque || (ragged && pictures[i].standing.hides);
         };
-        draw_into(all, pictures[i], int(i), clip,
-                  [&](const Texel& texel, int, int) { return shows(texel); });
+        const auto show = [&](const Texel& texel, int x, int y) {
+          return shows(texel) && has_pixel(i, x, y);
+        };
+        draw_into(all, pictures[i], int(i), clip, show);
         draw_into(some, pictures[i], int(i), clip, [&](const Texel& texel, int x, int y) {
-          return shows(texel) && drawn_pixels[i](x, y);
+          return show(texel, x, y) && drawn_pixels[i](x, y);
         });
       }
       ASSERT_EQ(all.picture, some.picture) << "round " << round;
@@ -227,12 +242,12 @@ TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
   p.standing.origin = {-0.5, -1, -20};
   const Camera camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.75, kWidth, kHeight, 0.5, 60);
   VisibleCells visible;
-  visible.begin(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far);
-  std::vector<DrawnCells> drawn;
-  visible.append(3, p.standing, blocks.view(p.slot), drawn);
-  ASSERT_EQ(drawn.size(), 1u);
-  EXPECT_EQ(drawn[0].picture, 3u);
-  EXPECT_TRUE(drawn[0].whole());
+  p.standing.blocks = blocks.view(p.slot);
+  visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far,
+               std::span(&p.standing, 1));
+  ASSERT_EQ(visible.drawn().size(), 1u);
+  EXPECT_EQ(visible.drawn()[0].picture, 0u);
+  EXPECT_TRUE(visible.drawn()[0].whole());
 }
 
 TEST(PictureBlocks, know_the_range_of_their_picture_and_nothing_of_its_neighbours) {
