@@ -66,8 +66,11 @@ Result<BenchReport> pop(const BenchOptions& options) {
   const double with = *compared->methods[1].pop_max, without = *compared->methods[2].pop_max;
   report.figures = {{"pop_max_faded", with}, {"pop_max_unfaded", without}};
   if (without > 0) report.figures.emplace_back("pop_ratio", with / without);
-  report.figures.emplace_back("pop_frame_max_faded", *compared->methods[1].pop_frame_max);
-  report.figures.emplace_back("pop_frame_max_unfaded", *compared->methods[2].pop_frame_max);
+  const double frame_with = *compared->methods[1].pop_frame_max,
+               frame_without = *compared->methods[2].pop_frame_max;
+  report.figures.emplace_back("pop_frame_max_faded", frame_with);
+  report.figures.emplace_back("pop_frame_max_unfaded", frame_without);
+  if (frame_without > 0) report.figures.emplace_back("pop_frame_ratio", frame_with / frame_without);
   report.tables = {std::move(table)};
   report.plots = {std::move(plot)};
   report.notes = {

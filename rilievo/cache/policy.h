@@ -67,7 +67,7 @@ struct CacheOptions {
   double anticipation = 0.8;
   // A new picture replaces the old one over so many frames, a growing share of the pixels; 1: at
   // once.
-  int fade_frames = 6;
+  int fade_frames = 10;
   // Captures that will be needed are spread over so many frames before.
   int spread_frames = 8;
   // No picture is expected to live longer: nobody walks straight on for ever.
