@@ -49,6 +49,7 @@ struct DrawnCells {
   std::uint16_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
   [[nodiscard]] bool whole() const { return x1 == 0; }
+  friend bool operator==(const DrawnCells&, const DrawnCells&) = default;
 };
 
 class VisibleCells {

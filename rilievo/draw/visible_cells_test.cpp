@@ -2,6 +2,7 @@
 #include "rilievo/draw/visible_cells.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -230,6 +231,29 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
   EXPECT_LT(drawn_count, 0.9 * on_polygon);
   RecordProperty("left_out_share", std::to_string(left_out / shown));
   RecordProperty("drawn_share", std::to_string(drawn_count / on_polygon));
+}
+
+TEST(VisibleCells, are_the_same_on_one_thread_and_on_many) {
+  std::mt19937 rng(4);
+  AtlasAllocator allocator(8);
+  PictureBlocks blocks(8);
+  std::vector<StandingPicture> standing;
+  for (int i = 0; i < 12; ++i) {
+    const Picture p = random_picture(rng, allocator);
+    blocks.assign(p.slot, blocks_of(p.texels));
+    standing.push_back(p.standing);
+    standing.back().blocks = blocks.view(p.slot);
+  }
+  const Camera camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.75, kWidth, kHeight, 0.5, 60);
+  const auto find = [&] {
+    VisibleCells visible;
+    visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far, standing);
+    return std::vector<DrawnCells>(visible.drawn().begin(), visible.drawn().end());
+  };
+  const std::vector<DrawnCells> many = find();
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(find(), many);
+  EXPECT_GT(many.size(), 12u);
 }
 
 TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
