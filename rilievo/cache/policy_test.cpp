@@ -333,20 +333,6 @@ TEST(Policy, captures_hold_their_budget) {
   EXPECT_GT(run.plan.pictures.size(), 100u);
 }
 
-// What the first frame does not capture it draws as polygons, and the second would draw again.
-TEST(Policy, the_first_frame_captures_the_whole_cut_whatever_captures_cost) {
-  const Forest forest = plant(2000);
-  CacheOptions options;
-  options.capture_triangles = 8000;
-  options.cost.capture = 20'000;  // more than what it spares of the drawing
-  Loop run;
-  run.frame(forest.tree, {}, walk(1, 0), options);
-  const std::uint64_t first = run.plan.captured_triangles;
-  run.frame(forest.tree, {}, walk(1, 1), options);
-  EXPECT_GT(first, 100'000u);
-  EXPECT_LT(run.plan.captured_triangles, first / 10);
-}
-
 TEST(Policy, a_refresh_is_faded_and_need_not_be) {
   const Forest forest = plant(300);
   for (const int fade_frames : {6, 1}) {

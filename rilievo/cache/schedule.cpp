@@ -138,10 +138,8 @@ void schedule_captures(Cut& cut) {
     const double cost = cost_of(cut, request.entity);
     if (request.deadline > 0 && credit < cost) break;
     // What is captured need not be drawn by other means: in a frame that would draw it as polygons
-    // its capture costs next to nothing, however many of these there are.
-    const double saved = cut.scratch.now_cost[request.entity];
-    const double extra =
-        saved >= double(cut.triangles_of(request.entity)) ? 0.0 : std::max(0.0, cost - saved);
+    // its capture costs next to nothing.
+    const double extra = std::max(0.0, cost - double(cut.scratch.now_cost[request.entity]));
     if (!cut.plan.captures.empty() && (int(cut.plan.captures.size()) >= cut.options.captures ||
                                        spent + extra > double(cut.options.capture_triangles)))
       break;
