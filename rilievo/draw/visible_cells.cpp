@@ -118,6 +118,7 @@ struct VisibleCells::Placement {
 };
 
 double VisibleCells::Placement::hides_beyond(int x, int y) const {
+  // Beyond the polygon's own cells the map may be of what lies behind the eye.
   if (x < x0 * kCell || y < y0 * kCell || x >= (x1 + 1) * kCell || y >= (y1 + 1) * kCell)
     return kNowhere;
   return hides_beyond(
