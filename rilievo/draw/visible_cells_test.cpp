@@ -93,6 +93,34 @@ Picture random_picture(std::mt19937& rng, AtlasAllocator& allocator) {
   return p;
 }
 
+// Random pictures and their blocks, which the pictures refer to.
+struct Gallery {
+  AtlasAllocator allocator{8};
+  PictureBlocks blocks{8};
+  std::vector<Picture> pictures;
+
+  Gallery(std::mt19937& rng, int count) {
+    for (int i = 0; i < count; ++i) {
+      pictures.push_back(random_picture(rng, allocator));
+      blocks.assign(pictures.back().slot, blocks_of(pictures.back().texels));
+      pictures.back().standing.blocks = blocks.view(pictures.back().slot);
+    }
+  }
+  Gallery(const Gallery&) = delete;
+  Gallery& operator=(const Gallery&) = delete;
+
+  [[nodiscard]] std::vector<StandingPicture> standing() const {
+    std::vector<StandingPicture> all;
+    for (const Picture& p : pictures) all.push_back(p.standing);
+    return all;
+  }
+};
+
+// At the origin, looking along -z.
+Camera frame_camera() {
+  return look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.75, kWidth, kHeight, 0.5, 60);
+}
+
 struct Frame {
   Image<float> eye_z{kWidth, kHeight, INFINITY};
   Image<int> picture{kWidth, kHeight, -1};
@@ -147,17 +175,12 @@ void check_map(const glm::dmat3& texel_from_raster, const Picture& p,
 
 TEST(VisibleCells, leave_out_nothing_that_shows) {
   std::mt19937 rng(1);
-  const Camera camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.75, kWidth, kHeight, 0.5, 60);
+  const Camera camera = frame_camera();
   const glm::dmat4 clip = clip_from_eye(camera);
   double drawn_count = 0, on_polygon = 0, shown = 0, left_out = 0;
   for (int round = 0; round < 60; ++round) {
-    AtlasAllocator allocator(8);
-    PictureBlocks blocks(8);
-    std::vector<Picture> pictures;
-    for (int i = 0; i < 12; ++i) {
-      pictures.push_back(random_picture(rng, allocator));
-      blocks.assign(pictures.back().slot, blocks_of(pictures.back().texels));
-    }
+    Gallery gallery(rng, 12);
+    std::vector<Picture>& pictures = gallery.pictures;
     std::sort(pictures.begin(), pictures.end(), [](const Picture& a, const Picture& b) {
       return a.standing.plane_z < b.standing.plane_z;
     });
@@ -165,11 +188,8 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
     pictures[8].standing = pictures[4].standing;
     pictures[8].standing.eye.x += 0.05;
     pictures[8].standing.z_near *= 0.98;
-    std::vector<StandingPicture> standing;
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      standing.push_back(pictures[i].standing);
-      standing[i].blocks = blocks.view(pictures[i].slot);
-    }
+    pictures[8].standing.blocks = gallery.blocks.view(pictures[8].slot);
+    std::vector<StandingPicture> standing = gallery.standing();
     // Some fade, alone or each into the other.
     for (const std::size_t i : {1u, 4u, 8u}) standing[i].share = true;
     for (const auto& [i, k] : {std::pair{4u, 8u}, std::pair{8u, 4u}}) standing[i].partner = k;
@@ -235,16 +255,9 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
 
 TEST(VisibleCells, are_the_same_on_one_thread_and_on_many) {
   std::mt19937 rng(4);
-  AtlasAllocator allocator(8);
-  PictureBlocks blocks(8);
-  std::vector<StandingPicture> standing;
-  for (int i = 0; i < 12; ++i) {
-    const Picture p = random_picture(rng, allocator);
-    blocks.assign(p.slot, blocks_of(p.texels));
-    standing.push_back(p.standing);
-    standing.back().blocks = blocks.view(p.slot);
-  }
-  const Camera camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.75, kWidth, kHeight, 0.5, 60);
+  const Gallery gallery(rng, 12);
+  const std::vector<StandingPicture> standing = gallery.standing();
+  const Camera camera = frame_camera();
   const auto find = [&] {
     VisibleCells visible;
     visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far, standing);
@@ -258,17 +271,13 @@ TEST(VisibleCells, are_the_same_on_one_thread_and_on_many) {
 
 TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
   std::mt19937 rng(2);
-  AtlasAllocator allocator(1);
-  PictureBlocks blocks(1);
-  Picture p = random_picture(rng, allocator);
-  blocks.assign(p.slot, blocks_of(p.texels));
-  p.standing.u_axis = {1, 0, 40};
-  p.standing.origin = {-0.5, -1, -20};
-  const Camera camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.75, kWidth, kHeight, 0.5, 60);
+  const Gallery gallery(rng, 1);
+  std::vector<StandingPicture> standing = gallery.standing();
+  standing[0].u_axis = {1, 0, 40};
+  standing[0].origin = {-0.5, -1, -20};
+  const Camera camera = frame_camera();
   VisibleCells visible;
-  p.standing.blocks = blocks.view(p.slot);
-  visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far,
-               std::span(&p.standing, 1));
+  visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far, standing);
   ASSERT_EQ(visible.drawn().size(), 1u);
   EXPECT_EQ(visible.drawn()[0].picture, 0u);
   EXPECT_TRUE(visible.drawn()[0].whole());
@@ -276,21 +285,15 @@ TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
 
 TEST(PictureBlocks, know_the_range_of_their_picture_and_nothing_of_its_neighbours) {
   std::mt19937 rng(3);
-  AtlasAllocator allocator(2);
-  PictureBlocks blocks(2);
-  std::vector<Picture> pictures;
-  for (int i = 0; i < 20; ++i) {
-    pictures.push_back(random_picture(rng, allocator));
-    blocks.assign(pictures.back().slot, blocks_of(pictures.back().texels));
-  }
-  for (const Picture& p : pictures) {
+  const Gallery gallery(rng, 20);
+  for (const Picture& p : gallery.pictures) {
     double nearest = 2, farthest = -1;
     for (const Texel& texel : p.texels.texels())
       if (texel.delta >= 0) {
         nearest = std::min(nearest, texel.delta);
         farthest = std::max(farthest, texel.delta);
       }
-    const auto range = delta_range(blocks.view(p.slot));
+    const auto range = delta_range(p.standing.blocks);
     ASSERT_EQ(range.has_value(), farthest >= 0);
     if (!range) continue;
     // Rounded outwards, by less than a step.
