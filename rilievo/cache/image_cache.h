@@ -32,7 +32,7 @@ struct ImageCacheOptions {
   // Time for captures in a frame, by the clock; 0: by CacheOptions::capture_triangles, which makes
   // a run reproducible.
   double capture_ms = 0;
-  int fade_frames = 10;  // 1: a new picture replaces the old one at once
+  int fade_frames = CacheOptions{}.fade_frames;  // 1: a new picture replaces the old one at once
   int delta_bits = 8;
   DepthMode depth_mode = DepthMode::exact;
   int samples = 4;  // of the framebuffer that is drawn into
