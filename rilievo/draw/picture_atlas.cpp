@@ -1,6 +1,7 @@
 #include "rilievo/draw/picture_atlas.h"
 
 #include <algorithm>
+#include <bit>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,7 @@ void main() {
 }
 )";
 
-// A block (picture_blocks.h) from its texels.
+// A block (picture_blocks.h) from its texels: red holds both Deltas, the nearest in its low byte.
 const char* const kReduceFragment = R"(#version 450
 layout(binding = 0) uniform sampler2DArray color_texture;
 layout(binding = 1) uniform sampler2DArray delta_texture;
@@ -57,24 +58,26 @@ layout(location = 0) uniform ivec3 slot_origin;
 layout(location = 1) uniform ivec2 slot_size;
 layout(location = 2) uniform float delta_scale;
 layout(location = 3) uniform float largest_delta;
-layout(location = 0) out vec2 out_block;
+layout(location = 4) uniform int first_row;  // of the picture's blocks
+layout(location = 0) out uvec4 out_block;
 
 void main() {
-  ivec2 first = 4 * (ivec2(gl_FragCoord.xy) - slot_origin.xy / 4);
+  ivec2 first = 4 * (ivec2(gl_FragCoord.xy) - ivec2(0, first_row));
   float nearest = 2.0, farthest = 0.0;
-  bool opaque = true;
+  uint covered = 0u, opaque = 0u;
   for (int i = 0; i < 16; ++i) {
     ivec2 texel = first + ivec2(i & 3, i >> 2);
     bool inside = all(lessThan(texel, slot_size));
     ivec3 at = ivec3(slot_origin.xy + min(texel, slot_size - 1), slot_origin.z);
     float delta = texelFetch(delta_texture, at, 0).r * delta_scale;
-    bool covered = delta <= largest_delta;
-    if (inside && covered) nearest = min(nearest, delta), farthest = max(farthest, delta);
-    opaque = opaque && inside && covered && texelFetch(color_texture, at, 0).a == 1.0;
+    if (!inside || delta > largest_delta) continue;
+    nearest = min(nearest, delta), farthest = max(farthest, delta);
+    covered |= 1u << i;
+    if (texelFetch(color_texture, at, 0).a == 1.0) opaque |= 1u << i;
   }
-  float low = nearest > 1.5 ? 255.0 : floor(clamp(nearest, 0.0, 1.0) * 254.0);
-  float high = 2.0 * ceil(clamp(farthest, 0.0, 1.0) * 127.0) + (opaque ? 1.0 : 0.0);
-  out_block = vec2(low, high) / 255.0;
+  uint low = covered == 0u ? 255u : uint(clamp(nearest, 0.0, 1.0) * 254.0);
+  uint high = uint(ceil(clamp(farthest, 0.0, 1.0) * 254.0));
+  out_block = uvec4(low | high << 8, covered, opaque, 0u);
 }
 )";
 
@@ -97,11 +100,15 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   const std::size_t texels = std::size_t(kSize) * kSize;
   constexpr std::size_t layer_blocks =
       std::size_t(PictureBlocks::kLayerBlocks) * PictureBlocks::kLayerBlocks;
-  const std::size_t a_layer = texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + 2 * layer_blocks;
+  const std::size_t a_layer =
+      texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + layer_blocks * sizeof(PictureBlock);
   // Under a small budget a large capture buffer would leave no room for pictures.
   const int capture_size = options.max_bytes < (std::size_t(64) << 20) ? kSize / 2 : kSize;
+  // Two pictures of the largest size, or many small ones.
+  const int block_rows = 2 * blocks_across(capture_size);
   const std::size_t buffers =
-      std::size_t(capture_size) * std::size_t(capture_size) * 8 * std::size_t(options.samples);
+      std::size_t(capture_size) * std::size_t(capture_size) * 8 * std::size_t(options.samples) +
+      std::size_t(PictureBlocks::kLayerBlocks) * std::size_t(block_rows) * 8;
   GLint most_layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
   if (options.max_bytes < buffers + a_layer)
@@ -121,8 +128,8 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   atlas.color_ = gl::make_texture_2d_array(GL_RGBA8, kSize, kSize, layers);
   atlas.delta_ =
       gl::make_texture_2d_array(options.delta_bits > 8 ? GL_R16 : GL_R8, kSize, kSize, layers);
-  atlas.block_textures_ = gl::make_texture_2d_array(GL_RG8, PictureBlocks::kLayerBlocks,
-                                                    PictureBlocks::kLayerBlocks, layers);
+  atlas.block_rows_ = block_rows;
+  atlas.block_texture_ = gl::make_texture_2d(GL_RGBA16UI, PictureBlocks::kLayerBlocks, block_rows);
   // Codes next to each other have nothing to do with each other.
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -148,6 +155,8 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   if (!reduce) return reduce.error();
   atlas.reduce_ = std::move(*reduce);
   atlas.block_framebuffer_ = gl::make_framebuffer();
+  glNamedFramebufferTexture(atlas.block_framebuffer_, GL_COLOR_ATTACHMENT0, atlas.block_texture_,
+                            0);
   atlas.no_vertices_ = gl::make_vertex_array();
   return atlas;
 }
@@ -191,11 +200,10 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
 }
 
 void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
-  glNamedFramebufferTextureLayer(block_framebuffer_, GL_COLOR_ATTACHMENT0, block_textures_, 0,
-                                 slot.layer);
+  const int rows = blocks_across(slot.height);
+  if (next_block_row_ + rows > block_rows_) read_blocks();
   glBindFramebuffer(GL_FRAMEBUFFER, block_framebuffer_);
-  glViewport(slot.x / kBlockTexels, slot.y / kBlockTexels, blocks_across(slot.width),
-             blocks_across(slot.height));
+  glViewport(0, next_block_row_, blocks_across(slot.width), rows);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
@@ -206,22 +214,31 @@ void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
   glUniform2i(1, slot.width, slot.height);
   glUniform1f(2, delta_scale());
   glUniform1f(3, largest_delta());
+  glUniform1i(4, next_block_row_);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  unread_.push_back(slot);
+  unread_.push_back({slot, next_block_row_});
+  next_block_row_ += rows;
+}
+
+void PictureAtlas::read_blocks() {
+  // Red holds both Deltas, the nearest in its low byte.
+  static_assert(std::endian::native == std::endian::little);
+  for (const auto& [slot, row] : unread_) {
+    const int columns = blocks_across(slot.width), rows = blocks_across(slot.height);
+    read_blocks_.resize(std::size_t(columns) * std::size_t(rows));
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glGetTextureSubImage(block_texture_, 0, 0, row, 0, columns, rows, 1, GL_RGB_INTEGER,
+                         GL_UNSIGNED_SHORT, GLsizei(read_blocks_.size() * sizeof(PictureBlock)),
+                         read_blocks_.data());
+    blocks_.assign(slot, read_blocks_);
+  }
+  unread_.clear();
+  next_block_row_ = 0;
 }
 
 PictureBlocksView PictureAtlas::blocks(const AtlasSlot& slot) {
-  for (const AtlasSlot& unread : unread_) {
-    const int columns = blocks_across(unread.width), rows = blocks_across(unread.height);
-    read_blocks_.resize(std::size_t(columns) * std::size_t(rows));
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glGetTextureSubImage(block_textures_, 0, unread.x / kBlockTexels, unread.y / kBlockTexels,
-                         unread.layer, columns, rows, 1, GL_RG, GL_UNSIGNED_BYTE,
-                         GLsizei(read_blocks_.size() * sizeof(PictureBlock)), read_blocks_.data());
-    blocks_.assign(unread, read_blocks_);
-  }
-  unread_.clear();
+  read_blocks();
   return blocks_.view(slot);
 }
 

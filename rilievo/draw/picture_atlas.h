@@ -18,7 +18,7 @@
 namespace rilievo {
 
 struct AtlasOptions {
-  std::size_t max_bytes = 256u << 20;  // texture memory, capture buffers included
+  std::size_t max_bytes = 256u << 20;  // capture buffers included
   int delta_bits = 8;                  // 2, 4, 6, 8 or 16
   int samples = 4;                     // samples a texel at capture: the frame's antialiasing
 };
@@ -64,7 +64,7 @@ class PictureAtlas {
   // Texels a side of the largest picture; smaller under a small budget.
   [[nodiscard]] int max_picture_size() const { return capture_size_; }
   [[nodiscard]] const AtlasAllocator& allocator() const { return allocator_; }
-  // Texture memory taken.
+  // Memory taken: of textures, and of what is known of their blocks.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] GLuint color_texture() const { return color_; }
   [[nodiscard]] GLuint delta_texture() const { return delta_; }
@@ -73,6 +73,7 @@ class PictureAtlas {
  private:
   explicit PictureAtlas(int layers) : allocator_(layers), blocks_(layers) {}
   void reduce_to_blocks(const AtlasSlot& slot);
+  void read_blocks();
 
   AtlasOptions options_;
   AtlasAllocator allocator_;
@@ -80,11 +81,16 @@ class PictureAtlas {
   std::size_t bytes_ = 0;
   gl::Texture color_, delta_, object_;
   gl::Texture capture_color_, capture_depth_, object_depth_;
-  gl::Texture block_textures_;
+  gl::Texture block_texture_;
+  int block_rows_ = 0, next_block_row_ = 0;  // of the texture; from here on nothing unread
   gl::Framebuffer capture_framebuffer_, layer_framebuffer_, object_framebuffer_, block_framebuffer_;
   gl::Program resolve_, reduce_;
   PictureBlocks blocks_;
-  std::vector<AtlasSlot> unread_;  // whose blocks the GPU has and blocks_ has not
+  struct Unread {
+    AtlasSlot slot;
+    int row;  // of block_texture_, its lowest
+  };
+  std::vector<Unread> unread_;  // whose blocks the GPU has and blocks_ has not
   std::vector<PictureBlock> read_blocks_;
   gl::VertexArray no_vertices_;
 };

@@ -1,11 +1,13 @@
 // Which parts of a picture show anything, and which hide whatever lies behind them?
 //
-// Of every block of 4 x 4 texels of an atlas: its nearest and its farthest Delta, and whether all
-// of its texels are opaque. Lets a drawer leave out what is empty or hidden (visible_cells.h), and
-// tells how deep a picture really is. Rows as OpenGL has them, the lowest first. No OpenGL here.
+// Of every block of 4 x 4 texels of an atlas: its nearest and its farthest Delta, and which of its
+// texels show anything, which are opaque. Lets a drawer leave out what is empty or hidden
+// (visible_cells.h), and tells how deep a picture really is. Rows as OpenGL has them, the lowest
+// first. No OpenGL here.
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,18 +17,21 @@
 
 namespace rilievo {
 
-// Two bytes, as a texel of a texture. Deltas are rounded away from the middle of the block.
-struct PictureBlock {
-  std::uint8_t nearest = 255;  // of its texels, in steps of 1 / 254; 255: none shows anything
-  std::uint8_t farthest = 0;   // of its texels, in steps of 1 / 127, times 2; + 1: all are opaque
+inline constexpr int kBlockTexels = 4;  // a side
 
-  [[nodiscard]] bool empty() const { return nearest == 255; }
-  [[nodiscard]] bool opaque() const { return (farthest & 1) != 0; }
+// Deltas are in steps of 1 / 254, rounded away from the middle of the block.
+struct PictureBlock {
+  std::uint8_t nearest = 255;  // of its texels; 255: none shows anything
+  std::uint8_t farthest = 0;
+  std::uint16_t covered = 0;  // bit x + 4 y: does its texel (x, y) show anything?
+  std::uint16_t opaque = 0;   // the same: does it hide what is behind?
+
+  [[nodiscard]] bool empty() const { return covered == 0; }
   [[nodiscard]] double nearest_delta() const { return nearest / 254.0; }
-  [[nodiscard]] double farthest_delta() const { return (farthest >> 1) / 127.0; }
+  [[nodiscard]] double farthest_delta() const { return farthest / 254.0; }
   friend bool operator==(const PictureBlock&, const PictureBlock&) = default;
 };
-inline constexpr int kBlockTexels = 4;  // a side
+static_assert(sizeof(PictureBlock) == 6, "three words, as they are read from a texture");
 
 // Looked at before their blocks.
 inline constexpr int kCellBlocks = 4, kCellTexels = kCellBlocks * kBlockTexels;
@@ -45,6 +50,18 @@ struct PictureBlocksView {
     return cells[std::size_t(y) * cell_row + std::size_t(x)];
   }
 };
+
+// The bits of a block's texels among those from `from` to `to`, both included: texels of the
+// block's picture, from its lower left corner; at least one of them is in the block.
+[[nodiscard]] inline std::uint16_t texels_of_block(const glm::ivec2& block, const glm::ivec2& from,
+                                                   const glm::ivec2& to) {
+  constexpr int kLast = kBlockTexels - 1;
+  const glm::ivec2 low = glm::max(from - kBlockTexels * block, glm::ivec2(0));
+  const glm::ivec2 high = glm::min(to - kBlockTexels * block, glm::ivec2(kLast));
+  const unsigned columns = (0xFu << low.x) & (0xFu >> (kLast - high.x));
+  const unsigned rows = (0x1111u << (4 * low.y)) & (0x1111u >> (4 * (kLast - high.y)));
+  return std::uint16_t(columns * rows);
+}
 
 [[nodiscard]] inline int blocks_across(int texels) {
   return (texels + kBlockTexels - 1) / kBlockTexels;

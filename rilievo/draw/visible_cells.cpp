@@ -93,6 +93,18 @@ struct VisibleCells::Placement {
     return glm::clamp(glm::ivec2(texel), glm::ivec2(0),
                       glm::ivec2(blocks.width - 1, blocks.height - 1));
   }
+  // Of what the picture shows of a tile with these bounds, in steps of PictureBlock; 255: nothing.
+  [[nodiscard]] std::uint8_t nearest_delta(const Bounds& fragments) const {
+    const glm::ivec2 from = clamped(fragments.a), to = clamped(fragments.b);
+    std::uint8_t nearest = 255;
+    for (int y = from.y / kBlockTexels; y <= to.y / kBlockTexels; ++y)
+      for (int x = from.x / kBlockTexels; x <= to.x / kBlockTexels; ++x) {
+        const PictureBlock& block = blocks.block(x, y);
+        if (texels_of_block({x, y}, from, to) & block.covered)
+          nearest = std::min(nearest, block.nearest);
+      }
+    return nearest;
+  }
   // Beyond which eye_z does the picture hide everything in a tile with these bounds? Infinite:
   // nowhere.
   [[nodiscard]] double hides_beyond(Bounds tile) const {
@@ -100,17 +112,15 @@ struct VisibleCells::Placement {
     if (a.x < 0 || a.y < 0 || b.x > float(blocks.width) || b.y > float(blocks.height))
       return kNowhere;
     tile.shrink(inside);
-    const glm::ivec2 from = clamped(a - kFilterTexels) / kBlockTexels,
-                     to = clamped(b + kFilterTexels) / kBlockTexels;
-    std::uint8_t opaque = 1, farthest = 0;
-    for (int y = from.y; y <= to.y; ++y)
-      for (int x = from.x; x <= to.x; ++x) {
+    const glm::ivec2 from = clamped(a - kFilterTexels), to = clamped(b + kFilterTexels);
+    PictureBlock all;
+    for (int y = from.y / kBlockTexels; y <= to.y / kBlockTexels; ++y)
+      for (int x = from.x / kBlockTexels; x <= to.x / kBlockTexels; ++x) {
         const PictureBlock& block = blocks.block(x, y);
-        opaque &= block.farthest;
-        farthest = std::max(farthest, block.farthest);
+        if (texels_of_block({x, y}, from, to) & ~block.opaque) return kNowhere;
+        all.farthest = std::max(all.farthest, block.farthest);
       }
-    if (!opaque) return kNowhere;
-    const double w = farthest_w(a, b), delta = PictureBlock{0, farthest}.farthest_delta();
+    const double w = farthest_w(a, b), delta = all.farthest_delta();
     return std::max({eye_z(w, delta), eye_z(w, 0), w}) * (1 + kRounding);
   }
   // The same of a tile, by its lower left pixel.
@@ -261,8 +271,8 @@ bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
 
   // All of it at once, by larger blocks.
   const Bounds cell(t[0][0], t[0][kTiles], t[kTiles][0], t[kTiles][kTiles]);
-  glm::ivec2 from = p.clamped(cell.a - kTexelRounding) / kCellTexels,
-             to = p.clamped(cell.b + kTexelRounding) / kCellTexels;
+  const glm::ivec2 from = p.clamped(cell.a - kTexelRounding) / kCellTexels,
+                   to = p.clamped(cell.b + kTexelRounding) / kCellTexels;
   std::uint8_t nearest = 255;
   for (int y = from.y; y <= to.y; ++y)
     for (int x = from.x; x <= to.x; ++x) nearest = std::min(nearest, p.blocks.cell(x, y));
@@ -281,11 +291,7 @@ bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
       if (!seen) {
         Bounds fragments = tile;
         fragments.shrink(p.inside);
-        from = p.clamped(fragments.a) / kBlockTexels, to = p.clamped(fragments.b) / kBlockTexels;
-        nearest = 255;
-        for (int by = from.y; by <= to.y; ++by)
-          for (int bx = from.x; bx <= to.x; ++bx)
-            nearest = std::min(nearest, p.blocks.block(bx, by).nearest);
+        nearest = p.nearest_delta(fragments);
         if (nearest == 255 || beyond <= p.nearest_eye_z(fragments.a, fragments.b, nearest))
           continue;
         seen = true;

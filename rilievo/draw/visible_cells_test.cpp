@@ -50,19 +50,18 @@ std::vector<PictureBlock> blocks_of(const Image<Texel>& texels) {
   for (int y = 0; y < texels.height(); y += kBlockTexels)
     for (int x = 0; x < texels.width(); x += kBlockTexels) {
       double nearest = 2, farthest = 0;
-      bool opaque = true;
+      unsigned covered = 0, opaque = 0;
       for (int j = y; j < y + kBlockTexels; ++j)
         for (int i = x; i < x + kBlockTexels; ++i) {
-          if (i >= texels.width() || j >= texels.height() || texels(i, j).delta < 0) {
-            opaque = false;
-            continue;
-          }
-          opaque &= texels(i, j).opaque;
+          if (i >= texels.width() || j >= texels.height() || texels(i, j).delta < 0) continue;
+          const unsigned bit = 1u << (i - x + kBlockTexels * (j - y));
+          covered |= bit, opaque |= texels(i, j).opaque ? bit : 0;
           nearest = std::min(nearest, texels(i, j).delta);
           farthest = std::max(farthest, texels(i, j).delta);
         }
       blocks.push_back({nearest > 1 ? std::uint8_t(255) : std::uint8_t(std::floor(254 * nearest)),
-                        std::uint8_t(2 * std::ceil(127 * farthest) + (opaque ? 1 : 0))});
+                        std::uint8_t(std::ceil(254 * farthest)), std::uint16_t(covered),
+                        std::uint16_t(opaque)});
     }
   return blocks;
 }
@@ -300,7 +299,7 @@ TEST(PictureBlocks, know_the_range_of_their_picture_and_nothing_of_its_neighbour
     EXPECT_LE(range->nearest, nearest);
     EXPECT_GT(range->nearest, nearest - 1.0 / 254);
     EXPECT_GE(range->farthest, farthest);
-    EXPECT_LT(range->farthest, farthest + 1.0 / 127);
+    EXPECT_LT(range->farthest, farthest + 1.0 / 254);
   }
 }
 
