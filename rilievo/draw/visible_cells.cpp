@@ -57,6 +57,7 @@ struct VisibleCells::Placement {
   glm::dmat3 texel_from_raster;
   // The surface at Delta stands at E + (P - E) / q, q affine in Delta: so does its eye_z.
   double eye_w = 0, near_ratio = 1, far_ratio = 1;
+  double least_stretch = 1, most_stretch = 1;  // at Delta 0 and 1
   int x0 = 0, y0 = 0, x1 = -1, y1 = -1;  // the first and the last cells that the polygon touches
   float inside = 0;   // of b - a: how far at least fragments lie inside of a tile
   float nearest = 0;  // eye_z of all that the picture shows
@@ -65,8 +66,12 @@ struct VisibleCells::Placement {
   PictureBlocksView blocks;
 
   [[nodiscard]] glm::dvec3 at(double x, double y) const { return origin + x * u + y * v; }
-  [[nodiscard]] double eye_z(double polygon_w, double delta) const {
-    return eye_w + (polygon_w - eye_w) / (near_ratio + delta * (far_ratio - near_ratio));
+  // 1 / q.
+  [[nodiscard]] double stretch(double delta) const {
+    return 1 / (near_ratio + delta * (far_ratio - near_ratio));
+  }
+  [[nodiscard]] double eye_z(double polygon_w, double stretch) const {
+    return eye_w + (polygon_w - eye_w) * stretch;
   }
   // Of the polygon between two texels.
   [[nodiscard]] double nearest_w(const glm::vec2& a, const glm::vec2& b) const {
@@ -78,10 +83,10 @@ struct VisibleCells::Placement {
   // Of what the picture shows between two texels, if that is no nearer than `nearest`.
   [[nodiscard]] double nearest_eye_z(const glm::vec2& a, const glm::vec2& b,
                                      std::uint8_t nearest) const {
-    const double delta = relief ? nearest / 254.0 : 0.0;
+    const double least = stretch(relief ? nearest / 254.0 : 0.0);
     const double low = nearest_w(a, b), high = farthest_w(a, b);
-    if (low == high && eye_w <= low) return eye_z(low, delta) * (1 - kRounding);
-    return std::min({eye_z(low, delta), eye_z(low, 1), eye_z(high, delta), eye_z(high, 1)}) *
+    return std::min({eye_z(low, least), eye_z(low, most_stretch), eye_z(high, least),
+                     eye_z(high, most_stretch)}) *
            (1 - kRounding);
   }
   // Of a pixel, in texels.
@@ -120,8 +125,9 @@ struct VisibleCells::Placement {
         if (texels_of_block({x, y}, from, to) & ~block.opaque) return kNowhere;
         all.farthest = std::max(all.farthest, block.farthest);
       }
-    const double w = farthest_w(a, b), delta = all.farthest_delta();
-    return std::max({eye_z(w, delta), eye_z(w, 0), w}) * (1 + kRounding);
+    const double w = farthest_w(a, b);
+    return std::max({eye_z(w, stretch(all.farthest_delta())), eye_z(w, least_stretch), w}) *
+           (1 + kRounding);
   }
   // The same of a tile, by its lower left pixel.
   [[nodiscard]] double hides_beyond(int x, int y) const;
@@ -202,6 +208,7 @@ void VisibleCells::place(const StandingPicture& standing, Placement& p) const {
   if (p.relief)
     p.near_ratio = standing.plane_z / standing.z_near,
     p.far_ratio = standing.plane_z / standing.z_far;
+  p.least_stretch = p.stretch(0), p.most_stretch = p.stretch(1);
 
   glm::dvec3 low{std::numeric_limits<double>::infinity()}, high = -low;
   for (const double x : {0, blocks.width})
@@ -288,6 +295,7 @@ bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
           tile.a.y > float(p.blocks.height))
         continue;
       float& beyond = closed[std::size_t(y) * stride_ + std::size_t(x)];
+      if (beyond <= p.nearest) continue;
       if (!seen) {
         Bounds fragments = tile;
         fragments.shrink(p.inside);
