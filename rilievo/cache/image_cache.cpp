@@ -244,10 +244,6 @@ void ImageCache::collect() {
 
 Result<> ImageCache::draw(const Camera& camera, double time) {
   const gl::StateGuard guard;
-  GLint framebuffer = 0, viewport[4];
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-  glGetIntegerv(GL_VIEWPORT, viewport);
-
   camera_ = camera;
   time_ = time;
   figures_ = {};
@@ -258,8 +254,7 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
   commit(plan_, state_);
   collect();
 
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
-  glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+  guard.bind_frame();
   drawer_.draw(atlas_, camera, options_.depth_mode, instances_);
   layered_options_.outlines = options_.outlines;
   for (Baked& baked : baked_)
@@ -286,9 +281,6 @@ Result<> ImageCache::draw(const Camera& camera, double time) {
 
 Result<> ImageCache::draw_objects() {
   const gl::StateGuard guard;
-  GLint framebuffer = 0, viewport[4];
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-  glGetIntegerv(GL_VIEWPORT, viewport);
   renderer_.set_time(time_);
   // Identifiers of pictures of several objects, where no probe has asked for them before.
   for (const DrawnPicture& drawn : plan_.pictures) {
@@ -297,8 +289,7 @@ Result<> ImageCache::draw_objects() {
     atlas_.capture_objects(renderer_, held.camera, held.objects, *held.slot);
     held.objects_captured = true;
   }
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
-  glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+  guard.bind_frame();
   drawer_.draw_objects(atlas_, camera_, options_.depth_mode, instances_);
   for (Baked& baked : baked_)
     if (!baked.instances.empty())

@@ -227,5 +227,55 @@ TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
   EXPECT_TRUE(gl::check_errors("cache").ok());
 }
 
+TEST_F(ImageCacheTest, draws_the_same_in_whatever_state_the_caller_left_opengl) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
+  GLuint sampler = 0;
+  glCreateSamplers(1, &sampler);
+  glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  constexpr GLenum kOdd[] = {GL_CLIP_DISTANCE0,  GL_CLIP_DISTANCE3, GL_DEPTH_CLAMP,
+                             GL_BLEND,           GL_CULL_FACE,      GL_POLYGON_OFFSET_FILL,
+                             GL_FRAMEBUFFER_SRGB};
+  Rgba8Image plain, odd, part;
+  // Captures in the first frame, pictures in the later ones; a fresh cache for each state.
+  const auto drawn = [&](bool oddly, bool scissored) {
+    auto cache = ImageCache::create(*renderer, {});
+    EXPECT_TRUE(cache.ok());
+    Rgba8Image image;
+    for (int frame = 0; frame < 3; ++frame) {
+      target->begin();
+      if (oddly) {
+        for (const GLenum capability : kOdd) glEnable(capability);
+        glBlendFunc(GL_ONE, GL_ONE);
+        glPolygonOffset(-50, -50);
+        glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+        for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, sampler);
+      }
+      if (scissored) {
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(0, 0, kWidth / 2, kHeight);
+      }
+      EXPECT_TRUE(
+          cache->draw(camera_at(builtin.path, frame_time(builtin.path, frame), kWidth, kHeight), 0)
+              .ok());
+      for (const GLenum capability : kOdd) glDisable(capability);
+      glDisable(GL_SCISSOR_TEST);
+      glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+      for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+      target->resolve();
+      image = target->read();
+    }
+    return image;
+  };
+  plain = drawn(false, false), odd = drawn(true, false), part = drawn(false, true);
+  glDeleteSamplers(1, &sampler);
+  EXPECT_EQ(plain, odd);
+  // The caller's scissor is no such state: it says where the frame is.
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      ASSERT_EQ(part(x, y), x < kWidth / 2 ? plain(x, y) : glm::u8vec4(0, 0, 0, 255))
+          << x << " " << y;
+}
+
 }  // namespace
 }  // namespace rilievo

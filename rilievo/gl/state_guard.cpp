@@ -5,10 +5,11 @@
 namespace rilievo::gl {
 namespace {
 
-constexpr GLenum kCapabilities[] = {GL_DEPTH_TEST,
+constexpr int kScissorTest = 0;
+constexpr GLenum kCapabilities[] = {GL_SCISSOR_TEST,
+                                    GL_DEPTH_TEST,
                                     GL_BLEND,
                                     GL_CULL_FACE,
-                                    GL_SCISSOR_TEST,
                                     GL_SAMPLE_ALPHA_TO_COVERAGE,
                                     GL_FRAMEBUFFER_SRGB,
                                     GL_POLYGON_OFFSET_FILL,
@@ -60,6 +61,18 @@ StateGuard::StateGuard() {
     glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, GLuint(i), &storage_[i]);
     glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, GLuint(i), &uniform_[i]);
   }
+
+  for (const GLenum capability : kCapabilities) glDisable(capability);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  for (GLuint i = 0; i < kUnits; ++i) glBindSampler(i, 0);
+}
+
+void StateGuard::bind_frame() const {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(draw_framebuffer_));
+  glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
+  glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
+  if (caps_[kScissorTest]) glEnable(GL_SCISSOR_TEST);
 }
 
 StateGuard::~StateGuard() {
@@ -70,10 +83,8 @@ StateGuard::~StateGuard() {
   glDepthFunc(GLenum(depth_func_));
   glUseProgram(GLuint(program_));
   glBindVertexArray(GLuint(vertex_array_));
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(draw_framebuffer_));
+  bind_frame();
   glBindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(read_framebuffer_));
-  glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
-  glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
   glBlendFuncSeparate(GLenum(blend_[0]), GLenum(blend_[1]), GLenum(blend_[2]), GLenum(blend_[3]));
   glBlendEquationSeparate(GLenum(blend_[4]), GLenum(blend_[5]));
   glCullFace(GLenum(cull_face_));

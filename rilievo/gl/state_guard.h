@@ -6,12 +6,17 @@
 namespace rilievo::gl {
 
 // Restores, at the end of the scope, every piece of OpenGL state that Rilievo's drawing changes.
+// Until then, whatever the caller has set that would spoil a picture is switched off.
 class StateGuard {
  public:
   StateGuard();
   ~StateGuard();
   StateGuard(const StateGuard&) = delete;
   StateGuard& operator=(const StateGuard&) = delete;
+
+  // Framebuffer, viewport and scissor test as the caller had set them: where a frame is drawn,
+  // after its captures.
+  void bind_frame() const;
 
  private:
   static constexpr int kCaps = 12, kUnits = 8, kBindings = 6;
