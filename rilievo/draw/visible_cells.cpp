@@ -145,7 +145,7 @@ double VisibleCells::Placement::hides_beyond(int x, int y) const {
 struct VisibleCells::Band {
   int first = 0, end = 0;
   std::vector<DrawnCells> drawn[2];
-  std::vector<std::uint8_t> seen;              // by cell of a row
+  std::vector<std::uint8_t> seen;              // by cell of a row: bits of look_at_cell
   std::vector<std::uint32_t> open, next_open;  // rectangles that end in the last row
 
   void append_runs(std::uint32_t picture, int x0, int x1, int row, const glm::ivec2& size,
@@ -258,14 +258,15 @@ void VisibleCells::look_at_band(Band& band) {
   }
 }
 
-// Is anything of the picture seen in the cell? If so, closes the tiles that it closes.
-bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
+// In which tiles of the cell is anything of the picture seen? Bit x + 2 y. Closes those that it
+// closes.
+std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row) {
   float* closed = &closed_[std::size_t(row * kTiles) * stride_ + std::size_t(column * kTiles)];
   float open = 0;
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x)
       open = std::max(open, closed[std::size_t(y) * stride_ + std::size_t(x)]);
-  if (open <= p.nearest) return false;
+  if (open <= p.nearest) return 0;
 
   glm::vec2 t[kTiles + 1][kTiles + 1];  // corners of the cell's tiles, in texels
   for (int y = 0; y <= kTiles; ++y) {
@@ -283,27 +284,23 @@ bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
   std::uint8_t nearest = 255;
   for (int y = from.y; y <= to.y; ++y)
     for (int x = from.x; x <= to.x; ++x) nearest = std::min(nearest, p.blocks.cell(x, y));
-  if (nearest == 255 || open <= p.nearest_eye_z(cell.a, cell.b, nearest)) return false;
+  if (nearest == 255 || open <= p.nearest_eye_z(cell.a, cell.b, nearest)) return 0;
 
   const bool may_hide = p.hides && (!p.share || p.partner);
-  bool seen = false;
+  std::uint8_t seen = 0;
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x) {
-      if (seen && !may_hide) return true;
       const Bounds tile(t[y][x], t[y][x + 1], t[y + 1][x], t[y + 1][x + 1]);
       if (tile.b.x < 0 || tile.b.y < 0 || tile.a.x > float(p.blocks.width) ||
           tile.a.y > float(p.blocks.height))
         continue;
       float& beyond = closed[std::size_t(y) * stride_ + std::size_t(x)];
       if (beyond <= p.nearest) continue;
-      if (!seen) {
-        Bounds fragments = tile;
-        fragments.shrink(p.inside);
-        nearest = p.nearest_delta(fragments);
-        if (nearest == 255 || beyond <= p.nearest_eye_z(fragments.a, fragments.b, nearest))
-          continue;
-        seen = true;
-      }
+      Bounds fragments = tile;
+      fragments.shrink(p.inside);
+      nearest = p.nearest_delta(fragments);
+      if (nearest == 255 || beyond <= p.nearest_eye_z(fragments.a, fragments.b, nearest)) continue;
+      seen = std::uint8_t(seen | 1u << (x + kTiles * y));
       if (!may_hide) continue;
       double eye_z = p.hides_beyond(tile);
       if (p.share && eye_z < z_far_)
@@ -315,8 +312,9 @@ bool VisibleCells::look_at_cell(const Placement& p, int column, int row) {
   return seen;
 }
 
-// The row's runs of cells that are seen; they join rectangles of the row below where that is
-// cheaper, even if it draws cells that need not be.
+// The row's runs of cells that are seen, without the rows and columns of tiles at their edges that
+// are not; they join rectangles of the row below where that is cheaper, even if it draws cells that
+// need not be.
 void VisibleCells::Band::append_runs(std::uint32_t picture, int x0, int x1, int row,
                                      const glm::ivec2& size, std::vector<DrawnCells>& to) {
   next_open.clear();
@@ -324,14 +322,21 @@ void VisibleCells::Band::append_runs(std::uint32_t picture, int x0, int x1, int 
   for (int column = x0; column <= x1; ++column) {
     if (!seen[std::size_t(column)]) continue;
     const int first = column;
+    std::uint8_t any = seen[std::size_t(column)];
     while (column + 1 <= x1 &&
            (seen[std::size_t(column) + 1] || (column + 2 <= x1 && seen[std::size_t(column) + 2])))
-      ++column;
-    const auto pixel = [](int cell, int most) {
-      return std::uint16_t(std::min(cell * kCell, most));
+      any |= seen[std::size_t(++column)];
+    static_assert(kTiles == 2, "two columns and two rows of tiles");
+    constexpr int kLeft = 0b0101, kRight = 0b1010, kLower = 0b0011, kUpper = 0b1100;
+    const auto pixel = [](int tile, int most) {
+      return std::uint16_t(std::min(tile * kTile, most));
     };
-    const DrawnCells run{picture, pixel(first, size.x), pixel(row, size.y),
-                         pixel(column + 1, size.x), pixel(row + 1, size.y)};
+    const DrawnCells run{picture, pixel(2 * first + !(seen[std::size_t(first)] & kLeft), size.x),
+                         pixel(2 * row + !(any & kLower), size.y),
+                         pixel(2 * column + 2 - !(seen[std::size_t(column)] & kRight), size.x),
+                         pixel(2 * row + 2 - !(any & kUpper), size.y)};
+    // Nothing of it but tiles beyond the frame's edges?
+    if (run.x0 == run.x1 || run.y0 == run.y1) continue;
     while (below < open.size() && to[open[below]].x1 <= run.x0) ++below;
     if (below < open.size() && to[open[below]].x0 < run.x1) {
       DrawnCells& rectangle = to[open[below]];

@@ -7,9 +7,9 @@
 // covers all of the tile with opaque texels nearer than this picture's nearest there; or two of
 // which one fades into the other and that both do.
 //
-// Cells are joined to rectangles of whole pixels, so that no sample falls between. Where it is
-// cheaper they hold cells that could be left out, and may lie over each other: what is drawn twice
-// is the same twice.
+// Cells are joined to rectangles of whole pixels, so that no sample falls between, and cut to the
+// tiles at their edges. Where it is cheaper they hold cells that could be left out, and may lie
+// over each other: what is drawn twice is the same twice.
 //
 // What is left out changes no sample of the frame. Pure; frame raster here runs upwards, as
 // OpenGL's does. Keeps its buffers: a steady frame does not allocate.
@@ -77,9 +77,9 @@ class VisibleCells {
   struct Band;
   void place(const StandingPicture& standing, Placement& placement) const;
   void look_at_band(Band& band);
-  bool look_at_cell(const Placement& placement, int column, int row);
+  std::uint8_t look_at_cell(const Placement& placement, int column, int row);
 
-  // Drawn or left out as a whole: cells of kCell x kCell pixels; hidden by tiles of kTile x kTile.
+  // Joined to rectangles: cells of kCell x kCell pixels; seen or hidden: tiles of kTile x kTile.
   static constexpr int kTile = 4, kTiles = 2, kCell = kTile * kTiles;
   static constexpr int kBands = 8;  // of the frame, each for itself
   glm::dmat4 clip_from_relative_{1.0};

@@ -31,7 +31,7 @@ struct Picture {
 Image<Texel> random_texels(std::mt19937& rng, int width, int height) {
   std::uniform_real_distribution<double> u(0, 1);
   Image<Texel> texels(width, height);
-  constexpr int kPatch = 64;
+  constexpr int kPatch = 61;  // ends within blocks
   for (int y = 0; y < height; y += kPatch)
     for (int x = 0; x < width; x += kPatch) {
       const double kind = u(rng), base = u(rng);
@@ -266,6 +266,32 @@ TEST(VisibleCells, are_the_same_on_one_thread_and_on_many) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(find(), many);
   EXPECT_GT(many.size(), 12u);
+}
+
+TEST(VisibleCells, rectangles_end_at_the_tiles_that_show_something) {
+  const Camera camera = frame_camera();
+  // A texel a pixel, the first at pixel (16, 16).
+  StandingPicture standing;
+  const glm::dvec2 pixel(10 * (camera.window.right - camera.window.left) / kWidth,
+                         10 * (camera.window.top - camera.window.bottom) / kHeight);
+  constexpr int kSide = 40;
+  standing.u_axis = {kSide * pixel.x, 0, 0}, standing.v_axis = {0, kSide * pixel.y, 0};
+  standing.origin = {10 * camera.window.left + 16 * pixel.x,
+                     10 * camera.window.bottom + 16 * pixel.y, -10};
+  standing.z_near = 9, standing.z_far = 11, standing.plane_z = 10;
+  Image<Texel> texels(kSide, kSide);
+  for (int y = 5; y < 7; ++y)
+    for (int x = 9; x < 15; ++x) texels(x, y) = {0.5, true};
+  AtlasAllocator allocator(1);
+  PictureBlocks blocks(1);
+  const AtlasSlot slot = *allocator.allocate(kSide, kSide);
+  blocks.assign(slot, blocks_of(texels));
+  standing.blocks = blocks.view(slot);
+  VisibleCells visible;
+  visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far, {&standing, 1});
+  // Pixels 25 ... 30, 21 ... 22: two tiles side by side, the upper half of one cell.
+  ASSERT_EQ(visible.drawn().size(), 1u);
+  EXPECT_EQ(visible.drawn()[0], (DrawnCells{0, 24, 20, 32, 24}));
 }
 
 TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
