@@ -59,7 +59,8 @@ struct VisibleCells::Placement {
   double eye_w = 0, near_ratio = 1, far_ratio = 1;
   double least_stretch = 1, most_stretch = 1;  // at Delta 0 and 1
   int x0 = 0, y0 = 0, x1 = -1, y1 = -1;  // the first and the last cells that the polygon touches
-  float inside = 0;   // of b - a: how far at least fragments lie inside of a tile
+  // Of b - a: how far at least fragments lie inside of a tile, of a cell.
+  float inside = 0, inside_cell = 0;
   float nearest = 0;  // eye_z of all that the picture shows
   bool relief = true, hides = true, share = false, whole = false;
   const Placement* partner = nullptr;  // one that has been looked at before
@@ -110,13 +111,13 @@ struct VisibleCells::Placement {
       }
     return nearest;
   }
-  // Beyond which eye_z does the picture hide everything in a tile with these bounds? Infinite:
-  // nowhere.
-  [[nodiscard]] double hides_beyond(Bounds tile) const {
+  // Beyond which eye_z does the picture hide everything in a tile with these bounds, inside of
+  // which fragments lie so far? Infinite: nowhere.
+  [[nodiscard]] double hides_beyond(Bounds tile, float inside_tile) const {
     auto& [a, b] = tile;
     if (a.x < 0 || a.y < 0 || b.x > float(blocks.width) || b.y > float(blocks.height))
       return kNowhere;
-    tile.shrink(inside);
+    tile.shrink(inside_tile);
     const glm::ivec2 from = clamped(a - kFilterTexels), to = clamped(b + kFilterTexels);
     PictureBlock all;
     for (int y = from.y / kBlockTexels; y <= to.y / kBlockTexels; ++y)
@@ -138,7 +139,8 @@ double VisibleCells::Placement::hides_beyond(int x, int y) const {
   if (x < x0 * kCell || y < y0 * kCell || x >= (x1 + 1) * kCell || y >= (y1 + 1) * kCell)
     return kNowhere;
   return hides_beyond(
-      Bounds(texel(x, y), texel(x + kTile, y), texel(x, y + kTile), texel(x + kTile, y + kTile)));
+      Bounds(texel(x, y), texel(x + kTile, y), texel(x, y + kTile), texel(x + kTile, y + kTile)),
+      inside);
 }
 
 // Rows of cells, and what was found there: of pictures as a whole, of shares.
@@ -232,9 +234,11 @@ void VisibleCells::place(const StandingPicture& standing, Placement& p) const {
       least = std::min(least, (p.texel_from_raster * glm::dvec3(x * kCell, y * kCell, 1)).z);
   p.whole = least <= 0;
   if (p.whole) return;
-  const double change =
-      kTile * (std::abs(p.texel_from_raster[0].z) + std::abs(p.texel_from_raster[1].z));
-  if (change < kLevel * least) p.inside = float(0.5 / kTile - kLevel);
+  const double change = std::abs(p.texel_from_raster[0].z) + std::abs(p.texel_from_raster[1].z);
+  const auto inside = [&](int n) {
+    return n * change < kLevel * least ? float(0.5 / n - kLevel) : 0.0f;
+  };
+  p.inside = inside(kTile), p.inside_cell = inside(kCell);
   std::uint8_t nearest = 255;
   for (int y = 0; y < cells_across(blocks.height); ++y)
     for (int x = 0; x < cells_across(blocks.width); ++x)
@@ -262,10 +266,12 @@ void VisibleCells::look_at_band(Band& band) {
 // closes.
 std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row) {
   float* closed = &closed_[std::size_t(row * kTiles) * stride_ + std::size_t(column * kTiles)];
-  float open = 0;
+  float open = 0, least_open = std::numeric_limits<float>::infinity();
   for (int y = 0; y < kTiles; ++y)
-    for (int x = 0; x < kTiles; ++x)
-      open = std::max(open, closed[std::size_t(y) * stride_ + std::size_t(x)]);
+    for (int x = 0; x < kTiles; ++x) {
+      const float beyond = closed[std::size_t(y) * stride_ + std::size_t(x)];
+      open = std::max(open, beyond), least_open = std::min(least_open, beyond);
+    }
   if (open <= p.nearest) return 0;
 
   glm::vec2 t[kTiles + 1][kTiles + 1];  // corners of the cell's tiles, in texels
@@ -277,8 +283,17 @@ std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row)
     }
   }
 
-  // All of it at once, by larger blocks.
+  // All of it at once: nothing is before it, and it hides what is behind ...
   const Bounds cell(t[0][0], t[0][kTiles], t[kTiles][0], t[kTiles][kTiles]);
+  const bool may_hide = p.hides && (!p.share || p.partner);
+  if (may_hide && !p.share && least_open == std::numeric_limits<float>::infinity())
+    // What lies beyond the far plane is clipped, and hides nothing.
+    if (const double eye_z = p.hides_beyond(cell, p.inside_cell); eye_z < z_far_) {
+      for (int y = 0; y < kTiles; ++y)
+        std::fill_n(closed + std::size_t(y) * stride_, kTiles, float(eye_z));
+      return (1u << (kTiles * kTiles)) - 1;
+    }
+  // ... or it is empty or hidden, by larger blocks.
   const glm::ivec2 from = p.clamped(cell.a - kTexelRounding) / kCellTexels,
                    to = p.clamped(cell.b + kTexelRounding) / kCellTexels;
   std::uint8_t nearest = 255;
@@ -286,7 +301,6 @@ std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row)
     for (int x = from.x; x <= to.x; ++x) nearest = std::min(nearest, p.blocks.cell(x, y));
   if (nearest == 255 || open <= p.nearest_eye_z(cell.a, cell.b, nearest)) return 0;
 
-  const bool may_hide = p.hides && (!p.share || p.partner);
   std::uint8_t seen = 0;
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x) {
@@ -302,11 +316,10 @@ std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row)
       if (nearest == 255 || beyond <= p.nearest_eye_z(fragments.a, fragments.b, nearest)) continue;
       seen = std::uint8_t(seen | 1u << (x + kTiles * y));
       if (!may_hide) continue;
-      double eye_z = p.hides_beyond(tile);
+      double eye_z = p.hides_beyond(tile, p.inside);
       if (p.share && eye_z < z_far_)
         eye_z = std::max(
             eye_z, p.partner->hides_beyond(column * kCell + x * kTile, row * kCell + y * kTile));
-      // What lies beyond the far plane is clipped, and hides nothing.
       if (eye_z < z_far_) beyond = std::min(beyond, float(eye_z));
     }
   return seen;
