@@ -94,16 +94,15 @@ Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
 }
 
 Result<> SceneRenderer::State::compile() {
-  for (const GpuMaterial& material : gpu.materials) {
-    for (unsigned extra : {0u, unsigned(shader::kLinear), unsigned(shader::kObjectIds),
-                           unsigned(shader::kShare), unsigned(shader::kShare | shader::kLinear)}) {
+  using namespace shader;
+  for (const GpuMaterial& material : gpu.materials)
+    for (const unsigned extra : {0u, +kLinear, +kObjectIds, +kShare, kShare | kLinear,
+                                 +kBackPerspective, kBackPerspective | kLinear})
       if (auto made = program(material.features | extra); !made) return made.error();
-    }
-  }
   for (bool linear : {false, true}) {
-    Result<gl::Program> program = shader::make_sky_program(linear);
-    if (!program) return program.error();
-    sky[linear] = std::move(*program);
+    Result<gl::Program> made = make_sky_program(linear);
+    if (!made) return made.error();
+    sky[linear] = std::move(*made);
   }
   return Done{};
 }
@@ -164,7 +163,9 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
     const GpuMaterial& material = gpu.materials[std::size_t(mesh.material)];
     if (mesh.material != bound_material) {
       bound_material = mesh.material;
-      const unsigned features = material.features | extra_features;
+      unsigned features = material.features | extra_features;
+      if (camera.keeps_farthest() && !(extra_features & shader::kObjectIds))
+        features |= shader::kBackPerspective;
       const Result<const gl::Program*> program_of_material = program(features);
       // The same source as of create(), but for the lights.
       RILIEVO_EXPECTS(program_of_material.ok());

@@ -16,10 +16,13 @@ enum Feature : unsigned {
   kMask = 8,  // alpha mask
   kUnlit = 16,
   kBlend = 32,
-  kObjectIds = 64,   // identifiers instead of colours
-  kLinear = 128,     // OutputEncoding::linear
-  kShare = 256,      // a share of the pixels only, chosen by kPixelHash
-  kAnyLights = 512,  // up to kMaxLights of any kind; without it, one directional light
+  kObjectIds = 64,          // identifiers instead of colours
+  kLinear = 128,            // OutputEncoding::linear
+  kShare = 256,             // a share of the pixels only, chosen by kPixelHash
+  kAnyLights = 512,         // up to kMaxLights of any kind; without it, one directional light
+  kBackPerspective = 1024,  // the camera's projection; without it, one of the others
+  kMetallic = 2048,
+  kEmissive = 4096,
 };
 
 inline constexpr int kMaxLights = 16;

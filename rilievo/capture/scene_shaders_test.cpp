@@ -1,0 +1,176 @@
+// Shading against the formulas as appendix B of the glTF 2.0 specification writes them.
+#include "rilievo/capture/scene_shaders.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+
+#include "rilievo/capture/capture_picture.h"
+#include "rilievo/capture/frame_target.h"
+#include "rilievo/core/color.h"
+#include "rilievo/gl/context.h"
+
+namespace rilievo {
+namespace {
+
+// A square of 2 m around the origin that faces +z.
+Scene wall(const Material& material) {
+  Scene scene;
+  scene.name = "wall";
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  mesh.material = 0;
+  scene.meshes = {mesh};
+  scene.materials = {material};
+  Model model;
+  model.parts = {Part{}};
+  scene.models = {model};
+  scene.objects = {Object{}};
+  return scene;
+}
+
+glm::dvec3 radiance(const Sky& sky, double elevation) {
+  const glm::dvec3 above =
+      glm::mix(glm::dvec3(sky.horizon), glm::dvec3(sky.zenith), std::sqrt(std::max(0.0, elevation)));
+  const double t = std::clamp(-elevation / 0.08, 0.0, 1.0);
+  return glm::mix(above, glm::dvec3(sky.ground), t * t * (3 - 2 * t));
+}
+
+// Light towards v of a surface with normal n under one sun and the sky.
+glm::dvec3 shade(const Material& m, const Light& sun, const Sky& sky, const glm::dvec3& n,
+                 const glm::dvec3& v) {
+  const glm::dvec3 base(m.base_color), l = -glm::normalize(glm::dvec3(sun.direction));
+  const glm::dvec3 f0 = glm::mix(glm::dvec3(0.04), base, double(m.metallic));
+  const glm::dvec3 diffuse = base * (1.0 - m.metallic);
+  const double alpha = double(m.roughness) * m.roughness, a2 = alpha * alpha;
+  const double n_v = std::max(1e-4, glm::dot(n, v)), n_l = glm::dot(n, l);
+  glm::dvec3 light(0);
+  if (n_l > 0) {
+    const glm::dvec3 h = glm::normalize(l + v);
+    const double n_h = glm::dot(n, h), v_h = glm::dot(v, h);
+    const double d = a2 / (glm::pi<double>() * std::pow(n_h * n_h * (a2 - 1) + 1, 2));
+    const double g = 0.5 / (n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) +
+                            n_v * std::sqrt(n_l * n_l * (1 - a2) + a2));
+    const glm::dvec3 f = f0 + (1.0 - f0) * std::pow(1 - v_h, 5);
+    light = glm::dvec3(sun.intensity) * n_l * ((1.0 - f) * diffuse / glm::pi<double>() + f * d * g);
+  }
+  // [Karis 2014] for the part of the sky that is mirrored.
+  const double r = m.roughness;
+  const glm::dvec3 hemisphere =
+      glm::mix(glm::dvec3(sky.ground), 0.5 * glm::dvec3(sky.zenith + sky.horizon), 0.5 + 0.5 * n.y);
+  const glm::dvec3 mirrored =
+      glm::mix(radiance(sky, (2 * glm::dot(n, v) * n - v).y), hemisphere, r);
+  const glm::dvec4 k = r * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
+  const double a004 = std::min(k.x * k.x, std::exp2(-9.28 * n_v)) * k.x + k.y;
+  const glm::dvec3 reflected = f0 * (-1.04 * a004 + k.z) + (1.04 * a004 + k.w);
+  return light + 0.6 * diffuse * hemisphere + reflected * mirrored + glm::dvec3(m.emissive);
+}
+
+class SceneShadersTest : public testing::TestWithParam<Projection> {};
+
+TEST_P(SceneShadersTest, shade_as_the_specification_says) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<float> u(0, 1);
+  const auto direction = [&] {
+    std::normal_distribution<float> n;
+    return glm::normalize(glm::vec3(n(rng), n(rng), n(rng)));
+  };
+  int compared = 0, in_the_sun = 0;
+  for (int round = 0; round < 60; ++round) {
+    Material m;
+    m.base_color = {u(rng), u(rng), u(rng), 1};
+    m.roughness = 0.2f + 0.8f * u(rng);  // what is smoother mirrors the sun in a few pixels
+    m.metallic = round % 3 == 0 ? u(rng) : 0.0f;
+    if (round % 4 == 0) m.emissive = {u(rng), 0, u(rng)};
+    m.double_sided = round % 2;
+    Scene scene = wall(m);
+    Light sun;
+    sun.direction = direction(), sun.intensity = {3, 2, 1};
+    scene.lights = {sun};
+    scene.objects[0].placement = glm::rotate(glm::mat4(1), 6.0f * u(rng), direction());
+    finish(scene);
+    const glm::dvec3 n(scene.objects[0].placement[2]);
+    glm::dvec3 eye(4.0f * direction());
+    if (glm::dot(eye, n) < 0 && !m.double_sided) eye = -eye;
+    auto camera = tight_camera(GetParam(), eye, {0.1, 1, 0}, world_bounds(scene));
+    ASSERT_TRUE(camera.ok());
+    camera->width = 9, camera->height = 9;
+    auto renderer = SceneRenderer::create(scene);
+    ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+    auto picture = capture_picture(*renderer, *camera, {.samples = 1});
+    ASSERT_TRUE(picture.ok());
+    for (int y = 0; y < 9; ++y)
+      for (int x = 0; x < 9; ++x) {
+        if (picture->depth(x, y) == kNoDepth) continue;
+        const glm::dvec3 at =
+            world_from_raster(*camera, {x + 0.5, y + 0.5}, double(picture->depth(x, y)));
+        const glm::dvec3 to_eye = glm::normalize(camera->position() - at);
+        glm::dvec3 facing = n, v = GetParam() == Projection::perspective ? to_eye
+                                   : GetParam() == Projection::parallel  ? -camera->forward()
+                                                                         : camera->forward();
+        if (camera->keeps_farthest() ? glm::dot(n, to_eye) > 0 : glm::dot(n, to_eye) < 0)
+          facing = -n;
+        // Who looks at a back-perspective picture from beside its axis sees what faces away from it.
+        if (camera->keeps_farthest())
+          v = glm::normalize(v + std::max(0.0, 0.17 - glm::dot(facing, v)) * facing);
+        // Edge on, a float's rounding decides which side is seen.
+        if (std::abs(glm::dot(n, to_eye)) < 0.02) continue;
+        const glm::dvec3 expected = shade(m, sun, scene.sky, facing, v);
+        for (int k = 0; k < 3; ++k)
+          // A part in 2^11 of a half float, normals of ten bits, and floats in the lobe of the
+          // smoothest material.
+          ASSERT_NEAR(picture->color(x, y)[k], expected[k], 0.004 * expected[k] + 0.002)
+              << "round " << round << ", texel " << x << ", " << y;
+        ++compared;
+        in_the_sun += glm::dot(facing, glm::dvec3(sun.direction)) < 0;
+      }
+  }
+  EXPECT_GT(compared, 500);
+  EXPECT_GT(in_the_sun, compared / 4);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllProjections, SceneShadersTest,
+                         testing::Values(Projection::perspective, Projection::back_perspective,
+                                         Projection::parallel));
+
+TEST(SceneShaders, encode_what_is_linear_as_srgb) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  Material unlit;
+  unlit.unlit = true;
+  Scene scene = wall(unlit);
+  scene.meshes[0].colors = {{0, 0, 0, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}, {0, 0, 0, 1}};
+  finish(scene);
+  constexpr int kWidth = 4096;
+  auto camera = tight_camera(Projection::parallel, {0, 0, 5}, {0, 1, 0}, world_bounds(scene));
+  ASSERT_TRUE(camera.ok());
+  camera->width = kWidth, camera->height = 1;
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+  auto target = FrameTarget::create(kWidth, 1, 1);
+  ASSERT_TRUE(target.ok());
+  target->begin();
+  const std::uint32_t all[] = {0};
+  renderer->draw_opaque(*camera, all, OutputEncoding::srgb);
+  target->resolve();
+  const Rgba8Image frame = target->read();
+  double worst = 0;
+  for (int x = 0; x < kWidth; ++x) {
+    const glm::dvec3 at = world_from_raster(*camera, {x + 0.5, 0.5}, 5);
+    if (std::abs(at.x) > 0.999) continue;
+    worst = std::max(worst,
+                     std::abs(frame(x, 0).r - 255.0 * srgb_from_linear(float(0.5 + 0.5 * at.x))));
+  }
+  // Rounding to a byte, the polynomial's fifth of one, and what an interpolated colour is off.
+  EXPECT_LE(worst, 0.75);
+  EXPECT_GE(worst, 0.45);  // all of a byte's range has been seen
+}
+
+}  // namespace
+}  // namespace rilievo
