@@ -34,8 +34,8 @@ Scene wall(const Material& material) {
 }
 
 glm::dvec3 radiance(const Sky& sky, double elevation) {
-  const glm::dvec3 above =
-      glm::mix(glm::dvec3(sky.horizon), glm::dvec3(sky.zenith), std::sqrt(std::max(0.0, elevation)));
+  const glm::dvec3 above = glm::mix(glm::dvec3(sky.horizon), glm::dvec3(sky.zenith),
+                                    std::sqrt(std::max(0.0, elevation)));
   const double t = std::clamp(-elevation / 0.08, 0.0, 1.0);
   return glm::mix(above, glm::dvec3(sky.ground), t * t * (3 - 2 * t));
 }
@@ -64,7 +64,8 @@ glm::dvec3 shade(const Material& m, const Light& sun, const Sky& sky, const glm:
       glm::mix(glm::dvec3(sky.ground), 0.5 * glm::dvec3(sky.zenith + sky.horizon), 0.5 + 0.5 * n.y);
   const glm::dvec3 mirrored =
       glm::mix(radiance(sky, (2 * glm::dot(n, v) * n - v).y), hemisphere, r);
-  const glm::dvec4 k = r * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
+  const glm::dvec4 k =
+      r * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
   const double a004 = std::min(k.x * k.x, std::exp2(-9.28 * n_v)) * k.x + k.y;
   const glm::dvec3 reflected = f0 * (-1.04 * a004 + k.z) + (1.04 * a004 + k.w);
   return light + 0.6 * diffuse * hemisphere + reflected * mirrored + glm::dvec3(m.emissive);
@@ -116,7 +117,8 @@ TEST_P(SceneShadersTest, shade_as_the_specification_says) {
                                                                          : camera->forward();
         if (camera->keeps_farthest() ? glm::dot(n, to_eye) > 0 : glm::dot(n, to_eye) < 0)
           facing = -n;
-        // Who looks at a back-perspective picture from beside its axis sees what faces away from it.
+        // Who looks at a back-perspective picture from beside its axis sees what faces away from
+        // it.
         if (camera->keeps_farthest())
           v = glm::normalize(v + std::max(0.0, 0.17 - glm::dot(facing, v)) * facing);
         // Edge on, a float's rounding decides which side is seen.
