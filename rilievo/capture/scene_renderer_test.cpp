@@ -9,6 +9,7 @@
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/scene/wall_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -140,20 +141,9 @@ INSTANTIATE_TEST_SUITE_P(AllProjections, SceneRendererTest,
 TEST(SceneRenderer, a_white_unlit_wall_fills_the_frame_with_white) {
   auto context = gl::Context::create();
   ASSERT_TRUE(context.ok());
-  Scene scene;
-  Mesh wall;
-  wall.positions = {{-5, -5, 0}, {5, -5, 0}, {5, 5, 0}, {-5, 5, 0}};
-  wall.normals.assign(4, {0, 0, 1});
-  wall.indices = {0, 1, 2, 0, 2, 3};
-  wall.material = 0;
-  scene.meshes = {wall};
   Material white;
   white.unlit = true;
-  scene.materials = {white};
-  Model model;
-  model.parts = {Part{}};
-  scene.models = {model};
-  scene.objects = {Object{}};
+  Scene scene = wall_scene(10, white);
   finish(scene);
   auto renderer = SceneRenderer::create(scene);
   ASSERT_TRUE(renderer.ok()) << renderer.error().message();

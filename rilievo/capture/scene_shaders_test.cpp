@@ -10,28 +10,11 @@
 #include "rilievo/capture/capture_picture.h"
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/core/color.h"
-#include "rilievo/gl/context.h"
+#include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/scene/wall_test_helpers.h"
 
 namespace rilievo {
 namespace {
-
-// A square of 2 m around the origin that faces +z.
-Scene wall(const Material& material) {
-  Scene scene;
-  scene.name = "wall";
-  Mesh mesh;
-  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-  mesh.normals.assign(4, {0, 0, 1});
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  mesh.material = 0;
-  scene.meshes = {mesh};
-  scene.materials = {material};
-  Model model;
-  model.parts = {Part{}};
-  scene.models = {model};
-  scene.objects = {Object{}};
-  return scene;
-}
 
 glm::dvec3 radiance(const Sky& sky, double elevation) {
   const glm::dvec3 above = glm::mix(glm::dvec3(sky.horizon), glm::dvec3(sky.zenith),
@@ -71,11 +54,10 @@ glm::dvec3 shade(const Material& m, const Light& sun, const Sky& sky, const glm:
   return light + 0.6 * diffuse * hemisphere + reflected * mirrored + glm::dvec3(m.emissive);
 }
 
-class SceneShadersTest : public testing::TestWithParam<Projection> {};
+using SceneShaders = gl::ContextTest;
+class SceneShadersTest : public SceneShaders, public testing::WithParamInterface<Projection> {};
 
 TEST_P(SceneShadersTest, shade_as_the_specification_says) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
   std::mt19937 rng(11);
   std::uniform_real_distribution<float> u(0, 1);
   const auto direction = [&] {
@@ -90,7 +72,7 @@ TEST_P(SceneShadersTest, shade_as_the_specification_says) {
     m.metallic = round % 3 == 0 ? u(rng) : 0.0f;
     if (round % 4 == 0) m.emissive = {u(rng), 0, u(rng)};
     m.double_sided = round % 2;
-    Scene scene = wall(m);
+    Scene scene = wall_scene(2, m);
     Light sun;
     sun.direction = direction(), sun.intensity = {3, 2, 1};
     scene.lights = {sun};
@@ -117,8 +99,7 @@ TEST_P(SceneShadersTest, shade_as_the_specification_says) {
                                                                          : camera->forward();
         if (camera->keeps_farthest() ? glm::dot(n, to_eye) > 0 : glm::dot(n, to_eye) < 0)
           facing = -n;
-        // Who looks at a back-perspective picture from beside its axis sees what faces away from
-        // it.
+        // What faces away from a back-perspective picture's axis is seen from beside it.
         if (camera->keeps_farthest())
           v = glm::normalize(v + std::max(0.0, 0.17 - glm::dot(facing, v)) * facing);
         // Edge on, a float's rounding decides which side is seen.
@@ -141,12 +122,10 @@ INSTANTIATE_TEST_SUITE_P(AllProjections, SceneShadersTest,
                          testing::Values(Projection::perspective, Projection::back_perspective,
                                          Projection::parallel));
 
-TEST(SceneShaders, encode_what_is_linear_as_srgb) {
-  auto context = gl::Context::create();
-  ASSERT_TRUE(context.ok());
+TEST_F(SceneShaders, encode_what_is_linear_as_srgb) {
   Material unlit;
   unlit.unlit = true;
-  Scene scene = wall(unlit);
+  Scene scene = wall_scene(2, unlit);
   scene.meshes[0].colors = {{0, 0, 0, 1}, {1, 1, 1, 1}, {1, 1, 1, 1}, {0, 0, 0, 1}};
   finish(scene);
   constexpr int kWidth = 4096;

@@ -9,6 +9,7 @@
 
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/scene/wall_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -204,18 +205,9 @@ TEST_F(NailboardDrawerTest, an_object_that_moved_is_an_eye_that_moved_the_other_
 
 TEST_F(NailboardDrawerTest, shares_of_polygons_and_of_pictures_complement_each_other) {
   // A wall before the eye, and a picture of a wall in the same place.
-  Scene scene;
-  Mesh wall;
-  wall.positions = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
-  wall.normals.assign(4, {0, 0, 1});
-  wall.indices = {0, 1, 2, 0, 2, 3};
-  wall.material = 0;
-  scene.meshes = {wall};
-  scene.materials.resize(1);
-  scene.materials[0].unlit = true;
-  scene.models.resize(1);
-  scene.models[0].parts = {Part{}};
-  scene.objects.resize(1);
+  Material unlit;
+  unlit.unlit = true;
+  Scene scene = wall_scene(18, unlit);
   finish(scene);
   auto renderer = SceneRenderer::create(scene);
   ASSERT_TRUE(renderer.ok()) << renderer.error().message();
