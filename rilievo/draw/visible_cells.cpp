@@ -285,8 +285,7 @@ std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row)
 
   // All of it at once: nothing is before it, and it hides what is behind ...
   const Bounds cell(t[0][0], t[0][kTiles], t[kTiles][0], t[kTiles][kTiles]);
-  const bool may_hide = p.hides && (!p.share || p.partner);
-  if (may_hide && !p.share && least_open == std::numeric_limits<float>::infinity())
+  if (p.hides && !p.share && least_open == std::numeric_limits<float>::infinity())
     // What lies beyond the far plane is clipped, and hides nothing.
     if (const double eye_z = p.hides_beyond(cell, p.inside_cell); eye_z < z_far_) {
       for (int y = 0; y < kTiles; ++y)
@@ -301,6 +300,7 @@ std::uint8_t VisibleCells::look_at_cell(const Placement& p, int column, int row)
     for (int x = from.x; x <= to.x; ++x) nearest = std::min(nearest, p.blocks.cell(x, y));
   if (nearest == 255 || open <= p.nearest_eye_z(cell.a, cell.b, nearest)) return 0;
 
+  const bool may_hide = p.hides && (!p.share || p.partner);
   std::uint8_t seen = 0;
   for (int y = 0; y < kTiles; ++y)
     for (int x = 0; x < kTiles; ++x) {
