@@ -100,10 +100,10 @@ GpuMaterial convert(const Material& m, TextureStore& store, GpuMaterialBlock& bl
     block.uv_rows[2 * unit + 1] = glm::vec4(rows[1], 0);
   }
   if (textured) out.features |= shader::kTextures;
-  if (out.textures[kNormalUnit] && !m.unlit) out.features |= shader::kNormalMap;
+  if (out.textures[kNormalUnit]) out.features |= shader::kNormalMap;
   if (m.unlit) out.features |= shader::kUnlit;
-  if (m.metallic > 0 && !m.unlit) out.features |= shader::kMetallic;
-  if (m.emissive != glm::vec3(0) && !m.unlit) out.features |= shader::kEmissive;
+  if (m.metallic > 0) out.features |= shader::kMetallic;
+  if (m.emissive != glm::vec3(0)) out.features |= shader::kEmissive;
   if (m.alpha_mode == AlphaMode::mask) out.features |= shader::kMask;
   if (m.alpha_mode == AlphaMode::blend) out.features |= shader::kBlend;
   out.alpha_mode = m.alpha_mode;

@@ -36,10 +36,9 @@ shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   const glm::dmat4 clip_from_relative = clip_from_eye(camera) * glm::transpose(turn);
   view.clip_from_relative = glm::mat4(clip_from_relative);
   view.relative_from_clip = glm::mat4(glm::inverse(clip_from_relative));
-  const float side = camera.projection == Projection::parallel           ? 0.0f
-                     : camera.projection == Projection::back_perspective ? -1.0f
-                                                                         : 1.0f;
-  view.eye_direction = glm::vec4(glm::vec3((side < 0.0f ? 1.0 : -1.0) * camera.forward()), side);
+  const bool parallel = camera.projection == Projection::parallel;
+  view.eye_direction = glm::vec4(
+      glm::vec3((camera.keeps_farthest() ? 1.0 : -1.0) * camera.forward()), parallel ? 0.0f : 1.0f);
   view.zenith = glm::vec4(scene.sky.zenith, 0);
   view.horizon = glm::vec4(scene.sky.horizon, 0);
   view.ground = glm::vec4(scene.sky.ground, 0);
@@ -84,8 +83,8 @@ struct SceneRenderer::State {
 
 // Compiled by create(); later only if the scene's lights have become others.
 Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
-  if (!(features & (shader::kUnlit | shader::kObjectIds)) && !lit_by_one_sun(*scene))
-    features |= shader::kAnyLights;
+  if (!lit_by_one_sun(*scene)) features |= shader::kAnyLights;
+  if (features & (shader::kUnlit | shader::kObjectIds)) features &= ~shader::kOfLight;
   const auto found = programs.find(features);
   if (found != programs.end()) return &found->second;
   Result<gl::Program> made = shader::make_scene_program(features);
@@ -163,9 +162,8 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
     const GpuMaterial& material = gpu.materials[std::size_t(mesh.material)];
     if (mesh.material != bound_material) {
       bound_material = mesh.material;
-      unsigned features = material.features | extra_features;
-      if (camera.keeps_farthest() && !(extra_features & shader::kObjectIds))
-        features |= shader::kBackPerspective;
+      const unsigned features = material.features | extra_features |
+                                (camera.keeps_farthest() ? shader::kBackPerspective : 0u);
       const Result<const gl::Program*> program_of_material = program(features);
       // The same source as of create(), but for the lights.
       RILIEVO_EXPECTS(program_of_material.ok());

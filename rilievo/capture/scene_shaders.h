@@ -23,6 +23,8 @@ enum Feature : unsigned {
   kBackPerspective = 1024,  // the camera's projection; without it, one of the others
   kMetallic = 2048,
   kEmissive = 4096,
+  // What changes nothing where there is no light.
+  kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive,
 };
 
 inline constexpr int kMaxLights = 16;
@@ -31,8 +33,8 @@ inline constexpr int kMaxLights = 16;
 struct ViewBlock {
   glm::mat4 clip_from_relative;
   glm::mat4 relative_from_clip;
-  glm::vec4 eye_direction;  // xyz: seen from afar, the way to the eye; w: 1 perspective,
-                            // -1 back-perspective, 0 parallel
+  // xyz: seen from afar, the way to the eye; w: 0 if all rays are parallel.
+  glm::vec4 eye_direction;
   glm::vec4 zenith, horizon, ground;
   glm::vec4 light_count;
   struct LightBlock {
