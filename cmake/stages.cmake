@@ -2,7 +2,7 @@
 # rilievo/STAGE/*_test.cpp into the program test_STAGE.
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
-    meshoptimizer::meshoptimizer JPEG::JPEG embree PkgConfig::webp)
+    meshoptimizer::meshoptimizer JPEG::JPEG embree PkgConfig::webp hwy)
 # Only headers, and none of them in ours: who uses the installed library does not need them.
 set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
 
