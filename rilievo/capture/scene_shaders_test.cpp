@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
@@ -11,48 +10,11 @@
 #include "rilievo/capture/frame_target.h"
 #include "rilievo/core/color.h"
 #include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/scene/shading_test_helpers.h"
 #include "rilievo/scene/wall_test_helpers.h"
 
 namespace rilievo {
 namespace {
-
-glm::dvec3 radiance(const Sky& sky, double elevation) {
-  const glm::dvec3 above = glm::mix(glm::dvec3(sky.horizon), glm::dvec3(sky.zenith),
-                                    std::sqrt(std::max(0.0, elevation)));
-  const double t = std::clamp(-elevation / 0.08, 0.0, 1.0);
-  return glm::mix(above, glm::dvec3(sky.ground), t * t * (3 - 2 * t));
-}
-
-// Light towards v of a surface with normal n under one sun and the sky.
-glm::dvec3 shade(const Material& m, const Light& sun, const Sky& sky, const glm::dvec3& n,
-                 const glm::dvec3& v) {
-  const glm::dvec3 base(m.base_color), l = -glm::normalize(glm::dvec3(sun.direction));
-  const glm::dvec3 f0 = glm::mix(glm::dvec3(0.04), base, double(m.metallic));
-  const glm::dvec3 diffuse = base * (1.0 - m.metallic);
-  const double alpha = double(m.roughness) * m.roughness, a2 = alpha * alpha;
-  const double n_v = std::max(1e-4, glm::dot(n, v)), n_l = glm::dot(n, l);
-  glm::dvec3 light(0);
-  if (n_l > 0) {
-    const glm::dvec3 h = glm::normalize(l + v);
-    const double n_h = glm::dot(n, h), v_h = glm::dot(v, h);
-    const double d = a2 / (glm::pi<double>() * std::pow(n_h * n_h * (a2 - 1) + 1, 2));
-    const double g = 0.5 / (n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) +
-                            n_v * std::sqrt(n_l * n_l * (1 - a2) + a2));
-    const glm::dvec3 f = f0 + (1.0 - f0) * std::pow(1 - v_h, 5);
-    light = glm::dvec3(sun.intensity) * n_l * ((1.0 - f) * diffuse / glm::pi<double>() + f * d * g);
-  }
-  // [Karis 2014] for the part of the sky that is mirrored.
-  const double r = m.roughness;
-  const glm::dvec3 hemisphere =
-      glm::mix(glm::dvec3(sky.ground), 0.5 * glm::dvec3(sky.zenith + sky.horizon), 0.5 + 0.5 * n.y);
-  const glm::dvec3 mirrored =
-      glm::mix(radiance(sky, (2 * glm::dot(n, v) * n - v).y), hemisphere, r);
-  const glm::dvec4 k =
-      r * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
-  const double a004 = std::min(k.x * k.x, std::exp2(-9.28 * n_v)) * k.x + k.y;
-  const glm::dvec3 reflected = f0 * (-1.04 * a004 + k.z) + (1.04 * a004 + k.w);
-  return light + 0.6 * diffuse * hemisphere + reflected * mirrored + glm::dvec3(m.emissive);
-}
 
 using SceneShaders = gl::ContextTest;
 class SceneShadersTest : public SceneShaders, public testing::WithParamInterface<Projection> {};
@@ -79,6 +41,7 @@ TEST_P(SceneShadersTest, shade_as_the_specification_says) {
     scene.objects[0].placement = glm::rotate(glm::mat4(1), 6.0f * u(rng), direction());
     finish(scene);
     const glm::dvec3 n(scene.objects[0].placement[2]);
+    const Incident lit = incident_by_definition(sun, {});
     glm::dvec3 eye(4.0f * direction());
     if (glm::dot(eye, n) < 0 && !m.double_sided) eye = -eye;
     auto camera = tight_camera(GetParam(), eye, {0.1, 1, 0}, world_bounds(scene));
@@ -104,7 +67,7 @@ TEST_P(SceneShadersTest, shade_as_the_specification_says) {
           v = glm::normalize(v + std::max(0.0, 0.17 - glm::dot(facing, v)) * facing);
         // Edge on, a float's rounding decides which side is seen.
         if (std::abs(glm::dot(n, to_eye)) < 0.02) continue;
-        const glm::dvec3 expected = shade(m, sun, scene.sky, facing, v);
+        const glm::dvec3 expected = shade_by_definition(m, {&lit, 1}, scene.sky, facing, v);
         for (int k = 0; k < 3; ++k)
           // A part in 2^11 of a half float, normals of ten bits, and floats in the lobe of the
           // smoothest material.
