@@ -8,6 +8,7 @@
 #include <random>
 
 #include "rilievo/capture/frame_target.h"
+#include "rilievo/draw/board_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/scene/wall_test_helpers.h"
 
@@ -31,28 +32,6 @@ class NailboardDrawerTest : public gl::ContextTest {
   std::optional<NailboardDrawer> drawer;
   std::optional<ProbeTarget> probe;
 };
-
-class PictureAtlasTest : public gl::ContextTest {};
-
-Nailboard random_board(std::mt19937& rng, int bits) {
-  std::uniform_real_distribution<float> u(-1, 1);
-  Box box;
-  box.add(glm::vec3(-1)), box.add(glm::vec3(1.0f, 0.6f, 0.8f));
-  Camera camera = *tight_camera(Projection::perspective, {u(rng), 1 + u(rng), 5}, {0, 1, 0}, box);
-  camera.width = 40, camera.height = 33;
-  Nailboard board;
-  board.geometry = picture_geometry(camera);
-  board.geometry.delta_bits = bits;
-  board.color = Rgba8Image(40, 33);
-  board.delta = Image<std::uint16_t>(40, 33, std::uint16_t(delta_transparent(bits)));
-  for (int y = 1; y < 32; ++y)
-    for (int x = 1; x < 39; ++x) {
-      if (rng() % 6 == 0) continue;
-      board.delta(x, y) = std::uint16_t(rng() % delta_transparent(bits));
-      board.color(x, y) = glm::u8vec4(rng() % 256, rng() % 256, rng() % 256, 255);
-    }
-  return board;
-}
 
 struct Expected {
   bool covered = false;
@@ -290,75 +269,6 @@ TEST_F(NailboardDrawerTest, shows_nothing_of_its_neighbours_in_the_atlas) {
     }
   }
   EXPECT_GT(drawn, 50 * 3 * 500);
-}
-
-TEST_F(PictureAtlasTest, gives_back_what_was_written) {
-  std::mt19937 rng(3);
-  for (int bits : {2, 8, 16}) {
-    auto atlas = PictureAtlas::create({64u << 20, bits, 4});
-    ASSERT_TRUE(atlas.ok());
-    EXPECT_LE(atlas->bytes(), 64u << 20);
-    const Nailboard a = random_board(rng, bits), b = random_board(rng, bits);
-    const auto slot_a = atlas->allocate(40, 33), slot_b = atlas->allocate(40, 33);
-    atlas->write(*slot_a, a);
-    atlas->write(*slot_b, b);
-    EXPECT_EQ(atlas->read(*slot_a, a.geometry).delta, a.delta);
-    EXPECT_EQ(atlas->read(*slot_b, b.geometry).color, b.color);
-  }
-}
-
-TEST_F(PictureAtlasTest, sums_blocks_up) {
-  std::mt19937 rng(5);
-  for (int bits : {2, 8, 16}) {
-    auto atlas = PictureAtlas::create({64u << 20, bits, 4});
-    ASSERT_TRUE(atlas.ok());
-    for (int i = 0; i < 5; ++i) ASSERT_TRUE(atlas->allocate(33, 40));
-    Nailboard board = random_board(rng, bits);
-    for (int y = 8; y < 24; ++y)  // some blocks without holes
-      for (int x = 8; x < 24; ++x) {
-        if (board.delta(x, y) == delta_transparent(bits)) board.delta(x, y) = 1;
-        board.color(x, y).a = 255;
-      }
-    board.color(9, 9).a = 254;
-    const auto slot = atlas->allocate(40, 33);
-    atlas->write(*slot, board);
-    const PictureBlocksView blocks = atlas->blocks(*slot);
-    ASSERT_EQ(blocks.width, 40);
-    ASSERT_EQ(blocks.height, 33);
-    int opaque = 0;
-    for (int by = 0; by < 9; ++by)
-      for (int bx = 0; bx < 10; ++bx) {
-        double nearest = 2, farthest = 0;
-        unsigned covered_texels = 0, opaque_texels = 0;
-        for (int i = 0; i < 16; ++i) {
-          const int x = 4 * bx + i % 4, y = 32 - (4 * by + i / 4);  // rows run upwards
-          const bool covered = y >= 0 && board.delta(x, y) != delta_transparent(bits);
-          if (!covered) continue;
-          covered_texels |= 1u << i;
-          if (board.color(x, y).a == 255) opaque_texels |= 1u << i;
-          nearest = std::min(nearest, double(decode_delta(board.delta(x, y), bits)));
-          farthest = std::max(farthest, double(decode_delta(board.delta(x, y), bits)));
-        }
-        const PictureBlock& block = blocks.block(bx, by);
-        ASSERT_EQ(block.empty(), nearest > 1) << bx << " " << by;
-        ASSERT_EQ(block.covered, covered_texels);
-        ASSERT_EQ(block.opaque, opaque_texels);
-        opaque += opaque_texels == 0xFFFF;
-        if (block.empty()) continue;
-        // Outwards by less than a step; 1e-5 for floats on the GPU.
-        EXPECT_LE(block.nearest_delta(), nearest + 1e-5);
-        EXPECT_GT(block.nearest_delta(), nearest - 1.0 / 254 - 1e-5);
-        EXPECT_GE(block.farthest_delta(), farthest - 1e-5);
-        EXPECT_LT(block.farthest_delta(), farthest + 1.0 / 254 + 1e-5);
-      }
-    EXPECT_GT(opaque, 4);
-  }
-}
-
-TEST_F(PictureAtlasTest, refuses_a_budget_that_holds_no_picture) {
-  const auto atlas = PictureAtlas::create({1u << 20, 8, 4});
-  ASSERT_FALSE(atlas.ok());
-  EXPECT_NE(atlas.error().message().find("too small"), std::string::npos);
 }
 
 }  // namespace

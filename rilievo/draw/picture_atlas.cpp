@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/gl/context.h"
+
 namespace rilievo {
 namespace {
 
@@ -95,6 +97,13 @@ void flip_rows(Image<T>& image) {
 
 }  // namespace
 
+const Scene* rasterized_scene(CaptureBy by, const Scene& scene, int samples) {
+  if (by == CaptureBy::opengl || !PictureRasterizer::supports(scene) ||
+      (samples != 1 && samples != 4))
+    return nullptr;
+  return by == CaptureBy::rasterizer || gl::is_software() ? &scene : nullptr;
+}
+
 Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   RILIEVO_EXPECTS(2 <= options.delta_bits && options.delta_bits <= 16);
   const std::size_t texels = std::size_t(kSize) * kSize;
@@ -103,11 +112,15 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   const std::size_t a_layer =
       texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + layer_blocks * sizeof(PictureBlock);
   // Under a small budget a large capture buffer would leave no room for pictures.
-  const int capture_size = options.max_bytes < (std::size_t(64) << 20) ? kSize / 2 : kSize;
+  const bool small = options.max_bytes < (std::size_t(64) << 20);
+  const int capture_size = !small ? kSize : options.rasterized ? kSize * 7 / 16 : kSize / 2;
   // Two pictures of the largest size, or many small ones.
   const int block_rows = 2 * blocks_across(capture_size);
+  const std::size_t capture_texels = std::size_t(capture_size) * std::size_t(capture_size);
   const std::size_t buffers =
-      std::size_t(capture_size) * std::size_t(capture_size) * 8 * std::size_t(options.samples) +
+      (options.rasterized ? PictureRasterizer::bytes(capture_size, options.samples) +
+                                capture_texels * (options.delta_bits > 8 ? 2 : 1)
+                          : capture_texels * 8 * std::size_t(options.samples)) +
       std::size_t(PictureBlocks::kLayerBlocks) * std::size_t(block_rows) * 8;
   GLint most_layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
@@ -133,8 +146,13 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   // Codes next to each other have nothing to do with each other.
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  atlas.capture_color_ = make_capture_texture(GL_RGBA8, capture_size, options.samples);
-  atlas.capture_depth_ = make_capture_texture(GL_DEPTH_COMPONENT32F, capture_size, options.samples);
+  if (options.rasterized) {
+    atlas.rasterizer_.emplace(*options.rasterized);
+  } else {
+    atlas.capture_color_ = make_capture_texture(GL_RGBA8, capture_size, options.samples);
+    atlas.capture_depth_ =
+        make_capture_texture(GL_DEPTH_COMPONENT32F, capture_size, options.samples);
+  }
   if (glGetError() == GL_OUT_OF_MEMORY)
     return Error{"pictures", "the GPU has no " + std::to_string(atlas.bytes_ >> 20) + " MB left"};
 
@@ -167,6 +185,7 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   RILIEVO_EXPECTS_EQ(camera.height, slot.height);
   RILIEVO_EXPECTS(!camera.keeps_farthest());
   RILIEVO_EXPECTS(slot.width <= capture_size_ && slot.height <= capture_size_);
+  if (rasterizer_) return capture_rasterized(renderer, camera, objects, slot);
   // Draw, in a corner of the capture buffer ...
   glBindFramebuffer(GL_FRAMEBUFFER, capture_framebuffer_);
   glViewport(0, 0, slot.width, slot.height);
@@ -197,6 +216,24 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   reduce_to_blocks(slot);
+}
+
+void PictureAtlas::capture_rasterized(const SceneRenderer& renderer, const Camera& camera,
+                                      std::span<const std::uint32_t> objects,
+                                      const AtlasSlot& slot) {
+  RILIEVO_EXPECTS(&renderer.scene() == options_.rasterized);
+  rasterizer_->draw(camera, objects, renderer.poses(), options_.samples, rasterized_);
+  encode_picture(rasterized_, options_.delta_bits, encoded_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage3D(color_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RGBA,
+                      GL_UNSIGNED_BYTE, rasterized_.color.data());
+  const bool wide = options_.delta_bits > 8;
+  glTextureSubImage3D(
+      delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
+      wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE,
+      wide ? static_cast<const void*>(encoded_.codes16.data()) : encoded_.codes8.data());
+  read_blocks();  // what was in the slot before must not come later
+  blocks_.assign(slot, encoded_.blocks);
 }
 
 void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {

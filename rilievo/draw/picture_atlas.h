@@ -11,16 +11,30 @@
 
 #include "rilievo/capture/scene_renderer.h"
 #include "rilievo/draw/atlas_allocator.h"
+#include "rilievo/draw/encode_picture.h"
 #include "rilievo/draw/picture_blocks.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/represent/nailboard.h"
+#include "rilievo/sample/raster_picture.h"
 
 namespace rilievo {
+
+// What captures pictures. Where OpenGL is done by the processor, a rasteriser made for pictures is
+// several times as fast; it knows neither textures nor masks (sample/raster_picture.h).
+enum class CaptureBy {
+  automatic,  // the rasteriser where OpenGL is software and the scene is all for it, else OpenGL
+  opengl,
+  rasterizer,
+};
+
+// The scene if its pictures are to be captured by the rasteriser, else null.
+[[nodiscard]] const Scene* rasterized_scene(CaptureBy by, const Scene& scene, int samples);
 
 struct AtlasOptions {
   std::size_t max_bytes = 256u << 20;  // capture buffers included
   int delta_bits = 8;                  // 2, 4, 6, 8 or 16
   int samples = 4;                     // samples a texel at capture: the frame's antialiasing
+  const Scene* rasterized = nullptr;   // captured without OpenGL; must outlive the atlas
 };
 
 class PictureAtlas {
@@ -51,6 +65,7 @@ class PictureAtlas {
   // Narrows the geometry's slab to what the slot's picture shows; an empty one keeps it.
   void narrow(const AtlasSlot& slot, PictureGeometry& geometry);
 
+  [[nodiscard]] bool captures_by_rasterizer() const { return rasterizer_.has_value(); }
   [[nodiscard]] int delta_bits() const { return options_.delta_bits; }
   // What a shader makes of the Delta texture's values: times delta_scale() they are Delta; above
   // largest_delta(), half a step above 1, is the reserved code, a whole step above.
@@ -72,6 +87,8 @@ class PictureAtlas {
 
  private:
   explicit PictureAtlas(int layers) : allocator_(layers), blocks_(layers) {}
+  void capture_rasterized(const SceneRenderer& renderer, const Camera& camera,
+                          std::span<const std::uint32_t> objects, const AtlasSlot& slot);
   void reduce_to_blocks(const AtlasSlot& slot);
   void read_blocks();
 
@@ -93,6 +110,9 @@ class PictureAtlas {
   std::vector<Unread> unread_;  // whose blocks the GPU has and blocks_ has not
   std::vector<PictureBlock> read_blocks_;
   gl::VertexArray no_vertices_;
+  std::optional<PictureRasterizer> rasterizer_;
+  RasterPicture rasterized_;
+  AtlasPicture encoded_;
 };
 
 }  // namespace rilievo

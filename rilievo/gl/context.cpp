@@ -68,6 +68,12 @@ std::string renderer_name() {
   return name ? reinterpret_cast<const char*>(name) : "none";
 }
 
+bool is_software() {
+  const std::string name = renderer_name();
+  return name.starts_with("llvmpipe") || name.starts_with("softpipe") ||
+         name.find("SwiftShader") != std::string::npos;
+}
+
 void finish() { glFinish(); }
 
 Result<> check_errors(const char* where) {

@@ -28,6 +28,9 @@ class Context {
 // GL_RENDERER of the current context.
 [[nodiscard]] std::string renderer_name();
 
+// Is the current context's OpenGL the work of the processor?
+[[nodiscard]] bool is_software();
+
 // Waits until all drawing is done: what a frame's time ends with (timer queries do not work on
 // software rasterisers).
 void finish();
