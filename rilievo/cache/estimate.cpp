@@ -160,7 +160,8 @@ PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint
 
   const CostModel& cost = options.cost;
   e.draw = cost.picture + cost.picture_pixel * view.px * view.py * area(visible);
-  e.capture = cost.capture + double(triangles) + cost.capture_texel * e.texels;
+  e.capture =
+      cost.capture + cost.capture_triangle * double(triangles) + cost.capture_texel * e.texels;
   e.possible = true;
   return e;
 }

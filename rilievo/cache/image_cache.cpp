@@ -21,8 +21,9 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
-  Result<PictureAtlas> atlas =
-      PictureAtlas::create({options.max_bytes, options.delta_bits, options.samples});
+  Result<PictureAtlas> atlas = PictureAtlas::create(
+      {options.max_bytes, options.delta_bits, options.samples,
+       rasterized_scene(options.capture_by, renderer.scene(), options.samples)});
   if (!atlas) return atlas.error();
   Result<NailboardDrawer> drawer = NailboardDrawer::create();
   if (!drawer) return drawer.error();
@@ -55,6 +56,7 @@ void ImageCache::build() {
   }
   hierarchy_ = build_hierarchy(boxes, triangles);
 
+  policy_ = atlas_.captures_by_rasterizer() ? rasterized_cache_options() : CacheOptions{};
   policy_.max_texels = atlas_.max_picture_size();
   policy_.texel_cell = AtlasAllocator::kCell;
   policy_.delta_bits = options_.delta_bits;

@@ -36,6 +36,7 @@ struct ImageCacheOptions {
   int delta_bits = 8;
   DepthMode depth_mode = DepthMode::exact;
   int samples = 4;  // of the framebuffer that is drawn into
+  CaptureBy capture_by = CaptureBy::automatic;
   bool outlines = false;
   bool sky = true;  // draw the scene's sky where nothing else is
 };

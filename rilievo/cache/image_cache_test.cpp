@@ -199,13 +199,17 @@ TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
   glCullFace(GL_FRONT);
   glViewport(0, 0, kWidth, kHeight);
   glUseProgram(0);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 7);
+  glPixelStorei(GL_PACK_SKIP_ROWS, 3);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
   const auto state = [] {
     std::vector<GLint> values;
     for (GLenum name :
          {GL_VERTEX_ARRAY_BINDING, GL_DEPTH_TEST, GL_DEPTH_FUNC, GL_BLEND, GL_BLEND_SRC_RGB,
           GL_BLEND_DST_RGB, GL_CULL_FACE, GL_CULL_FACE_MODE, GL_CURRENT_PROGRAM,
           GL_DRAW_FRAMEBUFFER_BINDING, GL_READ_FRAMEBUFFER_BINDING, GL_ACTIVE_TEXTURE,
-          GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SCISSOR_TEST, GL_DEPTH_WRITEMASK}) {
+          GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SCISSOR_TEST, GL_DEPTH_WRITEMASK, GL_UNPACK_ROW_LENGTH,
+          GL_PACK_SKIP_ROWS, GL_PIXEL_UNPACK_BUFFER_BINDING, GL_PIXEL_PACK_BUFFER_BINDING}) {
       GLint value = 0;
       glGetIntegerv(name, &value);
       values.push_back(value);
@@ -233,12 +237,17 @@ TEST_F(ImageCacheTest, draws_the_same_in_whatever_state_the_caller_left_opengl) 
   glCreateSamplers(1, &sampler);
   glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  const gl::Buffer buffer = gl::make_buffer(16, nullptr);
+  constexpr GLenum kOddPixels[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SWAP_BYTES,
+                                   GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS};
   constexpr GLenum kOdd[] = {GL_CLIP_DISTANCE0,  GL_CLIP_DISTANCE3, GL_DEPTH_CLAMP,
                              GL_BLEND,           GL_CULL_FACE,      GL_POLYGON_OFFSET_FILL,
                              GL_FRAMEBUFFER_SRGB};
   // Captures in the first frame, pictures in the later ones; a fresh cache for each state.
-  const auto drawn = [&](bool oddly, bool scissored) {
-    auto cache = ImageCache::create(*renderer, {});
+  const auto drawn = [&](CaptureBy by, bool oddly, bool scissored) {
+    ImageCacheOptions options;
+    options.capture_by = by;
+    auto cache = ImageCache::create(*renderer, options);
     EXPECT_TRUE(cache.ok());
     Rgba8Image image;
     for (int frame = 0; frame < 3; ++frame) {
@@ -249,6 +258,9 @@ TEST_F(ImageCacheTest, draws_the_same_in_whatever_state_the_caller_left_opengl) 
         glPolygonOffset(-50, -50);
         glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
         for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, sampler);
+        for (const GLenum mode : kOddPixels) glPixelStorei(mode, 1);
+        glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+        glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
       }
       if (scissored) {
         glEnable(GL_SCISSOR_TEST);
@@ -261,14 +273,18 @@ TEST_F(ImageCacheTest, draws_the_same_in_whatever_state_the_caller_left_opengl) 
       glDisable(GL_SCISSOR_TEST);
       glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
       for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+      for (const GLenum mode : kOddPixels) glPixelStorei(mode, 0);
+      glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+      glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
       target->resolve();
       image = target->read();
     }
     return image;
   };
-  const Rgba8Image plain = drawn(false, false);
-  EXPECT_EQ(drawn(true, false), plain);
-  const Rgba8Image part = drawn(false, true);
+  EXPECT_EQ(drawn(CaptureBy::opengl, true, false), drawn(CaptureBy::opengl, false, false));
+  const Rgba8Image plain = drawn(CaptureBy::rasterizer, false, false);
+  EXPECT_EQ(drawn(CaptureBy::rasterizer, true, false), plain);
+  const Rgba8Image part = drawn(CaptureBy::rasterizer, false, true);
   glDeleteSamplers(1, &sampler);
   // The caller's scissor is no such state: it says where the frame is.
   for (int y = 0; y < kHeight; ++y)

@@ -25,8 +25,9 @@ glm::dmat4 motion_between(const glm::mat4& then, const glm::mat4& now) {
 
 Result<PictureFrames> PictureFrames::create(SceneRenderer& renderer,
                                             const PictureFramesOptions& options) {
-  Result<PictureAtlas> atlas =
-      PictureAtlas::create({options.max_bytes, options.delta_bits, options.samples});
+  Result<PictureAtlas> atlas = PictureAtlas::create(
+      {options.max_bytes, options.delta_bits, options.samples,
+       rasterized_scene(options.capture_by, renderer.scene(), options.samples)});
   if (!atlas) return atlas.error();
   Result<NailboardDrawer> drawer = NailboardDrawer::create();
   if (!drawer) return drawer.error();

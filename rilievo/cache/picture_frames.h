@@ -25,6 +25,7 @@ struct PictureFramesOptions {
   double texels_per_pixel = 1.0;
   bool outlines = false;
   std::size_t max_bytes = std::size_t(256) << 20;
+  CaptureBy capture_by = CaptureBy::automatic;
   int samples = 4;
 };
 

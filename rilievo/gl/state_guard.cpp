@@ -18,6 +18,16 @@ constexpr GLenum kCapabilities[] = {GL_SCISSOR_TEST,
                                     GL_CLIP_DISTANCE1,
                                     GL_CLIP_DISTANCE2,
                                     GL_CLIP_DISTANCE3};
+// How pictures lie in memory when they are sent and read.
+constexpr GLenum kPixelStore[] = {
+    GL_UNPACK_ALIGNMENT, GL_UNPACK_SWAP_BYTES,  GL_UNPACK_LSB_FIRST,    GL_UNPACK_ROW_LENGTH,
+    GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_SKIP_IMAGES,
+    GL_PACK_ALIGNMENT,   GL_PACK_SWAP_BYTES,    GL_PACK_LSB_FIRST,      GL_PACK_ROW_LENGTH,
+    GL_PACK_SKIP_ROWS,   GL_PACK_SKIP_PIXELS,   GL_PACK_IMAGE_HEIGHT,   GL_PACK_SKIP_IMAGES};
+// The alignments are set where they are needed; 4 is OpenGL's.
+constexpr GLint as_usual(GLenum mode) {
+  return mode == GL_UNPACK_ALIGNMENT || mode == GL_PACK_ALIGNMENT ? 4 : 0;
+}
 
 }  // namespace
 
@@ -39,8 +49,10 @@ StateGuard::StateGuard() {
   glGetIntegerv(GL_CULL_FACE_MODE, &cull_face_);
   glGetIntegerv(GL_FRONT_FACE, &front_face_);
   glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &array_buffer_);
-  glGetIntegerv(GL_UNPACK_ALIGNMENT, &unpack_alignment_);
-  glGetIntegerv(GL_PACK_ALIGNMENT, &pack_alignment_);
+  glGetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &pack_buffer_);
+  glGetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &unpack_buffer_);
+  static_assert(std::size(kPixelStore) == kPixelModes);
+  for (int i = 0; i < kPixelModes; ++i) glGetIntegerv(kPixelStore[i], &pixel_modes_[i]);
   glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage_buffer_);
   glGetIntegerv(GL_UNIFORM_BUFFER_BINDING, &uniform_buffer_);
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_);
@@ -66,6 +78,9 @@ StateGuard::StateGuard() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   for (GLuint i = 0; i < kUnits; ++i) glBindSampler(i, 0);
+  for (const GLenum mode : kPixelStore) glPixelStorei(mode, as_usual(mode));
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
 void StateGuard::bind_frame() const {
@@ -89,8 +104,9 @@ StateGuard::~StateGuard() {
   glBlendEquationSeparate(GLenum(blend_[4]), GLenum(blend_[5]));
   glCullFace(GLenum(cull_face_));
   glFrontFace(GLenum(front_face_));
-  glPixelStorei(GL_UNPACK_ALIGNMENT, unpack_alignment_);
-  glPixelStorei(GL_PACK_ALIGNMENT, pack_alignment_);
+  for (int i = 0; i < kPixelModes; ++i) glPixelStorei(kPixelStore[i], pixel_modes_[i]);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, GLuint(pack_buffer_));
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, GLuint(unpack_buffer_));
   glPolygonMode(GL_FRONT_AND_BACK, GLenum(polygon_mode_[0]));
   glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
   glClearDepthf(clear_depth_);
