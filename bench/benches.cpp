@@ -2,6 +2,7 @@
 
 #include "bench/bench.h"
 #include "bench/bound.h"
+#include "bench/capture.h"
 #include "bench/coverage.h"
 #include "bench/draw.h"
 #include "bench/layered.h"
@@ -24,6 +25,8 @@ std::span<const Bench> benches() {
       Bench{"bound", "Does the error bound hold, and how tight is it?", false, bound},
       Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?", true,
             draw},
+      Bench{"capture", "What does capturing a picture cost, by OpenGL, by our rasteriser, by rays?",
+            true, capture},
       Bench{"tradeoff", "What does an allowed error buy, and what does it cost?", true, tradeoff},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", true, scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?", true,
