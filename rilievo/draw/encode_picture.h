@@ -13,7 +13,8 @@
 namespace rilievo {
 
 struct AtlasPicture {
-  // A code a texel, delta_steps() + 1 where nothing is; the one that the bits ask for is filled.
+  // A code a texel; the one that the bits ask for is filled. An empty texel beside others has the
+  // nearest one's depth, because their colours reach into it; else delta_steps() + 1.
   std::vector<std::uint8_t> codes8;
   std::vector<std::uint16_t> codes16;
   std::vector<PictureBlock> blocks;  // rows of blocks_across(width), lowest first

@@ -13,12 +13,13 @@ namespace {
 TEST(EncodePicture, keeps_depths_as_codes_and_sums_blocks_up) {
   std::mt19937 rng(8);
   std::uniform_real_distribution<float> u(0, 1);
+  int empty = 0, beside = 0;
   for (int round = 0; round < 30; ++round) {
     const int bits = 2 + round % 15;
     RasterPicture picture;
     picture.width = 1 + int(rng() % 50), picture.height = 1 + int(rng() % 50);
     for (int i = 0; i < picture.width * picture.height; ++i) {
-      const int covered = round % 5 == 0 ? 4 : int(rng() % 5);
+      const int covered = round % 5 == 0 ? 4 : rng() % 5 < 4 ? 0 : 1 + int(rng() % 4);
       picture.color.push_back(glm::u8vec4(1, 2, 3, (255 * covered + 2) / 4));
       picture.depth.push_back(covered == 0      ? 1.0f
                               : rng() % 20 == 0 ? 0.0f
@@ -34,12 +35,19 @@ TEST(EncodePicture, keeps_depths_as_codes_and_sums_blocks_up) {
       for (int x = 0; x < picture.width; ++x) {
         const auto i = std::size_t(y * picture.width + x);
         const unsigned code = bits > 8 ? encoded.codes16[i] : encoded.codes8[i];
-        if (picture.color[i].a == 0) {
+        float depth = picture.depth[i];
+        if (picture.color[i].a == 0)
+          for (int v = std::max(0, y - 1); v <= std::min(picture.height - 1, y + 1); ++v)
+            for (int u = std::max(0, x - 1); u <= std::min(picture.width - 1, x + 1); ++u)
+              depth = std::min(depth, picture.depth[std::size_t(v * picture.width + u)]);
+        if (depth == 1.0f) {
+          ++empty;
           ASSERT_EQ(code, unsigned(steps) + 1);
           continue;
         }
+        beside += picture.color[i].a == 0;
         // The nearest code: half a code to either side, but for a float's 2^-24 of 65534.
-        ASSERT_NEAR(code, picture.depth[i] * steps, 0.505) << bits;
+        ASSERT_NEAR(code, depth * steps, 0.505) << bits;
         ASSERT_LE(code, unsigned(steps));
         PictureBlock& block = expected[std::size_t(y / 4 * columns + x / 4)];
         block.covered = std::uint16_t(block.covered | 1u << (x % 4 + 4 * (y % 4)));
@@ -52,6 +60,8 @@ TEST(EncodePicture, keeps_depths_as_codes_and_sums_blocks_up) {
       }
     EXPECT_EQ(encoded.blocks, expected) << bits << " bits";
   }
+  EXPECT_GT(empty, 500);
+  EXPECT_GT(beside, 5000);
 }
 
 }  // namespace

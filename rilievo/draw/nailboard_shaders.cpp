@@ -169,7 +169,8 @@ void main() {
   gl_FragDepth = (v_near_extent.x + v_near_extent.y * delta) * gl_FragCoord.w;
 #endif
 #ifdef OBJECT_IDS
-  if (color.a < 0.5) discard;
+  // An empty texel has a depth for the colours that reach into it, but no object.
+  if (color.a < 0.5 || texelFetch(color_texture, texel, 0).a == 0.0) discard;
   out_object = v_object != 0u ? v_object : texelFetch(object_texture, texel, 0).r;
 #else
   if (color.a < (gl_NumSamples > 1 ? 0.125 : 0.5)) discard;

@@ -30,6 +30,7 @@ layout(binding = 1) uniform sampler2D depth_samples;
 layout(location = 0) uniform ivec2 slot_origin;
 layout(location = 1) uniform float delta_steps;
 layout(location = 2) uniform float largest_code;  // of the texture's format
+layout(location = 3) uniform ivec2 slot_size;
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out float out_delta;
 
@@ -46,8 +47,15 @@ void main() {
     }
   }
   out_color = vec4(sum, covered) / float(SAMPLES);
+  // Colours reach into the texels around them: those are as deep as the nearest beside.
+  if (covered == 0.0)
+    for (int k = 0; k < 9; ++k) {
+      ivec2 beside = clamp(texel + ivec2(k % 3, k / 3) - 1, ivec2(0), slot_size - 1);
+      for (int i = 0; i < SAMPLES; ++i)
+        nearest = min(nearest, texelFetch(depth_samples, beside, i).r);
+    }
   // The code above the steps is the reserved one: nothing here.
-  float code = covered > 0.0 ? floor(nearest * delta_steps + 0.5) : delta_steps + 1.0;
+  float code = nearest < 1.0 ? floor(nearest * delta_steps + 0.5) : delta_steps + 1.0;
   out_delta = code / largest_code;
 }
 )";
@@ -58,27 +66,28 @@ layout(binding = 0) uniform sampler2DArray color_texture;
 layout(binding = 1) uniform sampler2DArray delta_texture;
 layout(location = 0) uniform ivec3 slot_origin;
 layout(location = 1) uniform ivec2 slot_size;
-layout(location = 2) uniform float delta_scale;
-layout(location = 3) uniform float largest_delta;
+layout(location = 2) uniform float largest_code;  // of the texture's format
+layout(location = 3) uniform uint steps;  // of Delta; above: nothing
 layout(location = 4) uniform int first_row;  // of the picture's blocks
 layout(location = 0) out uvec4 out_block;
 
 void main() {
   ivec2 first = 4 * (ivec2(gl_FragCoord.xy) - ivec2(0, first_row));
-  float nearest = 2.0, farthest = 0.0;
+  uint nearest = steps + 1u, farthest = 0u;
   uint covered = 0u, opaque = 0u;
   for (int i = 0; i < 16; ++i) {
     ivec2 texel = first + ivec2(i & 3, i >> 2);
     bool inside = all(lessThan(texel, slot_size));
     ivec3 at = ivec3(slot_origin.xy + min(texel, slot_size - 1), slot_origin.z);
-    float delta = texelFetch(delta_texture, at, 0).r * delta_scale;
-    if (!inside || delta > largest_delta) continue;
-    nearest = min(nearest, delta), farthest = max(farthest, delta);
+    uint code = uint(texelFetch(delta_texture, at, 0).r * largest_code + 0.5);
+    if (!inside || code > steps) continue;
+    nearest = min(nearest, code), farthest = max(farthest, code);
     covered |= 1u << i;
     if (texelFetch(color_texture, at, 0).a == 1.0) opaque |= 1u << i;
   }
-  uint low = covered == 0u ? 255u : uint(clamp(nearest, 0.0, 1.0) * 254.0);
-  uint high = uint(ceil(clamp(farthest, 0.0, 1.0) * 254.0));
+  // In whole numbers, as encode_picture.cpp has it: to the same step.
+  uint low = covered == 0u ? 255u : nearest * 254u / steps;
+  uint high = (farthest * 254u + steps - 1u) / steps;
   out_block = uvec4(low | high << 8, covered, opaque, 0u);
 }
 )";
@@ -146,29 +155,13 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   // Codes next to each other have nothing to do with each other.
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  if (options.rasterized) {
+  if (options.rasterized)
     atlas.rasterizer_.emplace(*options.rasterized);
-  } else {
-    atlas.capture_color_ = make_capture_texture(GL_RGBA8, capture_size, options.samples);
-    atlas.capture_depth_ =
-        make_capture_texture(GL_DEPTH_COMPONENT32F, capture_size, options.samples);
-  }
+  else if (Result<> ok = atlas.make_capture_target(); !ok)
+    return ok.error();
   if (glGetError() == GL_OUT_OF_MEMORY)
     return Error{"pictures", "the GPU has no " + std::to_string(atlas.bytes_ >> 20) + " MB left"};
 
-  atlas.capture_framebuffer_ = gl::make_framebuffer();
-  glNamedFramebufferTexture(atlas.capture_framebuffer_, GL_COLOR_ATTACHMENT0, atlas.capture_color_,
-                            0);
-  glNamedFramebufferTexture(atlas.capture_framebuffer_, GL_DEPTH_ATTACHMENT, atlas.capture_depth_,
-                            0);
-  atlas.layer_framebuffer_ = gl::make_framebuffer();
-  const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  glNamedFramebufferDrawBuffers(atlas.layer_framebuffer_, 2, both);
-  Result<gl::Program> resolve =
-      gl::make_program("picture resolve", kResolveVertex, kResolveFragment,
-                       "#define SAMPLES " + std::to_string(options.samples) + "\n");
-  if (!resolve) return resolve.error();
-  atlas.resolve_ = std::move(*resolve);
   Result<gl::Program> reduce = gl::make_program("picture blocks", kResolveVertex, kReduceFragment);
   if (!reduce) return reduce.error();
   atlas.reduce_ = std::move(*reduce);
@@ -177,6 +170,24 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
                             0);
   atlas.no_vertices_ = gl::make_vertex_array();
   return atlas;
+}
+
+// Where OpenGL captures, and what resolves that into a slot.
+Result<> PictureAtlas::make_capture_target() {
+  capture_color_ = make_capture_texture(GL_RGBA8, capture_size_, options_.samples);
+  capture_depth_ = make_capture_texture(GL_DEPTH_COMPONENT32F, capture_size_, options_.samples);
+  capture_framebuffer_ = gl::make_framebuffer();
+  glNamedFramebufferTexture(capture_framebuffer_, GL_COLOR_ATTACHMENT0, capture_color_, 0);
+  glNamedFramebufferTexture(capture_framebuffer_, GL_DEPTH_ATTACHMENT, capture_depth_, 0);
+  layer_framebuffer_ = gl::make_framebuffer();
+  const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  glNamedFramebufferDrawBuffers(layer_framebuffer_, 2, both);
+  Result<gl::Program> resolve =
+      gl::make_program("picture resolve", kResolveVertex, kResolveFragment,
+                       "#define SAMPLES " + std::to_string(options_.samples) + "\n");
+  if (!resolve) return resolve.error();
+  resolve_ = std::move(*resolve);
+  return Done{};
 }
 
 void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
@@ -213,6 +224,7 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   glUniform2i(0, slot.x, slot.y);
   glUniform1f(1, float(delta_steps(options_.delta_bits)));
   glUniform1f(2, largest_code());
+  glUniform2i(3, slot.width, slot.height);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   reduce_to_blocks(slot);
@@ -249,8 +261,8 @@ void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
   glBindTextureUnit(1, delta_);
   glUniform3i(0, slot.x, slot.y, slot.layer);
   glUniform2i(1, slot.width, slot.height);
-  glUniform1f(2, delta_scale());
-  glUniform1f(3, largest_delta());
+  glUniform1f(2, largest_code());
+  glUniform1ui(3, delta_steps(options_.delta_bits));
   glUniform1i(4, next_block_row_);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -87,6 +87,7 @@ class PictureAtlas {
 
  private:
   explicit PictureAtlas(int layers) : allocator_(layers), blocks_(layers) {}
+  [[nodiscard]] Result<> make_capture_target();
   void capture_rasterized(const SceneRenderer& renderer, const Camera& camera,
                           std::span<const std::uint32_t> objects, const AtlasSlot& slot);
   void reduce_to_blocks(const AtlasSlot& slot);

@@ -67,11 +67,11 @@ TEST_F(PictureAtlasTest, sums_blocks_up) {
         ASSERT_EQ(block.opaque, opaque_texels);
         opaque += opaque_texels == 0xFFFF;
         if (block.empty()) continue;
-        // Outwards by less than a step; 1e-5 for floats on the GPU.
-        EXPECT_LE(block.nearest_delta(), nearest + 1e-5);
-        EXPECT_GT(block.nearest_delta(), nearest - 1.0 / 254 - 1e-5);
-        EXPECT_GE(block.farthest_delta(), farthest - 1e-5);
-        EXPECT_LT(block.farthest_delta(), farthest + 1.0 / 254 + 1e-5);
+        // Outwards by less than a step; 1e-6 for the float that decode_delta gives.
+        EXPECT_LE(block.nearest_delta(), nearest + 1e-6);
+        EXPECT_GT(block.nearest_delta(), nearest - 1.0 / 254 + 1e-6);
+        EXPECT_GE(block.farthest_delta(), farthest - 1e-6);
+        EXPECT_LT(block.farthest_delta(), farthest + 1.0 / 254 - 1e-6);
       }
     EXPECT_GT(opaque, 4);
   }
@@ -113,7 +113,8 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
         ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok());
         EXPECT_TRUE(by_rasterizer->captures_by_rasterizer());
         EXPECT_LE(by_rasterizer->bytes(), 64u << 20);
-        int texels = 0, covered = 0, other_coverage = 0, other_color = 0, other_depth = 0;
+        int texels = 0, covered = 0, other_coverage = 0, other_color = 0, other_depth = 0,
+            beside = 0;
         for (std::uint32_t object = 0; object < scene.objects.size() && covered < 60'000;
              ++object) {
           const Box& box = renderer->object_bounds(object);
@@ -139,7 +140,8 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
             }
             if (ca.a == 0) {
               ASSERT_EQ(cb, glm::ivec4(0));
-              ASSERT_EQ(b.delta.texels()[i], delta_transparent(bits));
+              beside += a.delta.texels()[i] != delta_transparent(bits);
+              other_depth += std::abs(a.delta.texels()[i] - b.delta.texels()[i]) > 16;
               continue;
             }
             ++covered;
@@ -156,18 +158,12 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
           const PictureBlocksView expected = by_rasterizer->blocks(*again);
           const PictureBlocksView blocks = by_rasterizer->blocks(*slot_b);
           for (int y = 0; y < blocks_across(131); ++y)
-            for (int x = 0; x < blocks_across(150); ++x) {
-              ASSERT_EQ(blocks.block(x, y).covered, expected.block(x, y).covered);
-              ASSERT_EQ(blocks.block(x, y).opaque, expected.block(x, y).opaque);
-              // Floats may round a step outwards.
-              ASSERT_LE(expected.block(x, y).nearest, blocks.block(x, y).nearest);
-              ASSERT_LE(blocks.block(x, y).nearest, expected.block(x, y).nearest + 1);
-              ASSERT_GE(expected.block(x, y).farthest, blocks.block(x, y).farthest);
-              ASSERT_GE(blocks.block(x, y).farthest + 1, expected.block(x, y).farthest);
-            }
+            for (int x = 0; x < blocks_across(150); ++x)
+              ASSERT_EQ(blocks.block(x, y), expected.block(x, y)) << x << " " << y;
           by_opengl->free(*slot_a), by_rasterizer->free(*slot_b), by_rasterizer->free(*again);
         }
         EXPECT_GT(covered, 20'000);
+        EXPECT_GT(beside, 500);
         // A sample at an edge goes to either side. Where a triangle does not reach the middle of a
         // texel, OpenGL goes on as the triangle does, the rasterizer stays on it: a shine differs.
         EXPECT_LE(other_coverage, texels / 1000) << name << " " << samples;
@@ -202,7 +198,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   for (int y = 0; y < 33; ++y)
     for (int x = 0; x < 40; ++x) {
       const PictureBlock& block = blocks.block(x / 4, y / 4);
-      const bool covered = board.color(x, 32 - y).a > 0;
+      const bool covered = board.delta(x, 32 - y) != delta_transparent(8);
       ASSERT_EQ((block.covered >> (x % 4 + 4 * (y % 4))) & 1, covered) << x << " " << y;
     }
 }

@@ -1,9 +1,9 @@
 // Which parts of a picture show anything, and which hide whatever lies behind them?
 //
 // Of every block of 4 x 4 texels of an atlas: its nearest and its farthest Delta, and which of its
-// texels show anything, which are opaque. Lets a drawer leave out what is empty or hidden
-// (visible_cells.h), and tells how deep a picture really is. Rows as OpenGL has them, the lowest
-// first. No OpenGL here.
+// texels have one (so that something may show there), which are opaque. Lets a drawer leave out
+// what is empty or hidden (visible_cells.h), and tells how deep a picture really is. Rows as OpenGL
+// has them, the lowest first. No OpenGL here.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ inline constexpr int kBlockTexels = 4;  // a side
 struct PictureBlock {
   std::uint8_t nearest = 255;  // of its texels; 255: none shows anything
   std::uint8_t farthest = 0;
-  std::uint16_t covered = 0;  // bit x + 4 y: does its texel (x, y) show anything?
+  std::uint16_t covered = 0;  // bit x + 4 y: has its texel (x, y) a Delta?
   std::uint16_t opaque = 0;   // the same: does it hide what is behind?
 
   [[nodiscard]] bool empty() const { return covered == 0; }

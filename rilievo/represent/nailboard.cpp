@@ -44,6 +44,25 @@ double flat_depth(const PictureGeometry& picture, const Camera& frame, const glm
   return window_z_of(frame, world_from_raster(picture.capture, raster, picture.plane_z));
 }
 
+namespace {
+
+// Gives empty texels beside others the nearest one's Delta: see Nailboard::delta.
+void spread_delta(Nailboard& board) {
+  const Image<std::uint16_t> delta = board.delta;
+  const int w = delta.width(), h = delta.height();
+  const auto transparent = std::uint16_t(delta_transparent(board.geometry.delta_bits));
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (delta(x, y) != transparent) continue;
+      std::uint16_t& nearest = board.delta(x, y);
+      for (int v = std::max(0, y - 1); v <= std::min(h - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(w - 1, x + 1); ++u)
+          nearest = std::min(nearest, delta(u, v));  // the transparent code is the largest
+    }
+}
+
+}  // namespace
+
 Nailboard make_nailboard(const DepthImage& picture, int delta_bits) {
   const int w = picture.camera.width, h = picture.camera.height;
   Nailboard board;
@@ -68,6 +87,7 @@ Nailboard make_nailboard(const DepthImage& picture, int delta_bits) {
       const double window_z = depth_from_eye_z(DepthKind::window_z, eye_z, picture.camera, raster);
       board.delta(x, y) = std::uint16_t(encode_delta(float(window_z), delta_bits));
     }
+  spread_delta(board);
   return board;
 }
 

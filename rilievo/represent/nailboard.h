@@ -33,7 +33,9 @@ namespace rilievo {
 struct Nailboard {
   PictureGeometry geometry;
   Rgba8Image color;
-  Image<std::uint16_t> delta;  // codes; delta_transparent(bits) where there is nothing
+  // Codes; delta_transparent(bits) where there is nothing. An empty texel beside others has the
+  // nearest one's depth: their colours, interpolated, reach into it.
+  Image<std::uint16_t> delta;
 };
 
 [[nodiscard]] Nailboard make_nailboard(const DepthImage& picture, int delta_bits);

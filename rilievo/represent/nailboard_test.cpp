@@ -91,13 +91,26 @@ DepthImage random_picture(std::mt19937& rng) {
 
 TEST(Nailboard, keeps_colour_to_a_byte_and_depth_to_half_a_step) {
   std::mt19937 rng(4);
+  int empty = 0;
   for (int bits : {2, 4, 6, 8, 16}) {
-    const DepthImage picture = random_picture(rng);
+    DepthImage picture = random_picture(rng);
+    for (int y = 3; y < 9; ++y)  // a hole in the middle
+      for (int x = 4; x < 12; ++x)
+        picture.color(x, y) = glm::vec4(0), picture.depth(x, y) = kNoDepth;
     const Nailboard board = make_nailboard(picture, bits);
     for (int y = 0; y < 12; ++y)
       for (int x = 0; x < 16; ++x) {
-        ASSERT_EQ(board.delta(x, y) == delta_transparent(bits), !picture.covered(x, y));
-        if (!picture.covered(x, y)) continue;
+        if (!picture.covered(x, y)) {
+          ASSERT_EQ(board.color(x, y), glm::u8vec4(0));
+          // As deep as the nearest around.
+          unsigned nearest = delta_transparent(bits);
+          for (int v = std::max(0, y - 1); v <= std::min(11, y + 1); ++v)
+            for (int u = std::max(0, x - 1); u <= std::min(15, x + 1); ++u)
+              if (picture.covered(u, v)) nearest = std::min<unsigned>(nearest, board.delta(u, v));
+          ASSERT_EQ(board.delta(x, y), nearest);
+          empty += nearest == delta_transparent(bits);
+          continue;
+        }
         const glm::vec4& c = picture.color(x, y);
         for (int k = 0; k < 3; ++k)
           EXPECT_NEAR(board.color(x, y)[k] / 255.0f, srgb_from_linear(c[k] / c.a) * c.a,
@@ -108,6 +121,7 @@ TEST(Nailboard, keeps_colour_to_a_byte_and_depth_to_half_a_step) {
         EXPECT_NEAR(decode_delta(board.delta(x, y), bits), z, 0.5 / delta_steps(bits) + 1e-6);
       }
   }
+  EXPECT_GE(empty, 5 * 4 * 6);
 }
 
 TEST(Nailboard, survives_the_way_to_a_picture_and_back_bit_for_bit) {

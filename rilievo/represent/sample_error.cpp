@@ -18,7 +18,7 @@ void append_sample_errors(const Nailboard& picture, const Camera& frame, int ste
   };
   for (int y = 0; y < capture.height; y += step)
     for (int x = 0; x < capture.width; x += step) {
-      if (picture.delta(x, y) == delta_transparent(bits)) continue;
+      if (picture.delta(x, y) == delta_transparent(bits) || picture.color(x, y).a == 0) continue;
       const glm::dvec2 raster(x + 0.5, y + 0.5);
       const glm::dvec2 drawn =
           project(world_from_raster(capture, raster, picture.geometry.plane_z));
