@@ -154,7 +154,7 @@ TEST(SampleError, is_nothing_from_the_capturing_eye_and_the_parallax_from_anothe
     std::size_t k = 0;
     for (int y = 0; y < 12; ++y)
       for (int x = 0; x < 16; ++x) {
-        if (board.delta(x, y) == delta_transparent(16)) continue;
+        if (board.color(x, y).a == 0) continue;
         const glm::dvec2 raster(x + 0.5, y + 0.5);
         const glm::dvec3 drawn =
             raster_from_world(frame, world_from_raster(g.capture, raster, g.plane_z));
