@@ -68,7 +68,9 @@ struct SceneRenderer::State {
   DrawList list;
   std::vector<GpuInstance> staging;
   std::vector<glm::vec2> shares;  // by object, while shares are drawn; else empty
-  std::vector<std::uint32_t> shared_objects;
+  std::vector<std::uint32_t> shared_objects, shared_in;  // shared_in: by object, the last pass
+  std::uint32_t shared_pass = 0;
+  std::vector<PixelShare> waiting;
   gl::StreamBuffer view_buffer;
   gl::Buffer instance_buffer;
   std::size_t instance_capacity = 0;
@@ -259,20 +261,28 @@ void SceneRenderer::draw_opaque(const Camera& camera, std::span<const std::uint3
 
 void SceneRenderer::draw_shares(const Camera& camera, std::span<const PixelShare> shares,
                                 OutputEncoding encoding) {
-  if (shares.empty()) return;
   State& s = *state_;
-  s.shares.resize(s.bounds.size());
-  s.shared_objects.clear();
-  for (const PixelShare& share : shares) {
-    s.shares[share.object] = {share.from, share.to};
-    s.shared_objects.push_back(share.object);
-  }
-  s.list.build_front_to_back(*s.scene, camera, s.shared_objects, s.poses, s.bounds,
-                             {s.opaque_mesh.get(), s.scene->meshes.size()});
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   const unsigned linear = encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u;
-  s.draw_list(camera, shader::kShare | linear);
+  s.shares.resize(s.bounds.size());
+  s.shared_in.resize(s.bounds.size(), 0);
+  // One share of each object at a time.
+  s.waiting.assign(shares.begin(), shares.end());
+  while (!s.waiting.empty()) {
+    ++s.shared_pass;
+    s.shared_objects.clear();
+    std::erase_if(s.waiting, [&](const PixelShare& share) {
+      if (s.shared_in[share.object] == s.shared_pass) return false;
+      s.shared_in[share.object] = s.shared_pass;
+      s.shares[share.object] = {share.from, share.to};
+      s.shared_objects.push_back(share.object);
+      return true;
+    });
+    s.list.build_front_to_back(*s.scene, camera, s.shared_objects, s.poses, s.bounds,
+                               {s.opaque_mesh.get(), s.scene->meshes.size()});
+    s.draw_list(camera, shader::kShare | linear);
+  }
   s.shares.clear();
 }
 

@@ -53,7 +53,7 @@ class SceneRenderer {
   void draw_opaque(const Camera& camera, std::span<const std::uint32_t> objects,
                    OutputEncoding encoding);
   // The same of a share of the pixels of each object (see shader::kPixelHash): what fades in or
-  // out.
+  // out. An object may have several shares.
   void draw_shares(const Camera& camera, std::span<const PixelShare> shares,
                    OutputEncoding encoding);
   // Then the blended parts over it, back to front.

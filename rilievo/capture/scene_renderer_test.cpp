@@ -160,6 +160,38 @@ TEST(SceneRenderer, a_white_unlit_wall_fills_the_frame_with_white) {
   }
 }
 
+// As where a picture that was refused leaves its share to polygons that already have another.
+TEST(SceneRenderer, draws_all_shares_of_an_object) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  Material white;
+  white.unlit = true;
+  Scene scene = wall_scene(10, white);
+  scene.objects.resize(2, scene.objects[0]);
+  scene.objects[1].placement[3].z = -1;
+  finish(scene);
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+  auto target = FrameTarget::create(64, 64, 4);
+  ASSERT_TRUE(target.ok()) << target.error().message();
+  const auto white_pixels = [&](std::span<const PixelShare> shares) {
+    target->begin();
+    renderer->draw_shares(look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 1, 64, 64, 0.1, 10), shares,
+                          OutputEncoding::srgb);
+    target->resolve();
+    int count = 0;
+    const Rgba8Image frame = target->read();
+    for (const glm::u8vec4& texel : frame.texels()) count += texel.r == 255;
+    return count;
+  };
+  const PixelShare three[] = {{0, 0.2f, 1}, {1, 0, 0.1f}, {0, 0, 0.2f}};
+  EXPECT_EQ(white_pixels(three), 64 * 64);
+  // The hash is evenly spread: a share of it is that share of the pixels, to 2 %.
+  const PixelShare apart[] = {{0, 0, 0.2f}, {0, 0.4f, 0.6f}, {0, 0.9f, 1}};
+  EXPECT_NEAR(white_pixels(apart), 0.5 * 64 * 64, 0.02 * 64 * 64);
+  EXPECT_EQ(white_pixels({}), 0);
+}
+
 // One sun has a shader of its own; a lamp that gives no light calls for the one of any lights.
 TEST(SceneRenderer, one_sun_lights_as_any_lights_do) {
   auto context = gl::Context::create();
