@@ -298,6 +298,12 @@ Result<> ImageCache::draw_objects() {
       layered_drawer_->draw_objects(baked.impostor.pictures, camera_, baked.instances,
                                     layered_options_);
   renderer_.draw_objects(camera_, polygons_);
+  // What fades is there all the while.
+  faded_.clear();
+  for (const PixelShare& share : shares_) faded_.push_back(share.object);
+  std::sort(faded_.begin(), faded_.end());
+  faded_.erase(std::unique(faded_.begin(), faded_.end()), faded_.end());
+  renderer_.draw_objects(camera_, faded_);
   return Done{};
 }
 

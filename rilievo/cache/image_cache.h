@@ -125,7 +125,7 @@ class ImageCache : public FrameSource {
   std::vector<Held> held_;  // by slot of the state
 
   std::vector<NailboardInstance> instances_;
-  std::vector<std::uint32_t> polygons_, visible_blended_;
+  std::vector<std::uint32_t> polygons_, faded_, visible_blended_;
   std::vector<PixelShare> shares_;
   Camera camera_;
   double time_ = 0;
