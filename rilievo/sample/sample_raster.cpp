@@ -34,7 +34,7 @@ using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
 using Mask = hn::Mask<F>;
 
-constexpr int kMostLanes = 16;
+constexpr std::uint32_t kMostLanes = SampleRaster::kMostLanes;
 
 struct Corner {
   N x, y, z, w;
@@ -237,15 +237,14 @@ glm::vec2 SampleRaster::sample_position(int sample, int samples) {
 std::size_t SampleRaster::bytes(int size, int samples) {
   return std::size_t(size) * std::size_t(size) * std::size_t(samples) *
              (sizeof(float) + sizeof(std::uint32_t)) +
-         kRound * (Triangles::kFields * sizeof(float) + sizeof(std::uint32_t) +
-                   2 * sizeof(std::int32_t));
+         kPlaces * (Triangles::kFields * sizeof(float) + sizeof(std::uint32_t) +
+                    2 * sizeof(std::int32_t));
 }
 
 void SampleRaster::begin(int width, int height, int samples) {
   RILIEVO_EXPECTS(0 < width && width <= kMaxSize && 0 < height && height <= kMaxSize);
   RILIEVO_EXPECTS(samples == 1 || samples == 4);
   width_ = width, height_ = height, samples_ = samples;
-  constexpr std::size_t kMostLanes = 16;
   stride_ = (std::size_t(width) * std::size_t(samples) + kMostLanes - 1) / kMostLanes * kMostLanes;
   const std::size_t size = stride_ * std::size_t(height);
   if (depth_.size() < size) depth_.resize(size), name_.resize(size);
@@ -255,8 +254,6 @@ void SampleRaster::begin(int width, int height, int samples) {
               depth_.begin() + std::ptrdiff_t(row(end)), 1.0f);
   });
   if (!triangles_.name.empty()) return;
-  // A vector more than there are: compressed vectors are stored whole.
-  constexpr std::size_t kPlaces = kRound + kMostLanes;
   for (std::vector<float>& field : triangles_.field) field.resize(kPlaces);
   triangles_.name.resize(kPlaces);
   triangles_.low.resize(kPlaces);
@@ -268,11 +265,12 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
   std::uint32_t place = 0;
   for (std::uint32_t i = 0; i < instances.size(); ++i)
     for (std::uint32_t first = 0; first < instances[i].triangles;) {
-      const std::uint32_t count =
-          std::min({kPiece, instances[i].triangles - first, kRound - place});
+      const std::uint32_t count = std::min(kPiece, instances[i].triangles - first);
       pieces_.push_back({i, first, count, place, 0});
       first += count;
-      place += count;
+      // Some processors store whole vectors: no piece may reach into the next one, which another
+      // thread fills.
+      place += count + kMostLanes;
       if (place < kRound) continue;
       draw_round(instances);
       pieces_.clear();

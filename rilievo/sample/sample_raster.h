@@ -7,7 +7,6 @@
 // instruction set. No OpenGL.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -24,8 +23,8 @@ struct RasterInstance {
   std::uint32_t triangles = 0;
   std::uint32_t first_name = 0;  // its triangles are called first_name, first_name + 1, ...
   glm::vec4 row_x, row_y, row_z, row_w;
-  bool front = true,
-       back = false;  // which faces are seen; front is counter-clockwise in the raster
+  // Which faces are seen; front is counter-clockwise in the raster.
+  bool front = true, back = false;
 };
 
 class SampleRaster {
@@ -50,8 +49,9 @@ class SampleRaster {
   // Of a sample, in the unit square of its texel.
   [[nodiscard]] static glm::vec2 sample_position(int sample, int samples);
 
-  // Triangles that are set up together: the size of what is kept between two steps.
+  // Triangles that are set up together, and by one thread.
   static constexpr std::uint32_t kRound = 16384, kPiece = 1024;
+  static constexpr std::uint32_t kMostLanes = 16;  // of a vector
 
   // A structure of arrays: triangles that may cover a sample, ready to be rasterised.
   struct Triangles {
@@ -66,6 +66,9 @@ class SampleRaster {
     std::uint32_t instance, first, count;  // triangles of the instance
     std::uint32_t place, kept;             // in Triangles
   };
+  // Of a round, its last piece, and a vector after it.
+  static constexpr std::size_t kPlaces = kRound + kPiece + kMostLanes;
+
   void draw_round(std::span<const RasterInstance> instances);
   [[nodiscard]] std::size_t row(int y) const { return std::size_t(y) * stride_; }
 
