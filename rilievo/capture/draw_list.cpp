@@ -3,16 +3,6 @@
 #include <algorithm>
 
 namespace rilievo {
-namespace {
-
-// Turns a placement in the world into one relative to `origin`, losing no digits on the way.
-glm::mat4 relative_to(const glm::dvec3& origin, const glm::mat4& world_from_model) {
-  glm::mat4 m = world_from_model;
-  m[3] = glm::vec4(glm::vec3(glm::dvec3(world_from_model[3]) - origin), 1.0f);
-  return m;
-}
-
-}  // namespace
 
 Frustum frustum_of(const Camera& camera) {
   // Gribb and Hartmann: sums and differences of the rows of the clip matrix.

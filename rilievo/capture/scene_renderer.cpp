@@ -31,11 +31,9 @@ bool lit_by_one_sun(const Scene& scene) {
 
 shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   shader::ViewBlock view;
-  glm::dmat4 turn = camera.world_from_eye;
-  turn[3] = {0, 0, 0, 1};
-  const glm::dmat4 clip_from_relative = clip_from_eye(camera) * glm::transpose(turn);
-  view.clip_from_relative = glm::mat4(clip_from_relative);
-  view.relative_from_clip = glm::mat4(glm::inverse(clip_from_relative));
+  const glm::dmat4 clip = clip_from_relative(camera);
+  view.clip_from_relative = glm::mat4(clip);
+  view.relative_from_clip = glm::mat4(glm::inverse(clip));
   const bool parallel = camera.projection == Projection::parallel;
   view.eye_direction = glm::vec4(
       glm::vec3((camera.keeps_farthest() ? 1.0 : -1.0) * camera.forward()), parallel ? 0.0f : 1.0f);

@@ -59,6 +59,12 @@ glm::dmat4 clip_from_world(const Camera& camera) {
   return clip_from_eye(camera) * eye_from_world(camera);
 }
 
+glm::dmat4 clip_from_relative(const Camera& camera) {
+  glm::dmat4 turn = camera.world_from_eye;
+  turn[3] = {0, 0, 0, 1};
+  return clip_from_eye(camera) * glm::transpose(turn);
+}
+
 glm::dvec3 raster_from_world(const Camera& camera, const glm::dvec3& world) {
   const glm::dvec3 eye = glm::dvec3(eye_from_world(camera) * glm::dvec4(world, 1));
   const double eye_z = -eye.z;

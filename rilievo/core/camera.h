@@ -46,6 +46,8 @@ struct Camera {
 [[nodiscard]] glm::dmat4 eye_from_world(const Camera& camera);
 [[nodiscard]] glm::dmat4 clip_from_eye(const Camera& camera);
 [[nodiscard]] glm::dmat4 clip_from_world(const Camera& camera);
+// Of what is given relative to the camera's position, in world axes: small numbers, for floats.
+[[nodiscard]] glm::dmat4 clip_from_relative(const Camera& camera);
 
 // Raster position (texels, y down) and eye_z (metres along -z) of a world point. eye_z may be <= 0.
 [[nodiscard]] glm::dvec3 raster_from_world(const Camera& camera, const glm::dvec3& world);

@@ -28,6 +28,8 @@ TEST(Camera, raster_and_clip_agree_and_invert) {
     const glm::dvec3 raster = raster_from_world(c, p);
     const glm::dvec4 clip = clip_from_world(c) * glm::dvec4(p, 1);
     const glm::dvec3 ndc = glm::dvec3(clip) / clip.w;
+    const glm::dvec4 from_relative = clip_from_relative(c) * glm::dvec4(p - c.position(), 1);
+    EXPECT_LT(glm::length(from_relative - clip), 1e-9);  // doubles of some hundreds
     // 1e-9 px: rounding of doubles over a few dozen operations.
     EXPECT_NEAR(raster.x, (ndc.x + 1) / 2 * c.width, 1e-9);
     EXPECT_NEAR(raster.y, (1 - ndc.y) / 2 * c.height, 1e-9);

@@ -24,9 +24,7 @@ Local local_of(const Camera& frame, const LayeredInstance& instance) {
   // Two steps in doubles that cancel large translations before floats see them.
   glm::dmat4 relative = instance.world_from_impostor;
   relative[3] = {0, 0, 0, 1};
-  glm::dmat4 turn = frame.world_from_eye;
-  turn[3] = {0, 0, 0, 1};
-  return {eye, glm::mat4(clip_from_eye(frame) * glm::transpose(turn) * relative)};
+  return {eye, glm::mat4(clip_from_relative(frame) * relative)};
 }
 
 // Which views serve the eye, with what weights.

@@ -44,9 +44,7 @@ Result<NailboardDrawer> NailboardDrawer::create() {
 
 void NailboardDrawer::place(const Camera& frame, std::span<const NailboardInstance> instances) {
   const glm::dvec3 eye = frame.position();
-  glm::dmat4 turn = frame.world_from_eye;
-  turn[3] = {0, 0, 0, 1};
-  clip_from_relative_ = glm::mat4(clip_from_eye(frame) * glm::transpose(turn));
+  clip_from_relative_ = glm::mat4(clip_from_relative(frame));
 
   // Front to back, so that what is hidden is not shaded.
   order_.clear();

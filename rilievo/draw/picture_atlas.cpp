@@ -236,16 +236,22 @@ void PictureAtlas::capture_rasterized(const SceneRenderer& renderer, const Camer
   RILIEVO_EXPECTS(&renderer.scene() == options_.rasterized);
   rasterizer_->draw(camera, objects, renderer.poses(), options_.samples, rasterized_);
   encode_picture(rasterized_, options_.delta_bits, encoded_);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage3D(color_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RGBA,
-                      GL_UNSIGNED_BYTE, rasterized_.color.data());
-  const bool wide = options_.delta_bits > 8;
-  glTextureSubImage3D(
-      delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
-      wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE,
-      wide ? static_cast<const void*>(encoded_.codes16.data()) : encoded_.codes8.data());
+  upload(slot, rasterized_.color.data(),
+         options_.delta_bits > 8 ? static_cast<const void*>(encoded_.codes16.data())
+                                 : encoded_.codes8.data());
   read_blocks();  // what was in the slot before must not come later
   blocks_.assign(slot, encoded_.blocks);
+}
+
+// Rows from the bottom; codes of 8 or, for more bits, 16 bits.
+void PictureAtlas::upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes) {
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const auto send = [&](GLuint texture, GLenum format, GLenum type, const void* texels) {
+    glTextureSubImage3D(texture, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, format,
+                        type, texels);
+  };
+  send(color_, GL_RGBA, GL_UNSIGNED_BYTE, colors);
+  send(delta_, GL_RED, options_.delta_bits > 8 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE, codes);
 }
 
 void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
@@ -351,16 +357,11 @@ void PictureAtlas::write(const AtlasSlot& slot, const Nailboard& nailboard) {
   Image<std::uint16_t> delta = nailboard.delta;
   flip_rows(color);
   flip_rows(delta);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage3D(color_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RGBA,
-                      GL_UNSIGNED_BYTE, color.texels().data());
   if (options_.delta_bits > 8) {
-    glTextureSubImage3D(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
-                        GL_UNSIGNED_SHORT, delta.texels().data());
+    upload(slot, color.texels().data(), delta.texels().data());
   } else {
     const std::vector<std::uint8_t> codes(delta.texels().begin(), delta.texels().end());
-    glTextureSubImage3D(delta_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, GL_RED,
-                        GL_UNSIGNED_BYTE, codes.data());
+    upload(slot, color.texels().data(), codes.data());
   }
   // In somebody's frame: where the next draw call goes must not change.
   GLint framebuffer = 0, viewport[4];

@@ -90,6 +90,7 @@ class PictureAtlas {
   [[nodiscard]] Result<> make_capture_target();
   void capture_rasterized(const SceneRenderer& renderer, const Camera& camera,
                           std::span<const std::uint32_t> objects, const AtlasSlot& slot);
+  void upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes);
   void reduce_to_blocks(const AtlasSlot& slot);
   void read_blocks();
 

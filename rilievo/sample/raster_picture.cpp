@@ -35,17 +35,13 @@ void PictureRasterizer::State::place(const Camera& camera, std::span<const std::
                                      std::span<const glm::mat4> poses) {
   instances.clear();
   placed.clear();
-  glm::dmat4 turn = camera.world_from_eye;
-  turn[3] = {0, 0, 0, 1};
-  const glm::dmat4 clip = glm::transpose(clip_from_eye(camera) * glm::transpose(turn));
+  const glm::dmat4 clip = glm::transpose(clip_from_relative(camera));
   // The rows of raster_from_relative, before the division.
   const glm::dvec4 x = 0.5 * camera.width * (clip[0] + clip[3]),
                    y = 0.5 * camera.height * (clip[1] + clip[3]), z = 0.5 * (clip[2] + clip[3]);
   std::uint32_t name = 0;
   for (const std::uint32_t object : objects) {
-    glm::mat4 relative_from_model = poses[object];
-    relative_from_model[3] =
-        glm::vec4(glm::vec3(glm::dvec3(poses[object][3]) - camera.position()), 1.0f);
+    const glm::mat4 relative_from_model = relative_to(camera.position(), poses[object]);
     for (const Part& part : scene.models[std::size_t(scene.objects[object].model)].parts) {
       const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
       const Material& material = material_of(scene, mesh);

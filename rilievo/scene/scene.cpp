@@ -33,6 +33,12 @@ bool moves(const Channel& channel) {
 
 }  // namespace
 
+glm::mat4 relative_to(const glm::dvec3& origin, const glm::mat4& world_from_model) {
+  glm::mat4 m = world_from_model;
+  m[3] = glm::vec4(glm::vec3(glm::dvec3(world_from_model[3]) - origin), 1.0f);
+  return m;
+}
+
 std::uint64_t count_triangles(const Scene& scene) {
   std::uint64_t triangles = 0;
   for (const Object& object : scene.objects) triangles += scene.models[object.model].triangles;

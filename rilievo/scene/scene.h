@@ -152,6 +152,9 @@ struct Scene {
 // world_from_model of every object at `time` seconds into the caller's buffer, which is resized.
 void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_model);
 
+// A placement in the world as one relative to `origin`; no digits are lost on the way.
+[[nodiscard]] glm::mat4 relative_to(const glm::dvec3& origin, const glm::mat4& world_from_model);
+
 // Triangles of all objects, instances counted.
 [[nodiscard]] std::uint64_t count_triangles(const Scene& scene);
 
