@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "rilievo/validity/picture_error.h"
+#include "rilievo/nailboard/error.h"
 
 namespace rilievo::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "rilievo/compare/drawn_frame.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"

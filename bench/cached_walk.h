@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/cache/image_cache.h"
+#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/scene/builtin.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 

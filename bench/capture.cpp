@@ -7,13 +7,13 @@
 #include <functional>
 #include <vector>
 
-#include "rilievo/draw/picture_atlas.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/sample/cast_picture.h"
-#include "rilievo/sample/raster_picture.h"
-#include "rilievo/scene/builtin.h"
+#include "rilievo/nailboard/gl/picture_atlas.h"
+#include "rilievo/render/raster/raster_picture.h"
+#include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 namespace {

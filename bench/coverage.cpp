@@ -8,9 +8,9 @@
 
 #include "bench/coverage_pictures.h"
 #include "bench/objects.h"
+#include "rilievo/capture/analyze_coverage.h"
+#include "rilievo/capture/view_set.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/represent/analyze_coverage.h"
-#include "rilievo/represent/view_set.h"
 
 namespace rilievo::bench {
 namespace {

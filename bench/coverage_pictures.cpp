@@ -10,10 +10,10 @@
 #include <span>
 #include <utility>
 
+#include "rilievo/capture/analyze_coverage.h"
 #include "rilievo/io/png.h"
-#include "rilievo/represent/analyze_coverage.h"
-#include "rilievo/sample/cast_picture.h"
-#include "rilievo/warp/layered_warp.h"
+#include "rilievo/layered_impostor/warp.h"
+#include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include "rilievo/core/camera.h"
 #include "rilievo/core/result.h"
 #include "rilievo/measure/bench_report.h"
-#include "rilievo/sample/ray_scene.h"
+#include "rilievo/render/rays/ray_scene.h"
 
 namespace rilievo::bench {
 

@@ -8,11 +8,11 @@
 #include <functional>
 #include <vector>
 
-#include "rilievo/capture/frame_target.h"
-#include "rilievo/draw/nailboard_drawer.h"
-#include "rilievo/draw/picture_atlas.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/nailboard/gl/nailboard_drawer.h"
+#include "rilievo/nailboard/gl/picture_atlas.h"
+#include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo::bench {
 namespace {

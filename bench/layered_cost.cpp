@@ -13,10 +13,10 @@
 
 #include "bench/layered_frames.h"
 #include "bench/objects.h"
-#include "rilievo/draw/bake_layered.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/layered_impostor/gl/bake_layered.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/scene/builtin_parts.h"
+#include "rilievo/scene/builtin/parts.h"
 
 namespace rilievo::bench {
 namespace {

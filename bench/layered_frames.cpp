@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "rilievo/compare/drawn_frame.h"
+#include "rilievo/core/random.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
 #include "rilievo/measure/visibility.h"
-#include "rilievo/scene/random.h"
 
 namespace rilievo::bench {
 namespace {

@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
-#include "rilievo/capture/frame_target.h"
-#include "rilievo/capture/scene_renderer.h"
-#include "rilievo/draw/frame_source.h"
-#include "rilievo/draw/layered_drawer.h"
+#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/layered_impostor/gl/layered_drawer.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::bench {
 

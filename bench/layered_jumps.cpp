@@ -11,8 +11,8 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
-#include "rilievo/draw/bake_layered.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/layered_impostor/gl/bake_layered.h"
 #include "rilievo/measure/flip.h"
 
 namespace rilievo::bench {

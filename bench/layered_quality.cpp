@@ -6,11 +6,11 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
-#include "rilievo/draw/bake_layered.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/io/png.h"
+#include "rilievo/layered_impostor/error.h"
+#include "rilievo/layered_impostor/gl/bake_layered.h"
 #include "rilievo/measure/report.h"
-#include "rilievo/validity/layered_error.h"
 
 namespace rilievo::bench {
 namespace {
@@ -185,7 +185,7 @@ class Sweep {
                 "object's dB", "SSIM", "FLIP", "uncovered %", "wrong %", "ms p50"},
                {}};
   Table bounds_{
-      "What the bound claims (validity/layered_error.h): 32 views of 256, 64 layers; percent "
+      "What the bound claims (layered_impostor/error.h): 32 views of 256, 64 layers; percent "
       "of the radius, and pixels for an eye at 4 radii",
       {"object", "slice", "piece", "texel", "slices: to the surface, px", "to the sample, px",
        "surfaces: to the sample, px"},

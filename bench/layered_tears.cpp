@@ -11,9 +11,9 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
-#include "rilievo/draw/bake_layered.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/io/png.h"
+#include "rilievo/layered_impostor/gl/bake_layered.h"
 #include "rilievo/measure/visibility.h"
 
 namespace rilievo::bench {

@@ -5,11 +5,11 @@
 #include <array>
 #include <vector>
 
-#include "rilievo/cache/picture_frames.h"
+#include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/io/png.h"
-#include "rilievo/scene/builtin.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 namespace {

@@ -27,7 +27,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "rilievo/represent/nailboard.h"
+#include "rilievo/nailboard/nailboard.h"
 
 namespace rilievo::bench {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "rilievo/scene/builtin_bridge.h"
-#include "rilievo/scene/builtin_parts.h"
-#include "rilievo/scene/mesh_builder.h"
+#include "rilievo/scene/builtin/bridge.h"
+#include "rilievo/scene/builtin/mesh_builder.h"
+#include "rilievo/scene/builtin/parts.h"
 
 namespace rilievo::bench {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "rilievo/cache/image_cache.h"
+#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/measure/popping.h"
-#include "rilievo/scene/builtin.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 

@@ -8,10 +8,10 @@
 #include "rilievo/core/color.h"
 #include "rilievo/io/png.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/sample/cast_picture.h"
-#include "rilievo/scene/builtin.h"
-#include "rilievo/warp/bake_photographs.h"
-#include "rilievo/warp/layered_warp.h"
+#include "rilievo/layered_impostor/bake_photographs.h"
+#include "rilievo/layered_impostor/warp.h"
+#include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "rilievo/cache/image_cache.h"
+#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/scene/builtin.h"
+#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "bench/cached_walk.h"
-#include "rilievo/sample/cast_picture.h"
+#include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo::bench {
 namespace {

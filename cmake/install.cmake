@@ -1,24 +1,33 @@
 # What `cmake --install` puts where, so that find_package(rilievo) finds it again:
-#   include/rilievo/STAGE/*.h, lib/librilievo_core.a, lib/librilievo.a, lib/cmake/rilievo/
+#   include/rilievo/FOLDER/*.h, lib/librilievo_core.a, lib/librilievo.a, lib/cmake/rilievo/
 # One set of targets for each library: who asks for `core` alone never meets OpenGL.
 
 set(RILIEVO_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/rilievo)
 
-function(rilievo_install target name)
-  cmake_parse_arguments(arg "" "" "STAGES" ${ARGN})
+function(rilievo_install target name with_gl)
   install(TARGETS ${target} EXPORT rilievo-${name}-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT rilievo-${name}-targets NAMESPACE rilievo:: DESTINATION ${RILIEVO_CMAKE_DIR})
-  foreach(stage ${arg_STAGES})
-    if(EXISTS ${PROJECT_SOURCE_DIR}/rilievo/${stage})
-      install(DIRECTORY ${PROJECT_SOURCE_DIR}/rilievo/${stage}
-              DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rilievo FILES_MATCHING PATTERN "*.h"
-              PATTERN "*_test_helpers.h" EXCLUDE
-              # Behind load_scene.h; they need the headers of what reads for it.
-              PATTERN "gltf_*.h" EXCLUDE
-              # Behind save_glb.h and builtin.h.
-              PATTERN "glb_*.h" EXCLUDE PATTERN "builtin_*.h" EXCLUDE
-              PATTERN "masonry.h" EXCLUDE PATTERN "mesh_builder.h" EXCLUDE)
+  foreach(folder ${RILIEVO_FOLDERS})
+    file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/rilievo/${folder}/*.h)
+    if(folder IN_LIST RILIEVO_GL_FOLDERS)
+      if(NOT with_gl)
+        continue()
+      endif()
+    elseif(with_gl)
+      list(FILTER headers INCLUDE REGEX "/rilievo/.*/(gl|opengl)/")
+    else()
+      list(FILTER headers EXCLUDE REGEX "/rilievo/.*/(gl|opengl)/")
     endif()
+    list(FILTER headers EXCLUDE REGEX "_test_helpers\\.h$")
+    # Behind load_scene.h and save_glb.h; they need the headers of what reads for it.
+    list(FILTER headers EXCLUDE REGEX "/scene/gltf/")
+    # Behind builtin.h.
+    list(FILTER headers EXCLUDE REGEX "/scene/builtin/(bridge|parts|traffic|masonry|mesh_builder)[^/]*\\.h$")
+    foreach(header ${headers})
+      cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${PROJECT_SOURCE_DIR}/rilievo OUTPUT_VARIABLE path)
+      cmake_path(GET path PARENT_PATH place)
+      install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rilievo/${place})
+    endforeach()
   endforeach()
 endfunction()
 

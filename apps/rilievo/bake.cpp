@@ -17,13 +17,13 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/capture/frame_target.h"
 #include "rilievo/core/camera_path.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/rgbd.h"
+#include "rilievo/layered_impostor/file.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/represent/layered_impostor_file.h"
+#include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo::app {
 namespace {

@@ -9,9 +9,9 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/represent/layered_impostor_file.h"
-#include "rilievo/warp/bake_photographs.h"
-#include "rilievo/warp/layered_warp.h"
+#include "rilievo/layered_impostor/bake_photographs.h"
+#include "rilievo/layered_impostor/file.h"
+#include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo::app {
 namespace {

@@ -21,8 +21,8 @@
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/layered_impostor/file.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/represent/layered_impostor_file.h"
 
 namespace rilievo::app {
 namespace {

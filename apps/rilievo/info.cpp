@@ -12,10 +12,10 @@
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/draw/layered_pictures.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/represent/layered_impostor_file.h"
+#include "rilievo/layered_impostor/file.h"
+#include "rilievo/layered_impostor/gl/layered_pictures.h"
 
 namespace rilievo::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "rilievo/core/result.h"
-#include "rilievo/draw/bake_layered.h"
+#include "rilievo/layered_impostor/gl/bake_layered.h"
 
 namespace rilievo::app {
 

@@ -7,12 +7,12 @@
 #include <glm/glm.hpp>
 
 #include "apps/rilievo/progress.h"
-#include "rilievo/cache/image_cache.h"
-#include "rilievo/cache/picture_frames.h"
-#include "rilievo/draw/before_sky.h"
-#include "rilievo/draw/direct_frames.h"
-#include "rilievo/draw/layered_frames.h"
-#include "rilievo/draw/stored_layered.h"
+#include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/frame/gl/before_sky.h"
+#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/layered_frames.h"
+#include "rilievo/frame/gl/stored_layered.h"
 
 namespace rilievo::app {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "apps/rilievo/layered_options.h"
-#include "rilievo/capture/scene_renderer.h"
-#include "rilievo/draw/frame_source.h"
-#include "rilievo/draw/layered_drawer.h"
-#include "rilievo/represent/picture_geometry.h"
+#include "rilievo/core/picture_geometry.h"
+#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/layered_impostor/gl/layered_drawer.h"
+#include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::app {
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rilievo/io/exr.h"
-#include "rilievo/represent/layered_impostor_file.h"
+#include "rilievo/layered_impostor/file.h"
 
 namespace rilievo::app {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "rilievo/core/depth_image.h"
 #include "rilievo/core/result.h"
-#include "rilievo/represent/layered_impostor.h"
+#include "rilievo/layered_impostor/layered_impostor.h"
 
 namespace rilievo::app {
 

@@ -19,14 +19,14 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/cache/image_cache.h"
-#include "rilievo/cache/picture_frames.h"
-#include "rilievo/capture/frame_target.h"
-#include "rilievo/draw/before_sky.h"
-#include "rilievo/draw/stored_pictures.h"
+#include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/frame/gl/before_sky.h"
+#include "rilievo/frame/gl/stored_pictures.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo::app {
 namespace {

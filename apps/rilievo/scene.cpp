@@ -10,7 +10,7 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/camera_path.h"
-#include "rilievo/io/save_glb.h"
+#include "rilievo/scene/files/save_glb.h"
 
 namespace rilievo::app {
 namespace {

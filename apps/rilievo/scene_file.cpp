@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "rilievo/scene/builtin.h"
-#include "rilievo/scene/load_scene.h"
+#include "rilievo/scene/builtin/builtin.h"
+#include "rilievo/scene/files/load_scene.h"
 
 namespace rilievo::app {
 

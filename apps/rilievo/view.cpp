@@ -18,12 +18,12 @@
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
-#include "rilievo/cache/image_cache.h"
-#include "rilievo/capture/frame_target.h"
-#include "rilievo/draw/direct_frames.h"
+#include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/frame/gl/direct_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
-#include "rilievo/represent/layered_impostor_file.h"
+#include "rilievo/layered_impostor/file.h"
+#include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo::app {
 namespace {

@@ -11,10 +11,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
 
-#include "rilievo/cache/image_cache.h"
+#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/io/png.h"
-#include "rilievo/scene/builtin.h"
-#include "rilievo/scene/load_scene.h"
+#include "rilievo/scene/builtin/builtin.h"
+#include "rilievo/scene/files/load_scene.h"
 
 using namespace rilievo;
 

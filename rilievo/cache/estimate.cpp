@@ -1,4 +1,4 @@
-// How long a picture lives, from the formula of validity/picture_error.cpp:
+// How long a picture lives, from the formula of nailboard/error.cpp:
 //
 //   parallax px = |d - p| |(X.v, Y.v)| / ((p g - t)(d g - t)),   v = r (f.e) - e (f.r)
 //

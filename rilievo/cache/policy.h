@@ -24,8 +24,8 @@
 
 #include "rilievo/cache/hierarchy.h"
 #include "rilievo/core/camera.h"
-#include "rilievo/validity/layered_error.h"
-#include "rilievo/validity/picture_error.h"
+#include "rilievo/layered_impostor/error.h"
+#include "rilievo/nailboard/error.h"
 
 namespace rilievo {
 
@@ -76,7 +76,7 @@ struct CacheOptions {
   CostModel cost;
 };
 
-// Where captures are rasterised without OpenGL (sample/raster_picture.h): a triangle costs a
+// Where captures are rasterised without OpenGL (render/raster/raster_picture.h): a triangle costs a
 // quarter of what it costs to draw, 70 ns, and a texel 15 ns. So pictures may show more, and live
 // shorter.
 [[nodiscard]] inline CacheOptions rasterized_cache_options() {

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "rilievo/capture/frame_target.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/image.h"
 #include "rilievo/core/result.h"
-#include "rilievo/draw/frame_source.h"
+#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "rilievo/core/file.h"
+#include "rilievo/io/picture_decode.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/scene/picture_decode.h"
 
 namespace rilievo {
 namespace {

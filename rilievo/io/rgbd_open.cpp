@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rilievo/scene/text_scan.h"
+#include "rilievo/io/text_scan.h"
 
 namespace rilievo {
 namespace {

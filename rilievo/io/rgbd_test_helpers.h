@@ -10,8 +10,8 @@
 
 #include "rilievo/core/file.h"
 #include "rilievo/io/png.h"
+#include "rilievo/io/png_test_helpers.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/scene/png_test_helpers.h"
 
 namespace rilievo::test_rgbd {
 

@@ -6,7 +6,7 @@
 
 #include "rilievo/core/file.h"
 #include "rilievo/io/rgbd_open.h"
-#include "rilievo/scene/text_scan.h"
+#include "rilievo/io/text_scan.h"
 
 namespace rilievo::rgbd {
 namespace {

@@ -1,7 +1,7 @@
 // How do photographs with depth become the pictures of a representation? (S2.7)
 //
 // Each target camera is shown what all photographs together know of a box: they are taken apart
-// into triangles between linked texels (core/texel_links.h), so that there are no cracks within a
+// into triangles between linked texels (warp/texel_links.h), so that there are no cracks within a
 // surface and no skin over its edges, and the triangles are drawn into the target. A triangle has
 // one side, that which its photograph saw: a target whose viewers look at its back does not show
 // it. Where several photographs know the same piece of surface, they are averaged, each by the
@@ -18,7 +18,7 @@
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/depth_image.h"
-#include "rilievo/core/texel_links.h"
+#include "rilievo/warp/texel_links.h"
 
 namespace rilievo {
 

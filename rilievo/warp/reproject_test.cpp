@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/represent/layered_impostor.h"
-#include "rilievo/represent/shapes_test_helpers.h"
+#include "rilievo/layered_impostor/layered_impostor.h"
+#include "rilievo/layered_impostor/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

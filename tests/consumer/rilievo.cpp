@@ -1,8 +1,8 @@
-#include <rilievo/cache/picture_frames.h>
-#include <rilievo/capture/frame_target.h>
+#include <rilievo/cache/gl/picture_frames.h>
 #include <rilievo/gl/context.h>
 #include <rilievo/io/png.h>
-#include <rilievo/scene/builtin.h>
+#include <rilievo/render/opengl/frame_target.h>
+#include <rilievo/scene/builtin/builtin.h>
 
 #include <cstdio>
 

@@ -3,7 +3,7 @@
 //   decode_picture_fuzz -rss_limit_mb=1024 -max_len=65536 CORPUS
 //
 // CORPUS is a folder of small pictures: PNG, JPEG, WebP, BMP, TGA.
-#include "rilievo/scene/picture_decode.h"
+#include "rilievo/io/picture_decode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   rilievo::MemoryBudget budget(64u << 20);

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "rilievo/scene/load_scene.h"
+#include "rilievo/scene/files/load_scene.h"
 
 namespace {
 

@@ -1,0 +1,304 @@
+#include "rilievo/cache/gl/image_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/measure/psnr.h"
+
+namespace rilievo {
+namespace {
+
+using ImageCacheTest = SceneTest;
+
+TEST_F(ImageCacheTest, what_is_shown_lies_within_the_bound_and_the_bound_within_the_limit) {
+  for (const char* spec : {"builtin:forest?triangles=200000", "builtin:bridge?triangles=100000"}) {
+    ASSERT_NO_FATAL_FAILURE(load(spec));
+    for (double error_px : {0.5, 1.0, 2.0}) {
+      ImageCacheOptions options;
+      options.error_px = error_px;
+      auto cache = ImageCache::create(*renderer, options);
+      ASSERT_TRUE(cache.ok()) << cache.error().message();
+      int shown = 0;
+      for (int frame = 0; frame < 24; ++frame) {
+        frame_of(*cache, frame);
+        shown += cache->figures().pictures + cache->figures().hierarchy;
+        EXPECT_LE(cache->figures().bound_px, error_px);
+        std::vector<float> errors;
+        cache->append_errors(3, errors);
+        for (float e : errors) ASSERT_LE(e, cache->figures().bound_px + 1e-3);  // floats
+      }
+      EXPECT_GT(shown, 24);
+    }
+  }
+}
+
+TEST_F(ImageCacheTest, frames_look_like_direct_ones_and_show_the_same_objects) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
+  auto cache = ImageCache::create(*renderer, {});
+  ASSERT_TRUE(cache.ok());
+  DirectFrames direct(*renderer);
+  for (int frame = 0; frame < 12; ++frame) {
+    const Rgba8Image cached = frame_of(*cache, frame);
+    if (frame % 4 != 3) continue;
+    const auto seen = objects_of(*cache);
+    const Rgba8Image truth = frame_of(direct, frame);
+    // A pixel's error and a blur of half a texel cost some 30 dB at this size.
+    EXPECT_GT(psnr_db(cached, truth), 28);
+    EXPECT_LE(wrong_inside(objects_of(direct), seen), kWidth * kHeight / 1000);  // 0.1 %
+  }
+}
+
+// A fine ring that spins, through a ball that rests.
+BuiltinScene spinning_ring() {
+  BuiltinScene made;
+  test_shapes::add(made.scene, test_shapes::torus(1.0, 0.3, 300, 200), {0.8f, 0.5f, 0.2f});
+  test_shapes::add(made.scene, test_shapes::sphere(0.8), {0.3f, 0.6f, 0.3f},
+                   glm::translate(glm::mat4(1), {1, 0, 0}));
+  made.scene.nodes = {{-1, {}}};
+  made.scene.objects[0].node = 0;
+  Channel turn{0, Channel::Path::rotation, Channel::Interpolation::linear, {}, {}};
+  for (int i = 0; i <= 8; ++i) {
+    const float angle = 3.0f * float(i);
+    turn.times.push_back(float(i));
+    turn.values.push_back({std::sin(0.5f * angle), 0, 0, std::cos(0.5f * angle)});
+  }
+  made.scene.channels = {turn};
+  made.scene.duration = 8;
+  finish(made.scene);
+  return made;
+}
+
+TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
+  ASSERT_NO_FATAL_FAILURE(load(spinning_ring()));
+  const Camera camera = look_at({1, 2, 9}, {0, 0, 0}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.1, 100);
+  DirectFrames direct(*renderer);
+  for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
+    ImageCacheOptions options;
+    options.error_px = 2;
+    auto cache = ImageCache::create(*renderer, options);
+    ASSERT_TRUE(cache.ok()) << cache.error().message();
+    ObjectImpostorOptions bake{.method = method};
+    bake.bake.views.spread = ViewSpread::faces_12;
+    bake.bake.camera.size = 48;
+    auto impostors = bake_object_impostors(*renderer, bake);
+    ASSERT_TRUE(impostors.ok()) << impostors.error().message();
+    ASSERT_EQ(impostors->size(), 2u);
+    std::size_t baked_bytes = 0;
+    for (const ObjectImpostor& impostor : *impostors) baked_bytes += impostor.pictures.bytes();
+    ASSERT_TRUE(cache->add_baked(std::move(*impostors), {.method = method}).ok());
+    for (int frame = 0; frame < 24; ++frame) {
+      const double time = 0.25 * frame;  // 0.75 radians a frame: no flat picture lasts
+      const Rgba8Image cached = frame_of(*cache, camera, time);
+      if (frame < 20) continue;
+      const FrameFigures figures = cache->figures();
+      EXPECT_EQ(figures.layered, 1) << frame;   // the ring
+      EXPECT_EQ(figures.pictures, 1) << frame;  // the ball, as long as it holds
+      EXPECT_EQ(figures.polygons + figures.captures, 0) << frame;
+      EXPECT_GT(figures.bound_px, 0);
+      EXPECT_LE(figures.bound_px, options.error_px);
+      EXPECT_GT(figures.picture_bytes, baked_bytes);
+      const auto seen = objects_of(*cache);
+      // It carries the light of the baking along: that is what differs most.
+      EXPECT_GT(psnr_db(cached, frame_of(direct, camera, time)), 24);
+      // The slices that a ball and a ring cut into each other: half a slice, over their border.
+      EXPECT_LE(wrong_inside(objects_of(direct), seen), kWidth * kHeight / 100);
+    }
+    cache->invalidate();
+    frame_of(*cache, camera);
+    EXPECT_EQ(cache->figures().layered, 0);
+    EXPECT_LT(cache->figures().picture_bytes, baked_bytes + options.max_bytes);
+  }
+}
+
+TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep_theirs) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
+  auto cache = ImageCache::create(*renderer, {});
+  ASSERT_TRUE(cache.ok());
+  const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
+  const auto frame = [&] {
+    frame_of(*cache, camera);
+    return cache->figures().captures;
+  };
+  for (int i = 0; i < 30; ++i) frame();
+  ASSERT_EQ(frame(), 0);
+  const auto shows = [&](std::uint32_t object) {
+    for (const ImageCache::Shown& shown : cache->shown())
+      if (shown.objects == std::vector{object}) return true;
+    return false;
+  };
+  int tried = 0;
+  for (std::uint32_t object = 0; object < builtin.scene.objects.size() && tried < 4; ++object) {
+    if (!shows(object) || builtin.scene.objects[object].moving != (tried % 2 == 0)) continue;
+    ++tried;
+    const std::size_t before = cache->shown().size();
+    cache->invalidate_object(object);
+    frame();
+    // In its place a new picture, soon, or its polygons.
+    EXPECT_GE(cache->shown().size() + 3, before);
+    EXPECT_LE(cache->figures().captures, 3);
+  }
+  EXPECT_GT(tried, 0);
+}
+
+TEST_F(ImageCacheTest, steady_frames_of_a_still_eye_capture_nothing) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:forest?triangles=100000"));
+  auto cache = ImageCache::create(*renderer, {});
+  ASSERT_TRUE(cache.ok());
+  const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
+  int last = 0;
+  for (int frame = 0; frame < 20; ++frame) {
+    frame_of(*cache, camera);
+    last = cache->figures().captures;
+  }
+  EXPECT_EQ(last, 0);
+  // Until the light changes.
+  cache->invalidate();
+  frame_of(*cache, camera);
+  EXPECT_GT(cache->figures().captures, 0);
+}
+
+TEST_F(ImageCacheTest, keeps_to_its_memory) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:forest?triangles=400000"));
+  DirectFrames direct(*renderer);
+  int most_wrong = 0;
+  for (std::size_t mb : {16, 64}) {
+    ImageCacheOptions options;
+    options.max_bytes = mb << 20;
+    auto cache = ImageCache::create(*renderer, options);
+    ASSERT_TRUE(cache.ok()) << cache.error().message();
+    for (int frame = 0; frame < 12; ++frame) {
+      const Rgba8Image image = frame_of(*cache, frame);
+      EXPECT_LE(cache->figures().picture_bytes, mb << 20);
+      // What finds no room for its picture is drawn all the same.
+      const Image<std::uint32_t> seen = objects_of(*cache);
+      static_cast<void>(frame_of(direct, frame));
+      most_wrong = std::max(most_wrong, wrong_inside(objects_of(direct), seen));
+      EXPECT_GT(cache->figures().polygons + cache->figures().pictures + cache->figures().hierarchy,
+                3);
+    }
+  }
+  EXPECT_LE(most_wrong, kWidth * kHeight / 200);  // 0.5 %: texels are larger than pixels
+}
+
+TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
+  ImageCacheOptions options;
+  options.outlines = true;
+  auto cache = ImageCache::create(*renderer, options);
+  ASSERT_TRUE(cache.ok());
+  target->begin();
+  // An unlikely state.
+  const gl::VertexArray vertex_array = gl::make_vertex_array();
+  const gl::Texture texture = gl::make_texture_2d_array(GL_RGBA8, 4, 4, 2);
+  const gl::Buffer buffer = gl::make_buffer(256, nullptr);
+  glBindVertexArray(vertex_array);
+  glBindTextureUnit(1, texture);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, buffer);
+  glDisable(GL_DEPTH_TEST);
+  glDepthFunc(GL_ALWAYS);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glCullFace(GL_FRONT);
+  glViewport(0, 0, kWidth, kHeight);
+  glUseProgram(0);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 7);
+  glPixelStorei(GL_PACK_SKIP_ROWS, 3);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+  const auto state = [] {
+    std::vector<GLint> values;
+    for (GLenum name :
+         {GL_VERTEX_ARRAY_BINDING, GL_DEPTH_TEST, GL_DEPTH_FUNC, GL_BLEND, GL_BLEND_SRC_RGB,
+          GL_BLEND_DST_RGB, GL_CULL_FACE, GL_CULL_FACE_MODE, GL_CURRENT_PROGRAM,
+          GL_DRAW_FRAMEBUFFER_BINDING, GL_READ_FRAMEBUFFER_BINDING, GL_ACTIVE_TEXTURE,
+          GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SCISSOR_TEST, GL_DEPTH_WRITEMASK, GL_UNPACK_ROW_LENGTH,
+          GL_PACK_SKIP_ROWS, GL_PIXEL_UNPACK_BUFFER_BINDING, GL_PIXEL_PACK_BUFFER_BINDING}) {
+      GLint value = 0;
+      glGetIntegerv(name, &value);
+      values.push_back(value);
+    }
+    GLint viewport[4], bound = 0;
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    values.insert(values.end(), viewport, viewport + 4);
+    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, 1, &bound);
+    values.push_back(bound);
+    glActiveTexture(GL_TEXTURE1);
+    glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound);
+    glActiveTexture(GL_TEXTURE0);
+    values.push_back(bound);
+    return values;
+  };
+  const auto before = state();
+  ASSERT_TRUE(cache->draw(camera_at(builtin.path, 0, kWidth, kHeight), 0).ok());
+  EXPECT_EQ(state(), before);
+  EXPECT_TRUE(gl::check_errors("cache").ok());
+}
+
+TEST_F(ImageCacheTest, draws_the_same_in_whatever_state_the_caller_left_opengl) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
+  GLuint sampler = 0;
+  glCreateSamplers(1, &sampler);
+  glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  const gl::Buffer buffer = gl::make_buffer(16, nullptr);
+  constexpr GLenum kOddPixels[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SWAP_BYTES,
+                                   GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS};
+  constexpr GLenum kOdd[] = {GL_CLIP_DISTANCE0,  GL_CLIP_DISTANCE3, GL_DEPTH_CLAMP,
+                             GL_BLEND,           GL_CULL_FACE,      GL_POLYGON_OFFSET_FILL,
+                             GL_FRAMEBUFFER_SRGB};
+  // Captures in the first frame, pictures in the later ones; a fresh cache for each state.
+  const auto drawn = [&](CaptureBy by, bool oddly, bool scissored) {
+    ImageCacheOptions options;
+    options.capture_by = by;
+    auto cache = ImageCache::create(*renderer, options);
+    EXPECT_TRUE(cache.ok());
+    Rgba8Image image;
+    for (int frame = 0; frame < 3; ++frame) {
+      target->begin();
+      if (oddly) {
+        for (const GLenum capability : kOdd) glEnable(capability);
+        glBlendFunc(GL_ONE, GL_ONE);
+        glPolygonOffset(-50, -50);
+        glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+        for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, sampler);
+        for (const GLenum mode : kOddPixels) glPixelStorei(mode, 1);
+        glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+        glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
+      }
+      if (scissored) {
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(0, 0, kWidth / 2, kHeight);
+      }
+      EXPECT_TRUE(
+          cache->draw(camera_at(builtin.path, frame_time(builtin.path, frame), kWidth, kHeight), 0)
+              .ok());
+      for (const GLenum capability : kOdd) glDisable(capability);
+      glDisable(GL_SCISSOR_TEST);
+      glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+      for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, 0);
+      for (const GLenum mode : kOddPixels) glPixelStorei(mode, 0);
+      glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+      glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+      target->resolve();
+      image = target->read();
+    }
+    return image;
+  };
+  EXPECT_EQ(drawn(CaptureBy::opengl, true, false), drawn(CaptureBy::opengl, false, false));
+  const Rgba8Image plain = drawn(CaptureBy::rasterizer, false, false);
+  EXPECT_EQ(drawn(CaptureBy::rasterizer, true, false), plain);
+  const Rgba8Image part = drawn(CaptureBy::rasterizer, false, true);
+  glDeleteSamplers(1, &sampler);
+  // The caller's scissor is no such state: it says where the frame is.
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      ASSERT_EQ(part(x, y), x < kWidth / 2 ? plain(x, y) : glm::u8vec4(0, 0, 0, 255))
+          << x << " " << y;
+}
+
+}  // namespace
+}  // namespace rilievo

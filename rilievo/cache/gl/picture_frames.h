@@ -1,0 +1,76 @@
+// Every heavy object as a picture of its own, captured again whenever the eye has moved too far:
+// the plain way to use flat impostors and nailboards (S1.5 with an angle for a threshold).
+//
+// image_cache.h does better: it holds a bound in pixels, and lets one picture show many objects.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/nailboard/gl/nailboard_drawer.h"
+#include "rilievo/nailboard/gl/picture_atlas.h"
+#include "rilievo/render/opengl/scene_renderer.h"
+
+namespace rilievo {
+
+struct PictureFramesOptions {
+  DepthMode mode = DepthMode::exact;
+  int delta_bits = 8;
+  // The way of the eye since the capture, relative to the object, over its distance; radians.
+  double max_angle = 0.012;
+  std::uint64_t min_triangles = 300;  // lighter objects are drawn as polygons
+  double texels_per_pixel = 1.0;
+  bool outlines = false;
+  std::size_t max_bytes = std::size_t(256) << 20;
+  CaptureBy capture_by = CaptureBy::automatic;
+  int samples = 4;
+};
+
+class PictureFrames : public FrameSource {
+ public:
+  // `renderer` must outlive it.
+  [[nodiscard]] static Result<PictureFrames> create(SceneRenderer& renderer,
+                                                    const PictureFramesOptions& options);
+
+  Result<> draw(const Camera& camera, double time) override;
+  Result<> draw_objects() override;
+  [[nodiscard]] FrameFigures figures() const override { return figures_; }
+  void append_errors(int step, std::vector<float>& errors_px) const override;
+
+  // The pictures that the last frame drew, named after their objects. The camera of an object that
+  // has moved since its capture has moved along.
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const;
+
+ private:
+  struct Picture {
+    AtlasSlot slot;
+    PictureGeometry geometry;
+    glm::mat4 pose{1.0f};    // of the object, at capture
+    glm::dvec3 center{0.0};  // of its bounds, at capture
+    std::uint64_t last_drawn = 0;
+  };
+
+  explicit PictureFrames(SceneRenderer& renderer, PictureAtlas atlas, NailboardDrawer drawer)
+      : renderer_(renderer), atlas_(std::move(atlas)), drawer_(std::move(drawer)) {}
+  [[nodiscard]] bool is_valid(const Picture& picture, const Camera& frame,
+                              const glm::dmat4& motion) const;
+  bool capture(std::uint32_t object, const Camera& frame);
+  [[nodiscard]] std::optional<AtlasSlot> make_room(int width, int height);
+
+  SceneRenderer& renderer_;
+  PictureFramesOptions options_;
+  PictureAtlas atlas_;
+  NailboardDrawer drawer_;
+  std::vector<std::optional<Picture>> pictures_;  // by object
+  std::vector<std::uint32_t> visible_, polygons_;
+  std::vector<NailboardInstance> instances_;
+  Camera camera_;
+  double time_ = 0;
+  std::uint64_t frame_ = 0;
+  FrameFigures figures_;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,98 @@
+#include "rilievo/io/jpeg_decode.h"
+
+#include <csetjmp>
+// jpeglib.h needs FILE and size_t from before it.
+#include <cstdio>
+//
+#include <jpeglib.h>
+
+namespace rilievo {
+namespace {
+
+// libjpeg reports a fault by calling error_exit, which must not return: it jumps back to where
+// decoding began. Nothing with a destructor may be made between the two.
+struct Decoder {
+  jpeg_decompress_struct info{};
+  jpeg_error_mgr errors{};
+  jpeg_progress_mgr progress{};
+  std::jmp_buf back{};
+  char reason[JMSG_LENGTH_MAX] = "";
+
+  ~Decoder() { jpeg_destroy_decompress(&info); }
+};
+
+[[noreturn]] void give_up(j_common_ptr info) {
+  Decoder& decoder = *static_cast<Decoder*>(info->client_data);
+  info->err->format_message(info, decoder.reason);
+  std::longjmp(decoder.back, 1);
+}
+
+// A few kilobytes can hold thousands of scans, each of which goes over the whole picture; pictures
+// have about ten.
+void limit_scans(j_common_ptr info) {
+  constexpr int kMostScans = 100;
+  Decoder& decoder = *static_cast<Decoder*>(info->client_data);
+  if (decoder.info.input_scan_number > kMostScans) {
+    std::snprintf(decoder.reason, sizeof decoder.reason, "it has too many scans");
+    std::longjmp(decoder.back, 1);
+  }
+}
+
+bool begin(Decoder& decoder, Bytes encoded) {
+  if (setjmp(decoder.back)) return false;
+  jpeg_create_decompress(&decoder.info);
+  decoder.info.progress = &decoder.progress;
+  jpeg_mem_src(&decoder.info, encoded.data(), encoded.size());
+  jpeg_read_header(&decoder.info, TRUE);
+  const bool inks =
+      decoder.info.jpeg_color_space == JCS_CMYK || decoder.info.jpeg_color_space == JCS_YCCK;
+  decoder.info.out_color_space = inks ? JCS_CMYK : JCS_EXT_RGBA;
+  return true;
+}
+
+// Rows of four bytes a texel into `texels`.
+bool read_rows(Decoder& decoder, std::uint8_t* texels, std::size_t row_bytes) {
+  if (setjmp(decoder.back)) return false;
+  jpeg_start_decompress(&decoder.info);
+  while (decoder.info.output_scanline < decoder.info.output_height) {
+    JSAMPROW row = texels + decoder.info.output_scanline * row_bytes;
+    jpeg_read_scanlines(&decoder.info, &row, 1);
+  }
+  return true;
+}
+
+}  // namespace
+
+Rgba8Image decode_jpeg(Bytes encoded, MemoryBudget& budget,
+                       Rgba8Image (*make)(int width, int height, MemoryBudget&)) {
+  Decoder decoder;
+  decoder.info.err = jpeg_std_error(&decoder.errors);
+  decoder.errors.error_exit = give_up;
+  // Warnings (a picture that is cut short is grey at its end) are not worth a word.
+  decoder.errors.emit_message = [](j_common_ptr, int) {};
+  decoder.progress.progress_monitor = limit_scans;
+  // jpeg_create_decompress clears all but these two.
+  decoder.info.client_data = &decoder;
+  if (!begin(decoder, encoded))
+    refuse(std::string("is a JPEG picture that cannot be decoded: ") + decoder.reason);
+  if (decoder.info.image_width > 1u << 16 || decoder.info.image_height > 1u << 16)
+    refuse("is a JPEG picture of an impossible size");
+
+  Rgba8Image out = make(int(decoder.info.image_width), int(decoder.info.image_height), budget);
+  // A progressive picture keeps the coefficients of four channels, two bytes each, and as much
+  // again for blocks that reach over its edge.
+  budget.borrow(out.texels().size() + (1 << 16), 16);
+  const std::size_t row_bytes = 4 * std::size_t(out.width());
+  if (!read_rows(decoder, reinterpret_cast<std::uint8_t*>(out.texels().data()), row_bytes))
+    refuse(std::string("is a JPEG picture that cannot be decoded: ") + decoder.reason);
+  if (decoder.info.out_color_space == JCS_CMYK)
+    for (glm::u8vec4& t : out.texels()) {
+      // Adobe's inks are upside down: 255 is none.
+      const int k = t.a;
+      t = {std::uint8_t(t.r * k / 255), std::uint8_t(t.g * k / 255), std::uint8_t(t.b * k / 255),
+           255};
+    }
+  return out;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,187 @@
+#include "rilievo/layered_impostor/gl/layered_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "rilievo/core/color.h"
+
+namespace rilievo {
+namespace {
+
+// Of a texel, by texture.
+constexpr int kColorBytes = 4, kQBytes = 4, kSlopeBytes = 8, kLinksBytes = 1, kIntervalBytes = 4;
+
+// One layer of a texture array from an image, whose row 0 becomes the texture's row 0: shaders
+// fetch by raster position.
+template <class T>
+void upload(GLuint texture, int layer, const Image<T>& image, GLenum format, GLenum type) {
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage3D(texture, 0, 0, 0, layer, image.width(), image.height(), 1, format, type,
+                      image.texels().data());
+}
+
+// Frames are sRGB-encoded; so are the colours under the premultiplied alpha.
+Image<glm::u8vec4> encoded(const ColorImage& color) {
+  Image<glm::u8vec4> out(color.width(), color.height());
+  for (std::size_t i = 0; i < color.texels().size(); ++i) {
+    const glm::vec4 c = color.texels()[i];
+    const float alpha = std::clamp(c.a, 0.0f, 1.0f);
+    glm::vec4 e(0.0f, 0.0f, 0.0f, alpha);
+    for (int k = 0; k < 3 && alpha > 0; ++k) e[k] = alpha * srgb_from_linear(c[k] / c.a);
+    out.texels()[i] = glm::u8vec4(glm::clamp(e, 0.0f, 1.0f) * 255.0f + 0.5f);
+  }
+  return out;
+}
+
+// Of each block the q of the surface point nearest to the viewers, who look from where q is small
+// to where it is large at a back-perspective picture and the other way round at another: a ray
+// that stays on their side of it meets nothing in the block. Nothing there: no ray passes it.
+Image<float> blocks_of(const TexelSurface& surface) {
+  constexpr int n = LayeredPictures::kBlock;
+  const bool back = surface.camera.keeps_farthest();
+  const int w = surface.texels.width(), h = surface.texels.height();
+  Image<float> blocks((w + n - 1) / n, (h + n - 1) / n, back ? 1e30f : -1e30f);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const SurfaceTexel& texel = surface.texels(x, y);
+      if (texel.q == 0) continue;
+      const DepthInterval interval = depth_interval(texel);
+      float& block = blocks(x / n, y / n);
+      block = back ? std::min(block, 1 / interval.back) : std::max(block, 1 / interval.front);
+    }
+  return blocks;
+}
+
+bool shows_several_objects(const LayeredImpostor& impostor) {
+  std::uint32_t first = kNoObject;
+  for (const DepthImage& picture : impostor.pictures)
+    for (std::uint32_t object : picture.object.texels()) {
+      if (object == kNoObject) continue;
+      if (first == kNoObject) first = object;
+      if (object != first) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+std::size_t layered_texture_bytes(int views, int width, int height, LayeredMethod method) {
+  constexpr int n = LayeredPictures::kBlock;
+  const std::size_t texels = std::size_t(width) * std::size_t(height);
+  const std::size_t blocks = std::size_t((width + n - 1) / n) * std::size_t((height + n - 1) / n);
+  return std::size_t(views) *
+         (method == LayeredMethod::surfaces
+              ? texels * (kColorBytes + kQBytes + kSlopeBytes + kLinksBytes) + blocks * kQBytes
+              : texels * (kColorBytes + kIntervalBytes));
+}
+
+IntervalScale interval_scale(const LayeredImpostor& impostor, int view) {
+  const std::vector<Slice>& slices = impostor.slices[view];
+  if (slices.empty()) return {};
+  const float nearest = slices.front().front, farthest = slices.back().back;
+  return {nearest, 1.0f / (farthest - nearest)};
+}
+
+gl::Texture LayeredPictures::make_array(GLenum format, int width, int height, int texel_bytes) {
+  const std::size_t layers = impostor_.pictures.size();
+  gl::Texture texture = gl::make_texture_2d_array(format, width, height, int(layers));
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  bytes_ += layers * std::size_t(width) * std::size_t(height) * std::size_t(texel_bytes);
+  return texture;
+}
+
+Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
+  LayeredPictures pictures;
+  pictures.impostor_ = std::move(impostor);
+  const LayeredImpostor& source = pictures.impostor_;
+  for (const DepthImage& picture : source.pictures) {
+    pictures.width_ = std::max(pictures.width_, picture.camera.width);
+    pictures.height_ = std::max(pictures.height_, picture.camera.height);
+  }
+  GLint max_size = 0, max_layers = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &max_layers);
+  if (std::max(pictures.width_, pictures.height_) > max_size ||
+      source.pictures.size() > std::size_t(max_layers))
+    return Error{source.name, "its pictures are more or larger than this OpenGL's textures"};
+
+  pictures.color_ = pictures.make_array(GL_RGBA8, pictures.width_, pictures.height_, kColorBytes);
+  for (std::size_t v = 0; v < source.pictures.size(); ++v)
+    upload(pictures.color_, int(v), encoded(source.pictures[v].color), GL_RGBA, GL_UNSIGNED_BYTE);
+  if (shows_several_objects(source)) {
+    pictures.object_ = pictures.make_array(GL_R32UI, pictures.width_, pictures.height_, 4);
+    for (std::size_t v = 0; v < source.pictures.size(); ++v)
+      if (!source.pictures[v].object.empty())
+        upload(pictures.object_, int(v), source.pictures[v].object, GL_RED_INTEGER,
+               GL_UNSIGNED_INT);
+  }
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    return Error{source.name, "its pictures do not fit the GPU's memory"};
+  return pictures;
+}
+
+LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
+  if (!q_) {
+    q_ = make_array(GL_R32F, width_, height_, kQBytes);
+    slope_ = make_array(GL_RGBA16F, width_, height_, kSlopeBytes);
+    links_ = make_array(GL_R8UI, width_, height_, kLinksBytes);
+    blocks_ = make_array(GL_R32F, (width_ + kBlock - 1) / kBlock, (height_ + kBlock - 1) / kBlock,
+                         kQBytes);
+    for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
+      const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
+      Image<float> q(texels.width(), texels.height());
+      Image<glm::vec4> slope(texels.width(), texels.height());
+      Image<std::uint8_t> links(texels.width(), texels.height());
+      for (std::size_t i = 0; i < texels.texels().size(); ++i) {
+        const SurfaceTexel& t = texels.texels()[i];
+        q.texels()[i] = t.q;
+        slope.texels()[i] = {t.slope[0], t.slope[1], t.slope[2], t.slope[3]};
+        links.texels()[i] = t.links;
+      }
+      upload(q_, int(v), q, GL_RED, GL_FLOAT);
+      upload(slope_, int(v), slope, GL_RGBA, GL_FLOAT);
+      upload(links_, int(v), links, GL_RED_INTEGER, GL_UNSIGNED_BYTE);
+      upload(blocks_, int(v), blocks_of(impostor_.surfaces[v]), GL_RED, GL_FLOAT);
+    }
+  }
+  return {q_, slope_, links_, blocks_};
+}
+
+GLuint LayeredPictures::interval_texture() {
+  if (!interval_) {
+    interval_ = make_array(GL_RG16, width_, height_, kIntervalBytes);
+    for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
+      const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
+      const IntervalScale scale = interval_scale(impostor_, int(v));
+      Image<glm::u16vec2> out(texels.width(), texels.height(), glm::u16vec2(65535, 0));
+      for (std::size_t i = 0; i < texels.texels().size(); ++i) {
+        if (texels.texels()[i].q == 0) continue;
+        const DepthInterval d = sliced_interval(texels.texels()[i], impostor_.slicing);
+        const auto code = [](float value) { return std::clamp(value, 0.0f, 1.0f) * 65535.0f; };
+        out.texels()[i] = {std::uint16_t(std::floor(code(scale(d.front)))),
+                           std::uint16_t(std::ceil(code(scale(d.back))))};
+      }
+      upload(interval_, int(v), out, GL_RG, GL_UNSIGNED_SHORT);
+    }
+  }
+  return interval_;
+}
+
+void LayeredPictures::keep_only(LayeredMethod method) {
+  if (method == LayeredMethod::surfaces)
+    (void)surface_textures();
+  else
+    (void)interval_texture();
+  for (TexelSurface& surface : impostor_.surfaces) surface.texels = {};
+  for (DepthImage& picture : impostor_.pictures) {
+    picture.color = {};
+    picture.depth = {};
+    picture.object = {};
+  }
+}
+
+}  // namespace rilievo

@@ -1,0 +1,343 @@
+// The walk is that of warp/texel_surface.cpp, which is its slow twin: there are the rules and
+// their reasons. What is added: blocks of 8 x 8 texels whose nearest surface the ray stays in front
+// of are stepped over at once.
+#include "rilievo/layered_impostor/gl/layered_shaders.h"
+
+#include <string>
+
+#include "rilievo/render/opengl/outline_shader.h"
+#include "rilievo/render/opengl/scene_shaders.h"
+
+namespace rilievo::shader {
+namespace {
+
+const char* const kVersion = "#version 450\n";
+
+const char* const kViews = R"(
+struct View { vec4 u_row, v_row, w_row, apex, base, du, dv, depths; };
+layout(std430, binding = 0) readonly buffer Views { View views[]; };
+)";
+
+const char* const kOutput = R"(
+layout(binding = 0) uniform sampler2DArray color_texture;
+#ifdef OBJECT_IDS
+layout(binding = 5) uniform usampler2DArray object_texture;
+layout(location = 1) uniform bool several_objects;
+layout(location = 0) out uint out_object;
+#else
+layout(location = 0) out vec4 out_color;
+#endif
+)";
+
+const char* const kInstance = R"(
+struct Instance { mat4 clip_from_local; vec4 box_min, box_max, weights[2]; ivec4 views; };
+layout(std430, binding = 1) readonly buffer Instances { Instance instances[]; };
+layout(location = 0) uniform int first_instance;
+)";
+
+// A box as one strip of 14 corners; what is seen from inside, its back faces, is drawn, so that the
+// eye may be in it.
+const char* const kSurfaceVertex = R"(
+out vec3 v_ray;  // to the box's back, from the eye
+flat out int v_instance;
+void main() {
+  int i = first_instance + gl_InstanceID;
+  const int kStrip[14] = int[](6, 7, 4, 5, 1, 7, 3, 6, 2, 4, 0, 1, 2, 3);
+  int c = kStrip[gl_VertexID];
+  v_ray = mix(instances[i].box_min.xyz, instances[i].box_max.xyz, vec3(c >> 2, c >> 1 & 1, c & 1));
+  v_instance = i;
+  gl_Position = instances[i].clip_from_local * vec4(v_ray, 1.0);
+}
+)";
+
+const char* const kWalk = R"(
+in vec3 v_ray;
+flat in int v_instance;
+layout(binding = 1) uniform sampler2DArray q_texture;
+layout(binding = 2) uniform sampler2DArray slope_texture;
+layout(binding = 3) uniform usampler2DArray links_texture;
+layout(binding = 4) uniform sampler2DArray block_texture;
+
+struct Walk { bool hit, behind, outline; vec3 at; ivec2 texel; };
+
+// The stretch of the ray, t in [t.x, t.y], that lies in the view's frustum, as (u, v, q).
+bool frustum_segment(View view, vec3 ray, vec2 t, out vec3 from, out vec3 to) {
+  vec3 c = vec3(view.u_row.w, view.v_row.w, view.w_row.w);
+  vec3 d = vec3(dot(view.u_row.xyz, ray), dot(view.v_row.xyz, ray), dot(view.w_row.xyz, ray));
+  vec3 p = c + t.x * d, q = c + t.y * d;
+  vec2 size = vec2(view.du.w, view.dv.w);
+  float at_p[6] = float[](p.z - view.depths.x, view.depths.y - p.z, p.x, p.y,
+                          size.x * p.z - p.x, size.y * p.z - p.y);
+  float at_q[6] = float[](q.z - view.depths.x, view.depths.y - q.z, q.x, q.y,
+                          size.x * q.z - q.x, size.y * q.z - q.y);
+  float begin = 0.0, end = 1.0;
+  for (int i = 0; i < 6; ++i) {
+    if (at_p[i] < 0.0 && at_q[i] < 0.0) return false;
+    float s = at_p[i] / (at_p[i] - at_q[i]);
+    if (at_p[i] < 0.0) begin = max(begin, s);
+    else if (at_q[i] < 0.0) end = min(end, s);
+  }
+  if (begin >= end) return false;
+  vec3 a = mix(p, q, begin), b = mix(p, q, end);
+  from = vec3(a.xy, 1.0) / a.z;
+  to = vec3(b.xy, 1.0) / b.z;
+  return true;
+}
+
+// > 0 in front of the piece of surface over the texel.
+float side_of(float sigma, vec3 p, ivec2 texel, float q, vec4 slope) {
+  if (q == 0.0) return 1.0;
+  vec2 d = p.xy - (vec2(texel) + 0.5);
+  vec2 s = mix(slope.zw, slope.xy, greaterThanEqual(d, vec2(0.0)));
+  return sigma * (p.z - q - dot(abs(d), s));
+}
+
+Walk walk_view(View view, vec3 from, vec3 to) {
+  Walk walk = Walk(false, false, false, vec3(0.0), ivec2(0));
+  float sigma = view.apex.w;
+  int layer = int(view.base.w);
+  ivec2 size = ivec2(view.du.w, view.dv.w);
+  vec3 delta = to - from;
+  vec2 inverse = 1.0 / mix(delta.xy, vec2(1e-12), lessThan(abs(delta.xy), vec2(1e-12)));
+  vec2 ahead = step(vec2(0.0), inverse);
+  ivec2 forward = ivec2(ahead) * 2 - 1;
+  ivec2 texel = clamp(ivec2(floor(from.xy)), ivec2(0), size - 1), moved = ivec2(0);
+  float t = 0.0, before = 1.0;  // the side that the last texel was left on
+  for (int i = 0; i < 4096; ++i) {
+    ivec2 block = texel / BLOCK;
+    float nearest = texelFetch(block_texture, ivec3(block, layer), 0).r;
+    vec2 ends = ((vec2(block) + ahead) * float(BLOCK) - from.xy) * inverse;
+    float end = min(min(ends.x, ends.y), 1.0);
+    vec2 z = from.z + delta.z * vec2(t, end);
+    if (before > 0.0 && min(sigma * (z.x - nearest), sigma * (z.y - nearest)) > 0.0) {
+      if (end >= 1.0) return walk;
+      ivec2 inside = clamp(ivec2(floor(from.xy + delta.xy * end)), block * BLOCK,
+                           block * BLOCK + (BLOCK - 1));
+      bool across = ends.x <= ends.y;
+      texel = across ? ivec2(block.x * BLOCK + (forward.x > 0 ? BLOCK : -1), inside.y)
+                     : ivec2(inside.x, block.y * BLOCK + (forward.y > 0 ? BLOCK : -1));
+      moved = across ? ivec2(forward.x, 0) : ivec2(0, forward.y);
+      t = end;
+      if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size))) return walk;
+      continue;
+    }
+    do {
+      float q = texelFetch(q_texture, ivec3(texel, layer), 0).r;
+      vec4 slope = texelFetch(slope_texture, ivec3(texel, layer), 0);
+      float enters = side_of(sigma, from + delta * t, texel, q, slope);
+      if (before > 0.0 && enters <= 0.0) {
+        if (moved == ivec2(0)) {
+          walk.outline = true;
+        } else {
+          ivec3 beyond = ivec3(texel - moved, layer);
+          int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
+          walk.hit = (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
+          walk.at = from + delta * t;
+          walk.texel = walk.hit ? texel : beyond.xy;
+          if (walk.hit) return walk;
+          if (texelFetch(q_texture, beyond, 0).r == 0.0) walk.outline = true;
+        }
+        walk.behind = true;
+      }
+      ends = (vec2(texel) + ahead - from.xy) * inverse;
+      end = min(min(ends.x, ends.y), 1.0);
+      float leaves = side_of(sigma, from + delta * end, texel, q, slope);
+      if (enters > 0.0 && leaves <= 0.0) {
+        vec2 middle = clamp((vec2(texel) + 0.5 - from.xy) * inverse, t, end);
+        float stops[3] = float[](min(middle.x, middle.y), max(middle.x, middle.y), end);
+        float t0 = t, s0 = enters;
+        for (int k = 0; k < 3; ++k) {
+          float s = side_of(sigma, from + delta * stops[k], texel, q, slope);
+          if (s <= 0.0) {
+            t0 += (stops[k] - t0) * s0 / (s0 - s);
+            break;
+          }
+          t0 = stops[k], s0 = s;
+        }
+        walk.hit = true, walk.at = from + delta * t0, walk.texel = texel;
+        return walk;
+      }
+      if (end >= 1.0) return walk;
+      moved = ends.x <= ends.y ? ivec2(forward.x, 0) : ivec2(0, forward.y);
+      texel += moved;
+      t = end;
+      before = leaves;
+      if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size))) return walk;
+    } while (texel / BLOCK == block);
+  }
+  return walk;
+}
+)";
+
+const char* const kSurfaceFragment = R"(
+// Between the texels that are linked to the one that was hit.
+vec4 color_at(int layer, Walk walk) {
+  vec2 offset = walk.at.xy - (vec2(walk.texel) + 0.5), f = min(abs(offset), 0.5);
+  ivec2 s = ivec2(offset.x >= 0.0 ? 1 : -1, offset.y >= 0.0 ? 1 : -1);
+  uint links = texelFetch(links_texture, ivec3(walk.texel, layer), 0).r;
+  int x = s.x > 0 ? 0 : 4, y = s.y > 0 ? 2 : 6;
+  int xy = s.x > 0 ? (s.y > 0 ? 1 : 7) : (s.y > 0 ? 3 : 5);
+  float wx = (links >> x & 1u) != 0u ? f.x * (1.0 - f.y) : 0.0;
+  float wy = (links >> y & 1u) != 0u ? (1.0 - f.x) * f.y : 0.0;
+  float wxy = (links >> xy & 1u) != 0u ? f.x * f.y : 0.0;
+  float w = (1.0 - f.x) * (1.0 - f.y);
+  vec4 sum = w * texelFetch(color_texture, ivec3(walk.texel, layer), 0);
+  if (wx > 0.0) sum += wx * texelFetch(color_texture, ivec3(walk.texel + ivec2(s.x, 0), layer), 0);
+  if (wy > 0.0) sum += wy * texelFetch(color_texture, ivec3(walk.texel + ivec2(0, s.y), layer), 0);
+  if (wxy > 0.0) sum += wxy * texelFetch(color_texture, ivec3(walk.texel + s, layer), 0);
+  return sum / (w + wx + wy + wxy);
+}
+
+float window_z(mat4 clip_from_local, View view, vec3 at) {
+  vec3 p = view.apex.xyz + (view.base.xyz + at.x * view.du.xyz + at.y * view.dv.xyz) / at.z;
+  vec2 clip = (clip_from_local * vec4(p, 1.0)).zw;
+  return 0.5 * clip.x / clip.y + 0.5;
+}
+
+void main() {
+  int instance = v_instance;
+  mat4 clip_from_local = instances[instance].clip_from_local;
+  ivec4 list = instances[instance].views;
+  vec3 a = instances[instance].box_min.xyz / v_ray, b = instances[instance].box_max.xyz / v_ray;
+  vec3 lo = min(a, b);
+  vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), 1.0);
+
+  // The rules are those of warp_surfaces().
+  vec4 blended = vec4(0.0), doubtful_color = vec4(0.0);
+  float surface = 0.0, nothing = 0.0, heaviest = 0.0;
+  float depth = 2.0, doubtful_depth = 2.0;
+  uint object = 0u, doubtful_object = 0u;
+  bool skin = false;
+  int inside = 0;
+  for (int i = 0; i < list.y; ++i) {
+    bool weighty = i < list.z;
+    if (!weighty && surface + nothing > 0.0) break;
+    float weight = weighty ? instances[instance].weights[i >> 2][i & 3] : 1.0;
+    View view = views[list.x + i];
+    vec3 from, to;
+    Walk walk = Walk(false, false, false, vec3(0.0), ivec2(0));
+    if (frustum_segment(view, v_ray, t, from, to)) walk = walk_view(view, from, to);
+    if (!walk.hit) {
+      if (!walk.behind) nothing += weight * view.depths.z;
+      if (walk.behind) inside += walk.outline ? -1 : 1;
+      if (!walk.behind || walk.outline) continue;
+      if (doubtful_depth < 2.0 || skin) continue;
+    }
+    int layer = int(view.base.w);
+    float z = window_z(clip_from_local, view, walk.at);
+    vec4 c = vec4(1.0);
+    uint o = 0u;
+#ifdef OBJECT_IDS
+    o = several_objects ? texelFetch(object_texture, ivec3(walk.texel, layer), 0).r : uint(list.w);
+#else
+    c = color_at(layer, walk);
+#endif
+    if (!walk.hit || skin || z < doubtful_depth) {
+      doubtful_depth = z, doubtful_color = c, doubtful_object = o;
+      skin = !walk.hit;
+    }
+    if (!walk.hit || walk.behind) continue;
+    surface += weight;
+    blended += weight * c;
+    if (weight > heaviest) heaviest = weight, depth = z, object = o;
+  }
+  if (skin && (inside <= 0 || list.y == 1)) doubtful_depth = 2.0;
+  if (nothing > surface) discard;
+  if (surface == 0.0)
+    depth = doubtful_depth, object = doubtful_object, blended = doubtful_color, surface = 1.0;
+  if (depth > 1.0) discard;
+  gl_FragDepth = depth;
+#ifdef OBJECT_IDS
+  out_object = object;
+#else
+  blended /= surface;
+  out_color = vec4(blended.rgb / max(blended.a, 1e-3), 1.0);
+#endif
+}
+)";
+
+const char* const kSliceVertex = R"(
+layout(location = 0) in vec4 rect;
+layout(location = 1) in vec4 depths;
+layout(location = 2) in vec4 share;
+layout(location = 0) uniform mat4 clip_from_local;
+out vec2 v_at;
+flat out vec4 v_slice;  // front, back, layer
+flat out vec2 v_share;
+flat out uint v_object;
+void main() {
+  View view = views[int(share.z)];
+  v_at = mix(rect.xy, rect.zw, vec2(gl_VertexID & 1, gl_VertexID >> 1));
+  vec3 p = view.apex.xyz +
+           depths.x * (view.base.xyz + v_at.x * view.du.xyz + v_at.y * view.dv.xyz);
+  gl_Position = clip_from_local * vec4(p, 1.0);
+  v_slice = vec4(depths.yz, view.base.w, 0.0);
+  v_share = share.xy;
+  v_object = floatBitsToUint(share.w);
+}
+)";
+
+const char* const kSliceFragment = R"(
+in vec2 v_at;
+flat in vec4 v_slice;
+flat in vec2 v_share;
+flat in uint v_object;
+layout(binding = 1) uniform sampler2DArray interval_texture;
+void main() {
+  ivec3 texel = ivec3(v_at, int(v_slice.z));
+  vec2 interval = texelFetch(interval_texture, texel, 0).rg;
+  if (interval.y < v_slice.x || interval.x >= v_slice.y) discard;
+#ifdef SHARE
+  float hash = pixel_hash();
+  if (hash < v_share.x || hash >= v_share.y) discard;
+#endif
+#ifdef OBJECT_IDS
+  out_object = several_objects ? texelFetch(object_texture, texel, 0).r : v_object;
+#else
+  vec4 color = texelFetch(color_texture, texel, 0);
+  out_color = vec4(color.rgb / max(color.a, 1e-3), 1.0);
+#endif
+}
+)";
+
+// Edge i runs along axis i / 4, from the corner that has two bits of i across it.
+const char* const kBoxVertex = R"(
+layout(location = 0) uniform mat4 clip_from_local;
+layout(location = 1) uniform vec3 box_min;
+layout(location = 2) uniform vec3 box_max;
+void main() {
+  int edge = gl_VertexID >> 1, axis = edge >> 2;
+  vec3 corner;
+  corner[axis] = float(gl_VertexID & 1);
+  corner[(axis + 1) % 3] = float(edge & 1);
+  corner[(axis + 2) % 3] = float(edge >> 1 & 1);
+  gl_Position = clip_from_local * vec4(mix(box_min, box_max, corner), 1.0);
+}
+)";
+
+std::string defines(LayeredOutput output) {
+  std::string text = "#define BLOCK 8\n#define SHARE 1\n";
+  if (output == LayeredOutput::objects) text += "#define OBJECT_IDS 1\n";
+  return text;
+}
+
+}  // namespace
+
+Result<gl::Program> make_surface_program(LayeredOutput output) {
+  const std::string head = kVersion;
+  return gl::make_program("layered surfaces", head + kInstance + kSurfaceVertex,
+                          head + kViews + kOutput + kInstance + kWalk + kSurfaceFragment,
+                          defines(output));
+}
+
+Result<gl::Program> make_slice_program(LayeredOutput output) {
+  const std::string head = kVersion;
+  return gl::make_program("layered slices", head + kViews + kSliceVertex,
+                          head + kOutput + kPixelHash + kSliceFragment, defines(output));
+}
+
+Result<gl::Program> make_box_program() {
+  return make_outline_program(std::string(kVersion) + kBoxVertex);
+}
+
+}  // namespace rilievo::shader

@@ -1,0 +1,86 @@
+#include "rilievo/layered_impostor/inside.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "rilievo/layered_impostor/layered_impostor.h"
+#include "rilievo/layered_impostor/shapes_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+// The jug's parts by formula, `slack` larger.
+bool in_jug(const glm::dvec3& p, double slack) {
+  const glm::dvec3 body(p.x, p.y / 0.9, p.z);
+  if (glm::length(body) < 1.0 + slack) return true;
+  const glm::dvec3 h = p - glm::dvec3(1.1, 0.1, 0);  // the handle's axis is z
+  const double ring = std::hypot(h.x, h.y) - 0.5;
+  if (std::hypot(ring, h.z) < 0.1 + slack) return true;
+  if (glm::length(p - glm::dvec3(0, 1, 0)) < 0.2 + slack) return true;
+  const glm::dvec3 box = glm::abs(p - glm::dvec3(0, -0.85, 0)) - glm::dvec3(0.7, 0.1, 0.7);
+  return std::max({box.x, box.y, box.z}) < slack;
+}
+
+TEST(Inside, a_point_is_seen_empty_exactly_if_the_picture_looks_through_it) {
+  const Scene scene = test_shapes::jug();
+  const Result<RayScene> rays = RayScene::create(scene);
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (Projection kind : {Projection::perspective, Projection::back_perspective}) {
+    const std::vector<DepthImage> pictures = test_shapes::cast_views(
+        scene, make_view_set({.spread = ViewSpread::faces_12}), {.projection = kind, .size = 128});
+    int cases = 0, wrong = 0;
+    for (const DepthImage& picture : pictures) {
+      const TexelSurface surface = make_texel_surface(picture);
+      for (int i = 0; i < 500; ++i) {
+        const glm::vec3 p(1.5f * u(rng), 1.1f * u(rng), u(rng));
+        const glm::dvec3 at = raster_from_world(picture.camera, glm::dvec3(p));
+        if (!(at.x >= 0 && at.y >= 0 && at.x < 128 && at.y < 128)) continue;
+        const CameraRay ray = camera_ray(picture.camera, glm::dvec2(at));
+        const double t = (at.z - ray.eye_z_start) / ray.eye_z_step;
+        const bool hidden = rays->occluded(ray.origin, ray.direction, 0.0f, float(t));
+        ++cases;
+        wrong += seen_empty(surface, glm::dvec3(p)) == hidden;
+      }
+    }
+    EXPECT_GT(cases, 4000);
+    // At outlines a texel's middle does not speak for all of it: they are some 300 texels long in a
+    // picture of 16000, to either side of which half a texel is in doubt, and so is as much where
+    // parts stand before each other.
+    EXPECT_LT(wrong, cases / 25);
+  }
+}
+
+TEST(Inside, reaches_into_what_is_solid_and_not_beyond) {
+  const Result<LayeredImpostor> impostor = make_layered_impostor(
+      test_shapes::cast_views(test_shapes::jug(), make_view_set({}), {.size = 128}), {});
+  int with = 0, texels = 0, points = 0, outside = 0;
+  double depth = 0;
+  for (const TexelSurface& surface : impostor->surfaces) {
+    const double step = (surface.camera.z_far - surface.camera.z_near) / 64;
+    for (int y = 0; y < 128; ++y)
+      for (int x = 0; x < 128; ++x) {
+        const SurfaceTexel& texel = surface.texels(x, y);
+        if (texel.q == 0) continue;
+        ++texels;
+        if (texel.inside == 0) continue;
+        ++with;
+        EXPECT_LT(texel.inside * texel.q, 1);  // away from the viewers, towards the apex
+        depth += 1 / double(texel.q) - double(texel.inside);
+        for (int i = 0; i <= 8; ++i) {
+          const double z = glm::mix(1 / double(texel.q), double(texel.inside), i / 8.0);
+          ++points;
+          // Lines are two texels apart here, and two steps may be taken past the surface.
+          outside += !in_jug(world_from_raster(surface.camera, {x + 0.5, y + 0.5}, z), 2 * step);
+        }
+      }
+  }
+  EXPECT_GT(with, texels / 2);
+  EXPECT_GT(depth / with, 0.5);  // the body is 2 across
+  // Between the handle and the body lies space that only some see through.
+  EXPECT_LT(outside, points / 50);
+}
+
+}  // namespace
+}  // namespace rilievo

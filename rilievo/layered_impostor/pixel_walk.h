@@ -1,0 +1,24 @@
+// One pixel's ray through one picture of a layered impostor.
+//
+// Internal to `warp`. World space; rays start at the frame's eye.
+#pragma once
+
+#include <optional>
+
+#include "rilievo/layered_impostor/layered_impostor.h"
+
+namespace rilievo {
+
+// The stretch of a frame's ray that can meet the bounds: origin + t direction for t in
+// [begin, end], t in eye_z of the frame.
+struct PixelRay {
+  glm::dvec3 origin{0.0}, direction{0.0};
+  double begin = 0, end = 0;
+};
+[[nodiscard]] std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
+                                                const glm::dvec2& raster);
+
+[[nodiscard]] SurfaceWalk walk_picture(const LayeredImpostor& impostor, int view,
+                                       const PixelRay& ray);
+
+}  // namespace rilievo

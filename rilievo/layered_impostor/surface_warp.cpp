@@ -1,0 +1,143 @@
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/layered_impostor/pixel_walk.h"
+#include "rilievo/layered_impostor/warp.h"
+
+namespace rilievo {
+namespace {
+
+// Colour between the texels that are linked to the one that was hit.
+glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const SurfaceWalk& hit) {
+  const glm::dvec2 offset = glm::dvec2(hit.at) - (glm::dvec2(hit.texel) + 0.5);
+  const std::uint8_t links = surface.texels(hit.texel.x, hit.texel.y).links;
+  glm::vec4 sum(0.0f);
+  float total = 0;
+  const auto add = [&](const glm::ivec2& step, double weight) {
+    if (step != glm::ivec2(0)) {
+      const int k = int(std::find(kLinkSteps.begin(), kLinkSteps.end(), step) - kLinkSteps.begin());
+      if (!(links >> k & 1)) return;
+    }
+    const glm::ivec2 at = hit.texel + step;
+    sum += float(weight) * picture.color(at.x, at.y);
+    total += float(weight);
+  };
+  const int sx = offset.x >= 0 ? 1 : -1, sy = offset.y >= 0 ? 1 : -1;
+  const double fx = std::min(std::abs(offset.x), 0.5), fy = std::min(std::abs(offset.y), 0.5);
+  add({0, 0}, (1 - fx) * (1 - fy));
+  add({sx, 0}, fx * (1 - fy));
+  add({0, sy}, (1 - fx) * fy);
+  add({sx, sy}, fx * fy);
+  return sum / total;
+}
+
+constexpr int kMaxViews = 6;
+
+struct Seen {
+  float eye_z = kNoDepth;
+  glm::vec4 color{0.0f};
+  std::uint32_t object = kNoObject;
+};
+
+Seen what_is_seen(const LayeredImpostor& impostor, int view, const PixelRay& ray,
+                  const SurfaceWalk& walk) {
+  const DepthImage& picture = impostor.pictures[view];
+  const glm::dvec3 world = world_from_raster(picture.camera, glm::dvec2(walk.at), 1 / walk.at.z);
+  return {
+      float(glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction)),
+      color_at(picture, impostor.surfaces[view], walk),
+      picture.object.empty() ? 1 : picture.object(walk.texel.x, walk.texel.y)};
+}
+
+}  // namespace
+
+std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
+                                  const glm::dvec2& raster) {
+  PixelRay ray;
+  ray.origin = camera.position();
+  ray.direction = world_from_raster(camera, raster, 1.0) - ray.origin;
+  ray.begin = camera.z_near;
+  ray.end = camera.z_far;
+  // Rounding must not cut off what lies on a face.
+  const glm::dvec3 slack(1e-4 * double(bounds.radius()) + 1e-9);
+  const glm::dvec3 lo = glm::dvec3(bounds.min) - slack, hi = glm::dvec3(bounds.max) + slack;
+  for (int a = 0; a < 3; ++a) {
+    const double t0 = (lo[a] - ray.origin[a]) / ray.direction[a];
+    const double t1 = (hi[a] - ray.origin[a]) / ray.direction[a];
+    if (std::isnan(t0) || std::isnan(t1)) continue;  // along a face
+    ray.begin = std::max(ray.begin, std::min(t0, t1));
+    ray.end = std::min(ray.end, std::max(t0, t1));
+  }
+  if (!(ray.begin < ray.end)) return std::nullopt;
+  return ray;
+}
+
+SurfaceWalk walk_picture(const LayeredImpostor& impostor, int view, const PixelRay& ray) {
+  const std::optional<DisparitySegment> segment =
+      disparity_segment(impostor.pictures[view].camera, ray.origin + ray.begin * ray.direction,
+                        ray.origin + ray.end * ray.direction);
+  return segment ? intersect(impostor.surfaces[view], *segment) : SurfaceWalk{};
+}
+
+DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
+                         const SurfaceWarpOptions& options) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  RILIEVO_EXPECTS(options.max_views >= 1 && options.max_views <= kMaxViews);
+  const glm::dvec3 towards = camera.position() - glm::dvec3(impostor.bounds.center());
+  std::array<int, kMaxViews> nearest;
+  std::array<float, kMaxViews> weights{};
+  const int count = nearest_views(impostor.views, towards,
+                                  std::span(nearest).first(std::size_t(options.max_views)));
+  const std::span<const int> views(nearest.data(), std::size_t(count));
+  handover_weights(impostor.views, towards, options.handover * mean_spacing(impostor.views), views,
+                   weights);
+
+  DepthImage frame;
+  frame.camera = camera;
+  frame.color = ColorImage(camera.width, camera.height);
+  frame.depth = Image<float>(camera.width, camera.height, kNoDepth);
+  frame.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
+  tbb::parallel_for(0, camera.height, [&](int y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
+      if (!ray) continue;
+      Seen certain, doubtful, skin;
+      int inside = 0;
+      float surface = 0, nothing = 0, heaviest = 0;
+      glm::vec4 blended(0.0f);
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        if (weights[i] == 0 && surface + nothing > 0) break;
+        const float weight = weights[i] > 0 ? weights[i] : 1.0f;
+        const SurfaceWalk walk = walk_picture(impostor, views[i], *ray);
+        if (walk.hit) {
+          const Seen seen = what_is_seen(impostor, views[i], *ray, walk);
+          if (seen.eye_z < doubtful.eye_z) doubtful = seen;
+          if (walk.passed_behind) continue;
+          surface += weight;
+          blended += weight * seen.color;
+          if (weight > heaviest) heaviest = weight, certain = seen;
+        } else if (!walk.passed_behind) {
+          if (impostor.complete[std::size_t(views[i])]) nothing += weight;
+        } else {
+          inside += walk.passed_outline ? -1 : 1;
+          if (!walk.passed_outline && skin.eye_z == kNoDepth)
+            skin = what_is_seen(impostor, views[i], *ray, walk);
+        }
+      }
+      if (nothing > surface) continue;
+      if (doubtful.eye_z == kNoDepth && inside > 0 && views.size() > 1) doubtful = skin;
+      const Seen& shown = surface > 0 ? certain : doubtful;
+      if (shown.eye_z == kNoDepth) continue;
+      frame.depth(x, y) = shown.eye_z;
+      frame.color(x, y) = surface > 0 ? blended / surface : shown.color;
+      frame.object(x, y) = shown.object;
+    }
+  });
+  return frame;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,178 @@
+#include "rilievo/layered_impostor/warp.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "rilievo/layered_impostor/shapes_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+using test_shapes::jug_impostor;
+using test_shapes::random_direction;
+
+Camera frame_camera(const Box& bounds, const glm::dvec3& direction, double distance, int size) {
+  const glm::dvec3 eye =
+      glm::dvec3(bounds.center()) + glm::normalize(direction) * (distance * bounds.radius());
+  Camera camera = *tight_camera(Projection::perspective, eye, {0, 1, 0}, bounds);
+  camera.width = camera.height = size;
+  return camera;
+}
+
+double share_uncovered_inside(const DepthImage& truth, const DepthImage& frame) {
+  double inside = 0, uncovered = 0;
+  for (int y = 1; y + 1 < truth.depth.height(); ++y)
+    for (int x = 1; x + 1 < truth.depth.width(); ++x) {
+      bool all = true;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) all &= truth.covered(x + dx, y + dy);
+      inside += all;
+      uncovered += all && !frame.covered(x, y);
+    }
+  return uncovered / inside;
+}
+
+TEST(LayeredWarp, seen_from_its_own_apex_a_picture_is_itself) {
+  for (Projection kind : {Projection::perspective, Projection::back_perspective}) {
+    const LayeredImpostor impostor = jug_impostor(48, {.layers = 32, .overlap = 0.5f}, kind);
+    for (int v : {0, 7, 20}) {
+      const DepthImage& picture = impostor.pictures[v];
+      Camera camera = picture.camera;
+      camera.projection = Projection::perspective;
+      std::vector<SliceDraw> draws;
+      for (int s = 0; s < int(impostor.slices[v].size()); ++s)
+        draws.push_back({v, s, impostor.slices[v][s].rect});
+      const DepthImage frame = warp_slices(impostor, draws, camera);
+      for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 48; ++x) {
+          ASSERT_EQ(frame.covered(x, y), picture.covered(x, y));
+          EXPECT_EQ(frame.color(x, y), picture.color(x, y));
+        }
+    }
+  }
+}
+
+TEST(LayeredWarp, a_slice_stands_at_most_half_its_thickness_from_its_samples) {
+  const LayeredImpostor impostor = jug_impostor(64, {.layers = 24, .overlap = 0, .pieces = false});
+  std::mt19937 rng(1);
+  for (int i = 0; i < 5; ++i) {
+    const Camera camera = frame_camera(impostor.bounds, random_direction(rng), 4, 96);
+    const auto draws = slices_for_eye(impostor, camera.position(), false);
+    Image<int> drawn;
+    const DepthImage frame = warp_slices(impostor, draws, camera, &drawn);
+    const int v = draws[0].view;
+    const DepthImage& picture = impostor.pictures[v];
+    const double thickness = impostor.slices[v][1].eye_z - impostor.slices[v][0].eye_z;
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x) {
+        if (drawn(x, y) < 0) continue;
+        const glm::dvec3 at = raster_from_world(
+            picture.camera, world_from_raster(camera, {x + 0.5, y + 0.5}, frame.depth(x, y)));
+        const Slice& slice = impostor.slices[v][draws[drawn(x, y)].slice];
+        // 1e-5: eye_z of the frame is a float of size 8.
+        EXPECT_NEAR(at.z, slice.eye_z, 1e-5);
+        const glm::ivec2 texel{int(std::floor(at.x)), int(std::floor(at.y))};
+        if (std::abs(at.x - std::round(at.x)) < 1e-4 || std::abs(at.y - std::round(at.y)) < 1e-4)
+          continue;  // on the border of two texels
+        EXPECT_LE(std::abs(at.z - picture.depth(texel.x, texel.y)), 0.5 * thickness + 1e-5);
+      }
+  }
+}
+
+TEST(LayeredWarp, surfaces_lie_where_the_object_lies) {
+  const Scene scene = test_shapes::jug();
+  const Result<RayScene> rays = RayScene::create(scene);
+  const LayeredImpostor impostor = jug_impostor(128);
+  std::mt19937 rng(2);
+  double worst_share = 0;
+  for (int i = 0; i < 12; ++i) {
+    const Camera camera = frame_camera(impostor.bounds, random_direction(rng), 4, 96);
+    const DepthImage truth = cast_picture(*rays, camera), frame = warp_surfaces(impostor, camera);
+    int both = 0, off = 0;
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x) {
+        if (!truth.covered(x, y) || !frame.covered(x, y)) continue;
+        ++both;
+        // A texel is 3.5 / 128 wide; across it a surface is met within its width, but for outlines,
+        // where one texel more or less is a different surface.
+        off += std::abs(truth.depth(x, y) - frame.depth(x, y)) > 3.5 / 128;
+      }
+    EXPECT_GT(both, 1500);
+    worst_share = std::max(worst_share, double(off) / both);
+    EXPECT_LT(share_uncovered_inside(truth, frame), 0.002);
+  }
+  EXPECT_LT(worst_share, 0.04);
+}
+
+TEST(LayeredWarp, back_perspective_views_fill_each_others_holes) {
+  const Scene scene = test_shapes::jug();
+  const Result<RayScene> rays = RayScene::create(scene);
+  LayeredImpostor impostor = jug_impostor(96, {.layers = 48});
+  std::mt19937 rng(3);
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 10; ++i)
+    cameras.push_back(frame_camera(impostor.bounds, random_direction(rng), 3.5, 80));
+  double one = 0, filled = 0, all = 0, surface_one = 0, surface_all = 0;
+  std::size_t drawn_fill = 0, drawn_all = 0;
+  const auto area = [](const std::vector<SliceDraw>& draws) {
+    std::size_t sum = 0;
+    for (const SliceDraw& d : draws) sum += d.rect.area();
+    return sum;
+  };
+  for (int pass = 0; pass < 2; ++pass) {
+    for (const Camera& camera : cameras) {
+      const DepthImage truth = cast_picture(*rays, camera);
+      const auto draws = slices_for_eye(impostor, camera.position(), true);
+      const double holes = share_uncovered_inside(truth, warp_slices(impostor, draws, camera));
+      (pass ? filled : all) += holes;
+      (pass ? drawn_fill : drawn_all) += area(draws);
+      if (pass) continue;
+      const auto alone = slices_for_eye(impostor, camera.position(), false);
+      one += share_uncovered_inside(truth, warp_slices(impostor, alone, camera));
+      surface_one +=
+          share_uncovered_inside(truth, warp_surfaces(impostor, camera, {.max_views = 1}));
+      surface_all += share_uncovered_inside(truth, warp_surfaces(impostor, camera));
+    }
+    find_fill_slices(impostor);
+  }
+  EXPECT_GT(one, 0.0);
+  // The chosen slices close nearly all the holes that all three stacks together close, at less
+  // than half of what the two other stacks cost.
+  EXPECT_LT(all, 0.2 * one);
+  EXPECT_LT(filled, 0.3 * one);
+  EXPECT_LT(drawn_fill, drawn_all * 2 / 3);
+  EXPECT_LT(surface_all, 0.2 * surface_one);
+}
+
+TEST(LayeredWarp, overlap_and_pieces_close_tears) {
+  const Scene scene = test_shapes::jug();
+  const Result<RayScene> rays = RayScene::create(scene);
+  std::vector<DepthImage> pictures =
+      test_shapes::cast_views(scene, make_view_set({}), {.size = 96});
+  const auto tears = [&](const SliceOptions& options) {
+    const Result<LayeredImpostor> impostor = make_layered_impostor(pictures, options);
+    double sum = 0;
+    for (int i = 0; i < 6; ++i) {
+      const glm::dvec3 direction =
+          impostor->views.directions[i] + 0.3 * impostor->views.directions[(i + 5) % 12];
+      const Camera camera = frame_camera(impostor->bounds, direction, 4, 96);
+      const DepthImage truth = cast_picture(*rays, camera);
+      sum += share_uncovered_inside(
+          truth,
+          warp_slices(*impostor, slices_for_eye(*impostor, camera.position(), false), camera));
+    }
+    return sum;
+  };
+  const double disjoint = tears({.layers = 32, .overlap = 0, .pieces = false});
+  const double overlapping = tears({.layers = 32, .overlap = 1, .pieces = false});
+  const double pieces = tears({.layers = 32, .overlap = 0, .pieces = true});
+  // Figure 4: tears are what disjoint intervals leave and overlapping ones do not.
+  EXPECT_LT(overlapping, 0.5 * disjoint);
+  EXPECT_LT(pieces, 0.5 * disjoint);
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,97 @@
+// Which parts of a picture show anything, and which hide whatever lies behind them?
+//
+// Of every block of 4 x 4 texels of an atlas: its nearest and its farthest Delta, and which of its
+// texels have one (so that something may show there), which are opaque. Lets a drawer leave out
+// what is empty or hidden (visible_cells.h), and tells how deep a picture really is. Rows as OpenGL
+// has them, the lowest first. No OpenGL here.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/picture_geometry.h"
+#include "rilievo/nailboard/atlas_allocator.h"
+
+namespace rilievo {
+
+inline constexpr int kBlockTexels = 4;  // a side
+
+// Deltas are in steps of 1 / 254, rounded away from the middle of the block.
+struct PictureBlock {
+  std::uint8_t nearest = 255;  // of its texels; 255: none shows anything
+  std::uint8_t farthest = 0;
+  std::uint16_t covered = 0;  // bit x + 4 y: has its texel (x, y) a Delta?
+  std::uint16_t opaque = 0;   // the same: does it hide what is behind?
+
+  [[nodiscard]] bool empty() const { return covered == 0; }
+  [[nodiscard]] double nearest_delta() const { return nearest / 254.0; }
+  [[nodiscard]] double farthest_delta() const { return farthest / 254.0; }
+  friend bool operator==(const PictureBlock&, const PictureBlock&) = default;
+};
+static_assert(sizeof(PictureBlock) == 6, "three words, as they are read from a texture");
+
+// Looked at before their blocks.
+inline constexpr int kCellBlocks = 4, kCellTexels = kCellBlocks * kBlockTexels;
+
+// Of one picture.
+struct PictureBlocksView {
+  const PictureBlock* blocks = nullptr;     // lower left
+  const std::uint8_t* cells = nullptr;      // nearest of their blocks'
+  std::size_t block_row = 0, cell_row = 0;  // entries from one row to the next
+  int width = 0, height = 0;                // texels
+
+  [[nodiscard]] const PictureBlock& block(int x, int y) const {
+    return blocks[std::size_t(y) * block_row + std::size_t(x)];
+  }
+  [[nodiscard]] std::uint8_t cell(int x, int y) const {
+    return cells[std::size_t(y) * cell_row + std::size_t(x)];
+  }
+};
+
+// The bits of a block's texels among those from `from` to `to`, both included: texels of the
+// block's picture, from its lower left corner; at least one of them is in the block.
+[[nodiscard]] inline std::uint16_t texels_of_block(const glm::ivec2& block, const glm::ivec2& from,
+                                                   const glm::ivec2& to) {
+  constexpr int kLast = kBlockTexels - 1;
+  const glm::ivec2 low = glm::max(from - kBlockTexels * block, glm::ivec2(0));
+  const glm::ivec2 high = glm::min(to - kBlockTexels * block, glm::ivec2(kLast));
+  const unsigned columns = (0xFu << low.x) & (0xFu >> (kLast - high.x));
+  const unsigned rows = (0x1111u << (4 * low.y)) & (0x1111u >> (4 * (kLast - high.y)));
+  return std::uint16_t(columns * rows);
+}
+
+[[nodiscard]] inline int blocks_across(int texels) {
+  return (texels + kBlockTexels - 1) / kBlockTexels;
+}
+[[nodiscard]] inline int cells_across(int texels) {
+  return (texels + kCellTexels - 1) / kCellTexels;
+}
+
+// The nearest and the farthest Delta of a picture; nothing if it is empty.
+[[nodiscard]] std::optional<DeltaRange> delta_range(const PictureBlocksView& blocks);
+
+// Of all pictures of an atlas.
+class PictureBlocks {
+ public:
+  explicit PictureBlocks(int layers);
+
+  // `blocks`: rows of blocks_across(slot.width), lowest first.
+  void assign(const AtlasSlot& slot, std::span<const PictureBlock> blocks);
+  [[nodiscard]] PictureBlocksView view(const AtlasSlot& slot) const;
+
+  static constexpr int kLayerBlocks = AtlasAllocator::kLayerSize / kBlockTexels;  // a side
+  static constexpr int kLayerCells = AtlasAllocator::kLayerSize / kCellTexels;
+
+ private:
+  // Of a slot's lower left corner.
+  [[nodiscard]] static std::size_t first_block(const AtlasSlot& slot);
+  [[nodiscard]] static std::size_t first_cell(const AtlasSlot& slot);
+
+  std::vector<PictureBlock> blocks_;  // by layer, row, column
+  std::vector<std::uint8_t> cells_;
+};
+
+}  // namespace rilievo

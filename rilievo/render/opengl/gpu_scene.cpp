@@ -1,0 +1,228 @@
+#include "rilievo/render/opengl/gpu_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "rilievo/render/opengl/scene_shaders.h"
+
+namespace rilievo {
+namespace {
+
+// Both streams are as narrow as the eye allows: software rasterisers pay for every byte.
+struct Vertex {
+  glm::vec3 position;
+  std::uint32_t normal;    // signed 10:10:10:2
+  std::uint16_t color[4];  // unsigned normalised, linear
+};
+
+struct UvVertex {
+  glm::vec2 uv0, uv1;
+};
+
+std::uint32_t pack_normal(const glm::vec3& n) {
+  const auto ten_bits = [](float v) {
+    return std::uint32_t(std::int32_t(std::lround(std::clamp(v, -1.0f, 1.0f) * 511.0f))) & 1023u;
+  };
+  return ten_bits(n.x) | ten_bits(n.y) << 10 | ten_bits(n.z) << 20;
+}
+
+std::uint16_t pack_unorm16(float v) {
+  return std::uint16_t(std::lround(std::clamp(v, 0.0f, 1.0f) * 65535.0f));
+}
+
+GLenum gl_wrap(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::repeat:
+      return GL_REPEAT;
+    case Wrap::mirrored_repeat:
+      return GL_MIRRORED_REPEAT;
+    case Wrap::clamp_to_edge:
+      return GL_CLAMP_TO_EDGE;
+  }
+  return GL_REPEAT;
+}
+
+gl::Texture upload_texture(const Texture& texture, bool srgb) {
+  const int width = texture.texels.width(), height = texture.texels.height();
+  const int levels = 1 + int(std::floor(std::log2(float(std::max(width, height)))));
+  gl::Texture made = gl::make_texture_2d(srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, width, height, levels);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(made, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE,
+                      texture.texels.texels().data());
+  glGenerateTextureMipmap(made);
+  glTextureParameteri(made, GL_TEXTURE_WRAP_S, GLint(gl_wrap(texture.wrap_u)));
+  glTextureParameteri(made, GL_TEXTURE_WRAP_T, GLint(gl_wrap(texture.wrap_v)));
+  if (texture.nearest) glTextureParameteri(made, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return made;
+}
+
+// Uploads each texture once for each way it is read.
+class TextureStore {
+ public:
+  TextureStore(const Scene& scene, std::vector<gl::Texture>& textures)
+      : scene_(scene), textures_(textures) {
+    textures_.push_back(gl::make_texture_2d(GL_RGBA8, 1, 1));
+    const glm::u8vec4 white(255);
+    glTextureSubImage2D(textures_[0], 0, 0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, &white);
+  }
+  int get(const TextureUse& use, bool srgb) {
+    if (use.texture < 0 || scene_.textures[std::size_t(use.texture)].texels.empty()) return 0;
+    auto [found, is_new] = known_.try_emplace({use.texture, srgb}, int(textures_.size()));
+    if (is_new)
+      textures_.push_back(upload_texture(scene_.textures[std::size_t(use.texture)], srgb));
+    return found->second;
+  }
+
+ private:
+  const Scene& scene_;
+  std::vector<gl::Texture>& textures_;
+  std::map<std::pair<int, bool>, int> known_;
+};
+
+GpuMaterial convert(const Material& m, TextureStore& store, GpuMaterialBlock& block) {
+  GpuMaterial out;
+  block.base_color = m.base_color;
+  block.emissive_normal_scale = glm::vec4(m.emissive, m.normal_scale);
+  block.metallic_roughness_occlusion_cutoff = {m.metallic, m.roughness, m.occlusion_strength,
+                                               m.alpha_cutoff};
+  const TextureUse* uses[kMaterialUnits] = {&m.base_color_texture, &m.metallic_roughness_texture,
+                                            &m.normal_texture, &m.occlusion_texture,
+                                            &m.emissive_texture};
+  const bool srgb[kMaterialUnits] = {true, false, false, false, true};
+  bool textured = false;
+  for (std::size_t unit = 0; unit < kMaterialUnits; ++unit) {
+    out.textures[unit] = store.get(*uses[unit], srgb[unit]);
+    textured |= out.textures[unit] != 0;
+    const glm::mat3 rows = glm::transpose(uses[unit]->texture_from_uv);
+    block.uv_rows[2 * unit] = glm::vec4(rows[0], float(uses[unit]->uv_set));
+    block.uv_rows[2 * unit + 1] = glm::vec4(rows[1], 0);
+  }
+  if (textured) out.features |= shader::kTextures;
+  if (out.textures[kNormalUnit]) out.features |= shader::kNormalMap;
+  if (m.unlit) out.features |= shader::kUnlit;
+  if (m.metallic > 0) out.features |= shader::kMetallic;
+  if (m.emissive != glm::vec3(0)) out.features |= shader::kEmissive;
+  if (m.alpha_mode == AlphaMode::mask) out.features |= shader::kMask;
+  if (m.alpha_mode == AlphaMode::blend) out.features |= shader::kBlend;
+  out.alpha_mode = m.alpha_mode;
+  out.double_sided = m.double_sided;
+  return out;
+}
+
+void upload_materials(const Scene& scene, GpuScene& gpu) {
+  GLint alignment = 256;
+  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  const std::size_t stride = (sizeof(GpuMaterialBlock) + std::size_t(alignment) - 1) /
+                             std::size_t(alignment) * std::size_t(alignment);
+  TextureStore store(scene, gpu.textures);
+  std::vector<std::byte> blocks(stride * (scene.materials.size() + 1));
+  const Material fallback;
+  for (std::size_t i = 0; i <= scene.materials.size(); ++i) {
+    GpuMaterialBlock block;
+    gpu.materials.push_back(
+        convert(i < scene.materials.size() ? scene.materials[i] : fallback, store, block));
+    gpu.materials.back().block_offset = GLintptr(i * stride);
+    std::memcpy(blocks.data() + i * stride, &block, sizeof block);
+  }
+  gpu.material_blocks = gl::make_buffer(blocks.size(), blocks.data());
+}
+
+void upload_meshes(const Scene& scene, GpuScene& gpu) {
+  std::size_t vertex_count = 0, index_count = 0;
+  bool any_uv = false;
+  for (const Mesh& mesh : scene.meshes) {
+    vertex_count += mesh.positions.size();
+    index_count += mesh.indices.size();
+  }
+  for (const GpuMaterial& material : gpu.materials)
+    any_uv |= (material.features & shader::kTextures) != 0;
+  std::vector<Vertex> vertices;
+  std::vector<UvVertex> uvs;
+  std::vector<std::uint32_t> indices;
+  vertices.reserve(vertex_count);
+  indices.reserve(index_count);
+  for (const Mesh& mesh : scene.meshes) {
+    GpuMesh out;
+    out.base_vertex = GLint(vertices.size());
+    out.first_index = GLuint(indices.size());
+    out.index_count = GLsizei(mesh.indices.size());
+    out.material = mesh.material < 0 ? int(scene.materials.size()) : mesh.material;
+    gpu.meshes.push_back(out);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      Vertex v;
+      v.position = mesh.positions[i];
+      v.normal = pack_normal(i < mesh.normals.size() ? mesh.normals[i] : glm::vec3(0, 1, 0));
+      const glm::vec4 color = i < mesh.colors.size() ? mesh.colors[i] : glm::vec4(1.0f);
+      for (int k = 0; k < 4; ++k) v.color[k] = pack_unorm16(color[k]);
+      vertices.push_back(v);
+      if (!any_uv) continue;
+      const auto uv = [&](int set) {
+        return i < mesh.uv[set].size() ? mesh.uv[set][i] : glm::vec2(0.0f);
+      };
+      uvs.push_back({uv(0), uv(1)});
+    }
+    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+  }
+  gpu.vertices = gl::make_buffer(vertices.size() * sizeof(Vertex), vertices.data());
+  gpu.uvs = gl::make_buffer(uvs.size() * sizeof(UvVertex), uvs.data());
+  gpu.indices = gl::make_buffer(indices.size() * sizeof(std::uint32_t), indices.data());
+}
+
+void describe_attributes(GpuScene& gpu) {
+  gpu.vertex_array = gl::make_vertex_array();
+  const GLuint vao = gpu.vertex_array;
+  const auto attribute = [&](GLuint index, GLuint binding, GLint size, GLenum type,
+                             GLboolean normalized, GLuint offset) {
+    glEnableVertexArrayAttrib(vao, index);
+    glVertexArrayAttribFormat(vao, index, size, type, normalized, offset);
+    glVertexArrayAttribBinding(vao, index, binding);
+  };
+  attribute(kPosition, 0, 3, GL_FLOAT, GL_FALSE, offsetof(Vertex, position));
+  attribute(kNormal, 0, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(Vertex, normal));
+  attribute(kColor, 0, 4, GL_UNSIGNED_SHORT, GL_TRUE, offsetof(Vertex, color));
+  attribute(kUv0, 1, 2, GL_FLOAT, GL_FALSE, offsetof(UvVertex, uv0));
+  attribute(kUv1, 1, 2, GL_FLOAT, GL_FALSE, offsetof(UvVertex, uv1));
+  for (GLuint row = 0; row < 3; ++row)
+    attribute(kInstanceRow0 + row, kInstanceBinding, 4, GL_FLOAT, GL_FALSE,
+              GLuint(row * sizeof(glm::vec4)));
+  glEnableVertexArrayAttrib(vao, kInstanceObject);
+  glVertexArrayAttribIFormat(vao, kInstanceObject, 1, GL_UNSIGNED_INT,
+                             offsetof(GpuInstance, object));
+  glVertexArrayAttribBinding(vao, kInstanceObject, kInstanceBinding);
+  attribute(kInstanceShare, kInstanceBinding, 2, GL_FLOAT, GL_FALSE,
+            offsetof(GpuInstance, share_from));
+  glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
+  glVertexArrayVertexBuffer(vao, 0, gpu.vertices, 0, sizeof(Vertex));
+  glVertexArrayVertexBuffer(vao, 1, gpu.uvs, 0, sizeof(UvVertex));
+  glVertexArrayElementBuffer(vao, gpu.indices);
+}
+
+}  // namespace
+
+Result<GpuScene> upload(const Scene& scene) {
+  if (Result<> ok = validate(scene); !ok) return ok.error();
+  GLint limit = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  for (const Texture& texture : scene.textures)
+    if (texture.texels.width() > limit || texture.texels.height() > limit)
+      return Error{scene.name, "texture '" + texture.name +
+                                   "' is larger than this GPU's limit of " + std::to_string(limit) +
+                                   " texels"};
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  GpuScene gpu;
+  upload_materials(scene, gpu);
+  for (const Mesh& mesh : scene.meshes)
+    if (!mesh.colors.empty())
+      gpu.materials[std::size_t(mesh.material < 0 ? int(scene.materials.size()) : mesh.material)]
+          .features |= shader::kColors;
+  upload_meshes(scene, gpu);
+  describe_attributes(gpu);
+  if (glGetError() == GL_OUT_OF_MEMORY)
+    return Error{scene.name, "its meshes and textures do not fit into GPU memory"};
+  return gpu;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,324 @@
+#include "rilievo/render/opengl/scene_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/render/draw_list.h"
+#include "rilievo/render/opengl/gpu_scene.h"
+#include "rilievo/render/opengl/scene_shaders.h"
+
+namespace rilievo {
+namespace {
+
+// std::vector<bool> has no span.
+using Flags = std::unique_ptr<bool[]>;
+
+shader::ViewBlock::LightBlock light_block(const Light& light, const glm::dvec3& eye) {
+  shader::ViewBlock::LightBlock block;
+  block.position_range = glm::vec4(glm::vec3(glm::dvec3(light.position) - eye), light.range);
+  block.direction_kind = glm::vec4(light.direction, float(light.kind));
+  block.intensity_inner = glm::vec4(light.intensity, std::cos(light.inner_cone));
+  block.outer = glm::vec4(std::cos(light.outer_cone), 0, 0, 0);
+  return block;
+}
+
+bool lit_by_one_sun(const Scene& scene) {
+  return scene.lights.empty() ||
+         (scene.lights.size() == 1 && scene.lights[0].kind == Light::Kind::directional);
+}
+
+shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
+  shader::ViewBlock view;
+  const glm::dmat4 clip = clip_from_relative(camera);
+  view.clip_from_relative = glm::mat4(clip);
+  view.relative_from_clip = glm::mat4(glm::inverse(clip));
+  const bool parallel = camera.projection == Projection::parallel;
+  view.eye_direction = glm::vec4(
+      glm::vec3((camera.keeps_farthest() ? 1.0 : -1.0) * camera.forward()), parallel ? 0.0f : 1.0f);
+  view.zenith = glm::vec4(scene.sky.zenith, 0);
+  view.horizon = glm::vec4(scene.sky.horizon, 0);
+  view.ground = glm::vec4(scene.sky.ground, 0);
+  const std::size_t count = std::min(scene.lights.size(), std::size_t(shader::kMaxLights));
+  for (std::size_t i = 0; i < count; ++i)
+    view.lights[i] = light_block(scene.lights[i], camera.position());
+  if (scene.lights.empty()) view.lights[0] = light_block(default_sun(), camera.position());
+  view.light_count = glm::vec4(float(scene.lights.empty() ? 1 : count), 0, 0, 0);
+  return view;
+}
+
+}  // namespace
+
+struct SceneRenderer::State {
+  const Scene* scene = nullptr;
+  GpuScene gpu;
+  std::map<unsigned, gl::Program> programs;
+  gl::Program sky[2];  // srgb, linear
+  gl::VertexArray no_vertices;
+
+  double time = NAN;
+  std::vector<glm::mat4> poses;
+  std::vector<Box> bounds;
+  Flags opaque_mesh, blended_mesh;  // by mesh
+  Flags opaque_model, blended_model;
+
+  DrawList list;
+  std::vector<GpuInstance> staging;
+  std::vector<glm::vec2> shares;  // by object, while shares are drawn; else empty
+  std::vector<std::uint32_t> shared_objects, shared_in;  // shared_in: by object, the last pass
+  std::uint32_t shared_pass = 0;
+  std::vector<PixelShare> waiting;
+  gl::StreamBuffer view_buffer;
+  gl::Buffer instance_buffer;
+  std::size_t instance_capacity = 0;
+
+  Result<> compile();
+  Result<const gl::Program*> program(unsigned features);
+  void classify();
+  void upload_view(const Camera& camera);
+  void upload_instances();
+  void draw_list(const Camera& camera, unsigned extra_features);
+};
+
+// Compiled by create(); later only if the scene's lights have become others.
+Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
+  if (!lit_by_one_sun(*scene)) features |= shader::kAnyLights;
+  if (features & (shader::kUnlit | shader::kObjectIds)) features &= ~shader::kOfLight;
+  const auto found = programs.find(features);
+  if (found != programs.end()) return &found->second;
+  Result<gl::Program> made = shader::make_scene_program(features);
+  if (!made) return made.error();
+  return &programs.emplace(features, std::move(*made)).first->second;
+}
+
+Result<> SceneRenderer::State::compile() {
+  using namespace shader;
+  for (const GpuMaterial& material : gpu.materials)
+    for (const unsigned extra : {0u, +kLinear, +kObjectIds, +kShare, kShare | kLinear,
+                                 +kBackPerspective, kBackPerspective | kLinear})
+      if (auto made = program(material.features | extra); !made) return made.error();
+  for (bool linear : {false, true}) {
+    Result<gl::Program> made = make_sky_program(linear);
+    if (!made) return made.error();
+    sky[linear] = std::move(*made);
+  }
+  return Done{};
+}
+
+void SceneRenderer::State::classify() {
+  const auto blends = [&](int mesh) {
+    return gpu.materials[std::size_t(gpu.meshes[std::size_t(mesh)].material)].alpha_mode ==
+           AlphaMode::blend;
+  };
+  opaque_mesh = std::make_unique<bool[]>(scene->meshes.size());
+  blended_mesh = std::make_unique<bool[]>(scene->meshes.size());
+  for (std::size_t i = 0; i < scene->meshes.size(); ++i)
+    opaque_mesh[i] = !(blended_mesh[i] = blends(int(i)));
+  opaque_model = std::make_unique<bool[]>(scene->models.size());
+  blended_model = std::make_unique<bool[]>(scene->models.size());
+  for (std::size_t i = 0; i < scene->models.size(); ++i)
+    for (const Part& part : scene->models[i].parts)
+      (blends(part.mesh) ? blended_model : opaque_model)[i] = true;
+}
+
+void SceneRenderer::State::upload_view(const Camera& camera) {
+  const shader::ViewBlock view = view_block(camera, *scene);
+  view_buffer.upload_and_bind(GL_UNIFORM_BUFFER, 0, std::as_bytes(std::span(&view, 1)));
+}
+
+void SceneRenderer::State::upload_instances() {
+  staging.clear();
+  for (const Placement& placement : list.instances()) {
+    const glm::mat4 rows = glm::transpose(placement.relative_from_mesh);
+    const glm::vec2 share = shares.empty() ? glm::vec2(0, 1) : shares[placement.object];
+    staging.push_back({{rows[0], rows[1], rows[2]}, placement.object + 1, share.x, share.y, 0});
+  }
+  if (staging.size() > instance_capacity || !instance_buffer) {
+    instance_capacity = staging.size() + staging.size() / 2 + 64;
+    instance_buffer =
+        gl::make_buffer(instance_capacity * sizeof(GpuInstance), nullptr, GL_DYNAMIC_STORAGE_BIT);
+  }
+  if (staging.empty()) return;
+  glInvalidateBufferData(instance_buffer);
+  glNamedBufferSubData(instance_buffer, 0, GLsizeiptr(staging.size() * sizeof(GpuInstance)),
+                       staging.data());
+}
+
+void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features) {
+  if (list.batches().empty()) return;
+  upload_view(camera);
+  upload_instances();
+  glBindVertexArray(gpu.vertex_array);
+  glVertexArrayVertexBuffer(gpu.vertex_array, kInstanceBinding, instance_buffer, 0,
+                            sizeof(GpuInstance));
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(camera.keeps_farthest() ? GL_GREATER : GL_LESS);
+  glFrontFace(GL_CCW);
+
+  int bound_material = -1;
+  for (const Batch& batch : list.batches()) {
+    const GpuMesh& mesh = gpu.meshes[batch.mesh];
+    const GpuMaterial& material = gpu.materials[std::size_t(mesh.material)];
+    if (mesh.material != bound_material) {
+      bound_material = mesh.material;
+      const unsigned features = material.features | extra_features |
+                                (camera.keeps_farthest() ? shader::kBackPerspective : 0u);
+      const Result<const gl::Program*> program_of_material = program(features);
+      // The same source as of create(), but for the lights.
+      RILIEVO_EXPECTS(program_of_material.ok());
+      glUseProgram(**program_of_material);
+      glBindBufferRange(GL_UNIFORM_BUFFER, 1, gpu.material_blocks, material.block_offset,
+                        sizeof(GpuMaterialBlock));
+      if (features & shader::kTextures)
+        for (GLuint unit = 0; unit < kMaterialUnits; ++unit)
+          glBindTextureUnit(unit, gpu.textures[std::size_t(material.textures[unit])]);
+      if ((features & shader::kMask) && !(features & shader::kObjectIds))
+        glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+      else
+        glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+      if (material.double_sided)
+        glDisable(GL_CULL_FACE);
+      else
+        glEnable(GL_CULL_FACE);
+    }
+    // Seen from an apex behind the object, the faces that the viewer sees are the ones turned away.
+    glCullFace(batch.mirrored != camera.keeps_farthest() ? GL_FRONT : GL_BACK);
+    glDrawElementsInstancedBaseVertexBaseInstance(
+        GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT,
+        reinterpret_cast<const void*>(std::uintptr_t(mesh.first_index) * sizeof(std::uint32_t)),
+        GLsizei(batch.count), mesh.base_vertex, batch.first);
+  }
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+}
+
+SceneRenderer::SceneRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
+SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
+SceneRenderer::~SceneRenderer() = default;
+
+Result<SceneRenderer> SceneRenderer::create(const Scene& scene) {
+  auto state = std::make_unique<State>();
+  state->scene = &scene;
+  Result<GpuScene> gpu = upload(scene);
+  if (!gpu) return gpu.error();
+  state->gpu = std::move(*gpu);
+  state->no_vertices = gl::make_vertex_array();
+  if (Result<> ok = state->compile(); !ok) return ok.error();
+  state->classify();
+  SceneRenderer renderer(std::move(state));
+  renderer.set_time(0);
+  return renderer;
+}
+
+const Scene& SceneRenderer::scene() const { return *state_->scene; }
+std::span<const glm::mat4> SceneRenderer::poses() const { return state_->poses; }
+
+void SceneRenderer::set_time(double time) {
+  State& s = *state_;
+  if (time == s.time) return;
+  const bool first = s.bounds.empty();
+  if (!first && s.scene->channels.empty()) return;
+  s.time = time;
+  pose(*s.scene, time, s.poses);
+  s.bounds.resize(s.poses.size());
+  for (std::size_t i = 0; i < s.poses.size(); ++i)
+    if (first || s.scene->objects[i].moving)
+      s.bounds[i] =
+          transformed(s.poses[i], s.scene->models[std::size_t(s.scene->objects[i].model)].bounds);
+}
+
+const Box& SceneRenderer::object_bounds(std::uint32_t object) const {
+  RILIEVO_EXPECTS_LT(object, state_->bounds.size());
+  return state_->bounds[object];
+}
+
+bool SceneRenderer::has_blended_parts(std::uint32_t object) const {
+  return state_->blended_model[std::size_t(state_->scene->objects[object].model)];
+}
+
+bool SceneRenderer::has_opaque_parts(std::uint32_t object) const {
+  return state_->opaque_model[std::size_t(state_->scene->objects[object].model)];
+}
+
+void SceneRenderer::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
+  const Frustum frustum = frustum_of(camera);
+  for (std::uint32_t i = 0; i < state_->bounds.size(); ++i)
+    if (may_touch(frustum, state_->bounds[i])) visible.push_back(i);
+}
+
+void SceneRenderer::draw_opaque(const Camera& camera, std::span<const std::uint32_t> objects,
+                                OutputEncoding encoding) {
+  State& s = *state_;
+  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
+                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  s.draw_list(camera, encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
+}
+
+void SceneRenderer::draw_shares(const Camera& camera, std::span<const PixelShare> shares,
+                                OutputEncoding encoding) {
+  State& s = *state_;
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  const unsigned linear = encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u;
+  s.shares.resize(s.bounds.size());
+  s.shared_in.resize(s.bounds.size(), 0);
+  // One share of each object at a time.
+  s.waiting.assign(shares.begin(), shares.end());
+  while (!s.waiting.empty()) {
+    ++s.shared_pass;
+    s.shared_objects.clear();
+    std::erase_if(s.waiting, [&](const PixelShare& share) {
+      if (s.shared_in[share.object] == s.shared_pass) return false;
+      s.shared_in[share.object] = s.shared_pass;
+      s.shares[share.object] = {share.from, share.to};
+      s.shared_objects.push_back(share.object);
+      return true;
+    });
+    s.list.build_front_to_back(*s.scene, camera, s.shared_objects, s.poses, s.bounds,
+                               {s.opaque_mesh.get(), s.scene->meshes.size()});
+    s.draw_list(camera, shader::kShare | linear);
+  }
+  s.shares.clear();
+}
+
+void SceneRenderer::draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,
+                                 OutputEncoding encoding) {
+  State& s = *state_;
+  s.list.build_back_to_front(*s.scene, camera, objects, s.poses, s.bounds,
+                             {s.blended_mesh.get(), s.scene->meshes.size()});
+  if (s.list.batches().empty()) return;
+  glDepthMask(GL_FALSE);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  s.draw_list(camera, encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
+  glDisable(GL_BLEND);
+  glDepthMask(GL_TRUE);
+}
+
+void SceneRenderer::draw_objects(const Camera& camera, std::span<const std::uint32_t> objects) {
+  State& s = *state_;
+  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
+                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  s.draw_list(camera, unsigned(shader::kObjectIds));
+}
+
+void SceneRenderer::draw_sky(const Camera& camera, OutputEncoding encoding) {
+  State& s = *state_;
+  s.upload_view(camera);
+  glUseProgram(s.sky[encoding == OutputEncoding::linear]);
+  glBindVertexArray(s.no_vertices);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
+  glDepthFunc(GL_LEQUAL);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthMask(GL_TRUE);
+}
+
+}  // namespace rilievo

@@ -1,0 +1,382 @@
+// Metallic-roughness shading after appendix B of the glTF 2.0 specification: GGX distribution,
+// Smith visibility, Schlick's Fresnel; ambient light from a two-colour sky, its mirror part by the
+// approximation of [Karis 2014, Physically Based Shading on Mobile].
+#include <glm/glm.hpp>
+
+#include "rilievo/render/opengl/scene_shaders.h"
+
+namespace rilievo::shader {
+namespace {
+
+const char* const kCommon = R"(
+struct LightBlock { vec4 position_range, direction_kind, intensity_inner, outer; };
+layout(std140, binding = 0) uniform View {
+  mat4 clip_from_relative;
+  mat4 relative_from_clip;
+  vec4 eye_direction;
+  vec4 zenith, horizon, ground;
+  vec4 light_count;
+  LightBlock lights[16];
+} view;
+)";
+
+const char* const kSky = R"(
+// Radiance of the sky in a direction: a smooth blend over elevation.
+vec3 sky_radiance(float elevation) {
+  vec3 above = mix(view.horizon.rgb, view.zenith.rgb, sqrt(clamp(elevation, 0.0, 1.0)));
+  return mix(above, view.ground.rgb, smoothstep(0.0, -0.08, elevation));
+}
+)";
+
+const char* const kVertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 normal;
+#ifdef COLORS
+layout(location = 2) in vec4 color;
+out vec4 v_color;
+#endif
+#ifdef TEXTURES
+layout(location = 3) in vec2 uv0;
+layout(location = 4) in vec2 uv1;
+out vec4 v_uv;
+#endif
+layout(location = 5) in vec4 row0;
+layout(location = 6) in vec4 row1;
+layout(location = 7) in vec4 row2;
+#ifdef SHARE
+layout(location = 9) in vec2 share;
+flat out vec2 v_share;
+#endif
+#ifdef OBJECT_IDS
+layout(location = 8) in uint object;
+flat out uint v_object;
+#else
+out vec3 v_relative;
+out vec3 v_normal;
+#endif
+
+void main() {
+  vec4 p = vec4(position, 1.0);
+  vec3 relative = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
+  gl_Position = view.clip_from_relative * vec4(relative, 1.0);
+#ifdef OBJECT_IDS
+  v_object = object;
+#else
+  v_relative = relative;
+  // The cofactor matrix carries normals through any linear map; the sign of the determinant keeps
+  // them pointing outwards through a mirror.
+  vec3 yz = cross(row1.xyz, row2.xyz), zx = cross(row2.xyz, row0.xyz), xy = cross(row0.xyz, row1.xyz);
+  v_normal = sign(dot(row0.xyz, yz)) *
+             vec3(dot(yz, normal.xyz), dot(zx, normal.xyz), dot(xy, normal.xyz));
+#endif
+#ifdef SHARE
+  v_share = share;
+#endif
+#ifdef COLORS
+  v_color = color;
+#endif
+#ifdef TEXTURES
+  v_uv = vec4(uv0, uv1);
+#endif
+}
+)";
+
+const char* const kFragment = R"(
+layout(std140, binding = 1) uniform Material {
+  vec4 base_color;
+  vec4 emissive_normal_scale;
+  vec4 metallic_roughness_occlusion_cutoff;
+  vec4 uv_rows[10];
+} material;
+
+#ifdef SHARE
+flat in vec2 v_share;
+#endif
+#ifdef COLORS
+in vec4 v_color;
+#endif
+#ifdef TEXTURES
+in vec4 v_uv;
+layout(binding = 0) uniform sampler2D base_color_texture;
+layout(binding = 1) uniform sampler2D metallic_roughness_texture;
+layout(binding = 2) uniform sampler2D normal_texture;
+layout(binding = 3) uniform sampler2D occlusion_texture;
+layout(binding = 4) uniform sampler2D emissive_texture;
+
+vec2 uv_of(int unit) {
+  vec4 a = material.uv_rows[2 * unit], b = material.uv_rows[2 * unit + 1];
+  vec3 uv = vec3(a.w > 0.5 ? v_uv.zw : v_uv.xy, 1.0);
+  return vec2(dot(a.xyz, uv), dot(b.xyz, uv));
+}
+#endif
+
+#ifdef OBJECT_IDS
+flat in uint v_object;
+layout(location = 0) out uint out_object;
+#else
+in vec3 v_relative;
+in vec3 v_normal;
+layout(location = 0) out vec4 out_color;
+
+const float kPi = 3.14159265;
+
+// Reflected at normal incidence: of metals coloured.
+#ifdef METALLIC
+#define F0 vec3
+#else
+#define F0 float
+#endif
+
+// Light that leaves the surface towards `v`, per unit of light that arrives from `l`, times n.l.
+vec3 reflected(vec3 n, vec3 v, vec3 l, vec3 diffuse, F0 f0, float alpha2) {
+  float towards_l = dot(n, l), towards_v = dot(n, v);
+  float n_l = clamp(towards_l, 0.0, 1.0), n_v = clamp(towards_v, 1e-4, 1.0);
+  // With h halfway between l and v, |l + v|^2 = 2 (1 + l.v) = 4 (v.h)^2, and n.h follows.
+  float v_h2 = clamp(0.5 + 0.5 * dot(l, v), 1e-6, 1.0);
+  float up = max(towards_l + towards_v, 0.0);
+  float n_h2 = min(0.25 * up * up / v_h2, 1.0);
+  float d = n_h2 * (alpha2 - 1.0) + 1.0;
+  float masked = n_l * sqrt(n_v * n_v * (1.0 - alpha2) + alpha2) +
+                 n_v * sqrt(n_l * n_l * (1.0 - alpha2) + alpha2) + 1e-5;
+  float distribution_visibility = 0.5 / kPi * alpha2 / (d * d * masked);
+  float m = 1.0 - sqrt(v_h2), m2 = m * m;
+  F0 fresnel = f0 + (1.0 - f0) * (m2 * m2 * m);
+  return n_l * (1.0 / kPi * diffuse * (1.0 - fresnel) + fresnel * distribution_visibility);
+}
+
+#ifdef ANY_LIGHTS
+// How much of the light's intensity arrives here, and the way to it.
+float arrives(LightBlock light, out vec3 l) {
+  l = -light.direction_kind.xyz;
+  if (light.direction_kind.w < 0.5) return 1.0;
+  vec3 to = light.position_range.xyz - v_relative;
+  float strength = 1.0, distance2 = max(dot(to, to), 1e-6), range = light.position_range.w;
+  if (light.direction_kind.w > 1.5) {
+    float cosine = dot(normalize(-to), light.direction_kind.xyz);
+    strength = smoothstep(light.outer.x, light.intensity_inner.w, cosine);
+  }
+  l = to * inversesqrt(distance2);
+  strength /= distance2;
+  if (range > 0.0) {
+    float r = distance2 / (range * range);
+    strength *= clamp(1.0 - r * r, 0.0, 1.0);
+  }
+  return strength;
+}
+#endif
+
+#ifdef NORMAL_MAP
+// [Schueler 2013, Normal Mapping Without Precomputed Tangents]: the frame from screen derivatives.
+vec3 mapped_normal(vec3 n) {
+  vec2 uv = uv_of(2);
+  vec3 dp1 = dFdx(v_relative), dp2 = dFdy(v_relative);
+  vec2 du1 = dFdx(uv), du2 = dFdy(uv);
+  vec3 a = cross(dp2, n), b = cross(n, dp1);
+  vec3 t = a * du1.x + b * du2.x, bt = a * du1.y + b * du2.y;
+  float longest = max(dot(t, t), dot(bt, bt));
+  if (longest <= 0.0) return n;
+  vec3 m = texture(normal_texture, uv).xyz * 2.0 - 1.0;
+  m.xy *= material.emissive_normal_scale.w;
+  // glTF's texture v grows downwards as the bitangent grows upwards.
+  return normalize(inversesqrt(longest) * (t * m.x - bt * m.y) + n * m.z);
+}
+#endif
+
+vec3 shade(vec3 base, vec3 n, vec3 v) {
+  float roughness = material.metallic_roughness_occlusion_cutoff.y;
+  float occlusion = 1.0;
+#ifdef TEXTURES
+  vec4 mr = texture(metallic_roughness_texture, uv_of(1));
+  roughness *= mr.g;
+  occlusion += material.metallic_roughness_occlusion_cutoff.z *
+               (texture(occlusion_texture, uv_of(3)).r - 1.0);
+#endif
+  roughness = clamp(roughness, 0.045, 1.0);
+#ifdef METALLIC
+  float metallic = material.metallic_roughness_occlusion_cutoff.x;
+#ifdef TEXTURES
+  metallic *= mr.b;
+#endif
+  vec3 diffuse = base * (1.0 - metallic);
+  vec3 f0 = mix(vec3(0.04), base, metallic);
+#else
+  vec3 diffuse = base;
+  float f0 = 0.04;
+#endif
+  float alpha = roughness * roughness;
+
+  float alpha2 = alpha * alpha;
+#ifdef ANY_LIGHTS
+  vec3 light = vec3(0.0);
+  for (int i = 0; i < int(view.light_count.x); ++i) {
+    vec3 l;
+    float strength = arrives(view.lights[i], l);
+    light += strength * view.lights[i].intensity_inner.rgb * reflected(n, v, l, diffuse, f0, alpha2);
+  }
+#else
+  // One sun. A software rasteriser takes a quarter longer with the loop.
+  vec3 light = view.lights[0].intensity_inner.rgb *
+               reflected(n, v, -view.lights[0].direction_kind.xyz, diffuse, f0, alpha2);
+#endif
+
+  // The sky as ambient light: diffuse from the hemisphere around n, mirrored part by roughness.
+  vec3 hemisphere = mix(view.ground.rgb, 0.5 * (view.zenith.rgb + view.horizon.rgb), 0.5 + 0.5 * n.y);
+  vec3 mirrored = mix(sky_radiance(reflect(-v, n).y), hemisphere, roughness);
+  float n_v = clamp(dot(n, v), 0.0, 1.0);
+  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+  float a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
+  vec2 ab = vec2(-1.04, 1.04) * a004 + r.zw;
+  light += occlusion * (0.6 * diffuse * hemisphere + (f0 * ab.x + ab.y) * mirrored);
+
+#ifdef EMISSIVE
+  vec3 emissive = material.emissive_normal_scale.rgb;
+#ifdef TEXTURES
+  emissive *= texture(emissive_texture, uv_of(4)).rgb;
+#endif
+  light += emissive;
+#endif
+  return light;
+}
+#endif
+
+void main() {
+#ifdef SHARE
+  float hash = pixel_hash();
+  if (hash < v_share.x || hash >= v_share.y) discard;
+#endif
+  vec4 base = material.base_color;
+#ifdef TEXTURES
+  base *= texture(base_color_texture, uv_of(0));
+#endif
+#ifdef COLORS
+  base *= v_color;
+#endif
+
+  float alpha = 1.0;
+#ifdef MASK
+  // Sharpened to one pixel's width, so that coverage antialiases the cut-out where the frame has
+  // several samples.
+  float cutoff = material.metallic_roughness_occlusion_cutoff.w;
+  alpha = clamp((base.a - cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
+#ifdef OBJECT_IDS
+  if (base.a < cutoff) discard;
+#else
+  if (alpha < (gl_NumSamples > 1 ? 0.125 : 0.5)) discard;
+#endif
+#endif
+#ifdef BLEND
+  alpha = base.a;
+#endif
+
+#ifdef OBJECT_IDS
+  out_object = v_object;
+#else
+#ifdef UNLIT
+  vec3 color = base.rgb;
+#else
+#ifdef BACK_PERSPECTIVE
+  vec3 v = v_relative;  // to who sees it
+#else
+  vec3 v = view.eye_direction.w == 0.0 ? view.eye_direction.xyz : -normalize(v_relative);
+#endif
+  vec3 n = normalize(v_normal);
+  // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
+  // silhouette the smooth normal of a visible face may already point away.
+  vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
+  if (dot(facing, v) * dot(facing, n) < 0.0) n = -n;
+#ifdef BACK_PERSPECTIVE
+  // The picture is for viewers far away: they see along its axis, not along its rays, which part
+  // where theirs meet. What turns away from the axis is seen from beside it, by those for whom the
+  // picture is still the nearest: some 20 degrees away, and so at 10 on average.
+  v = view.eye_direction.xyz;
+  v = normalize(v + max(0.0, 0.17 - dot(n, v)) * n);
+#endif
+#ifdef NORMAL_MAP
+  n = mapped_normal(n);
+#endif
+  vec3 color = shade(base.rgb, n, v);
+#endif
+#ifndef LINEAR
+  color = srgb_from_linear(color);
+#endif
+#ifdef BLEND
+  color *= alpha;
+#endif
+  out_color = vec4(color, alpha);
+#endif
+}
+)";
+
+const char* const kSkyVertex = R"(
+out vec3 v_direction;
+void main() {
+  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
+  gl_Position = vec4(corner, 1.0, 1.0);
+  vec4 far = view.relative_from_clip * gl_Position, near = view.relative_from_clip * vec4(corner, -1.0, 1.0);
+  v_direction = far.xyz / far.w - near.xyz / near.w;
+}
+)";
+
+const char* const kSkyFragment = R"(
+in vec3 v_direction;
+layout(location = 0) out vec4 out_color;
+void main() {
+  vec3 color = sky_radiance(normalize(v_direction).y);
+#ifndef LINEAR
+  color = srgb_from_linear(color);
+#endif
+  out_color = vec4(color, 1.0);
+}
+)";
+
+const char* const kVersion = "#version 450\n";
+
+}  // namespace
+
+const char* const kPixelHash = R"(
+float pixel_hash() {
+  return fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
+}
+)";
+
+const char* const kSrgbFromLinear = R"(
+// The power 1 / 2.4 = 5 / 6 of a square root, and that nearly a polynomial (minimax over what the
+// curve holds for): within a fifth of a byte, at a fraction of the time of pow.
+vec3 srgb_from_linear(vec3 c) {
+  c = clamp(c, 0.0, 1.0);
+  vec3 s = sqrt(c);
+  vec3 curve = (((-0.30957186 * s + 0.84279114) * s - 0.94486092) * s + 1.44789933) * s - 0.03700467;
+  return mix(12.92 * c, curve, step(vec3(0.0031308), c));
+}
+)";
+
+Result<gl::Program> make_scene_program(unsigned features) {
+  std::string defines;
+  const auto define = [&](Feature feature, const char* name) {
+    if (features & feature) defines += std::string("#define ") + name + " 1\n";
+  };
+  define(kColors, "COLORS");
+  define(kTextures, "TEXTURES");
+  define(kNormalMap, "NORMAL_MAP");
+  define(kMask, "MASK");
+  define(kUnlit, "UNLIT");
+  define(kBlend, "BLEND");
+  define(kObjectIds, "OBJECT_IDS");
+  define(kLinear, "LINEAR");
+  define(kShare, "SHARE");
+  define(kAnyLights, "ANY_LIGHTS");
+  define(kBackPerspective, "BACK_PERSPECTIVE");
+  define(kMetallic, "METALLIC");
+  define(kEmissive, "EMISSIVE");
+  const std::string head = std::string(kVersion) + kCommon;
+  return gl::make_program("scene", head + kVertex,
+                          head + kSky + kSrgbFromLinear + kPixelHash + kFragment, defines);
+}
+
+Result<gl::Program> make_sky_program(bool linear) {
+  const std::string head = std::string(kVersion) + kCommon;
+  return gl::make_program("sky", head + kSkyVertex, head + kSky + kSrgbFromLinear + kSkyFragment,
+                          linear ? "#define LINEAR 1\n" : "");
+}
+
+}  // namespace rilievo::shader

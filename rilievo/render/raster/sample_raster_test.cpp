@@ -1,0 +1,224 @@
+#include "rilievo/render/raster/sample_raster.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "rilievo/render/shading/simd_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+constexpr std::uint32_t kNothing = 0xFFFFFFFFu;
+
+struct Soup {
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> indices;
+  RasterInstance instance;
+};
+
+// A view of [-1, 1]^2 from a distance, slightly turned, that fills the picture.
+void look(Soup& soup, int width, int height, float turn) {
+  RasterInstance& r = soup.instance;
+  r.positions = soup.positions.data();
+  r.indices = soup.indices.data();
+  r.triangles = std::uint32_t(soup.indices.size() / 3);
+  const float w = float(width), h = float(height);
+  r.row_w = {0.2f * turn, 0.1f, -0.3f, 2};
+  r.row_x = 0.5f * w * (glm::vec4(2, turn, 0, 0) + r.row_w);
+  r.row_y = 0.5f * h * (glm::vec4(-turn, 2, 0, 0) + r.row_w);
+  r.row_z = {0, 0, 0.4f, 1};
+}
+
+// Triangles of all sizes, some of them far beyond the picture, that meet and cut each other.
+Soup random_soup(std::mt19937& rng, int triangles) {
+  std::uniform_real_distribution<float> u(-1, 1);
+  Soup soup;
+  for (int i = 0; i < triangles; ++i) {
+    const float size = std::pow(10.0f, 1.2f * u(rng) - 0.8f);
+    const glm::vec3 center(u(rng), u(rng), u(rng));
+    for (int k = 0; k < 3; ++k) {
+      soup.indices.push_back(std::uint32_t(soup.positions.size()));
+      soup.positions.push_back(center + size * glm::vec3(u(rng), u(rng), u(rng)));
+    }
+  }
+  // What must not be seen at all: no area, no number.
+  soup.indices.insert(soup.indices.end(), {0, 0, 1, 2, 2, 2});
+  soup.indices.insert(soup.indices.end(), {0, 1, std::uint32_t(soup.positions.size())});
+  soup.positions.push_back({NAN, 0, 0});
+  return soup;
+}
+
+struct Nearest {
+  double z = 1;
+  std::uint32_t name = kNothing;
+  bool doubtful = false;  // so near an edge, or two depths so alike, that rounding decides
+};
+
+// By definition: all triangles, in doubles.
+Nearest slow_nearest(const std::vector<Soup>& soups, const glm::dvec2& at) {
+  Nearest best;
+  for (const Soup& soup : soups)
+    for (std::uint32_t t = 0; t < soup.instance.triangles; ++t) {
+      glm::dvec3 c[3];
+      bool behind = false;
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec4 p(glm::dvec3(soup.positions[soup.indices[3 * t + std::uint32_t(k)]]), 1);
+        const RasterInstance& r = soup.instance;
+        const double w = glm::dot(glm::dvec4(r.row_w), p);
+        behind |= !(w > 0);
+        c[k] = glm::dvec3(glm::dot(glm::dvec4(r.row_x), p), glm::dot(glm::dvec4(r.row_y), p),
+                          glm::dot(glm::dvec4(r.row_z), p)) /
+               w;
+      }
+      if (behind) continue;
+      const auto cross = [](const glm::dvec2& a, const glm::dvec2& b) {
+        return a.x * b.y - a.y * b.x;
+      };
+      const double area = cross(glm::dvec2(c[1] - c[0]), glm::dvec2(c[2] - c[0]));
+      if (!(area > 0 ? soup.instance.front : area < 0 && soup.instance.back)) continue;
+      double share[3], nearest_edge = 1e300;
+      for (int k = 0; k < 3; ++k) {
+        const glm::dvec2 a(c[(k + 1) % 3]), b(c[(k + 2) % 3]);
+        share[k] = cross(b - a, at - a) / area;
+        nearest_edge = std::min(nearest_edge,
+                                share[k] * std::abs(area) / std::max(glm::length(b - a), 1e-300));
+      }
+      // Floats: a few parts in 2^24 of coordinates up to some hundreds.
+      constexpr double kEdge = 1e-3, kDepth = 1e-5;
+      if (nearest_edge < -kEdge) continue;
+      const double z = std::max(0.0, share[0] * c[0].z + share[1] * c[1].z + share[2] * c[2].z);
+      const bool at_edge = nearest_edge < kEdge;
+      if (z > best.z + kDepth) continue;
+      best.doubtful =
+          (best.doubtful && z > best.z - kDepth) || at_edge || std::abs(z - best.z) <= kDepth;
+      if (nearest_edge >= 0 && z < best.z) {
+        best.z = z;
+        best.name = soup.instance.first_name + t;
+      }
+    }
+  return best;
+}
+
+TEST(SampleRaster, finds_the_triangle_that_is_nearest_among_all) {
+  for_each_instruction_set([](const char* name) {
+    std::mt19937 rng(5);
+    int compared = 0, covered = 0;
+    for (int round = 0; round < 24; ++round) {
+      const int samples = round % 2 ? 4 : 1;
+      const int width = 1 + int(rng() % 90), height = 1 + int(rng() % 60);
+      std::vector<Soup> soups;
+      std::vector<RasterInstance> instances;
+      std::uint32_t first_name = 0;
+      for (int i = 0; i < 3; ++i) {
+        soups.push_back(random_soup(rng, 5 << (round % 5)));
+        look(soups.back(), width, height, 0.3f * float(i));
+        RasterInstance& r = soups.back().instance;
+        r.front = i != 1, r.back = i != 0;
+        r.first_name = first_name;
+        first_name += r.triangles;
+      }
+      for (const Soup& soup : soups) instances.push_back(soup.instance);
+      SampleRaster raster;
+      raster.begin(width, height, samples);
+      raster.draw(instances);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+          for (int s = 0; s < samples; ++s) {
+            const glm::dvec2 at =
+                glm::dvec2(x, y) + glm::dvec2(SampleRaster::sample_position(s, samples));
+            const Nearest expected = slow_nearest(soups, at);
+            if (expected.doubtful) continue;
+            ++compared;
+            const float z = raster.depths(y)[x * samples + s];
+            // Floats again; z is at most 1, its slopes are steep.
+            ASSERT_NEAR(z, expected.z, 2e-5)
+                << name << ", round " << round << ": " << x << " " << y;
+            if (expected.z >= 1) continue;
+            ++covered;
+            ASSERT_EQ(raster.names(y)[x * samples + s], expected.name);
+          }
+    }
+    EXPECT_GT(compared, 50'000);
+    EXPECT_GT(covered, compared / 3);
+  });
+}
+
+// A crumpled sheet, not folded over, that reaches beyond the picture.
+TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (int round = 0; round < 12; ++round) {
+    const int samples = round % 2 ? 4 : 1, n = 2 + 3 * round, size = 80;
+    Soup soup;
+    // Every third sheet has corners that lie on samples.
+    for (int y = 0; y <= n; ++y)
+      for (int x = 0; x <= n; ++x) {
+        glm::vec2 p(1.5f * (2.0f * float(x) / float(n) - 1),
+                    1.5f * (2.0f * float(y) / float(n) - 1));
+        p += 0.8f / float(n) * glm::vec2(u(rng), u(rng));
+        if (round % 3 == 0) p = glm::round(p * 320.0f) / 320.0f;
+        soup.positions.emplace_back(p, 0.2f * u(rng));
+      }
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        const auto a = std::uint32_t(y * (n + 1) + x), b = a + 1, c = a + std::uint32_t(n) + 1,
+                   d = c + 1;
+        if (rng() % 2)
+          soup.indices.insert(soup.indices.end(), {a, b, d, a, d, c});
+        else
+          soup.indices.insert(soup.indices.end(), {a, b, c, b, d, c});
+      }
+    look(soup, size, size, 0.0f);
+    soup.instance.row_w = {0, 0, 0, 2};
+    soup.instance.row_x = float(size) * glm::vec4(1, 0, 0, 1);
+    soup.instance.row_y = float(size) * glm::vec4(0, 1, 0, 1);
+    soup.instance.front = soup.instance.back = true;
+    std::vector<int> times(std::size_t(size * size * samples));
+    SampleRaster raster;
+    for (std::uint32_t t = 0; t < soup.instance.triangles; ++t) {
+      RasterInstance one = soup.instance;
+      one.indices += 3 * t;
+      one.triangles = 1;
+      raster.begin(size, size, samples);
+      raster.draw({&one, 1});
+      for (int y = 0; y < size; ++y)
+        for (int i = 0; i < size * samples; ++i)
+          times[std::size_t(y * size * samples + i)] += raster.depths(y)[i] < 1;
+    }
+    for (const int t : times) ASSERT_EQ(t, 1) << "sheet " << round;
+  }
+}
+
+TEST(SampleRaster, gives_the_same_bytes_for_any_number_of_threads_and_instruction_set) {
+  std::mt19937 rng(7);
+  Soup soup = random_soup(rng, 20'000);  // more than a round
+  look(soup, 120, 90, 0.2f);
+  soup.instance.back = true;
+  const auto draw = [&] {
+    SampleRaster raster;
+    raster.begin(120, 90, 4);
+    raster.draw({&soup.instance, 1});
+    std::vector<std::uint32_t> seen;
+    for (int y = 0; y < 90; ++y)
+      for (int i = 0; i < 480; ++i) {
+        const float z = raster.depths(y)[i];
+        seen.push_back(z < 1 ? raster.names(y)[i] : kNothing);
+        seen.push_back(0);
+        std::memcpy(&seen.back(), &z, sizeof z);
+      }
+    return seen;
+  };
+  const auto expected = draw();
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(draw(), expected);
+  }
+  for_each_instruction_set([&](const char* name) { EXPECT_EQ(draw(), expected) << name; });
+}
+
+}  // namespace
+}  // namespace rilievo

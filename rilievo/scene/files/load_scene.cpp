@@ -1,0 +1,125 @@
+#include "rilievo/scene/files/load_scene.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include "rilievo/core/file.h"
+#include "rilievo/io/load_context.h"
+#include "rilievo/scene/gltf/read.h"
+#include "rilievo/scene/polygons/polygon_read.h"
+
+namespace rilievo {
+namespace {
+
+bool starts_with(Bytes bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string e = path.extension().string();
+  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
+  return e.empty() ? e : e.substr(1);
+}
+
+// What a file is that cannot be a scene, by its first bytes.
+const char* foreign_kind(Bytes file) {
+  struct Magic {
+    std::string_view bytes;
+    const char* kind;
+  };
+  static constexpr Magic kMagics[] = {{"\x89PNG", "a PNG picture"},
+                                      {"\xFF\xD8\xFF", "a JPEG picture"},
+                                      {"v/1\x01", "an OpenEXR picture"},
+                                      {"\xABKTX", "a KTX picture"},
+                                      {"DDS ", "a DDS picture"},
+                                      {"PK\x03\x04", "a ZIP archive"},
+                                      {"\x1F\x8B", "a gzip archive"},
+                                      {"Kaydara FBX", "an FBX file"},
+                                      {"SQLite format 3", "a SQLite database"},
+                                      {"\x7F"
+                                       "ELF",
+                                       "a program"},
+                                      {"%PDF", "a PDF document"},
+                                      {"BLENDER", "a Blender file"}};
+  for (const Magic& magic : kMagics)
+    if (starts_with(file, magic.bytes)) return magic.kind;
+  return nullptr;
+}
+
+// "gltf", "obj", "ply" or "stl".
+std::string kind_of(Bytes file, const std::string& extension) {
+  if (file.empty()) refuse("is empty");
+  if (starts_with(file, "glTF")) return "gltf";
+  if (const char* kind = foreign_kind(file)) refuse(std::string("is ") + kind + ", not a scene");
+  if (starts_with(file, "ply\n") || starts_with(file, "ply\r")) return "ply";
+  if (extension == "glb") refuse("is not a .glb file: it does not begin with 'glTF'");
+  if (extension == "gltf") return "gltf";
+  if (extension == "ply") refuse("is not a PLY file: it does not begin with 'ply'");
+  if (extension == "obj" || extension == "stl") return extension;
+  if (starts_with(file, "solid ") || is_binary_stl(file)) return "stl";
+  const auto first =
+      std::find_if(file.begin(), file.end(), [](std::uint8_t c) { return c > ' ' && c < 0x80; });
+  if (first != file.end() && *first == '{') return "gltf";
+  refuse("is of no kind that can be read (.gltf, .glb, .obj, .ply, .stl)");
+}
+
+LoadedScene read(Bytes file, const std::string& extension, LoadContext& context) {
+  const std::string kind = kind_of(file, extension);
+  LoadedScene out;
+  out.scene = kind == "gltf"  ? read_gltf(file, context)
+              : kind == "obj" ? read_obj(file, context)
+              : kind == "ply" ? read_ply(file, context)
+                              : read_stl(file, context);
+  finish(out.scene);
+  if (const Result<> valid = validate(out.scene); !valid) refuse(valid.error().reason);
+  if (count_triangles(out.scene) == 0)
+    refuse(context.skipped_points_or_lines ? "has points or lines only, no triangles to draw"
+                                           : "has no triangles to draw");
+  const Box bounds = world_bounds(out.scene, context.time);
+  if (!std::isfinite(bounds.radius())) refuse("is larger than numbers can say");
+  if (bounds.radius() == 0.0f) refuse("has all its triangles in one point");
+  out.warnings = std::move(context.warnings);
+  return out;
+}
+
+Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, LoadContext& context) {
+  const std::string where = path.string();
+  try {
+    return read(file, lower_extension(path), context);
+  } catch (const LoadFault& fault) {
+    return Error{where, fault.reason};
+  } catch (const std::bad_alloc&) {
+    return Error{where, "needs more memory than there is"};
+  } catch (const std::exception& e) {
+    // A library's own complaint; none is expected that is not caught nearer to its cause.
+    return Error{where, std::string("cannot be read: ") + e.what()};
+  }
+}
+
+}  // namespace
+
+Result<LoadedScene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
+  const Result<std::string> file = read_file(path, options.max_bytes);
+  if (!file) return file.error();
+  LoadContext context{path.stem().string(),
+                      path.parent_path(),
+                      options.time,
+                      MemoryBudget(options.max_bytes - file->size()),
+                      {},
+                      false};
+  return guarded(bytes_of(*file), path, context);
+}
+
+Result<LoadedScene> load_scene(std::span<const std::uint8_t> bytes, const std::string& name,
+                               const LoadOptions& options) {
+  const std::filesystem::path path(name);
+  LoadContext context{
+      path.stem().string(), {}, options.time, MemoryBudget(options.max_bytes), {}, false};
+  return guarded(bytes, path, context);
+}
+
+}  // namespace rilievo

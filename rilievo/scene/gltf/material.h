@@ -1,0 +1,35 @@
+// Materials, textures and samplers of a glTF document. Internal; throws LoadFault.
+#pragma once
+
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "rilievo/scene/gltf/document.h"
+#include "rilievo/scene/scene.h"
+
+namespace rilievo::gltf {
+
+// Reads materials when they are first used, and with them their pictures: what no drawn triangle
+// needs is not decoded.
+class Materials {
+ public:
+  Materials(Document& document, Scene& scene) : document_(document), scene_(scene) {}
+
+  // Index into Scene::materials of materials[i], or of glTF's default material for i = -1.
+  [[nodiscard]] int use(int i);
+
+ private:
+  [[nodiscard]] TextureUse texture_use(const JsonValue& info);
+  [[nodiscard]] int texture(int i);
+  [[nodiscard]] int load_texture(const JsonValue& texture);
+  [[nodiscard]] Material read(const JsonValue& from);
+  void read_specular_glossiness(const JsonValue& from, Material& material);
+
+  Document& document_;
+  Scene& scene_;
+  std::map<int, int> materials_, textures_;                    // glTF's index -> the scene's
+  std::map<std::tuple<int, Wrap, Wrap, bool>, int> pictures_;  // image and sampler -> texture
+};
+
+}  // namespace rilievo::gltf

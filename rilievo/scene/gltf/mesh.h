@@ -1,0 +1,23 @@
+// Triangles of one glTF primitive, morphed and skinned. Internal; throws LoadFault.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "rilievo/scene/gltf/document.h"
+#include "rilievo/scene/scene.h"
+
+namespace rilievo::gltf {
+
+// How a mesh is bent before it is placed.
+struct Pose {
+  std::vector<float> weights;                // of the morph targets
+  std::vector<glm::dmat4> model_from_joint;  // skinned: inverse bind matrix included; else empty
+};
+
+// The primitive as a mesh with normals, posed; its material is still glTF's index. Nothing if it
+// has no triangles (points and lines are left out with a warning).
+[[nodiscard]] std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitive,
+                                                 const Pose& pose);
+
+}  // namespace rilievo::gltf

@@ -1,0 +1,240 @@
+#include "rilievo/scene/polygons/obj_material.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+
+#include "rilievo/io/picture_decode.h"
+#include "rilievo/io/text_scan.h"
+
+namespace rilievo {
+namespace {
+
+std::string lower(std::string_view word) {
+  std::string out(word);
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return out;
+}
+
+double next_number(std::string_view& rest, double otherwise) {
+  const std::optional<double> number = number_of(take_word(rest));
+  return number && std::isfinite(*number) ? *number : otherwise;
+}
+
+// "r g b", or one number for all three.
+glm::vec3 color(std::string_view rest) {
+  const double r = next_number(rest, 0.0), g = next_number(rest, r), b = next_number(rest, g);
+  return glm::vec3(glm::clamp(glm::dvec3(r, g, b), 0.0, 1e6));
+}
+
+bool has_alpha(const Rgba8Image& image) {
+  return std::any_of(image.texels().begin(), image.texels().end(),
+                     [](const glm::u8vec4& c) { return c.a < 250; });
+}
+
+// Cut-outs (leaves, fences) are nearly all in or out; glass is in between.
+AlphaMode alpha_mode_of(const Rgba8Image& image) {
+  if (!has_alpha(image)) return AlphaMode::opaque;
+  const auto between = std::count_if(image.texels().begin(), image.texels().end(),
+                                     [](const glm::u8vec4& c) { return c.a > 25 && c.a < 230; });
+  // A quarter: the soft edges of leaves that are a few texels wide.
+  return std::size_t(between) * 4 > image.texels().size() ? AlphaMode::blend : AlphaMode::mask;
+}
+
+// The opacity picture's alpha, or its brightness if it has none, as the alpha of `image`.
+void set_alpha(const Rgba8Image& opacity, Rgba8Image& image) {
+  const bool by_alpha = has_alpha(opacity);
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const glm::u8vec4& o = opacity(int(std::int64_t(x) * opacity.width() / image.width()),
+                                     int(std::int64_t(y) * opacity.height() / image.height()));
+      image(x, y).a = by_alpha ? o.a : std::uint8_t((o.r + o.g + o.b) / 3);
+    }
+}
+
+std::optional<Rgba8Image> decode(const std::string& file, LoadContext& context) {
+  try {
+    const std::string encoded = read_neighbor(context, file);
+    return decode_picture(bytes_of(encoded), context.budget);
+  } catch (const LoadFault& fault) {
+    const bool named = fault.reason.find(file) != std::string::npos;
+    context.warn("a texture is left out: " + (named ? "" : "'" + file + "' ") + fault.reason);
+    return {};
+  }
+}
+
+}  // namespace
+
+// Options, each with as many arguments as it takes, then the file's name, which may have spaces.
+ObjMaterials::Map ObjMaterials::parse_map(std::string_view rest) {
+  Map map;
+  while (true) {
+    std::string_view after = trimmed(rest);
+    if (!after.starts_with('-')) break;
+    const std::string option = lower(take_word(after));
+    if (option == "-s" || option == "-o" || option == "-t") {
+      glm::dvec3 v(option == "-s" ? 1.0 : 0.0);
+      // One to three numbers follow.
+      for (int c = 0; c < 3; ++c) {
+        std::string_view ahead = after;
+        const std::string_view word = take_word(ahead);
+        const std::optional<double> number = number_of(word);
+        const bool last = trimmed(ahead).empty();  // then it is the file's name
+        if (!number || !std::isfinite(*number) || last) break;
+        v[c] = *number;
+        after = ahead;
+      }
+      if (option == "-s") map.scale = v;
+      if (option == "-o") map.offset = v;
+    } else if (option == "-mm") {
+      (void)take_word(after), (void)take_word(after);
+    } else {
+      const std::string argument = lower(take_word(after));
+      if (option == "-clamp") map.clamp = argument == "on";
+    }
+    rest = after;
+  }
+  map.file = trimmed(rest);
+  return map;
+}
+
+void ObjMaterials::parse(std::string_view text) {
+  Definition* now = nullptr;
+  for (std::optional<std::string_view> line = take_line(text); line; line = take_line(text)) {
+    std::string_view rest = *line;
+    const std::string word = lower(take_word(rest));
+    if (word == "newmtl") {
+      const std::string name(trimmed(rest));
+      context_.budget.take(sizeof(Definition) + 2 * name.size() + 128);
+      now = &(definitions_[name] = Definition{});
+      now->material.name = name;
+      now->material.base_color = {0.8f, 0.8f, 0.8f, 1.0f};
+    } else if (!now) {
+      continue;
+    } else if (word == "kd") {
+      now->material.base_color = glm::vec4(glm::min(color(rest), 1.0f), 1.0f);
+    } else if (word == "ke") {
+      now->material.emissive = color(rest);
+    } else if (word == "d") {
+      now->opacity = next_number(rest, 1.0);
+    } else if (word == "tr") {
+      now->opacity = 1.0 - next_number(rest, 0.0);
+    } else if (word == "ns") {
+      // Blinn's exponent n as a width: alpha^2 = 2 / (n + 2), and roughness^2 = alpha.
+      const double n = std::clamp(next_number(rest, 0.0), 0.0, 1e6);
+      if (n > 0) now->material.roughness = float(std::pow(2.0 / (n + 2.0), 0.25));
+    } else if (word == "pr") {
+      now->material.roughness = float(std::clamp(next_number(rest, 0.8), 0.0, 1.0));
+    } else if (word == "pm") {
+      now->material.metallic = float(std::clamp(next_number(rest, 0.0), 0.0, 1.0));
+    } else if (word == "map_kd" || word == "map_d" || word == "map_ke" || word == "norm") {
+      context_.budget.take(256 + rest.size());
+      now->maps[word] = parse_map(rest);
+    }
+  }
+}
+
+void ObjMaterials::read(const std::string& names) {
+  // A name with spaces, or several names: try the whole first.
+  const auto add = [&](const std::string& name) {
+    const std::string file = read_neighbor(context_, name);
+    std::string converted;
+    parse(utf8_from(bytes_of(file), converted));
+  };
+  std::string why;
+  try {
+    return add(names);
+  } catch (const LoadFault& fault) {
+    why = fault.reason;
+  }
+  std::string_view rest = names;
+  const std::string_view first = take_word(rest);
+  if (trimmed(rest).empty()) return context_.warn("the material library is left out: " + why);
+  rest = names;
+  for (std::string_view name = first; !(name = take_word(rest)).empty();) try {
+      add(std::string(name));
+    } catch (const LoadFault& fault) {
+      context_.warn("a material library is left out: " + fault.reason);
+    }
+}
+
+TextureUse ObjMaterials::texture_use(const Map& map, const std::string& opacity) {
+  TextureUse use;
+  // In OBJ's space, where v grows upwards: uv' = scale uv + offset. With v = 1 - w on both sides,
+  // w' = scale w + (1 - scale - offset).
+  use.texture_from_uv[0][0] = float(map.scale.x);
+  use.texture_from_uv[2][0] = float(map.offset.x);
+  use.texture_from_uv[1][1] = float(map.scale.y);
+  use.texture_from_uv[2][1] = float(1.0 - map.scale.y - map.offset.y);
+
+  const auto [known, fresh] = pictures_.try_emplace({map.file, opacity, map.clamp}, -1);
+  if (fresh) {
+    Texture texture;
+    texture.name = map.file.empty() ? opacity : map.file;
+    if (map.clamp) texture.wrap_u = texture.wrap_v = Wrap::clamp_to_edge;
+    if (!map.file.empty())
+      if (std::optional<Rgba8Image> image = decode(map.file, context_))
+        texture.texels = std::move(*image);
+    if (!opacity.empty() && opacity != map.file)
+      if (const std::optional<Rgba8Image> image = decode(opacity, context_)) {
+        if (texture.texels.empty()) {
+          context_.budget.take(image->texels().size(), 4);
+          texture.texels = Rgba8Image(image->width(), image->height(), glm::u8vec4(255));
+        }
+        set_alpha(*image, texture.texels);
+      }
+    if (!texture.texels.empty()) {
+      known->second = int(textures_.size());
+      textures_.push_back(std::move(texture));
+    }
+  }
+  use.texture = known->second;
+  return use;
+}
+
+void ObjMaterials::finish(Definition& definition, bool colored) {
+  Material& m = definition.material;
+  // No format of this family says which side of a surface shows.
+  m.double_sided = true;
+  const Map opacity = definition.maps["map_d"];
+  Map base = definition.maps["map_kd"];
+  const bool pictured = !base.file.empty();
+  if (!pictured) base = Map{"", opacity.scale, opacity.offset, opacity.clamp};
+  if (pictured || !opacity.file.empty()) m.base_color_texture = texture_use(base, opacity.file);
+  const bool has_picture = m.base_color_texture.texture >= 0;
+  if (colored || (pictured && has_picture)) m.base_color = glm::vec4(1.0f);
+  if (has_picture) m.alpha_mode = alpha_mode_of(textures_[m.base_color_texture.texture].texels);
+  if (const Map& glow = definition.maps["map_ke"]; !glow.file.empty()) {
+    m.emissive_texture = texture_use(glow, "");
+    if (m.emissive == glm::vec3(0)) m.emissive = glm::vec3(1);
+  }
+  if (const Map& normal = definition.maps["norm"]; !normal.file.empty())
+    m.normal_texture = texture_use(normal, "");
+
+  // Some exporters confuse d with Tr: nobody models what cannot be seen.
+  if (definition.opacity <= 0.0) {
+    context_.warn("the material '" + m.name + "' is fully transparent; it is drawn opaque");
+  } else if (definition.opacity < 1.0) {
+    m.alpha_mode = AlphaMode::blend;
+    m.base_color.a = float(definition.opacity);
+  }
+}
+
+int ObjMaterials::use(const std::string& name, bool colored) {
+  const auto [known, fresh] = used_.try_emplace(name, -1);
+  if (!fresh) return known->second;
+  const auto found = definitions_.find(name);
+  if (found == definitions_.end()) {
+    if (!name.empty() && !definitions_.empty())
+      context_.warn("the material '" + name + "' is not defined");
+    return -1;
+  }
+  finish(found->second, colored);
+  known->second = int(materials_.size());
+  materials_.push_back(found->second.material);
+  return known->second;
+}
+
+}  // namespace rilievo

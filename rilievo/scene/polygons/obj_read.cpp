@@ -1,0 +1,194 @@
+// Wavefront OBJ: polygons, groups and materials; points, lines and free-form surfaces are left out.
+//
+// Every name after `o` or `g` is an Object; a vertex may have a colour behind its position, as
+// sculpting programs write it.
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "rilievo/io/color_io.h"
+#include "rilievo/io/text_scan.h"
+#include "rilievo/scene/polygons/obj_material.h"
+#include "rilievo/scene/polygons/polygon_read.h"
+
+namespace rilievo {
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(LoadContext& context) : context_(context), library_(context) {}
+
+  Scene read(std::string_view text) {
+    std::string joined;
+    for (std::optional<std::string_view> line = next(text, joined); line; line = next(text, joined))
+      read_statement(*line);
+    if (!soup_.colors.empty()) soup_.colors.resize(soup_.positions.size(), glm::vec4(1.0f));
+    if (!any_statement_) refuse("is not an OBJ file: it has no statement of one");
+    if (soup_.triangles.empty() && !soup_.positions.empty()) context_.skip_points_or_lines();
+    Scene materials;
+    for (SoupPart& part : parts_)
+      part.material = library_.use(material_names_[part.material], !soup_.colors.empty());
+    materials.materials = library_.take_materials();
+    materials.textures = library_.take_textures();
+    return scene_of(std::move(soup_), parts_, std::move(materials), context_);
+  }
+
+ private:
+  // The next line; a backslash at its end joins it with the one that follows.
+  std::optional<std::string_view> next(std::string_view& text, std::string& joined) {
+    ++line_;
+    std::optional<std::string_view> line = take_line(text);
+    if (!line || !line->ends_with('\\')) return line;
+    joined.clear();
+    while (line && line->ends_with('\\')) {
+      joined += line->substr(0, line->size() - 1);
+      joined += ' ';
+      ++line_;
+      line = take_line(text);
+    }
+    if (line) joined += *line;
+    return joined;
+  }
+
+  [[noreturn]] void fail(const std::string& reason) const {
+    refuse("line " + std::to_string(line_) + " " + reason);
+  }
+
+  // Up to `numbers.size()` numbers; how many there are.
+  std::size_t read_numbers(std::string_view rest, std::span<double> numbers) const {
+    std::size_t n = 0;
+    for (std::string_view word = take_word(rest); !word.empty() && n < numbers.size();
+         word = take_word(rest)) {
+      if (word[0] == '#') break;
+      const std::optional<double> number = number_of(word);
+      if (!number) fail("has '" + std::string(word.substr(0, 20)) + "' where a number belongs");
+      numbers[n++] = *number;
+    }
+    return n;
+  }
+
+  void read_statement(std::string_view rest) {
+    const std::string_view word = take_word(rest);
+    if (word.empty() || word[0] == '#') return;
+    if (word == "v") {
+      read_position(rest);
+    } else if (word == "vt") {
+      double uv[2] = {0, 0};
+      read_numbers(rest, uv);
+      context_.budget.take(2 * sizeof(glm::vec2));
+      // v grows upwards there, downwards here.
+      soup_.uv.push_back(glm::vec2(uv[0], 1.0 - uv[1]));
+    } else if (word == "vn") {
+      double n[3] = {0, 0, 0};
+      read_numbers(rest, n);
+      context_.budget.take(2 * sizeof(glm::vec3));
+      soup_.normals.push_back(glm::vec3(n[0], n[1], n[2]));
+    } else if (word == "f" || word == "fo") {
+      read_face(rest);
+    } else if (word == "o" || word == "g") {
+      object_ = trimmed(rest);
+      part_ = -1;
+    } else if (word == "usemtl") {
+      material_ = trimmed(rest);
+      part_ = -1;
+    } else if (word == "mtllib") {
+      library_.read(std::string(trimmed(rest)));
+    } else if (word == "p" || word == "l") {
+      context_.skip_points_or_lines();
+    } else if (word == "curv" || word == "surf" || word == "curv2") {
+      context_.warn("free-form curves and surfaces are left out");
+    } else if (word != "s") {
+      return;
+    }
+    any_statement_ = true;
+  }
+
+  void read_position(std::string_view rest) {
+    double v[7];
+    const std::size_t n = read_numbers(rest, v);
+    if (n < 3) fail("has a vertex with fewer than three numbers");
+    const glm::vec3 p(v[0], v[1], v[2]);
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      fail("has a vertex whose position is not finite");
+    context_.budget.take(2 * sizeof(glm::vec3));
+    soup_.positions.push_back(p);
+    if (n < 6) return;
+    context_.budget.take(2 * sizeof(glm::vec4));
+    soup_.colors.resize(soup_.positions.size() - 1, glm::vec4(1.0f));
+    soup_.colors.push_back(linear_from_screen({v[3], v[4], v[5], n > 6 ? v[6] : 1.0}));
+  }
+
+  // "7", "-1": from the first, or back from the last one so far.
+  std::uint32_t resolve(std::string_view digits, std::size_t count, const char* what) const {
+    const std::optional<std::int64_t> i = whole_number_of(digits);
+    if (!i) fail("has '" + std::string(digits.substr(0, 20)) + "' where a number belongs");
+    const std::int64_t at = *i > 0 ? *i - 1 : *i + std::int64_t(count);
+    if (*i == 0 || at < 0 || at >= std::int64_t(count))
+      fail("refers to " + std::string(what) + " " + std::to_string(*i) + ", but there are only " +
+           std::to_string(count));
+    return std::uint32_t(at);
+  }
+
+  void read_face(std::string_view rest) {
+    polygon_.clear();
+    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+      if (word[0] == '#') break;
+      // "position", "position/uv", "position//normal", "position/uv/normal"
+      std::array<std::string_view, 3> field;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t end = std::min(word.find('/'), word.size());
+        field[k] = word.substr(0, end);
+        word.remove_prefix(std::min(end + 1, word.size()));
+      }
+      Corner corner{resolve(field[0], soup_.positions.size(), "vertex")};
+      if (!field[1].empty()) corner.uv = resolve(field[1], soup_.uv.size(), "texture coordinate");
+      if (!field[2].empty()) corner.normal = resolve(field[2], soup_.normals.size(), "normal");
+      context_.budget.borrow(polygon_.size(), 8 * sizeof(Corner));
+      polygon_.push_back(corner);
+    }
+    if (polygon_.size() < 3) return context_.skip_points_or_lines();
+    if (part_ < 0) part_ = find_part();
+    add_polygon(soup_, polygon_, std::uint32_t(part_), context_.budget);
+  }
+
+  // The part of the current object with the current material.
+  int find_part() {
+    const auto [material, new_material] =
+        material_index_.try_emplace(material_, int(material_names_.size()));
+    if (new_material) material_names_.push_back(material_);
+    const auto [part, fresh] =
+        part_index_.try_emplace({object_, material->second}, int(parts_.size()));
+    if (fresh) {
+      context_.budget.take(256 + object_.size() + sizeof(Mesh));
+      parts_.push_back({object_.empty() ? context_.name : object_, material->second});
+    }
+    return part->second;
+  }
+
+  LoadContext& context_;
+  ObjMaterials library_;
+  PolygonSoup soup_;
+  std::vector<Corner> polygon_;
+  std::string object_, material_;
+  int part_ = -1;                // of the soup, for the next face; -1: to be found
+  std::vector<SoupPart> parts_;  // material: an index into material_names_ until all is read
+  std::vector<std::string> material_names_;
+  std::map<std::string, int> material_index_;
+  std::map<std::pair<std::string, int>, int> part_index_;
+  std::size_t line_ = 0;
+  bool any_statement_ = false;
+};
+
+}  // namespace
+
+Scene read_obj(Bytes file, LoadContext& context) {
+  context.budget.borrow(file.size(), 2);  // if it is in UTF-16
+  std::string converted;
+  const std::string_view text = utf8_from(file, converted);
+  // A zero is in no text, but soon in anything else.
+  if (text.substr(0, 4096).find('\0') != std::string::npos)
+    refuse("is not an OBJ file: it holds binary data");
+  return Reader(context).read(text);
+}
+
+}  // namespace rilievo

@@ -1,0 +1,238 @@
+#include "rilievo/scene/polygons/polygon_read.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "rilievo/core/color.h"
+#include "rilievo/core/file.h"
+#include "rilievo/core/file_test_helpers.h"
+#include "rilievo/scene/files/load_scene.h"
+
+namespace rilievo {
+namespace {
+
+Result<LoadedScene> load(const std::string& bytes, const std::string& name) {
+  return load_scene(bytes_of(bytes), name);
+}
+
+std::string reason(const std::string& bytes, const std::string& name) {
+  const Result<LoadedScene> loaded = load(bytes, name);
+  return loaded.ok() ? "ok" : loaded.error().reason;
+}
+
+const Material& material_of(const Scene& scene, std::size_t mesh) {
+  return scene.materials[scene.meshes[mesh].material];
+}
+
+using Triangle = std::array<glm::vec3, 3>;
+
+std::vector<Triangle> triangles_of(const Scene& scene) {
+  std::vector<Triangle> out;
+  for (const Mesh& mesh : scene.meshes)
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+      out.push_back({mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                     mesh.positions[mesh.indices[i + 2]]});
+  return out;
+}
+
+template <class T>
+void append(std::string& to, T value, bool big = false) {
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof value);
+  if (big) std::reverse(bytes, bytes + sizeof value);
+  to.append(bytes, sizeof value);
+}
+
+// One random mesh written in every format must come out the same.
+TEST(PolygonFiles, the_same_mesh_in_every_format_is_the_same) {
+  std::mt19937 rng(81);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<glm::vec3> p(3 + rng() % 20);
+    for (glm::vec3& v : p) v = {u(rng), u(rng), u(rng)};
+    std::vector<std::array<std::uint32_t, 3>> faces(1 + rng() % 30);
+    for (auto& f : faces) {
+      f[0] = std::uint32_t(rng() % p.size());
+      f[1] = std::uint32_t((f[0] + 1) % p.size());
+      f[2] = std::uint32_t((f[0] + 2) % p.size());
+    }
+    std::vector<Triangle> expected;
+    for (const auto& f : faces) expected.push_back({p[f[0]], p[f[1]], p[f[2]]});
+
+    const auto number = [](float v) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.9g", double(v));  // nine digits hold a float exactly
+      return std::string(text);
+    };
+    const auto point = [&](const glm::vec3& v) {
+      return number(v.x) + " " + number(v.y) + " " + number(v.z);
+    };
+    std::string obj = "# mesh\r\n", relative, stl = "solid some name\n", binary_stl(80, ' ');
+    for (const glm::vec3& v : p) obj += "v " + point(v) + "\r\n";
+    relative = obj;
+    for (const auto& f : faces) {
+      obj += "f";
+      relative += "f";
+      for (std::uint32_t i : f) {
+        obj += " " + std::to_string(i + 1);
+        relative += " \\\r\n " + std::to_string(std::int64_t(i) - std::int64_t(p.size()));
+      }
+      obj += "\r\n";
+      relative += "\r\n";
+    }
+    append(binary_stl, std::uint32_t(faces.size()));
+    for (const Triangle& t : expected) {
+      stl += "facet normal 0 0 0\n outer loop\n";
+      for (const glm::vec3& v : t) stl += "  vertex " + point(v) + "\n";
+      stl += " endloop\nendfacet\n";
+      binary_stl.append(12, '\0');
+      for (const glm::vec3& v : t)
+        for (int c = 0; c < 3; ++c) append(binary_stl, v[c]);
+      binary_stl.append(2, '\0');
+    }
+    EXPECT_EQ(triangles_of(load(obj, "a.obj")->scene), expected);
+    EXPECT_EQ(triangles_of(load(relative, "a.obj")->scene), expected);
+    EXPECT_EQ(triangles_of(load(stl + "endsolid\n", "a.stl")->scene), expected);
+    EXPECT_EQ(triangles_of(load(binary_stl, "a.stl")->scene), expected);
+
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+      // An element and a property that nobody knows lie in between.
+      std::string ply = std::string("ply\nformat ") + format + " 1.0\ncomment c\nelement odd 1\n" +
+                        "property list uchar short a\nelement vertex " + std::to_string(p.size()) +
+                        "\nproperty float x\nproperty double y\nproperty uchar flags\n" +
+                        "property float z\nelement face " + std::to_string(faces.size()) +
+                        "\nproperty list uchar int vertex_indices\nend_header\n";
+      if (format[0] == 'a') {
+        ply += "2 7 8\n";
+        for (const glm::vec3& v : p)
+          ply += number(v.x) + " " + number(v.y) + " 3 " + number(v.z) + "\n";
+        for (const auto& f : faces)
+          ply += "3 " + std::to_string(f[0]) + " " + std::to_string(f[1]) + " " +
+                 std::to_string(f[2]) + "\n";
+      } else {
+        const bool big = format[7] == 'b';
+        append(ply, std::uint8_t(2)), append(ply, std::int16_t(7), big);
+        append(ply, std::int16_t(8), big);
+        for (const glm::vec3& v : p) {
+          append(ply, v.x, big), append(ply, double(v.y), big);
+          append(ply, std::uint8_t(3)), append(ply, v.z, big);
+        }
+        for (const auto& f : faces) {
+          append(ply, std::uint8_t(3));
+          for (std::uint32_t i : f) append(ply, std::int32_t(i), big);
+        }
+      }
+      const Result<LoadedScene> loaded = load(ply, "a.ply");
+      ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+      EXPECT_EQ(triangles_of(loaded->scene), expected) << format;
+    }
+  }
+}
+
+TEST(Obj, groups_are_objects_and_materials_parts) {
+  const TemporaryFolder folder;
+  (void)write_file(folder / "m.mtl",
+                   "newmtl red paint\nKd 1 0 0\nNs 198\nnewmtl glass\nKd 1 1 1\nd 0.25\n"
+                   "newmtl odd\nTr 1\nKe 2 1 0\n");
+  (void)write_file(
+      folder / "a.obj",
+      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\no one\nusemtl red paint\nf 1 2 3\n"
+      "usemtl glass\nf 2 4 3\no two\nf 1 2 4\no one\nusemtl red paint\nf 1 2 4\n"
+      "usemtl odd\nf 1 4 3\nusemtl none such\nf 1 2 3\n");
+  const Result<LoadedScene> loaded = load_scene(folder / "a.obj");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const Scene& scene = loaded->scene;
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[0].name, "one");
+  EXPECT_EQ(scene.models[0].parts.size(), 4u);
+  EXPECT_EQ(scene.models[0].triangles, 5u);
+  EXPECT_EQ(scene.models[1].triangles, 1u);
+  EXPECT_EQ(material_of(scene, 0).base_color, glm::vec4(1, 0, 0, 1));
+  EXPECT_NEAR(material_of(scene, 0).roughness, std::pow(0.01, 0.25), 1e-6);  // 2 / (198 + 2)
+  EXPECT_TRUE(material_of(scene, 0).double_sided);
+  EXPECT_EQ(material_of(scene, 1).alpha_mode, AlphaMode::blend);
+  EXPECT_EQ(material_of(scene, 1).base_color.a, 0.25f);
+  EXPECT_EQ(material_of(scene, 3).emissive, glm::vec3(2, 1, 0));
+  EXPECT_EQ(material_of(scene, 3).base_color.a, 1.0f);
+  EXPECT_EQ(material_of(scene, 4).name, "plain");
+  const std::vector<std::string> expected = {
+      "the material 'odd' is fully transparent; it is drawn opaque",
+      "the material 'none such' is not defined"};
+  EXPECT_EQ(loaded->warnings, expected);
+}
+
+TEST(Obj, attributes_are_kept_and_v_is_turned_round) {
+  const Result<LoadedScene> loaded = load(
+      "v 0 0 0 1 0.5 0\nv 1 0 0 1 1 1\nv 0 1 0\nvt 0.25 0.25\nvn 0 0 -2\nf 1/1/1 2/1/1 3/1/1\n",
+      "a.obj");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const Mesh& mesh = loaded->scene.meshes[0];
+  EXPECT_EQ(mesh.uv[0][0], glm::vec2(0.25f, 0.75f));
+  EXPECT_EQ(mesh.normals[0], glm::vec3(0, 0, -1));
+  EXPECT_EQ(mesh.colors[0], glm::vec4(1, linear_from_srgb(0.5f), 0, 1));
+  EXPECT_EQ(mesh.colors[2], glm::vec4(1));
+}
+
+TEST(Obj, a_missing_library_is_a_warning_only) {
+  const TemporaryFolder folder;
+  (void)write_file(folder / "a.obj",
+                   "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n");
+  const Result<LoadedScene> loaded = load_scene(folder / "a.obj");
+  ASSERT_TRUE(loaded.ok());
+  ASSERT_EQ(loaded->warnings.size(), 1u);
+  EXPECT_EQ(loaded->warnings[0],
+            "the material library is left out: 'gone.mtl': No such file or directory");
+}
+
+TEST(Obj, utf_16_is_read) {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\no \xC3\xA9\xF0\x9F\x98\x80\nf 1 2 3\n";
+  const std::u16string wide = u"v 0 0 0\nv 1 0 0\nv 0 1 0\no \u00E9\U0001F600\nf 1 2 3\n";
+  for (bool big : {false, true}) {
+    std::string bytes;
+    append(bytes, std::uint16_t(0xFEFF), big);
+    for (char16_t c : wide) append(bytes, std::uint16_t(c), big);
+    const Result<LoadedScene> loaded = load(bytes, "a.obj");
+    ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+    EXPECT_EQ(loaded->scene.objects[0].name, load(text, "a.obj")->scene.objects[0].name);
+    EXPECT_EQ(loaded->scene.objects[0].name, "\xC3\xA9\xF0\x9F\x98\x80");
+  }
+}
+
+TEST(PolygonFiles, faults_are_named) {
+  EXPECT_EQ(reason("v 0 0 0\nf 1 2 3\n", "a.obj"),
+            "line 2 refers to vertex 2, but there are only 1");
+  EXPECT_EQ(reason("v 0 0 0\nf 1 1 0\n", "a.obj"),
+            "line 2 refers to vertex 0, but there are only 1");
+  EXPECT_EQ(reason("v 0 0\n", "a.obj"), "line 1 has a vertex with fewer than three numbers");
+  EXPECT_EQ(reason("v 0 0 nan\n", "a.obj"), "line 1 has a vertex whose position is not finite");
+  EXPECT_EQ(reason("v 0 0 1e39\n", "a.obj"), "line 1 has a vertex whose position is not finite");
+  EXPECT_EQ(reason("v 0 x 0\n", "a.obj"), "line 1 has 'x' where a number belongs");
+  EXPECT_EQ(reason("ply\nformat ascii 1.0\nelement vertex 99999\n", "a.ply"),
+            "is a PLY file that announces more elements than it can hold");
+  EXPECT_EQ(reason("ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\n", "a.ply"),
+            "is a PLY file with a property of the unknown type 'real'");
+  EXPECT_EQ(reason("ply\nformat ascii 1.0\n", "a.ply"), "is a PLY file whose header has no end");
+  EXPECT_EQ(reason("solid a\nvertex 0 0 x\n", "a.stl"), "has 'x' for a coordinate");
+  EXPECT_EQ(reason("solid a\n", "a.stl"), "is an STL file without facets");
+  EXPECT_EQ(reason("what\n", "a.stl"),
+            "is not an STL file: it neither begins with 'solid' nor has the length it announces");
+}
+
+TEST(Ply, colours_of_scans_become_linear) {
+  const Result<LoadedScene> loaded = load(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "element face 1\nproperty list uchar int vertex_index\nend_header\n"
+      "0 0 0 255 0 51\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n",
+      "a.ply");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const glm::vec4 c = loaded->scene.meshes[0].colors[0];
+  EXPECT_EQ(c, glm::vec4(1, 0, linear_from_srgb(0.2f), 1));
+  EXPECT_EQ(material_of(loaded->scene, 0).base_color, glm::vec4(1));
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,186 @@
+// The ray's side of a piece is the sign of
+//
+//   s(t) = sigma (q_ray(t) - q_piece(u(t), v(t))),   sigma = +1 ordinary, -1 back-perspective
+//
+// which is positive in front of the surface, where the picture's rays came through empty space.
+// Walking from texel to texel, a hit is where s turns from positive to not positive: inside a
+// texel, or on the border of two linked texels, whose pieces may differ there by the twist of the
+// surface. Over texels that show nothing the ray is in front.
+
+#include "rilievo/warp/texel_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+// Slots of SurfaceTexel::slope in kLinkSteps.
+constexpr std::array<int, 4> kSlopeLink{0, 2, 4, 6};
+
+// Bit of the link from one texel to a neighbour.
+int link_of(const glm::ivec2& step) {
+  for (int k = 0; k < 8; ++k)
+    if (kLinkSteps[k] == step) return k;
+  return -1;
+}
+
+struct Walker {
+  const TexelSurface& surface;
+  const DisparitySegment& segment;
+  double sigma;
+
+  [[nodiscard]] glm::dvec3 at(double t) const { return glm::mix(segment.from, segment.to, t); }
+  // > 0 in front of the surface.
+  [[nodiscard]] double side(const glm::ivec2& texel, double t) const {
+    const SurfaceTexel& piece = surface.texels(texel.x, texel.y);
+    if (piece.q == 0) return 1;
+    const glm::dvec3 p = at(t);
+    return sigma * (p.z - surface_q(piece, glm::dvec2(texel) + 0.5, glm::dvec2(p)));
+  }
+  // Between t0 (in front) and t1 (not) the piece is met: a line against a plane in each of the
+  // stretches between the texel's middle lines.
+  [[nodiscard]] double root(const glm::ivec2& texel, double t0, double t1) const {
+    std::array<double, 2> middle;
+    for (int a = 0; a < 2; ++a)
+      middle[a] = std::clamp((texel[a] + 0.5 - segment.from[a]) / (segment.to[a] - segment.from[a]),
+                             t0, t1);
+    double s0 = side(texel, t0);
+    for (double t : {std::min(middle[0], middle[1]), std::max(middle[0], middle[1]), t1}) {
+      if (!(t > t0)) continue;  // also where the segment does not move in u or in v
+      const double s = side(texel, t);
+      if (s <= 0) return t0 + (t - t0) * s0 / (s0 - s);
+      t0 = t, s0 = s;
+    }
+    return t1;
+  }
+};
+
+}  // namespace
+
+DepthInterval depth_interval(const SurfaceTexel& texel) {
+  RILIEVO_EXPECTS(texel.q != 0);
+  // A sum of a part in u and a part in v, each 0 at the centre and linear to either side.
+  const auto& [right, down, left, up] = texel.slope;
+  const float low = std::min({0.0f, right, left}) + std::min({0.0f, down, up});
+  const float high = std::max({0.0f, right, left}) + std::max({0.0f, down, up});
+  return {1 / (texel.q + 0.5f * high), 1 / (texel.q + 0.5f * low)};
+}
+
+double surface_q(const SurfaceTexel& texel, const glm::dvec2& center, const glm::dvec2& at) {
+  const glm::dvec2 d = at - center;
+  return double(texel.q) + std::abs(d.x) * double(texel.slope[d.x >= 0 ? 0 : 2]) +
+         std::abs(d.y) * double(texel.slope[d.y >= 0 ? 1 : 3]);
+}
+
+TexelSurface make_texel_surface(const DepthImage& picture, const LinkOptions& options) {
+  RILIEVO_EXPECTS(picture.camera.projection != Projection::parallel);
+  const Image<float> eye_z = eye_z_of(picture);
+  const Image<std::uint8_t> links = texel_links(picture, options);
+  const int w = eye_z.width(), h = eye_z.height();
+  TexelSurface surface{picture.camera, Image<SurfaceTexel>(w, h)};
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (eye_z(x, y) == kNoDepth) continue;
+      SurfaceTexel& texel = surface.texels(x, y);
+      texel.q = 1.0f / eye_z(x, y);
+      texel.links = links(x, y);
+      std::array<bool, 4> linked{};
+      for (int side = 0; side < 4; ++side) {
+        const int k = kSlopeLink[side];
+        linked[side] = texel.links >> k & 1;
+        if (linked[side])
+          texel.slope[side] = 1.0f / eye_z(x + kLinkSteps[k].x, y + kLinkSteps[k].y) - texel.q;
+      }
+      // Where the surface ends it goes on straight to the texel's edge.
+      for (int side = 0; side < 4; ++side)
+        if (!linked[side] && linked[(side + 2) % 4])
+          texel.slope[side] = -texel.slope[(side + 2) % 4];
+    }
+  return surface;
+}
+
+std::optional<DisparitySegment> disparity_segment(const Camera& camera, const glm::dvec3& from,
+                                                  const glm::dvec3& to) {
+  RILIEVO_EXPECTS(camera.projection != Projection::parallel);
+  // Clip in homogeneous coordinates (u w, v w, 1, w) with w = eye_z, where all is linear.
+  const glm::dmat4 eye_from = eye_from_world(camera);
+  const auto& [l, r, b, t] = camera.window;
+  const auto homogeneous = [&](const glm::dvec3& world) {
+    const glm::dvec3 eye(eye_from * glm::dvec4(world, 1));
+    const double w = -eye.z;
+    return glm::dvec3((eye.x - l * w) / (r - l) * camera.width,
+                      (t * w - eye.y) / (t - b) * camera.height, w);
+  };
+  glm::dvec3 p = homogeneous(from), q = homogeneous(to);
+  double t0 = 0, t1 = 1;
+  const auto clip = [&](double at_from, double at_to) {  // keeps where the value is >= 0
+    if (at_from < 0 && at_to < 0) t1 = -1;
+    if (at_from < 0 && at_to >= 0) t0 = std::max(t0, at_from / (at_from - at_to));
+    if (at_from >= 0 && at_to < 0) t1 = std::min(t1, at_from / (at_from - at_to));
+  };
+  clip(p.z - camera.z_near, q.z - camera.z_near);
+  clip(camera.z_far - p.z, camera.z_far - q.z);
+  clip(p.x, q.x);
+  clip(p.y, q.y);
+  clip(camera.width * p.z - p.x, camera.width * q.z - q.x);
+  clip(camera.height * p.z - p.y, camera.height * q.z - q.y);
+  if (!(t0 < t1)) return std::nullopt;
+  const glm::dvec3 a = glm::mix(p, q, t0), c = glm::mix(p, q, t1);
+  return DisparitySegment{{a.x / a.z, a.y / a.z, 1 / a.z}, {c.x / c.z, c.y / c.z, 1 / c.z}};
+}
+
+SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segment) {
+  const Walker walker{surface, segment, surface.camera.keeps_farthest() ? -1.0 : 1.0};
+  const glm::dvec2 from(segment.from), step(segment.to - segment.from);
+  const glm::ivec2 size{surface.texels.width(), surface.texels.height()};
+  glm::ivec2 texel = glm::clamp(glm::ivec2(glm::floor(from)), glm::ivec2(0), size - 1);
+
+  // t of the next border in u and in v, and between borders.
+  glm::dvec2 next, spacing;
+  glm::ivec2 forward;
+  for (int a = 0; a < 2; ++a) {
+    forward[a] = step[a] >= 0 ? 1 : -1;
+    const bool moves = std::abs(step[a]) > 1e-12;
+    spacing[a] = moves ? 1 / std::abs(step[a]) : 1e300;
+    next[a] = moves ? (texel[a] + (step[a] >= 0) - from[a]) / step[a] : 1e300;
+  }
+
+  SurfaceWalk walk;
+  double t = 0, side = walker.side(texel, 0);
+  walk.passed_behind = walk.passed_outline = side <= 0;
+  const auto stop = [&](const glm::ivec2& where, double when) {
+    walk.t = when;
+    walk.at = walker.at(when);
+    walk.texel = where;
+  };
+  for (;;) {
+    const double end = std::min({next.x, next.y, 1.0});
+    const double side_end = walker.side(texel, end);
+    if (side > 0 && side_end <= 0) {
+      walk.hit = true;
+      stop(texel, walker.root(texel, t, end));
+      return walk;
+    }
+    if (end >= 1) return walk;
+    const glm::ivec2 before = texel;
+    const int axis = next.x <= next.y ? 0 : 1;
+    texel[axis] += forward[axis];
+    next[axis] += spacing[axis];
+    t = end;
+    if (texel[axis] < 0 || texel[axis] >= size[axis]) return walk;
+    side = walker.side(texel, t);
+    if (side_end > 0 && side <= 0) {
+      const SurfaceTexel& beyond = surface.texels(before.x, before.y);
+      walk.hit = beyond.links >> link_of(texel - before) & 1;
+      stop(walk.hit ? texel : before, t);
+      if (walk.hit) return walk;
+      walk.passed_behind = true;
+      walk.passed_outline = walk.passed_outline || beyond.q == 0;
+    }
+  }
+}
+
+}  // namespace rilievo
