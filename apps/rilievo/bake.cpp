@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/rilievo/capture.h"
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/layered_options.h"
 #include "apps/rilievo/output.h"
@@ -91,12 +92,13 @@ Result<Baked> bake(const Options& options, SceneRenderer& renderer) {
   if (Result<> saved = save_layered_impostor(options.output, baked.impostor); !saved)
     return saved.error();
   baked.save_s = seconds_since(saving);
-  std::error_code none;
-  baked.file_bytes = std::filesystem::file_size(options.output, none);
+  // A device has no size.
+  if (std::filesystem::is_regular_file(options.output))
+    baked.file_bytes = std::filesystem::file_size(options.output);
   return baked;
 }
 
-Result<> write_json(const Options& options, const Baked& baked, SceneRenderer& renderer) {
+Result<> report_bake(const Options& options, const Baked& baked, SceneRenderer& renderer) {
   const int size = options.bake.size;
   const Result<double> small = direct_ms(renderer, size, size);
   if (!small) return small.error();
@@ -127,13 +129,14 @@ Result<> write_json(const Options& options, const Baked& baked, SceneRenderer& r
       {"direct_frames_per_view",
        {{fmt::format("{0}x{0}", size), baked.ms_per_view() / *small},
         {"1280x720", baked.ms_per_view() / *large}}}};
-  return write_text(options.json, json.dump(2) + "\n");
+  return write_json(options.json, json);
 }
 
 Result<> run(const Options& options) {
   if (!is_picture_file(options.output))
     return Error{options.output, "pictures are written as OpenEXR: the name must end in .exr"};
   // Before the time is spent.
+  if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   if (Result<BakeOptions> bake = bake_options(options.bake); !bake) return bake.error();
   if (is_picture_file(options.scene))
     return Error{options.scene, "holds pictures already: a scene is baked"};
@@ -152,10 +155,10 @@ Result<> run(const Options& options) {
   if (!renderer) return renderer.error();
   const Result<Baked> baked = bake(options, *renderer);
   if (!baked) return baked.error();
-  if (!options.json.empty()) return write_json(options, *baked, *renderer);
-  fmt::print("{}: {} views of {}x{}, {:.1f} MB, {:.1f} s\n", options.output,
-             baked->impostor.pictures.size(), options.bake.size, options.bake.size,
-             1e-6 * double(baked->file_bytes), baked->seconds());
+  if (!options.json.empty()) return report_bake(options, *baked, *renderer);
+  print("{}: {} views of {}x{}, {:.1f} MB, {:.1f} s\n", options.output,
+        baked->impostor.pictures.size(), options.bake.size, options.bake.size,
+        1e-6 * double(baked->file_bytes), baked->seconds());
   return Done{};
 }
 
@@ -178,6 +181,7 @@ Command bake_command(CLI::App& app) {
                    "Of a capture: only what lies between two corners (default all)")
       ->delimiter(',')
       ->expected(6)
+      ->check(finite())
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   command->add_flag(
       "--around", options->around,

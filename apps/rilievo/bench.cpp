@@ -35,6 +35,7 @@ std::string known_benches() {
 }
 
 Result<> run(const Options& options) {
+  if (Result<> good = expect_outputs({options.json, options.html}); !good) return good;
   const bench::Bench& bench = *find(options.name);
   std::unique_ptr<gl::Context> context;
   if (bench.needs_gl) {
@@ -59,7 +60,7 @@ Result<> run(const Options& options) {
     if (Result<> done = write_text(options.html, bench_html(*report)); !done) return done;
   if (!options.json.empty())
     if (Result<> done = write_text(options.json, bench_json(*report)); !done) return done;
-  if (options.json != "-") fmt::print("{}", bench_text(*report));
+  if (options.json != "-") print_text(bench_text(*report));
   return Done{};
 }
 

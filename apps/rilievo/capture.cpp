@@ -96,27 +96,24 @@ Result<> bake_capture(const CaptureBakeOptions& options) {
     return saved.error();
 
   if (options.json.empty()) {
-    fmt::print("{}: {} views of {} photographs; holes {:.2f} % of the silhouettes\n",
-               options.output, made->impostor.pictures.size(), photographs->size(),
-               100 * made->total.hole_share());
+    print("{}: {} views of {} photographs; holes {:.2f} % of the silhouettes\n", options.output,
+          made->impostor.pictures.size(), photographs->size(), 100 * made->total.hole_share());
     return Done{};
   }
   nlohmann::json holes = nlohmann::json::array();
   for (const ReprojectFigures& view : made->figures) holes.push_back(view.hole_share());
-  return write_text(options.json, nlohmann::json{{"schema", "rilievo-bake-1"},
-                                                 {"scene", options.capture},
-                                                 {"as", "layered-impostor"},
-                                                 {"photographs", photographs->size()},
-                                                 {"views", made->impostor.pictures.size()},
-                                                 {"layers", options.bake.layers},
-                                                 {"overlap", options.bake.overlap},
-                                                 {"box", {list_of(box->min), list_of(box->max)}},
-                                                 {"filled_texels", made->total.filled},
-                                                 {"hole_texels", made->total.holes},
-                                                 {"hole_share", made->total.hole_share()},
-                                                 {"hole_share_by_view", holes}}
-                                          .dump(2) +
-                                      "\n");
+  return write_json(options.json, {{"schema", "rilievo-bake-1"},
+                                   {"scene", options.capture},
+                                   {"as", "layered-impostor"},
+                                   {"photographs", photographs->size()},
+                                   {"views", made->impostor.pictures.size()},
+                                   {"layers", options.bake.layers},
+                                   {"overlap", options.bake.overlap},
+                                   {"box", {list_of(box->min), list_of(box->max)}},
+                                   {"filled_texels", made->total.filled},
+                                   {"hole_texels", made->total.holes},
+                                   {"hole_share", made->total.hole_share()},
+                                   {"hole_share_by_view", holes}});
 }
 
 Result<> describe_capture(const std::string& path, const std::string& json) {
@@ -132,18 +129,16 @@ Result<> describe_capture(const std::string& path, const std::string& json) {
     bounds.add(measured_bounds(std::span(&*read, 1)));
   }
   if (json.empty()) {
-    fmt::print("{}\nformat     {}\nframes     {}\nsize       {} x {}\nbounds     {} to {} m\n",
-               path, name_of(capture->format), capture->frames.size(), width, height,
-               text_of(bounds.min), text_of(bounds.max));
+    print("{}\nformat     {}\nframes     {}\nsize       {} x {}\nbounds     {} to {} m\n", path,
+          name_of(capture->format), capture->frames.size(), width, height, text_of(bounds.min),
+          text_of(bounds.max));
     return Done{};
   }
-  return write_text(json, nlohmann::json{{"schema", "rilievo-info-1"},
-                                         {"capture", name_of(capture->format)},
-                                         {"frames", capture->frames.size()},
-                                         {"size", {width, height}},
-                                         {"bounds", {list_of(bounds.min), list_of(bounds.max)}}}
-                                  .dump(2) +
-                              "\n");
+  return write_json(json, {{"schema", "rilievo-info-1"},
+                           {"capture", name_of(capture->format)},
+                           {"frames", capture->frames.size()},
+                           {"size", {width, height}},
+                           {"bounds", {list_of(bounds.min), list_of(bounds.max)}}});
 }
 
 }  // namespace rilievo::app

@@ -45,8 +45,8 @@ std::vector<std::string> with_direct(const std::vector<std::string>& methods) {
 }
 
 void print_summary(const Report& report) {
-  fmt::print("{:<16}{:>10}{:>10}{:>10}{:>9}{:>10}{:>12}{:>10}\n", "method", "p50 ms", "p99 ms",
-             "PSNR dB", "SSIM", "FLIP", "wrong vis.", "captures");
+  print("{:<16}{:>10}{:>10}{:>10}{:>9}{:>10}{:>12}{:>10}\n", "method", "p50 ms", "p99 ms",
+        "PSNR dB", "SSIM", "FLIP", "wrong vis.", "captures");
   for (const MethodResult& method : report.methods) {
     const auto mean_of = [&](double FrameResult::*figure) {
       double sum = 0;
@@ -56,10 +56,10 @@ void print_summary(const Report& report) {
     std::vector<double> ms;
     for (const FrameResult& frame : method.frames) ms.push_back(frame.frame_ms);
     const Summary time = summarize(ms);
-    fmt::print("{:<12}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
-               time.p50, time.p99, mean_of(&FrameResult::psnr_db), mean_of(&FrameResult::ssim),
-               mean_of(&FrameResult::flip), 100 * mean_of(&FrameResult::wrong_visibility),
-               method.captures);
+    print("{:<12}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
+          time.p50, time.p99, mean_of(&FrameResult::psnr_db), mean_of(&FrameResult::ssim),
+          mean_of(&FrameResult::flip), 100 * mean_of(&FrameResult::wrong_visibility),
+          method.captures);
   }
 }
 
@@ -76,6 +76,10 @@ Result<> run(const Options& options) {
   if (std::min(options.frames.width, options.frames.height) < kLeastCompareSize)
     return Error{"--size",
                  fmt::format("frames to compare have at least {0}x{0} pixels", kLeastCompareSize)};
+  const std::filesystem::path folder = options.output;
+  const std::filesystem::path report_file = folder / "report.json",
+                              page_file = folder / "report.html";
+  if (Result<> good = expect_outputs({report_file, page_file, options.json}); !good) return good;
   std::optional<LayeredImpostor> impostor;
   if (!options.impostor.empty()) {
     Result<LayeredImpostor> loaded = load_layered_impostor(options.impostor);
@@ -122,11 +126,9 @@ Result<> run(const Options& options) {
   report->objects = opened->scene.objects.size();
   report->command = options.command_line;
 
-  const std::filesystem::path folder = options.output;
   const std::string json = report_json(*report);
-  if (Result<> done = write_text((folder / "report.json").string(), json); !done) return done;
-  const std::string page = report_html(*report);
-  if (Result<> done = write_text((folder / "report.html").string(), page); !done) return done;
+  if (Result<> done = write_text(report_file.string(), json); !done) return done;
+  if (Result<> done = write_text(page_file.string(), report_html(*report)); !done) return done;
   if (!options.json.empty())
     if (Result<> done = write_text(options.json, json); !done) return done;
   if (options.json != "-") print_summary(*report);

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "apps/rilievo/checks.h"
+
 namespace rilievo::app {
 namespace {
 
@@ -38,17 +40,17 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
       ->type_name("WxH");
   command
       .add_option("--frames", options.frames, "Frames to draw (default: those of the path, or 120)")
-      ->check(CLI::Range(1, kMaxFrames))
+      ->check(in_range(1, kMaxFrames))
       ->type_name("N");
   auto* path =
       command.add_option("--path", options.path_file, "Camera path, JSON (rilievo-path-1)")
           ->type_name("FILE.json");
   auto* orbit =
       command.add_option("--orbit", options.orbit, "Circle around the scene for N frames")
-          ->check(CLI::Range(1, kMaxFrames))
+          ->check(in_range(1, kMaxFrames))
           ->type_name("N");
   auto* walk = command.add_option("--walk", options.walk, "Walk past the scene for N frames")
-                   ->check(CLI::Range(1, kMaxFrames))
+                   ->check(in_range(1, kMaxFrames))
                    ->type_name("N");
   path->excludes(orbit)->excludes(walk);
   orbit->excludes(walk);

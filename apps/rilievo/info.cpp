@@ -70,18 +70,17 @@ Result<> describe_scene(const Options& options) {
       json["bounds_min"] = list_of(bounds.min);
       json["bounds_max"] = list_of(bounds.max);
     }
-    return write_text(options.json, json.dump(2) + "\n");
+    return write_json(options.json, json);
   }
-  fmt::print("{}\n", options.file);
-  fmt::print("  triangles  {} ({} stored)\n", count_triangles(scene), stored);
-  fmt::print("  objects    {} ({} moving)\n", scene.objects.size(), moving);
-  fmt::print("  models     {} of {} meshes\n", scene.models.size(), scene.meshes.size());
-  fmt::print("  materials  {}, textures {} ({:.1f} Mtexels)\n", scene.materials.size(),
-             scene.textures.size(), 1e-6 * double(texels));
-  fmt::print("  lights     {}, cameras {}\n", scene.lights.size(), scene.cameras.size());
-  if (scene.duration > 0) fmt::print("  animation  {:.3g} s\n", scene.duration);
-  if (!bounds.empty())
-    fmt::print("  bounds     {} to {} m\n", text_of(bounds.min), text_of(bounds.max));
+  print("{}\n", options.file);
+  print("  triangles  {} ({} stored)\n", count_triangles(scene), stored);
+  print("  objects    {} ({} moving)\n", scene.objects.size(), moving);
+  print("  models     {} of {} meshes\n", scene.models.size(), scene.meshes.size());
+  print("  materials  {}, textures {} ({:.1f} Mtexels)\n", scene.materials.size(),
+        scene.textures.size(), 1e-6 * double(texels));
+  print("  lights     {}, cameras {}\n", scene.lights.size(), scene.cameras.size());
+  if (scene.duration > 0) print("  animation  {:.3g} s\n", scene.duration);
+  if (!bounds.empty()) print("  bounds     {} to {} m\n", text_of(bounds.min), text_of(bounds.max));
   return Done{};
 }
 
@@ -126,30 +125,26 @@ Result<> describe_layered(const Options& options, const LayeredImpostor& imposto
                               {"hole_fill_share", figures.hole_fill_share},
                               {"bounds_min", list_of(impostor.bounds.min)},
                               {"bounds_max", list_of(impostor.bounds.max)}};
-    return write_text(options.json, json.dump(2) + "\n");
+    return write_json(options.json, json);
   }
-  fmt::print("{}\n  a layered impostor\n", options.file);
-  fmt::print("  views      {} {} pictures of {}x{}\n", views, name_of(first.camera.projection),
-             first.camera.width, first.camera.height);
-  fmt::print(
+  print("{}\n  a layered impostor\n", options.file);
+  print("  views      {} {} pictures of {}x{}\n", views, name_of(first.camera.projection),
+        first.camera.width, first.camera.height);
+  print(
       "  memory     {:.1f} MB in the file; {:.1f} MB as 4 bytes a texel; textures {:.1f} MB "
       "for surfaces, {:.1f} MB for slices\n",
       1e-6 * double(file_bytes), 1e-6 * double(figures.paper_bytes), 1e-6 * double(surfaces),
       1e-6 * double(slices));
-  fmt::print("  coverage   {:.1f} % of the texels show something\n", 100 * coverage);
-  fmt::print("  slices     {} of {} layers a view, overlap {}; {} empty ones dropped\n",
-             figures.slices, impostor.slicing.layers, impostor.slicing.overlap,
-             figures.empty_slices);
-  fmt::print("  fill       {:.1f} % of the texels of full slices are drawn\n",
-             100 * figures.fill_share);
+  print("  coverage   {:.1f} % of the texels show something\n", 100 * coverage);
+  print("  slices     {} of {} layers a view, overlap {}; {} empty ones dropped\n", figures.slices,
+        impostor.slicing.layers, impostor.slicing.overlap, figures.empty_slices);
+  print("  fill       {:.1f} % of the texels of full slices are drawn\n", 100 * figures.fill_share);
   if (impostor.fills.empty())
-    fmt::print("  holes      not looked for\n");
+    print("  holes      not looked for\n");
   else
-    fmt::print(
-        "  holes      of a view filled by {:.1f} slices of a neighbour, {:.1f} % of its fill\n",
-        figures.hole_slices, 100 * figures.hole_fill_share);
-  fmt::print("  bounds     {} to {} m\n", text_of(impostor.bounds.min),
-             text_of(impostor.bounds.max));
+    print("  holes      of a view filled by {:.1f} slices of a neighbour, {:.1f} % of its fill\n",
+          figures.hole_slices, 100 * figures.hole_fill_share);
+  print("  bounds     {} to {} m\n", text_of(impostor.bounds.min), text_of(impostor.bounds.max));
   return Done{};
 }
 
@@ -164,7 +159,7 @@ Result<> describe_pictures(const Options& options) {
   }
   nlohmann::json list = nlohmann::json::array();
   if (options.json.empty())
-    fmt::print("{}\n  {} pictures with depth\n", options.file, opened->pictures.size());
+    print("{}\n  {} pictures with depth\n", options.file, opened->pictures.size());
   for (const DepthImage& picture : opened->pictures) {
     const Camera& camera = picture.camera;
     std::size_t covered = 0;
@@ -172,10 +167,10 @@ Result<> describe_pictures(const Options& options) {
     const double share =
         double(covered) / double(std::max<std::size_t>(1, picture.depth.texels().size()));
     if (options.json.empty())
-      fmt::print("  {:<24} {}x{} {} from {}, depth {:.4g} to {:.4g} m, {:.1f} % covered\n",
-                 picture.name.empty() ? "(no name)" : picture.name, camera.width, camera.height,
-                 name_of(camera.projection), text_of(camera.position()), camera.z_near,
-                 camera.z_far, 100 * share);
+      print("  {:<24} {}x{} {} from {}, depth {:.4g} to {:.4g} m, {:.1f} % covered\n",
+            picture.name.empty() ? "(no name)" : picture.name, camera.width, camera.height,
+            name_of(camera.projection), text_of(camera.position()), camera.z_near, camera.z_far,
+            100 * share);
     list.push_back({{"name", picture.name},
                     {"size", {camera.width, camera.height}},
                     {"projection", name_of(camera.projection)},
@@ -185,9 +180,7 @@ Result<> describe_pictures(const Options& options) {
                     {"covered", share}});
   }
   if (options.json.empty()) return Done{};
-  return write_text(
-      options.json,
-      nlohmann::json{{"schema", "rilievo-info-1"}, {"pictures", list}}.dump(2) + "\n");
+  return write_json(options.json, {{"schema", "rilievo-info-1"}, {"pictures", list}});
 }
 
 }  // namespace
@@ -202,7 +195,8 @@ Command info_command(CLI::App& app) {
       ->required();
   add_json_option(*command, options->json);
   command->footer("Example: rilievo info model.glb");
-  return {command, [options](const std::string&) {
+  return {command, [options](const std::string&) -> Result<> {
+            if (Result<> good = expect_outputs({options->json}); !good) return good;
             if (is_rgbd_capture(options->file))
               return describe_capture(options->file, options->json);
             return is_picture_file(options->file) ? describe_pictures(*options)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/rilievo/checks.h"
+
 namespace rilievo::app {
 
 void add_layered_options(CLI::App& command, LayeredBakeOptions& options,
@@ -15,20 +17,20 @@ void add_layered_options(CLI::App& command, LayeredBakeOptions& options,
       command.add_flag("--hemisphere", options.hemisphere, "Only views at or above the horizon");
   command
       .add_option("--ring", options.ring, "Instead: N views around the vertical, at the horizon")
-      ->check(CLI::Range(3, 1024))
+      ->check(in_range(3, 1024))
       ->excludes(views)
       ->excludes(hemisphere)
       ->type_name("N");
   command.add_option(size_name, options.size, "Texels a side of a view (default 256)")
-      ->check(CLI::Range(8, 4096))
+      ->check(in_range(8, 4096))
       ->type_name("N");
   command.add_option("--layers", options.layers, "Slices of a view (default 64)")
-      ->check(CLI::Range(1, 4096))
+      ->check(in_range(1, 4096))
       ->type_name("N");
   command
       .add_option("--overlap", options.overlap,
                   "By how much of its thickness a slice reaches into its neighbours (default 0)")
-      ->check(CLI::Range(0.0, 4096.0))
+      ->check(in_range(0.0, 4096.0))
       ->type_name("X");
 }
 

@@ -1,21 +1,30 @@
-#include <fmt/format.h>
+#include <fcntl.h>
 
-#include <algorithm>
-#include <cstdio>
+#include <cerrno>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
+#include "apps/rilievo/output.h"
+#include "apps/rilievo/signals.h"
 
 namespace {
 
-// One line, whatever was in the message.
-int fail(std::string message, int code) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "rilievo: {}\n", message);
+int fail(const std::string& message, int code) {
+  rilievo::app::complain(message);
   return code;
+}
+
+// If the caller closed a standard stream, the next file to be opened would take its number, and
+// what is meant for the stream would go there. Opened the wrong way round, each use of it fails.
+void occupy_standard_streams() {
+  for (int fd = 0; fd <= 2; ++fd)
+    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
+      (void)::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
 }
 
 // As a shell would take it.
@@ -47,17 +56,21 @@ int run(int argc, char** argv) {
       view_command(app),
 #endif
   };
+  for (const Command& command : commands) refuse_empty(*command.parser);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& wish) {  // --help
-    return app.exit(wish);
+    std::ostringstream help;
+    const int code = app.exit(wish, help, help);
+    print_text(help.str());
+    return code;
   } catch (const CLI::ParseError& error) {
     return fail(error.what(), 2);
   }
   for (const Command& command : commands) {
     if (!*command.parser) continue;
     const rilievo::Result<> result = command.run(command_line(argc, argv));
-    if (!result) return fail(result.error().where + ": " + result.error().reason, 2);
+    if (!result) return fail(result.error().message(), 2);
   }
   return 0;
 }
@@ -65,8 +78,12 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_streams();
+  rilievo::app::clean_up_on_signals();
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    const rilievo::Result<> printed = rilievo::app::flush_output();
+    return printed || code != 0 ? code : fail(printed.error().message(), 2);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", 1);
   } catch (const std::exception& error) {

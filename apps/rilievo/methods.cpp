@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <glm/glm.hpp>
 
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/picture_frames.h"
@@ -61,27 +62,27 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       .add_option(
           "--angle", options.angle_degrees,
           "A picture is captured again when its object has moved by this angle (default 0.7)")
-      ->check(CLI::Range(0.0, 90.0))
+      ->check(in_range(0.0, 90.0))
       ->type_name("DEGREES");
   command.add_option("--memory-mb", options.memory_mb, "Memory for pictures (default 256)")
-      ->check(CLI::Range(1, 65536))
+      ->check(in_range(1, 65536))
       ->type_name("MB");
   command
       .add_option("--error-px", options.error_px,
                   "cache: no sample is drawn farther from its place, pixels (default 1)")
-      ->check(CLI::Range(0.01, 100.0))
+      ->check(in_range(0.01, 100.0))
       ->type_name("E");
   command
       .add_option("--capture-ms", options.capture_ms,
                   "cache: time for captures in a frame (default: a budget of triangles instead, "
                   "which makes runs repeatable)")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command
       .add_option("--bake-mb", options.bake_mb,
                   "cache: of its memory, so much is for layered impostors of heavy objects, baked "
                   "before the first frame; the light on what spins turns with it (default 0)")
-      ->check(CLI::Range(0, 65536))
+      ->check(in_range(0, 65536))
       ->type_name("MB");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
   command
@@ -93,7 +94,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--texel-px", options.texel_px,
                   "layered: objects whose texels would be larger are drawn as polygons (default 4)")
-      ->check(CLI::Range(0.01, 10000.0))
+      ->check(in_range(0.01, 10000.0))
       ->type_name("PIXELS");
   add_layered_options(command, options.bake, "--view-size");
 }

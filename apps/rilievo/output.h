@@ -1,8 +1,12 @@
-// Where results go: files that are there whole or not at all, folders made when they are missing.
+// Where results go: the standard output, whose faults are kept until the end, and files that are
+// there whole or not at all, in folders that are made when they are missing.
 #pragma once
+
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -11,10 +15,26 @@
 
 namespace rilievo::app {
 
+// To the standard output. Never throws; flush_output() says whether all of it has arrived.
+void print_text(std::string_view text);
+template <class... Values>
+void print(fmt::format_string<Values...> format, Values&&... values) {
+  print_text(fmt::format(format, std::forward<Values>(values)...));
+}
+[[nodiscard]] Result<> flush_output();
+
+// "rilievo: MESSAGE" on the error output, in one line.
+void complain(std::string message);
+
 void add_json_option(CLI::App& command, std::string& file);
 
 // "-" is the standard output.
 [[nodiscard]] Result<> write_text(const std::string& file, std::string_view text);
+// Text that is not UTF-8 (a file's name) is written with U+FFFD for each byte that is not.
+[[nodiscard]] Result<> write_json(const std::string& file, const nlohmann::json& json);
+
+// Before the work: could these be written after it? Empty names and "-" always can.
+[[nodiscard]] Result<> expect_outputs(std::initializer_list<std::filesystem::path> files);
 
 // Makes `folder` and those above it.
 [[nodiscard]] Result<> make_folder(const std::filesystem::path& folder);

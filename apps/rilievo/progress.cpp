@@ -14,12 +14,12 @@ Progress::Progress(std::string what)
 void Progress::show(int done, int total) {
   if (!on_terminal_) return;
   shown_ = true;
-  fmt::print(stderr, "\r{} {}/{}\033[K", what_, done, total);
+  std::fputs(fmt::format("\r{} {}/{}\033[K", what_, done, total).c_str(), stderr);
   std::fflush(stderr);
 }
 
 void Progress::clear() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
+  if (shown_) std::fputs("\r\033[K", stderr);
   shown_ = false;
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/methods.h"
@@ -70,6 +71,14 @@ Result<> save_pictures_of(const FrameSource& source, const Options& options, con
   return save_frame_pictures(numbered(options.pictures, "pictures", frame, ".exr"), saved);
 }
 
+// Before the time is spent.
+Result<> expect_places(const Options& options) {
+  std::filesystem::path frames, pictures;
+  if (!options.output.empty()) frames = numbered(options.output, "frame", 0, ".png");
+  if (!options.pictures.empty()) pictures = numbered(options.pictures, "pictures", 0, ".exr");
+  return expect_outputs({frames, pictures, options.json});
+}
+
 Result<> draw_frames(const Options& options, const Walk& walk, int width, int height,
                      FrameSource& source) {
   Result<FrameTarget> target = FrameTarget::create(width, height, options.frames.samples);
@@ -107,7 +116,7 @@ Result<> draw_frames(const Options& options, const Walk& walk, int width, int he
                             {"frame_ms", {{"p50", ms.p50}, {"p99", ms.p99}, {"max", ms.max}}},
                             {"captures", captures},
                             {"picture_bytes", source.figures().picture_bytes}};
-  return write_text(options.json, json.dump(2) + "\n");
+  return write_json(options.json, json);
 }
 
 double resident_mb() {
@@ -155,13 +164,13 @@ Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
       {"warm_up_seconds", warm_up}, {"memory_mb_after_warm_up", after_warm_up_mb},
       {"memory_mb_most", most_mb},  {"memory_mb_at_the_end", resident_mb()}};
   if (options.json.empty()) {
-    fmt::print(
+    print(
         "{} frames in {:.0f} s; memory {:.0f} MB after {:.0f} s, {:.0f} MB at the end, at "
         "most {:.0f} MB\n",
         frames, seconds_since(start), after_warm_up_mb, warm_up, resident_mb(), most_mb);
     return Done{};
   }
-  return write_text(options.json, json.dump(2) + "\n");
+  return write_json(options.json, json);
 }
 
 Result<> render_scene(const Options& options) {
@@ -259,7 +268,7 @@ Command render_command(CLI::App& app) {
       command
           ->add_option("--loop-seconds", options->loop_seconds,
                        "Instead: draw the path over and over for so long, and watch the memory")
-          ->check(CLI::Range(0.1, 1e6))
+          ->check(in_range(0.1, 1e6))
           ->type_name("S");
   output->excludes(loop_seconds);
   command
@@ -277,6 +286,7 @@ Command render_command(CLI::App& app) {
   return {command, [options](const std::string&) -> Result<> {
             if (options->output.empty() && options->loop_seconds == 0)
               return Error{"-o", "the folder for the frames is missing"};
+            if (Result<> good = expect_places(*options); !good) return good;
             if (is_picture_file(options->scene)) return render_file(*options);
             if (options->method.empty()) options->method = kDefaultMethod;
             return render_scene(*options);

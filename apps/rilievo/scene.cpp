@@ -23,6 +23,7 @@ Result<> run(const Options& options) {
   const std::filesystem::path file = options.output;
   if (file.extension() != ".glb")
     return Error{options.output, "scenes are written as binary glTF: the name must end in .glb"};
+  if (Result<> good = expect_outputs({options.output, options.path}); !good) return good;
   // "bridge" is short for "builtin:bridge"; a file is converted.
   const bool is_file = std::filesystem::exists(options.scene);
   const bool is_spec = options.scene.starts_with("builtin:");

@@ -1,10 +1,6 @@
 #include "apps/rilievo/scene_file.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cstdio>
-
+#include "apps/rilievo/output.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
 
@@ -18,10 +14,7 @@ Result<OpenedScene> open_scene(const std::string& text) {
   }
   Result<LoadedScene> loaded = load_scene(text);
   if (!loaded) return loaded.error();
-  for (std::string warning : loaded->warnings) {
-    std::replace(warning.begin(), warning.end(), '\n', ' ');
-    fmt::print(stderr, "rilievo: {}: warning: {}\n", text, warning);
-  }
+  for (const std::string& warning : loaded->warnings) complain(text + ": warning: " + warning);
   return OpenedScene{std::move(loaded->scene), {}};
 }
 

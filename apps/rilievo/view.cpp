@@ -309,7 +309,8 @@ Command view_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
   command->footer("Example: rilievo view builtin:bridge --split");
-  return {command, [options](const std::string&) {
+  return {command, [options](const std::string&) -> Result<> {
+            if (Result<> good = expect_outputs({options->screenshot}); !good) return good;
             return is_picture_file(options->scene) ? view_layered(*options) : view_scene(*options);
           }};
 }

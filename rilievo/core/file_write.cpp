@@ -29,10 +29,10 @@ Error cannot_write(const fs::path& path) {
 
 // Where the bytes go.
 struct Place {
-  fs::path path;          // what a link points to
-  bool linked = false;    // it is not the name that was given
-  int descriptor = -1;    // of this process, if the name stands for one
-  bool exists = false;    // otherwise `status` says nothing
+  fs::path path;        // what a link points to
+  bool linked = false;  // it is not the name that was given
+  int descriptor = -1;  // of this process, if the name stands for one
+  bool exists = false;  // otherwise `status` says nothing
   struct stat status {};
 
   // Written straight into; anything else is replaced.
