@@ -178,9 +178,9 @@ Frame new_frame(const Solid& solid, const PictureGeometry& picture, Random& rand
   return frame;
 }
 
-// The largest distance between what the frame shows and where it belongs, as PictureError defines
-// it: from a sample's place on the rectangle, and from the corners of the cell in which it is shown
-// less the half diagonal of a pixel.
+// The largest distance between what the frame shows, or ought to show, and where it belongs, as
+// PictureError defines it: from a sample's place on the rectangle, and from the corners of the cell
+// in which it is shown less the half diagonal of a pixel.
 double measure(const Captured& captured, const Frame& frame) {
   const Camera& camera = frame.camera;
   const Camera& picture = captured.picture.capture;
@@ -201,16 +201,22 @@ double measure(const Captured& captured, const Frame& frame) {
   double worst = 0;
   for (const Sample& sample : captured.samples) {
     const Pixel truth = project(world_from_raster(picture, sample.texel, sample.eye_z));
-    const auto off = [&](const glm::dvec2& texel, double allowed) {
-      const Pixel drawn = project(world_from_raster(picture, texel, captured.picture.plane_z));
-      if (!drawn.inside) return;
-      const double px = truth.weight > 0 ? glm::length(drawn.at - truth.at) : kInfinity;
-      worst = std::max(worst, px - allowed);
+    const auto drawn_at = [&](const glm::dvec2& texel) {
+      return project(world_from_raster(picture, texel, captured.picture.plane_z));
     };
-    off(sample.texel, 0);
-    for (int corner = 0; corner < 4; ++corner)
-      off(sample.texel + glm::dvec2(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5),
-          std::sqrt(0.5));
+    const auto distance = [&](const Pixel& drawn) {
+      // What is nearer than the near plane is not drawn.
+      const bool drawable = truth.weight > 0 && drawn.weight >= camera.z_near;
+      return drawable ? glm::length(drawn.at - truth.at) : kInfinity;
+    };
+    const Pixel drawn = drawn_at(sample.texel);
+    // What belongs into the frame and is drawn elsewhere is missing.
+    if (drawn.inside || truth.inside) worst = std::max(worst, distance(drawn));
+    for (int corner = 0; corner < 4; ++corner) {
+      const glm::dvec2 step(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5);
+      if (const Pixel shown = drawn_at(sample.texel + step); shown.inside)
+        worst = std::max(worst, distance(shown) - std::sqrt(0.5));
+    }
   }
   return worst;
 }

@@ -17,8 +17,14 @@
 // It grows as d leaves p: d/dd (d - p) / (d g - t) = (p g - t) / (d g - t)^2 > 0; the slab's ends
 // are the worst samples. |(X.v, Y.v)| is convex in (x, y), and its quotient by one of the weights,
 // affine in (x, y), is quasi-convex: the largest values lie at the corners of the polygon of rays
-// that the frame sees. A bound of (1) is the largest such quotient times the largest reciprocal of
-// the other weight; the weights vary little over one picture.
+// that the frame asks for. A bound of (1) is the largest such quotient times the largest reciprocal
+// of the other weight; the weights vary little over one picture.
+//
+// The frame asks for a ray if any of its points between the capture's near and far plane may lie in
+// the frame: the drawn place is one of them, the sample's place another. Only the drawn places
+// would not do: a rectangle that has slid out of the frame would be perfect, although its objects
+// belong there. Nor would the samples' places: what they hide, further back on the same rays, may
+// come into the frame before they do.
 //
 // A moved object: any affine map only changes X, Y, f and e. Nothing else in the derivation knows
 // of it.
@@ -258,23 +264,41 @@ double depth_error(const PictureGeometry& picture, const RayPolygon& polygon, co
   return kInfinity;
 }
 
-// Fills in what concerns the screen position; yields the rays that the frame sees.
+// The least weight of the rectangle's points on these rays: their distance from the frame's eye
+// along its line of sight.
+double least_weight(const RayPolygon& polygon, const View& view, double p) {
+  double least = kInfinity;
+  for (int i = 0; i < polygon.size; ++i)
+    least = std::min(least,
+                     p * glm::dot(view.f, glm::dvec3(polygon.corner[std::size_t(i)], -1)) - view.t);
+  return least;
+}
+
+// Fills in what concerns the screen position; yields the rays that are drawn in the frame.
 RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame, const View& view,
                         PictureError& error) {
-  RILIEVO_EXPECTS(picture.capture.projection == Projection::perspective);
+  const Camera& capture = picture.capture;
+  RILIEVO_EXPECTS(capture.projection == Projection::perspective);
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   RILIEVO_EXPECTS_LE(picture.slab.front, picture.plane_z);
   RILIEVO_EXPECTS_LE(picture.plane_z, picture.slab.back);
-  const ImageWindow& w = picture.capture.window;
-  const glm::dvec2 half(0.5 * (w.right - w.left) / picture.capture.width,
-                        0.5 * (w.top - w.bottom) / picture.capture.height);
+  const ImageWindow& w = capture.window;
+  const glm::dvec2 half(0.5 * (w.right - w.left) / capture.width,
+                        0.5 * (w.top - w.bottom) / capture.height);
   const double p = picture.plane_z;
-  const RayPolygon drawn = rays_in_frame(picture, frame, view, p, p, half);
-  if (drawn.size == 0) return drawn;
+  const RayPolygon asked =
+      rays_in_frame(picture, frame, view, std::min(capture.z_near, picture.slab.front),
+                    std::max(capture.z_far, picture.slab.back), half);
+  if (asked.size == 0) return asked;
   error.in_frame = true;
-  error.parallax_px = std::max(largest_gap(drawn, view, p, picture.slab.front),
-                               largest_gap(drawn, view, p, picture.slab.back));
-  error.magnification_px = std::max(0.0, half_texel_px(drawn, view, p, half) - std::sqrt(0.5));
+  const RayPolygon drawn = rays_in_frame(picture, frame, view, p, p, half);
+  if (drawn.size > 0)
+    error.magnification_px = std::max(0.0, half_texel_px(drawn, view, p, half) - std::sqrt(0.5));
+  // What the near plane cuts off the rectangle is not drawn anywhere.
+  error.parallax_px = least_weight(asked, view, p) < frame.z_near
+                          ? kInfinity
+                          : std::max(largest_gap(asked, view, p, picture.slab.front),
+                                     largest_gap(asked, view, p, picture.slab.back));
   error.total_px = error.parallax_px + error.magnification_px;
   return drawn;
 }
@@ -293,7 +317,7 @@ PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
   if (hidden.size > 0) error.disocclusion_px = largest_gap(hidden, view, slab.front, slab.back);
 
   const RayPolygon drawn = screen_error(picture, frame, view, error);
-  if (error.in_frame) error.depth_relative = depth_error(picture, drawn, view);
+  if (drawn.size > 0) error.depth_relative = depth_error(picture, drawn, view);
   return error;
 }
 

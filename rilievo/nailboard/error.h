@@ -23,12 +23,16 @@ struct RigidMotion {
   glm::dmat4 now_from_then{1.0};
 };
 
-// Upper bounds over everything that the picture draws inside the frame. Infinite where there is no
-// bound: the eye in the picture's slab, a motion that is not rigid (to 1e-4).
+// Upper bounds over everything that the picture draws inside the frame, and over everything that it
+// ought to draw there. Infinite where there is no bound: the eye in the picture's slab, a rectangle
+// that the frame's near plane cuts, a motion that is not rigid (to 1e-4).
 struct PictureError {
-  // Does any of the rectangle lie in the frame? If not, all bounds are 0.
+  // May any point of the capture's frustum lie in the frame? If not, nothing of the picture does,
+  // neither as drawn nor as it should be, and all bounds are 0.
   bool in_frame = false;
-  // Pixels between where a sample is drawn and where its true position projects.
+  // Pixels between where a sample is drawn and where its true position projects, for every sample
+  // with either of them in the frame: a sample that belongs into the frame is drawn there, or at
+  // most so far beside it.
   double parallax_px = 0;
   // A pixel shows the texel in whose cell its centre falls: pixels from there to the texel's
   // centre, less the half diagonal of a pixel by which polygons are off too; 0 while texels are
@@ -37,7 +41,8 @@ struct PictureError {
   // parallax_px + magnification_px. For every pixel centre q that shows a sample whose true
   // position projects to s, |q - s| <= total_px + sqrt(1/2).
   double total_px = 0;
-  // |drawn - true| / true, of a sample's distance along the frame's -z (eye_z).
+  // |drawn - true| / true, of the distance along the frame's -z (eye_z) of a sample drawn in the
+  // frame.
   double depth_relative = 0;
   // A surface point that the capture did not see because another hid it lies within so many pixels
   // of that other one, both at their true positions: how wide a strip the picture may lack.

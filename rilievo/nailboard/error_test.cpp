@@ -101,7 +101,7 @@ double median(std::vector<double> values) {
 TEST(PictureError, no_sample_slides_further_and_half_the_bound_is_too_small) {
   std::mt19937 rng(1);
   std::vector<double> tightness;
-  int violations_of_half = 0, drawn_cases = 0;
+  int violations_of_half = 0, drawn_cases = 0, lost = 0;
   for (int i = 0; i < 5000; ++i) {
     const Case c = random_case(rng);
     const PictureError bound = bound_error(c.picture, c.frame, c.motion);
@@ -111,9 +111,11 @@ TEST(PictureError, no_sample_slides_further_and_half_the_bound_is_too_small) {
       for (double share : {0.0, 0.4, 1.0}) {
         const double d = glm::mix(c.picture.slab.front, c.picture.slab.back, share);
         const Shown s = show(c, texel, d);
-        if (!inside(c.frame, s.drawn)) continue;
+        // What is drawn elsewhere is missing where it belongs.
+        if (!inside(c.frame, s.drawn) && !inside(c.frame, s.truth)) continue;
         ASSERT_TRUE(bound.in_frame) << i;
-        if (s.truth.z <= 0) {
+        lost += !inside(c.frame, s.drawn);
+        if (s.truth.z <= 0 || s.drawn.z < c.frame.z_near) {
           ASSERT_TRUE(std::isinf(bound.parallax_px)) << i;
           continue;
         }
@@ -126,6 +128,7 @@ TEST(PictureError, no_sample_slides_further_and_half_the_bound_is_too_small) {
     if (worst > 0.25) tightness.push_back(bound.parallax_px / worst);
   }
   EXPECT_GT(drawn_cases, 3000);
+  EXPECT_GT(lost, 2000);
   EXPECT_GT(violations_of_half, 2000);
   ASSERT_GT(tightness.size(), 1000u);
   RecordProperty("tightness_median", std::to_string(median(tightness)));
@@ -298,6 +301,35 @@ TEST(PictureError, what_has_no_bound_is_infinite_and_what_is_not_seen_is_nothing
   c.frame.world_from_eye[3] +=
       glm::dvec4(c.frame.forward() * (0.5 * (c.picture.plane_z + c.picture.slab.front)), 0);
   EXPECT_TRUE(std::isinf(bound_error(c.picture, c.frame).parallax_px));
+}
+
+TEST(PictureError, a_rectangle_that_slid_out_of_the_frame_is_wrong_while_its_objects_belong_there) {
+  // 10 m wide at 10 to 20 m; its plane stands at 13.3 m. The eye steps to the side.
+  PictureGeometry picture;
+  picture.capture =
+      look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 2 * std::atan(0.25), 128, 128, 10, 20);
+  picture = picture_geometry(picture.capture);
+  const auto step = [&](double x, double target_x) {
+    Camera frame = look_at({x, 0, 0}, {target_x, 0, -20}, {0, 1, 0}, 0.2, 640, 640, 0.1, 100);
+    return bound_error(picture, frame);
+  };
+  // The far side's right end, at x = 5, is in the middle; its ray meets the plane at x = 3.3.
+  ASSERT_TRUE(step(50, 5).in_frame);
+  EXPECT_GT(step(50, 5).parallax_px, 320);
+  EXPECT_EQ(step(50, 5).magnification_px, 0);  // nothing of it is drawn
+  EXPECT_EQ(step(50, 5).depth_relative, 0);
+  // Narrowed to its front the plane is further away still: what lies behind comes into view first.
+  narrow_slab(picture, {0, 0.1});
+  ASSERT_TRUE(step(50, 5).in_frame);
+  EXPECT_GT(step(50, 5).parallax_px, 10);
+  EXPECT_LT(step(50, 5).parallax_px, 320);  // of what it shows, not of its whole frustum
+  // Nothing of the frustum is in view.
+  EXPECT_FALSE(step(50, 20).in_frame);
+  EXPECT_EQ(step(50, 20).total_px, 0);
+  // The near plane cuts the rectangle, but not what stands behind it.
+  Camera near = picture.capture;
+  near.z_near = 12;
+  EXPECT_TRUE(std::isinf(bound_error(picture, near).total_px));
 }
 
 }  // namespace

@@ -17,21 +17,32 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double ball_error_px(const PictureGeometry& picture, const Camera& frame, double off_axis_tan,
                      double eye_offset) {
-  if (eye_offset >= picture.slab.front) return kInfinity;
-  const ImageWindow& w = picture.capture.window;
-  // A half texel is plane_z * half long and at least plane_z - eye_offset away: of all triangles
-  // with that base and that shortest side, the right-angled one has the widest angle at the eye.
-  const double half = 0.5 * std::hypot((w.right - w.left) / picture.capture.width,
-                                       (w.top - w.bottom) / picture.capture.height);
-  const double sine = picture.plane_z * half / (picture.plane_z - eye_offset);
-  if (sine >= 1) return kInfinity;
-  const double half_texel = std::asin(sine);
+  // The frame asks for whatever lies in the capture's frustum, not only for what the slab holds.
+  const Camera& capture = picture.capture;
+  const DepthSlab whole{std::min(capture.z_near, picture.slab.front),
+                        std::max(capture.z_far, picture.slab.back)};
+  if (eye_offset >= whole.front) return kInfinity;
+  const ImageWindow& w = capture.window;
+  const double half =
+      0.5 * std::hypot((w.right - w.left) / capture.width, (w.top - w.bottom) / capture.height);
+  // At the distance z a half texel is z * half long and at least z - eye_offset away: of all
+  // triangles with that base and that shortest side, the right-angled one has the widest angle at
+  // the eye.
+  const auto sine_of_half_texel = [&](double z) { return z * half / (z - eye_offset); };
+  if (sine_of_half_texel(whole.front) >= 1) return kInfinity;
+  const double half_texel = std::asin(sine_of_half_texel(picture.plane_z));
   const double magnification =
       std::max(0.0, pixels_from_angle(frame, off_axis_tan, half_texel) - std::sqrt(0.5));
-  // A texel's centre may lie outside the frame that shows a part of its cell.
-  const double centre_angle = std::atan(off_axis_tan) + half_texel;
+  // How far off the axis is a texel's centre drawn, if the frame shows a part of its cell or asks
+  // for any other depth on its ray? The outline of a frame that grows by an angle on all sides
+  // grows at its corners, which are obtuse, by less than its square root of 2.
+  const double centre_angle =
+      std::atan(off_axis_tan) + std::asin(sine_of_half_texel(whole.front)) +
+      std::sqrt(2.0) * max_flat_parallax(whole, picture.plane_z, eye_offset);
   const double parallax = max_flat_parallax(picture.slab, picture.plane_z, eye_offset);
   if (centre_angle + parallax >= std::acos(0.0)) return kInfinity;
+  // The near plane must not cut the rectangle.
+  if ((picture.plane_z - eye_offset) * std::cos(centre_angle) < frame.z_near) return kInfinity;
   return magnification + pixels_from_angle(frame, std::tan(centre_angle), parallax);
 }
 

@@ -19,7 +19,8 @@ struct SafeRegion {
 
 // Upper bound of bound_error(...).total_px over all eyes at most `eye_offset` from the capture eye
 // and all frames of `frame`'s size and field of view that see the picture within `off_axis_tan` of
-// their axis (corner_tan(frame): anywhere). Grows with the offset; infinite from slab.front on.
+// their axis (corner_tan(frame): anywhere). Grows with the offset; infinite from the
+// capture's near plane on.
 [[nodiscard]] double ball_error_px(const PictureGeometry& picture, const Camera& frame,
                                    double off_axis_tan, double eye_offset);
 
