@@ -1,0 +1,68 @@
+// Plans carried out without OpenGL, and which object is drawn from what.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rilievo/cache/policy.h"
+
+namespace rilievo {
+
+struct Loop {
+  CacheState state;
+  PlanScratch scratch;
+  Plan plan;
+  std::set<std::uint32_t> textures;  // slots whose pictures exist
+
+  void frame(const Hierarchy& tree, std::span<const MovingObject> moving, const FrameView& view,
+             const CacheOptions& options, const BakedObjects& baked = {}) {
+    plan_frame(tree, moving, state, view, options, scratch, plan, baked);
+    for (std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
+    for (const Capture& capture : plan.captures) ASSERT_TRUE(textures.insert(capture.slot).second);
+    commit(plan, state);
+  }
+};
+
+using Shares = std::vector<std::pair<float, float>>;
+
+// From which parts of the pixels each object is drawn. What is baked is named by its object, after
+// the static ones if it moves.
+inline void add_shares(const Loop& run, const Hierarchy& tree, std::vector<Shares>& still,
+                       std::vector<Shares>& moving, const BakedObjects& baked = {}) {
+  for (const DrawnBaked& drawn : run.plan.baked) {
+    const std::uint32_t object = baked.objects[drawn.baked].object;
+    (object < still.size() ? still[object] : moving[object - still.size()]).emplace_back(0, 1);
+  }
+  for (const DrawnPicture& drawn : run.plan.pictures) {
+    ASSERT_TRUE(run.textures.count(drawn.slot));
+    const Entity e = run.state.slots[drawn.slot].entity;
+    if (e >= tree.nodes.size()) {
+      moving[e - tree.nodes.size()].emplace_back(drawn.from, drawn.to);
+      continue;
+    }
+    for (std::uint32_t k = 0; k < tree.nodes[e].count; ++k)
+      still[tree.order[tree.nodes[e].first + k]].emplace_back(drawn.from, drawn.to);
+  }
+  for (const DrawnObject& drawn : run.plan.polygons)
+    still[drawn.object].emplace_back(drawn.from, drawn.to);
+  for (const DrawnObject& drawn : run.plan.moving_polygons)
+    moving[drawn.object].emplace_back(drawn.from, drawn.to);
+}
+
+// Do the shares put [0, 1) together, each part once?
+inline bool complete(Shares shares) {
+  std::sort(shares.begin(), shares.end());
+  float reached = 0;
+  for (const auto& [from, to] : shares) {
+    if (from != reached) return false;
+    reached = to;
+  }
+  return reached == 1;
+}
+
+}  // namespace rilievo
