@@ -107,12 +107,12 @@ std::optional<DisparitySegment> disparity_segment(const Camera& camera, const gl
   RILIEVO_EXPECTS(camera.projection != Projection::parallel);
   // Clip in homogeneous coordinates (u w, v w, 1, w) with w = eye_z, where all is linear.
   const glm::dmat4 eye_from = eye_from_world(camera);
-  const auto& [l, r, b, t] = camera.window;
+  const ImageWindow& window = camera.window;
   const auto homogeneous = [&](const glm::dvec3& world) {
     const glm::dvec3 eye(eye_from * glm::dvec4(world, 1));
     const double w = -eye.z;
-    return glm::dvec3((eye.x - l * w) / (r - l) * camera.width,
-                      (t * w - eye.y) / (t - b) * camera.height, w);
+    return glm::dvec3((eye.x - window.left * w) / (window.right - window.left) * camera.width,
+                      (window.top * w - eye.y) / (window.top - window.bottom) * camera.height, w);
   };
   glm::dvec3 p = homogeneous(from), q = homogeneous(to);
   double t0 = 0, t1 = 1;
