@@ -1,6 +1,5 @@
 #include "rilievo/render/opengl/scene_renderer.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -15,8 +14,8 @@ namespace {
 // std::vector<bool> has no span.
 using Flags = std::unique_ptr<bool[]>;
 
-shader::ViewBlock::LightBlock light_block(const Light& light, const glm::dvec3& eye) {
-  shader::ViewBlock::LightBlock block;
+shader::LightBlock light_block(const Light& light, const glm::dvec3& eye) {
+  shader::LightBlock block;
   block.position_range = glm::vec4(glm::vec3(glm::dvec3(light.position) - eye), light.range);
   block.direction_kind = glm::vec4(light.direction, float(light.kind));
   block.intensity_inner = glm::vec4(light.intensity, std::cos(light.inner_cone));
@@ -40,11 +39,9 @@ shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   view.zenith = glm::vec4(scene.sky.zenith, 0);
   view.horizon = glm::vec4(scene.sky.horizon, 0);
   view.ground = glm::vec4(scene.sky.ground, 0);
-  const std::size_t count = std::min(scene.lights.size(), std::size_t(shader::kMaxLights));
-  for (std::size_t i = 0; i < count; ++i)
-    view.lights[i] = light_block(scene.lights[i], camera.position());
-  if (scene.lights.empty()) view.lights[0] = light_block(default_sun(), camera.position());
-  view.light_count = glm::vec4(float(scene.lights.empty() ? 1 : count), 0, 0, 0);
+  const Light first = scene.lights.empty() ? default_sun() : scene.lights[0];
+  view.sun_direction_count = glm::vec4(first.direction, float(scene.lights.size()));
+  view.sun_intensity = glm::vec4(first.intensity, 0);
   return view;
 }
 
@@ -69,7 +66,8 @@ struct SceneRenderer::State {
   std::vector<std::uint32_t> shared_objects, shared_in;  // shared_in: by object, the last pass
   std::uint32_t shared_pass = 0;
   std::vector<PixelShare> waiting;
-  gl::StreamBuffer view_buffer;
+  std::vector<shader::LightBlock> lights;
+  gl::StreamBuffer view_buffer, light_buffer;
   gl::Buffer instance_buffer;
   std::size_t instance_capacity = 0;
 
@@ -77,6 +75,7 @@ struct SceneRenderer::State {
   Result<const gl::Program*> program(unsigned features);
   void classify();
   void upload_view(const Camera& camera);
+  void upload_lights(const Camera& camera);
   void upload_instances();
   void draw_list(const Camera& camera, unsigned extra_features);
 };
@@ -84,6 +83,7 @@ struct SceneRenderer::State {
 // Compiled by create(); later only if the scene's lights have become others.
 Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
   if (!lit_by_one_sun(*scene)) features |= shader::kAnyLights;
+  if (scene->lights.size() > shader::kFewLights) features |= shader::kManyLights;
   if (features & (shader::kUnlit | shader::kObjectIds)) features &= ~shader::kOfLight;
   const auto found = programs.find(features);
   if (found != programs.end()) return &found->second;
@@ -127,6 +127,15 @@ void SceneRenderer::State::upload_view(const Camera& camera) {
   view_buffer.upload_and_bind(GL_UNIFORM_BUFFER, 0, std::as_bytes(std::span(&view, 1)));
 }
 
+void SceneRenderer::State::upload_lights(const Camera& camera) {
+  lights.clear();
+  for (const Light& light : scene->lights) lights.push_back(light_block(light, camera.position()));
+  const bool few = lights.size() <= shader::kFewLights;
+  if (few) lights.resize(shader::kFewLights);  // all of a uniform block is bound
+  light_buffer.upload_and_bind(few ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER,
+                               shader::kLightsBinding, std::as_bytes(std::span(lights)));
+}
+
 void SceneRenderer::State::upload_instances() {
   staging.clear();
   for (const Placement& placement : list.instances()) {
@@ -148,6 +157,7 @@ void SceneRenderer::State::upload_instances() {
 void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features) {
   if (list.batches().empty()) return;
   upload_view(camera);
+  if (!(extra_features & shader::kObjectIds) && !lit_by_one_sun(*scene)) upload_lights(camera);
   upload_instances();
   glBindVertexArray(gpu.vertex_array);
   glVertexArrayVertexBuffer(gpu.vertex_array, kInstanceBinding, instance_buffer, 0,

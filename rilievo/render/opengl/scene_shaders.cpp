@@ -9,14 +9,12 @@ namespace rilievo::shader {
 namespace {
 
 const char* const kCommon = R"(
-struct LightBlock { vec4 position_range, direction_kind, intensity_inner, outer; };
 layout(std140, binding = 0) uniform View {
   mat4 clip_from_relative;
   mat4 relative_from_clip;
   vec4 eye_direction;
   vec4 zenith, horizon, ground;
-  vec4 light_count;
-  LightBlock lights[16];
+  vec4 sun_direction_count, sun_intensity;
 } view;
 )";
 
@@ -145,6 +143,13 @@ vec3 reflected(vec3 n, vec3 v, vec3 l, vec3 diffuse, F0 f0, float alpha2) {
 }
 
 #ifdef ANY_LIGHTS
+struct LightBlock { vec4 position_range, direction_kind, intensity_inner, outer; };
+#ifdef MANY_LIGHTS
+layout(std430, binding = 2) readonly buffer Lights { LightBlock lights[]; };
+#else
+layout(std140, binding = 2) uniform Lights { LightBlock lights[16]; };
+#endif
+
 // How much of the light's intensity arrives here, and the way to it.
 float arrives(LightBlock light, out vec3 l) {
   l = -light.direction_kind.xyz;
@@ -208,15 +213,15 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
   float alpha2 = alpha * alpha;
 #ifdef ANY_LIGHTS
   vec3 light = vec3(0.0);
-  for (int i = 0; i < int(view.light_count.x); ++i) {
+  for (int i = 0; i < int(view.sun_direction_count.w); ++i) {
     vec3 l;
-    float strength = arrives(view.lights[i], l);
-    light += strength * view.lights[i].intensity_inner.rgb * reflected(n, v, l, diffuse, f0, alpha2);
+    float strength = arrives(lights[i], l);
+    light += strength * lights[i].intensity_inner.rgb * reflected(n, v, l, diffuse, f0, alpha2);
   }
 #else
   // One sun. A software rasteriser takes a quarter longer with the loop.
-  vec3 light = view.lights[0].intensity_inner.rgb *
-               reflected(n, v, -view.lights[0].direction_kind.xyz, diffuse, f0, alpha2);
+  vec3 light = view.sun_intensity.rgb *
+               reflected(n, v, -view.sun_direction_count.xyz, diffuse, f0, alpha2);
 #endif
 
   // The sky as ambient light: diffuse from the hemisphere around n, mirrored part by roughness.
@@ -368,6 +373,7 @@ Result<gl::Program> make_scene_program(unsigned features) {
   define(kBackPerspective, "BACK_PERSPECTIVE");
   define(kMetallic, "METALLIC");
   define(kEmissive, "EMISSIVE");
+  define(kManyLights, "MANY_LIGHTS");
   const std::string head = std::string(kVersion) + kCommon;
   return gl::make_program("scene", head + kVertex,
                           head + kSky + kSrgbFromLinear + kPixelHash + kFragment, defines);

@@ -1,6 +1,7 @@
 // The shaders of direct drawing, and which variants of them there are.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <string>
 
@@ -19,15 +20,14 @@ enum Feature : unsigned {
   kObjectIds = 64,          // identifiers instead of colours
   kLinear = 128,            // OutputEncoding::linear
   kShare = 256,             // a share of the pixels only, chosen by kPixelHash
-  kAnyLights = 512,         // up to kMaxLights of any kind; without it, one directional light
+  kAnyLights = 512,         // up to kFewLights of any kind; without it, one directional light
   kBackPerspective = 1024,  // the camera's projection; without it, one of the others
   kMetallic = 2048,
   kEmissive = 4096,
+  kManyLights = 8192,  // with kAnyLights: any number
   // What changes nothing where there is no light.
-  kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive,
+  kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive | kManyLights,
 };
-
-inline constexpr int kMaxLights = 16;
 
 // Matches the View block (std140).
 struct ViewBlock {
@@ -36,13 +36,21 @@ struct ViewBlock {
   // xyz: seen from afar, the way to the eye; w: 0 if all rays are parallel.
   glm::vec4 eye_direction;
   glm::vec4 zenith, horizon, ground;
-  glm::vec4 light_count;
-  struct LightBlock {
-    glm::vec4 position_range;   // relative to the eye
-    glm::vec4 direction_kind;   // 0 directional, 1 point, 2 spot
-    glm::vec4 intensity_inner;  // w: cosine of the inner cone
-    glm::vec4 outer;            // x: cosine of the outer cone
-  } lights[kMaxLights];
+  // Of what is drawn without kAnyLights, the one light; w of the direction: how many there are.
+  glm::vec4 sun_direction_count, sun_intensity;
+};
+
+// Few lights lie in a uniform block: a software rasteriser takes a third longer to shade with
+// lights of a storage buffer.
+inline constexpr std::size_t kFewLights = 16;
+// Where either is bound.
+inline constexpr unsigned kLightsBinding = 2;
+// Matches an entry of Lights, which has kFewLights of them or, in a storage buffer, any number.
+struct LightBlock {
+  glm::vec4 position_range;   // relative to the eye
+  glm::vec4 direction_kind;   // 0 directional, 1 point, 2 spot
+  glm::vec4 intensity_inner;  // w: cosine of the inner cone
+  glm::vec4 outer;            // x: cosine of the outer cone
 };
 
 [[nodiscard]] Result<gl::Program> make_scene_program(unsigned features);
