@@ -31,6 +31,7 @@ namespace {
 
 struct Options {
   std::string scene, output, json, as = "layered-impostor";
+  FileLimits limits;
   LayeredBakeOptions bake;
   std::vector<double> box;
   bool around = false;
@@ -138,14 +139,14 @@ Result<> run(const Options& options) {
   // Before the time is spent.
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   if (Result<BakeOptions> bake = bake_options(options.bake); !bake) return bake.error();
-  if (is_picture_file(options.scene))
+  if (holds_pictures(options.scene))
     return Error{options.scene, "holds pictures already: a scene is baked"};
   if (is_rgbd_capture(options.scene))
-    return bake_capture(
-        {options.scene, options.output, options.json, options.bake, options.box, options.around});
+    return bake_capture({options.scene, options.output, options.json, options.bake, options.limits,
+                         options.box, options.around});
   if (!options.box.empty() || options.around)
     return Error{options.scene, "is no capture: --box and --around are for photographs"};
-  const Result<OpenedScene> opened = open_scene(options.scene);
+  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   if (Result<> made = make_folder(folder); !made) return made;
@@ -190,6 +191,7 @@ Command bake_command(CLI::App& app) {
       ->required()
       ->type_name("FILE.exr");
   add_json_option(*command, options->json);
+  add_file_limits(*command, options->limits);
   command->footer(
       "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
       "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"
