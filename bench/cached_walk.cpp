@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "rilievo/compare/drawn_frame.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
@@ -45,9 +45,9 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
     for (std::size_t i = 0; i < count; ++i) {
       const Result<double> ms = time_frame(*sources[i], *target, at);
       if (!ms) return ms.error();
-      const FrameFigures figures = sources[i]->figures();
-      walks[i].captures += figures.captures;
-      walks[i].bound_px = std::max(walks[i].bound_px, figures.bound_px);
+      const FrameStats& stats = sources[i]->stats();
+      walks[i].captures += stats.captures;
+      walks[i].bound_px = std::max(walks[i].bound_px, stats.bound_px);
       if (frame == 0)
         walks[i].first_frame_ms = *ms;
       else

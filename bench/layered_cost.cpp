@@ -13,8 +13,9 @@
 
 #include "bench/layered_frames.h"
 #include "bench/objects.h"
+#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/gl/context.h"
-#include "rilievo/layered_impostor/gl/bake_layered.h"
+#include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/scene/builtin/parts.h"
 
@@ -44,7 +45,8 @@ Result<LayeredImpostor> bake(SceneRenderer& renderer, ViewSpread spread, int siz
   options.camera.size = size;
   options.slicing.layers = layers;
   options.fills = fills;
-  return bake_layered(renderer, options);
+  OpenGLSource source(renderer);
+  return bake_layered(source, {}, options);
 }
 
 Result<> add_memory(SceneRenderer& teapot, bool quick, BenchReport& report) {

@@ -6,6 +6,8 @@
 
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/random.h"
+#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
@@ -55,29 +57,18 @@ std::vector<Camera> random_eyes(const Box& box, const EyeOptions& options) {
   return cameras;
 }
 
-Result<> LayeredFrames::draw(const Camera& camera, double) {
-  camera_ = camera;
-  const LayeredInstance here;
-  drawer_.draw(pictures_, camera, {&here, 1}, options_);
-  renderer_.draw_sky(camera, OutputEncoding::srgb);
-  return Done{};
+Result<std::unique_ptr<FrameSource>> impostor_source(SceneRenderer& renderer, LayeredDrawer& drawer,
+                                                     LayeredImpostor impostor,
+                                                     const LayeredOptions& options) {
+  Result<std::unique_ptr<Drawable>> drawable =
+      make_layered_drawable(std::move(impostor), drawer, options);
+  if (!drawable) return drawable.error();
+  return {std::make_unique<StoredFrames>(renderer, std::move(*drawable),
+                                         std::vector<Instance>{{glm::dmat4(1.0), 0, 1}}, false)};
 }
 
-Result<> LayeredFrames::draw_objects() {
-  const LayeredInstance here;
-  drawer_.draw_objects(pictures_, camera_, {&here, 1}, options_);
-  return Done{};
-}
-
-FrameFigures LayeredFrames::figures() const {
-  FrameFigures figures;
-  figures.layered = 1;
-  figures.picture_bytes = pictures_.bytes();
-  return figures;
-}
-
-Result<ObjectFrames> ObjectFrames::create(int size, int samples) {
-  ObjectFrames frames;
+Result<SmallFrames> SmallFrames::create(int size, int samples) {
+  SmallFrames frames;
   Result<FrameTarget> target = FrameTarget::create(size, size, samples);
   if (!target) return target.error();
   Result<ProbeTarget> probe = ProbeTarget::create(size, size);
@@ -87,7 +78,7 @@ Result<ObjectFrames> ObjectFrames::create(int size, int samples) {
   return frames;
 }
 
-Result<ShownFrame> ObjectFrames::draw(FrameSource& source, const Camera& camera) {
+Result<ShownFrame> SmallFrames::draw(FrameSource& source, const Camera& camera) {
   target_.begin();
   if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
   target_.resolve();
@@ -98,11 +89,11 @@ Result<ShownFrame> ObjectFrames::draw(FrameSource& source, const Camera& camera)
   return shown;
 }
 
-Result<double> ObjectFrames::time_ms(FrameSource& source, const Camera& camera) {
+Result<double> SmallFrames::time_ms(FrameSource& source, const Camera& camera) {
   return time_frame(source, target_, {camera, 0});
 }
 
-Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
+Result<Quality> measure_quality(SmallFrames& frames, FrameSource& source,
                                 std::span<const Camera> cameras, std::span<const ShownFrame> truths,
                                 int slow_every) {
   std::vector<double> psnr, object_psnr, ssims, flips, times;

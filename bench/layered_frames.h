@@ -6,10 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/frame/frame_source.h"
 #include "rilievo/layered_impostor/gl/layered_drawer.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -30,24 +31,11 @@ struct EyeOptions {
 };
 [[nodiscard]] std::vector<Camera> random_eyes(const Box& box, const EyeOptions& options);
 
-// The impostor under the scene's sky.
-class LayeredFrames : public FrameSource {
- public:
-  LayeredFrames(SceneRenderer& renderer, LayeredDrawer& drawer, LayeredPictures& pictures,
-                const LayeredOptions& options)
-      : renderer_(renderer), drawer_(drawer), pictures_(pictures), options_(options) {}
-
-  Result<> draw(const Camera& camera, double time) override;
-  Result<> draw_objects() override;
-  [[nodiscard]] FrameFigures figures() const override;
-
- private:
-  SceneRenderer& renderer_;
-  LayeredDrawer& drawer_;
-  LayeredPictures& pictures_;
-  LayeredOptions options_;
-  Camera camera_;
-};
+// The impostor under the scene's sky. `renderer` and `drawer` must outlive it.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> impostor_source(SceneRenderer& renderer,
+                                                                   LayeredDrawer& drawer,
+                                                                   LayeredImpostor impostor,
+                                                                   const LayeredOptions& options);
 
 // What a frame shows; objects at pixel centres.
 struct ShownFrame {
@@ -55,9 +43,9 @@ struct ShownFrame {
   Image<std::uint32_t> objects;
 };
 
-class ObjectFrames {
+class SmallFrames {
  public:
-  [[nodiscard]] static Result<ObjectFrames> create(int size, int samples);
+  [[nodiscard]] static Result<SmallFrames> create(int size, int samples);
   [[nodiscard]] Result<ShownFrame> draw(FrameSource& source, const Camera& camera);
   [[nodiscard]] Result<double> time_ms(FrameSource& source, const Camera& camera);
 
@@ -75,7 +63,7 @@ struct Quality {
   double frame_ms = 0;     // median
 };
 // `truths` are what `cameras` see.
-[[nodiscard]] Result<Quality> measure_quality(ObjectFrames& frames, FrameSource& source,
+[[nodiscard]] Result<Quality> measure_quality(SmallFrames& frames, FrameSource& source,
                                               std::span<const Camera> cameras,
                                               std::span<const ShownFrame> truths, int slow_every);
 

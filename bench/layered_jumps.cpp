@@ -11,8 +11,9 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
-#include "rilievo/frame/gl/direct_frames.h"
-#include "rilievo/layered_impostor/gl/bake_layered.h"
+#include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/flip.h"
 
 namespace rilievo::bench {
@@ -48,7 +49,7 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
   const int size = options.quick ? 48 : 256, steps = options.quick ? 4 : 240;
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
-  Result<ObjectFrames> frames = ObjectFrames::create(size, 4);
+  Result<SmallFrames> frames = SmallFrames::create(size, 4);
   if (!frames) return frames.error();
   Result<LayeredDrawer> drawer = LayeredDrawer::create();
   if (!drawer) return drawer.error();
@@ -89,17 +90,17 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
     BakeOptions bake;
     bake.views.spread = spread;
     bake.camera.size = size;
-    Result<LayeredImpostor> impostor = bake_layered(*renderer, bake);
+    OpenGLSource scene_source(*renderer);
+    const Result<LayeredImpostor> impostor = bake_layered(scene_source, {}, bake);
     if (!impostor) return impostor.error();
-    Result<LayeredPictures> pictures = LayeredPictures::create(std::move(*impostor));
-    if (!pictures) return pictures.error();
     std::vector<std::string> most{std::to_string(count)}, means;
     for (const Way& way : kWays) {
       LayeredOptions layered_options;
       layered_options.method = way.method;
       if (!way.fade) layered_options.handover = 0;
-      LayeredFrames source(*renderer, *drawer, *pictures, layered_options);
-      const Result<std::vector<double>> drawn = changes(source);
+      const auto source = impostor_source(*renderer, *drawer, *impostor, layered_options);
+      if (!source) return source.error();
+      const Result<std::vector<double>> drawn = changes(**source);
       if (!drawn) return drawn.error();
       double jump = 0, sum = 0;
       for (std::size_t i = 0; i < drawn->size(); ++i) {

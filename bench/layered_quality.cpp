@@ -6,10 +6,11 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
+#include "rilievo/layered_impostor/bake.h"
 #include "rilievo/layered_impostor/error.h"
-#include "rilievo/layered_impostor/gl/bake_layered.h"
 #include "rilievo/measure/report.h"
 
 namespace rilievo::bench {
@@ -52,7 +53,7 @@ struct Subject {
   std::vector<ShownFrame> truths;
 };
 
-Result<Subject> make_subject(const BenchObject& object, ObjectFrames& frames, int eyes, int size) {
+Result<Subject> make_subject(const BenchObject& object, SmallFrames& frames, int eyes, int size) {
   Result<SceneRenderer> renderer = SceneRenderer::create(object.scene);
   if (!renderer) return renderer.error();
   EyeOptions eye_options;
@@ -97,15 +98,14 @@ void add_row(const Measured& m, Table& table, BenchReport& report) {
 
 class Sweep {
  public:
-  Sweep(const Plan& plan, ObjectFrames& frames, LayeredDrawer& drawer, BenchReport& report)
+  Sweep(const Plan& plan, SmallFrames& frames, LayeredDrawer& drawer, BenchReport& report)
       : plan_(plan), frames_(frames), drawer_(drawer), report_(report) {}
 
   // The object's pictures in one setting, drawn in every way that is asked for.
-  Result<> measure(Subject& subject, LayeredImpostor impostor, int size, bool walk, bool unfilled) {
+  Result<> measure(Subject& subject, const LayeredImpostor& impostor, int size, bool walk,
+                   bool unfilled) {
     const int views = int(impostor.pictures.size()), layers = impostor.slicing.layers;
     if (views == 32 && size == 256 && layers == 64) add_bounds(subject, impostor);
-    Result<LayeredPictures> pictures = LayeredPictures::create(std::move(impostor));
-    if (!pictures) return pictures.error();
     for (const LayeredMethod method : {LayeredMethod::slices, LayeredMethod::surfaces}) {
       const bool slices = method == LayeredMethod::slices;
       if (!slices && !walk) continue;
@@ -114,16 +114,17 @@ class Sweep {
         LayeredOptions options;
         options.method = method;
         if (!fill) options.max_views = 1;
-        LayeredFrames source(subject.renderer, drawer_, *pictures, options);
+        const auto source = impostor_source(subject.renderer, drawer_, impostor, options);
+        if (!source) return source.error();
         const Result<Quality> quality =
-            measure_quality(frames_, source, subject.cameras, subject.truths, plan_.slow_every);
+            measure_quality(frames_, **source, subject.cameras, subject.truths, plan_.slow_every);
         if (!quality) return quality.error();
         const std::string setting = slices ? fmt::format("{}_{}_{}", views, size, layers)
                                            : fmt::format("{}_{}_surfaces", views, size);
         add_row({subject.object.name, slices ? "slices" : "surfaces", setting, views, size,
                  slices ? layers : 0, fill, *quality},
                 table_, report_);
-        if (Result<> shown = show(subject, source, setting, fill); !shown) return shown;
+        if (Result<> shown = show(subject, **source, setting, fill); !shown) return shown;
       }
     }
     return Done{};
@@ -177,7 +178,7 @@ class Sweep {
   }
 
   const Plan& plan_;
-  ObjectFrames& frames_;
+  SmallFrames& frames_;
   LayeredDrawer& drawer_;
   BenchReport& report_;
   Table table_{"Likeness to direct drawing",
@@ -197,7 +198,7 @@ class Sweep {
 Result<> add_quality(const BenchOptions& options, BenchReport& report) {
   const Plan plan = make_plan(options.quick);
   const std::vector<BenchObject> objects = bench_objects(options.quick ? 3000 : 20000);
-  Result<ObjectFrames> frames = ObjectFrames::create(plan.frame, 4);
+  Result<SmallFrames> frames = SmallFrames::create(plan.frame, 4);
   if (!frames) return frames.error();
   Result<LayeredDrawer> drawer = LayeredDrawer::create();
   if (!drawer) return drawer.error();
@@ -218,7 +219,8 @@ Result<> add_quality(const BenchOptions& options, BenchReport& report) {
         bake.views.spread = spread;
         bake.camera.size = size / plan.shrink;
         bake.fills = false;
-        Result<LayeredImpostor> baked = bake_layered(subject->renderer, bake);
+        OpenGLSource source(subject->renderer);
+        Result<LayeredImpostor> baked = bake_layered(source, {}, bake);
         if (!baked) return baked.error();
         for (const int layers : plan.layers) {
           if (!first && layers != 64) continue;
@@ -230,8 +232,7 @@ Result<> add_quality(const BenchOptions& options, BenchReport& report) {
           FillOptions fill_options;
           if (options.quick) fill_options.size = 24;
           find_fill_slices(*impostor, fill_options);
-          const Result<> measured =
-              sweep.measure(*subject, std::move(*impostor), size, layers == 64, first);
+          const Result<> measured = sweep.measure(*subject, *impostor, size, layers == 64, first);
           if (!measured) return measured;
         }
       }

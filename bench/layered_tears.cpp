@@ -11,9 +11,10 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
-#include "rilievo/layered_impostor/gl/bake_layered.h"
+#include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/visibility.h"
 
 namespace rilievo::bench {
@@ -80,14 +81,15 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   const std::size_t every = options.quick ? 16 : 4;  // view of the 32
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
-  Result<ObjectFrames> frames = ObjectFrames::create(size, 4);
+  Result<SmallFrames> frames = SmallFrames::create(size, 4);
   if (!frames) return frames.error();
   Result<LayeredDrawer> drawer = LayeredDrawer::create();
   if (!drawer) return drawer.error();
   BakeOptions bake;
   bake.camera.size = size;
   bake.fills = false;
-  const Result<LayeredImpostor> impostor = bake_layered(*renderer, bake);
+  OpenGLSource scene_source(*renderer);
+  const Result<LayeredImpostor> impostor = bake_layered(scene_source, {}, bake);
   if (!impostor) return impostor.error();
 
   constexpr std::size_t kOffsets = kMost / kStep + 1;
@@ -106,15 +108,15 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
         eyes[o].push_back({camera, std::move(*truth)});
       }
     for (std::size_t w = 0; w < std::size(kWays); ++w) {
-      Result<LayeredPictures> pictures = LayeredPictures::create(alone(*impostor, view, kWays[w]));
-      if (!pictures) return pictures.error();
       LayeredOptions layered_options;
       layered_options.method = kWays[w].method;
       layered_options.max_views = 1;
-      LayeredFrames source(*renderer, *drawer, *pictures, layered_options);
+      const auto source =
+          impostor_source(*renderer, *drawer, alone(*impostor, view, kWays[w]), layered_options);
+      if (!source) return source.error();
       for (std::size_t o = 0; o < kOffsets; ++o)
         for (const Eye& eye : eyes[o]) {
-          const Result<ShownFrame> shown = frames->draw(source, eye.camera);
+          const Result<ShownFrame> shown = frames->draw(**source, eye.camera);
           if (!shown) return shown.error();
           const Visibility one = compare_visibility(eye.truth.objects, shown->objects);
           found[w][o].counted_objects += one.counted_objects;

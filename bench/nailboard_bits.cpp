@@ -7,7 +7,7 @@
 
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/scene/builtin/builtin.h"
 

@@ -4,7 +4,7 @@
 
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/measure/popping.h"
 #include "rilievo/scene/builtin/builtin.h"
 

@@ -8,8 +8,10 @@
 
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/representation/gl/factories.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
@@ -53,21 +55,26 @@ Result<Scene> teapots(int triangles, int rows, int frames) {
   return scene;
 }
 
-Result<ImageCache> cache_with(SceneRenderer& renderer, LayeredMethod method, bool quick) {
+Result<ImageCache> cache_with(SceneRenderer& renderer, const char* warp, bool quick) {
   constexpr std::size_t kAll = std::size_t(256) << 20;
-  ObjectImpostorOptions bake;
-  bake.method = method;
-  if (quick) bake.bake.views.spread = ViewSpread::faces_12, bake.bake.camera.size = 32;
+  const Kind& kind = layered_impostor_kind();
+  Result<std::unique_ptr<DrawableFactory>> factory = make_factory(drawable_rows(), kind.name);
+  if (!factory) return factory.error();
+  ObjectDrawablesOptions bake{OptionValues(kind.bake_options), OptionValues(kind.draw_options)};
+  if (Result<> set = bake.draw.set("warp", warp); !set) return set.error();
+  if (quick)
+    for (const auto& [name, value] : {std::pair{"views", "12"}, {"size", "32"}})
+      if (Result<> set = bake.bake.set(name, value); !set) return set.error();
   bake.max_bytes = kAll / 2;
-  Result<std::vector<ObjectImpostor>> impostors = bake_object_impostors(renderer, bake);
-  if (!impostors) return impostors.error();
+  Result<std::vector<ObjectDrawable>> drawables =
+      bake_object_drawables(renderer, kind, **factory, bake);
+  if (!drawables) return drawables.error();
   ImageCacheOptions options;
   options.max_bytes = kAll;
-  for (const ObjectImpostor& impostor : *impostors) options.max_bytes -= impostor.pictures.bytes();
+  for (const ObjectDrawable& one : *drawables) options.max_bytes -= one.drawable->bytes();
   Result<ImageCache> cache = ImageCache::create(renderer, options);
   if (!cache) return cache.error();
-  if (Result<> added = cache->add_baked(std::move(*impostors), {.method = method}); !added)
-    return added.error();
+  cache->add_alternatives(std::move(*drawables), std::move(*factory));
   return cache;
 }
 
@@ -90,9 +97,9 @@ Result<BenchReport> spinning(const BenchOptions& options) {
   DirectFrames direct(*renderer);
   Result<ImageCache> alone = ImageCache::create(*renderer, {});
   if (!alone) return alone.error();
-  Result<ImageCache> walk = cache_with(*renderer, LayeredMethod::surfaces, options.quick);
+  Result<ImageCache> walk = cache_with(*renderer, "surfaces", options.quick);
   if (!walk) return walk.error();
-  Result<ImageCache> slices = cache_with(*renderer, LayeredMethod::slices, options.quick);
+  Result<ImageCache> slices = cache_with(*renderer, "slices", options.quick);
   if (!slices) return slices.error();
 
   // Slowly around all of them.

@@ -3,12 +3,12 @@
 # **_test.cpp goes into the program test_FOLDER or, if it needs OpenGL, test_FOLDER_gl.
 
 # In the order in which they may include each other; tools/check_layers has the exact table.
-set(RILIEVO_FOLDERS core measure gl io warp scene render capture nailboard layered_impostor
-    environment_nodes layered_relief frame cache compare)
-set(RILIEVO_GL_FOLDERS gl frame compare)
+set(RILIEVO_FOLDERS core measure gl io warp scene render capture kind nailboard layered_impostor
+    representation frame cache compare)
+set(RILIEVO_GL_FOLDERS gl compare)
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
-    meshoptimizer::meshoptimizer JPEG::JPEG PNG::PNG embree PkgConfig::webp hwy)
+    meshoptimizer::meshoptimizer JPEG::JPEG embree PkgConfig::webp hwy)
 # Only headers, and none of them in ours: who uses the installed library does not need them.
 set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
 

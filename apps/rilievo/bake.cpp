@@ -12,29 +12,26 @@
 #include <vector>
 
 #include "apps/rilievo/capture.h"
-#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
-#include "apps/rilievo/layered_options.h"
+#include "apps/rilievo/kinds.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/core/camera_path.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/layered_impostor/file.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
 namespace {
 
 struct Options {
   std::string scene, output, json, as = "layered-impostor";
-  FileLimits limits;
-  LayeredBakeOptions bake;
-  std::vector<double> box;
-  bool around = false;
+  KindOptions kinds;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -64,103 +61,125 @@ Result<double> direct_ms(SceneRenderer& renderer, int width, int height) {
   return summarize(ms).p50;
 }
 
-struct Baked {
-  LayeredImpostor impostor;
-  double capture_s = 0, slice_s = 0, save_s = 0;
+struct Times {
+  double capture_s = 0, build_s = 0, save_s = 0;
+  int pictures = 0;
   std::size_t file_bytes = 0;
 
-  [[nodiscard]] double seconds() const { return capture_s + slice_s + save_s; }
-  [[nodiscard]] double ms_per_view() const {
-    return 1e3 * seconds() / double(impostor.pictures.size());
+  [[nodiscard]] double seconds() const { return capture_s + build_s + save_s; }
+  [[nodiscard]] double ms_per_picture() const {
+    return pictures > 0 ? 1e3 * seconds() / pictures : 0;
   }
 };
 
-Result<Baked> bake(const Options& options, SceneRenderer& renderer) {
-  Result<BakeOptions> bake = bake_options(options.bake);
-  if (!bake) return bake.error();
-  Baked baked;
-  Progress progress("view");
+// Bakes and saves.
+Result<Baked> bake(const Options& options, const Kind& kind, const OptionValues& values,
+                   CaptureSource& source, Times& times) {
+  app::Progress progress("view");
   const Clock::time_point start = Clock::now();
-  bake->progress = [&](int done, int total) {
+  Result<Baked> baked = kind.bake({source, {}}, values, [&](int done, int total) {
     progress.show(done, total);
-    baked.capture_s = seconds_since(start);
-  };
-  Result<LayeredImpostor> impostor = bake_layered(renderer, *bake);
-  if (!impostor) return Error{options.scene, impostor.error().reason};
-  baked.slice_s = seconds_since(start) - baked.capture_s;
-  baked.impostor = std::move(*impostor);
+    times.capture_s = seconds_since(start);
+    times.pictures = total;
+  });
+  if (!baked)
+    return baked.error().where.starts_with("--") ? baked.error()
+                                                 : Error{options.scene, baked.error().reason};
+  times.build_s = seconds_since(start) - times.capture_s;
   const Clock::time_point saving = Clock::now();
-  if (Result<> saved = save_layered_impostor(options.output, baked.impostor); !saved)
+  if (Result<> saved = kind.save(*baked->representation, options.output); !saved)
     return saved.error();
-  baked.save_s = seconds_since(saving);
+  times.save_s = seconds_since(saving);
   // A device has no size.
   if (std::filesystem::is_regular_file(options.output))
-    baked.file_bytes = std::filesystem::file_size(options.output);
+    times.file_bytes = std::filesystem::file_size(options.output);
   return baked;
 }
 
-Result<> report_bake(const Options& options, const Baked& baked, SceneRenderer& renderer) {
-  const int size = options.bake.size;
+// What the bake and the kind say of what was made.
+nlohmann::json report_of(const Options& options, const Kind& kind, const OptionValues& values,
+                         const Baked& baked, const Times& times) {
+  nlohmann::json json{{"schema", "rilievo-bake-1"}, {"scene", options.scene}, {"as", kind.name}};
+  for (const Fact& fact : kind.describe(*baked.representation))
+    json[fact.key] = nlohmann::json::parse(fact.json);
+  for (const Fact& fact : baked.facts) json[fact.key] = nlohmann::json::parse(fact.json);
+  if (values.has("size")) json["size"] = values.integer("size");
+  json["file_bytes"] = times.file_bytes;
+  json["seconds"] = {{"capture", times.capture_s},
+                     {"slice", times.build_s},  // former name of "build"
+                     {"build", times.build_s},
+                     {"save", times.save_s},
+                     {"total", times.seconds()}};
+  return json;
+}
+
+// And how it compares with drawing the scene directly.
+Result<> add_direct(const OptionValues& values, const Times& times, SceneRenderer& renderer,
+                    nlohmann::json& json) {
+  const int size = values.has("size") ? values.integer("size") : 256;
   const Result<double> small = direct_ms(renderer, size, size);
   if (!small) return small.error();
   const Result<double> large = direct_ms(renderer, 1280, 720);
   if (!large) return large.error();
-  const LayeredFigures figures = analyze_layered_impostor(baked.impostor);
-  const std::size_t views = baked.impostor.pictures.size();
-  const nlohmann::json json{
-      {"schema", "rilievo-bake-1"},
-      {"scene", options.scene},
-      {"as", options.as},
-      {"triangles", count_triangles(renderer.scene())},
-      {"views", views},
-      {"size", size},
-      {"layers", options.bake.layers},
-      {"overlap", options.bake.overlap},
-      {"file_bytes", baked.file_bytes},
-      {"paper_bytes", figures.paper_bytes},
-      {"coverage", double(figures.covered_texels) / (double(views) * double(size) * double(size))},
-      {"fill_saved", figures.fill_saved},
-      {"seconds",
-       {{"capture", baked.capture_s},
-        {"slice", baked.slice_s},
-        {"save", baked.save_s},
-        {"total", baked.seconds()}}},
-      {"ms_per_view", baked.ms_per_view()},
-      {"direct_ms", {{fmt::format("{0}x{0}", size), *small}, {"1280x720", *large}}},
-      {"direct_frames_per_view",
-       {{fmt::format("{0}x{0}", size), baked.ms_per_view() / *small},
-        {"1280x720", baked.ms_per_view() / *large}}}};
-  return write_json(options.json, json);
+  const std::string square = fmt::format("{0}x{0}", size);
+  json["triangles"] = count_triangles(renderer.scene());
+  json["ms_per_view"] = times.ms_per_picture();
+  json["direct_ms"] = {{square, *small}, {"1280x720", *large}};
+  json["direct_frames_per_view"] = {{square, times.ms_per_picture() / *small},
+                                    {"1280x720", times.ms_per_picture() / *large}};
+  return Done{};
+}
+
+void print_made(const Options& options, const Kind& kind, const Baked& baked, const Times& times) {
+  print("{}: a {}, {:.1f} MB, {:.1f} s\n", options.output, kind.name,
+        1e-6 * double(times.file_bytes), times.seconds());
+  std::vector<Fact> facts = kind.describe(*baked.representation);
+  facts.insert(facts.end(), baked.facts.begin(), baked.facts.end());
+  for (const Fact& fact : facts)
+    if (!fact.label.empty()) print("  {:<10} {}\n", fact.label, fact.text);
 }
 
 Result<> run(const Options& options) {
   if (!is_picture_file(options.output))
     return Error{options.output, "pictures are written as OpenEXR: the name must end in .exr"};
   // Before the time is spent.
-  if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
-  if (Result<BakeOptions> bake = bake_options(options.bake); !bake) return bake.error();
-  if (holds_pictures(options.scene))
+  const Kind& kind = *find_kind(kinds(), options.as);
+  if (Result<> good = expect_options_of(kind, options.kinds); !good) return good;
+  const Result<OptionValues> values = bake_values(kind, options.kinds);
+  if (!values) return values.error();
+  if (is_picture_file(options.scene))
     return Error{options.scene, "holds pictures already: a scene is baked"};
-  if (is_rgbd_capture(options.scene))
-    return bake_capture({options.scene, options.output, options.json, options.bake, options.limits,
-                         options.box, options.around});
-  if (!options.box.empty() || options.around)
-    return Error{options.scene, "is no capture: --box and --around are for photographs"};
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
-  if (!opened) return opened.error();
+  if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
+  Times times;
+  if (is_rgbd_capture(options.scene)) {
+    Result<PhotographSource> source = open_photographs(options.scene);
+    if (!source) return source.error();
+    if (Result<> made = make_folder(folder); !made) return made;
+    const Result<Baked> baked = bake(options, kind, *values, *source, times);
+    if (!baked) return baked.error();
+    if (!options.json.empty())
+      return write_json(options.json, report_of(options, kind, *values, *baked, times));
+    print_made(options, kind, *baked, times);
+    return Done{};
+  }
+  const Result<OpenedScene> opened = open_scene(options.scene);
+  if (!opened) return opened.error();
   if (Result<> made = make_folder(folder); !made) return made;
   const auto context = gl::Context::create();
   if (!context) return context.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
-  const Result<Baked> baked = bake(options, *renderer);
+  OpenGLSource source(*renderer);
+  const Result<Baked> baked = bake(options, kind, *values, source, times);
   if (!baked) return baked.error();
-  if (!options.json.empty()) return report_bake(options, *baked, *renderer);
-  print("{}: {} views of {}x{}, {:.1f} MB, {:.1f} s\n", options.output,
-        baked->impostor.pictures.size(), options.bake.size, options.bake.size,
-        1e-6 * double(baked->file_bytes), baked->seconds());
-  return Done{};
+  if (options.json.empty()) {
+    print_made(options, kind, *baked, times);
+    return Done{};
+  }
+  nlohmann::json json = report_of(options, kind, *values, *baked, times);
+  if (Result<> added = add_direct(*values, times, *renderer, json); !added) return added;
+  return write_json(options.json, json);
 }
 
 }  // namespace
@@ -175,23 +194,12 @@ Command bake_command(CLI::App& app) {
                        ", or a capture: a folder of photographs with depth and their poses")
       ->required();
   command->add_option("--as", options->as, "What is made of it (default layered-impostor)")
-      ->check(CLI::IsMember({"layered-impostor"}));
-  add_layered_options(*command, options->bake, "--size");
-  command
-      ->add_option("--box", options->box,
-                   "Of a capture: only what lies between two corners (default all)")
-      ->delimiter(',')
-      ->expected(6)
-      ->check(finite())
-      ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-  command->add_flag(
-      "--around", options->around,
-      "Of a capture: views around the box, as of a scene, instead of at its own cameras");
+      ->check(CLI::IsMember(kind_names()));
+  add_kind_options(*command, KindOptionsOf::bake, options->kinds);
   command->add_option("-o,--output", options->output, "The file to write")
       ->required()
       ->type_name("FILE.exr");
   add_json_option(*command, options->json);
-  add_file_limits(*command, options->limits);
   command->footer(
       "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
       "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"

@@ -1,6 +1,6 @@
 // rilievo compare SCENE --methods a,b,c -o DIR: draws a walk by each method and directly, and
-// reports how fast and how right each was. A layered impostor from a file against the scene that it
-// was baked of: rilievo compare FILE.exr --scene SCENE -o DIR.
+// reports how fast and how right each was. What was baked into a file against the scene that it was
+// baked of: rilievo compare FILE.exr --scene SCENE -o DIR.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,20 +16,19 @@
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/gl/context.h"
-#include "rilievo/layered_impostor/file.h"
 #include "rilievo/measure/stats.h"
 
 namespace rilievo::app {
 namespace {
 
 struct Options {
-  // `impostor`: the file, if it is not the scene itself that is drawn.
-  std::string scene, impostor, output, json, command_line;
-  FileLimits limits;
+  // `file`: what was baked, if it is not the scene itself that is drawn.
+  std::string scene, file, output, json, command_line;
   std::vector<std::string> methods;
   FrameOptions frames;
   MethodOptions method_options;
@@ -64,13 +62,15 @@ void print_summary(const Report& report) {
   }
 }
 
-// What draws each method; the impostor, if there is one, is what they draw.
+// What draws each method; what the file holds, if there is one, is what they draw.
 Result<std::unique_ptr<FrameSource>> source_of(const std::string& method, const Options& options,
-                                               const std::optional<LayeredImpostor>& impostor,
                                                SceneRenderer& renderer) {
-  if (!impostor || method == "direct")
+  if (options.file.empty() || method == "direct")
     return make_source(method, options.method_options, options.frames.samples, renderer);
-  return make_layered_source(method, options.method_options, *impostor, renderer);
+  Result<PictureFileContent> content = open_representation(options.file);
+  if (!content) return content.error();
+  return make_stored_source(method, options.method_options, std::move(content->representation),
+                            renderer);
 }
 
 Result<> run(const Options& options) {
@@ -81,13 +81,7 @@ Result<> run(const Options& options) {
   const std::filesystem::path report_file = folder / "report.json",
                               page_file = folder / "report.html";
   if (Result<> good = expect_outputs({report_file, page_file, options.json}); !good) return good;
-  std::optional<LayeredImpostor> impostor;
-  if (!options.impostor.empty()) {
-    Result<LayeredImpostor> loaded = load_layered_impostor(options.impostor);
-    if (!loaded) return loaded.error();
-    impostor = std::move(*loaded);
-  }
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
+  const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -99,7 +93,7 @@ Result<> run(const Options& options) {
   std::vector<std::unique_ptr<FrameSource>> sources;
   std::vector<ComparedSource> compared;
   for (const std::string& method : with_direct(options.methods)) {
-    Result<std::unique_ptr<FrameSource>> source = source_of(method, options, impostor, *renderer);
+    Result<std::unique_ptr<FrameSource>> source = source_of(method, options, *renderer);
     if (!source) return source.error();
     sources.push_back(std::move(*source));
     compared.push_back({method, sources.back().get()});
@@ -138,23 +132,27 @@ Result<> run(const Options& options) {
 
 // Which is the scene, which the file, and which methods there are.
 Result<> settle(Options& options, const std::string& given, const std::string& truth) {
-  const bool is_file = holds_pictures(given);
+  const bool is_file = is_picture_file(given);
   if (is_file && truth.empty())
     return Error{given,
                  "there are no true frames to compare it with: say --scene SCENE, the scene "
                  "that it was baked of"};
   if (!is_file && !truth.empty())
-    return Error{"--scene", "goes with the OpenEXR file of a layered impostor, not with a scene"};
-  if (holds_pictures(truth)) return Error{truth, "is not a scene: it draws no true frames"};
+    return Error{"--scene", "goes with the OpenEXR file of what was baked, not with a scene"};
+  if (is_picture_file(truth)) return Error{truth, "is not a scene: it draws no true frames"};
   options.scene = is_file ? truth : given;
-  options.impostor = is_file ? given : "";
-  if (options.methods.empty())
-    options.methods =
-        is_file ? layered_method_names() : std::vector<std::string>{"flat", "nailboard", "cache"};
-  if (!is_file) return Done{};
+  options.file = is_file ? given : "";
+  if (!is_file) {
+    if (options.methods.empty()) options.methods = {"flat", "nailboard", "cache"};
+    return Done{};
+  }
+  const Result<PictureFileContent> content = open_representation(given);
+  if (!content) return content.error();
+  if (options.methods.empty()) options.methods = kind_method_names(*content->kind);
   for (const std::string& method : options.methods)
     if (method != "direct")
-      if (Result<> known = expect_layered(method, "--methods"); !known) return known;
+      if (Result<> known = expect_method_of(*content->kind, method, "--methods"); !known)
+        return known;
   return Done{};
 }
 
@@ -167,16 +165,16 @@ Command compare_command(CLI::App& app) {
       "compare", "Measure methods along a camera path against direct drawing; write a report");
   command
       ->add_option("SCENE", *given,
-                   std::string(kSceneHelp) + "; or the OpenEXR file of a layered impostor")
+                   std::string(kSceneHelp) + "; or the OpenEXR file of what was baked")
       ->required();
-  command->add_option("--scene", *truth, "The scene that the layered impostor was baked of")
+  command->add_option("--scene", *truth, "The scene that the file was baked of")
       ->type_name("SCENE");
   command
       ->add_option("--methods", options->methods,
                    "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
-                       " (default flat,nailboard,cache; for a layered impostor its own two)")
+                       " (default flat,nailboard,cache; for a file those of its kind)")
       ->delimiter(',')
-      ->check(CLI::IsMember(method_names()))
+      ->check(known_method())
       ->type_name("A,B,...");
   command->add_option("-o,--output", options->output, "Folder for report.html and report.json")
       ->required()
@@ -186,7 +184,6 @@ Command compare_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);
-  add_file_limits(*command, options->limits);
   command->footer(
       "Example: rilievo compare builtin:bridge --methods flat,nailboard --frames 48 -o report");
   return {command, [options, given, truth](const std::string& command_line) -> Result<> {

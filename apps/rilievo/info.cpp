@@ -11,18 +11,15 @@
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/io/exr.h"
 #include "rilievo/io/rgbd.h"
-#include "rilievo/layered_impostor/file.h"
-#include "rilievo/layered_impostor/gl/layered_pictures.h"
 
 namespace rilievo::app {
 namespace {
 
 struct Options {
   std::string file, json;
-  FileLimits limits;
 };
 
 std::string text_of(const glm::vec3& v) {
@@ -44,13 +41,13 @@ const char* name_of(Projection projection) {
 }
 
 Result<> describe_scene(const Options& options) {
-  const Result<OpenedScene> opened = open_scene(options.file, options.limits);
+  const Result<OpenedScene> opened = open_scene(options.file);
   if (!opened) return opened.error();
   const Scene& scene = opened->scene;
   const Box bounds = world_bounds(scene);
   std::size_t moving = 0, texels = 0, stored = 0;
   for (const Object& object : scene.objects) moving += object.moving ? 1 : 0;
-  for (const Rgba8Image& image : scene.images) texels += image.texels().size();
+  for (const Texture& texture : scene.textures) texels += texture.texels.texels().size();
   for (const Mesh& mesh : scene.meshes) stored += mesh.triangles();
   if (!options.json.empty()) {
     nlohmann::json json{{"schema", "rilievo-info-1"},
@@ -85,83 +82,32 @@ Result<> describe_scene(const Options& options) {
   return Done{};
 }
 
-std::size_t texture_bytes(const LayeredImpostor& impostor, LayeredMethod method) {
-  int width = 0, height = 0;
-  for (const DepthImage& picture : impostor.pictures) {
-    width = std::max(width, picture.camera.width);
-    height = std::max(height, picture.camera.height);
-  }
-  return layered_texture_bytes(int(impostor.pictures.size()), width, height, method);
-}
-
-Result<> describe_layered(const Options& options, const LayeredImpostor& impostor) {
-  const LayeredFigures figures = analyze_layered_impostor(impostor);
-  const DepthImage& first = impostor.pictures.front();
-  const std::size_t views = impostor.pictures.size();
-  std::size_t texels = 0;
-  for (const DepthImage& picture : impostor.pictures) texels += picture.depth.texels().size();
-  const double coverage = double(figures.covered_texels) / double(texels);
-  const std::size_t surfaces = texture_bytes(impostor, LayeredMethod::surfaces);
-  const std::size_t slices = texture_bytes(impostor, LayeredMethod::slices);
+Result<> describe_representation(const Options& options, const Kind& kind,
+                                 const Representation& representation) {
   std::error_code none;
   const std::size_t file_bytes = std::filesystem::file_size(options.file, none);
+  const std::vector<Fact> facts = kind.describe(representation);
   if (!options.json.empty()) {
-    const nlohmann::json json{{"schema", "rilievo-info-1"},
-                              {"representation", "layered-impostor"},
-                              {"views", views},
-                              {"size", {first.camera.width, first.camera.height}},
-                              {"projection", name_of(first.camera.projection)},
-                              {"layers", impostor.slicing.layers},
-                              {"overlap", impostor.slicing.overlap},
-                              {"file_bytes", file_bytes},
-                              {"paper_bytes", figures.paper_bytes},
-                              {"texture_bytes", {{"surfaces", surfaces}, {"slices", slices}}},
-                              {"coverage", coverage},
-                              {"slices", figures.slices},
-                              {"empty_slices", figures.empty_slices},
-                              {"fill_share", figures.fill_share},
-                              {"fill_saved", figures.fill_saved},
-                              {"holes_looked_for", !impostor.fills.empty()},
-                              {"hole_slices", figures.hole_slices},
-                              {"hole_fill_share", figures.hole_fill_share},
-                              {"bounds_min", list_of(impostor.bounds.min)},
-                              {"bounds_max", list_of(impostor.bounds.max)}};
+    nlohmann::json json{
+        {"schema", "rilievo-info-1"}, {"representation", kind.name}, {"file_bytes", file_bytes}};
+    for (const Fact& fact : facts) json[fact.key] = nlohmann::json::parse(fact.json);
     return write_json(options.json, json);
   }
-  print("{}\n  a layered impostor\n", options.file);
-  print("  views      {} {} pictures of {}x{}\n", views, name_of(first.camera.projection),
-        first.camera.width, first.camera.height);
-  print(
-      "  memory     {:.1f} MB in the file; {:.1f} MB as 4 bytes a texel; textures {:.1f} MB "
-      "for surfaces, {:.1f} MB for slices\n",
-      1e-6 * double(file_bytes), 1e-6 * double(figures.paper_bytes), 1e-6 * double(surfaces),
-      1e-6 * double(slices));
-  print("  coverage   {:.1f} % of the texels show something\n", 100 * coverage);
-  print("  slices     {} of {} layers a view, overlap {}; {} empty ones dropped\n", figures.slices,
-        impostor.slicing.layers, impostor.slicing.overlap, figures.empty_slices);
-  print("  fill       {:.1f} % of the texels of full slices are drawn\n", 100 * figures.fill_share);
-  if (impostor.fills.empty())
-    print("  holes      not looked for\n");
-  else
-    print("  holes      of a view filled by {:.1f} slices of a neighbour, {:.1f} % of its fill\n",
-          figures.hole_slices, 100 * figures.hole_fill_share);
-  print("  bounds     {} to {} m\n", text_of(impostor.bounds.min), text_of(impostor.bounds.max));
+  print("{}\n  a {}, {:.1f} MB in the file\n", options.file, kind.name, 1e-6 * double(file_bytes));
+  for (const Fact& fact : facts)
+    if (!fact.label.empty()) print("  {:<10} {}\n", fact.label, fact.text);
   return Done{};
 }
 
 Result<> describe_pictures(const Options& options) {
-  Result<PictureFile> opened = load_picture_file(options.file);
-  if (!opened) return opened.error();
-  if (says_layered_impostor(opened->attributes)) {
-    const Result<LayeredImpostor> impostor =
-        layered_impostor_from(std::move(*opened), options.file);
-    if (!impostor) return impostor.error();
-    return describe_layered(options, *impostor);
-  }
+  const Result<PictureFileContent> content = open_pictures(options.file);
+  if (!content) return content.error();
+  if (content->kind)
+    return describe_representation(options, *content->kind, *content->representation);
+  const std::vector<DepthImage>& pictures = content->frame.pictures;
   nlohmann::json list = nlohmann::json::array();
-  if (options.json.empty())
-    print("{}\n  {} pictures with depth\n", options.file, opened->pictures.size());
-  for (const DepthImage& picture : opened->pictures) {
+  if (options.json.empty()) print("{}\n  {} pictures with depth\n", options.file, pictures.size());
+  for (const DepthImage& picture : pictures) {
     const Camera& camera = picture.camera;
     std::size_t covered = 0;
     for (const float depth : picture.depth.texels()) covered += depth != kNoDepth ? 1 : 0;
@@ -195,14 +141,13 @@ Command info_command(CLI::App& app) {
           std::string(kSceneHelp) + ", pictures in OpenEXR, or a folder of photographs with depth")
       ->required();
   add_json_option(*command, options->json);
-  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo info model.glb");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->json}); !good) return good;
             if (is_rgbd_capture(options->file))
-              return describe_capture(options->file, options->json, options->limits);
-            return holds_pictures(options->file) ? describe_pictures(*options)
-                                                 : describe_scene(*options);
+              return describe_capture(options->file, options->json);
+            return is_picture_file(options->file) ? describe_pictures(*options)
+                                                  : describe_scene(*options);
           }};
 }
 

@@ -5,48 +5,151 @@
 
 #include <algorithm>
 #include <glm/glm.hpp>
+#include <utility>
 
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/picture_frames.h"
-#include "rilievo/frame/gl/before_sky.h"
-#include "rilievo/frame/gl/direct_frames.h"
-#include "rilievo/frame/gl/layered_frames.h"
-#include "rilievo/frame/gl/stored_layered.h"
+#include "rilievo/frame/gl/object_frames.h"
+#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
 namespace {
 
-LayeredOptions layered_options(const std::string& method, const MethodOptions& options) {
-  LayeredOptions layered;
-  if (method == "layered-slices" || options.warp == "slices")
-    layered.method = LayeredMethod::slices;
-  layered.outlines = options.outlines;
-  return layered;
-}
+constexpr std::size_t kMegabyte = std::size_t(1) << 20;
 
 // What is baked before the first frame.
-Result<ObjectImpostorOptions> impostor_options(const MethodOptions& options, Progress& progress) {
-  Result<BakeOptions> bake = bake_options(options.bake);
+Result<ObjectDrawablesOptions> object_options(const Kind& kind, const KindOptions& options,
+                                              std::size_t max_bytes, Progress& progress) {
+  Result<OptionValues> bake = bake_values(kind, options);
   if (!bake) return bake.error();
-  ObjectImpostorOptions impostors;
-  impostors.bake = std::move(*bake);
-  impostors.bake.progress = [&](int done, int total) { progress.show(done, total); };
-  return impostors;
+  Result<OptionValues> draw = draw_values(kind, options);
+  if (!draw) return draw.error();
+  ObjectDrawablesOptions objects{std::move(*bake), std::move(*draw)};
+  objects.max_bytes = max_bytes;
+  objects.progress = [&](int done, int total) { progress.show(done, total); };
+  return objects;
 }
 
-Result<> add_baked(ImageCache& cache, const MethodOptions& options, SceneRenderer& renderer) {
-  Progress progress("view");
-  Result<ObjectImpostorOptions> impostors = impostor_options(options, progress);
-  if (!impostors) return impostors.error();
-  const LayeredOptions layered = layered_options("cache", options);
-  impostors->method = layered.method;
-  impostors->max_bytes = std::size_t(options.bake_mb) << 20;
-  Result<std::vector<ObjectImpostor>> baked = bake_object_impostors(renderer, *impostors);
-  if (!baked) return baked.error();
-  return cache.add_baked(std::move(*baked), layered);
+// The kinds of --bake-as share --bake-mb evenly.
+Result<> add_alternatives(ImageCache& cache, const MethodOptions& options,
+                          SceneRenderer& renderer) {
+  const std::size_t each = std::size_t(options.bake_mb) * kMegabyte / options.bake_as.size();
+  for (const std::string& name : options.bake_as) {
+    const KindMethod method = kind_method(name);
+    KindOptions values = options.kinds;
+    apply(method, values);
+    Progress progress("view");
+    Result<ObjectDrawablesOptions> objects = object_options(*method.kind, values, each, progress);
+    if (!objects) return objects.error();
+    Result<std::unique_ptr<DrawableFactory>> factory =
+        make_factory(drawable_rows(), method.kind->name);
+    if (!factory) return factory.error();
+    Result<std::vector<ObjectDrawable>> drawables =
+        bake_object_drawables(renderer, *method.kind, **factory, *objects);
+    if (!drawables) return drawables.error();
+    cache.add_alternatives(std::move(*drawables), std::move(*factory));
+  }
+  return Done{};
 }
+
+Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, int samples,
+                                                SceneRenderer& renderer) {
+  ImageCacheOptions cache;
+  cache.error_px = options.error_px;
+  if (options.bake_mb >= options.memory_mb)
+    return Error{"--bake-mb", "must leave some of --memory-mb for pictures"};
+  cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
+  cache.capture_ms = options.capture_ms;
+  if (!options.fade) cache.fade_frames = 1;
+  cache.delta_bits = options.delta_bits;
+  cache.depth_mode = depth_mode(options);
+  cache.samples = samples;
+  cache.outlines = options.outlines;
+  Result<ImageCache> made = ImageCache::create(renderer, cache);
+  if (!made) return made.error();
+  if (options.bake_mb > 0)
+    if (Result<> added = add_alternatives(*made, options, renderer); !added) return added.error();
+  return {std::make_unique<ImageCache>(std::move(*made))};
+}
+
+// Each heavy object by a bake of its own.
+Result<std::unique_ptr<FrameSource>> make_objects(const KindMethod& method,
+                                                  const MethodOptions& options,
+                                                  SceneRenderer& renderer) {
+  KindOptions values = options.kinds;
+  apply(method, values);
+  Progress progress("view");
+  Result<ObjectDrawablesOptions> objects =
+      object_options(*method.kind, values, std::size_t(options.memory_mb) * kMegabyte, progress);
+  if (!objects) return objects.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(drawable_rows(), method.kind->name);
+  if (!factory) return factory.error();
+  Result<std::unique_ptr<ObjectFrames>> frames =
+      ObjectFrames::create(renderer, *method.kind, std::move(*factory),
+                           {std::move(*objects), options.texel_px, options.outlines});
+  if (!frames) return frames.error();
+  return {std::move(*frames)};
+}
+
+Result<std::unique_ptr<FrameSource>> make_pictures(DepthMode mode, const MethodOptions& options,
+                                                   int samples, SceneRenderer& renderer) {
+  PictureFramesOptions pictures;
+  pictures.mode = mode;
+  pictures.delta_bits = options.delta_bits;
+  pictures.max_angle = glm::radians(options.angle_degrees);
+  pictures.outlines = options.outlines;
+  pictures.max_bytes = std::size_t(options.memory_mb) * kMegabyte;
+  pictures.samples = samples;
+  Result<PictureFrames> made = PictureFrames::create(renderer, pictures);
+  if (!made) return made.error();
+  return {std::make_unique<PictureFrames>(std::move(*made))};
+}
+
+// Methods that are no kind's: drawn from pictures that are captured while the eye moves, or from
+// none.
+struct BuiltinMethod {
+  const char* name;
+  Result<std::unique_ptr<FrameSource>> (*make)(const MethodOptions&, int samples, SceneRenderer&);
+};
+constexpr BuiltinMethod kBuiltin[] = {
+    {"direct",
+     [](const MethodOptions&, int, SceneRenderer& renderer) {
+       return Result<std::unique_ptr<FrameSource>>(std::make_unique<DirectFrames>(renderer));
+     }},
+    {"flat",
+     [](const MethodOptions& options, int samples, SceneRenderer& renderer) {
+       return make_pictures(DepthMode::flat, options, samples, renderer);
+     }},
+    {"nailboard",
+     [](const MethodOptions& options, int samples, SceneRenderer& renderer) {
+       return make_pictures(depth_mode(options), options, samples, renderer);
+     }},
+    {"cache", make_cache},
+};
+
+// The drawable uses the factory's shaders: both in one.
+class StoredSource final : public FrameSource {
+ public:
+  StoredSource(std::unique_ptr<DrawableFactory> factory, std::unique_ptr<Drawable> drawable,
+               const Instance& instance, bool outlines, SceneRenderer& sky)
+      : factory_(std::move(factory)), frames_(sky, std::move(drawable), {instance}, outlines) {}
+
+  Result<> draw(const Camera& camera, double time) override { return frames_.draw(camera, time); }
+  Result<> draw_objects() override { return frames_.draw_objects(); }
+  [[nodiscard]] const FrameStats& stats() const override { return frames_.stats(); }
+  void append_errors(int step, std::vector<float>& errors_px) const override {
+    frames_.append_errors(step, errors_px);
+  }
+
+ private:
+  std::unique_ptr<DrawableFactory> factory_;
+  StoredFrames frames_;
+};
 
 }  // namespace
 
@@ -80,41 +183,63 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->type_name("T");
   command
       .add_option("--bake-mb", options.bake_mb,
-                  "cache: of its memory, so much is for layered impostors of heavy objects, baked "
+                  "cache: of its memory, so much is for what is baked of heavy objects (--bake-as) "
                   "before the first frame; the light on what spins turns with it (default 0)")
       ->check(in_range(0, 65536))
       ->type_name("MB");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
   command
       .add_option(
-          "--warp", options.warp,
-          "cache, layered: walk through the pictures' surfaces, or draw their slices, which "
-          "is layered-slices (default surfaces)")
-      ->check(CLI::IsMember({"surfaces", "slices"}));
-  command
-      .add_option("--texel-px", options.texel_px,
-                  "layered: objects whose texels would be larger are drawn as polygons (default 4)")
+          "--texel-px", options.texel_px,
+          "Kinds baked for objects: those whose texels would be larger are drawn as polygons "
+          "(default 4)")
       ->check(in_range(0.01, 10000.0))
       ->type_name("PIXELS");
-  add_layered_options(command, options.bake, "--view-size");
+  command
+      .add_option("--bake-as", options.bake_as,
+                  "cache: kinds that share --bake-mb (default layered-impostor)")
+      ->delimiter(',')
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            return kind_method(name).kind
+                       ? std::string()
+                       : fmt::format("'{}' is no kind: {}", name, fmt::join(kind_names(), ", "));
+          },
+          ""))
+      ->type_name("A,B,...");
+  add_kind_options(command, KindOptionsOf::draw, options.kinds);
+  add_kind_options(command, KindOptionsOf::bake, options.kinds);
 }
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"direct", "flat",    "nailboard",
-                                              "cache",  "layered", "layered-slices"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const BuiltinMethod& method : kBuiltin) all.emplace_back(method.name);
+    for (std::string& name : kind_method_names()) all.push_back(std::move(name));
+    return all;
+  }();
   return names;
 }
 
-const std::vector<std::string>& layered_method_names() {
-  static const std::vector<std::string> names{"layered", "layered-slices"};
-  return names;
+bool is_method(const std::string& name) {
+  return kind_method(name).kind ||
+         std::find(method_names().begin(), method_names().end(), name) != method_names().end();
 }
 
-Result<> expect_layered(const std::string& method, const std::string& option) {
-  const std::vector<std::string>& names = layered_method_names();
-  if (std::find(names.begin(), names.end(), method) != names.end()) return Done{};
-  return Error{option, fmt::format("a layered impostor is not drawn as {}, but as {}", method,
-                                   fmt::join(names, " or "))};
+CLI::Validator known_method() {
+  return CLI::Validator(
+      [](std::string& name) {
+        return is_method(name)
+                   ? std::string()
+                   : fmt::format("'{}' is no method: {}", name, fmt::join(method_names(), ", "));
+      },
+      fmt::format("{{{}}}", fmt::join(method_names(), ",")));
+}
+
+Result<> expect_method_of(const Kind& kind, const std::string& method, const std::string& option) {
+  if (kind_method(method).kind == &kind) return Done{};
+  return Error{option, fmt::format("the file holds a {}, which is not drawn as {}, but as {}",
+                                   kind.name, method, fmt::join(kind_method_names(kind), " or "))};
 }
 
 DepthMode depth_mode(const MethodOptions& options) {
@@ -124,58 +249,28 @@ DepthMode depth_mode(const MethodOptions& options) {
 Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  const MethodOptions& options, int samples,
                                                  SceneRenderer& renderer) {
-  if (method == "direct") return {std::make_unique<DirectFrames>(renderer)};
-  if (method == "cache") {
-    ImageCacheOptions cache;
-    cache.error_px = options.error_px;
-    if (options.bake_mb >= options.memory_mb)
-      return Error{"--bake-mb", "must leave some of --memory-mb for pictures"};
-    cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) << 20;
-    cache.capture_ms = options.capture_ms;
-    if (!options.fade) cache.fade_frames = 1;
-    cache.delta_bits = options.delta_bits;
-    cache.depth_mode = depth_mode(options);
-    cache.samples = samples;
-    cache.outlines = options.outlines;
-    Result<ImageCache> made = ImageCache::create(renderer, cache);
-    if (!made) return made.error();
-    if (options.bake_mb > 0)
-      if (Result<> added = add_baked(*made, options, renderer); !added) return added.error();
-    return {std::make_unique<ImageCache>(std::move(*made))};
-  }
-  if (method == "layered" || method == "layered-slices") {
-    Progress progress("view");
-    Result<ObjectImpostorOptions> impostors = impostor_options(options, progress);
-    if (!impostors) return impostors.error();
-    LayeredFramesOptions layered;
-    layered.impostors = std::move(*impostors);
-    layered.impostors.max_bytes = std::size_t(options.memory_mb) << 20;
-    layered.layered = layered_options(method, options);
-    layered.max_texel_px = options.texel_px;
-    Result<LayeredFrames> made = LayeredFrames::create(renderer, layered);
-    if (!made) return made.error();
-    return {std::make_unique<LayeredFrames>(std::move(*made))};
-  }
-  PictureFramesOptions pictures;
-  pictures.mode = method == "flat" ? DepthMode::flat : depth_mode(options);
-  pictures.delta_bits = options.delta_bits;
-  pictures.max_angle = glm::radians(options.angle_degrees);
-  pictures.outlines = options.outlines;
-  pictures.max_bytes = std::size_t(options.memory_mb) << 20;
-  pictures.samples = samples;
-  Result<PictureFrames> made = PictureFrames::create(renderer, pictures);
-  if (!made) return made.error();
-  return {std::make_unique<PictureFrames>(std::move(*made))};
+  for (const BuiltinMethod& builtin : kBuiltin)
+    if (method == builtin.name) return builtin.make(options, samples, renderer);
+  return make_objects(kind_method(method), options, renderer);
 }
 
-Result<std::unique_ptr<FrameSource>> make_layered_source(const std::string& method,
-                                                         const MethodOptions& options,
-                                                         LayeredImpostor impostor,
-                                                         SceneRenderer& sky) {
-  Result<StoredLayered> stored =
-      StoredLayered::create(std::move(impostor), layered_options(method, options));
-  if (!stored) return stored.error();
-  return {std::make_unique<BeforeSky>(std::make_unique<StoredLayered>(std::move(*stored)), sky)};
+Result<std::unique_ptr<FrameSource>> make_stored_source(
+    const std::string& method, const MethodOptions& options,
+    std::unique_ptr<Representation> representation, SceneRenderer& sky) {
+  const KindMethod named = kind_method(method);
+  KindOptions values = options.kinds;
+  apply(named, values);
+  const Result<OptionValues> draw = draw_values(*named.kind, values);
+  if (!draw) return draw.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(drawable_rows(), named.kind->name);
+  if (!factory) return factory.error();
+  const Instance instance{glm::dmat4(1.0), 0, representation->only_object()};
+  Result<std::unique_ptr<Drawable>> drawable =
+      (*factory)->make_drawable(std::move(representation), *draw);
+  if (!drawable) return drawable.error();
+  return {std::make_unique<StoredSource>(std::move(*factory), std::move(*drawable), instance,
+                                         options.outlines, sky)};
 }
 
 }  // namespace rilievo::app

@@ -1,5 +1,4 @@
-// The ways to draw a scene, or a layered impostor from a file, by the names they have on the
-// command line.
+// The ways to draw a scene, or what a file holds, by the names they have on the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/rilievo/layered_options.h"
+#include "apps/rilievo/kinds.h"
 #include "rilievo/core/picture_geometry.h"
-#include "rilievo/frame/gl/frame_source.h"
-#include "rilievo/layered_impostor/gl/layered_drawer.h"
+#include "rilievo/frame/frame_source.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::app {
@@ -21,13 +19,13 @@ struct MethodOptions {
   bool outlines = false;
   double angle_degrees = 0.7;  // flat, nailboard
   int memory_mb = 256;
-  double error_px = 1;            // cache
-  double capture_ms = 0;          // cache; 0: a budget by triangles
-  bool fade = true;               // cache
-  int bake_mb = 0;                // cache; 0: bakes nothing
-  LayeredBakeOptions bake;        // cache, layered
-  std::string warp = "surfaces";  // cache, layered
-  double texel_px = 4;            // layered
+  double error_px = 1;                                   // cache
+  double capture_ms = 0;                                 // cache; 0: a budget by triangles
+  bool fade = true;                                      // cache
+  int bake_mb = 0;                                       // cache; 0: bakes nothing
+  std::vector<std::string> bake_as{"layered-impostor"};  // cache: kinds that are baked
+  double texel_px = 4;                                   // kinds drawn for objects
+  KindOptions kinds;
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);
@@ -35,12 +33,16 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 // Of nailboards: --depth.
 [[nodiscard]] DepthMode depth_mode(const MethodOptions& options);
 
-// direct, flat, nailboard, cache, layered, layered-slices.
+// direct, flat, nailboard, cache, and those of all kinds.
 [[nodiscard]] const std::vector<std::string>& method_names();
-// Those that draw a layered impostor from a file: the last two.
-[[nodiscard]] const std::vector<std::string>& layered_method_names();
-// The error, if it is not one of those, is `option`'s.
-[[nodiscard]] Result<> expect_layered(const std::string& method, const std::string& option);
+// Does --method take it? Former names too.
+[[nodiscard]] bool is_method(const std::string& name);
+// For CLI options that take one or several methods.
+[[nodiscard]] CLI::Validator known_method();
+
+// Can what a file of this kind holds be drawn by the method? The error is `option`'s.
+[[nodiscard]] Result<> expect_method_of(const Kind& kind, const std::string& method,
+                                        const std::string& option);
 
 // `renderer` must outlive the source.
 // `samples` is the frame's antialiasing, which pictures share.
@@ -49,10 +51,10 @@ void add_method_options(CLI::App& command, MethodOptions& options);
                                                                int samples,
                                                                SceneRenderer& renderer);
 
-// Draws the impostor before the sky of `sky`'s scene. `sky` must outlive the source.
-[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_layered_source(const std::string& method,
-                                                                       const MethodOptions& options,
-                                                                       LayeredImpostor impostor,
-                                                                       SceneRenderer& sky);
+// What a file holds, drawn under the sky of `sky`'s scene by a method of its kind. A drawable takes
+// the representation for itself: one load for each source. `sky` must outlive the source.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_stored_source(
+    const std::string& method, const MethodOptions& options,
+    std::unique_ptr<Representation> representation, SceneRenderer& sky);
 
 }  // namespace rilievo::app

@@ -1,9 +1,13 @@
 #include "apps/rilievo/picture_file.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <nlohmann/json.hpp>
 
+#include "apps/rilievo/kinds.h"
 #include "rilievo/io/exr.h"
-#include "rilievo/layered_impostor/file.h"
+#include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
 namespace {
@@ -60,17 +64,27 @@ Result<> save_frame_pictures(const std::string& file, const FramePictures& frame
 Result<PictureFileContent> open_pictures(const std::string& file) {
   Result<PictureFile> loaded = load_picture_file(file);
   if (!loaded) return loaded.error();
-  if (says_layered_impostor(loaded->attributes)) {
-    Result<LayeredImpostor> impostor = layered_impostor_from(std::move(*loaded), file);
-    if (!impostor) return impostor.error();
-    return PictureFileContent(std::move(*impostor));
+  PictureFileContent content;
+  content.kind = kind_of_file(kinds(), loaded->attributes);
+  if (content.kind) {
+    Result<std::unique_ptr<Representation>> made = content.kind->load(std::move(*loaded), file);
+    if (!made) return made.error();
+    content.representation = std::move(*made);
+    return content;
   }
-  FramePictures frame;
-  frame.pictures = std::move(loaded->pictures);
+  content.frame.pictures = std::move(loaded->pictures);
   const auto text = loaded->attributes.file.find(kFrame);
   if (text != loaded->attributes.file.end())
-    if (Result<> read = read_text(text->second, file, frame); !read) return read.error();
-  return PictureFileContent(std::move(frame));
+    if (Result<> read = read_text(text->second, file, content.frame); !read) return read.error();
+  return content;
+}
+
+Result<PictureFileContent> open_representation(const std::string& file) {
+  Result<PictureFileContent> content = open_pictures(file);
+  if (content && !content->kind)
+    return Error{file, fmt::format("holds plain pictures, nothing that was baked ({})",
+                                   fmt::join(kind_names(), ", "))};
+  return content;
 }
 
 }  // namespace rilievo::app

@@ -1,15 +1,15 @@
 // Files of pictures with depth: those that a frame was drawn from, with what it takes to draw that
-// frame again, and layered impostors.
+// frame again, and what the kinds of representation write.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "rilievo/core/depth_image.h"
 #include "rilievo/core/result.h"
-#include "rilievo/layered_impostor/layered_impostor.h"
+#include "rilievo/kind/kind.h"
 
 namespace rilievo::app {
 
@@ -21,9 +21,16 @@ struct FramePictures {
 
 [[nodiscard]] Result<> save_frame_pictures(const std::string& file, const FramePictures& frame);
 
-// Any OpenEXR file of pictures: a layered impostor if it says so; `camera` only if the pictures are
-// a frame's of ours.
-using PictureFileContent = std::variant<FramePictures, LayeredImpostor>;
+// Any OpenEXR file of pictures: of a kind if it says so, else plain pictures; `camera` only if the
+// pictures are a frame's of ours.
+struct PictureFileContent {
+  const Kind* kind = nullptr;
+  std::unique_ptr<Representation> representation;  // of the kind
+  FramePictures frame;                             // if there is no kind
+};
 [[nodiscard]] Result<PictureFileContent> open_pictures(const std::string& file);
+
+// The same of a file that must hold one of the kinds.
+[[nodiscard]] Result<PictureFileContent> open_representation(const std::string& file);
 
 }  // namespace rilievo::app

@@ -1,5 +1,5 @@
 // rilievo render SCENE -o DIR: draws the frames of a path into PNG files; and the pictures with
-// depth that they were drawn from, which it also draws, as it does layered impostors.
+// depth that they were drawn from, which it also draws, as it does what was baked.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -20,10 +20,7 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/gl/picture_frames.h"
-#include "rilievo/frame/gl/before_sky.h"
-#include "rilievo/frame/gl/stored_pictures.h"
+#include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
@@ -36,7 +33,6 @@ constexpr char kDefaultMethod[] = "nailboard";
 
 struct Options {
   std::string scene, output, pictures, json, method;
-  FileLimits limits;
   double loop_seconds = 0;
   FrameOptions frames;
   MethodOptions methods;
@@ -62,11 +58,7 @@ std::string numbered(const std::string& folder, const char* stem, int frame,
 
 Result<> save_pictures_of(const FrameSource& source, const Options& options, const Camera& camera,
                           int frame) {
-  FramePictures saved{{}, camera, options.methods.delta_bits};
-  if (const auto* frames = dynamic_cast<const PictureFrames*>(&source))
-    saved.pictures = frames->read_pictures();
-  else if (const auto* cache = dynamic_cast<const ImageCache*>(&source))
-    saved.pictures = cache->read_pictures();
+  const FramePictures saved{source.read_pictures(), camera, options.methods.delta_bits};
   // A frame of nothing but light objects has none.
   if (saved.pictures.empty()) return Done{};
   return save_frame_pictures(numbered(options.pictures, "pictures", frame, ".exr"), saved);
@@ -100,7 +92,7 @@ Result<> draw_frames(const Options& options, const Walk& walk, int width, int he
     frame_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
             .count());
-    captures += source.figures().captures;
+    captures += source.stats().captures;
     const std::string file = numbered(options.output, "frame", frame, ".png");
     if (Result<> saved = save_png(file, target->read()); !saved) return saved;
     if (options.pictures.empty()) continue;
@@ -116,7 +108,7 @@ Result<> draw_frames(const Options& options, const Walk& walk, int width, int he
                             {"frames", walk.frames()},
                             {"frame_ms", {{"p50", ms.p50}, {"p99", ms.p99}, {"max", ms.max}}},
                             {"captures", captures},
-                            {"picture_bytes", source.figures().picture_bytes}};
+                            {"picture_bytes", source.stats().picture_bytes}};
   return write_json(options.json, json);
 }
 
@@ -151,7 +143,7 @@ Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
       return drawn;
     target->resolve();
     gl::finish();
-    captures += source.figures().captures;
+    captures += source.stats().captures;
     if (frames % 16 == 0) progress.show(int(now), int(options.loop_seconds));
     const double mb = resident_mb();
     if (now >= warm_up && after_warm_up_mb == 0) after_warm_up_mb = mb;
@@ -177,9 +169,10 @@ Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
 Result<> render_scene(const Options& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
-  if (!options.pictures.empty() && options.method.starts_with("layered"))
-    return Error{"--save-pictures", "layered impostors are saved by rilievo bake"};
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
+  if (!options.pictures.empty() && kind_method(options.method).kind)
+    return Error{"--save-pictures", fmt::format("{} is saved by rilievo bake",
+                                                kind_method(options.method).kind->name)};
+  const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -211,22 +204,24 @@ Result<Walk> walk_of(const Options& options, const FramePictures& stored) {
 Result<> render_pictures(const Options& options, const FramePictures& stored, SceneRenderer& sky) {
   const Result<Walk> walk = walk_of(options, stored);
   if (!walk) return walk.error();
-  Result<StoredPictures> pictures = StoredPictures::create(
-      stored.pictures, {depth_mode(options.methods), stored.delta_bits, options.methods.outlines});
+  Result<StoredPictures> pictures =
+      make_stored_pictures(stored.pictures, depth_mode(options.methods), stored.delta_bits);
   if (!pictures)
     return Error{options.scene, pictures.error().where + ": " + pictures.error().reason};
-  BeforeSky source(std::make_unique<StoredPictures>(std::move(*pictures)), sky);
+  StoredFrames source(sky, std::move(pictures->set), std::move(pictures->instances),
+                      options.methods.outlines);
   if (options.loop_seconds > 0) return loop(options, *walk, source);
   const bool saved_size = walk->only.has_value();
   return draw_frames(options, *walk, saved_size ? walk->only->width : options.frames.width,
                      saved_size ? walk->only->height : options.frames.height, source);
 }
 
-Result<> render_layered(const Options& options, LayeredImpostor impostor, SceneRenderer& sky) {
-  const Result<FramePlan> plan = plan_frames(options.frames, impostor.bounds);
+Result<> render_representation(const Options& options, PictureFileContent content,
+                               SceneRenderer& sky) {
+  const Result<FramePlan> plan = plan_frames(options.frames, content.representation->bounds());
   if (!plan) return plan.error();
   Result<std::unique_ptr<FrameSource>> source =
-      make_layered_source(options.method, options.methods, std::move(impostor), sky);
+      make_stored_source(options.method, options.methods, std::move(content.representation), sky);
   if (!source) return Error{options.scene, source.error().reason};
   const Walk walk{*plan, {}};
   if (options.loop_seconds > 0) return loop(options, walk, **source);
@@ -236,11 +231,11 @@ Result<> render_layered(const Options& options, LayeredImpostor impostor, SceneR
 Result<> render_file(Options options) {
   Result<PictureFileContent> content = open_pictures(options.scene);
   if (!content) return content.error();
-  auto* layered = std::get_if<LayeredImpostor>(&*content);
   if (options.method.empty())
-    options.method = layered ? layered_method_names().front() : kDefaultMethod;
-  if (layered)
-    if (Result<> known = expect_layered(options.method, "--method"); !known) return known;
+    options.method = content->kind ? std::string(content->kind->name) : kDefaultMethod;
+  if (content->kind)
+    if (Result<> known = expect_method_of(*content->kind, options.method, "--method"); !known)
+      return known;
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
   const auto context = gl::Context::create();
@@ -248,8 +243,8 @@ Result<> render_file(Options options) {
   const Scene nothing;
   Result<SceneRenderer> sky = SceneRenderer::create(nothing);
   if (!sky) return sky.error();
-  return layered ? render_layered(options, std::move(*layered), *sky)
-                 : render_pictures(options, std::get<FramePictures>(*content), *sky);
+  return content->kind ? render_representation(options, std::move(*content), *sky)
+                       : render_pictures(options, content->frame, *sky);
 }
 
 }  // namespace
@@ -260,7 +255,7 @@ Command render_command(CLI::App& app) {
   command
       ->add_option("SCENE", options->scene,
                    std::string(kSceneHelp) +
-                       "; or an OpenEXR file of pictures with depth, or of a layered impostor")
+                       "; or an OpenEXR file of pictures with depth, or of what was baked")
       ->required();
   auto* output =
       command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
@@ -274,8 +269,8 @@ Command render_command(CLI::App& app) {
   output->excludes(loop_seconds);
   command
       ->add_option("--method", options->method,
-                   "How the frames are drawn (default nailboard; layered if that is in the file)")
-      ->check(CLI::IsMember(method_names()));
+                   "How the frames are drawn (default nailboard, or as the file was baked)")
+      ->check(known_method());
   command
       ->add_option("--save-pictures", options->pictures,
                    "Folder for the pictures that each frame was drawn from, pictures_00000.exr ...")
@@ -283,13 +278,12 @@ Command render_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
   add_json_option(*command, options->json);
-  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo render model.glb --orbit 60 --size 640x360 -o frames");
   return {command, [options](const std::string&) -> Result<> {
             if (options->output.empty() && options->loop_seconds == 0)
               return Error{"-o", "the folder for the frames is missing"};
             if (Result<> good = expect_places(*options); !good) return good;
-            if (holds_pictures(options->scene)) return render_file(*options);
+            if (is_picture_file(options->scene)) return render_file(*options);
             if (options->method.empty()) options->method = kDefaultMethod;
             return render_scene(*options);
           }};

@@ -1,5 +1,5 @@
-// rilievo view SCENE: a window on a scene, drawn by any method, beside direct drawing; or on a
-// layered impostor from a file.
+// rilievo view SCENE: a window on a scene, drawn by any method, beside direct drawing; or on what
+// was baked into a file.
 
 #include <epoxy/gl.h>
 // After epoxy.
@@ -15,14 +15,14 @@
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/output.h"
+#include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
 #include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
-#include "rilievo/layered_impostor/file.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo::app {
@@ -30,7 +30,6 @@ namespace {
 
 struct Options {
   std::string scene, screenshot, method;
-  FileLimits limits;
   bool split = false;
   FrameOptions frames;
   MethodOptions methods;
@@ -95,11 +94,11 @@ Camera camera_of(const ViewState& state, int width, int height) {
                  state.vertical_fov, width, height, state.path.z_near, state.path.z_far);
 }
 
-void measure(ViewState& state, const FrameFigures& figures, double frame_ms) {
-  state.figures = figures;
+void measure(ViewState& state, const FrameStats& stats, double frame_ms) {
+  state.stats = stats;
   state.frame_ms.add(float(frame_ms));
-  state.captures.add(float(figures.captures));
-  state.megabytes.add(1e-6f * float(figures.picture_bytes));
+  state.captures.add(float(stats.captures));
+  state.megabytes.add(1e-6f * float(stats.picture_bytes));
 }
 
 // A file name that is not taken yet.
@@ -171,7 +170,7 @@ class Viewer {
                               : camera_of(state_, width_, height_);
     const Result<double> ms = draw(*source_, *left_, camera, state_.time);
     if (!ms) return ms.error();
-    measure(state_, source_->figures(), *ms);
+    measure(state_, source_->stats(), *ms);
     show_columns(*left_, 0, width_);
     if (state_.split) {
       const Result<double> direct_ms = draw(*subject_.direct, *right_, camera, state_.time);
@@ -251,7 +250,7 @@ Result<std::unique_ptr<Window>> open_window(const Options& options) {
 }
 
 Result<> view_scene(const Options& options) {
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
+  const Result<OpenedScene> opened = open_scene(options.scene);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -269,22 +268,30 @@ Result<> view_scene(const Options& options) {
   return Viewer(options, subject, **window).run();
 }
 
-Result<> view_layered(const Options& options) {
-  const Result<LayeredImpostor> impostor = load_layered_impostor(options.scene);
-  if (!impostor) return impostor.error();
+Result<> view_file(const Options& options) {
+  Result<PictureFileContent> content = open_representation(options.scene);
+  if (!content) return content.error();
+  const Kind& kind = *content->kind;
   if (!options.method.empty())
-    if (Result<> known = expect_layered(options.method, "--method"); !known) return known;
+    if (Result<> known = expect_method_of(kind, options.method, "--method"); !known) return known;
   if (options.split) return Error{"--split", "a file has no direct drawing to compare with"};
-  const Result<FramePlan> plan = plan_frames(options.frames, impostor->bounds);
+  const Box bounds = content->representation->bounds();
+  const Result<FramePlan> plan = plan_frames(options.frames, bounds);
   if (!plan) return plan.error();
   const auto window = open_window(options);
   if (!window) return window.error();
   const Scene nothing;
   Result<SceneRenderer> sky = SceneRenderer::create(nothing);
   if (!sky) return sky.error();
-  Subject subject{impostor->bounds, *plan, layered_method_names(), {}, nullptr};
-  subject.make_source = [&](const std::string& method, const MethodOptions& with) {
-    return make_layered_source(method, with, *impostor, *sky);
+  Subject subject{bounds, *plan, kind_method_names(kind), {}, nullptr};
+  subject.make_source = [&](const std::string& method,
+                            const MethodOptions& with) -> Result<std::unique_ptr<FrameSource>> {
+    // A drawable takes the representation for itself: the next method loads it again.
+    if (!content->representation) {
+      content = open_representation(options.scene);
+      if (!content) return content.error();
+    }
+    return make_stored_source(method, with, std::move(content->representation), *sky);
   };
   return Viewer(options, subject, **window).run();
 }
@@ -296,12 +303,12 @@ Command view_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command
       ->add_option("SCENE", options->scene,
-                   std::string(kSceneHelp) + "; or the OpenEXR file of a layered impostor")
+                   std::string(kSceneHelp) + "; or the OpenEXR file of what was baked")
       ->required();
   command
       ->add_option("--method", options->method,
-                   "How the frames are drawn (default cache; layered if that is in the file)")
-      ->check(CLI::IsMember(method_names()));
+                   "How the frames are drawn (default cache, or as the file was baked)")
+      ->check(known_method());
   command->add_flag("--split", options->split, "Direct drawing in the right half");
   command
       ->add_option("--screenshot", options->screenshot,
@@ -309,11 +316,10 @@ Command view_command(CLI::App& app) {
       ->type_name("FILE");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
-  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo view builtin:bridge --split");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->screenshot}); !good) return good;
-            return holds_pictures(options->scene) ? view_layered(*options) : view_scene(*options);
+            return is_picture_file(options->scene) ? view_file(*options) : view_scene(*options);
           }};
 }
 

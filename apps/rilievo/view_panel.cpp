@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "apps/rilievo/view_state.h"
 
@@ -58,6 +60,45 @@ void cache_panel(ViewState& state) {
   state.new_source |= ImGui::IsItemDeactivatedAfterEdit();
 }
 
+// The options of a kind, as its row of the list says. Is the source another one after a change?
+bool option_controls(std::span<const Option> options, KindOptions& values) {
+  bool changed = false;
+  for (const Option& option : options) {
+    const std::string name(option.name);
+    const auto given = values.given.find(option.name);
+    const std::string now =
+        given == values.given.end() ? std::string(option.default_value) : given->second;
+    const auto set = [&](const std::string& value) {
+      values.given[name] = value;
+      changed = true;
+    };
+    if (option.type == OptionType::flag) {
+      bool on = now == "on";
+      if (ImGui::Checkbox(name.c_str(), &on)) set(on ? "on" : "off");
+    } else if (option.type == OptionType::choice) {
+      if (ImGui::BeginCombo(name.c_str(), now.c_str())) {
+        for (const std::string_view choice : option.choices)
+          if (ImGui::Selectable(std::string(choice).c_str(), choice == now))
+            set(std::string(choice));
+        ImGui::EndCombo();
+      }
+    } else if (option.type == OptionType::integer) {
+      int value = std::atoi(now.c_str());
+      ImGui::InputInt(name.c_str(), &value);
+      if (ImGui::IsItemDeactivatedAfterEdit())
+        set(std::to_string(std::clamp(value, int(option.least), int(option.most))));
+    } else if (option.type == OptionType::number) {
+      double value = std::atof(now.c_str());
+      ImGui::InputDouble(name.c_str(), &value);
+      if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(value))
+        set(fmt::format("{}", std::clamp(value, option.least, option.most)));
+    }
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%.*s", int(option.help.size()), option.help.data());
+  }
+  return changed;
+}
+
 void method_panel(ViewState& state) {
   if (ImGui::BeginCombo("method", state.method.c_str())) {
     for (const std::string& name : state.method_names) {
@@ -66,6 +107,11 @@ void method_panel(ViewState& state) {
       state.new_source = true;
     }
     ImGui::EndCombo();
+  }
+  if (const Kind* kind = kind_method(state.method).kind) {
+    state.new_source |= option_controls(kind->draw_options, state.methods.kinds);
+    if (state.can_split)
+      state.new_source |= option_controls(kind->bake_options, state.methods.kinds);
   }
   if (!state.can_split) return;
   // A cache keeps its pictures.
@@ -116,10 +162,10 @@ void show_panel(ViewState& state) {
   if (state.split) plot("direct", state.direct_ms, "ms");
   plot("captures", state.captures, "a frame");
   plot("pictures", state.megabytes, "MB");
-  ImGui::Text("%d polygons, %d pictures, %d of groups", state.figures.polygons,
-              state.figures.pictures, state.figures.hierarchy);
-  if (state.figures.layered > 0) ImGui::Text("%d layered impostors", state.figures.layered);
-  if (state.figures.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.figures.bound_px);
+  ImGui::Text("%d polygons, %d pictures of groups", state.stats.polygons, state.stats.groups);
+  for (const auto& [kind, count] : state.stats.by_kind)
+    if (count > 0) ImGui::Text("%d %.*s", count, int(kind.size()), kind.data());
+  if (state.stats.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.stats.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   ImGui::End();
 }

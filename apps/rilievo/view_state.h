@@ -52,7 +52,7 @@ struct ViewState {
 
   // What was measured.
   History frame_ms, direct_ms, captures, megabytes;
-  FrameFigures figures;
+  FrameStats stats;
   std::string message;
 
   // What the panel asks the loop to do.

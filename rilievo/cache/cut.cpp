@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rilievo/core/expects.h"
 
@@ -12,7 +13,8 @@ enum Choice : std::uint8_t {
   kNothing,  // neither seen now nor soon
   kKeep,     // the picture at hand
   kCapture,  // a new picture
-  kBelow,    // the children; polygons, or what is baked, for an object
+  kBelow,    // the children; polygons, or what stands for them, of an object
+  kStandIn,  // an alternative, for all objects of an inner node
 };
 
 // A capture that pays within so many frames is made at once, others when there is time.
@@ -27,12 +29,12 @@ glm::dmat4 power(const glm::dmat4& m, int n) {
 
 }  // namespace
 
-Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const BakedObjects& baked_,
-         const CacheState& state_, const FrameView& frame_, const CacheOptions& options_,
-         PlanScratch& scratch_, Plan& plan_)
+Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_,
+         const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
+         const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_)
     : tree(tree_),
       moving(moving_),
-      baked(baked_),
+      alternatives(alternatives_),
       state(state_),
       frame(frame_),
       options(options_),
@@ -137,28 +139,24 @@ void Cut::evict_finished() {
   }
 }
 
-Cut::Standing Cut::stands_for(Entity e) const {
-  const CostModel& cost = options.cost;
+Cut::Standing Cut::stands_for(Entity e, double cost) const {
+  Standing standing{nullptr, 0, cost};
+  if (alternatives.of_entity.empty()) return standing;
   const double pixels = covered_pixels(view, box_of(e));
-  Standing standing{nullptr, 0,
-                    cost.object + double(triangles_of(e)) + cost.polygon_pixel * pixels};
-  const std::vector<std::uint32_t>& names = is_moving(e) ? baked.of_moving : baked.of_static;
-  if (names.empty()) return standing;
-  const std::uint32_t name = names[is_moving(e) ? e - nodes() : tree.order[tree.nodes[e].first]];
-  if (name == 0) return standing;
-  const BakedObject& candidate = baked.objects[name - 1];
-  const double a_pixel = candidate.slices > 0
-                             ? candidate.slices * cost.slice_pixel
-                             : cost.walked_pixel + candidate.raggedness * cost.ragged_pixel;
-  const double drawn = cost.baked + pixels * a_pixel;
-  if (drawn >= standing.cost ||
-      !is_served(candidate.bounds, candidate.world_from_impostor, frame.camera))
-    return standing;
-  const LayeredError error =
-      bound_layered_error(candidate.error, candidate.slices > 0, candidate.bounds,
-                          candidate.world_from_impostor, frame.camera);
-  if (error.total_px <= options.error_px) standing = {&candidate, error.total_px, drawn};
+  for (const std::uint32_t i : alternatives.of_entity[e]) {
+    const Alternative& candidate = alternatives.list[i];
+    const double drawn = candidate.cost.fixed + pixels * candidate.cost.per_pixel;
+    if (!candidate.present || drawn >= standing.cost) continue;
+    const double bound_px = candidate.error.bound_px(candidate.world_from_capture, frame.camera);
+    if (bound_px <= options.error_px) standing = {&candidate, bound_px, drawn};
+  }
   return standing;
+}
+
+// Of one object, static or moving.
+double Cut::polygon_cost(Entity e) const {
+  return options.cost.object + double(triangles_of(e)) +
+         options.cost.polygon_pixel * covered_pixels(view, box_of(e));
 }
 
 Cut::Costs Cut::evaluate_below(Entity e) {
@@ -166,7 +164,7 @@ Cut::Costs Cut::evaluate_below(Entity e) {
     const Costs a = evaluate(e + 1), b = evaluate(tree.nodes[e].second_child);
     return {a.best + b.best, a.now + b.now};
   }
-  const double cost = stands_for(e).cost;
+  const double cost = stands_for(e, polygon_cost(e)).cost;
   return {cost, may_see(view.now, box_of(e)) ? cost : 0};
 }
 
@@ -188,8 +186,13 @@ Cut::Costs Cut::evaluate(Entity e) {
   if (!retiring)
     if (const PictureEstimate estimated = estimate(e); estimated.possible)
       own = picture_rate(estimated, options);
-  const Costs below = evaluate_below(e);
+  Costs below = evaluate_below(e);
   scratch.choice[e] = own < below.best ? kCapture : kBelow;
+  if (several(e))
+    if (const Standing standing = stands_for(e, std::min(own, below.best)); standing.alternative) {
+      scratch.choice[e] = kStandIn;
+      below = {standing.cost, may_see(view.now, box_of(e)) ? standing.cost : 0};
+    }
   const double now = at_hand ? std::min(picture->draw_cost, below.now) : below.now;
   scratch.now_cost[e] = float(now);
   return {std::min(own, below.best), now};
@@ -229,7 +232,7 @@ bool Cut::request(Entity e, double deadline, bool covered) {
     return false;
   }
   bool ready = true;
-  if (!is_moving(e) && !tree.nodes[e].leaf()) {
+  if (scratch.choice[e] == kBelow && several(e)) {
     ready = request(e + 1, deadline, covered);
     ready = request(tree.nodes[e].second_child, deadline, covered) && ready;
   }
@@ -265,20 +268,26 @@ void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float from, float t
   ++(is_moving(e) || tree.nodes[e].leaf() ? plan.single : plan.hierarchy);
 }
 
+void Cut::emit(const Standing& standing) {
+  plan.alternatives.push_back(
+      {std::uint32_t(standing.alternative - alternatives.list.data()), float(standing.bound_px)});
+  plan.bound_px = std::max(plan.bound_px, standing.bound_px);
+}
+
 void Cut::draw_below(Entity e, float from, float to) {
-  if (!is_moving(e) && !tree.nodes[e].leaf()) {
+  if (several(e)) {
+    if (scratch.choice[e] == kStandIn && from <= 0 && to >= 1)
+      if (const Standing standing = stands_for(e, std::numeric_limits<double>::infinity());
+          standing.alternative)
+        return emit(standing);
     draw(e + 1, from, to);
     draw(tree.nodes[e].second_child, from, to);
     return;
   }
-  // An impostor is for all pixels: what fades goes with polygons.
-  if (!baked.objects.empty() && from <= 0 && to >= 1)
-    if (const Standing standing = stands_for(e); standing.baked) {
-      plan.baked.push_back(
-          {std::uint32_t(standing.baked - baked.objects.data()), float(standing.bound_px)});
-      plan.bound_px = std::max(plan.bound_px, standing.bound_px);
-      return;
-    }
+  // An alternative is for all pixels: what fades goes with polygons.
+  if (from <= 0 && to >= 1)
+    if (const Standing standing = stands_for(e, polygon_cost(e)); standing.alternative)
+      return emit(standing);
   if (is_moving(e))
     plan.moving_polygons.push_back({e - nodes(), from, to});
   else

@@ -30,7 +30,7 @@ inline constexpr std::uint64_t kFadedTriangles = 10'000;
 struct Cut {
   const Hierarchy& tree;
   std::span<const MovingObject> moving;
-  const BakedObjects& baked;
+  const Alternatives& alternatives;
   const CacheState& state;
   const FrameView& frame;
   const CacheOptions& options;
@@ -40,9 +40,9 @@ struct Cut {
   std::uint64_t faded_triangles = 0;  // of polygons over which pictures of this frame fade in
   double full_bytes = 0;  // of all pictures that stay or are requested, were they at full density
 
-  Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_, const BakedObjects& baked_,
-      const CacheState& state_, const FrameView& frame_, const CacheOptions& options_,
-      PlanScratch& scratch_, Plan& plan_);
+  Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_,
+      const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
+      const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_);
 
   void evict_finished();
   void choose();
@@ -74,12 +74,14 @@ struct Cut {
   [[nodiscard]] bool may_fade_over_below(Entity e);
 
  private:
-  // Of one object, static or moving: the layered impostor that may stand for it now, if one may.
+  // The cheapest alternative that may stand for the entity now, if one costs less than `cost`.
   struct Standing {
-    const BakedObject* baked = nullptr;
-    double bound_px = 0, cost = 0;  // cost: of the polygons if there is none
+    const Alternative* alternative = nullptr;
+    double bound_px = 0, cost = 0;  // cost: as given if there is none
   };
-  [[nodiscard]] Standing stands_for(Entity e) const;
+  [[nodiscard]] Standing stands_for(Entity e, double cost) const;
+  [[nodiscard]] double polygon_cost(Entity e) const;
+  void emit(const Standing& standing);
   struct Costs {
     double best, now;  // of the best cut; of drawing with what is at hand
   };

@@ -20,8 +20,8 @@ struct Loop {
   std::set<std::uint32_t> textures;  // slots whose pictures exist
 
   void frame(const Hierarchy& tree, std::span<const MovingObject> moving, const FrameView& view,
-             const CacheOptions& options, const BakedObjects& baked = {}) {
-    plan_frame(tree, moving, state, view, options, scratch, plan, baked);
+             const CacheOptions& options, const Alternatives& alternatives = {}) {
+    plan_frame(tree, moving, state, view, options, scratch, plan, alternatives);
     for (std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
     for (const Capture& capture : plan.captures) ASSERT_TRUE(textures.insert(capture.slot).second);
     commit(plan, state);
@@ -30,12 +30,12 @@ struct Loop {
 
 using Shares = std::vector<std::pair<float, float>>;
 
-// From which parts of the pixels each object is drawn. What is baked is named by its object, after
-// the static ones if it moves.
+// From which parts of the pixels each object is drawn. An alternative is named by its object,
+// after the static ones if it moves.
 inline void add_shares(const Loop& run, const Hierarchy& tree, std::vector<Shares>& still,
-                       std::vector<Shares>& moving, const BakedObjects& baked = {}) {
-  for (const DrawnBaked& drawn : run.plan.baked) {
-    const std::uint32_t object = baked.objects[drawn.baked].object;
+                       std::vector<Shares>& moving, const Alternatives& alternatives = {}) {
+  for (const DrawnAlternative& drawn : run.plan.alternatives) {
+    const std::uint32_t object = alternatives.list[drawn.alternative].object;
     (object < still.size() ? still[object] : moving[object - still.size()]).emplace_back(0, 1);
   }
   for (const DrawnPicture& drawn : run.plan.pictures) {

@@ -31,7 +31,7 @@ void find_bound(Plan& plan) {
   plan.bound_px = 0;
   for (const DrawnPicture& drawn : plan.pictures)
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
-  for (const DrawnBaked& drawn : plan.baked)
+  for (const DrawnAlternative& drawn : plan.alternatives)
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
 }
 
@@ -42,12 +42,12 @@ constexpr double kForget = 1.0 / 32;
 
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan, const BakedObjects& baked) {
+                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives) {
   RILIEVO_EXPECTS(view.camera.projection == Projection::perspective);
   const std::size_t entities = hierarchy.nodes.size() + moving.size();
   RILIEVO_EXPECTS(state.current.empty() || state.current.size() == entities);
-  RILIEVO_EXPECTS(baked.of_moving.empty() || baked.of_moving.size() == moving.size());
-  plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear(), plan.baked.clear();
+  RILIEVO_EXPECTS(alternatives.of_entity.empty() || alternatives.of_entity.size() == entities);
+  plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear(), plan.alternatives.clear();
   plan.polygons.clear(), plan.moving_polygons.clear(), plan.retirements.clear();
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
@@ -61,7 +61,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.captured.resize(entities, 0);
   scratch.requests.clear(), scratch.idle.clear();
 
-  Cut cut(hierarchy, moving, baked, state, view, options, scratch, plan);
+  Cut cut(hierarchy, moving, alternatives, state, view, options, scratch, plan);
   cut.evict_finished();
   cut.choose();
   schedule_captures(cut);

@@ -7,13 +7,13 @@
 //   plan_frame(hierarchy, moving, state, view, options, scratch, plan);
 //   free the textures of plan.evictions; make those of plan.captures, in this order, and say
 //   what they turned out to be: refuse_capture, narrow_capture
-//   draw plan.pictures, plan.polygons, plan.moving_polygons, plan.baked in any order
+//   draw plan.pictures, plan.polygons, plan.moving_polygons, plan.alternatives in any order
 //   commit(plan, state);
 //
 // Every picture drawn has bound_total_px <= CacheOptions::error_px, and if memory is short so much
-// more as its texels are too coarse (Picture::coarse_px). Layered impostors that were baked before
-// (S2) stand for their objects' polygons where LayeredError::total_px allows it and they cost less:
-// for what turns so fast that no flat picture lasts, above all. World space, metres; time in
+// more as its texels are too coarse (Picture::coarse_px). What was baked
+// before, of any kind, stands for its object where its ErrorModel allows it and it costs less: for
+// what turns so fast that no flat picture lasts, above all. World space, metres; time in
 // frames. The same plan for the same input. Steady state does not allocate.
 #pragma once
 
@@ -24,7 +24,7 @@
 
 #include "rilievo/cache/hierarchy.h"
 #include "rilievo/core/camera.h"
-#include "rilievo/layered_impostor/error.h"
+#include "rilievo/kind/drawable.h"
 #include "rilievo/nailboard/error.h"
 
 namespace rilievo {
@@ -40,10 +40,6 @@ struct CostModel {
   double capture = 2000;        // one capture, besides ...
   double capture_triangle = 1;  // ... one triangle of it
   double capture_texel = 0.2;   // one texel of it
-  double baked = 3000;          // one layered impostor drawn
-  double walked_pixel = 1;      // one pixel of its rectangle, by the walk through its surfaces ...
-  double ragged_pixel = 30;     // ... and this times ObjectImpostor::raggedness
-  double slice_pixel = 0.02;    // ... or for each slice of a view
 };
 
 struct CacheOptions {
@@ -92,21 +88,19 @@ struct CacheOptions {
 // A node of the hierarchy, by index, or moving object i as hierarchy.nodes.size() + i.
 using Entity = std::uint32_t;
 
-// A layered impostor that stands for an object.
-struct BakedObject {
-  LayeredErrorFigures error;
-  double raggedness = 0;                   // ObjectImpostor's
-  int slices = 0;                          // in which it is drawn; 0: by the walk
-  Box bounds;                              // in the world of the baking
-  glm::dmat4 world_from_impostor{1.0};     // now
-  std::uint32_t object = 0, impostor = 0;  // the caller's names for both
+// Something baked before that may stand for an entity instead of its polygons or a picture.
+struct Alternative {
+  ErrorModel error;
+  CostTerms cost;
+  glm::dmat4 world_from_capture{1.0};      // now
+  bool present = true;                     // false: not for this frame
+  std::uint32_t object = 0, drawable = 0;  // the caller's names for both
 };
 
-// Which objects have one.
-struct BakedObjects {
-  std::vector<BakedObject> objects;
-  // By static and by moving object: index into `objects` + 1, or 0. Empty: none has one.
-  std::vector<std::uint32_t> of_static, of_moving;
+struct Alternatives {
+  std::vector<Alternative> list;
+  // By entity: the places in `list` of those that may stand for it. Empty: none has any.
+  std::vector<std::vector<std::uint32_t>> of_entity;
 };
 
 struct MovingObject {
@@ -181,8 +175,8 @@ struct DrawnObject {
   float from = 0, to = 1;
 };
 // All pixels.
-struct DrawnBaked {
-  std::uint32_t baked = 0;  // index into BakedObjects::objects
+struct DrawnAlternative {
+  std::uint32_t alternative = 0;  // index into Alternatives::list
   float bound_px = 0;
 };
 
@@ -191,14 +185,14 @@ struct Plan {
   std::vector<Capture> captures;         // most urgent first
   std::vector<DrawnPicture> pictures;
   std::vector<DrawnObject> polygons, moving_polygons;
-  std::vector<DrawnBaked> baked;
+  std::vector<DrawnAlternative> alternatives;
   std::vector<std::uint32_t> retirements;  // slots that begin to fade out
 
   std::size_t entities = 0;  // nodes and moving objects
   std::uint64_t polygon_triangles = 0, captured_triangles = 0;
   std::uint64_t bytes = 0;        // of all pictures, after evictions and captures
   int single = 0, hierarchy = 0;  // drawn pictures of one object, of several
-  double bound_px = 0;            // the largest of the pictures and impostors drawn
+  double bound_px = 0;            // the largest of the pictures and alternatives drawn
   int starved = 0;                // captures that had no room in memory
   double credit = 0, texel_scale = 1;
 };
@@ -226,7 +220,7 @@ struct PlanScratch {
 // for the same hierarchy and number of moving objects.
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan, const BakedObjects& baked = {});
+                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives = {});
 
 // Capture `index` turned out to have samples between these Deltas only. To be called before
 // commit(). Is it good enough for this frame? If not, it was expected to be flatter than it is: to

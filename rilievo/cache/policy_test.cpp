@@ -106,27 +106,38 @@ std::vector<MovingObject> cars(int frame) {
   return all;
 }
 
-// Of 64 texels a view, walked through.
-BakedObject baked_of(const Box& box, std::uint32_t object) {
-  BakedObject baked;
-  baked.error = {0, 0.1, 0.02 * double(box.radius())};
-  baked.bounds = box;
-  baked.object = object;
-  return baked;
+// Off by a share of the box's size, at any distance.
+double share_of_size_px(const ErrorModel& model, const glm::dmat4&, const Camera& frame) {
+  const double distance = glm::length(glm::dvec3(model.bounds.center()) - frame.position());
+  return model.texel / distance * frame.width / (frame.window.right - frame.window.left);
+}
+
+Alternative alternative_of(const Box& box, std::uint32_t object) {
+  Alternative alternative;
+  alternative.error.bound = share_of_size_px;
+  alternative.error.bounds = box;
+  alternative.error.texel = 0.03 * double(box.radius());
+  alternative.cost = {500, 0.1};  // worth it for trees
+  alternative.object = object;
+  return alternative;
 }
 
 // Of every third tree, and of the cars, which pass for heavy.
-BakedObjects bake_some(const Forest& forest, std::span<const MovingObject> moving) {
-  BakedObjects baked;
+Alternatives bake_some(const Forest& forest, std::span<const MovingObject> moving) {
+  Alternatives alternatives;
   const auto trees = std::uint32_t(forest.boxes.size());
-  baked.of_static.assign(trees, 0);
-  baked.of_moving.assign(moving.size(), 0);
+  const std::size_t nodes = forest.tree.nodes.size();
+  alternatives.of_entity.assign(nodes + moving.size(), {});
+  std::vector<Entity> leaf_of(trees);
+  for (Entity e = 0; e < nodes; ++e)
+    if (forest.tree.nodes[e].leaf()) leaf_of[forest.tree.order[forest.tree.nodes[e].first]] = e;
   for (std::uint32_t i = 0; i < trees + moving.size(); i += 3) {
-    baked.objects.push_back(baked_of(i < trees ? forest.boxes[i] : moving[i - trees].box, i));
-    (i < trees ? baked.of_static[i] : baked.of_moving[i - trees]) =
-        std::uint32_t(baked.objects.size());
+    const Entity entity = i < trees ? leaf_of[i] : Entity(nodes + i - trees);
+    alternatives.of_entity[entity] = {std::uint32_t(alternatives.list.size())};
+    alternatives.list.push_back(
+        alternative_of(i < trees ? forest.boxes[i] : moving[i - trees].box, i));
   }
-  return baked;
+  return alternatives;
 }
 
 TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets) {
@@ -138,16 +149,16 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
     Loop run;
     EyeMotion motion;
     bool degraded = false;
-    std::size_t baked_drawn = 0;
-    options.cost.baked = 500, options.cost.walked_pixel = 0.1;  // worth it for trees
+    std::size_t alternatives_drawn = 0;
     for (int f = 0; f < 300; ++f) {
       // One walk as the frames tell, one with foresight.
       const FrameView view = memory_mb == 64 ? follow(motion, stroll(f).camera) : stroll(f);
       const std::vector<MovingObject> moving = cars(f);
-      const BakedObjects baked = bake_some(forest, moving);
-      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, moving, view, options, baked));
+      const Alternatives alternatives = bake_some(forest, moving);
+      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, moving, view, options, alternatives));
       std::vector<Shares> still_shares(forest.boxes.size()), moving_shares(moving.size());
-      ASSERT_NO_FATAL_FAILURE(add_shares(run, forest.tree, still_shares, moving_shares, baked));
+      ASSERT_NO_FATAL_FAILURE(
+          add_shares(run, forest.tree, still_shares, moving_shares, alternatives));
       for (std::size_t i = 0; i < forest.boxes.size(); ++i)
         if (surely_sees(view.camera, forest.boxes[i])) {
           ASSERT_TRUE(complete(still_shares[i])) << f << " " << i;
@@ -175,15 +186,14 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
         degraded |= picture.coarse_px > 0;
         worst = std::max(worst, bound);
       }
-      for (const DrawnBaked& drawn : run.plan.baked) {
-        const BakedObject& object = baked.objects[drawn.baked];
-        const double bound = bound_layered_error(object.error, false, object.bounds,
-                                                 object.world_from_impostor, view.camera)
-                                 .total_px;
+      for (const DrawnAlternative& drawn : run.plan.alternatives) {
+        const Alternative& alternative = alternatives.list[drawn.alternative];
+        const double bound =
+            alternative.error.bound_px(alternative.world_from_capture, view.camera);
         ASSERT_LE(bound, options.error_px);
         ASSERT_NEAR(bound, double(drawn.bound_px), 1e-6);
         worst = std::max(worst, bound);
-        ++baked_drawn;
+        ++alternatives_drawn;
       }
       EXPECT_NEAR(run.plan.bound_px, worst, 1e-4 + 1e-6 * worst);
 
@@ -199,7 +209,7 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
       }
     }
     EXPECT_EQ(degraded, memory_mb == 2);
-    EXPECT_GT(baked_drawn, 100u);
+    EXPECT_GT(alternatives_drawn, 100u);
     EXPECT_GT(run.plan.pictures.size(), 20u);
     EXPECT_GT(run.plan.hierarchy, 5);
     // It has stood still for 60 frames.

@@ -1,6 +1,8 @@
 #include "rilievo/compare/compare.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "rilievo/gl/context.h"
@@ -19,22 +21,22 @@ namespace {
 struct Tally {
   MethodResult result;
   Histogram depth_errors;
-  std::int64_t polygons = 0, pictures = 0, hierarchy = 0, layered = 0;
+  std::int64_t polygons = 0, groups = 0;
+  std::map<std::string, std::int64_t> by_kind{{"nailboard", 0}};
   double bound_px = 0;
   Histogram errors_px;
   float largest_error_px = 0;
   Rgba8Image last;  // frame
   Pop pop;
 
-  void add_figures(const FrameFigures& figures) {
-    result.captures += figures.captures;
-    result.capture_ms += figures.capture_ms;
-    result.picture_bytes = std::max(result.picture_bytes, std::uint64_t(figures.picture_bytes));
-    polygons += figures.polygons;
-    pictures += figures.pictures;
-    hierarchy += figures.hierarchy;
-    layered += figures.layered;
-    bound_px = std::max(bound_px, figures.bound_px);
+  void add_stats(const FrameStats& stats) {
+    result.captures += stats.captures;
+    result.capture_ms += stats.capture_ms;
+    result.picture_bytes = std::max(result.picture_bytes, std::uint64_t(stats.picture_bytes));
+    polygons += stats.polygons;
+    groups += stats.groups;
+    for (const auto& [kind, count] : stats.by_kind) by_kind[std::string(kind)] += count;
+    bound_px = std::max(bound_px, stats.bound_px);
   }
 
   // The difference of two frames that are the same need not be measured.
@@ -48,7 +50,7 @@ struct Tally {
                              ssim(truth.color, frame.color), flip_of(truth.color, frame.color),
                              visibility.wrong_share(), visibility.uncovered_share()});
     add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
-    add_figures(frame.figures);
+    add_stats(frame.stats);
     for (const float error : frame.errors_px) {
       errors_px.add(error);
       largest_error_px = std::max(largest_error_px, error);
@@ -80,8 +82,9 @@ struct Tally {
     result.depth_error_p50 = depth_errors.percentile(0.50);
     result.depth_error_p99 = depth_errors.percentile(0.99);
     if (bound_px > 0) result.bound_px_max = bound_px;
-    result.drawn_as = {{"polygons", polygons}, {"nailboard", pictures}, {"hierarchy", hierarchy}};
-    if (layered > 0) result.drawn_as.emplace_back("layered", layered);
+    result.drawn_as = {{"polygons", polygons}};
+    for (const auto& [kind, count] : by_kind) result.drawn_as.emplace_back(kind, count);
+    result.drawn_as.emplace_back("hierarchy", groups);
     return std::move(result);
   }
 };
@@ -124,9 +127,9 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     for (int i = 0; i < options.warm_up; ++i) {
       const Result<double> ms = time_frame(*sources[s].source, *target, walk(0));
       if (!ms) return ms.error();
-      const FrameFigures figures = sources[s].source->figures();
-      tallies[s].result.captures += figures.captures;
-      tallies[s].result.capture_ms += figures.capture_ms;
+      const FrameStats& stats = sources[s].source->stats();
+      tallies[s].result.captures += stats.captures;
+      tallies[s].result.capture_ms += stats.capture_ms;
     }
   }
 

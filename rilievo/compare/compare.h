@@ -17,7 +17,7 @@
 
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/result.h"
-#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/frame/frame_source.h"
 #include "rilievo/measure/report.h"
 
 namespace rilievo {

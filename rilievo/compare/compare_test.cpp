@@ -53,13 +53,12 @@ class TwoHalves : public FrameSource {
     for (int i = 0; i < 100; i += step) errors_px.push_back(float(i) / 100.0f);
   }
 
-  [[nodiscard]] FrameFigures figures() const override {
-    FrameFigures figures;
-    figures.captures = drawn_ == 1 ? 7 : 1;
-    figures.picture_bytes = std::size_t(100 * drawn_);
-    figures.pictures = 2;
-    figures.bound_px = drawn_ == 3 ? 0.75 : 0.5;
-    return figures;
+  [[nodiscard]] const FrameStats& stats() const override {
+    stats_.captures = drawn_ == 1 ? 7 : 1;
+    stats_.picture_bytes = std::size_t(100 * drawn_);
+    stats_.by_kind = {{"nailboard", 2}};
+    stats_.bound_px = drawn_ == 3 ? 0.75 : 0.5;
+    return stats_;
   }
 
  private:
@@ -71,6 +70,7 @@ class TwoHalves : public FrameSource {
     glDisable(GL_SCISSOR_TEST);
   }
 
+  mutable FrameStats stats_;
   int edge_ = 0;
   bool hole_ = false;
   float right_z_ = 0.5f;

@@ -21,7 +21,7 @@ Result<DrawnFrame> draw_frame(FrameSource& source, FrameTarget& target, ProbeTar
                               const WalkFrame& frame, int error_step) {
   const Result<double> ms = time_frame(source, target, frame);
   if (!ms) return ms.error();
-  DrawnFrame drawn{*ms, source.figures(), target.read()};
+  DrawnFrame drawn{*ms, source.stats(), target.read()};
   if (error_step > 0) source.append_errors(error_step, drawn.errors_px);
   probe.begin();
   if (Result<> probed = source.draw_objects(); !probed) return probed.error();

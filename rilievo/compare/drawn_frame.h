@@ -8,7 +8,7 @@
 #include "rilievo/core/color.h"
 #include "rilievo/core/image.h"
 #include "rilievo/core/result.h"
-#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/frame/frame_source.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {
@@ -21,7 +21,7 @@ struct WalkFrame {
 
 struct DrawnFrame {
   double frame_ms = 0;  // wall clock, from begin() until all drawing is done
-  FrameFigures figures;
+  FrameStats stats;
   Rgba8Image color;
   Image<std::uint32_t> objects;  // at pixel centres; so is eye_z
   Image<float> eye_z;

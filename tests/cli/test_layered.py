@@ -113,7 +113,7 @@ class Baked(command.Case):
         self.assertEqual(made["method"], made["slices"])
         self.assertNotEqual(made["surfaces"], made["slices"])
         figures = json.loads((self.folder / "default.json").read_text())
-        self.assertEqual(figures["method"], "layered")
+        self.assertEqual(figures["method"], "layered-impostor")
         self.assertEqual(figures["captures"], 0)
 
     def test_it_is_compared_with_the_scene_it_was_baked_of(self):
@@ -121,8 +121,8 @@ class Baked(command.Case):
         done = self.succeeds("compare", self.file, "--scene", TEAPOT, "--frames", "2", "--size",
                              "96x64", "-o", out, "--json", "-")
         methods = json.loads(done.stdout)["methods"]
-        self.assertEqual(set(methods), {"direct", "layered", "layered-slices"})
-        for name in ("layered", "layered-slices"):
+        self.assertEqual(set(methods), {"direct", "layered-impostor", "layered-slices"})
+        for name in ("layered-impostor", "layered-slices"):
             # A teapot against the sky: where it is drawn at all it is mostly right, and 12 small
             # views are no more than that.
             self.assertLess(methods[name]["wrong_visibility"]["mean"], 0.01)
@@ -206,8 +206,8 @@ class Foreign(command.Case):
         self.succeeds("render", file, "-o", self.folder / "out")
         self.assertEqual(list(files_below(self.folder / "out")), ["frame_00000.png"])
         self.refused(["compare", file, "--scene", TEAPOT, "-o", self.folder / "report"], file,
-                     "not a layered impostor")
-        self.refused(["view", file], file, "not a layered impostor")
+                     "nothing that was baked")
+        self.refused(["view", file], file, "nothing that was baked")
 
     def test_missing_channels_are_named(self):
         for name in self.CHANNELS:
@@ -330,8 +330,8 @@ class Method(command.Case):
             return cache["drawn_as"]
 
         slices = ("--warp", "slices", "--views", "12", "--layers", "16", "--view-size", "64")
-        self.assertNotIn("layered", drawn_as())
-        self.assertGreater(drawn_as("--bake-mb", "8", *slices)["layered"], 1)
+        self.assertNotIn("layered-impostor", drawn_as())
+        self.assertGreater(drawn_as("--bake-mb", "8", *slices)["layered-impostor"], 1)
         self.refused(["compare", ring, "--methods", "cache", "--bake-mb", "64", "--memory-mb", "64",
                       "-o", self.folder / "none"], "--bake-mb")
 

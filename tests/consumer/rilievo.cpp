@@ -26,9 +26,9 @@ Result<> walk(const char* spec, const char* file) {
     if (auto drawn = frames->draw(camera_at(made->path, time, 640, 360), time); !drawn)
       return drawn.error();
     target->resolve();
-    const FrameFigures done = frames->figures();
+    const FrameStats& done = frames->stats();
     std::printf("frame %d: %d objects as polygons, %d as pictures, %d of them new\n", frame,
-                done.polygons, done.pictures, done.captures);
+                done.polygons, done.count("nailboard"), done.captures);
   }
   return save_png(file, target->read());
 }

@@ -6,9 +6,11 @@
 #include <cmath>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/kinds.h"
 
 namespace rilievo {
 namespace {
@@ -26,11 +28,11 @@ TEST_F(ImageCacheTest, what_is_shown_lies_within_the_bound_and_the_bound_within_
       int shown = 0;
       for (int frame = 0; frame < 24; ++frame) {
         frame_of(*cache, frame);
-        shown += cache->figures().pictures + cache->figures().hierarchy;
-        EXPECT_LE(cache->figures().bound_px, error_px);
+        shown += cache->stats().count("nailboard") + cache->stats().groups;
+        EXPECT_LE(cache->stats().bound_px, error_px);
         std::vector<float> errors;
         cache->append_errors(3, errors);
-        for (float e : errors) ASSERT_LE(e, cache->figures().bound_px + 1e-3);  // floats
+        for (float e : errors) ASSERT_LE(e, cache->stats().bound_px + 1e-3);  // floats
       }
       EXPECT_GT(shown, 24);
     }
@@ -77,31 +79,34 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
   ASSERT_NO_FATAL_FAILURE(load(spinning_ring()));
   const Camera camera = look_at({1, 2, 9}, {0, 0, 0}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.1, 100);
   DirectFrames direct(*renderer);
-  for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
+  for (const char* warp : {"surfaces", "slices"}) {
     ImageCacheOptions options;
     options.error_px = 2;
     auto cache = ImageCache::create(*renderer, options);
     ASSERT_TRUE(cache.ok()) << cache.error().message();
-    ObjectImpostorOptions bake{.method = method};
-    bake.bake.views.spread = ViewSpread::faces_12;
-    bake.bake.camera.size = 48;
-    auto impostors = bake_object_impostors(*renderer, bake);
-    ASSERT_TRUE(impostors.ok()) << impostors.error().message();
-    ASSERT_EQ(impostors->size(), 2u);
+    const Kind& kind = *find_kind(kinds(), "layered-impostor");
+    auto factory = make_factory(drawable_rows(), kind.name);
+    ASSERT_TRUE(factory.ok()) << factory.error().message();
+    ObjectDrawablesOptions bake{OptionValues(kind.bake_options), OptionValues(kind.draw_options)};
+    ASSERT_TRUE(bake.bake.set("views", "12").ok() && bake.bake.set("size", "48").ok());
+    ASSERT_TRUE(bake.draw.set("warp", warp).ok());
+    auto drawables = bake_object_drawables(*renderer, kind, **factory, bake);
+    ASSERT_TRUE(drawables.ok()) << drawables.error().message();
+    ASSERT_EQ(drawables->size(), 2u);
     std::size_t baked_bytes = 0;
-    for (const ObjectImpostor& impostor : *impostors) baked_bytes += impostor.pictures.bytes();
-    ASSERT_TRUE(cache->add_baked(std::move(*impostors), {.method = method}).ok());
+    for (const ObjectDrawable& one : *drawables) baked_bytes += one.drawable->bytes();
+    cache->add_alternatives(std::move(*drawables), std::move(*factory));
     for (int frame = 0; frame < 24; ++frame) {
       const double time = 0.25 * frame;  // 0.75 radians a frame: no flat picture lasts
       const Rgba8Image cached = frame_of(*cache, camera, time);
       if (frame < 20) continue;
-      const FrameFigures figures = cache->figures();
-      EXPECT_EQ(figures.layered, 1) << frame;   // the ring
-      EXPECT_EQ(figures.pictures, 1) << frame;  // the ball, as long as it holds
-      EXPECT_EQ(figures.polygons + figures.captures, 0) << frame;
-      EXPECT_GT(figures.bound_px, 0);
-      EXPECT_LE(figures.bound_px, options.error_px);
-      EXPECT_GT(figures.picture_bytes, baked_bytes);
+      const FrameStats& stats = cache->stats();
+      EXPECT_EQ(stats.count("layered-impostor"), 1) << frame;  // the ring
+      EXPECT_EQ(stats.count("nailboard"), 1) << frame;         // the ball, as long as it holds
+      EXPECT_EQ(stats.polygons + stats.captures, 0) << frame;
+      EXPECT_GT(stats.bound_px, 0);
+      EXPECT_LE(stats.bound_px, options.error_px);
+      EXPECT_GT(stats.picture_bytes, baked_bytes);
       const auto seen = objects_of(*cache);
       // It carries the light of the baking along: that is what differs most.
       EXPECT_GT(psnr_db(cached, frame_of(direct, camera, time)), 24);
@@ -110,8 +115,8 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
     }
     cache->invalidate();
     frame_of(*cache, camera);
-    EXPECT_EQ(cache->figures().layered, 0);
-    EXPECT_LT(cache->figures().picture_bytes, baked_bytes + options.max_bytes);
+    EXPECT_EQ(cache->stats().count("layered-impostor"), 0);
+    EXPECT_LT(cache->stats().picture_bytes, baked_bytes + options.max_bytes);
   }
 }
 
@@ -122,7 +127,7 @@ TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   const auto frame = [&] {
     frame_of(*cache, camera);
-    return cache->figures().captures;
+    return cache->stats().captures;
   };
   for (int i = 0; i < 30; ++i) frame();
   ASSERT_EQ(frame(), 0);
@@ -140,7 +145,7 @@ TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep
     frame();
     // In its place a new picture, soon, or its polygons.
     EXPECT_GE(cache->shown().size() + 3, before);
-    EXPECT_LE(cache->figures().captures, 3);
+    EXPECT_LE(cache->stats().captures, 3);
   }
   EXPECT_GT(tried, 0);
 }
@@ -153,13 +158,13 @@ TEST_F(ImageCacheTest, steady_frames_of_a_still_eye_capture_nothing) {
   int last = 0;
   for (int frame = 0; frame < 20; ++frame) {
     frame_of(*cache, camera);
-    last = cache->figures().captures;
+    last = cache->stats().captures;
   }
   EXPECT_EQ(last, 0);
   // Until the light changes.
   cache->invalidate();
   frame_of(*cache, camera);
-  EXPECT_GT(cache->figures().captures, 0);
+  EXPECT_GT(cache->stats().captures, 0);
 }
 
 TEST_F(ImageCacheTest, keeps_to_its_memory) {
@@ -173,12 +178,12 @@ TEST_F(ImageCacheTest, keeps_to_its_memory) {
     ASSERT_TRUE(cache.ok()) << cache.error().message();
     for (int frame = 0; frame < 12; ++frame) {
       const Rgba8Image image = frame_of(*cache, frame);
-      EXPECT_LE(cache->figures().picture_bytes, mb << 20);
+      EXPECT_LE(cache->stats().picture_bytes, mb << 20);
       // What finds no room for its picture is drawn all the same.
       const Image<std::uint32_t> seen = objects_of(*cache);
       static_cast<void>(frame_of(direct, frame));
       most_wrong = std::max(most_wrong, wrong_inside(objects_of(direct), seen));
-      EXPECT_GT(cache->figures().polygons + cache->figures().pictures + cache->figures().hierarchy,
+      EXPECT_GT(cache->stats().polygons + cache->stats().count("nailboard") + cache->stats().groups,
                 3);
     }
   }

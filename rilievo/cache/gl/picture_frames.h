@@ -5,14 +5,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "rilievo/frame/gl/frame_source.h"
-#include "rilievo/nailboard/gl/nailboard_drawer.h"
-#include "rilievo/nailboard/gl/picture_atlas.h"
-#include "rilievo/render/opengl/scene_renderer.h"
+#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/nailboard/gl/nailboard_set.h"
 
 namespace rilievo {
 
@@ -29,20 +28,15 @@ struct PictureFramesOptions {
   int samples = 4;
 };
 
-class PictureFrames : public FrameSource {
+class PictureFrames final : public SceneFrames {
  public:
   // `renderer` must outlive it.
   [[nodiscard]] static Result<PictureFrames> create(SceneRenderer& renderer,
                                                     const PictureFramesOptions& options);
 
-  Result<> draw(const Camera& camera, double time) override;
-  Result<> draw_objects() override;
-  [[nodiscard]] FrameFigures figures() const override { return figures_; }
-  void append_errors(int step, std::vector<float>& errors_px) const override;
-
   // The pictures that the last frame drew, named after their objects. The camera of an object that
   // has moved since its capture has moved along.
-  [[nodiscard]] std::vector<DepthImage> read_pictures() const;
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
 
  private:
   struct Picture {
@@ -53,24 +47,19 @@ class PictureFrames : public FrameSource {
     std::uint64_t last_drawn = 0;
   };
 
-  explicit PictureFrames(SceneRenderer& renderer, PictureAtlas atlas, NailboardDrawer drawer)
-      : renderer_(renderer), atlas_(std::move(atlas)), drawer_(std::move(drawer)) {}
+  PictureFrames(SceneRenderer& renderer, std::unique_ptr<NailboardSet> set,
+                const PictureFramesOptions& options);
+  Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   [[nodiscard]] bool is_valid(const Picture& picture, const Camera& frame,
                               const glm::dmat4& motion) const;
   bool capture(std::uint32_t object, const Camera& frame);
   [[nodiscard]] std::optional<AtlasSlot> make_room(int width, int height);
 
-  SceneRenderer& renderer_;
   PictureFramesOptions options_;
-  PictureAtlas atlas_;
-  NailboardDrawer drawer_;
+  std::unique_ptr<NailboardSet> set_;
   std::vector<std::optional<Picture>> pictures_;  // by object
-  std::vector<std::uint32_t> visible_, polygons_;
-  std::vector<NailboardInstance> instances_;
-  Camera camera_;
-  double time_ = 0;
+  std::vector<std::uint32_t> visible_;
   std::uint64_t frame_ = 0;
-  FrameFigures figures_;
 };
 
 }  // namespace rilievo

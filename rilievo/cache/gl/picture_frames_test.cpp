@@ -6,10 +6,12 @@
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/core/file_test_helpers.h"
-#include "rilievo/frame/gl/direct_frames.h"
-#include "rilievo/frame/gl/stored_pictures.h"
+#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/kinds.h"
 
 namespace rilievo {
 namespace {
@@ -37,8 +39,8 @@ TEST_F(PictureFramesTest, nailboards_cut_into_each_other_as_polygons_do_and_flat
     ASSERT_TRUE(frames.ok()) << frames.error().message();
     psnr[int(mode)] = psnr_db(frame_of(*frames, camera), truth);
     wrong[int(mode)] = wrong_inside(true_objects, objects_of(*frames));
-    EXPECT_GT(frames->figures().pictures, 8);
-    EXPECT_EQ(frames->figures().captures, frames->figures().pictures);
+    EXPECT_GT(frames->stats().count("nailboard"), 8);
+    EXPECT_EQ(frames->stats().captures, frames->stats().count("nailboard"));
   }
   // From the capturing eye nailboards show the truth but for resampling (a blur of half a texel,
   // some 35 dB at this size) and Delta's 1/254 where surfaces cross.
@@ -56,7 +58,7 @@ TEST_F(PictureFramesTest,
   ASSERT_TRUE(frames.ok());
   const Camera first = camera_at(builtin.path, 0, kWidth, kHeight);
   frame_of(*frames, first);
-  const int pictures = frames->figures().captures;
+  const int pictures = frames->stats().captures;
   EXPECT_GT(pictures, 8);
   Camera turned = first;
   const glm::dvec3 eye = first.position();
@@ -65,16 +67,19 @@ TEST_F(PictureFramesTest,
               1, 1, 0.1, 1)
           .world_from_eye;
   frame_of(*frames, turned);
-  EXPECT_EQ(frames->figures().captures, 0);
+  EXPECT_EQ(frames->stats().captures, 0);
   Camera moved = first;
   moved.world_from_eye[3] += moved.world_from_eye[0] * 2.0;
   frame_of(*frames, moved);
-  EXPECT_GE(frames->figures().captures, pictures - 2);
+  EXPECT_GE(frames->stats().captures, pictures - 2);
 }
 
 TEST_F(PictureFramesTest, pictures_read_back_from_a_file_draw_the_same_frame_bit_for_bit) {
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   const TemporaryFolder folder;
+  const Scene nothing;
+  auto empty = SceneRenderer::create(nothing);
+  ASSERT_TRUE(empty.ok());
   for (int bits : {8, 16}) {
     PictureFramesOptions options;
     options.delta_bits = bits;
@@ -86,12 +91,12 @@ TEST_F(PictureFramesTest, pictures_read_back_from_a_file_draw_the_same_frame_bit
     ASSERT_TRUE(save_pictures(file, pictures).ok());
     const auto loaded = load_pictures(file);
     ASSERT_TRUE(loaded.ok()) << loaded.error().message();
-    StoredPicturesOptions stored_options;
-    stored_options.delta_bits = bits;
-    auto before = StoredPictures::create(pictures, stored_options);
-    auto after = StoredPictures::create(*loaded, stored_options);
+    auto before = make_stored_pictures(pictures, DepthMode::exact, bits);
+    auto after = make_stored_pictures(*loaded, DepthMode::exact, bits);
     ASSERT_TRUE(before.ok() && after.ok());
-    const Rgba8Image a = frame_of(*before, camera), b = frame_of(*after, camera);
+    StoredFrames from_memory(*empty, std::move(before->set), before->instances, false, false);
+    StoredFrames from_file(*empty, std::move(after->set), after->instances, false, false);
+    const Rgba8Image a = frame_of(from_memory, camera), b = frame_of(from_file, camera);
     ASSERT_EQ(a, b);
     // And the file's frame is the live one wherever a picture is: the live atlas holds the same
     // bytes.

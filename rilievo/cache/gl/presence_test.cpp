@@ -6,7 +6,7 @@
 
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
-#include "rilievo/frame/gl/direct_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_impostor/shapes_test_helpers.h"
 
 namespace rilievo {
@@ -67,7 +67,7 @@ class PresenceTest : public SceneTest {
       frame_of(*cache, camera);
       const auto cached = objects_of(*cache);
       const std::set<std::uint32_t> seen(cached.texels().begin(), cached.texels().end());
-      pictures += cache->figures().pictures + cache->figures().hierarchy;
+      pictures += cache->stats().count("nailboard") + cache->stats().groups;
       frame_of(direct, camera);
       for (const std::uint32_t id : objects_amid(objects_of(direct)))
         EXPECT_TRUE(seen.count(id)) << "object " << id << " is missing in frame " << f;

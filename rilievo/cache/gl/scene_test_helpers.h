@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "rilievo/frame/gl/frame_source.h"
+#include "rilievo/frame/frame_source.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/render/opengl/scene_renderer.h"

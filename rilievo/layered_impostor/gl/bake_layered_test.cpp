@@ -1,10 +1,11 @@
 // Pictures from OpenGL against pictures from rays: the same cameras, the same surfaces.
-#include "rilievo/layered_impostor/gl/bake_layered.h"
+#include "rilievo/layered_impostor/bake.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/layered_impostor/shapes_test_helpers.h"
 
@@ -27,7 +28,8 @@ TEST_F(BakeLayered, shows_what_rays_show) {
     last = done;
     total = of;
   };
-  const auto baked = bake_layered(*renderer, options);
+  OpenGLSource source(*renderer);
+  const auto baked = bake_layered(source, {}, options);
   ASSERT_TRUE(baked.ok()) << baked.error().message();
   EXPECT_EQ(last, 12);
   EXPECT_EQ(total, 12);
@@ -62,7 +64,8 @@ TEST_F(BakeLayered, nothing_to_see_is_an_error) {
   const Scene scene;
   auto renderer = SceneRenderer::create(scene);
   ASSERT_TRUE(renderer.ok());
-  const auto baked = bake_layered(*renderer, BakeOptions{});
+  OpenGLSource source(*renderer);
+  const auto baked = bake_layered(source, {});
   ASSERT_FALSE(baked.ok());
   EXPECT_NE(baked.error().message().find("nothing opaque"), std::string::npos);
 }

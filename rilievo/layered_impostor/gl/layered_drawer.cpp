@@ -112,7 +112,6 @@ void LayeredDrawer::draw(LayeredPictures& pictures, const Camera& frame,
   const auto how = options.method == LayeredMethod::surfaces ? &LayeredDrawer::draw_surfaces
                                                              : &LayeredDrawer::draw_slices;
   (this->*how)(pictures, frame, instances, options, shader::LayeredOutput::color);
-  if (options.outlines) draw_outlines(pictures, frame, instances);
 }
 
 void LayeredDrawer::draw_objects(LayeredPictures& pictures, const Camera& frame,

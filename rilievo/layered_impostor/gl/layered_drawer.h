@@ -1,10 +1,4 @@
-// Draws layered impostors, in two ways, with the depth of what they show (S2.3).
-//
-//   surfaces  every pixel's ray walks through the surfaces of the nearest pictures: the depth is
-//             that of the surface, views fade into each other, and what one picture does not show
-//             is looked for in others; cost follows the pixels
-//   slices    the paper's way: the nearest picture's slices, and those of its neighbours that fill
-//             its holes (S2.6), in one instanced draw call; the depth is that of the slice
+// Draws layered impostors, in two ways (draw_options.h), with the depth of what they show (S2.3).
 //
 // Both are opaque and mix with whatever else is in the z-buffer. No antialiasing but at the edges
 // of the quads and boxes: a pixel's samples are all of the impostor's, or none.
@@ -24,14 +18,6 @@
 
 namespace rilievo {
 
-struct LayeredOptions {
-  LayeredMethod method = LayeredMethod::surfaces;
-  int max_views = 6;       // pictures asked for a pixel, or with 1 only the nearest: its holes stay
-  double handover = 0.25;  // zone in which views fade into each other, in mean spacings of the
-                           // views: blended (surfaces) or pixel by pixel (slices); 0: they switch
-  bool outlines = false;   // the edges of the boxes around impostors (S1.8)
-};
-
 struct LayeredInstance {
   // The rigid motion, or uniform scale, from the world in which the pictures were taken.
   glm::dmat4 world_from_impostor{1.0};
@@ -50,6 +36,10 @@ class LayeredDrawer {
   void draw_objects(LayeredPictures& pictures, const Camera& frame,
                     std::span<const LayeredInstance> instances, const LayeredOptions& options = {});
 
+  // The edges of the boxes around impostors, hidden behind what has been drawn before (S1.8).
+  void draw_outlines(const LayeredPictures& pictures, const Camera& frame,
+                     std::span<const LayeredInstance> instances);
+
   // What the last call drew.
   struct Figures {
     int views = 0;           // pictures bound, over all instances
@@ -58,8 +48,6 @@ class LayeredDrawer {
   [[nodiscard]] const Figures& figures() const { return figures_; }
 
  private:
-  void draw_outlines(const LayeredPictures& pictures, const Camera& frame,
-                     std::span<const LayeredInstance> instances);
   void draw_surfaces(LayeredPictures& pictures, const Camera& frame,
                      std::span<const LayeredInstance> instances, const LayeredOptions& options,
                      shader::LayeredOutput output);

@@ -50,10 +50,11 @@ class LayeredDrawerTest : public gl::ContextTest {
     Image<float> eye_z;
   };
   Drawn draw(LayeredPictures& pictures, const Camera& camera, const LayeredOptions& options,
-             const LayeredInstance& instance = {}) {
+             bool outlines = false, const LayeredInstance& instance = {}) {
     Drawn drawn;
     target_->begin();
     drawer_->draw(pictures, camera, {&instance, 1}, options);
+    if (outlines) drawer_->draw_outlines(pictures, camera, {&instance, 1});
     target_->resolve();
     drawn.color = target_->read();
     probe_->begin();
@@ -219,7 +220,7 @@ TEST_F(LayeredDrawerTest, an_impostor_that_moved_is_an_eye_that_moved_the_other_
     Camera moved = camera;
     moved.world_from_eye = motion * camera.world_from_eye;
     const Drawn still = draw(*pictures, camera, {.method = method});
-    const Drawn other = draw(*pictures, moved, {.method = method}, {motion, 7});
+    const Drawn other = draw(*pictures, moved, {.method = method}, false, {motion, 7});
     int differ = 0, covered = 0;
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
@@ -239,7 +240,7 @@ TEST_F(LayeredDrawerTest, outlines_are_the_edges_of_the_box_before_what_it_shows
   const Camera camera = frame_camera(impostor.bounds, glm::normalize(glm::dvec3(1, 0.7, 0.4)), 4);
   for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
     const Drawn plain = draw(*pictures, camera, {.method = method});
-    const Drawn outlined = draw(*pictures, camera, {.method = method, .outlines = true});
+    const Drawn outlined = draw(*pictures, camera, {.method = method}, true);
     EXPECT_TRUE(std::ranges::equal(outlined.object.texels(), plain.object.texels()));
     int before = 0, shown = 0, behind = 0, hidden = 0;
     for (int edge = 0; edge < 12; ++edge)

@@ -8,15 +8,10 @@
 #include <cstddef>
 
 #include "rilievo/gl/object.h"
+#include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
 
 namespace rilievo {
-
-enum class LayeredMethod { surfaces, slices };
-
-// Bytes of texture memory for drawing so many views of one object, of this size.
-[[nodiscard]] std::size_t layered_texture_bytes(int views, int width, int height,
-                                                LayeredMethod method);
 
 class LayeredPictures {
  public:

@@ -216,8 +216,8 @@ TEST_F(NailboardDrawerTest, shares_of_polygons_and_of_pictures_complement_each_o
   const int all = kWidth * kHeight;
   for (float part : {0.0f, 0.3f, 0.5f, 0.9f}) {
     target->begin();
-    const PixelShare polygons{0, 0, part};
-    renderer->draw_shares(frame, {&polygons, 1}, OutputEncoding::srgb);
+    const CrossFade polygons{0, 0, part};
+    renderer->draw_cross_fades(frame, {&polygons, 1}, OutputEncoding::srgb);
     // The hash is evenly spread: a share of the hash is that share of the pixels, to 1 %.
     EXPECT_NEAR(white(), part * all, 0.01 * all);
     NailboardInstance instance{*slot, board.geometry, glm::dmat4(1), 1, part, 1};

@@ -103,6 +103,7 @@ Result<ProbeTarget> ProbeTarget::create(int width, int height) {
 }
 
 void ProbeTarget::begin(bool keeps_farthest) {
+  keeps_farthest_ = keeps_farthest;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glViewport(0, 0, width_, height_);
   glDisable(GL_SCISSOR_TEST);
@@ -129,7 +130,7 @@ Image<float> ProbeTarget::read_eye_z(const Camera& camera) const {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.texels().data());
   flip_rows(depth);
-  const float empty = camera.keeps_farthest() ? 0.0f : 1.0f;
+  const float empty = keeps_farthest_ ? 0.0f : 1.0f;
   for (float& z : depth.texels())
     z = z == empty ? kNoDepth : float(eye_z_from(DepthKind::window_z, z, camera, {0, 0}));
   return depth;

@@ -49,13 +49,14 @@ class ProbeTarget {
   // beats: far, or near for cameras that keep the farthest sample.
   void begin(bool keeps_farthest = false);
   [[nodiscard]] Image<std::uint32_t> read_objects() const;
-  // eye_z of every pixel, kNoDepth where nothing was drawn.
+  // eye_z of every pixel, kNoDepth where nothing was drawn since begin().
   [[nodiscard]] Image<float> read_eye_z(const Camera& camera) const;
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }
 
  private:
   int width_ = 0, height_ = 0;
+  bool keeps_farthest_ = false;
   gl::Texture object_, depth_;
   gl::Framebuffer framebuffer_;
 };

@@ -65,7 +65,7 @@ struct SceneRenderer::State {
   std::vector<glm::vec2> shares;  // by object, while shares are drawn; else empty
   std::vector<std::uint32_t> shared_objects, shared_in;  // shared_in: by object, the last pass
   std::uint32_t shared_pass = 0;
-  std::vector<PixelShare> waiting;
+  std::vector<CrossFade> waiting;
   std::vector<shader::LightBlock> lights;
   gl::StreamBuffer view_buffer, light_buffer;
   gl::Buffer instance_buffer;
@@ -77,7 +77,7 @@ struct SceneRenderer::State {
   void upload_view(const Camera& camera);
   void upload_lights(const Camera& camera);
   void upload_instances();
-  void draw_list(const Camera& camera, unsigned extra_features);
+  void draw_list(const Camera& camera, unsigned extra_features, bool hindmost = false);
 };
 
 // Compiled by create(); later only if the scene's lights have become others.
@@ -154,7 +154,8 @@ void SceneRenderer::State::upload_instances() {
                        staging.data());
 }
 
-void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features) {
+// `hindmost`: the last surface instead of the first along each line of sight, back faces included.
+void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features, bool hindmost) {
   if (list.batches().empty()) return;
   upload_view(camera);
   if (!(extra_features & shader::kObjectIds) && !lit_by_one_sun(*scene)) upload_lights(camera);
@@ -163,7 +164,7 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
   glVertexArrayVertexBuffer(gpu.vertex_array, kInstanceBinding, instance_buffer, 0,
                             sizeof(GpuInstance));
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(camera.keeps_farthest() ? GL_GREATER : GL_LESS);
+  glDepthFunc(camera.keeps_farthest() != hindmost ? GL_GREATER : GL_LESS);
   glFrontFace(GL_CCW);
 
   int bound_material = -1;
@@ -187,7 +188,7 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
         glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
       else
         glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-      if (material.double_sided)
+      if (material.double_sided || hindmost)
         glDisable(GL_CULL_FACE);
       else
         glEnable(GL_CULL_FACE);
@@ -267,8 +268,8 @@ void SceneRenderer::draw_opaque(const Camera& camera, std::span<const std::uint3
   s.draw_list(camera, encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
 }
 
-void SceneRenderer::draw_shares(const Camera& camera, std::span<const PixelShare> shares,
-                                OutputEncoding encoding) {
+void SceneRenderer::draw_cross_fades(const Camera& camera, std::span<const CrossFade> shares,
+                                     OutputEncoding encoding) {
   State& s = *state_;
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
@@ -280,7 +281,7 @@ void SceneRenderer::draw_shares(const Camera& camera, std::span<const PixelShare
   while (!s.waiting.empty()) {
     ++s.shared_pass;
     s.shared_objects.clear();
-    std::erase_if(s.waiting, [&](const PixelShare& share) {
+    std::erase_if(s.waiting, [&](const CrossFade& share) {
       if (s.shared_in[share.object] == s.shared_pass) return false;
       s.shared_in[share.object] = s.shared_pass;
       s.shares[share.object] = {share.from, share.to};
@@ -315,6 +316,15 @@ void SceneRenderer::draw_objects(const Camera& camera, std::span<const std::uint
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   s.draw_list(camera, unsigned(shader::kObjectIds));
+}
+
+void SceneRenderer::draw_hindmost(const Camera& camera, std::span<const std::uint32_t> objects) {
+  State& s = *state_;
+  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
+                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  s.draw_list(camera, unsigned(shader::kObjectIds), true);
 }
 
 void SceneRenderer::draw_sky(const Camera& camera, OutputEncoding encoding) {

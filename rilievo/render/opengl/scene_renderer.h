@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/render/cross_fade.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -20,12 +21,6 @@ namespace rilievo {
 enum class OutputEncoding {
   linear,  // for captured pictures in float
   srgb,    // for frames: sRGB-encoded values into an ordinary 8-bit framebuffer
-};
-
-// An object drawn only where the pixel's hash is in [from, to).
-struct PixelShare {
-  std::uint32_t object = 0;
-  float from = 0, to = 1;
 };
 
 class SceneRenderer {
@@ -52,16 +47,19 @@ class SceneRenderer {
   // into the bound framebuffer with depth. Culls nothing by frustum: pass what cull() gave.
   void draw_opaque(const Camera& camera, std::span<const std::uint32_t> objects,
                    OutputEncoding encoding);
-  // The same of a share of the pixels of each object (see shader::kPixelHash): what fades in or
-  // out. An object may have several shares.
-  void draw_shares(const Camera& camera, std::span<const PixelShare> shares,
-                   OutputEncoding encoding);
+  // The same of a part of the pixels of each object: what fades in or out. An object may have
+  // several ranges.
+  void draw_cross_fades(const Camera& camera, std::span<const CrossFade> fading,
+                        OutputEncoding encoding);
   // Then the blended parts over it, back to front.
   void draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,
                     OutputEncoding encoding);
   // Identifiers (object index + 1) of the opaque parts into a ProbeTarget; masked texels respected.
   // Blended parts have no single depth and are left out.
   void draw_objects(const Camera& camera, std::span<const std::uint32_t> objects);
+  // The same of the surface at the other end of each line of sight, behind all others, back faces
+  // included: into a ProbeTarget that begins the other way round.
+  void draw_hindmost(const Camera& camera, std::span<const std::uint32_t> objects);
   // The sky where nothing has been drawn yet.
   void draw_sky(const Camera& camera, OutputEncoding encoding);
 

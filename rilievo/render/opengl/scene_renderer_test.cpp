@@ -174,20 +174,20 @@ TEST(SceneRenderer, draws_all_shares_of_an_object) {
   ASSERT_TRUE(renderer.ok()) << renderer.error().message();
   auto target = FrameTarget::create(64, 64, 4);
   ASSERT_TRUE(target.ok()) << target.error().message();
-  const auto white_pixels = [&](std::span<const PixelShare> shares) {
+  const auto white_pixels = [&](std::span<const CrossFade> shares) {
     target->begin();
-    renderer->draw_shares(look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 1, 64, 64, 0.1, 10), shares,
-                          OutputEncoding::srgb);
+    renderer->draw_cross_fades(look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 1, 64, 64, 0.1, 10), shares,
+                               OutputEncoding::srgb);
     target->resolve();
     int count = 0;
     const Rgba8Image frame = target->read();
     for (const glm::u8vec4& texel : frame.texels()) count += texel.r == 255;
     return count;
   };
-  const PixelShare three[] = {{0, 0.2f, 1}, {1, 0, 0.1f}, {0, 0, 0.2f}};
+  const CrossFade three[] = {{0, 0.2f, 1}, {1, 0, 0.1f}, {0, 0, 0.2f}};
   EXPECT_EQ(white_pixels(three), 64 * 64);
   // The hash is evenly spread: a share of it is that share of the pixels, to 2 %.
-  const PixelShare apart[] = {{0, 0, 0.2f}, {0, 0.4f, 0.6f}, {0, 0.9f, 1}};
+  const CrossFade apart[] = {{0, 0, 0.2f}, {0, 0.4f, 0.6f}, {0, 0.9f, 1}};
   EXPECT_NEAR(white_pixels(apart), 0.5 * 64 * 64, 0.02 * 64 * 64);
   EXPECT_EQ(white_pixels({}), 0);
 }

@@ -1,0 +1,51 @@
+// Any source of pictures with depth, behind one capture call.
+//
+// Backends: OpenGL (capture/gl), the SIMD rasteriser, Embree (capture/scene_sources.h), posed
+// photographs (capture/photograph_source.h), and any callable (what S5 calls a software shader).
+// Not for several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "rilievo/core/bounds.h"
+#include "rilievo/core/depth_image.h"
+#include "rilievo/core/result.h"
+
+namespace rilievo {
+
+struct CaptureRequest {
+  Camera camera;
+  // Indices into the scene's objects; empty: everything that the camera sees.
+  std::span<const std::uint32_t> objects = {};
+  int samples = 4;          // a texel; colours are averaged, alpha is coverage
+  bool identifiers = true;  // which object each texel shows
+  bool farthest = false;    // CapturedPicture::farthest
+  bool with_sky = false;    // else texels without an object stay empty
+};
+
+// What a source makes. Depth is eye_z at the texel's centre: the nearest surface's, or for a
+// back-perspective camera the farthest's.
+struct CapturedPicture {
+  DepthImage picture;
+  // eye_z of the farthest of all surfaces along the texel's ray, hidden ones included; kNoDepth
+  // where there is none. Empty if it was not asked for. It bounds what the picture may lack.
+  Image<float> farthest;
+};
+
+class CaptureSource {
+ public:
+  virtual ~CaptureSource() = default;
+
+  // What is captured, for errors and files.
+  [[nodiscard]] virtual std::string_view name() const = 0;
+  // World bounds of what these objects (empty: all) can show in a picture; empty if nothing.
+  [[nodiscard]] virtual Box bounds(std::span<const std::uint32_t> objects) const = 0;
+  [[nodiscard]] virtual Result<CapturedPicture> capture(const CaptureRequest& request) = 0;
+
+  // The photographs that the source consists of, where it does.
+  [[nodiscard]] virtual std::span<const DepthImage> photographs() const { return {}; }
+};
+
+}  // namespace rilievo

@@ -1,0 +1,35 @@
+#include "rilievo/capture/gl/opengl_source.h"
+
+#include <utility>
+#include <vector>
+
+#include "rilievo/capture/gl/capture_picture.h"
+
+namespace rilievo {
+
+Box OpenGLSource::bounds(std::span<const std::uint32_t> objects) const {
+  Box bounds;
+  const auto add = [&](std::uint32_t object) {
+    if (renderer_.has_opaque_parts(object)) bounds.add(renderer_.object_bounds(object));
+  };
+  for (const std::uint32_t object : objects) add(object);
+  if (objects.empty())
+    for (std::uint32_t object = 0; object < renderer_.scene().objects.size(); ++object) add(object);
+  return bounds;
+}
+
+Result<CapturedPicture> OpenGLSource::capture(const CaptureRequest& request) {
+  std::vector<std::uint32_t> objects(request.objects.begin(), request.objects.end());
+  if (objects.empty()) renderer_.cull(request.camera, objects);
+  Result<DepthImage> picture = capture_picture(
+      renderer_, request.camera, objects, {request.samples, request.identifiers, request.with_sky});
+  if (!picture) return picture.error();
+  CapturedPicture captured{std::move(*picture), {}};
+  if (!request.farthest) return captured;
+  Result<Image<float>> farthest = capture_hindmost(renderer_, request.camera, objects);
+  if (!farthest) return farthest.error();
+  captured.farthest = std::move(*farthest);
+  return captured;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,25 @@
+// OpenGL as a source of pictures: a scene drawn by a SceneRenderer.
+//
+// At the renderer's time. Needs a current OpenGL context; changes the bound framebuffer and
+// viewport.
+#pragma once
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/render/opengl/scene_renderer.h"
+
+namespace rilievo {
+
+class OpenGLSource final : public CaptureSource {
+ public:
+  // `renderer` must outlive it.
+  explicit OpenGLSource(SceneRenderer& renderer) : renderer_(renderer) {}
+
+  [[nodiscard]] std::string_view name() const override { return renderer_.scene().name; }
+  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
+  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+
+ private:
+  SceneRenderer& renderer_;
+};
+
+}  // namespace rilievo

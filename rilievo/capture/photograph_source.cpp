@@ -1,0 +1,29 @@
+#include "rilievo/capture/photograph_source.h"
+
+#include <utility>
+
+#include "rilievo/warp/reproject.h"
+
+namespace rilievo {
+
+PhotographSource::PhotographSource(std::string name, std::vector<DepthImage> photographs,
+                                   const Box& box)
+    : name_(std::move(name)),
+      photographs_(std::move(photographs)),
+      box_(box.empty() ? measured_bounds(photographs_) : box) {}
+
+Box PhotographSource::bounds(std::span<const std::uint32_t>) const { return box_; }
+
+Result<CapturedPicture> PhotographSource::capture(const CaptureRequest& request) {
+  if (request.farthest) return Error{name_, "photographs do not show what is hidden"};
+  if (box_.empty()) return Error{name_, "no photograph has measured anything"};
+  if (Result<> ok = validate(request.camera); !ok) return ok.error();
+  ReprojectOptions options;
+  options.box = box_;
+  Reprojection reprojected = reproject(photographs_, {&request.camera, 1}, options);
+  CapturedPicture captured{std::move(reprojected.pictures.front()), {}};
+  captured.picture.name = name_;
+  return captured;
+}
+
+}  // namespace rilievo

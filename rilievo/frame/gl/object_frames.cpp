@@ -1,0 +1,77 @@
+#include "rilievo/frame/gl/object_frames.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace rilievo {
+
+Result<std::unique_ptr<ObjectFrames>> ObjectFrames::create(SceneRenderer& renderer,
+                                                           const Kind& kind,
+                                                           std::unique_ptr<DrawableFactory> factory,
+                                                           const ObjectFramesOptions& options) {
+  std::unique_ptr<ObjectFrames> frames(new ObjectFrames(renderer));
+  frames->factory_ = std::move(factory);
+  frames->max_texel_px_ = options.max_texel_px;
+  frames->outlines_ = options.outlines;
+  frames->baked_of_.assign(renderer.scene().objects.size(), -1);
+
+  const auto start = std::chrono::steady_clock::now();
+  ObjectDrawablesOptions bake = options.objects;
+  bake.progress = [&](int done, int total) {
+    frames->captures_ = std::max(frames->captures_, done);
+    if (options.objects.progress) options.objects.progress(done, total);
+  };
+  Result<std::vector<ObjectDrawable>> made =
+      bake_object_drawables(renderer, kind, *frames->factory_, bake);
+  if (!made) return made.error();
+  for (ObjectDrawable& object : *made) {
+    for (const std::uint32_t served : object.objects)
+      frames->baked_of_[served] = int(frames->baked_.size());
+    frames->bytes_ += object.drawable->bytes();
+    frames->content().sets.push_back({object.drawable.get(), {}});
+    const ErrorModel error = object.drawable->error_model(0);
+    frames->baked_.push_back({std::move(object), error});
+  }
+  frames->capture_ms_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return {std::move(frames)};
+}
+
+std::optional<Instance> ObjectFrames::instance_of(std::uint32_t object,
+                                                  const Camera& camera) const {
+  const int i = baked_of_[object];
+  if (i < 0) return std::nullopt;
+  const Baked& baked = baked_[std::size_t(i)];
+  const std::optional<glm::dmat4> motion = motion_of(baked.object, renderer().poses()[object]);
+  if (!motion || !std::isfinite(baked.error.bound_px(*motion, camera))) return std::nullopt;
+  const double scale = glm::length(glm::dvec3((*motion)[0]));
+  const glm::dvec3 center(*motion * glm::dvec4(baked.error.bounds.center(), 1));
+  const double distance = glm::length(center - camera.position());
+  if (scale * baked.error.texel > max_texel_px_ * texel_angle(camera) * distance)
+    return std::nullopt;
+  return Instance{*motion, 0, object + 1};
+}
+
+Result<> ObjectFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+  visible_.clear();
+  renderer().cull(camera, visible_);
+  for (const std::uint32_t object : visible_) {
+    const std::optional<Instance> instance = instance_of(object, camera);
+    if (!instance) {
+      content.polygons.push_back(object);
+      continue;
+    }
+    const auto i = std::size_t(baked_of_[object]);
+    content.sets[i].instances.push_back(*instance);
+    stats.bound_px =
+        std::max(stats.bound_px, baked_[i].error.bound_px(instance->world_from_capture, camera));
+  }
+  stats.captures = std::exchange(captures_, 0);
+  stats.capture_ms = std::exchange(capture_ms_, 0);
+  stats.picture_bytes = bytes_;
+  return Done{};
+}
+
+}  // namespace rilievo

@@ -1,0 +1,95 @@
+#include "rilievo/frame/gl/scene_frames.h"
+
+#include <algorithm>
+
+#include "rilievo/gl/state_guard.h"
+#include "rilievo/render/draw_list.h"
+
+namespace rilievo {
+
+SceneFrames::SceneFrames(SceneRenderer& renderer) : renderer_(&renderer) {
+  for (std::uint32_t i = 0; i < renderer.scene().objects.size(); ++i)
+    if (renderer.has_blended_parts(i)) blended_.push_back(i);
+}
+
+// Pictures before polygons: their shading is the cheaper one, and it hides the polygons behind.
+void SceneFrames::draw_opaque(Output output) {
+  for (FrameContent::Set& set : content_.sets)
+    if (!set.instances.empty()) set.drawable->draw(camera_, set.instances, output);
+  if (output == Output::color) {
+    renderer_->draw_opaque(camera_, content_.polygons, OutputEncoding::srgb);
+    renderer_->draw_cross_fades(camera_, content_.fading, OutputEncoding::srgb);
+    return;
+  }
+  renderer_->draw_objects(camera_, content_.polygons);
+  // What fades is there all the while.
+  scratch_.clear();
+  for (const CrossFade& fading : content_.fading) scratch_.push_back(fading.object);
+  std::sort(scratch_.begin(), scratch_.end());
+  scratch_.erase(std::unique(scratch_.begin(), scratch_.end()), scratch_.end());
+  renderer_->draw_objects(camera_, scratch_);
+}
+
+void SceneFrames::count() {
+  stats_.polygons = int(content_.polygons.size() + content_.fading.size());
+  stats_.groups = 0;
+  for (auto& [name, number] : stats_.by_kind) number = 0;
+  for (const FrameContent::Set& set : content_.sets) {
+    int single = 0;
+    for (const Instance& instance : set.instances) single += instance.object != kNoObject;
+    stats_.groups += int(set.instances.size()) - single;
+    const std::string_view kind = set.drawable->kind();
+    const auto found = std::find_if(stats_.by_kind.begin(), stats_.by_kind.end(),
+                                    [&](const auto& entry) { return entry.first == kind; });
+    if (found == stats_.by_kind.end())
+      stats_.by_kind.emplace_back(kind, single);
+    else
+      found->second += single;
+  }
+}
+
+Result<> SceneFrames::draw(const Camera& camera, double time) {
+  const gl::StateGuard guard;
+  camera_ = camera;
+  time_ = time;
+  renderer_->set_time(time);
+  content_.clear();
+  stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = 0;
+  if (Result<> chosen = choose(camera, content_, stats_); !chosen) return chosen;
+  count();
+
+  guard.bind_frame();
+  draw_opaque(Output::color);
+  if (sky_) renderer_->draw_sky(camera, OutputEncoding::srgb);
+  scratch_.clear();
+  const Frustum frustum = frustum_of(camera);
+  for (const std::uint32_t object : blended_)
+    if (may_touch(frustum, renderer_->object_bounds(object))) scratch_.push_back(object);
+  renderer_->draw_blended(camera, scratch_, OutputEncoding::srgb);
+  if (outlines_)
+    for (FrameContent::Set& set : content_.sets)
+      if (!set.instances.empty()) set.drawable->draw_outlines(camera, set.instances);
+  return Done{};
+}
+
+Result<> SceneFrames::draw_objects() {
+  const gl::StateGuard guard;
+  renderer_->set_time(time_);
+  prepare_objects();
+  guard.bind_frame();
+  draw_opaque(Output::object_id);
+  return Done{};
+}
+
+void SceneFrames::append_errors(int step, std::vector<float>& errors_px) const {
+  for (const FrameContent::Set& set : content_.sets)
+    if (!set.instances.empty())
+      set.drawable->append_errors(camera_, set.instances, step, errors_px);
+}
+
+Result<> DirectFrames::choose(const Camera& camera, FrameContent& content, FrameStats&) {
+  renderer().cull(camera, content.polygons);
+  return Done{};
+}
+
+}  // namespace rilievo

@@ -1,0 +1,282 @@
+#include "rilievo/layered_impostor/layered_kind.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "rilievo/layered_impostor/bake_photographs.h"
+#include "rilievo/layered_impostor/file.h"
+
+namespace rilievo {
+namespace {
+
+const std::array kBakeOptions{
+    Option{.name = "views",
+           .type = OptionType::choice,
+           .default_value = "32",
+           .help = "Views: faces of a dodecahedron, corners, or both",
+           .choices = {"12", "20", "32"}},
+    Option{.name = "hemisphere",
+           .type = OptionType::flag,
+           .default_value = "off",
+           .help = "Only views at or above the horizon"},
+    Option{.name = "ring",
+           .type = OptionType::integer,
+           .default_value = "0",
+           .help = "Instead of --views: N views around the vertical, at the horizon; 0 for none",
+           .unit = "N",
+           .least = 0,
+           .most = 1024},
+    Option{.name = "size",
+           .type = OptionType::integer,
+           .default_value = "256",
+           .help = "Texels a side of a view",
+           .unit = "N",
+           .least = 8,
+           .most = 4096},
+    Option{.name = "layers",
+           .type = OptionType::integer,
+           .default_value = "64",
+           .help = "Slices of a view",
+           .unit = "N",
+           .least = 1,
+           .most = 4096},
+    Option{.name = "overlap",
+           .type = OptionType::number,
+           .default_value = "0",
+           .help = "By how much of its thickness a slice reaches into its neighbours",
+           .unit = "X",
+           .least = 0,
+           .most = 4096},
+    Option{.name = "no-fills",
+           .type = OptionType::flag,
+           .default_value = "off",
+           .help = "Do not look for the slices that fill each view's holes"},
+    Option{.name = "box",
+           .type = OptionType::box,
+           .default_value = "",
+           .help = "Of photographs: only what lies between two corners (default all)",
+           .unit = "X0,Y0,Z0,X1,Y1,Z1"},
+    Option{
+        .name = "around",
+        .type = OptionType::flag,
+        .default_value = "off",
+        .help = "Of photographs: views around the box, as of a scene, instead of at their cameras"},
+};
+
+const std::array kDrawOptions{
+    Option{.name = "warp",
+           .type = OptionType::choice,
+           .default_value = "surfaces",
+           .help = "March rays through the pictures' surfaces, or draw their slices",
+           .choices = {"surfaces", "slices"}},
+};
+
+constexpr std::array kVariants{Variant{"layered-slices", "warp", "slices"},
+                               Variant{"layered", "", ""}};
+
+Result<> check_options(const OptionValues& values) {
+  if (values.integer("ring") > 0 && values.integer("ring") < 3)
+    return Error{"--ring", "takes at least 3 views"};
+  if (values.integer("ring") > 0 && (values.given("views") || values.flag("hemisphere")))
+    return Error{"--ring", "excludes --views and --hemisphere"};
+  if (!(values.number("overlap") <= values.number("layers")))
+    return Error{"--overlap", fmt::format("{} is more than all of the {} layers",
+                                          values.text("overlap"), values.text("layers"))};
+  return Done{};
+}
+
+Box box_from(const std::vector<double>& n, std::span<const DepthImage> photographs) {
+  if (n.empty()) return measured_bounds(photographs);
+  return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+}
+
+nlohmann::json list_of(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+std::string text_of(const glm::vec3& v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+}
+
+// From photographs: their own reprojection, no capture call (S2.7).
+Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& values) {
+  const BakeOptions options = layered_bake_options(values);
+  const std::span<const DepthImage> photographs = source.photographs();
+  const Box box = box_from(values.numbers("box"), photographs);
+  PhotographBakeOptions bake;
+  bake.reproject.box = box;
+  bake.slicing = options.slicing;
+  bake.kind = values.flag("around") ? PhotographViews::around : PhotographViews::at_cameras;
+  bake.views = options.views;
+  bake.camera = options.camera;
+  Result<PhotographBake> made = bake_photographs(photographs, bake);
+  if (!made) return Error{std::string(source.name()), made.error().reason};
+  made->impostor.name = source.name();
+  nlohmann::json holes = nlohmann::json::array();
+  for (const ReprojectFigures& view : made->figures) holes.push_back(view.hole_share());
+  Baked baked;
+  baked.facts = {
+      {"photographs", std::to_string(photographs.size()), "photos",
+       std::to_string(photographs.size())},
+      {"box", nlohmann::json{list_of(box.min), list_of(box.max)}.dump(), "", ""},
+      {"filled_texels", nlohmann::json(made->total.filled).dump(), "", ""},
+      {"hole_texels", nlohmann::json(made->total.holes).dump(), "", ""},
+      {"hole_share", nlohmann::json(made->total.hole_share()).dump(), "holes",
+       fmt::format("{:.2f} % of the silhouettes", 100 * made->total.hole_share())},
+      {"hole_share_by_view", holes.dump(), "", ""},
+  };
+  baked.representation = std::make_unique<LayeredRepresentation>(std::move(made->impostor));
+  return baked;
+}
+
+Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
+  if (!input.source.photographs().empty()) return bake_from_photographs(input.source, values);
+  if (values.given("box") || values.flag("around"))
+    return Error{std::string(input.source.name()),
+                 "is no capture: --box and --around are for photographs"};
+  BakeOptions options = layered_bake_options(values);
+  options.progress = progress;
+  Result<LayeredImpostor> impostor = bake_layered(input.source, input.objects, options);
+  if (!impostor) return impostor.error();
+  return Baked{std::make_unique<LayeredRepresentation>(std::move(*impostor)), {}};
+}
+
+Result<std::unique_ptr<Representation>> load(PictureFile file, const std::filesystem::path& path) {
+  Result<LayeredImpostor> impostor = layered_impostor_from(std::move(file), path);
+  if (!impostor) return impostor.error();
+  return {std::make_unique<LayeredRepresentation>(std::move(*impostor))};
+}
+
+const LayeredImpostor& impostor_of(const Representation& representation) {
+  return dynamic_cast<const LayeredRepresentation&>(representation).impostor;
+}
+
+Result<> save(const Representation& representation, const std::filesystem::path& path) {
+  return save_layered_impostor(path, impostor_of(representation));
+}
+
+const char* name_of(Projection projection) {
+  switch (projection) {
+    case Projection::perspective:
+      return "perspective";
+    case Projection::back_perspective:
+      return "back-perspective";
+    case Projection::parallel:
+      return "parallel";
+  }
+  return "";
+}
+
+std::size_t texture_bytes(const LayeredImpostor& impostor, LayeredMethod method) {
+  int width = 0, height = 0;
+  for (const DepthImage& picture : impostor.pictures) {
+    width = std::max(width, picture.camera.width);
+    height = std::max(height, picture.camera.height);
+  }
+  return layered_texture_bytes(int(impostor.pictures.size()), width, height, method);
+}
+
+std::vector<Fact> describe(const Representation& representation) {
+  const LayeredImpostor& impostor = impostor_of(representation);
+  const LayeredFigures figures = analyze_layered_impostor(impostor);
+  const DepthImage& first = impostor.pictures.front();
+  const std::size_t views = impostor.pictures.size();
+  std::size_t texels = 0;
+  for (const DepthImage& picture : impostor.pictures) texels += picture.depth.texels().size();
+  const double coverage = double(figures.covered_texels) / double(texels);
+  const auto json = [](const auto& value) { return nlohmann::json(value).dump(); };
+  const std::size_t surfaces = texture_bytes(impostor, LayeredMethod::surfaces);
+  const std::size_t slices = texture_bytes(impostor, LayeredMethod::slices);
+  const Camera& camera = first.camera;
+  return {
+      {"views", json(views), "views",
+       fmt::format("{} {} pictures of {}x{}", views, name_of(camera.projection), camera.width,
+                   camera.height)},
+      {"size", nlohmann::json{camera.width, camera.height}.dump(), "", ""},
+      {"projection", json(name_of(camera.projection)), "", ""},
+      {"paper_bytes", json(figures.paper_bytes), "memory",
+       fmt::format("{:.1f} MB as 4 bytes a texel; textures {:.1f} MB for surfaces, {:.1f} MB for "
+                   "slices",
+                   1e-6 * double(figures.paper_bytes), 1e-6 * double(surfaces),
+                   1e-6 * double(slices))},
+      {"texture_bytes", nlohmann::json{{"surfaces", surfaces}, {"slices", slices}}.dump(), "", ""},
+      {"coverage", json(coverage), "coverage",
+       fmt::format("{:.1f} % of the texels show something", 100 * coverage)},
+      {"layers", json(impostor.slicing.layers), "slices",
+       fmt::format("{} of {} layers a view, overlap {}; {} empty ones dropped", figures.slices,
+                   impostor.slicing.layers, impostor.slicing.overlap, figures.empty_slices)},
+      {"overlap", json(impostor.slicing.overlap), "", ""},
+      {"slices", json(figures.slices), "", ""},
+      {"empty_slices", json(figures.empty_slices), "", ""},
+      {"fill_share", json(figures.fill_share), "fill",
+       fmt::format("{:.1f} % of the texels of full slices are drawn", 100 * figures.fill_share)},
+      {"fill_saved", json(figures.fill_saved), "", ""},
+      {"holes_looked_for", json(!impostor.fills.empty()), "holes",
+       impostor.fills.empty()
+           ? std::string("not looked for")
+           : fmt::format("of a view filled by {:.1f} slices of a neighbour, {:.1f} % of its fill",
+                         figures.hole_slices, 100 * figures.hole_fill_share)},
+      {"hole_slices", json(figures.hole_slices), "", ""},
+      {"hole_fill_share", json(figures.hole_fill_share), "", ""},
+      {"bounds_min", list_of(impostor.bounds.min).dump(), "bounds",
+       fmt::format("{} to {} m", text_of(impostor.bounds.min), text_of(impostor.bounds.max))},
+      {"bounds_max", list_of(impostor.bounds.max).dump(), "", ""},
+  };
+}
+
+}  // namespace
+
+std::size_t LayeredRepresentation::bytes() const {
+  std::size_t texels = 0;
+  for (const DepthImage& picture : impostor.pictures) texels += picture.depth.texels().size();
+  return texels * (sizeof(glm::vec4) + sizeof(float) + sizeof(std::uint32_t));
+}
+
+std::uint32_t LayeredRepresentation::only_object() const {
+  for (const DepthImage& picture : impostor.pictures)
+    for (const std::uint32_t object : picture.object.texels())
+      if (object != kNoObject) return object;
+  return 1;
+}
+
+BakeOptions layered_bake_options(const OptionValues& values) {
+  BakeOptions bake;
+  const int ring = values.integer("ring"), views = values.integer("views");
+  bake.views.spread = ring          ? ViewSpread::ring
+                      : views == 12 ? ViewSpread::faces_12
+                      : views == 20 ? ViewSpread::vertices_20
+                                    : ViewSpread::both_32;
+  bake.views.hemisphere = values.flag("hemisphere");
+  if (ring) bake.views.ring = ring;
+  bake.camera.size = values.integer("size");
+  bake.fills = !values.flag("no-fills");
+  bake.slicing.layers = values.integer("layers");
+  bake.slicing.overlap = float(values.number("overlap"));
+  return bake;
+}
+
+LayeredOptions layered_draw_options(const OptionValues& values) {
+  LayeredOptions options;
+  if (values.text("warp") == "slices") options.method = LayeredMethod::slices;
+  return options;
+}
+
+const Kind& layered_impostor_kind() {
+  static const Kind kind{
+      .name = kLayeredImpostorName,
+      .summary = "pictures from all around, the nearest ones warped",
+      .variants = kVariants,
+      .bake_options = kBakeOptions,
+      .draw_options = kDrawOptions,
+      .bake = bake,
+      .check_options = check_options,
+      .says = says_layered_impostor,
+      .load = load,
+      .save = save,
+      .describe = describe,
+  };
+  return kind;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,58 @@
+// Nailboards as a drawable: an atlas of thousands of pictures with depth, one draw call.
+//
+// An item is a picture in a slot of the atlas. Whoever captures says which picture an item is; the
+// atlas and its memory are the set's. Needs a current OpenGL context.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rilievo/kind/drawable.h"
+#include "rilievo/nailboard/gl/nailboard_drawer.h"
+#include "rilievo/nailboard/gl/picture_atlas.h"
+
+namespace rilievo {
+
+// PictureGeometry as an ErrorModel: bound_total_px of the picture, infinite for a motion that is
+// not rigid.
+[[nodiscard]] ErrorModel nailboard_error_model(const PictureGeometry& geometry);
+
+class NailboardSet final : public Drawable {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<NailboardSet>> create(const AtlasOptions& options,
+                                                                    DepthMode mode);
+
+  [[nodiscard]] PictureAtlas& atlas() { return atlas_; }
+  [[nodiscard]] const PictureAtlas& atlas() const { return atlas_; }
+
+  // From now on item `item` is the picture in `slot`.
+  void set_item(std::uint32_t item, const AtlasSlot& slot, const PictureGeometry& geometry);
+
+  [[nodiscard]] std::string_view kind() const override { return "nailboard"; }
+  void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
+  void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
+  [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
+  [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
+  [[nodiscard]] std::size_t bytes() const override { return atlas_.bytes(); }
+  void append_errors(const Camera& frame, std::span<const Instance> instances, int step,
+                     std::vector<float>& errors_px) const override;
+  // One picture; its camera has moved along with the object.
+  [[nodiscard]] std::vector<DepthImage> read_pictures(const Instance& instance) const override;
+
+ private:
+  struct Item {
+    AtlasSlot slot;
+    PictureGeometry geometry;
+  };
+  NailboardSet(PictureAtlas atlas, NailboardDrawer drawer, DepthMode mode)
+      : atlas_(std::move(atlas)), drawer_(std::move(drawer)), mode_(mode) {}
+  void place(std::span<const Instance> instances);
+
+  PictureAtlas atlas_;
+  NailboardDrawer drawer_;
+  DepthMode mode_;
+  std::vector<Item> items_;
+  std::vector<NailboardInstance> placed_;  // kept, so that drawing does not allocate
+};
+
+}  // namespace rilievo

@@ -1,0 +1,107 @@
+#include "rilievo/representation/gl/object_drawables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "rilievo/capture/gl/opengl_source.h"
+
+namespace rilievo {
+namespace {
+
+// Objects that one drawable serves, ascending; the first is the one that is baked.
+struct Group {
+  std::vector<std::uint32_t> objects;
+  double triangles = 0;  // drawn, all objects together
+};
+
+// Same model, and the same pose but for a translation.
+using GroupKey = std::array<float, 10>;
+GroupKey key_of(int model, const glm::mat4& pose) {
+  GroupKey key{};
+  for (int i = 0; i < 9; ++i) key[std::size_t(i)] = pose[i / 3][i % 3];
+  key[9] = float(model);
+  return key;
+}
+
+bool is_invertible(const glm::mat4& pose) {
+  const double d = glm::determinant(glm::dmat3(pose));
+  return std::isfinite(d) && d != 0;
+}
+
+// Heavy objects, those first whose drawable saves most triangles.
+std::vector<Group> heavy_groups(const SceneRenderer& renderer, std::uint64_t min_triangles) {
+  const Scene& scene = renderer.scene();
+  std::map<GroupKey, Group> by_key;
+  for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
+    const int model = scene.objects[object].model;
+    const glm::mat4& pose = renderer.poses()[object];
+    const std::uint64_t triangles = scene.models[std::size_t(model)].triangles;
+    if (triangles < min_triangles || !renderer.has_opaque_parts(object) || !is_invertible(pose))
+      continue;
+    Group& group = by_key[key_of(model, pose)];
+    group.objects.push_back(object);
+    group.triangles += double(triangles);
+  }
+  std::vector<Group> groups;
+  for (auto& [key, group] : by_key) groups.push_back(std::move(group));
+  std::sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) {
+    return a.triangles != b.triangles ? a.triangles > b.triangles
+                                      : a.objects.front() < b.objects.front();
+  });
+  return groups;
+}
+
+// Does the motion scale alike in all directions, and not mirror?
+bool is_uniform(const glm::dmat4& motion) {
+  const glm::dmat3 m(motion);
+  const glm::dmat3 square = glm::transpose(m) * m;
+  const double scale2 = (square[0][0] + square[1][1] + square[2][2]) / 3;
+  // Poses are floats: their rounding is no stretch.
+  constexpr double kRounding = 1e-4;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (!(std::abs(square[i][k] - (i == k ? scale2 : 0)) <= kRounding * scale2)) return false;
+  return glm::determinant(m) > 0;
+}
+
+}  // namespace
+
+std::optional<glm::dmat4> motion_of(const ObjectDrawable& drawable, const glm::mat4& pose) {
+  const glm::dmat4 motion = glm::dmat4(pose) * drawable.object_from_capture;
+  if (!is_uniform(motion)) return std::nullopt;
+  return motion;
+}
+
+Result<std::vector<ObjectDrawable>> bake_object_drawables(SceneRenderer& renderer, const Kind& kind,
+                                                          DrawableFactory& factory,
+                                                          const ObjectDrawablesOptions& options) {
+  const std::size_t bytes =
+      std::max<std::size_t>(1, factory.expected_bytes(options.bake, options.draw));
+  std::vector<Group> groups = heavy_groups(renderer, options.min_triangles);
+  groups.resize(std::min(groups.size(), options.max_bytes / bytes));
+  OpenGLSource source(renderer);
+  OptionValues bake = options.bake;
+  factory.spare(bake, options.draw);
+  std::vector<ObjectDrawable> drawables;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const std::uint32_t object = groups[g].objects.front();
+    Progress progress;
+    if (options.progress)
+      progress = [&](int done, int total) {
+        options.progress(int(g) * total + done, int(groups.size()) * total);
+      };
+    Result<Baked> baked = kind.bake({source, {object}}, bake, progress);
+    if (!baked) continue;
+    Result<std::unique_ptr<Drawable>> drawable =
+        factory.make_drawable(std::move(baked->representation), options.draw);
+    if (!drawable) return drawable.error();
+    drawables.push_back({std::move(*drawable), std::move(groups[g].objects),
+                         glm::inverse(glm::dmat4(renderer.poses()[object]))});
+  }
+  return drawables;
+}
+
+}  // namespace rilievo
