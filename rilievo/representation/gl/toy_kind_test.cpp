@@ -1,6 +1,7 @@
-// What it takes to add a kind of representation, and that nothing else needs to be touched: a toy kind
-// that stands for an object by a box of its mean colour is baked, saved, loaded, drawn, compared and
-// cached from here, by a list of kinds that the test hands in. CONTRIBUTING.md says it in words.
+// What it takes to add a kind of representation, and that nothing else needs to be touched: a toy
+// kind that stands for an object by a box of its mean colour is baked, saved, loaded, drawn,
+// compared and cached from here, by a list of kinds that the test hands in. CONTRIBUTING.md says it
+// in words.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -127,8 +128,7 @@ class ToyDrawable final : public Drawable {
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
     for (const Instance& instance : instances) {
-      const glm::dmat4 relative_from_world =
-          glm::translate(glm::dmat4(1.0), -frame.position());
+      const glm::dmat4 relative_from_world = glm::translate(glm::dmat4(1.0), -frame.position());
       const glm::mat4 clip(clip_from_relative(frame) * relative_from_world *
                            instance.world_from_capture);
       glUniformMatrix4fv(0, 1, GL_FALSE, &clip[0][0]);
@@ -215,7 +215,8 @@ constexpr std::array kRows{DrawableRow{kName, make_toy_factory}};
 BuiltinScene boxes() {
   BuiltinScene made;
   for (int i = 0; i < 3; ++i) {
-    test_shapes::add(made.scene, test_shapes::box({0.5f, 0.5f, 0.5f}), {0.8f, 0.3f * float(i), 0.2f},
+    test_shapes::add(made.scene, test_shapes::box({0.5f, 0.5f, 0.5f}),
+                     {0.8f, 0.3f * float(i), 0.2f},
                      glm::translate(glm::mat4(1), {1.6f * float(i) - 1.6f, 0, 0}));
   }
   made.scene.nodes = {{-1, {0, 0, 0}}};
@@ -254,8 +255,7 @@ class ToyKind : public SceneTest {
     return wrong_inside(truth, objects_of(source));
   }
 
-  const Camera camera =
-      look_at({1, 2, 6}, {0, 0.3, 0}, {0, 1, 0}, 0.8, kWidth, kHeight, 0.1, 100);
+  const Camera camera = look_at({1, 2, 6}, {0, 0.3, 0}, {0, 1, 0}, 0.8, kWidth, kHeight, 0.1, 100);
   const Kind* kind = nullptr;
   std::unique_ptr<DrawableFactory> factory;
   ObjectDrawablesOptions objects;
@@ -311,10 +311,15 @@ TEST_F(ToyKind, stands_for_the_objects_of_a_scene_and_is_compared_like_any_metho
   CompareOptions options;
   options.width = kWidth, options.height = kHeight, options.frames = 3;
   const auto report = compare(
-      sources, [&](int frame) { return WalkFrame{camera, 0.3 * frame}; }, options);
+      sources,
+      [&](int frame) {
+        return WalkFrame{camera, 0.3 * frame};
+      },
+      options);
   ASSERT_TRUE(report.ok()) << report.error().message();
   bool counted = false;
-  for (const auto& [way, count] : report->methods[1].drawn_as) counted |= way == kName && count == 9;
+  for (const auto& [way, count] : report->methods[1].drawn_as)
+    counted |= way == kName && count == 9;
   EXPECT_TRUE(counted);
   for (const FrameResult& frame : report->methods[1].frames) {
     EXPECT_EQ(frame.wrong_visibility, 0);

@@ -1,4 +1,7 @@
 // OBJ, PLY and STL -> Scene. Internal to loading; throws LoadFault.
+//
+// Read here and not by a library: Debian 12's assimp (5.2.5), the one that reads all three, crashes
+// on damaged files and has no limit on the memory that a small file may ask for.
 #pragma once
 
 #include <string>
