@@ -21,6 +21,7 @@ constexpr Entry kEntries[] = {
     {"bridge", 2'000'000, 100'000, 50'000'000, make_bridge},
     {"forest", 10'000'000, 10'000, 100'000'000, make_forest},
     {"teapots", 200'000, 10'000, 20'000'000, make_teapots},
+    {"stonehenge", 200'000, 10'000, 20'000'000, make_stonehenge},
     {"teapot", 30'000, 500, 10'000'000,
      [](std::uint64_t triangles, std::uint64_t) { return make_single_teapot(triangles); }},
 };

@@ -7,6 +7,8 @@
 //     forest   instanced trees on a slope; a larger N reaches farther and has finer trees, in the
 //              same places; triangles within one tree of N
 //     teapots  touching and interpenetrating things: figure 1 of the same; within 5 % of N
+//     stonehenge  trilithons, spheres and a torus in rainbow colours on a plain: the test scene of
+//              [Darsa, Costa, Varshney 1997]; within 5 % of N
 //     teapot   a single teapot: one object; within 5 % of N
 #pragma once
 

@@ -96,7 +96,7 @@ TEST_P(EveryScene, is_the_same_every_time) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Builtin, EveryScene,
-                         testing::Values("bridge", "forest", "teapots", "teapot"),
+                         testing::Values("bridge", "forest", "stonehenge", "teapots", "teapot"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(Builtin, a_wrong_specification_says_what_is_allowed) {

@@ -44,6 +44,7 @@ struct Ground {
 [[nodiscard]] BuiltinScene make_bridge(std::uint64_t triangles, std::uint64_t seed);
 [[nodiscard]] BuiltinScene make_forest(std::uint64_t triangles, std::uint64_t seed);
 [[nodiscard]] BuiltinScene make_teapots(std::uint64_t triangles, std::uint64_t seed);
+[[nodiscard]] BuiltinScene make_stonehenge(std::uint64_t triangles, std::uint64_t seed);
 [[nodiscard]] BuiltinScene make_single_teapot(std::uint64_t triangles);
 
 }  // namespace rilievo

@@ -1,0 +1,223 @@
+#include "rilievo/environment_nodes/gl/node_drawer.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "rilievo/core/color.h"
+
+namespace rilievo {
+namespace {
+
+// A gap's width up to which it counts as a crack, pixels.
+constexpr float kCrack = 2.0f;
+constexpr float kAnyWidth = 1e30f;
+
+}  // namespace
+
+StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
+  StoredNode node;
+  node.shape_.world_from_node = mesh.world_from_node;
+  node.shape_.face_size = mesh.face_size;
+  node.shape_.surfaces = mesh.surfaces;
+  node.shape_.skins = mesh.skins;
+  node.reaches_ = side_reaches(mesh);
+  node.triangles_ = mesh.triangles();
+
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &name);
+  node.faces_ = gl::Texture(name);
+  const int size = mesh.face_size;
+  glTextureStorage2D(name, 1, GL_RGBA8, size, size);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(name, filter, GL_LINEAR);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  for (int f = 0; f < 6; ++f) {
+    // OpenGL's rows start at the bottom.
+    Rgba8Image face = srgb8_from_linear(map.faces[std::size_t(f)].color);
+    for (int y = 0; y < size / 2; ++y)
+      std::swap_ranges(face.row(y).begin(), face.row(y).end(), face.row(size - 1 - y).begin());
+    glTextureSubImage3D(name, 0, 0, 0, f, size, size, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                        face.texels().data());
+  }
+  const std::size_t vertex_bytes = mesh.vertices.size() * sizeof(NodeVertex);
+  const std::size_t index_bytes = mesh.indices.size() * sizeof(std::uint32_t);
+  node.vertices_ = gl::make_buffer(vertex_bytes, mesh.vertices.data());
+  node.indices_ = gl::make_buffer(index_bytes, mesh.indices.data());
+  node.quality_ = gl::make_buffer(mesh.quality.size() * sizeof(float), mesh.quality.data());
+  node.bytes_ = rilievo::bytes(mesh) + std::size_t(6) * std::size_t(size) * std::size_t(size) * 4;
+
+  node.vertex_array_ = gl::make_vertex_array();
+  const GLuint array = node.vertex_array_;
+  glVertexArrayVertexBuffer(array, 0, node.vertices_, 0, sizeof(NodeVertex));
+  glVertexArrayElementBuffer(array, node.indices_);
+  const GLuint offsets[] = {offsetof(NodeVertex, direction), offsetof(NodeVertex, texture)};
+  for (GLuint i = 0; i < 2; ++i) {
+    glEnableVertexArrayAttrib(array, i);
+    glVertexArrayAttribFormat(array, i, 4, GL_FLOAT, GL_FALSE, offsets[i]);
+    glVertexArrayAttribBinding(array, i, 0);
+  }
+  return node;
+}
+
+Result<NodeDrawer> NodeDrawer::create() {
+  NodeDrawer drawer;
+  using shader::NodeOutput;
+  const auto make = [](Result<gl::Program> made, gl::Program& program) -> Result<> {
+    if (!made) return made.error();
+    program = std::move(*made);
+    return Done{};
+  };
+  using shader::make_node_program;
+  using shader::make_node_skin_program;
+  for (Result<> made : {make(make_node_program(NodeOutput::color), drawer.color_),
+                        make(make_node_skin_program(NodeOutput::color), drawer.color_skin_),
+                        make(make_node_program(NodeOutput::layer), drawer.layer_),
+                        make(make_node_skin_program(NodeOutput::layer), drawer.layer_skin_),
+                        make(make_node_program(NodeOutput::direction), drawer.direction_),
+                        make(make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
+                        make(make_node_program(NodeOutput::color_twice_corrected), drawer.twice_)})
+    if (!made) return made.error();
+  for (int merge = 1; merge <= 3; ++merge)
+    if (Result<> made = make(shader::make_node_merge_program(merge),
+                             drawer.merge_[std::size_t(merge - 1)]);
+        !made)
+      return made.error();
+  if (Result<> made = make(shader::make_cube_map_program(), drawer.cube_map_); !made)
+    return made.error();
+  drawer.no_vertices_ = gl::make_vertex_array();
+  return drawer;
+}
+
+void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node,
+                           const gl::Program& surfaces, const gl::Program* skins,
+                           float widest_skin) {
+  const std::array<bool, 6> visible = visible_faces(node.shape_, node.reaches_, frame);
+  const glm::mat4 to_clip(clip_from_node(node.shape_, frame));
+  glEnable(GL_DEPTH_TEST);
+  // The sky is as far as what the frame was cleared to.
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glEnable(GL_DEPTH_CLAMP);
+  glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glBindVertexArray(node.vertex_array_);
+  glBindTextureUnit(0, node.faces_);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, node.quality_);
+  const auto draw_ranges = [&](const gl::Program& program,
+                               const std::array<TriangleRange, 6>& ranges) {
+    glUseProgram(program);
+    glUniformMatrix4fv(0, 1, GL_FALSE, &to_clip[0][0]);
+    // Not every program has these.
+    glUniform1f(glGetUniformLocation(program, "widest_skin"), widest_skin);
+    const GLint first_triangle = glGetUniformLocation(program, "first_triangle");
+    for (std::size_t f = 0; f < 6; ++f) {
+      // Neighbouring sides in one call.
+      if (!visible[f]) continue;
+      const std::uint32_t first = ranges[f].first;
+      std::uint32_t count = ranges[f].count;
+      while (f + 1 < 6 && visible[f + 1]) count += ranges[++f].count;
+      if (count == 0) continue;
+      glUniform1i(first_triangle, GLint(first));
+      glDrawElements(GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(std::uintptr_t(first) * 3 *
+                                                   sizeof(std::uint32_t)));
+      triangles_drawn_ += count;
+    }
+  };
+  draw_ranges(surfaces, node.shape_.surfaces);
+  if (skins) draw_ranges(*skins, node.shape_.skins);
+  glDisable(GL_DEPTH_CLAMP);
+}
+
+Result<> NodeDrawer::make_layers(int width, int height, int count) {
+  if (width == width_ && height == height_ && count <= count_) return Done{};
+  layer_framebuffers_.clear();
+  layer_colors_ = gl::make_texture_2d_array(GL_RGBA8, width, height, count);
+  layer_depths_ = gl::make_texture_2d_array(GL_DEPTH_COMPONENT32F, width, height, count);
+  for (int i = 0; i < count; ++i) {
+    layer_framebuffers_.push_back(gl::make_framebuffer());
+    const GLuint name = layer_framebuffers_.back();
+    glNamedFramebufferTextureLayer(name, GL_COLOR_ATTACHMENT0, layer_colors_, 0, i);
+    glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, layer_depths_, 0, i);
+    if (glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      count_ = 0;
+      return Error{"nodes", "the driver refuses a framebuffer of " + std::to_string(width) + " x " +
+                                std::to_string(height)};
+    }
+  }
+  width_ = width, height_ = height, count_ = count;
+  return Done{};
+}
+
+Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const> nodes,
+                          const NodeDrawOptions& options) {
+  RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMostNodes);
+  triangles_drawn_ = 0;
+  const glm::dvec3 eye = frame.position();
+  // Closer than a frame of a walk's motion by far.
+  if (glm::distance(eye, nodes[0]->eye()) < 1e-6 * std::max(1.0, glm::length(eye)))
+    nodes = nodes.first(1);
+  const float widest = options.skin ? kAnyWidth : kCrack;
+  if (nodes.size() == 1 || options.merge == NodeMerge::layering) {
+    for (const StoredNode* node : nodes)
+      draw_node(frame, *node, color_, &color_skin_, node == nodes[0] ? widest : kCrack);
+    return Done{};
+  }
+
+  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size())); !made) return made;
+  GLint framebuffer = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
+  double sum = 0;
+  for (const StoredNode* node : nodes) sum += 1 / std::max(1e-9, glm::distance(eye, node->eye()));
+  float nearness[kMostNodes] = {};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nearness[i] = float(
+        std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer_framebuffers_[i]);
+    glClearNamedFramebufferfv(layer_framebuffers_[i], GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(layer_framebuffers_[i], GL_DEPTH, 0, &far);
+    draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack);
+  }
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
+  glUseProgram(merge_[std::size_t(options.merge) - 1]);
+  glBindVertexArray(no_vertices_);
+  glBindTextureUnit(0, layer_colors_);
+  glBindTextureUnit(1, layer_depths_);
+  glUniform1i(0, GLint(nodes.size()));
+  glUniform1f(1, options.tolerance);
+  glUniform2f(2, float(frame.z_near), float(frame.z_far));
+  glUniform1fv(3, GLsizei(nodes.size()), nearness);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  return Done{};
+}
+
+void NodeDrawer::draw_directions(const Camera& frame, const StoredNode& node, bool skin) {
+  draw_node(frame, node, direction_, &direction_skin_, skin ? kAnyWidth : kCrack);
+}
+
+void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
+  const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(node.shape_.world_from_node));
+  // Of the frame's corners at (-1, -1) and twice as far to the right and to the top.
+  const auto ray = [&](double x, double y) {
+    const glm::dvec3 to =
+        world_from_raster(frame, {x * frame.width, (1 - y) * frame.height}, 1.0);
+    return glm::vec3(node_from_world * (to - frame.position()));
+  };
+  const glm::vec3 rays[] = {ray(0, 0), ray(2, 0), ray(0, 2)};
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+  glUseProgram(cube_map_);
+  glBindVertexArray(no_vertices_);
+  glBindTextureUnit(0, node.faces_);
+  glUniform3fv(0, 3, &rays[0].x);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void NodeDrawer::draw_twice_corrected(const Camera& frame, const StoredNode& node) {
+  draw_node(frame, node, twice_, nullptr, 0);
+}
+
+}  // namespace rilievo

@@ -1,0 +1,96 @@
+// Draws environment nodes, and merges them where several show the same surface (S3.3 to S3.7).
+//
+// A frame's depth is written, so that polygons and other pictures mix with nodes; what lies beyond
+// the frame's far plane, as the sky does, is drawn at it. Needs a current OpenGL context; draws
+// into the bound framebuffer, whose colours are sRGB-encoded, and the viewport, which has the
+// frame's size.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rilievo/environment_nodes/gl/node_shaders.h"
+#include "rilievo/environment_nodes/node_mesh.h"
+#include "rilievo/environment_nodes/visible_faces.h"
+#include "rilievo/gl/object.h"
+
+namespace rilievo {
+
+// A node on the GPU.
+class StoredNode {
+ public:
+  // Requires a valid environment, and a mesh of it.
+  [[nodiscard]] static StoredNode create(const EnvironmentMap& map, const NodeMesh& mesh);
+
+  [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(shape_.world_from_node[3]); }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] std::size_t triangles() const { return triangles_; }
+
+ private:
+  friend class NodeDrawer;
+  StoredNode() = default;
+  NodeMesh shape_;  // without vertices and indices
+  std::array<SideReach, 6> reaches_;
+  gl::Texture faces_;  // a cube map, sRGB-encoded
+  gl::Buffer vertices_, indices_, quality_;
+  gl::VertexArray vertex_array_;
+  std::size_t bytes_ = 0, triangles_ = 0;
+};
+
+enum class NodeMerge {
+  layering,    // all into one z-buffer
+  binary,      // of what is about as near, the triangle of the best quality
+  weighted,    // ... their mean by quality
+  positional,  // ... by quality and by how near the eye is to the node
+};
+
+struct NodeDrawOptions {
+  NodeMerge merge = NodeMerge::positional;
+  // Gaps are filled by skins of the first node where no node shows a surface; else they stay open,
+  // up to a crack's width.
+  bool skin = false;
+  // Surfaces are the same if their distances differ by no more, relative.
+  float tolerance = 0.03f;
+};
+
+class NodeDrawer {
+ public:
+  static constexpr std::size_t kMostNodes = 8;
+
+  [[nodiscard]] static Result<NodeDrawer> create();
+
+  // One to kMostNodes nodes, the nearest to the eye first. If the eye is at the first node's own
+  // place, only that one is drawn: it shows all that is to be seen from there.
+  Result<> draw(const Camera& frame, std::span<const StoredNode* const> nodes,
+                const NodeDrawOptions& options);
+
+  // For tests and measures: the direction, in the node's own space, that each pixel shows, into a
+  // framebuffer of floats.
+  void draw_directions(const Camera& frame, const StoredNode& node, bool skin);
+  // With S3.3 switched off: what figure 10 (a) shows.
+  void draw_twice_corrected(const Camera& frame, const StoredNode& node);
+
+  // The node's picture as a plain cube map: what its mesh must look like from its own eye.
+  void draw_cube_map(const Camera& frame, const StoredNode& node);
+
+  // What the last draw() drew.
+  [[nodiscard]] std::size_t triangles_drawn() const { return triangles_drawn_; }
+
+ private:
+  void draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
+                 const gl::Program* skins, float widest_skin);
+  Result<> make_layers(int width, int height, int count);
+
+  gl::Program color_, color_skin_, layer_, layer_skin_, direction_, direction_skin_, twice_,
+      cube_map_;
+  std::array<gl::Program, 3> merge_;
+  gl::VertexArray no_vertices_;
+  int width_ = 0, height_ = 0, count_ = 0;
+  gl::Texture layer_colors_, layer_depths_;
+  std::vector<gl::Framebuffer> layer_framebuffers_;
+  std::size_t triangles_drawn_ = 0;
+};
+
+}  // namespace rilievo

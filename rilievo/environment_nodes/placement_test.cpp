@@ -1,0 +1,114 @@
+#include "rilievo/environment_nodes/placement.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "rilievo/core/random.h"
+
+namespace rilievo {
+namespace {
+
+// Boxes, seen from both sides.
+Scene scene_of(const std::vector<Box>& boxes) {
+  Scene scene;
+  Material material;
+  material.double_sided = true;
+  scene.materials.push_back(material);
+  for (const Box& box : boxes) {
+    Mesh mesh;
+    mesh.material = 0;
+    for (const glm::vec3& corner : box.corners()) {
+      mesh.positions.push_back(corner);
+      mesh.normals.push_back({0, 1, 0});
+    }
+    mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                    2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    scene.meshes.push_back(mesh);
+    Model model;
+    model.parts.push_back({int(scene.meshes.size()) - 1});
+    scene.models.push_back(model);
+    Object object;
+    object.model = int(scene.models.size()) - 1;
+    scene.objects.push_back(object);
+  }
+  finish(scene);
+  return scene;
+}
+
+// Three rooms in a row, with doors that are not opposite each other.
+Scene three_rooms() {
+  std::vector<Box> boxes{{{-1, -0.1f, -2}, {13, 0, 2}},     {{-1, 2.5f, -2}, {13, 2.6f, 2}},
+                         {{-0.1f, 0, -2}, {0, 2.5f, 2}},    {{12, 0, -2}, {12.1f, 2.5f, 2}},
+                         {{0, 0, -2.1f}, {12, 2.5f, -2}},   {{0, 0, 2}, {12, 2.5f, 2.1f}},
+                         {{4, 0, -2}, {4.1f, 2.5f, 1.2f}},  {{8, 0, -1.2f}, {8.1f, 2.5f, 2}}};
+  return scene_of(boxes);
+}
+
+PlacementOptions options_for_rooms() {
+  PlacementOptions options;
+  options.region = {{0.3f, 0.8f, -1.7f}, {11.7f, 1.9f, 1.7f}};
+  options.candidates = 60;
+  options.eyes = 60;
+  options.rays = 60;
+  return options;
+}
+
+TEST(PlaceNodes, three_rooms_take_three_nodes_and_a_row_takes_more) {
+  const Scene scene = three_rooms();
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  PlacementOptions options = options_for_rooms();
+  options.nodes = 6;
+  const Result<Placement> placed = place_nodes(*rays, options);
+  ASSERT_TRUE(placed.ok()) << placed.error().message();
+  ASSERT_GE(placed->share.size(), 3u);
+  EXPECT_LT(placed->share[0], 0.75);
+  EXPECT_GT(placed->share[2], 0.9);
+  bool in_room[3] = {};
+  for (int i = 0; i < 3; ++i) in_room[std::min(2, int(placed->eyes[std::size_t(i)].x / 4))] = true;
+  EXPECT_TRUE(in_room[0] && in_room[1] && in_room[2]);
+  // What it says is what is measured, and no worse than three places in a row along a wall.
+  const std::vector<glm::dvec3> first(placed->eyes.begin(), placed->eyes.begin() + 3);
+  const Result<double> held = share_held(*rays, options, first);
+  ASSERT_TRUE(held.ok());
+  EXPECT_DOUBLE_EQ(*held, placed->share[2]);
+  const Result<double> row = share_held(*rays, options, {{3, 1.6, 1.6}, {6, 1.6, 1.6}, {9, 1.6, 1.6}});
+  ASSERT_TRUE(row.ok());
+  EXPECT_GT(*held, *row);
+}
+
+TEST(PlaceNodes, shares_grow_and_do_not_depend_on_threads) {
+  const Scene scene = three_rooms();
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  Placement made[2];
+  for (const int threads : {1, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    std::size_t(threads));
+    Result<Placement> placed = place_nodes(*rays, options_for_rooms());
+    ASSERT_TRUE(placed.ok());
+    made[threads == 4] = *placed;
+  }
+  EXPECT_EQ(made[0].eyes, made[1].eyes);
+  EXPECT_EQ(made[0].share, made[1].share);
+  for (std::size_t i = 1; i < made[0].share.size(); ++i)
+    EXPECT_GT(made[0].share[i], made[0].share[i - 1]);
+  EXPECT_LE(made[0].share.back(), 1.0);
+}
+
+TEST(PlaceNodes, what_cannot_be_is_refused) {
+  const Scene scene = three_rooms();
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  PlacementOptions options = options_for_rooms();
+  options.region = {};
+  EXPECT_FALSE(place_nodes(*rays, options).ok());
+  options = options_for_rooms();
+  options.clearance = 50;
+  const Result<Placement> crowded = place_nodes(*rays, options);
+  ASSERT_FALSE(crowded.ok());
+  EXPECT_NE(crowded.error().message().find("as far from surfaces"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,131 @@
+#include "rilievo/io/exr_channels.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfPartType.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "rilievo/core/file.h"
+#include "rilievo/io/exr_sizes.h"
+
+namespace rilievo {
+namespace {
+
+constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 32;
+
+class Reader : public Imf::IStream {
+ public:
+  explicit Reader(std::string_view bytes) : Imf::IStream("memory"), bytes_(bytes) {}
+  bool read(char out[], int count) override {
+    if (count < 0 || std::uint64_t(count) > bytes_.size() - position_)
+      throw std::runtime_error("it ends too early");
+    std::memcpy(out, bytes_.data() + position_, std::size_t(count));
+    position_ += std::size_t(count);
+    return position_ < bytes_.size();
+  }
+  uint64_t tellg() override { return position_; }
+  void seekg(uint64_t position) override {
+    if (position > bytes_.size()) throw std::runtime_error("it ends too early");
+    position_ = std::size_t(position);
+  }
+
+ private:
+  std::string_view bytes_;
+  std::size_t position_ = 0;
+};
+
+class Writer : public Imf::OStream {
+ public:
+  Writer() : Imf::OStream("memory") {}
+  void write(const char bytes[], int count) override {
+    const std::size_t end = position_ + std::size_t(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::copy_n(bytes, count, bytes_.begin() + std::ptrdiff_t(position_));
+    position_ = end;
+  }
+  uint64_t tellp() override { return position_; }
+  void seekp(uint64_t position) override { position_ = position; }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<Image<float>>> load_exr_channels(const std::filesystem::path& path,
+                                                    std::span<const std::string> names) {
+  const auto error = [&](const std::string& reason) { return Error{path.string(), reason}; };
+  const Result<std::string> bytes = read_file(path, kMostBytes);
+  if (!bytes) return bytes.error();
+  if (Result<> sizes = check_exr_sizes(*bytes); !sizes) return error(sizes.error().reason);
+  try {
+    Reader stream(*bytes);
+    Imf::InputFile file(stream, 0);
+    const Imf::Header& header = file.header();
+    if (header.hasType() && Imf::isDeepData(header.type())) return error("is a deep image");
+    const Imath::Box2i window = header.dataWindow();
+    const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1;
+    const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
+    if (width < 1 || height < 1 || width > 1 << 16 || height > 1 << 16)
+      return error("its data window is not 1 to 65536 texels wide and high");
+    // DEFLATE, the densest codec in practice, makes of one byte at most 1032.
+    if (double(width) * double(height) > 1100.0 * double(bytes->size()) + double(4 << 20))
+      return error("claims more texels than its bytes can hold");
+    std::vector<Image<float>> planes;
+    Imf::FrameBuffer buffer;
+    planes.reserve(names.size());
+    for (const std::string& name : names) {
+      const Imf::Channel* channel = header.channels().findChannel(name);
+      if (!channel) return error("has no channel " + name);
+      if (channel->xSampling != 1 || channel->ySampling != 1)
+        return error("channel " + name + " is sub-sampled");
+      planes.emplace_back(int(width), int(height));
+      if (!buffer.findSlice(name))
+        buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, planes.back().texels().data(), window));
+    }
+    file.setFrameBuffer(buffer);
+    file.readPixels(window.min.y, window.max.y);
+    // A channel that is asked for twice has been read once.
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto first = std::find(names.begin(), names.end(), names[i]) - names.begin();
+      if (std::size_t(first) < i) planes[i] = planes[std::size_t(first)];
+    }
+    return planes;
+  } catch (const std::exception& failed) {
+    return error(failed.what());
+  }
+}
+
+Result<> save_exr_channels(const std::filesystem::path& path, std::span<const std::string> names,
+                           std::span<const Image<float>> planes) {
+  RILIEVO_EXPECTS_EQ(names.size(), planes.size());
+  RILIEVO_EXPECTS(!planes.empty());
+  const int width = planes[0].width(), height = planes[0].height();
+  Writer stream;
+  try {
+    Imf::Header header(width, height);
+    Imf::FrameBuffer buffer;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
+      buffer.insert(names[i], Imf::Slice::Make(Imf::FLOAT, planes[i].texels().data(),
+                                               header.dataWindow()));
+    }
+    Imf::OutputFile file(stream, header, 0);
+    file.setFrameBuffer(buffer);
+    file.writePixels(height);
+  } catch (const std::exception& failed) {
+    return Error{path.string(), failed.what()};
+  }
+  return write_file(path, stream.bytes());
+}
+
+}  // namespace rilievo
