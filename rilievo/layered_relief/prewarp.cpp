@@ -1,0 +1,364 @@
+// Cf. [Parilov, Stuerzlinger 2002, sections 3.1, 4.1 and 5]. How we differ: the result's grid
+// stands still on the source plane, so that tiles can be kept from eye to eye; depths come along;
+// the size of a splat is du / (1 + k3 d) (the printed formula adds a displacement to a size).
+#include "rilievo/layered_relief/prewarp.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "rilievo/layered_relief/prewarp_runs.h"
+
+namespace rilievo {
+namespace {
+
+constexpr double kMostMagnification = 64;
+
+// Texels between the rows of a tile beyond its width: rows then do not share their places in the
+// processor's cache.
+constexpr int kPitchPadding = 8;
+
+// Rectangles of the result: [min, max).
+struct Texels {
+  glm::ivec2 min{0}, max{0};
+  [[nodiscard]] bool empty() const { return min.x >= max.x || min.y >= max.y; }
+  [[nodiscard]] glm::ivec2 size() const { return max - min; }
+};
+Texels overlap(const Texels& a, const Texels& b) {
+  return {glm::max(a.min, b.min), glm::min(a.max, b.max)};
+}
+
+int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+// A tile of the last result that is kept.
+struct KeptTile {
+  bool warped = false;
+  ReliefWarp by;
+  RunRange range;
+  std::vector<ReliefSample> texels;
+};
+
+// How far, in source texels, samples with codes of `range` that `before` put into [min, max] lie
+// from where `now` puts them. One with displacement d at q would go to
+//   q + d (q (k3 - k3') + k1' - k1) / (1 + k3' d)
+// which is affine in q and, as its factor, monotone in d.
+double moved_by(const LayeredRelief& relief, const RunRange& range, const ReliefWarp& before,
+                const ReliefWarp& now, const glm::dvec2& min, const glm::dvec2& max) {
+  if (range.nearest > range.farthest) return 0;
+  double most = 0;
+  for (const std::uint32_t code : {range.nearest, range.farthest}) {
+    const double d = relief.d(code), factor = std::abs(d / (1 + now.k3 * d));
+    for (const double x : {min.x, max.x})
+      most = std::max(most, factor * std::abs(x * (before.k3 - now.k3) + now.k1 - before.k1));
+    for (const double y : {min.y, max.y})
+      most = std::max(most, factor * std::abs(y * (before.k3 - now.k3) + now.k2 - before.k2));
+  }
+  return most;
+}
+
+// Is the quad of world points outside one of the frustum's planes?
+bool outside(const glm::dmat4& clip_from_world, const std::array<glm::dvec3, 4>& quad) {
+  unsigned all = ~0u;
+  for (const glm::dvec3& corner : quad) {
+    const glm::dvec4 c = clip_from_world * glm::dvec4(corner, 1);
+    unsigned out = 0;
+    for (int k = 0; k < 2; ++k)
+      out |= unsigned(c[k] < -c.w) << (2 * k) | unsigned(c[k] > c.w) << (2 * k + 1);
+    all &= out | unsigned(c.w <= 0) << 4;
+  }
+  return all != 0;
+}
+
+}  // namespace
+
+std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief, const ReliefWarp& warp,
+                                                double splat_size) {
+  ReliefRectangle rectangle{glm::dvec2(1e300), glm::dvec2(-1e300)};
+  const double beyond = std::max(0.0, 0.5 * (splat_size - 1));
+  for (const glm::dvec3& corner : relief.hull) {
+    if (!(1 + warp.k3 * corner.z >= 1 / kMostMagnification)) return std::nullopt;
+    const glm::dvec2 at = warp.moved(corner.x, corner.y, corner.z);
+    const glm::dvec2 reach(beyond * warp.magnification(corner.z));
+    rectangle.min = glm::min(rectangle.min, at - reach);
+    rectangle.max = glm::max(rectangle.max, at + reach);
+  }
+  return rectangle;
+}
+
+struct Prewarp::State {
+  const LayeredRelief* relief;
+  PrewarpOptions options;
+  ReliefFrame frame;
+  // Of the last result.
+  Texels kept_tiles;  // in tiles
+  double kept_resolution = 0;
+  std::vector<KeptTile> kept;
+  struct Scratch {
+    std::vector<ReliefSample> texels;
+    std::vector<PrewarpRun> runs;
+  };
+  tbb::enumerable_thread_specific<Scratch> scratch;
+
+  struct Job {
+    glm::ivec2 tile;
+    double error = 0;  // infinite if never warped
+    bool warp = true;
+  };
+  // What one warp() needs to know everywhere.
+  struct Frame {
+    ReliefWarp warp;
+    double resolution = 1;
+    Texels all, shown;  // of the result, before and after clipping to the view
+    std::vector<Sheet> sheets;
+    PrewarpCoefficients coefficients;
+    ResolveCoefficients resolve;
+  };
+
+  [[nodiscard]] int pitch() const { return options.tile_size + kPitchPadding; }
+  [[nodiscard]] std::size_t tile_texels() const {
+    return std::size_t(options.tile_size + 1) * std::size_t(pitch());
+  }
+  [[nodiscard]] Texels texels_of(const glm::ivec2& tile) const {
+    return {tile * options.tile_size, (tile + 1) * options.tile_size};
+  }
+  [[nodiscard]] bool in_view(const Frame& f, const glm::dmat4& clip, const glm::ivec2& tile) const;
+  void set_coefficients(Frame& f) const;
+  void set_geometry(const Frame& f, const glm::dvec3& eye, PictureGeometry& geometry) const;
+  void keep_tiles(const Frame& f, std::vector<Job>& jobs);
+  void do_tile(const Frame& f, const Job& job, Prewarped& result, PrewarpStats& stats);
+  [[nodiscard]] KeptTile* kept_tile(const glm::ivec2& tile) {
+    const glm::ivec2 at = tile - kept_tiles.min, size = kept_tiles.size();
+    if (at.x < 0 || at.y < 0 || at.x >= size.x || at.y >= size.y) return nullptr;
+    return &kept[std::size_t(at.y) * std::size_t(size.x) + std::size_t(at.x)];
+  }
+};
+
+Prewarp::Prewarp(const LayeredRelief& relief, const PrewarpOptions& options)
+    : state_(std::make_unique<State>()) {
+  RILIEVO_EXPECTS(options.tile_size >= 16 && options.max_size >= 16);
+  RILIEVO_EXPECTS(options.resolution > 0 && options.splat_size > 0);
+  state_->relief = &relief;
+  state_->options = options;
+  state_->frame = relief.frame();
+}
+Prewarp::~Prewarp() = default;
+Prewarp::Prewarp(Prewarp&&) noexcept = default;
+Prewarp& Prewarp::operator=(Prewarp&&) noexcept = default;
+
+void Prewarp::reset() {
+  state_->kept.clear();
+  state_->kept_tiles = {};
+}
+
+bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const glm::ivec2& tile) const {
+  const Texels texels = overlap(texels_of(tile), f.all);
+  std::array<glm::dvec3, 4> quad;
+  for (int i = 0; i < 4; ++i)
+    quad[std::size_t(i)] = frame.world((i & 1 ? texels.max.x : texels.min.x) / f.resolution,
+                                       (i & 2 ? texels.max.y : texels.min.y) / f.resolution, 0);
+  return !outside(clip, quad);
+}
+
+void Prewarp::State::set_coefficients(Frame& f) const {
+  const bool nearest = options.splat == Splat::nearest;
+  const auto& [k1, k2, k3] = f.warp;
+  const double s = f.resolution, d0 = relief->first_d, step = relief->d_step;
+  // A texel is covered if its centre is: [left + 0.5, right + 0.5) holds its index.
+  const glm::dvec2 shift = (nearest ? 0.0 : 0.5) - glm::dvec2(f.all.min);
+  const double centre = nearest ? 0.5 * s : 0.0;
+  f.coefficients.scale = float(s);
+  f.coefficients.x_code = float(s * k1 * step + shift.x * k3 * step);
+  f.coefficients.y_code = float(s * k2 * step + shift.y * k3 * step);
+  f.coefficients.x_0 = float(s * k1 * d0 + shift.x * (1 + k3 * d0) + centre);
+  f.coefficients.y_0 = float(s * k2 * d0 + shift.y * (1 + k3 * d0) + centre);
+  f.coefficients.w_code = float(k3 * step);
+  f.coefficients.w_0 = float(1 + k3 * d0);
+  f.coefficients.low = float(0.5 - 0.5 * options.splat_size);
+  f.coefficients.high = float(0.5 + 0.5 * options.splat_size);
+}
+
+void Prewarp::State::set_geometry(const Frame& f, const glm::dvec3& eye,
+                                  PictureGeometry& geometry) const {
+  const double h = 1 / f.warp.k3, s = f.resolution;
+  Camera& camera = geometry.capture;
+  camera = relief->camera;
+  camera.projection = Projection::perspective;
+  camera.world_from_eye[3] = glm::dvec4(eye, 1);
+  const glm::dvec3 right(camera.world_from_eye[0]), up(camera.world_from_eye[1]);
+  const auto window = [&](int x, int y) {
+    const glm::dvec3 at = frame.world(x / s, y / s, 0) - eye;
+    return glm::dvec2(glm::dot(at, right), glm::dot(at, up)) / h;
+  };
+  const glm::dvec2 upper_left = window(f.shown.min.x, f.shown.min.y);
+  const glm::dvec2 lower_right = window(f.shown.max.x, f.shown.max.y);
+  camera.window = {upper_left.x, lower_right.x, lower_right.y, upper_left.y};
+  camera.width = f.shown.size().x;
+  camera.height = f.shown.size().y;
+  // No sample on a plane of the frustum.
+  camera.z_near = h + relief->nearest_d() - relief->d_step;
+  camera.z_far = h + relief->farthest_d() + relief->d_step;
+  geometry.plane_z = h;
+  geometry.slab = {camera.z_near, camera.z_far};
+  geometry.delta_bits = 16;
+}
+
+// The new grid of tiles, with what can be kept of the old one; how wrong each has become.
+void Prewarp::State::keep_tiles(const Frame& f, std::vector<Job>& jobs) {
+  const int size = options.tile_size;
+  Texels tiles{{floor_div(f.all.min.x, size), floor_div(f.all.min.y, size)},
+               {floor_div(f.all.max.x - 1, size) + 1, floor_div(f.all.max.y - 1, size) + 1}};
+  const glm::ivec2 count = tiles.size();
+  std::vector<KeptTile> next(std::size_t(count.x) * std::size_t(count.y));
+  if (f.resolution == kept_resolution)
+    for (int y = 0; y < count.y; ++y)
+      for (int x = 0; x < count.x; ++x)
+        if (KeptTile* old = kept_tile(tiles.min + glm::ivec2(x, y)))
+          next[std::size_t(y) * std::size_t(count.x) + std::size_t(x)] = std::move(*old);
+  kept = std::move(next);
+  kept_tiles = tiles;
+  kept_resolution = f.resolution;
+
+  // What lies in a tile may have come from beside it: the worst of its neighbours counts, too.
+  const auto own_error = [&](const glm::ivec2& at) {
+    const KeptTile* tile = kept_tile(at);
+    if (!tile || !tile->warped) return 0.0;
+    const Texels texels = texels_of(at);
+    return f.resolution * moved_by(*relief, tile->range, tile->by, f.warp,
+                                   glm::dvec2(texels.min) / f.resolution,
+                                   glm::dvec2(texels.max) / f.resolution);
+  };
+  for (Job& job : jobs) {
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        job.error = std::max(job.error, own_error(job.tile + glm::ivec2(x, y)));
+    if (!kept_tile(job.tile)->warped) job.error = std::numeric_limits<double>::infinity();
+    job.warp = job.error > options.reuse_error;
+  }
+  std::stable_sort(jobs.begin(), jobs.end(),
+                   [](const Job& a, const Job& b) { return a.error > b.error; });
+}
+
+// Warps the job's tile unless it stays, and puts it into the result.
+void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
+                             PrewarpStats& stats) {
+  Scratch& own = scratch.local();
+  KeptTile* keep = kept_tile(job.tile);
+  std::vector<ReliefSample>& texels = keep ? keep->texels : own.texels;
+  if (texels.empty()) texels.resize(tile_texels());
+  // A tile that is not kept is no larger than what is shown of it.
+  const Texels whole = texels_of(job.tile), shown = overlap(whole, f.shown);
+  const Texels part = keep ? whole : shown;
+  const glm::ivec2 at = part.min - f.all.min;
+  const PrewarpTile tile{texels.data(), at.x, at.y, part.size().x, part.size().y, pitch()};
+  if (job.warp) {
+    RunQuery query;
+    query.min = glm::dvec2(part.min) / f.resolution;
+    query.max = glm::dvec2(part.max) / f.resolution;
+    query.half_splat = 0.5 * options.splat_size;
+    query.resolution = f.resolution;
+    query.nearest = options.splat == Splat::nearest;
+    own.runs.clear();
+    const RunRange range = find_runs(*relief, f.warp, f.sheets, query, own.runs);
+    stats.samples_drawn += prewarp_tile(f.coefficients, own.runs, tile);
+    for (const PrewarpRun& run : own.runs) stats.samples_warped += run.count;
+    ++stats.warped;
+    if (keep) keep->warped = true, keep->by = f.warp, keep->range = range;
+  } else {
+    stats.largest_reuse_error = std::max(stats.largest_reuse_error, job.error);
+  }
+  const glm::ivec2 from = shown.min - part.min, to = shown.min - f.shown.min;
+  const std::size_t pitch_out = std::size_t(f.shown.size().x);
+  const std::size_t first = std::size_t(to.y) * pitch_out + std::size_t(to.x);
+  resolve_tile(f.resolve, tile, from.x, from.y, shown.size().x, shown.size().y,
+               reinterpret_cast<std::uint32_t*>(result.color.data()) + first,
+               result.delta.data() + first, pitch_out);
+}
+
+std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* view,
+                                          Prewarped& result,
+                                          const std::function<bool()>& out_of_time) {
+  State& s = *state_;
+  const PrewarpOptions& options = s.options;
+  State::Frame f;
+  const auto warp = relief_warp(s.frame, eye);
+  if (!warp) return std::nullopt;
+  f.warp = *warp;
+  const double splat = options.splat == Splat::nearest ? 0.0 : options.splat_size;
+  const auto rectangle = relief_rectangle(*s.relief, f.warp, splat);
+  if (!rectangle) return std::nullopt;
+  const glm::dvec2 extent = rectangle->max - rectangle->min;
+  f.resolution = options.resolution;
+  // Two texels are lost to rounding.
+  while (std::max(extent.x, extent.y) * f.resolution > options.max_size - 2) f.resolution *= 0.5;
+  f.all = {glm::ivec2(glm::floor(rectangle->min * f.resolution)),
+           glm::ivec2(glm::ceil(rectangle->max * f.resolution))};
+  f.all.max = glm::max(f.all.max, f.all.min + 1);
+
+  // The tiles in view, and the rectangle around them.
+  std::vector<State::Job> jobs;
+  const int size = options.tile_size;
+  const glm::dmat4 clip = view ? clip_from_world(*view) : glm::dmat4(1.0);
+  f.shown = {f.all.max, f.all.min};
+  for (int y = floor_div(f.all.min.y, size); y * size < f.all.max.y; ++y)
+    for (int x = floor_div(f.all.min.x, size); x * size < f.all.max.x; ++x) {
+      if (view && !s.in_view(f, clip, {x, y})) continue;
+      jobs.push_back({{x, y}, 0, true});
+      const Texels part = overlap(s.texels_of({x, y}), f.all);
+      f.shown = {glm::min(f.shown.min, part.min), glm::max(f.shown.max, part.max)};
+    }
+  PrewarpStats stats;
+  stats.resolution = f.resolution;
+  stats.tiles = int(jobs.size());
+  if (jobs.empty()) {
+    result.color.clear();
+    result.delta.clear();
+    return stats;
+  }
+
+  s.set_coefficients(f);
+  s.set_geometry(f, eye, result.geometry);
+  const Camera& camera = result.geometry.capture;
+  const double slab = camera.z_far - camera.z_near, h = 1 / f.warp.k3;
+  const double steps = double(delta_steps(16)) * camera.z_far / slab;
+  f.resolve = {float(steps * s.relief->d_step),
+               float(steps * (h + s.relief->first_d - camera.z_near)), float(s.relief->d_step),
+               float(h + s.relief->first_d)};
+  f.sheets = sheets_of(*s.relief, f.warp);
+  const std::size_t texels = std::size_t(camera.width) * std::size_t(camera.height);
+  result.color.resize(texels);
+  result.delta.resize(texels);
+  // Between tiles in view there may be some that are not, and are not written.
+  const int columns = floor_div(f.shown.max.x - 1, size) - floor_div(f.shown.min.x, size) + 1;
+  const int rows = floor_div(f.shown.max.y - 1, size) - floor_div(f.shown.min.y, size) + 1;
+  if (int(jobs.size()) < columns * rows) {
+    std::fill(result.color.begin(), result.color.end(), glm::u8vec4(0));
+    std::fill(result.delta.begin(), result.delta.end(), std::uint16_t(kEmptyCode));
+  }
+  if (options.reuse_error > 0 || out_of_time)
+    s.keep_tiles(f, jobs);
+  else
+    reset();
+
+  tbb::enumerable_thread_specific<PrewarpStats> sums;
+  tbb::parallel_for(
+      std::size_t(0), jobs.size(),
+      [&](std::size_t i) {
+        State::Job job = jobs[i];
+        const bool new_one = !(job.error < std::numeric_limits<double>::infinity());
+        if (job.warp && !new_one && out_of_time && out_of_time()) job.warp = false;
+        s.do_tile(f, job, result, sums.local());
+      },
+      tbb::simple_partitioner());
+  for (const PrewarpStats& sum : sums) {
+    stats.warped += sum.warped;
+    stats.samples_warped += sum.samples_warped;
+    stats.samples_drawn += sum.samples_drawn;
+    stats.largest_reuse_error = std::max(stats.largest_reuse_error, sum.largest_reuse_error);
+  }
+  return stats;
+}
+
+}  // namespace rilievo

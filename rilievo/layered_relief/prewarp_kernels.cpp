@@ -1,0 +1,271 @@
+// How it is done fast: positions are found for a block of samples by SIMD, as addresses; then the
+// samples are copied there one by one, in their order, without a branch. A sample that misses the
+// tile is copied to a row that nobody reads. Scatter instructions are no faster than that.
+#include "rilievo/layered_relief/prewarp_kernels.h"
+
+#include <algorithm>
+#include <cstring>
+
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rilievo/layered_relief/prewarp_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rilievo {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+namespace {
+
+using F = hn::CappedTag<float, 16>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+
+constexpr std::uint32_t kBlock = 256;
+
+static_assert(sizeof(ReliefSample) == 8, "copied as one word");
+
+HWY_INLINE void copy(ReliefSample* to, const ReliefSample* from) {
+  std::uint64_t word;
+  std::memcpy(&word, from, 8);
+  std::memcpy(to, &word, 8);
+}
+
+// Of the samples at `from`, one a lane.
+struct Lanes {
+  VI u, v;     // in their tile
+  VF code, w;  // w: what x and y are multiplied with
+};
+
+HWY_INLINE Lanes load(const PrewarpCoefficients& k, const ReliefSample* from) {
+  const F f;
+  const I i;
+  const U d;
+  const auto* words = reinterpret_cast<const std::uint32_t*>(from);
+  hn::Vec<U> place, color;
+  hn::LoadInterleaved2(d, words, place, color);
+  const auto low = hn::Set(d, 0xff);
+  Lanes lanes;
+  lanes.u = hn::BitCast(i, hn::And(place, low));
+  lanes.v = hn::BitCast(i, hn::And(hn::ShiftRight<8>(place), low));
+  lanes.code = hn::ConvertTo(f, hn::BitCast(i, hn::ShiftRight<16>(place)));
+  lanes.w = hn::Div(hn::Set(f, 1.0f),
+                    hn::Add(hn::Mul(hn::Set(f, k.w_code), lanes.code), hn::Set(f, k.w_0)));
+  return lanes;
+}
+
+// scale (u + offset) + (code_factor code + constant), times w.
+HWY_INLINE VF moved(VF u, float scale, VF shift, VF w) {
+  return hn::Mul(hn::Add(hn::Mul(hn::Set(F(), scale), u), shift), w);
+}
+
+// Of its columns?
+HWY_INLINE hn::Mask<I> in_columns(const PrewarpRun& run, VI u) {
+  const I i;
+  return hn::And(hn::Gt(u, hn::Set(i, int(run.u_from) - 1)), hn::Lt(u, hn::Set(i, int(run.u_to))));
+}
+
+// How many of the first `count` lanes are set?
+HWY_INLINE std::size_t count_first(hn::Mask<I> mask, std::uint32_t count) {
+  const I i;
+  if (count < hn::Lanes(i)) mask = hn::And(mask, hn::FirstN(i, count));
+  return hn::CountTrue(i, mask);
+}
+
+std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
+                        const PrewarpTile& tile) {
+  const F f;
+  const I i;
+  const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
+  HWY_ALIGN std::int32_t address[kBlock];
+  const VI missed = hn::Set(i, tile.height * tile.pitch);
+  const VI before = hn::Set(i, -1);
+  const VI right = hn::Set(i, tile.width), bottom = hn::Set(i, tile.height);
+  std::size_t drawn = 0;
+  for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
+    const std::uint32_t count = std::min(kBlock, run.count - begin);
+    const ReliefSample* samples = run.samples + begin;
+    for (std::uint32_t at = 0; at < count; at += lanes) {
+      const Lanes s = load(k, samples + at);
+      const VF u = hn::Add(hn::ConvertTo(f, s.u), hn::Set(f, run.u));
+      const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
+      const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
+      const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
+      const VI x = hn::Sub(hn::ConvertTo(i, moved(u, k.scale, shift_x, s.w)), hn::Set(i, tile.x));
+      const VI y = hn::Sub(hn::ConvertTo(i, moved(v, k.scale, shift_y, s.w)), hn::Set(i, tile.y));
+      auto inside = hn::And(hn::And(hn::Gt(x, before), hn::Lt(x, right)),
+                            hn::And(hn::Gt(y, before), hn::Lt(y, bottom)));
+      if (!run.all_columns) inside = hn::And(inside, in_columns(run, s.u));
+      const VI to = hn::Add(hn::Mul(y, hn::Set(i, tile.pitch)), x);
+      hn::Store(hn::IfThenElse(inside, to, missed), i, address + at);
+      drawn += count_first(inside, count - at);
+    }
+    for (std::uint32_t n = 0; n < count; ++n) copy(tile.texels + address[n], samples + n);
+  }
+  return drawn;
+}
+
+// Splats of at most one texel, of at most two along an axis, or of any size. Texels whose centres
+// lie in [left, right) x [top, bottom) of a splat are covered; two splats that share an edge
+// compute the same number for it.
+template <SplatReach reach>
+std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
+                      const PrewarpTile& tile) {
+  const F f;
+  const I i;
+  const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
+  HWY_ALIGN std::int32_t address[kBlock], wide[kBlock], high[kBlock];
+  const VI missed = hn::Set(i, tile.height * tile.pitch);
+  const VI one = hn::Set(i, 1), pitch = hn::Set(i, tile.pitch);
+  const VI x_first = hn::Set(i, tile.x), x_last = hn::Set(i, tile.x + tile.width);
+  const VI y_first = hn::Set(i, tile.y), y_last = hn::Set(i, tile.y + tile.height);
+  std::size_t drawn = 0;
+  for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
+    const std::uint32_t count = std::min(kBlock, run.count - begin);
+    const ReliefSample* samples = run.samples + begin;
+    for (std::uint32_t at = 0; at < count; at += lanes) {
+      const Lanes s = load(k, samples + at);
+      const VF u = hn::Add(hn::ConvertTo(f, s.u), hn::Set(f, run.u));
+      const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
+      const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
+      const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
+      const VF low = hn::Set(f, k.low), high_end = hn::Set(f, k.high);
+      const auto edge = [&](VF position, VF end, VF shift) {
+        return hn::ConvertTo(i, moved(hn::Add(position, end), k.scale, shift, s.w));
+      };
+      const VI x0 = hn::Max(edge(u, low, shift_x), x_first);
+      const VI x1 = hn::Min(edge(u, high_end, shift_x), x_last);
+      const VI y0 = hn::Max(edge(v, low, shift_y), y_first);
+      const VI y1 = hn::Min(edge(v, high_end, shift_y), y_last);
+      auto covers = hn::And(hn::Gt(x1, x0), hn::Gt(y1, y0));
+      if (!run.all_columns) covers = hn::And(covers, in_columns(run, s.u));
+      const VI to = hn::Add(hn::Mul(hn::Sub(y0, y_first), pitch), hn::Sub(x0, x_first));
+      hn::Store(hn::IfThenElse(covers, to, missed), i, address + at);
+      drawn += count_first(covers, count - at);
+      if constexpr (reach == SplatReach::two) {
+        // Steps to the second column and row, or none.
+        const auto second_x = hn::And(covers, hn::Gt(hn::Sub(x1, x0), one));
+        const auto second_y = hn::And(covers, hn::Gt(hn::Sub(y1, y0), one));
+        hn::Store(hn::IfThenElseZero(second_x, one), i, wide + at);
+        hn::Store(hn::IfThenElseZero(second_y, pitch), i, high + at);
+      } else if constexpr (reach == SplatReach::many) {
+        hn::Store(hn::IfThenElseZero(covers, hn::Sub(x1, x0)), i, wide + at);
+        hn::Store(hn::IfThenElseZero(covers, hn::Sub(y1, y0)), i, high + at);
+      }
+    }
+    if constexpr (reach == SplatReach::one) {
+      for (std::uint32_t n = 0; n < count; ++n) copy(tile.texels + address[n], samples + n);
+    } else if constexpr (reach == SplatReach::two) {
+      for (std::uint32_t n = 0; n < count; ++n) {
+        ReliefSample* to = tile.texels + address[n];
+        copy(to, samples + n);
+        copy(to + wide[n], samples + n);
+        copy(to + high[n], samples + n);
+        copy(to + high[n] + wide[n], samples + n);
+      }
+    } else {
+      for (std::uint32_t n = 0; n < count; ++n) {
+        ReliefSample* to = tile.texels + address[n];
+        for (int row = 0; row < high[n]; ++row, to += tile.pitch)
+          for (int column = 0; column < wide[n]; ++column) copy(to + column, samples + n);
+      }
+    }
+  }
+  return drawn;
+}
+
+std::size_t draw_tile(const PrewarpCoefficients& k, std::span<const PrewarpRun> runs,
+                      const PrewarpTile& tile) {
+  std::size_t drawn = 0;
+  std::memset(static_cast<void*>(tile.texels), 0xff,
+              std::size_t(tile.height) * std::size_t(tile.pitch) * sizeof(ReliefSample));
+  for (const PrewarpRun& run : runs) switch (run.reach) {
+      case SplatReach::nearest:
+        drawn += nearest_run(k, run, tile);
+        break;
+      case SplatReach::one:
+        drawn += splat_run<SplatReach::one>(k, run, tile);
+        break;
+      case SplatReach::two:
+        drawn += splat_run<SplatReach::two>(k, run, tile);
+        break;
+      case SplatReach::many:
+        drawn += splat_run<SplatReach::many>(k, run, tile);
+        break;
+    }
+  return drawn;
+}
+
+// Of one vector's worth of texels.
+HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, const ReliefSample* from,
+                              std::uint32_t* color, std::uint16_t* delta) {
+  const F f;
+  const I i;
+  const U d;
+  hn::Vec<U> place, colors;
+  hn::LoadInterleaved2(d, reinterpret_cast<const std::uint32_t*>(from), place, colors);
+  const auto code = hn::ShiftRight<16>(place);
+  const auto empty = hn::Eq(code, hn::Set(d, kEmptyCode));
+  const VF value = hn::ConvertTo(f, hn::BitCast(i, code));
+  const VF from_near = hn::Add(hn::Mul(hn::Set(f, k.delta_code), value), hn::Set(f, k.delta_0));
+  const VF z = hn::Add(hn::Mul(hn::Set(f, k.z_code), value), hn::Set(f, k.z_0));
+  const VF exact = hn::Add(hn::Div(from_near, z), hn::Set(f, 0.5f));
+  // Out of range only where rounding at the ends makes it so, or empty.
+  const VF largest = hn::Set(f, float(kLargestCode));
+  const VF clamped = hn::Min(hn::Max(exact, hn::Zero(f)), largest);
+  const auto codes =
+      hn::IfThenElse(empty, hn::Set(d, kEmptyCode), hn::BitCast(d, hn::ConvertTo(i, clamped)));
+  hn::StoreU(hn::IfThenZeroElse(empty, colors), d, color);
+  const hn::Rebind<std::uint16_t, I> half;
+  hn::StoreU(hn::DemoteTo(half, hn::BitCast(i, codes)), half, delta);
+}
+
+void resolve(const ResolveCoefficients& k, const PrewarpTile& tile, int x, int y, int width,
+             int height, std::uint32_t* color, std::uint16_t* delta, std::size_t plane_pitch) {
+  const int lanes = int(hn::Lanes(F()));
+  for (int row = 0; row < height; ++row) {
+    const ReliefSample* from = tile.texels + std::ptrdiff_t(y + row) * tile.pitch + x;
+    std::uint32_t* to_color = color + std::size_t(row) * plane_pitch;
+    std::uint16_t* to_delta = delta + std::size_t(row) * plane_pitch;
+    int column = 0;
+    for (; column + lanes <= width; column += lanes)
+      resolve_lanes(k, from + column, to_color + column, to_delta + column);
+    if (column == width) continue;
+    // The rest by way of memory of our own: beyond it lies what others write. Rows of a tile are
+    // followed by others, or by the one that nobody reads.
+    std::uint32_t colors[16];
+    std::uint16_t deltas[16];
+    resolve_lanes(k, from + column, colors, deltas);
+    std::copy_n(colors, width - column, to_color + column);
+    std::copy_n(deltas, width - column, to_delta + column);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace rilievo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rilievo {
+
+HWY_EXPORT(draw_tile);
+HWY_EXPORT(resolve);
+
+std::size_t prewarp_tile(const PrewarpCoefficients& coefficients, std::span<const PrewarpRun> runs,
+                         const PrewarpTile& tile) {
+  return HWY_DYNAMIC_DISPATCH(draw_tile)(coefficients, runs, tile);
+}
+
+void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile, int x, int y,
+                  int width, int height, std::uint32_t* color, std::uint16_t* delta,
+                  std::size_t plane_pitch) {
+  HWY_DYNAMIC_DISPATCH(resolve)
+  (coefficients, tile, x, y, width, height, color, delta, plane_pitch);
+}
+
+}  // namespace rilievo
+#endif

@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "rilievo/layered_relief/prewarp.h"
+#include "rilievo/layered_relief/prewarp_runs.h"
+#include "rilievo/layered_relief/relief_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+LayeredRelief random_relief(std::mt19937& rng, int width, int height, int tile_size = 8) {
+  return *build_layered_relief(random_layers(rng, width, height),
+                               {.tile_size = tile_size, .merge = 1e-3});
+}
+
+TEST(LayeredRelief, its_four_streams_hold_the_same_samples_each_in_its_order) {
+  std::mt19937 rng(1);
+  for (const int tile_size : {1, 4, 32, 128}) {
+    const LayeredRelief relief = random_relief(rng, 37, 29, tile_size);
+    ASSERT_TRUE(validate(relief));
+    for (unsigned order = 0; order < 4; ++order)
+      for (std::size_t t = 0; t + 1 < relief.first.size(); ++t) {
+        std::vector<std::uint64_t> mine, ascending;
+        for (std::uint32_t i = relief.first[t]; i < relief.first[t + 1]; ++i) {
+          const ReliefSample& s = relief.streams[order][i];
+          mine.push_back(std::bit_cast<std::uint64_t>(s));
+          ascending.push_back(std::bit_cast<std::uint64_t>(relief.streams[0][i]));
+          if (i == relief.first[t]) continue;
+          const ReliefSample& before = relief.streams[order][i - 1];
+          const int sign_u = order & kDescendingU ? -1 : 1, sign_v = order & kDescendingV ? -1 : 1;
+          const auto key = [&](const ReliefSample& x) {
+            return std::tuple(sign_v * int(x.v()), sign_u * int(x.u()), -int(x.code()));
+          };
+          EXPECT_LE(key(before), key(s));
+        }
+        std::sort(mine.begin(), mine.end());
+        std::sort(ascending.begin(), ascending.end());
+        EXPECT_EQ(mine, ascending);
+      }
+  }
+}
+
+TEST(LayeredRelief, sheets_meet_at_the_epipole_and_run_towards_it) {
+  std::mt19937 rng(2);
+  const LayeredRelief relief = random_relief(rng, 20, 10);
+  // k3 = 0.1 puts an eye 10 m in front of texel (k1, k2) * 10.
+  const auto sheets_at = [&](double u, double v) {
+    return sheets_of(relief, {0.1 * u, 0.1 * v, 0.1});
+  };
+  const std::vector<Sheet> inside = sheets_at(7.2, 4.6);
+  ASSERT_EQ(inside.size(), 4u);
+  for (const Sheet& sheet : inside) {
+    const bool right = sheet.order & kDescendingU, lower = sheet.order & kDescendingV;
+    EXPECT_EQ(sheet.u_from, right ? 7 : 0);  // texel 6's centre lies left of 7.2, 7's right
+    EXPECT_EQ(sheet.u_to, right ? 20 : 7);
+    EXPECT_EQ(sheet.v_from, lower ? 5 : 0);  // 4.5 is above 4.6
+    EXPECT_EQ(sheet.v_to, lower ? 10 : 5);
+  }
+  const std::vector<Sheet> outside = sheets_at(-3, 25);
+  ASSERT_EQ(outside.size(), 1u);
+  EXPECT_EQ(outside[0].order, unsigned(kDescendingU));
+  EXPECT_EQ(sheets_at(5, -1).size(), 2u);
+}
+
+TEST(LayeredRelief, runs_draw_what_hides_something_after_it_and_everything_once) {
+  std::mt19937 rng(3);
+  for (int i = 0; i < 40; ++i) {
+    LayeredRelief relief = random_relief(rng, 30, 26, i % 2 ? 4 : 16);
+    const std::vector<PlacedSample> samples = label_samples(relief);
+    const auto warp = relief_warp(relief.frame(), random_eye(rng, relief));
+    const glm::dvec2 epipole = warp->epipole();
+    std::vector<PrewarpRun> runs;
+    find_runs(relief, *warp, sheets_of(relief, *warp),
+              {.min = glm::dvec2(-1e9), .max = glm::dvec2(1e9), .half_splat = 0.5}, runs);
+    std::vector<std::uint32_t> drawn;
+    for (const PrewarpRun& run : runs)
+      for (std::uint32_t k = 0; k < run.count; ++k)
+        if (const std::uint32_t u = run.samples[k].u();
+            run.all_columns || (u >= run.u_from && u < run.u_to))
+          drawn.push_back(run.samples[k].color);
+    ASSERT_EQ(drawn.size(), samples.size());
+    std::vector<std::uint32_t> sorted = drawn;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::uint32_t k = 0; k < sorted.size(); ++k) ASSERT_EQ(sorted[k], k);
+
+    // Of two samples in one sheet, the one that lies nearer to the epipole in both u and v comes
+    // later; in one texel, the nearer one.
+    std::vector<std::size_t> rank(samples.size());
+    for (std::size_t k = 0; k < drawn.size(); ++k) rank[drawn[k]] = k;
+    std::uniform_int_distribution<std::size_t> pick(0, samples.size() - 1);
+    for (int pair = 0; pair < 20000; ++pair) {
+      const std::size_t a = pick(rng), b = pick(rng);
+      const glm::dvec2 to_a = glm::dvec2(samples[a].u + 0.5, samples[a].v + 0.5) - epipole;
+      const glm::dvec2 to_b = glm::dvec2(samples[b].u + 0.5, samples[b].v + 0.5) - epipole;
+      if (a == b || to_a.x * to_b.x <= 0 || to_a.y * to_b.y <= 0) continue;
+      const bool same_texel = to_a == to_b;
+      const bool nearer =
+          same_texel ? samples[a].code < samples[b].code
+                     : std::abs(to_a.x) <= std::abs(to_b.x) && std::abs(to_a.y) <= std::abs(to_b.y);
+      if (nearer) {
+        ASSERT_GT(rank[a], rank[b]);
+      }
+    }
+  }
+}
+
+TEST(Prewarp, tiles_that_stay_show_their_samples_within_the_error_allowed) {
+  std::mt19937 rng(4);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int stayed = 0, warped = 0;
+  for (int i = 0; i < 20; ++i) {
+    LayeredRelief relief = random_relief(rng, 60, 50);
+    const std::vector<PlacedSample> samples = label_samples(relief);
+    PrewarpOptions options;
+    options.tile_size = 16;
+    options.reuse_error = 0.7;
+    Prewarp prewarp(relief, options);
+    glm::dvec3 eye = random_eye(rng, relief);
+    for (int frame = 0; frame < 12; ++frame) {
+      Prewarped result;
+      const auto stats = prewarp.warp(eye, nullptr, result);
+      if (!stats) break;
+      EXPECT_LE(stats->largest_reuse_error, options.reuse_error);
+      stayed += stats->tiles - stats->warped;
+      warped += stats->warped;
+      const auto warp = relief_warp(relief.frame(), eye);
+      const glm::ivec2 origin = grid_origin(relief, result, stats->resolution);
+      for (std::size_t t = 0; t < result.color.size(); ++t) {
+        if (result.delta[t] == kEmptyCode) continue;
+        const PlacedSample& s = samples[std::bit_cast<std::uint32_t>(result.color[t])];
+        const double d = relief.d(s.code);
+        const glm::dvec2 at = stats->resolution * warp->moved(s.u + 0.5, s.v + 0.5, d);
+        const glm::dvec2 texel(origin.x + int(t) % result.width() + 0.5,
+                               origin.y + int(t) / result.width() + 0.5);
+        // Half the splat, the error allowed, and floats.
+        const double most = 0.5 * stats->resolution * warp->magnification(d) + 0.7 + 0.05;
+        ASSERT_LE(std::max(std::abs(at.x - texel.x), std::abs(at.y - texel.y)), most);
+      }
+      eye += 0.02 * glm::dvec3(unit(rng), unit(rng), unit(rng));
+    }
+  }
+  EXPECT_GT(stayed, 100);
+  EXPECT_GT(warped, 100);
+}
+
+TEST(Prewarp, without_time_every_tile_that_exists_stays) {
+  std::mt19937 rng(5);
+  const LayeredRelief relief = random_relief(rng, 60, 50);
+  Prewarp prewarp(relief, {.tile_size = 16});
+  const glm::dvec3 eye = relief.frame().world(30, 25, -3), there = eye + 0.01 * relief.frame().f;
+  Prewarped result;
+  int asked = 0;
+  const auto never = [&] { return ++asked, true; };
+  const auto first = prewarp.warp(eye, nullptr, result, never);
+  EXPECT_EQ(first->warped, first->tiles);  // nothing to keep
+  const auto second = prewarp.warp(there, nullptr, result, never);
+  EXPECT_EQ(second->warped, 0);
+  EXPECT_GT(second->largest_reuse_error, 0);
+  const auto third = prewarp.warp(there, nullptr, result, [] { return false; });
+  EXPECT_EQ(third->warped, third->tiles);
+  Prewarped fresh;
+  ASSERT_TRUE(Prewarp(relief, {.tile_size = 16}).warp(there, nullptr, fresh));
+  EXPECT_EQ(fresh.color, result.color);
+  EXPECT_EQ(fresh.delta, result.delta);
+}
+
+TEST(Prewarp, what_is_in_view_is_the_same_whether_the_rest_is_clipped_or_not) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int clipped = 0;
+  for (int i = 0; i < 40; ++i) {
+    LayeredRelief relief = random_relief(rng, 60, 50);
+    label_samples(relief);
+    const glm::dvec3 eye = random_eye(rng, relief);
+    const glm::dvec3 target = relief.frame().world(30 + 40 * unit(rng), 25 + 40 * unit(rng), 0);
+    const Camera view = look_at(eye, target, {0, 1, 0}, 0.4, 64, 48, 0.01, 100);
+    Prewarped whole, part;
+    Prewarp prewarp(relief, {.tile_size = 16});
+    const auto all = prewarp.warp(eye, nullptr, whole);
+    const auto some = prewarp.warp(eye, &view, part);
+    ASSERT_TRUE(all && some);
+    clipped += some->tiles < all->tiles;
+    const glm::ivec2 from = grid_origin(relief, whole, all->resolution);
+    const glm::ivec2 shift =
+        some->tiles == 0 ? glm::ivec2(0) : grid_origin(relief, part, some->resolution) - from;
+    for (int y = 0; y < whole.height(); ++y)
+      for (int x = 0; x < whole.width(); ++x) {
+        const glm::dvec2 at = (glm::dvec2(from) + glm::dvec2(x, y) + 0.5) / all->resolution;
+        const glm::dvec3 seen = raster_from_world(view, relief.frame().world(at.x, at.y, 0));
+        if (!(seen.z > 0 && seen.x > 0 && seen.y > 0 && seen.x < 64 && seen.y < 48)) continue;
+        const glm::ivec2 in_part = glm::ivec2(x, y) - shift;
+        ASSERT_TRUE(some->tiles > 0 && in_part.x >= 0 && in_part.y >= 0 &&
+                    in_part.x < part.width() && in_part.y < part.height());
+        const auto index = [](const Prewarped& p, int u, int v) {
+          return std::size_t(v) * std::size_t(p.width()) + std::size_t(u);
+        };
+        ASSERT_EQ(whole.color[index(whole, x, y)], part.color[index(part, in_part.x, in_part.y)]);
+        ASSERT_EQ(whole.delta[index(whole, x, y)], part.delta[index(part, in_part.x, in_part.y)]);
+      }
+  }
+  EXPECT_GT(clipped, 10);
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,35 @@
+// Cf. [Oliveira, Bishop, McAllister 2000] and [Parilov, Stuerzlinger 2002, section 2].
+//
+// With c = origin - eye, write f in the basis a, b, c: f = k1 a + k2 b + k3 c. Then
+//
+//   origin + u a + v b + d f - eye = (1 + k3 d) c + (u + k1 d) a + (v + k2 d) b
+//
+// which is (1 + k3 d) times the ray from the eye to the point (u', v') of the plane d = 0, with u'
+// and v' as in the header. The k follow by Cramer's rule.
+#include "rilievo/warp/relief_warp.h"
+
+namespace rilievo {
+
+ReliefFrame relief_frame(const Camera& camera, double plane_z) {
+  RILIEVO_EXPECTS(camera.projection == Projection::parallel);
+  ReliefFrame frame;
+  frame.origin = world_from_raster(camera, {0, 0}, plane_z);
+  frame.a = glm::dvec3(camera.world_from_eye[0]) *
+            ((camera.window.right - camera.window.left) / camera.width);
+  frame.b = glm::dvec3(camera.world_from_eye[1]) *
+            ((camera.window.bottom - camera.window.top) / camera.height);
+  frame.f = camera.forward();
+  return frame;
+}
+
+std::optional<ReliefWarp> relief_warp(const ReliefFrame& frame, const glm::dvec3& eye) {
+  const auto& [origin, a, b, f] = frame;
+  const glm::dvec3 c = origin - eye;
+  const double volume = glm::dot(glm::cross(a, b), c), unit = glm::dot(glm::cross(a, b), f);
+  // Both have the sign of f's side of the plane, however a and b are turned.
+  if (!(volume * unit > 0)) return std::nullopt;
+  return ReliefWarp{glm::dot(f, glm::cross(b, c)) / glm::dot(a, glm::cross(b, c)),
+                    glm::dot(f, glm::cross(c, a)) / glm::dot(b, glm::cross(c, a)), unit / volume};
+}
+
+}  // namespace rilievo
