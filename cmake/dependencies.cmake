@@ -10,6 +10,7 @@ find_package(meshoptimizer REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(hwy REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(PNG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 

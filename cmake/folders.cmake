@@ -8,7 +8,7 @@ set(RILIEVO_FOLDERS core measure gl io warp scene render capture kind nailboard 
 set(RILIEVO_GL_FOLDERS gl compare)
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
-    meshoptimizer::meshoptimizer JPEG::JPEG embree PkgConfig::webp hwy)
+    meshoptimizer::meshoptimizer JPEG::JPEG PNG::PNG embree PkgConfig::webp hwy)
 # Only headers, and none of them in ours: who uses the installed library does not need them.
 set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
 

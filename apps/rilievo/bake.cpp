@@ -32,6 +32,7 @@ namespace {
 struct Options {
   std::string scene, output, json, as = "layered-impostor";
   KindOptions kinds;
+  FileLimits limits;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -147,13 +148,13 @@ Result<> run(const Options& options) {
   if (Result<> good = expect_options_of(kind, options.kinds); !good) return good;
   const Result<OptionValues> values = bake_values(kind, options.kinds);
   if (!values) return values.error();
-  if (is_picture_file(options.scene))
+  if (holds_pictures(options.scene))
     return Error{options.scene, "holds pictures already: a scene is baked"};
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   Times times;
   if (is_rgbd_capture(options.scene)) {
-    Result<PhotographSource> source = open_photographs(options.scene);
+    Result<PhotographSource> source = open_photographs(options.scene, options.limits);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;
     const Result<Baked> baked = bake(options, kind, *values, *source, times);
@@ -163,7 +164,7 @@ Result<> run(const Options& options) {
     print_made(options, kind, *baked, times);
     return Done{};
   }
-  const Result<OpenedScene> opened = open_scene(options.scene);
+  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   if (Result<> made = make_folder(folder); !made) return made;
   const auto context = gl::Context::create();
@@ -200,6 +201,7 @@ Command bake_command(CLI::App& app) {
       ->required()
       ->type_name("FILE.exr");
   add_json_option(*command, options->json);
+  add_file_limits(*command, options->limits);
   command->footer(
       "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
       "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"

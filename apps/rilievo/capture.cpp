@@ -35,13 +35,13 @@ std::string text_of(const glm::vec3& v) {
   return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
 }
 
-Result<std::vector<DepthImage>> photographs_of(const std::string& path,
-                                               const RgbdCapture& capture) {
+Result<std::vector<DepthImage>> photographs_of(const std::string& path, const RgbdCapture& capture,
+                                               const FileLimits& limits) {
   std::vector<DepthImage> photographs;
   Progress progress("photograph");
   for (const RgbdFrame& frame : capture.frames) {
     progress.show(int(photographs.size()), int(capture.frames.size()));
-    Result<DepthImage> read = load_rgbd_frame(frame);
+    Result<DepthImage> read = load_rgbd_frame(frame, limits.bytes());
     if (!read) return read.error();
     const double bytes = 40.0 * double(read->depth.texels().size()) * double(capture.frames.size());
     if (bytes > kMostBytes)
@@ -56,21 +56,22 @@ Result<std::vector<DepthImage>> photographs_of(const std::string& path,
 
 }  // namespace
 
-Result<PhotographSource> open_photographs(const std::string& path) {
-  const Result<RgbdCapture> capture = open_rgbd_capture(path);
+Result<PhotographSource> open_photographs(const std::string& path, const FileLimits& limits) {
+  const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
-  Result<std::vector<DepthImage>> photographs = photographs_of(path, *capture);
+  Result<std::vector<DepthImage>> photographs = photographs_of(path, *capture, limits);
   if (!photographs) return photographs.error();
   return PhotographSource(path, std::move(*photographs));
 }
 
-Result<> describe_capture(const std::string& path, const std::string& json) {
-  const Result<RgbdCapture> capture = open_rgbd_capture(path);
+Result<> describe_capture(const std::string& path, const std::string& json,
+                          const FileLimits& limits) {
+  const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
   Box bounds;
   int width = 0, height = 0;
   for (const RgbdFrame& frame : capture->frames) {
-    const Result<DepthImage> read = load_rgbd_frame(frame);
+    const Result<DepthImage> read = load_rgbd_frame(frame, limits.bytes());
     if (!read) return read.error();
     width = std::max(width, read->camera.width);
     height = std::max(height, read->camera.height);

@@ -3,15 +3,18 @@
 
 #include <string>
 
+#include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/photograph_source.h"
 #include "rilievo/core/result.h"
 
 namespace rilievo::app {
 
 // All photographs of a capture, decoded. Needs no OpenGL.
-[[nodiscard]] Result<PhotographSource> open_photographs(const std::string& path);
+[[nodiscard]] Result<PhotographSource> open_photographs(const std::string& path,
+                                                        const FileLimits& limits);
 
 // Frames, size and bounds.
-[[nodiscard]] Result<> describe_capture(const std::string& path, const std::string& json);
+[[nodiscard]] Result<> describe_capture(const std::string& path, const std::string& json,
+                                        const FileLimits& limits);
 
 }  // namespace rilievo::app

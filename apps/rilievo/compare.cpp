@@ -29,6 +29,7 @@ namespace {
 struct Options {
   // `file`: what was baked, if it is not the scene itself that is drawn.
   std::string scene, file, output, json, command_line;
+  FileLimits limits;
   std::vector<std::string> methods;
   FrameOptions frames;
   MethodOptions method_options;
@@ -81,7 +82,7 @@ Result<> run(const Options& options) {
   const std::filesystem::path report_file = folder / "report.json",
                               page_file = folder / "report.html";
   if (Result<> good = expect_outputs({report_file, page_file, options.json}); !good) return good;
-  const Result<OpenedScene> opened = open_scene(options.scene);
+  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -132,14 +133,14 @@ Result<> run(const Options& options) {
 
 // Which is the scene, which the file, and which methods there are.
 Result<> settle(Options& options, const std::string& given, const std::string& truth) {
-  const bool is_file = is_picture_file(given);
+  const bool is_file = holds_pictures(given);
   if (is_file && truth.empty())
     return Error{given,
                  "there are no true frames to compare it with: say --scene SCENE, the scene "
                  "that it was baked of"};
   if (!is_file && !truth.empty())
     return Error{"--scene", "goes with the OpenEXR file of what was baked, not with a scene"};
-  if (is_picture_file(truth)) return Error{truth, "is not a scene: it draws no true frames"};
+  if (holds_pictures(truth)) return Error{truth, "is not a scene: it draws no true frames"};
   options.scene = is_file ? truth : given;
   options.file = is_file ? given : "";
   if (!is_file) {
@@ -184,6 +185,7 @@ Command compare_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);
+  add_file_limits(*command, options->limits);
   command->footer(
       "Example: rilievo compare builtin:bridge --methods flat,nailboard --frames 48 -o report");
   return {command, [options, given, truth](const std::string& command_line) -> Result<> {

@@ -20,6 +20,7 @@ namespace {
 
 struct Options {
   std::string file, json;
+  FileLimits limits;
 };
 
 std::string text_of(const glm::vec3& v) {
@@ -41,13 +42,13 @@ const char* name_of(Projection projection) {
 }
 
 Result<> describe_scene(const Options& options) {
-  const Result<OpenedScene> opened = open_scene(options.file);
+  const Result<OpenedScene> opened = open_scene(options.file, options.limits);
   if (!opened) return opened.error();
   const Scene& scene = opened->scene;
   const Box bounds = world_bounds(scene);
   std::size_t moving = 0, texels = 0, stored = 0;
   for (const Object& object : scene.objects) moving += object.moving ? 1 : 0;
-  for (const Texture& texture : scene.textures) texels += texture.texels.texels().size();
+  for (const Rgba8Image& image : scene.images) texels += image.texels().size();
   for (const Mesh& mesh : scene.meshes) stored += mesh.triangles();
   if (!options.json.empty()) {
     nlohmann::json json{{"schema", "rilievo-info-1"},
@@ -141,13 +142,14 @@ Command info_command(CLI::App& app) {
           std::string(kSceneHelp) + ", pictures in OpenEXR, or a folder of photographs with depth")
       ->required();
   add_json_option(*command, options->json);
+  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo info model.glb");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->json}); !good) return good;
             if (is_rgbd_capture(options->file))
-              return describe_capture(options->file, options->json);
-            return is_picture_file(options->file) ? describe_pictures(*options)
-                                                  : describe_scene(*options);
+              return describe_capture(options->file, options->json, options->limits);
+            return holds_pictures(options->file) ? describe_pictures(*options)
+                                                 : describe_scene(*options);
           }};
 }
 

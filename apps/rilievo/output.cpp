@@ -6,9 +6,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "apps/rilievo/printable.h"
 #include "rilievo/core/file.h"
 
 namespace rilievo::app {
@@ -36,7 +38,7 @@ Result<> flush_output() {
 void complain(std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   // Nobody is left to tell if this fails.
-  std::fputs(("rilievo: " + message + "\n").c_str(), stderr);
+  std::fputs(("rilievo: " + printable(message) + "\n").c_str(), stderr);
 }
 
 void add_json_option(CLI::App& command, std::string& file) {
@@ -78,6 +80,15 @@ Result<> expect_outputs(std::initializer_list<std::filesystem::path> files) {
 bool is_picture_file(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension().string();
   return extension == ".exr" || extension == ".EXR";
+}
+
+bool holds_pictures(const std::string& file) {
+  if (is_picture_file(file)) return true;
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return false;
+  char head[4] = {};
+  std::ifstream(file, std::ios::binary).read(head, sizeof head);
+  return std::memcmp(head, "\x76\x2F\x31\x01", sizeof head) == 0;
 }
 
 }  // namespace rilievo::app

@@ -23,7 +23,7 @@ void print(fmt::format_string<Values...> format, Values&&... values) {
 }
 [[nodiscard]] Result<> flush_output();
 
-// "rilievo: MESSAGE" on the error output, in one line.
+// "rilievo: MESSAGE" on the error output, in one line; what a terminal would obey is spelt out.
 void complain(std::string message);
 
 void add_json_option(CLI::App& command, std::string& file);
@@ -41,5 +41,7 @@ void add_json_option(CLI::App& command, std::string& file);
 
 // Does the name end in .exr?
 [[nodiscard]] bool is_picture_file(const std::string& file);
+// Does it, or does the file begin as OpenEXR?
+[[nodiscard]] bool holds_pictures(const std::string& file);
 
 }  // namespace rilievo::app

@@ -33,6 +33,7 @@ constexpr char kDefaultMethod[] = "nailboard";
 
 struct Options {
   std::string scene, output, pictures, json, method;
+  FileLimits limits;
   double loop_seconds = 0;
   FrameOptions frames;
   MethodOptions methods;
@@ -172,7 +173,7 @@ Result<> render_scene(const Options& options) {
   if (!options.pictures.empty() && kind_method(options.method).kind)
     return Error{"--save-pictures", fmt::format("{} is saved by rilievo bake",
                                                 kind_method(options.method).kind->name)};
-  const Result<OpenedScene> opened = open_scene(options.scene);
+  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -278,12 +279,13 @@ Command render_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
   add_json_option(*command, options->json);
+  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo render model.glb --orbit 60 --size 640x360 -o frames");
   return {command, [options](const std::string&) -> Result<> {
             if (options->output.empty() && options->loop_seconds == 0)
               return Error{"-o", "the folder for the frames is missing"};
             if (Result<> good = expect_places(*options); !good) return good;
-            if (is_picture_file(options->scene)) return render_file(*options);
+            if (holds_pictures(options->scene)) return render_file(*options);
             if (options->method.empty()) options->method = kDefaultMethod;
             return render_scene(*options);
           }};

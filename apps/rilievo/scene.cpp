@@ -17,6 +17,7 @@ namespace {
 
 struct Options {
   std::string scene, output, path;
+  FileLimits limits;
 };
 
 Result<> run(const Options& options) {
@@ -28,7 +29,7 @@ Result<> run(const Options& options) {
   const bool is_file = std::filesystem::exists(options.scene);
   const bool is_spec = options.scene.starts_with("builtin:");
   const Result<OpenedScene> opened =
-      open_scene(is_file || is_spec ? options.scene : "builtin:" + options.scene);
+      open_scene(is_file || is_spec ? options.scene : "builtin:" + options.scene, options.limits);
   if (!opened) return opened.error();
   for (const std::string& name : {options.output, options.path})
     if (Result<> made = make_folder(std::filesystem::path(name).parent_path()); !made) return made;
@@ -53,6 +54,7 @@ Command scene_command(CLI::App& app) {
       ->type_name("FILE.glb");
   command->add_option("--save-path", options->path, "Also write the scene's camera path")
       ->type_name("FILE.json");
+  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo scene 'bridge?triangles=100000' -o bridge.glb");
   return {command, [options](const std::string&) { return run(*options); }};
 }

@@ -6,13 +6,24 @@
 
 namespace rilievo::app {
 
-Result<OpenedScene> open_scene(const std::string& text) {
+void add_file_limits(CLI::App& command, FileLimits& limits) {
+  command
+      .add_option("--memory-limit-mb", limits.memory_mb,
+                  "The most that reading a scene's files may take (default 4096)")
+      ->check(CLI::Range(1, 1 << 20))
+      ->type_name("MB");
+  command.add_flag("--allow-outside", limits.allow_outside,
+                   "A scene may refer to files outside of its own folder");
+}
+
+Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits) {
   if (is_builtin(text)) {
     Result<BuiltinScene> built = make_builtin(text);
     if (!built) return built.error();
     return OpenedScene{std::move(built->scene), std::move(built->path)};
   }
-  Result<LoadedScene> loaded = load_scene(text);
+  Result<LoadedScene> loaded =
+      load_scene(text, {.max_bytes = limits.bytes(), .allow_outside = limits.allow_outside});
   if (!loaded) return loaded.error();
   for (const std::string& warning : loaded->warnings) complain(text + ": warning: " + warning);
   return OpenedScene{std::move(loaded->scene), {}};

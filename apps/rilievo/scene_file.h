@@ -1,6 +1,8 @@
 // A scene as it is named on the command line: a file, or builtin:NAME[?triangles=N&seed=S].
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -18,7 +20,17 @@ struct OpenedScene {
   std::optional<CameraPath> walk;  // a built-in scene brings its own
 };
 
+// What may be spent on the files of strangers, and where they may lead.
+struct FileLimits {
+  int memory_mb = 4096;
+  bool allow_outside = false;
+
+  [[nodiscard]] std::uint64_t bytes() const { return std::uint64_t(memory_mb) << 20; }
+};
+
+void add_file_limits(CLI::App& command, FileLimits& limits);
+
 // Warnings of the loader go to the error output.
-[[nodiscard]] Result<OpenedScene> open_scene(const std::string& text);
+[[nodiscard]] Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits);
 
 }  // namespace rilievo::app

@@ -30,6 +30,7 @@ namespace {
 
 struct Options {
   std::string scene, screenshot, method;
+  FileLimits limits;
   bool split = false;
   FrameOptions frames;
   MethodOptions methods;
@@ -250,7 +251,7 @@ Result<std::unique_ptr<Window>> open_window(const Options& options) {
 }
 
 Result<> view_scene(const Options& options) {
-  const Result<OpenedScene> opened = open_scene(options.scene);
+  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -316,10 +317,11 @@ Command view_command(CLI::App& app) {
       ->type_name("FILE");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
+  add_file_limits(*command, options->limits);
   command->footer("Example: rilievo view builtin:bridge --split");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->screenshot}); !good) return good;
-            return is_picture_file(options->scene) ? view_file(*options) : view_scene(*options);
+            return holds_pictures(options->scene) ? view_file(*options) : view_scene(*options);
           }};
 }
 

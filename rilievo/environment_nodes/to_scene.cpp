@@ -79,8 +79,9 @@ Scene scene_from_node(const EnvironmentMap& map, const NodeMesh& node,
     const std::string name = "face" + std::to_string(f);
     Texture texture;
     texture.name = name;
-    texture.texels = srgb8_from_linear(map.faces[std::size_t(f)].color);
-    for (glm::u8vec4& texel : texture.texels.texels()) texel.a = 255;
+    texture.image = f;
+    scene.images.push_back(srgb8_from_linear(map.faces[std::size_t(f)].color));
+    for (glm::u8vec4& texel : scene.images.back().texels()) texel.a = 255;
     texture.wrap_u = texture.wrap_v = Wrap::clamp_to_edge;
     scene.textures.push_back(std::move(texture));
     Material material;

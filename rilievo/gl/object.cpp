@@ -51,6 +51,14 @@ Texture make_texture_2d(GLenum format, int width, int height, int levels) {
   return Texture(name);
 }
 
+Texture make_texture_view(const Texture& of, GLenum format, int levels) {
+  GLuint name = 0;
+  glGenTextures(1, &name);  // a view must not have a target yet
+  glTextureView(name, GL_TEXTURE_2D, of, format, 0, GLuint(levels), 0, 1);
+  sample_linearly_without_wrapping(name, levels > 1);
+  return Texture(name);
+}
+
 Texture make_texture_2d_array(GLenum format, int width, int height, int layers) {
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);

@@ -50,6 +50,8 @@ using Program = Object<detail::destroy_program>;
 
 [[nodiscard]] Buffer make_buffer(std::size_t bytes, const void* data, GLbitfield flags = 0);
 [[nodiscard]] Texture make_texture_2d(GLenum format, int width, int height, int levels = 1);
+// The same texels under a name with parameters of its own; they live as long as either.
+[[nodiscard]] Texture make_texture_view(const Texture& of, GLenum format, int levels);
 [[nodiscard]] Texture make_texture_2d_array(GLenum format, int width, int height, int layers);
 [[nodiscard]] Texture make_texture_2d_multisample(GLenum format, int width, int height,
                                                   int samples);

@@ -50,6 +50,28 @@ bool begin(Decoder& decoder, Bytes encoded) {
   return true;
 }
 
+// With Huffman's codes a block of 64 texels takes at least one bit. Pictures that are cut short are
+// filled up with grey: a few bytes would stand for any size.
+void check_plausible(const jpeg_decompress_struct& info, std::size_t encoded_bytes) {
+  const std::uint64_t texels = std::uint64_t(info.image_width) * info.image_height;
+  if (!info.arith_code && texels > 512 * std::uint64_t(encoded_bytes))
+    refuse("is a picture that claims " + std::to_string(info.image_width) + " x " +
+           std::to_string(info.image_height) + " texels, more than its bytes can hold");
+}
+
+// A picture in several scans is kept as coefficients of two bytes, in whole blocks, until the last
+// one; another one a few rows at a time.
+std::uint64_t working_bytes(jpeg_decompress_struct& info) {
+  std::uint64_t bytes = (1 << 20) + 128 * std::uint64_t(info.image_width);
+  if (!jpeg_has_multiple_scans(&info)) return bytes;
+  for (int c = 0; c < info.num_components; ++c) {
+    const jpeg_component_info& channel = info.comp_info[c];
+    bytes += (std::uint64_t(channel.width_in_blocks) + 4) *
+             (std::uint64_t(channel.height_in_blocks) + 4) * sizeof(JBLOCK);
+  }
+  return bytes;
+}
+
 // Rows of four bytes a texel into `texels`.
 bool read_rows(Decoder& decoder, std::uint8_t* texels, std::size_t row_bytes) {
   if (setjmp(decoder.back)) return false;
@@ -78,10 +100,10 @@ Rgba8Image decode_jpeg(Bytes encoded, MemoryBudget& budget,
   if (decoder.info.image_width > 1u << 16 || decoder.info.image_height > 1u << 16)
     refuse("is a JPEG picture of an impossible size");
 
+  check_plausible(decoder.info, encoded.size());
+
   Rgba8Image out = make(int(decoder.info.image_width), int(decoder.info.image_height), budget);
-  // A progressive picture keeps the coefficients of four channels, two bytes each, and as much
-  // again for blocks that reach over its edge.
-  budget.borrow(out.texels().size() + (1 << 16), 16);
+  budget.borrow(working_bytes(decoder.info));
   const std::size_t row_bytes = 4 * std::size_t(out.width());
   if (!read_rows(decoder, reinterpret_cast<std::uint8_t*>(out.texels().data()), row_bytes))
     refuse(std::string("is a JPEG picture that cannot be decoded: ") + decoder.reason);

@@ -5,30 +5,28 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include "rilievo/io/jpeg_decode.h"
+#include "rilievo/io/png_decode.h"
 
 namespace rilievo {
 namespace {
 
-// A few bytes can inflate to gigabytes: no single block that stb_image asks for may be larger than
-// this, which is set before each picture to what its size can need.
+// No single block that stb_image asks for may be larger than this, which is set before each picture
+// to what its size can need.
 thread_local std::size_t stb_largest_block = 0;
 
 void* stb_allocate(std::size_t size) {
   return size <= stb_largest_block ? std::malloc(size) : nullptr;
-}
-void* stb_reallocate(void* block, std::size_t size) {
-  return size <= stb_largest_block ? std::realloc(block, size) : nullptr;
 }
 
 }  // namespace
 }  // namespace rilievo
 
 #define STBI_MALLOC(size) rilievo::stb_allocate(size)
-#define STBI_REALLOC(block, size) rilievo::stb_reallocate(block, size)
+#define STBI_REALLOC(block, size) nullptr  // for PNG and GIF alone
 #define STBI_FREE(block) std::free(block)
-#define STBI_ONLY_PNG
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
 #define STBI_NO_STDIO
@@ -60,9 +58,10 @@ void check_size(int width, int height) {
            " texels; at most " + std::to_string(kMaxSide) + " a side can be used");
 }
 
-Rgba8Image blank(int width, int height, MemoryBudget& budget) {
+template <class Texel>
+Image<Texel> blank(int width, int height, MemoryBudget& budget) {
   check_size(width, height);
-  budget.take(std::uint64_t(width) * std::uint64_t(height), 4);
+  budget.take_pixels(std::uint64_t(width) * std::uint64_t(height), sizeof(Texel));
   return {width, height};
 }
 
@@ -71,75 +70,67 @@ Rgba8Image decode_webp(Bytes encoded, MemoryBudget& budget) {
   if (WebPGetFeatures(encoded.data(), encoded.size(), &features) != VP8_STATUS_OK)
     refuse("is a WebP picture that is damaged");
   if (features.has_animation) refuse("is an animated WebP picture");
-  Rgba8Image out = blank(features.width, features.height, budget);
-  const std::size_t bytes = out.texels().size() * 4;
+  check_size(features.width, features.height);
+  // Lossless pictures are decoded whole before they are copied; of lossy ones, only the alpha.
+  const bool lossy = features.format == 1;
+  budget.borrow(std::uint64_t(features.width) * std::uint64_t(features.height),
+                lossy ? 2 * features.has_alpha : 4);
+  Rgba8Image out = blank<glm::u8vec4>(features.width, features.height, budget);
   if (!WebPDecodeRGBAInto(encoded.data(), encoded.size(),
-                          reinterpret_cast<std::uint8_t*>(out.texels().data()), bytes,
-                          4 * features.width))
+                          reinterpret_cast<std::uint8_t*>(out.texels().data()),
+                          out.texels().size_bytes(), 4 * features.width))
     refuse("is a WebP picture that is damaged");
   return out;
 }
 
-int stb_size(Bytes encoded) {
+[[noreturn]] void fail_stb() {
+  // It does not always say why.
+  const char* const why = stbi_failure_reason();
+  refuse(std::string("is a picture that cannot be decoded: ") +
+         (why && *why ? why : "its bytes are damaged"));
+}
+
+// BMP and TGA. stb_image takes what is cut short for zeros, so that a few bytes could stand for any
+// picture: BMP has at least one bit a texel, TGA at least 2 bytes for 128 texels that repeat.
+Rgba8Image decode_stb(Bytes encoded, MemoryBudget& budget) {
   if (encoded.size() > std::size_t(std::numeric_limits<int>::max()))
     refuse("is a picture of more than 2 GiB");
-  return int(encoded.size());
-}
-
-// The most that stb_image needs: four channels of two bytes and a filter byte a row; and the
-// compressed bytes, both in blocks that grow by doubling.
-void limit_stb(int width, int height, Bytes encoded, const MemoryBudget& budget) {
-  const std::size_t raw = std::size_t(width) * std::size_t(height) * 8 + std::size_t(height);
-  stb_largest_block = 2 * raw + 2 * encoded.size() + (1 << 16);
-  budget.borrow(2 * stb_largest_block);
-}
-
-Rgba8Image decode_stb(Bytes encoded, MemoryBudget& budget) {
-  const int size = stb_size(encoded);
+  const int size = int(encoded.size());
   int width = 0, height = 0, channels = 0;
   stb_largest_block = 1 << 20;
-  if (!stbi_info_from_memory(encoded.data(), size, &width, &height, &channels))
-    refuse(std::string("is a picture that cannot be decoded: ") + stbi_failure_reason());
-  Rgba8Image out = blank(width, height, budget);
-  limit_stb(width, height, encoded, budget);
-  stbi_uc* const texels =
-      stbi_load_from_memory(encoded.data(), size, &width, &height, &channels, 4);
-  if (!texels) refuse(std::string("is a picture that cannot be decoded: ") + stbi_failure_reason());
-  if (width == out.width() && height == out.height())
-    std::memcpy(out.texels().data(), texels, out.texels().size() * 4);
-  std::free(texels);
+  if (!stbi_info_from_memory(encoded.data(), size, &width, &height, &channels)) fail_stb();
+  check_size(width, height);
+  const std::uint64_t texels = std::uint64_t(width) * std::uint64_t(height);
+  if (texels > (starts_with(encoded, "BM") ? 8 : 64) * std::uint64_t(encoded.size()))
+    refuse("is a picture that claims " + std::to_string(width) + " x " + std::to_string(height) +
+           " texels, more than its bytes can hold");
+  // Four channels as they come, four as they are asked for; one of both is freed before the copy.
+  stb_largest_block = 4 * texels + 4096;
+  budget.borrow(texels, 4);
+  Rgba8Image out = blank<glm::u8vec4>(width, height, budget);
+  const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(
+      stbi_load_from_memory(encoded.data(), size, &width, &height, &channels, 4), std::free);
+  if (!decoded) fail_stb();
+  if (width != out.width() || height != out.height())
+    refuse("is a picture that cannot be decoded: its header contradicts itself");
+  std::memcpy(out.texels().data(), decoded.get(), out.texels().size_bytes());
   return out;
 }
 
 }  // namespace
 
 Rgba8Image decode_picture(Bytes encoded, MemoryBudget& budget) {
+  if (is_png(encoded)) return decode_png(encoded, budget, blank<glm::u8vec4>);
+  if (starts_with(encoded, "\xFF\xD8\xFF")) return decode_jpeg(encoded, budget, blank<glm::u8vec4>);
   if (starts_with(encoded, "RIFF") && starts_with(encoded, "WEBP", 8))
     return decode_webp(encoded, budget);
   if (starts_with(encoded, "\xABKTX 20\xBB")) refuse("is a KTX2 picture, which is not supported");
   if (starts_with(encoded, "DDS ")) refuse("is a DDS picture, which is not supported");
-  if (starts_with(encoded, "\xFF\xD8\xFF")) return decode_jpeg(encoded, budget, blank);
   return decode_stb(encoded, budget);
 }
 
 Image<std::uint16_t> decode_grey16(Bytes encoded, MemoryBudget& budget) {
-  const int size = stb_size(encoded);
-  int width = 0, height = 0, channels = 0;
-  stb_largest_block = 1 << 20;
-  if (!starts_with(encoded, "\x89PNG") ||
-      !stbi_info_from_memory(encoded.data(), size, &width, &height, &channels) || channels != 1 ||
-      !stbi_is_16_bit_from_memory(encoded.data(), size))
-    refuse("is not a PNG picture of 16-bit grey");
-  check_size(width, height);
-  budget.take(std::uint64_t(width) * std::uint64_t(height), 2);
-  limit_stb(width, height, encoded, budget);
-  stbi_us* const texels =
-      stbi_load_16_from_memory(encoded.data(), size, &width, &height, &channels, 1);
-  if (!texels) refuse(std::string("is a picture that cannot be decoded: ") + stbi_failure_reason());
-  Image<std::uint16_t> out(width, height);
-  std::memcpy(out.texels().data(), texels, out.texels().size_bytes());
-  std::free(texels);
-  return out;
+  return decode_png_grey16(encoded, budget, blank<std::uint16_t>);
 }
 
 }  // namespace rilievo

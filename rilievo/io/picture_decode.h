@@ -1,6 +1,8 @@
-// The texels of an encoded picture: JPEG by libjpeg (stb_image 2.27 writes past its tables on a
-// damaged one), WebP by libwebp, PNG, BMP and TGA by stb_image. Which it is, the first bytes say.
-// Internal to loading; throws LoadFault.
+// The texels of an encoded picture: PNG by libpng, JPEG by libjpeg, WebP by libwebp, BMP and TGA by
+// stb_image. Which it is, the first bytes say. Internal to loading; throws LoadFault.
+//
+// Damaged files take the libraries for formats that compress: stb_image 2.27 writes past its tables
+// on a damaged JPEG, and gives no reason for a damaged PNG.
 #pragma once
 
 #include <cstdint>

@@ -1,57 +1,83 @@
 #include "rilievo/io/png.h"
 
-// Private copies: other stages and other libraries may hold their own.
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#define STBI_NO_STDIO
-#define STBI_NO_LINEAR
-#define STBI_NO_HDR
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STBI_WRITE_NO_STDIO
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
-#include <stb/stb_image.h>
-#include <stb/stb_image_write.h>
-#pragma GCC diagnostic pop
+#include <png.h>
 
 #include <algorithm>
-#include <cstring>
-#include <memory>
+#include <csetjmp>
+#include <cstdio>
+#include <new>
 
 #include "rilievo/core/file.h"
+#include "rilievo/io/picture_decode.h"
+#include "rilievo/io/png_decode.h"
 
 namespace rilievo {
 namespace {
 
-// DEFLATE makes of one byte at most 1032, and a PNG pixel takes at least one bit.
-constexpr double kPixelsPerByte = 8 * 1032.0;
 constexpr std::uint64_t kMostBytes = 1u << 30;
-constexpr double kMostPixels = double(1 << 28);
 
-void append(void* context, void* data, int size) {
-  auto* out = static_cast<std::vector<std::uint8_t>*>(context);
-  const auto* bytes = static_cast<const std::uint8_t*>(data);
-  out->insert(out->end(), bytes, bytes + size);
+// libpng reports a fault by calling error_fn, which must not return: it jumps back to where
+// encoding began. Nothing with a destructor may be made between the two.
+struct Encoder {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::vector<std::uint8_t> out;
+  std::jmp_buf back{};
+
+  Encoder() = default;
+  Encoder(const Encoder&) = delete;
+  Encoder& operator=(const Encoder&) = delete;
+  ~Encoder() { png_destroy_write_struct(&png, &info); }
+};
+
+[[noreturn]] void give_up(png_structp png, png_const_charp) {
+  std::longjmp(static_cast<Encoder*>(png_get_error_ptr(png))->back, 1);
+}
+
+void append(png_structp png, png_bytep bytes, std::size_t size) {
+  Encoder& encoder = *static_cast<Encoder*>(png_get_io_ptr(png));
+  try {
+    encoder.out.insert(encoder.out.end(), bytes, bytes + size);
+    return;
+  } catch (const std::bad_alloc&) {
+  }
+  png_error(png, "out of memory");  // exceptions must not pass through C
+}
+
+// False if memory runs out, the only fault there can be.
+bool encode(Encoder& encoder, const Rgba8Image& picture, bool opaque) {
+  if (setjmp(encoder.back)) return false;
+  encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, give_up,
+                                        [](png_structp, png_const_charp) {});
+  if (encoder.png) encoder.info = png_create_info_struct(encoder.png);
+  if (!encoder.info) return false;
+  png_structp png = encoder.png;
+  png_set_write_fn(png, &encoder, append, [](png_structp) {});
+  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+  // Of a frame of 800 x 450 (docs/bridge.png) in 13 ms: 197 kB. The best of all filters at zlib's
+  // level 6 takes 65 ms for 183 kB.
+  png_set_compression_level(png, 3);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+  png_set_IHDR(png, encoder.info, png_uint_32(picture.width()), png_uint_32(picture.height()), 8,
+               opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, encoder.info);
+  if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);  // rows of four bytes, the last left out
+  for (int y = 0; y < picture.height(); ++y)
+    png_write_row(png, reinterpret_cast<png_const_bytep>(picture.row(y).data()));
+  png_write_end(png, encoder.info);
+  return true;
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Rgba8Image& picture) {
   RILIEVO_EXPECTS(!picture.empty());
-  const int w = picture.width(), h = picture.height();
   const bool opaque = std::all_of(picture.texels().begin(), picture.texels().end(),
                                   [](const glm::u8vec4& c) { return c.a == 255; });
-  std::vector<std::uint8_t> out;
-  if (!opaque) {
-    stbi_write_png_to_func(append, &out, w, h, 4, picture.texels().data(), 4 * w);
-    return out;
-  }
-  std::vector<glm::u8vec3> rgb(picture.texels().begin(), picture.texels().end());
-  stbi_write_png_to_func(append, &out, w, h, 3, rgb.data(), 3 * w);
-  return out;
+  Encoder encoder;
+  if (!encode(encoder, picture, opaque)) throw std::bad_alloc();
+  return std::move(encoder.out);
 }
 
 Result<> save_png(const std::filesystem::path& path, const Rgba8Image& picture) {
@@ -61,23 +87,16 @@ Result<> save_png(const std::filesystem::path& path, const Rgba8Image& picture) 
 }
 
 Result<Rgba8Image> load_png(const std::filesystem::path& path) {
-  const auto error = [&](const std::string& reason) { return Error{path.string(), reason}; };
   const Result<std::string> file = read_file(path, kMostBytes);
   if (!file) return file.error();
-  const auto* bytes = reinterpret_cast<const stbi_uc*>(file->data());
-  const int size = int(file->size());
-
-  int w = 0, h = 0, channels = 0;
-  if (!stbi_info_from_memory(bytes, size, &w, &h, &channels)) return error("is not a PNG picture");
-  if (double(w) * h > std::min(kMostPixels, kPixelsPerByte * size))
-    return error("claims " + std::to_string(w) + " x " + std::to_string(h) +
-                 " pixels, more than its bytes can hold");
-  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(bytes, size, &w, &h, &channels, 4), stbi_image_free);
-  if (!pixels) return error(std::string("is a damaged PNG picture: ") + stbi_failure_reason());
-  Rgba8Image out(w, h);
-  std::memcpy(out.texels().data(), pixels.get(), out.texels().size_bytes());
-  return out;
+  if (!is_png(bytes_of(*file))) return Error{path.string(), "is not a PNG picture"};
+  MemoryBudget budget(3 * kMostBytes);
+  try {
+    budget.earn(file->size());
+    return decode_picture(bytes_of(*file), budget);
+  } catch (const LoadFault& fault) {
+    return Error{path.string(), fault.reason};
+  }
 }
 
 }  // namespace rilievo

@@ -21,7 +21,7 @@ namespace rilievo {
 [[nodiscard]] Result<> save_png(const std::filesystem::path& path, const Rgba8Image& picture);
 
 // Any PNG: grey, palette and 16 bits become RGBA with 8. Refuses files that claim more pixels than
-// their bytes can hold, and more than 2^28.
+// their bytes can hold, and more than 16384 a side.
 [[nodiscard]] Result<Rgba8Image> load_png(const std::filesystem::path& path);
 
 }  // namespace rilievo

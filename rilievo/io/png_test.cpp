@@ -8,6 +8,7 @@
 #include "rilievo/core/file.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/jpeg.h"
+#include "rilievo/io/picture_decode.h"
 
 namespace rilievo {
 namespace {
@@ -57,6 +58,21 @@ TEST(Png, refuses_what_is_not_a_whole_picture) {
   EXPECT_NE(reason(bomb).find("claims"), std::string::npos) << reason(bomb);
   EXPECT_FALSE(load_png(folder / "missing.png").ok());
   EXPECT_FALSE(load_png(folder.path()).ok());
+}
+
+// 3: what quality 95 without coarser colours leaves of smooth gradients; measured 1.4.
+TEST(Jpeg, comes_back_nearly) {
+  Rgba8Image image(61, 37);
+  for (int y = 0; y < 37; ++y)
+    for (int x = 0; x < 61; ++x) image(x, y) = {4 * x, 6 * y, 255 - 3 * x, 7};
+  const std::vector<std::uint8_t> bytes = encode_jpeg(image, 95);
+  MemoryBudget budget(1 << 24);
+  const Rgba8Image back = decode_picture(bytes, budget);
+  ASSERT_EQ(back.width(), 61);
+  ASSERT_EQ(back.height(), 37);
+  for (std::size_t i = 0; i < back.texels().size(); ++i)
+    for (int c = 0; c < 4; ++c)
+      ASSERT_NEAR(back.texels()[i][c], c == 3 ? 255 : image.texels()[i][c], 3) << i << " " << c;
 }
 
 TEST(Jpeg, is_a_jpeg_and_smaller_at_lower_quality) {

@@ -64,10 +64,14 @@ struct RgbdCapture {
 [[nodiscard]] bool is_rgbd_capture(const std::filesystem::path& path);
 
 // `path` is the folder, or its transforms.json or trajectory.log. The error names the file and what
-// is wrong with it.
-[[nodiscard]] Result<RgbdCapture> open_rgbd_capture(const std::filesystem::path& path);
+// is wrong with it. `allow_outside`: may transforms.json name images that do not lie in its folder
+// or below it?
+[[nodiscard]] Result<RgbdCapture> open_rgbd_capture(const std::filesystem::path& path,
+                                                    bool allow_outside = false);
 
-// The camera's z_near and z_far leave room around the depths. Fails on a frame without any depth.
-[[nodiscard]] Result<DepthImage> load_rgbd_frame(const RgbdFrame& frame);
+// The camera's z_near and z_far leave room around the depths. Fails on a frame without any depth,
+// and on one that would take more than `max_bytes`, files and pictures together.
+[[nodiscard]] Result<DepthImage> load_rgbd_frame(const RgbdFrame& frame,
+                                                 std::uint64_t max_bytes = std::uint64_t(4) << 30);
 
 }  // namespace rilievo

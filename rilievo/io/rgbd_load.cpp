@@ -9,16 +9,14 @@
 namespace rilievo {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 1u << 30;
-
 // Decodes one file; a fault becomes an error that names it.
 template <class Decode>
-auto decoded(const std::filesystem::path& path, Decode decode)
+auto decoded(const std::filesystem::path& path, MemoryBudget& budget, Decode decode)
     -> Result<decltype(decode(Bytes{}, std::declval<MemoryBudget&>()))> {
-  const Result<std::string> bytes = read_file(path, kMostBytes);
+  const Result<std::string> bytes = read_file(path, budget.left());
   if (!bytes) return bytes.error();
-  MemoryBudget budget(kMostBytes);
   try {
+    budget.earn(bytes->size());
     return decode(bytes_of(*bytes), budget);
   } catch (const LoadFault& fault) {
     return Error{path.string(), fault.reason};
@@ -46,10 +44,17 @@ Camera camera_of(const RgbdFrame& frame, int width, int height) {
 
 }  // namespace
 
-Result<DepthImage> load_rgbd_frame(const RgbdFrame& frame) {
-  const Result<Rgba8Image> color = decoded(frame.color, decode_picture);
+Result<DepthImage> load_rgbd_frame(const RgbdFrame& frame, std::uint64_t max_bytes) {
+  MemoryBudget budget(max_bytes);
+  // What is decoded becomes floats: four of colour and one of depth.
+  const Result<Rgba8Image> color =
+      decoded(frame.color, budget, [](Bytes encoded, MemoryBudget& left) {
+        Rgba8Image picture = decode_picture(encoded, left);
+        left.take_pixels(picture.texels().size(), sizeof(glm::vec4) + sizeof(float));
+        return picture;
+      });
   if (!color) return color.error();
-  const Result<Image<std::uint16_t>> units = decoded(frame.depth, decode_grey16);
+  const Result<Image<std::uint16_t>> units = decoded(frame.depth, budget, decode_grey16);
   if (!units) return units.error();
   const int width = color->width(), height = color->height();
   const RgbdIntrinsics& lens = frame.intrinsics;

@@ -114,13 +114,15 @@ bool is_rgbd_capture(const fs::path& path) {
   return name == "transforms.json" || name.ends_with(".log");
 }
 
-Result<RgbdCapture> open_rgbd_capture(const fs::path& path) {
+Result<RgbdCapture> open_rgbd_capture(const fs::path& path, bool allow_outside) {
   Result<RgbdCapture> capture = [&]() -> Result<RgbdCapture> {
     if (!is_folder(path)) {
       if (Result<> there = rgbd::check_file(path); !there) return there.error();
-      return path.extension() == ".log" ? rgbd::open_trajectory(path) : rgbd::open_transforms(path);
+      return path.extension() == ".log" ? rgbd::open_trajectory(path)
+                                        : rgbd::open_transforms(path, allow_outside);
     }
-    if (is_file(path / "transforms.json")) return rgbd::open_transforms(path / "transforms.json");
+    if (is_file(path / "transforms.json"))
+      return rgbd::open_transforms(path / "transforms.json", allow_outside);
     if (is_file(path / "trajectory.log")) return rgbd::open_trajectory(path / "trajectory.log");
     if (has_pose_files(path)) return rgbd::open_pose_files(path);
     return Error{path.string(),

@@ -28,7 +28,8 @@ inline constexpr std::uint64_t kMostTextBytes = 256u << 20;
 // `count` numbers, and nothing else, out of text.
 [[nodiscard]] Result<std::vector<double>> numbers(std::string_view text, std::size_t count);
 
-[[nodiscard]] Result<RgbdCapture> open_transforms(const std::filesystem::path& file);
+[[nodiscard]] Result<RgbdCapture> open_transforms(const std::filesystem::path& file,
+                                                  bool allow_outside);
 [[nodiscard]] Result<RgbdCapture> open_trajectory(const std::filesystem::path& file);
 [[nodiscard]] Result<RgbdCapture> open_pose_files(const std::filesystem::path& folder);
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "rilievo/core/file.h"
+#include "rilievo/io/load_context.h"
 #include "rilievo/io/rgbd_open.h"
 
 namespace rilievo::rgbd {
@@ -121,7 +122,7 @@ std::string read_frame(const Json& file, const Json& json, const fs::path& folde
 
 }  // namespace
 
-Result<RgbdCapture> open_transforms(const fs::path& file) {
+Result<RgbdCapture> open_transforms(const fs::path& file, bool allow_outside) {
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
   const Result<std::string> text = read_file(file, kMostTextBytes);
   if (!text) return text.error();
@@ -136,6 +137,10 @@ Result<RgbdCapture> open_transforms(const fs::path& file) {
     const std::string fault = read_frame(json, each, file.parent_path(), frame);
     if (!fault.empty())
       return error("frame " + std::to_string(capture.frames.size()) + ": " + fault);
+    for (const fs::path& image : {frame.color, frame.depth})
+      if (!allow_outside && !lies_within(file.parent_path(), image))
+        return error("frame " + std::to_string(capture.frames.size()) + ": '" + image.string() +
+                     "' is outside of the capture's folder (--allow-outside reads it)");
     capture.frames.push_back(std::move(frame));
   }
   return capture;

@@ -19,9 +19,10 @@ namespace rilievo {
 
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
 
+// How an image is sampled; many textures may share one.
 struct Texture {
   std::string name;
-  Rgba8Image texels;  // row 0 is v = 0 (glTF's convention); alpha straight, not premultiplied
+  int image = 0;  // index into Scene::images
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   bool nearest = false;  // magnify without interpolation
 };
@@ -129,6 +130,7 @@ struct Sky {
 
 struct Scene {
   std::string name;
+  std::vector<Rgba8Image> images;  // row 0 is v = 0 (glTF's convention); alpha straight
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;

@@ -38,8 +38,11 @@ Error fault(const char* kind, std::size_t i, const std::string& reason) {
 }
 
 Result<> check_textures(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.images.size(); ++i)
+    if (scene.images[i].empty()) return fault("image", i, "has no texels");
   for (std::size_t i = 0; i < scene.textures.size(); ++i)
-    if (scene.textures[i].texels.empty()) return fault("texture", i, "has no texels");
+    if (!index(scene.textures[i].image, scene.images.size()))
+      return fault("texture", i, "has an image that does not exist");
   return Done{};
 }
 

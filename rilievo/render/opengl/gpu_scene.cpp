@@ -44,21 +44,33 @@ GLenum gl_wrap(Wrap wrap) {
   return GL_REPEAT;
 }
 
-gl::Texture upload_texture(const Texture& texture, bool srgb) {
-  const int width = texture.texels.width(), height = texture.texels.height();
-  const int levels = 1 + int(std::floor(std::log2(float(std::max(width, height)))));
-  gl::Texture made = gl::make_texture_2d(srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, width, height, levels);
+GLenum gl_format(bool srgb) { return srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8; }
+
+int level_count(const Rgba8Image& image) {
+  return 1 + int(std::floor(std::log2(float(std::max(image.width(), image.height())))));
+}
+
+gl::Texture upload_image(const Rgba8Image& image, bool srgb) {
+  gl::Texture made =
+      gl::make_texture_2d(gl_format(srgb), image.width(), image.height(), level_count(image));
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage2D(made, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE,
-                      texture.texels.texels().data());
+  glTextureSubImage2D(made, 0, 0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE,
+                      image.texels().data());
   glGenerateTextureMipmap(made);
+  return made;
+}
+
+// The texels of `uploaded`, sampled in another way.
+gl::Texture view_of(const gl::Texture& uploaded, const Texture& texture, const Rgba8Image& image,
+                    bool srgb) {
+  gl::Texture made = gl::make_texture_view(uploaded, gl_format(srgb), level_count(image));
   glTextureParameteri(made, GL_TEXTURE_WRAP_S, GLint(gl_wrap(texture.wrap_u)));
   glTextureParameteri(made, GL_TEXTURE_WRAP_T, GLint(gl_wrap(texture.wrap_v)));
   if (texture.nearest) glTextureParameteri(made, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   return made;
 }
 
-// Uploads each texture once for each way it is read.
+// Uploads each image once for each way it is read, and makes a view of it for each texture.
 class TextureStore {
  public:
   TextureStore(const Scene& scene, std::vector<gl::Texture>& textures)
@@ -68,10 +80,15 @@ class TextureStore {
     glTextureSubImage2D(textures_[0], 0, 0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, &white);
   }
   int get(const TextureUse& use, bool srgb) {
-    if (use.texture < 0 || scene_.textures[std::size_t(use.texture)].texels.empty()) return 0;
+    if (use.texture < 0) return 0;
     auto [found, is_new] = known_.try_emplace({use.texture, srgb}, int(textures_.size()));
-    if (is_new)
-      textures_.push_back(upload_texture(scene_.textures[std::size_t(use.texture)], srgb));
+    if (is_new) {
+      const Texture& texture = scene_.textures[std::size_t(use.texture)];
+      const Rgba8Image& image = scene_.images[std::size_t(texture.image)];
+      auto [uploaded, is_new_image] = images_.try_emplace({texture.image, srgb});
+      if (is_new_image) uploaded->second = upload_image(image, srgb);
+      textures_.push_back(view_of(uploaded->second, texture, image, srgb));
+    }
     return found->second;
   }
 
@@ -79,6 +96,7 @@ class TextureStore {
   const Scene& scene_;
   std::vector<gl::Texture>& textures_;
   std::map<std::pair<int, bool>, int> known_;
+  std::map<std::pair<int, bool>, gl::Texture> images_;  // the views keep their texels alive
 };
 
 GpuMaterial convert(const Material& m, TextureStore& store, GpuMaterialBlock& block) {
@@ -206,7 +224,8 @@ Result<GpuScene> upload(const Scene& scene) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
   for (const Texture& texture : scene.textures)
-    if (texture.texels.width() > limit || texture.texels.height() > limit)
+    if (const Rgba8Image& image = scene.images[std::size_t(texture.image)];
+        image.width() > limit || image.height() > limit)
       return Error{scene.name, "texture '" + texture.name +
                                    "' is larger than this GPU's limit of " + std::to_string(limit) +
                                    " texels"};

@@ -23,31 +23,33 @@ struct SceneDeleter {
 };
 using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
-glm::vec4 texel(const Texture& texture, int x, int y) {
+glm::vec4 texel(const Texture& texture, const Rgba8Image& image, int x, int y) {
   const auto wrapped = [](int i, int n, Wrap wrap) {
     if (wrap == Wrap::clamp_to_edge) return std::clamp(i, 0, n - 1);
     const int period = wrap == Wrap::mirrored_repeat ? 2 * n : n;
     const int k = ((i % period) + period) % period;
     return k < n ? k : period - 1 - k;
   };
-  const glm::u8vec4 c = texture.texels(wrapped(x, texture.texels.width(), texture.wrap_u),
-                                       wrapped(y, texture.texels.height(), texture.wrap_v));
+  const glm::u8vec4 c =
+      image(wrapped(x, image.width(), texture.wrap_u), wrapped(y, image.height(), texture.wrap_v));
   return {linear_from_srgb(float(c.r) / 255), linear_from_srgb(float(c.g) / 255),
           linear_from_srgb(float(c.b) / 255), float(c.a) / 255};
 }
 
-glm::vec4 sample(const Texture& texture, const glm::vec2& uv) {
-  if (texture.texels.empty() || !std::isfinite(uv.x) || !std::isfinite(uv.y))
-    return glm::vec4(1.0f);
+glm::vec4 sample(const Scene& scene, int index, const glm::vec2& uv) {
+  if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return glm::vec4(1.0f);
+  const Texture& texture = scene.textures[std::size_t(index)];
+  const Rgba8Image& image = scene.images[std::size_t(texture.image)];
   // Far from the origin a float has no fraction left to wrap.
   const glm::vec2 near_uv = glm::abs(uv.x) + glm::abs(uv.y) < 1e6f ? uv : glm::vec2(0.0f);
-  const glm::vec2 at = near_uv * glm::vec2(texture.texels.width(), texture.texels.height()) - 0.5f;
+  const glm::vec2 at = near_uv * glm::vec2(image.width(), image.height()) - 0.5f;
   const glm::vec2 cell = glm::floor(texture.nearest ? at + 0.5f : at);
   const int x = int(cell.x), y = int(cell.y);
-  if (texture.nearest) return texel(texture, x, y);
+  const auto at_cell = [&](int dx, int dy) { return texel(texture, image, x + dx, y + dy); };
+  if (texture.nearest) return at_cell(0, 0);
   const glm::vec2 f = at - cell;
-  return glm::mix(glm::mix(texel(texture, x, y), texel(texture, x + 1, y), f.x),
-                  glm::mix(texel(texture, x, y + 1), texel(texture, x + 1, y + 1), f.x), f.y);
+  return glm::mix(glm::mix(at_cell(0, 0), at_cell(1, 0), f.x),
+                  glm::mix(at_cell(0, 1), at_cell(1, 1), f.x), f.y);
 }
 
 // Rejects what a picture cannot hold. Side = sign of Ng . direction, both in model space, where a
@@ -131,10 +133,9 @@ glm::vec4 base_color_at(const Scene& scene, int mesh_index, std::uint32_t triang
   const TextureUse& use = material.base_color_texture;
   if (use.texture < 0) return color;
   const std::vector<glm::vec2>& uvs = mesh.uv[use.uv_set];
-  if (uvs.empty()) return color * sample(scene.textures[use.texture], {0, 0});
+  if (uvs.empty()) return color * sample(scene, use.texture, {0, 0});
   const glm::vec2 uv = w.x * uvs[corner[0]] + w.y * uvs[corner[1]] + w.z * uvs[corner[2]];
-  return color *
-         sample(scene.textures[use.texture], glm::vec2(use.texture_from_uv * glm::vec3(uv, 1)));
+  return color * sample(scene, use.texture, glm::vec2(use.texture_from_uv * glm::vec3(uv, 1)));
 }
 
 Result<RayScene> RayScene::create(const Scene& scene, double time) {

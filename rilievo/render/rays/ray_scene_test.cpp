@@ -24,9 +24,9 @@ Mesh box_mesh(const glm::vec3& lo, const glm::vec3& hi) {
 Scene random_scene(std::mt19937& rng) {
   std::uniform_real_distribution<float> u(-1, 1);
   Scene scene;
+  scene.images.emplace_back(2, 2, glm::u8vec4(255));
+  scene.images[0](0, 0).a = scene.images[0](1, 1).a = 0;
   Texture holes;
-  holes.texels = Rgba8Image(2, 2, glm::u8vec4(255));
-  holes.texels(0, 0).a = holes.texels(1, 1).a = 0;
   holes.nearest = true;
   scene.textures.push_back(holes);
   Material single, both, blended, masked;

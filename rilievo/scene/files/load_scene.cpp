@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <set>
 
 #include "rilievo/core/file.h"
 #include "rilievo/io/load_context.h"
@@ -33,7 +34,7 @@ const char* foreign_kind(Bytes file) {
   };
   static constexpr Magic kMagics[] = {{"\x89PNG", "a PNG picture"},
                                       {"\xFF\xD8\xFF", "a JPEG picture"},
-                                      {"v/1\x01", "an OpenEXR picture"},
+                                      {"v/1\x01", "an OpenEXR file of pictures"},
                                       {"\xABKTX", "a KTX picture"},
                                       {"DDS ", "a DDS picture"},
                                       {"PK\x03\x04", "a ZIP archive"},
@@ -89,6 +90,7 @@ LoadedScene read(Bytes file, const std::string& extension, LoadContext& context)
 Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, LoadContext& context) {
   const std::string where = path.string();
   try {
+    context.budget.earn(file.size());
     return read(file, lower_extension(path), context);
   } catch (const LoadFault& fault) {
     return Error{where, fault.reason};
@@ -100,25 +102,44 @@ Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, LoadC
   }
 }
 
+// A folder is what many a model comes in; say which file in it to name.
+Error folder_error(const std::filesystem::path& path) {
+  std::error_code failed;
+  std::set<std::string> names;
+  for (std::filesystem::directory_iterator it(path, failed), end; !failed && it != end;
+       it.increment(failed)) {
+    const std::string e = lower_extension(it->path());
+    if (e == "gltf" || e == "glb" || e == "obj" || e == "ply" || e == "stl")
+      names.insert(it->path().filename().string());
+  }
+  if (!names.empty())
+    return {path.string(), "is a folder: name a file in it, as " + *names.begin()};
+  return {path.string(),
+          "is a folder without a scene (.gltf, .glb, .obj, .ply, .stl), and no capture either "
+          "(transforms.json, trajectory.log, *.pose.txt)"};
+}
+
 }  // namespace
 
 Result<LoadedScene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path, unknown)) return folder_error(path);
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  if (!unknown && size > options.max_bytes)
+    return Error{path.string(), "has " + std::to_string(size >> 20) + " MiB, more than the " +
+                                    std::to_string(options.max_bytes >> 20) +
+                                    " that --memory-limit-mb allows"};
   const Result<std::string> file = read_file(path, options.max_bytes);
   if (!file) return file.error();
-  LoadContext context{path.stem().string(),
-                      path.parent_path(),
-                      options.time,
-                      MemoryBudget(options.max_bytes - file->size()),
-                      {},
-                      false};
+  LoadContext context{path.stem().string(), path.parent_path(), options.time,
+                      MemoryBudget(options.max_bytes), options.allow_outside};
   return guarded(bytes_of(*file), path, context);
 }
 
 Result<LoadedScene> load_scene(std::span<const std::uint8_t> bytes, const std::string& name,
                                const LoadOptions& options) {
   const std::filesystem::path path(name);
-  LoadContext context{
-      path.stem().string(), {}, options.time, MemoryBudget(options.max_bytes), {}, false};
+  LoadContext context{path.stem().string(), {}, options.time, MemoryBudget(options.max_bytes)};
   return guarded(bytes, path, context);
 }
 

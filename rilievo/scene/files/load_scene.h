@@ -2,11 +2,16 @@
 //
 // glTF 2.0 (.gltf, .glb), Wavefront OBJ, PLY and STL. What a file is, its first bytes say; its name
 // only where they leave it open. Files that a scene refers to (buffers, pictures, materials) are
-// read by relative paths from its folder; nothing is ever fetched from elsewhere.
+// read from its own folder and those below it, each once; nothing is ever fetched from elsewhere.
+// A path that leads outside of that folder, after ".." and symbolic links are resolved, is refused
+// unless LoadOptions::allow_outside.
 //
 // Bad input ends in an Error with a reason: no exception leaves these functions, and memory stays
-// within LoadOptions::max_bytes. What a file asks for and cannot be had without harm to the rest (a
-// picture that cannot be decoded, an optional extension) is left out with a warning.
+// within LoadOptions::max_bytes. It also stays within 64 MiB + 32 times the bytes of the files +
+// the decoded pixels, so that a small file costs little; bytes that a compressed mesh (Draco,
+// meshoptimizer) becomes count half as bytes of files. Messages call the options as the command
+// line does. What a file asks for and cannot be had without harm to the rest (a picture that cannot
+// be decoded, an optional extension) is left out with a warning.
 //
 // How glTF maps to a Scene:
 //   - a node with a mesh is one Object, each of its GPU instances too; meshes are shared;
@@ -33,8 +38,10 @@ namespace rilievo {
 
 struct LoadOptions {
   double time = 0.0;  // seconds: skins and morph targets are posed at this time
-  // Bound on what loading allocates, files and intermediate data included; beyond it: an Error.
+  // --memory-limit-mb: bound on what loading allocates, files and intermediate data included.
   std::uint64_t max_bytes = std::uint64_t(4) << 30;
+  // --allow-outside: may a scene refer to files that do not lie in its own folder, or below it?
+  bool allow_outside = false;
 };
 
 struct LoadedScene {

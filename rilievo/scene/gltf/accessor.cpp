@@ -90,8 +90,7 @@ void apply_sparse(Document& document, const Accessor& a, const JsonValue& sparse
   for (std::uint64_t i = 0; i < replaced; ++i) {
     const std::uint64_t target = std::uint64_t(load_component(component, at.data + i * at.stride));
     if (target >= a.count)
-      indices.fail("refer to element " + std::to_string(target) + ", but there are only " +
-                   std::to_string(a.count));
+      indices.fail("refer to element " + std::to_string(target) + but_there_are(a.count));
     std::memcpy(&dense[target * element], with.data + i * with.stride, element);
   }
   elements.owned = std::move(dense);

@@ -124,7 +124,7 @@ TEST(GltfAccessor, reads_every_type_stride_and_sparse_replacement) {
   Random random{std::mt19937(31)};
   for (int round = 0; round < 1000; ++round) {
     const Case c = random_case(random);
-    LoadContext context{"", {}, 0.0, MemoryBudget(1 << 20), {}, false};
+    LoadContext context{"", {}, 0.0, MemoryBudget(1 << 20)};
     Document document = open_document(bytes_of(c.file), context);
     const Accessor a = describe_accessor(document, 0);
     ASSERT_EQ(a.numbers, c.numbers);
@@ -161,13 +161,13 @@ TEST(GltfUri, base64_of_every_length_comes_back) {
     for (std::size_t i = 0; i < bits.size(); i += 6)
       text += kDigits[std::stoi(bits.substr(i, 6), nullptr, 2)];
     while (text.size() % 4) text += '=';
-    LoadContext context{"", {}, 0.0, MemoryBudget(1 << 20), {}, false};
+    LoadContext context{"", {}, 0.0, MemoryBudget(1 << 20)};
     EXPECT_EQ(read_uri("data:application/octet-stream;base64," + text, context), bytes);
   }
 }
 
 TEST(GltfUri, refuses_what_is_not_beside_the_file) {
-  LoadContext context{"", std::filesystem::path("."), 0.0, MemoryBudget(1 << 20), {}, false};
+  LoadContext context{"", std::filesystem::path("."), 0.0, MemoryBudget(1 << 20)};
   const auto why = [&](const std::string& uri) {
     try {
       return read_uri(uri, context);
@@ -178,9 +178,14 @@ TEST(GltfUri, refuses_what_is_not_beside_the_file) {
   EXPECT_EQ(why("http://a/b"), "refers to 'http://a/b', which is not a relative path");
   EXPECT_EQ(why("file:///etc/passwd"),
             "refers to 'file:///etc/passwd', which is not a relative path");
-  EXPECT_EQ(why("/etc/passwd"), "refers to the absolute path '/etc/passwd'");
-  EXPECT_EQ(why("%2Fetc%2Fpasswd"), "refers to the absolute path '/etc/passwd'");
-  EXPECT_EQ(why("C:\\a"), "refers to the absolute path 'C:\\a'");
+  const std::string outside =
+      "', which is outside of the scene's folder (--allow-outside reads it)";
+  EXPECT_EQ(why("/etc/passwd"), "refers to '/etc/passwd" + outside);
+  EXPECT_EQ(why("%2Fetc%2Fpasswd"), "refers to '/etc/passwd" + outside);
+  EXPECT_EQ(why("../../../../../../../../etc/passwd"),
+            "refers to '../../../../../../../../etc/passwd" + outside);
+  EXPECT_EQ(why("a/..%2f%2e./b"), "refers to 'a/../../b" + outside);
+  EXPECT_EQ(why("C:\\a"), "refers to the absolute path 'C:\\a' of another system");
   EXPECT_EQ(why("no%20such.bin"), "'no such.bin': No such file or directory");
   EXPECT_EQ(why("data:;base64,A"), "has a data URI whose base64 is cut short");
   EXPECT_EQ(why("data:;base64,A?=="), "has a data URI that is not base64");

@@ -55,8 +55,8 @@ std::vector<std::uint32_t> read_triangles(AttributeSource& source, const JsonVal
   std::vector<std::uint32_t> indices = read_indices(source, primitive);
   for (std::uint32_t i : indices)
     if (i >= source.vertices)
-      primitive["indices"].fail("refer to vertex " + std::to_string(i) + ", but there are only " +
-                                std::to_string(source.vertices));
+      primitive["indices"].fail("refer to vertex " + std::to_string(i) +
+                                but_there_are(source.vertices));
   if (mode == list) {
     if (indices.size() % 3 != 0)
       context.warn(primitive.path() + " has corners left over that make no whole triangle");

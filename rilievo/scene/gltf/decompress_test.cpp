@@ -31,7 +31,7 @@ std::string decoded(const std::string& packed, std::size_t count, std::size_t st
                                      {"mode", mode},
                                      {"filter", filter}}}}}};
   const std::string file = b.glb();
-  LoadContext context{"", {}, 0.0, MemoryBudget(1 << 24), {}, false};
+  LoadContext context{"", {}, 0.0, MemoryBudget(1 << 24)};
   Document document = open_document(bytes_of(file), context);
   const Bytes bytes = read_view(document, 0);
   return {bytes.begin(), bytes.end()};
@@ -145,8 +145,8 @@ TEST(GltfMeshopt, what_the_decoder_would_not_survive_is_refused) {
             "byteStride of octahedral vectors is neither 4 nor 8");
   EXPECT_EQ(why(3, 4, "ATTRIBUTES", "QUATERNION"), "byteStride of quaternions is not 8");
   EXPECT_EQ(why(3, 4, "ATTRIBUTES", "NONE"), "cannot be decompressed: the stream is damaged");
-  EXPECT_EQ(why(std::size_t(1) << 40, 4, "ATTRIBUTES", "NONE"),
-            "needs more memory than the 16 MiB allowed");
+  EXPECT_NE(why(std::size_t(1) << 40, 4, "ATTRIBUTES", "NONE").find("more memory than 64 MiB"),
+            std::string::npos);
 }
 
 TEST(GltfDraco, a_mesh_comes_back_within_its_quantisation) {
@@ -225,9 +225,9 @@ TEST(GltfDraco, what_a_stream_announces_is_held_against_the_budget) {
     const std::string file = b.glb();
     return load_scene(bytes_of(file), "draco.glb", options).error().reason;
   };
-  EXPECT_EQ(why("\3\xFF\xFF\xFF\x7F"), "needs more memory than the 1024 MiB allowed");
-  EXPECT_EQ(why("\3\xFF\xFF\x3F\xFF"), "needs more memory than the 1024 MiB allowed");
-  EXPECT_EQ(why("\3\1").find("needs more memory"), std::string::npos);
+  EXPECT_NE(why("\3\xFF\xFF\xFF\x7F").find("more memory than 64 MiB"), std::string::npos);
+  EXPECT_NE(why("\3\xFF\xFF\x3F\xFF").find("more memory than 64 MiB"), std::string::npos);
+  EXPECT_EQ(why("\3\1").find("more memory"), std::string::npos);
 }
 
 }  // namespace

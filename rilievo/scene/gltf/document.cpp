@@ -46,16 +46,34 @@ Bytes open_container(Bytes file, Document& document) {
   return json;
 }
 
+// What nlohmann::json takes for a document, counted by the marks outside of its strings: an object
+// or an array is a block of its own, a member a node of a map, an element a place in a vector that
+// doubles as it grows, a string a block; what is in long strings, they take as in the file.
+std::uint64_t memory_of_json(Bytes text) {
+  std::uint64_t brackets = 0, colons = 0, commas = 0, strings = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::uint8_t c = text[i];
+    if (in_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      in_string = !in_string;
+      strings += in_string;
+    } else if (!in_string) {
+      brackets += c == '{' || c == '[';
+      colons += c == ':';
+      commas += c == ',';
+    }
+  }
+  // The name of a member is no block of its own.
+  const std::uint64_t values = strings - std::min(strings, colons);
+  return 96 * brackets + 112 * colons + 32 * commas + 48 * values + text.size();
+}
+
 nlohmann::json parse_json(Bytes text, LoadContext& context) {
   if (text.size() >= 3 && text[0] == 0xEF && text[1] == 0xBB && text[2] == 0xBF)
     text = text.subspan(3);  // a byte order mark, which editors add
-  // A value in memory takes up to 96 bytes (a member of an object: its node and its name), and each
-  // stands behind one of these marks; strings, which may be long, take what they take in the file.
-  const auto marks = std::count_if(text.begin(), text.end(), [](std::uint8_t c) {
-    return c == ',' || c == '[' || c == '{' || c == ':';
-  });
-  context.budget.take(std::uint64_t(marks), 96);
-  context.budget.take(text.size());
+  context.budget.take(memory_of_json(text));
   try {
     return nlohmann::json::parse(text.begin(), text.end());
   } catch (const nlohmann::json::exception& e) {
@@ -94,6 +112,8 @@ void check_versions_and_extensions(Document& document) {
   if (!asset) refuse("is JSON, but not a glTF document: it has no 'asset'");
   const std::string version = asset["version"].text();
   const std::string needed = asset["minVersion"].text("2.0");
+  if (version.empty())
+    refuse("does not say which glTF it is: asset.version is empty; 2.0 can be read");
   if (!version.starts_with("2.")) refuse("is glTF " + version + "; only 2.0 can be read");
   if (needed != "2.0") refuse("needs a reader of glTF " + needed + "; this one reads 2.0");
 
@@ -107,6 +127,16 @@ void check_versions_and_extensions(Document& document) {
       document.context->warn("the extension " + name + " is not supported and left out");
 }
 
+// Many buffers may be one file.
+Bytes read_once(Document& document, const std::string& uri) {
+  const auto [known, fresh] = document.read.try_emplace(identity_of(uri, *document.context));
+  if (fresh) {
+    document.owned.push_back(read_uri(uri, *document.context));
+    known->second = bytes_of(document.owned.back());
+  }
+  return known->second;
+}
+
 Bytes whole_buffer(Document& document, int i) {
   if (document.buffers[i]) return *document.buffers[i];
   const JsonValue buffer = document.root()["buffers"][std::size_t(i)];
@@ -114,11 +144,10 @@ Bytes whole_buffer(Document& document, int i) {
   Bytes bytes;
   if (buffer["uri"]) {
     try {
-      document.owned.push_back(read_uri(buffer["uri"].text(), *document.context));
+      bytes = read_once(document, buffer["uri"].text());
     } catch (const LoadFault& fault) {
       buffer.fail(fault.reason);
     }
-    bytes = bytes_of(document.owned.back());
   } else if (i == 0 && document.has_binary_chunk) {
     bytes = document.binary_chunk;
   } else {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@ struct Document {
   bool has_binary_chunk = false;
   std::vector<std::optional<Bytes>> buffers, views;  // once read; empty until then
   std::deque<std::string> owned;                     // what they point to
+  std::map<std::string, Bytes> read;                 // what was at a URI, by identity_of()
   LoadContext* context = nullptr;
 
   [[nodiscard]] JsonValue root() const { return JsonValue(json); }
@@ -32,6 +34,9 @@ struct Document {
 
 // What a URI holds: "data:" decoded, or the neighbouring file that it names.
 [[nodiscard]] std::string read_uri(const std::string& uri, LoadContext& context);
+
+// The same for all URIs that say the same, or lead to the same file.
+[[nodiscard]] std::string identity_of(const std::string& uri, const LoadContext& context);
 
 // bufferViews[i], decompressed if it is compressed.
 [[nodiscard]] Bytes read_view(Document& document, std::size_t i);

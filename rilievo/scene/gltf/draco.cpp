@@ -56,7 +56,7 @@ void skip_metadata(StreamHead& head) {
 }
 
 // Draco's bitstream specification, sections 3 to 5: header, metadata, connectivity.
-void check_announced_size(Bytes packed, const MemoryBudget& budget) {
+void check_announced_size(Bytes packed, MemoryBudget& budget) {
   StreamHead head(packed);
   head.skip(5);  // "DRACO"
   const std::uint64_t major = head.fixed(1), version = major << 8 | head.fixed(1);
@@ -79,6 +79,10 @@ void check_announced_size(Bytes packed, const MemoryBudget& budget) {
   const std::uint64_t faces = edge_breaker ? b : a, vertices = edge_breaker ? a : b;
   const std::uint64_t seams =
       edge_breaker ? head.fixed(1) : 0;  // attributes with seams of their own
+  // Three indices a face, and at least a position a vertex.
+  constexpr std::uint64_t kMost = std::uint64_t(1) << 40;
+  budget.earn_decompressed(packed.size(),
+                           12 * std::min(faces, kMost) + 12 * std::min(vertices, kMost));
   // The decoder keeps a table of corners and neighbours, another for each kind of seams, and the
   // attributes in several forms. Measured: 58 bytes a face and kind of seams.
   budget.borrow(faces, 100 + 64 * seams);

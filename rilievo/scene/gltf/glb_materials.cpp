@@ -21,18 +21,26 @@ int wrap_mode(Wrap wrap) {
   return 10497;
 }
 
-void add_texture(GlbWriter& writer, const Texture& texture) {
-  const std::vector<std::uint8_t> png = encode_png(texture.texels);
+// Named after the first texture that shows it.
+void add_image(GlbWriter& writer, const Scene& scene, std::size_t index) {
+  const std::vector<std::uint8_t> png = encode_png(scene.images[index]);
   std::vector<std::byte> bytes(png.size());
   std::memcpy(bytes.data(), png.data(), png.size());
   GlbJson image{{"bufferView", writer.add_owned_view(std::move(bytes))}, {"mimeType", "image/png"}};
-  if (!texture.name.empty()) image["name"] = texture.name;
-  const int source = writer.add("images", std::move(image));
+  for (const Texture& texture : scene.textures) {
+    if (std::size_t(texture.image) != index) continue;
+    if (!texture.name.empty()) image["name"] = texture.name;
+    break;
+  }
+  writer.add("images", std::move(image));
+}
+
+void add_texture(GlbWriter& writer, const Texture& texture) {
   const int sampler = writer.add("samplers", {{"magFilter", texture.nearest ? 9728 : 9729},
                                               {"minFilter", 9987},
                                               {"wrapS", wrap_mode(texture.wrap_u)},
                                               {"wrapT", wrap_mode(texture.wrap_v)}});
-  writer.add("textures", {{"source", source}, {"sampler", sampler}});
+  writer.add("textures", {{"source", texture.image}, {"sampler", sampler}});
 }
 
 // KHR_texture_transform knows offset * rotation * scale:
@@ -100,6 +108,7 @@ GlbJson material_of(GlbWriter& writer, const Material& m) {
 }  // namespace
 
 void add_glb_materials(GlbWriter& writer, const Scene& scene) {
+  for (std::size_t i = 0; i < scene.images.size(); ++i) add_image(writer, scene, i);
   for (const Texture& texture : scene.textures) add_texture(writer, texture);
   for (const Material& material : scene.materials)
     writer.add("materials", material_of(writer, material));

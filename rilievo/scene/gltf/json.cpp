@@ -71,7 +71,7 @@ int JsonValue::index(std::size_t count) const {
 int JsonValue::required_index(std::size_t count) const {
   const std::uint64_t i = whole();
   if (i >= count || i > std::uint64_t(std::numeric_limits<int>::max()))
-    fail("refers to " + std::to_string(i) + ", but there are only " + std::to_string(count));
+    fail("refers to " + std::to_string(i) + but_there_are(count));
   return int(i);
 }
 

@@ -41,10 +41,44 @@ int picture_of(const JsonValue& texture, std::size_t images) {
 
 }  // namespace
 
+// Decodes what `source` holds, unless it has been before.
+int Materials::load_image(const JsonValue& source) {
+  LoadContext& context = *document_.context;
+  const auto decode = [&](int& known, Bytes encoded) {
+    known = -1;
+    scene_.images.push_back(decode_picture(encoded, context.budget));
+    return known = int(scene_.images.size()) - 1;
+  };
+  if (const JsonValue view = source["bufferView"]) {
+    const Bytes encoded = read_view(document_, view.required_index(document_.count("bufferViews")));
+    const auto [known, fresh] = views_.try_emplace({encoded.data(), encoded.size()});
+    return fresh ? decode(known->second, encoded) : known->second;
+  }
+  const std::string uri = source["uri"].text();
+  const auto [known, fresh] = uris_.try_emplace(identity_of(uri, context));
+  if (!fresh) return known->second;
+  const std::string file = read_uri(uri, context);
+  return decode(known->second, bytes_of(file));
+}
+
+// Index into Scene::images of images[i]; -1 if it cannot be had. A picture that is missing or
+// damaged takes nothing from the shape: go on without it.
+int Materials::image(int i) {
+  const auto [at, fresh] = images_.try_emplace(i, -1);
+  if (!fresh) return at->second;
+  const JsonValue source = document_.root()["images"][std::size_t(i)];
+  try {
+    at->second = load_image(source);
+  } catch (const LoadFault& fault) {
+    document_.context->warn(source.path() + " is left out: " + fault.reason);
+  }
+  return at->second;
+}
+
 int Materials::load_texture(const JsonValue& texture) {
   const JsonValue root = document_.root();
-  const int image = picture_of(texture, document_.count("images"));
-  if (image < 0) {
+  const int source = picture_of(texture, document_.count("images"));
+  if (source < 0) {
     document_.context->warn(texture.path() + " has no picture that can be read and is left out");
     return -1;
   }
@@ -56,31 +90,13 @@ int Materials::load_texture(const JsonValue& texture) {
     out.wrap_v = wrap_mode(s["wrapT"]);
     out.nearest = s["magFilter"].whole(9729) == 9728;
   }
-  const auto key = std::tuple(image, out.wrap_u, out.wrap_v, out.nearest);
-  if (const auto known = pictures_.find(key); known != pictures_.end()) return known->second;
-
-  const JsonValue source = root["images"][std::size_t(image)];
-  out.name = source["name"].text("");
-  int& index = pictures_[key];
-  index = -1;
-  // A picture that is missing or damaged takes nothing from the shape: go on without it.
-  try {
-    std::string file;
-    Bytes encoded;
-    if (const JsonValue view = source["bufferView"]) {
-      encoded = read_view(document_, view.required_index(document_.count("bufferViews")));
-    } else {
-      file = read_uri(source["uri"].text(), *document_.context);
-      encoded = bytes_of(file);
-    }
-    out.texels = decode_picture(encoded, document_.context->budget);
-  } catch (const LoadFault& fault) {
-    document_.context->warn(source.path() + " is left out: " + fault.reason);
-    return -1;
-  }
-  index = int(scene_.textures.size());
-  scene_.textures.push_back(std::move(out));
-  return index;
+  out.name = root["images"][std::size_t(source)]["name"].text("");
+  out.image = image(source);
+  if (out.image < 0) return -1;
+  const auto [known, fresh] = sampled_.try_emplace(
+      std::tuple(out.image, out.wrap_u, out.wrap_v, out.nearest), int(scene_.textures.size()));
+  if (fresh) scene_.textures.push_back(std::move(out));
+  return known->second;
 }
 
 int Materials::texture(int i) {

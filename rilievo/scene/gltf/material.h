@@ -23,13 +23,19 @@ class Materials {
   [[nodiscard]] TextureUse texture_use(const JsonValue& info);
   [[nodiscard]] int texture(int i);
   [[nodiscard]] int load_texture(const JsonValue& texture);
+  [[nodiscard]] int image(int i);
+  [[nodiscard]] int load_image(const JsonValue& source);
   [[nodiscard]] Material read(const JsonValue& from);
   void read_specular_glossiness(const JsonValue& from, Material& material);
 
   Document& document_;
   Scene& scene_;
-  std::map<int, int> materials_, textures_;                    // glTF's index -> the scene's
-  std::map<std::tuple<int, Wrap, Wrap, bool>, int> pictures_;  // image and sampler -> texture
+  std::map<int, int> materials_, textures_, images_;  // glTF's index -> the scene's, or -1
+  // What many textures, or many images of glTF, may have in common: an image and how it is sampled;
+  // the bytes of a view; a file, or a data URI.
+  std::map<std::tuple<int, Wrap, Wrap, bool>, int> sampled_;
+  std::map<std::pair<const std::uint8_t*, std::size_t>, int> views_;
+  std::map<std::string, int> uris_;
 };
 
 }  // namespace rilievo::gltf

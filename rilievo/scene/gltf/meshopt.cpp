@@ -29,6 +29,9 @@ std::string decode_meshopt(Document& document, const JsonValue& extension) {
   if (filter == "QUATERNION" && stride != 8)
     extension["byteStride"].fail("of quaternions is not 8");
 
+  std::uint64_t bytes = 0;
+  if (!__builtin_mul_overflow(count, stride, &bytes))
+    document.context->budget.earn_decompressed(packed.size(), bytes);
   document.context->budget.take(count, stride);
   std::string out(count * stride, '\0');
   int failure = 0;

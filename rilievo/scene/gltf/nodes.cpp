@@ -140,7 +140,12 @@ Node to_node(int parent, const glm::dvec3& translation, const glm::dquat& rotati
 Tree read_tree(Document& document) {
   Tree tree;
   const JsonValue nodes = document.root()["nodes"];
-  document.context->budget.take(nodes.size(), 2 * sizeof(TreeNode));
+  // Nodes, lists of children, poses; and what pose_tree() makes of them for an animation.
+  const bool animated = document.count("animations") > 0;
+  document.context->budget.take(nodes.size(),
+                                sizeof(TreeNode) + 64 + sizeof(glm::dmat4) +
+                                    (animated ? 4 * sizeof(Node) + sizeof(Object) + 128 : 0));
+  tree.nodes.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) tree.nodes.push_back(read_node(nodes[i]));
   link(document, tree);
   choose_scene(document, tree);
@@ -175,27 +180,33 @@ int append_node(const TreeNode& node, int parent, std::vector<Node>& to) {
   return int(to.size()) - 1;
 }
 
-PosedTree pose_tree(const Tree& tree, const Animation& animation, double time) {
+// Every node of an animated document at `time`; marks what hangs below a node that moves.
+void pose_rig(const Tree& tree, const Animation& animation, double time,
+              std::vector<char>& animated, std::vector<glm::mat4>& posed) {
   const std::size_t n = tree.nodes.size();
-  PosedTree out{std::vector<glm::dmat4>(n), std::vector<char>(n, 0)};
-  for (const Channel& channel : animation.channels) out.animated[channel.node] = 1;
-
-  // The animated part by pose(), as it will be at every later time; the rest in doubles.
   Scene rig;
   rig.duration = animation.duration;
   std::vector<int> rig_node(n, -1);
   for (int i : tree.order) {
     const int parent = tree.nodes[i].parent;
-    if (parent >= 0 && out.animated[parent]) out.animated[i] = 1;
+    if (parent >= 0 && animated[parent]) animated[i] = 1;
     rig_node[i] = append_node(tree.nodes[i], parent < 0 ? -1 : rig_node[parent], rig.nodes);
   }
   rig.channels = animation.channels;
   for (Channel& channel : rig.channels) channel.node = rig_node[channel.node];
   rig.objects.resize(n);
   for (std::size_t i = 0; i < n; ++i) rig.objects[i].node = rig_node[i];
-  std::vector<glm::mat4> posed;
   pose(rig, time, posed);
+}
 
+PosedTree pose_tree(const Tree& tree, const Animation& animation, double time) {
+  const std::size_t n = tree.nodes.size();
+  PosedTree out{std::vector<glm::dmat4>(n), std::vector<char>(n, 0)};
+  for (const Channel& channel : animation.channels) out.animated[channel.node] = 1;
+
+  // The animated part by pose(), as it will be at every later time; the rest in doubles.
+  std::vector<glm::mat4> posed;
+  if (!animation.channels.empty()) pose_rig(tree, animation, time, out.animated, posed);
   for (int i : tree.order) {
     const TreeNode& node = tree.nodes[i];
     if (out.animated[i])

@@ -142,6 +142,7 @@ std::vector<glm::dmat4> Reader::instances_of(const JsonValue& instancing) {
                            s = read("SCALE", 3);
   context_.budget.take(count.value_or(0), sizeof(glm::dmat4));
   std::vector<glm::dmat4> out;
+  out.reserve(count.value_or(0));
   for (std::size_t i = 0; i < count.value_or(0); ++i) {
     TreeNode node;
     if (!t.empty()) node.translation = {t[3 * i], t[3 * i + 1], t[3 * i + 2]};
@@ -158,8 +159,8 @@ std::vector<glm::dmat4> Reader::instances_of(const JsonValue& instancing) {
 }
 
 void Reader::add_object(const std::string& name, int model, int node, const glm::dmat4& placement) {
-  // Twice: the vector doubles as it grows.
-  context_.budget.take(2 * sizeof(Object) + name.size());
+  // Twice: the vector doubles as it grows. A matrix for the pose.
+  context_.budget.take(2 * sizeof(Object) + sizeof(glm::mat4) + name.size());
   Object object;
   object.name = name;
   object.model = model;

@@ -193,7 +193,7 @@ TEST(GltfRead, materials_and_texture_transforms) {
   EXPECT_NEAR(uv.y, -2 + 0.25, 1e-6);
   ASSERT_EQ(scene.textures.size(), 1u);
   const Texture& t = scene.textures[0];
-  EXPECT_EQ(t.texels(0, 0), glm::u8vec4(255, 0, 0, 255));
+  EXPECT_EQ(scene.images.at(std::size_t(t.image))(0, 0), glm::u8vec4(255, 0, 0, 255));
   EXPECT_EQ(t.wrap_u, Wrap::clamp_to_edge);
   EXPECT_EQ(t.wrap_v, Wrap::mirrored_repeat);
   EXPECT_TRUE(t.nearest);

@@ -63,6 +63,11 @@ bool has_scheme(std::string_view uri) {
 
 }  // namespace
 
+std::string identity_of(const std::string& uri, const LoadContext& context) {
+  if (uri.starts_with("data:") || uri.empty() || has_scheme(uri)) return uri;
+  return neighbor_path(context, decode_percent(uri)).string();
+}
+
 std::string read_uri(const std::string& uri, LoadContext& context) {
   if (uri.starts_with("data:")) {
     const std::size_t comma = uri.find(',');

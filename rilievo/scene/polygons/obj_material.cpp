@@ -54,17 +54,6 @@ void set_alpha(const Rgba8Image& opacity, Rgba8Image& image) {
     }
 }
 
-std::optional<Rgba8Image> decode(const std::string& file, LoadContext& context) {
-  try {
-    const std::string encoded = read_neighbor(context, file);
-    return decode_picture(bytes_of(encoded), context.budget);
-  } catch (const LoadFault& fault) {
-    const bool named = fault.reason.find(file) != std::string::npos;
-    context.warn("a texture is left out: " + (named ? "" : "'" + file + "' ") + fault.reason);
-    return {};
-  }
-}
-
 }  // namespace
 
 // Options, each with as many arguments as it takes, then the file's name, which may have spaces.
@@ -136,16 +125,22 @@ void ObjMaterials::parse(std::string_view text) {
   }
 }
 
+void ObjMaterials::read_library(const std::string& name) {
+  if (!libraries_.insert(neighbor_path(context_, name)).second) return;
+  // Looking for files takes time, and nobody has so many.
+  constexpr std::size_t kMost = 1000;
+  if (libraries_.size() > kMost) refuse("there are more than 1000");
+  const std::string file = read_neighbor(context_, name);
+  std::string converted;
+  parse(utf8_from(bytes_of(file), converted));
+}
+
 void ObjMaterials::read(const std::string& names) {
+  if (!statements_.insert(names).second) return;
   // A name with spaces, or several names: try the whole first.
-  const auto add = [&](const std::string& name) {
-    const std::string file = read_neighbor(context_, name);
-    std::string converted;
-    parse(utf8_from(bytes_of(file), converted));
-  };
   std::string why;
   try {
-    return add(names);
+    return read_library(names);
   } catch (const LoadFault& fault) {
     why = fault.reason;
   }
@@ -154,10 +149,52 @@ void ObjMaterials::read(const std::string& names) {
   if (trimmed(rest).empty()) return context_.warn("the material library is left out: " + why);
   rest = names;
   for (std::string_view name = first; !(name = take_word(rest)).empty();) try {
-      add(std::string(name));
+      read_library(std::string(name));
     } catch (const LoadFault& fault) {
       context_.warn("a material library is left out: " + fault.reason);
     }
+}
+
+// Index into images_ of a picture, decoded once whatever its names; -1 if it cannot be had.
+int ObjMaterials::image(const std::string& file) {
+  if (file.empty()) return -1;
+  try {
+    const auto [known, fresh] = files_.try_emplace(neighbor_path(context_, file), -1);
+    if (!fresh) return known->second;
+    const std::string encoded = read_neighbor(context_, file);
+    images_.push_back(decode_picture(bytes_of(encoded), context_.budget));
+    return known->second = int(images_.size()) - 1;
+  } catch (const LoadFault& fault) {
+    const bool named = fault.reason.find(file) != std::string::npos;
+    context_.warn("a texture is left out: " + (named ? "" : "'" + file + "' ") + fault.reason);
+    return -1;
+  }
+}
+
+// An image (-1: a white one) with another's alpha or brightness as its alpha.
+int ObjMaterials::image_with_opacity(int image, int opacity) {
+  if (opacity < 0 || opacity == image) return image;
+  const auto [known, fresh] = with_opacity_.try_emplace({image, opacity}, image);
+  if (!fresh) return known->second;
+  const Rgba8Image& mask = images_[std::size_t(opacity)];
+  const Rgba8Image& base = image < 0 ? mask : images_[std::size_t(image)];
+  try {
+    context_.budget.take(base.texels().size(), sizeof(glm::u8vec4));
+  } catch (const LoadFault& fault) {
+    context_.warn("an opacity picture is left out: " + fault.reason);
+    return image;
+  }
+  Rgba8Image both =
+      image < 0 ? Rgba8Image(mask.width(), mask.height(), glm::u8vec4(255)) : Rgba8Image(base);
+  set_alpha(mask, both);
+  images_.push_back(std::move(both));
+  return known->second = int(images_.size()) - 1;
+}
+
+AlphaMode ObjMaterials::alpha_mode(int image) {
+  const auto [known, fresh] = alpha_modes_.try_emplace(image);
+  if (fresh) known->second = alpha_mode_of(images_[std::size_t(image)]);
+  return known->second;
 }
 
 TextureUse ObjMaterials::texture_use(const Map& map, const std::string& opacity) {
@@ -169,26 +206,15 @@ TextureUse ObjMaterials::texture_use(const Map& map, const std::string& opacity)
   use.texture_from_uv[1][1] = float(map.scale.y);
   use.texture_from_uv[2][1] = float(1.0 - map.scale.y - map.offset.y);
 
-  const auto [known, fresh] = pictures_.try_emplace({map.file, opacity, map.clamp}, -1);
+  const int source = image_with_opacity(image(map.file), image(opacity));
+  if (source < 0) return use;
+  const auto [known, fresh] = sampled_.try_emplace({source, map.clamp}, int(textures_.size()));
   if (fresh) {
     Texture texture;
     texture.name = map.file.empty() ? opacity : map.file;
+    texture.image = source;
     if (map.clamp) texture.wrap_u = texture.wrap_v = Wrap::clamp_to_edge;
-    if (!map.file.empty())
-      if (std::optional<Rgba8Image> image = decode(map.file, context_))
-        texture.texels = std::move(*image);
-    if (!opacity.empty() && opacity != map.file)
-      if (const std::optional<Rgba8Image> image = decode(opacity, context_)) {
-        if (texture.texels.empty()) {
-          context_.budget.take(image->texels().size(), 4);
-          texture.texels = Rgba8Image(image->width(), image->height(), glm::u8vec4(255));
-        }
-        set_alpha(*image, texture.texels);
-      }
-    if (!texture.texels.empty()) {
-      known->second = int(textures_.size());
-      textures_.push_back(std::move(texture));
-    }
+    textures_.push_back(std::move(texture));
   }
   use.texture = known->second;
   return use;
@@ -205,7 +231,7 @@ void ObjMaterials::finish(Definition& definition, bool colored) {
   if (pictured || !opacity.file.empty()) m.base_color_texture = texture_use(base, opacity.file);
   const bool has_picture = m.base_color_texture.texture >= 0;
   if (colored || (pictured && has_picture)) m.base_color = glm::vec4(1.0f);
-  if (has_picture) m.alpha_mode = alpha_mode_of(textures_[m.base_color_texture.texture].texels);
+  if (has_picture) m.alpha_mode = alpha_mode(textures_[m.base_color_texture.texture].image);
   if (const Map& glow = definition.maps["map_ke"]; !glow.file.empty()) {
     m.emissive_texture = texture_use(glow, "");
     if (m.emissive == glm::vec3(0)) m.emissive = glm::vec3(1);
@@ -235,6 +261,20 @@ int ObjMaterials::use(const std::string& name, bool colored) {
   known->second = int(materials_.size());
   materials_.push_back(found->second.material);
   return known->second;
+}
+
+Scene ObjMaterials::take() {
+  Scene out;
+  // Without the images that only went into others.
+  std::map<int, int> kept;
+  for (Texture& texture : textures_) {
+    const auto [at, fresh] = kept.try_emplace(texture.image, int(out.images.size()));
+    if (fresh) out.images.push_back(std::move(images_[std::size_t(texture.image)]));
+    texture.image = at->second;
+  }
+  out.materials = std::move(materials_);
+  out.textures = std::move(textures_);
+  return out;
 }
 
 }  // namespace rilievo

@@ -5,9 +5,10 @@
 //   Ke  emission        Ns  exponent of the highlight -> roughness        Pr, Pm  as they are
 #pragma once
 
+#include <filesystem>
 #include <map>
+#include <set>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "rilievo/io/load_context.h"
@@ -19,16 +20,16 @@ class ObjMaterials {
  public:
   explicit ObjMaterials(LoadContext& context) : context_(context) {}
 
-  // Adds the definitions of the libraries named in a mtllib statement; one that cannot be read is a
-  // warning.
+  // Adds the definitions of the libraries named in a mtllib statement, each library once; one that
+  // cannot be read is a warning.
   void read(const std::string& names);
 
   // The material of that name, read with its pictures; -1 if there is none. `colored`: the mesh has
   // colours of its own.
   [[nodiscard]] int use(const std::string& name, bool colored);
 
-  [[nodiscard]] std::vector<Material> take_materials() { return std::move(materials_); }
-  [[nodiscard]] std::vector<Texture> take_textures() { return std::move(textures_); }
+  // The materials in use, with their textures and images.
+  [[nodiscard]] Scene take();
 
  private:
   struct Map {
@@ -42,17 +43,27 @@ class ObjMaterials {
     std::map<std::string, Map> maps;  // by statement: "map_kd"
   };
 
+  void read_library(const std::string& name);
   void parse(std::string_view text);
   [[nodiscard]] Map parse_map(std::string_view rest);
+  [[nodiscard]] int image(const std::string& file);
+  [[nodiscard]] int image_with_opacity(int image, int opacity);
+  [[nodiscard]] AlphaMode alpha_mode(int image);
   [[nodiscard]] TextureUse texture_use(const Map& map, const std::string& opacity);
   void finish(Definition& definition, bool colored);
 
   LoadContext& context_;
   std::map<std::string, Definition> definitions_;
   std::map<std::string, int> used_;
-  std::map<std::tuple<std::string, std::string, bool>, int> pictures_;
+  std::set<std::string> statements_;  // of mtllib, read before
+  std::set<std::filesystem::path> libraries_;
+  std::map<std::filesystem::path, int> files_;       // -> images_, or -1
+  std::map<std::pair<int, int>, int> with_opacity_;  // image, opacity -> images_
+  std::map<int, AlphaMode> alpha_modes_;             // of images_
+  std::map<std::pair<int, bool>, int> sampled_;      // image, clamped -> textures_
   std::vector<Material> materials_;
   std::vector<Texture> textures_;
+  std::vector<Rgba8Image> images_;
 };
 
 }  // namespace rilievo

@@ -25,12 +25,9 @@ class Reader {
     if (!soup_.colors.empty()) soup_.colors.resize(soup_.positions.size(), glm::vec4(1.0f));
     if (!any_statement_) refuse("is not an OBJ file: it has no statement of one");
     if (soup_.triangles.empty() && !soup_.positions.empty()) context_.skip_points_or_lines();
-    Scene materials;
     for (SoupPart& part : parts_)
       part.material = library_.use(material_names_[part.material], !soup_.colors.empty());
-    materials.materials = library_.take_materials();
-    materials.textures = library_.take_textures();
-    return scene_of(std::move(soup_), parts_, std::move(materials), context_);
+    return scene_of(std::move(soup_), parts_, library_.take(), context_);
   }
 
  private:
@@ -124,8 +121,7 @@ class Reader {
     if (!i) fail("has '" + std::string(digits.substr(0, 20)) + "' where a number belongs");
     const std::int64_t at = *i > 0 ? *i - 1 : *i + std::int64_t(count);
     if (*i == 0 || at < 0 || at >= std::int64_t(count))
-      fail("refers to " + std::string(what) + " " + std::to_string(*i) + ", but there are only " +
-           std::to_string(count));
+      fail("refers to " + std::string(what) + " " + std::to_string(*i) + but_there_are(count));
     return std::uint32_t(at);
   }
 

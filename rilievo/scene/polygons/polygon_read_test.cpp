@@ -203,9 +203,9 @@ TEST(Obj, utf_16_is_read) {
 
 TEST(PolygonFiles, faults_are_named) {
   EXPECT_EQ(reason("v 0 0 0\nf 1 2 3\n", "a.obj"),
-            "line 2 refers to vertex 2, but there are only 1");
+            "line 2 refers to vertex 2, but there is only one");
   EXPECT_EQ(reason("v 0 0 0\nf 1 1 0\n", "a.obj"),
-            "line 2 refers to vertex 0, but there are only 1");
+            "line 2 refers to vertex 0, but there is only one");
   EXPECT_EQ(reason("v 0 0\n", "a.obj"), "line 1 has a vertex with fewer than three numbers");
   EXPECT_EQ(reason("v 0 0 nan\n", "a.obj"), "line 1 has a vertex whose position is not finite");
   EXPECT_EQ(reason("v 0 0 1e39\n", "a.obj"), "line 1 has a vertex whose position is not finite");
