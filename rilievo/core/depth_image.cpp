@@ -43,4 +43,26 @@ Result<> validate(const DepthImage& picture) {
   return Done{};
 }
 
+Result<> validate(const LayeredDepthImage& layers) {
+  if (Result<> camera = validate(layers.camera); !camera) return camera;
+  const std::size_t texels = std::size_t(layers.camera.width) * std::size_t(layers.camera.height);
+  if (layers.first.size() != texels + 1 || layers.first.front() != 0 ||
+      layers.first.back() != layers.samples.size())
+    return Error{"picture", "its index does not have the camera's size"};
+  for (std::size_t i = 0; i < texels; ++i) {
+    if (layers.first[i] > layers.first[i + 1] || layers.first[i + 1] > layers.samples.size())
+      return Error{"picture", "its index does not ascend"};
+    for (std::size_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+      const LayerSample& sample = layers.samples[s];
+      for (int k = 0; k < 4; ++k)
+        if (!std::isfinite(sample.color[k])) return Error{"picture", "a colour is not finite"};
+      if (!std::isfinite(sample.depth) || !std::isfinite(sample.back) || sample.back < sample.depth)
+        return Error{"picture", "a sample has no depth, or ends before it begins"};
+      if (s > layers.first[i] && sample.depth < layers.samples[s - 1].depth)
+        return Error{"picture", "its samples are not in the order of their depths"};
+    }
+  }
+  return Done{};
+}
+
 }  // namespace rilievo

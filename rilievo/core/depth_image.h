@@ -61,5 +61,8 @@ struct EnvironmentMap {
 
 // Do the planes agree with the camera, is every colour finite, every depth finite or kNoDepth?
 [[nodiscard]] Result<> validate(const DepthImage& picture);
+// Does the index fit the camera and the samples; are depths finite and ascending along each line of
+// sight, `back` not before `depth`, colours finite?
+[[nodiscard]] Result<> validate(const LayeredDepthImage& layers);
 
 }  // namespace rilievo

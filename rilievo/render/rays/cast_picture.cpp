@@ -28,8 +28,10 @@ glm::vec3 irradiance(const Light& light, const glm::vec3& position, const glm::v
   return light.intensity * strength * std::max(0.0f, glm::dot(n, l));
 }
 
-glm::vec4 shade(const RayScene& rays, const RayHit& hit, const glm::vec3& position,
-                const glm::vec3& direction) {
+}  // namespace
+
+glm::vec4 shade_hit(const RayScene& rays, const RayHit& hit, const glm::vec3& position,
+                    const glm::vec3& direction) {
   const Scene& scene = rays.scene();
   const Object& object = scene.objects[hit.object - 1];
   const Part& part = scene.models[object.model].parts[hit.part];
@@ -47,8 +49,11 @@ glm::vec4 shade(const RayScene& rays, const RayHit& hit, const glm::vec3& positi
     const glm::vec3 world = glm::transpose(glm::inverse(world_from_mesh)) * smooth;
     if (glm::dot(world, world) > 0) n = glm::normalize(world);
   }
-  // Both sides of a thin sheet are lit as seen.
-  if (glm::dot(n, direction) > 0) n = -n;
+  // Both sides of a thin sheet are lit as seen; the back of a single-sided surface has no light of
+  // its own.
+  const bool behind =
+      glm::dot(hit.normal, direction) > 0 && !double_sided(scene, part.mesh).value_or(true);
+  if (!behind && glm::dot(n, direction) > 0) n = -n;
 
   glm::vec3 light(0.0f);
   if (scene.lights.empty()) light = irradiance(default_sun(), position, n);
@@ -57,8 +62,6 @@ glm::vec4 shade(const RayScene& rays, const RayHit& hit, const glm::vec3& positi
       glm::mix(scene.sky.ground, 0.5f * (scene.sky.zenith + scene.sky.horizon), 0.5f + 0.5f * n.y);
   return {base * (light / std::numbers::pi_v<float> + 0.6f * hemisphere), 1.0f};
 }
-
-}  // namespace
 
 CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster) {
   const double start = camera.keeps_farthest() ? camera.z_far : camera.z_near;
@@ -79,7 +82,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera) {
       const std::optional<RayHit> hit = rays.first_hit(ray.origin, ray.direction, 0.0f, 1.0f);
       if (!hit) continue;
       const glm::vec3 position(ray.origin + double(hit->distance) * ray.direction);
-      picture.color(x, y) = shade(rays, *hit, position, glm::normalize(ray.direction));
+      picture.color(x, y) = shade_hit(rays, *hit, position, glm::normalize(ray.direction));
       picture.depth(x, y) = float(ray.eye_z_start + hit->distance * ray.eye_z_step);
       picture.object(x, y) = hit->object;
     }

@@ -14,6 +14,10 @@ namespace rilievo {
 // Requires a valid camera.
 [[nodiscard]] DepthImage cast_picture(const RayScene& scene, const Camera& camera);
 
+// The colour of one texel: linear, opaque. `direction` is the ray's, unit.
+[[nodiscard]] glm::vec4 shade_hit(const RayScene& scene, const RayHit& hit,
+                                  const glm::vec3& position, const glm::vec3& direction);
+
 // The ray of a raster position, from where the camera stops looking towards where it would rather
 // see: an ordinary camera looks from its near plane, a back-perspective one from its far plane
 // towards the apex, so that the first hit is the farthest from the apex (S2.1). `eye_z` along it is

@@ -52,6 +52,19 @@ glm::vec4 sample(const Scene& scene, int index, const glm::vec2& uv) {
                   glm::mix(at_cell(0, 1), at_cell(1, 1), f.x), f.y);
 }
 
+// What every query carries: for the filter.
+struct Query {
+  RTCIntersectContext context;  // first: Embree gives back a pointer to it
+  RaySides sides;
+};
+
+Query make_query(RaySides sides) {
+  Query query{};
+  rtcInitIntersectContext(&query.context);
+  query.sides = sides;
+  return query;
+}
+
 // Rejects what a picture cannot hold. Side = sign of Ng . direction, both in model space, where a
 // mirroring placement of the *object* changes nothing: glTF turns the front side with it.
 void filter(const RTCFilterFunctionNArguments* arguments) {
@@ -62,7 +75,9 @@ void filter(const RTCFilterFunctionNArguments* arguments) {
   const glm::vec3 normal{RTCHitN_Ng_x(hit, 1, 0), RTCHitN_Ng_y(hit, 1, 0), RTCHitN_Ng_z(hit, 1, 0)};
   const glm::vec3 direction{RTCRayN_dir_x(ray, 1, 0), RTCRayN_dir_y(ray, 1, 0),
                             RTCRayN_dir_z(ray, 1, 0)};
-  if (!part.double_sided && part.front * glm::dot(normal, direction) >= 0) {
+  const RaySides sides = reinterpret_cast<const Query*>(arguments->context)->sides;
+  if (sides == RaySides::seen && !part.double_sided &&
+      part.front * glm::dot(normal, direction) >= 0) {
     arguments->valid[0] = 0;
     return;
   }
@@ -207,13 +222,12 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
 }
 
 std::optional<RayHit> RayScene::first_hit(const glm::vec3& origin, const glm::vec3& direction,
-                                          float t_near, float t_far) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+                                          float t_near, float t_far, RaySides sides) const {
+  Query carried = make_query(sides);
   RTCRayHit query{};
   query.ray = ray_from(origin, direction, t_near, t_far);
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(state_->world.get(), &context, &query);
+  rtcIntersect1(state_->world.get(), &carried.context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RayHit hit;
   hit.distance = query.ray.tfar;
@@ -232,10 +246,9 @@ std::optional<RayHit> RayScene::first_hit(const glm::vec3& origin, const glm::ve
 
 bool RayScene::occluded(const glm::vec3& origin, const glm::vec3& direction, float t_near,
                         float t_far) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Query carried = make_query(RaySides::seen);
   RTCRay ray = ray_from(origin, direction, t_near, t_far);
-  rtcOccluded1(state_->world.get(), &context, &ray);
+  rtcOccluded1(state_->world.get(), &carried.context, &ray);
   return ray.tfar < 0;
 }
 

@@ -25,6 +25,12 @@ struct RayHit {
   glm::vec3 normal{0.0f};       // geometric, unit, world; on the front side
 };
 
+// Which sides of single-sided surfaces does a ray meet?
+enum class RaySides {
+  seen,  // fronts
+  both,
+};
+
 class RayScene {
  public:
   // `scene` must outlive it; objects are placed where they are at `time`.
@@ -35,7 +41,8 @@ class RayScene {
 
   // The first surface met at a distance in (t_near, t_far), in lengths of `direction`.
   [[nodiscard]] std::optional<RayHit> first_hit(const glm::vec3& origin, const glm::vec3& direction,
-                                                float t_near, float t_far) const;
+                                                float t_near, float t_far,
+                                                RaySides sides = RaySides::seen) const;
   [[nodiscard]] bool occluded(const glm::vec3& origin, const glm::vec3& direction, float t_near,
                               float t_far) const;
 

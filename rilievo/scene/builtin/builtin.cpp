@@ -24,6 +24,9 @@ constexpr Entry kEntries[] = {
     {"stonehenge", 200'000, 10'000, 20'000'000, make_stonehenge},
     {"teapot", 30'000, 500, 10'000'000,
      [](std::uint64_t triangles, std::uint64_t) { return make_single_teapot(triangles); }},
+    {"fern", 60'000, 16'000, 10'000'000, make_fern},
+    {"fish", 60'000, 1'000, 10'000'000, make_fish},
+    {"cube", 12, 12, 10'000'000, make_cube},
 };
 
 const Entry* find_entry(std::string_view name) {

@@ -10,6 +10,9 @@
 //     stonehenge  trilithons, spheres and a torus in rainbow colours on a plain: the test scene of
 //              [Darsa, Costa, Varshney 1997]; within 5 % of N
 //     teapot   a single teapot: one object; within 5 % of N
+//     fern, fish, cube
+//              a single object each, as [Parilov, Stuerzlinger 2002] measured layered relief
+//              textures with; within 10 % of N
 #pragma once
 
 #include <cstdint>

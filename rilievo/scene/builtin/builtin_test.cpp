@@ -96,7 +96,8 @@ TEST_P(EveryScene, is_the_same_every_time) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Builtin, EveryScene,
-                         testing::Values("bridge", "forest", "stonehenge", "teapots", "teapot"),
+                         testing::Values("bridge", "forest", "stonehenge", "teapots", "teapot",
+                                         "fern", "fish", "cube"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(Builtin, a_wrong_specification_says_what_is_allowed) {

@@ -46,5 +46,8 @@ struct Ground {
 [[nodiscard]] BuiltinScene make_teapots(std::uint64_t triangles, std::uint64_t seed);
 [[nodiscard]] BuiltinScene make_stonehenge(std::uint64_t triangles, std::uint64_t seed);
 [[nodiscard]] BuiltinScene make_single_teapot(std::uint64_t triangles);
+[[nodiscard]] BuiltinScene make_fern(std::uint64_t triangles, std::uint64_t seed);
+[[nodiscard]] BuiltinScene make_fish(std::uint64_t triangles, std::uint64_t seed);
+[[nodiscard]] BuiltinScene make_cube(std::uint64_t triangles, std::uint64_t seed);
 
 }  // namespace rilievo

@@ -1,0 +1,62 @@
+#include "rilievo/render/rays/cast_layers.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+
+#include "rilievo/render/rays/cast_picture.h"
+
+namespace rilievo {
+
+LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
+                              const CastLayersOptions& options) {
+  RILIEVO_EXPECTS(camera.projection != Projection::back_perspective);
+  const int width = camera.width, height = camera.height;
+  struct Row {
+    std::vector<LayerSample> samples;
+    std::vector<std::uint32_t> counts;
+  };
+  std::vector<Row> rows{std::size_t(height)};
+  tbb::parallel_for(0, height, [&](int y) {
+    Row& row = rows[std::size_t(y)];
+    row.counts.assign(std::size_t(width), 0);
+    for (int x = 0; x < width; ++x) {
+      const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
+      const glm::vec3 towards = glm::normalize(ray.direction);
+      double kept = -std::numeric_limits<double>::infinity();
+      float from = 0;
+      for (int layer = 0; layer < options.max_layers;) {
+        const std::optional<RayHit> hit =
+            rays.first_hit(ray.origin, ray.direction, from, 1.0f, RaySides::both);
+        if (!hit) break;
+        // The next surface lies behind this one, by as little as can be told.
+        from = std::nextafter(hit->distance, 2.0f);
+        const double z = ray.eye_z_start + double(hit->distance) * ray.eye_z_step;
+        if (z - kept <= options.merge) continue;
+        LayerSample sample;
+        const glm::vec3 position(ray.origin + double(hit->distance) * ray.direction);
+        sample.color = shade_hit(rays, *hit, position, towards);
+        sample.depth = sample.back = float(z);
+        sample.object = hit->object;
+        row.samples.push_back(sample);
+        ++row.counts[std::size_t(x)];
+        kept = z;
+        ++layer;
+      }
+    }
+  });
+
+  LayeredDepthImage layers;
+  layers.camera = camera;
+  layers.first.reserve(std::size_t(width) * std::size_t(height) + 1);
+  layers.first.push_back(0);
+  for (const Row& row : rows) {
+    for (const std::uint32_t count : row.counts)
+      layers.first.push_back(layers.first.back() + count);
+    layers.samples.insert(layers.samples.end(), row.samples.begin(), row.samples.end());
+  }
+  return layers;
+}
+
+}  // namespace rilievo
