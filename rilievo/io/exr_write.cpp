@@ -1,15 +1,9 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfIO.h>
-#include <ImfIntAttribute.h>
-#include <ImfMatrixAttribute.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
-#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
-#include <ImfVecAttribute.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +11,7 @@
 
 #include "rilievo/core/file.h"
 #include "rilievo/io/exr.h"
-#include "rilievo/io/exr_camera.h"
+#include "rilievo/io/exr_header.h"
 #include "rilievo/io/exr_names.h"
 
 namespace rilievo {
@@ -25,35 +19,6 @@ namespace {
 
 // The largest finite half.
 constexpr float kHalfMax = 65504.0f;
-
-// A file in memory, for OpenEXR to write to. (On a full disk its own streams stay silent: it
-// writes its tables of offsets in destructors, which swallow exceptions.)
-class MemoryStream : public Imf::OStream {
- public:
-  MemoryStream() : Imf::OStream("memory") {}
-
-  void write(const char bytes[], int count) override {
-    const std::size_t end = position_ + std::size_t(count);
-    if (end > bytes_.size()) bytes_.resize(end);
-    std::copy_n(bytes, count, bytes_.begin() + std::ptrdiff_t(position_));
-    position_ = end;
-  }
-  uint64_t tellp() override { return position_; }
-  void seekp(uint64_t position) override { position_ = position; }
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  std::size_t position_ = 0;
-};
-
-template <class To>
-To imath_matrix(const glm::dmat4& m) {
-  To out;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) out[i][j] = typename To::BaseType(m[i][j]);
-  return out;
-}
 
 // Parts must be named, each differently; pictures need not be.
 std::string unique_name(const std::string& wanted, std::set<std::string>& taken) {
@@ -117,7 +82,6 @@ Camera display_camera(Camera camera, const Shared& shared) {
 Imf::Header make_header(const DepthImage& picture, const std::string& part_name,
                         const Shared& shared) {
   const Camera& camera = picture.camera;
-  const ImageWindow& window = camera.window;
   const Camera display = display_camera(camera, shared);
   const ImageWindow& shown = display.window;
   Imf::Header header(
@@ -132,22 +96,7 @@ Imf::Header make_header(const DepthImage& picture, const std::string& part_name,
   header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
   if (!picture.object.empty()) header.channels().insert("id", Imf::Channel(Imf::UINT));
 
-  const StandardMatrices standard = standard_matrices(display);
-  Imf::addWorldToCamera(header, imath_matrix<Imath::M44f>(standard.camera_from_world));
-  Imf::addWorldToNDC(header, imath_matrix<Imath::M44f>(standard.ndc_from_world));
-
-  header.insert(exr::kVersionName, Imf::IntAttribute(exr::kVersion));
-  header.insert(exr::kName, Imf::StringAttribute(picture.name));
-  header.insert(exr::kProjection,
-                Imf::StringAttribute(exr::kProjections.at(std::size_t(camera.projection))));
-  header.insert(exr::kDepthKind,
-                Imf::StringAttribute(exr::kDepthKinds.at(std::size_t(picture.depth_kind))));
-  header.insert(exr::kWorldFromEye,
-                Imf::M44dAttribute(imath_matrix<Imath::M44d>(camera.world_from_eye)));
-  header.insert(exr::kWindowMin, Imf::V2dAttribute({window.left, window.bottom}));
-  header.insert(exr::kWindowMax, Imf::V2dAttribute({window.right, window.top}));
-  header.insert(exr::kSize, Imf::V2iAttribute({camera.width, camera.height}));
-  header.insert(exr::kDepthRange, Imf::V2dAttribute({camera.z_near, camera.z_far}));
+  exr::insert_camera(header, camera, display, picture.depth_kind, picture.name);
   return header;
 }
 
@@ -185,7 +134,7 @@ Result<> save_pictures(const std::filesystem::path& path, std::span<const DepthI
     if (Result<> valid = validate(picture); !valid)
       return error("picture '" + picture.name + "': " + valid.error().reason);
 
-  MemoryStream stream;
+  exr::MemoryOutput stream;
   try {
     std::set<std::string> names;
     std::vector<Imf::Header> headers;

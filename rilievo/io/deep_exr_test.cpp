@@ -1,0 +1,173 @@
+#include "rilievo/io/deep_exr.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "rilievo/core/file.h"
+#include "rilievo/core/file_test_helpers.h"
+#include "rilievo/io/exr.h"
+#include "rilievo/io/io_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+// Lines of sight with no sample to many; volumes among the surfaces; colours that are halfs.
+LayeredDepthImage random_deep(unsigned seed, int width, int height) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<float> u(0, 1);
+  LayeredDepthImage layers;
+  layers.name = "layers " + std::to_string(seed);
+  layers.camera = random_camera(rng, width, height);
+  layers.depth_kind = DepthKind(seed % 3);
+  layers.first.push_back(0);
+  for (int i = 0; i < width * height; ++i) {
+    float depth = 0.3f;
+    for (unsigned k = rng() % 6; k > 0; --k) {
+      LayerSample sample;
+      for (int c = 0; c < 4; ++c) sample.color[c] = float(half(u(rng) * 4));
+      sample.depth = depth += u(rng);
+      sample.back = rng() % 3 ? sample.depth : sample.depth + u(rng);
+      sample.object = rng();
+      layers.samples.push_back(sample);
+    }
+    layers.first.push_back(layers.samples.size());
+  }
+  return layers;
+}
+
+void expect_same(const LayeredDepthImage& a, const LayeredDepthImage& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.camera, b.camera);
+  EXPECT_EQ(a.depth_kind, b.depth_kind);
+  EXPECT_EQ(a.first, b.first);
+  ASSERT_EQ(a.samples.size(), b.samples.size());
+  for (std::size_t i = 0; i < a.samples.size(); ++i) {
+    EXPECT_EQ(a.samples[i].color, b.samples[i].color);
+    EXPECT_EQ(a.samples[i].depth, b.samples[i].depth);
+    EXPECT_EQ(a.samples[i].back, b.samples[i].back);
+    EXPECT_EQ(a.samples[i].object, b.samples[i].object);
+  }
+}
+
+TEST(DeepExr, what_is_saved_is_loaded_bit_for_bit) {
+  const TemporaryFolder folder;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const LayeredDepthImage layers = random_deep(seed, 1 + int(seed) * 3, 7);
+    ASSERT_TRUE(save_layers(folder / "a.exr", layers));
+    const Result<LayeredDepthImage> loaded = load_layers(folder / "a.exr");
+    ASSERT_TRUE(loaded) << loaded.error().message();
+    expect_same(layers, *loaded);
+  }
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(DeepExr, an_invalid_picture_is_not_saved) {
+  const TemporaryFolder folder;
+  LayeredDepthImage layers = random_deep(1, 4, 4);
+  layers.samples[0].depth = kNoDepth;
+  const Result<> saved = save_layers(folder / "a.exr", layers);
+  ASSERT_FALSE(saved);
+  EXPECT_EQ(saved.error().where, (folder / "a.exr").string());
+  EXPECT_EQ(folder.entries(), 0);
+}
+
+TEST(DeepExr, a_flat_file_is_refused) {
+  const TemporaryFolder folder;
+  const std::vector<DepthImage> flat = {random_picture(0, 4, 4)};
+  ASSERT_TRUE(save_pictures(folder / "a.exr", flat));
+  EXPECT_EQ(load_layers(folder / "a.exr").error().message(),
+            (folder / "a.exr").string() + ": is not a deep image");
+}
+
+TEST(DeepExr, every_truncation_and_every_flipped_byte_is_an_error_or_a_valid_picture) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_layers(folder / "a.exr", random_deep(3, 7, 6)));
+  const std::string whole = *read_file(folder / "a.exr", 1 << 20);
+  const auto check = [&](std::string_view bytes) {
+    const Result<LayeredDepthImage> loaded = load_layers(bytes, "a.exr");
+    if (loaded) {
+      EXPECT_TRUE(validate(*loaded));
+      return true;
+    }
+    EXPECT_TRUE(loaded.error().message().starts_with("a.exr: ")) << loaded.error().message();
+    EXPECT_EQ(loaded.error().message().find('\n'), std::string::npos);
+    return false;
+  };
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  for (std::size_t size = 0; size < whole.size(); size += 11) {
+    const bool loads = check(std::string_view(whole).substr(0, size));
+    if (size < whole.size() / 2) {
+      EXPECT_FALSE(loads) << size;
+    }
+  }
+  std::mt19937 rng(8);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string flipped = whole;
+    flipped[i] = char(flipped[i] ^ char(1 + rng() % 255));
+    check(flipped);
+  }
+  getrusage(RUSAGE_SELF, &after);
+  // The file has a few kilobytes. AddressSanitizer keeps up to 256 MiB of what was freed.
+  EXPECT_LT(double(after.ru_maxrss - before.ru_maxrss) / 1024, 400);
+}
+
+TEST(DeepExr, foreign_files_load_with_a_camera_and_are_refused_without) {
+  const char* data = std::getenv("RILIEVO_DATA");
+  if (!data) GTEST_SKIP() << "RILIEVO_DATA is not set";
+  const std::filesystem::path deep = std::filesystem::path(data) / "deep";
+  const Result<LayeredDepthImage> arnold = load_layers(deep / "arnold_deep.exr");
+  ASSERT_TRUE(arnold) << arnold.error().message();
+  EXPECT_EQ(arnold->camera.width, 64);
+  EXPECT_EQ(arnold->camera.height, 32);
+  // worldToNDC: x is halved, y is not.
+  EXPECT_NEAR(arnold->camera.window.right, 2, 1e-5);
+  EXPECT_NEAR(arnold->camera.window.top, 1, 1e-5);
+  EXPECT_GT(arnold->samples.size(), 0u);
+
+  const Result<LayeredDepthImage> bare = load_layers(deep / "LowResLeftView/Balls.exr");
+  ASSERT_FALSE(bare);
+  EXPECT_EQ(bare.error().reason,
+            "has no camera: neither worldToCamera and worldToNDC, nor one given beside it");
+  DeepLoadOptions options;
+  options.camera = deep_camera(0.9, 1024, 576);
+  const Result<LayeredDepthImage> balls = load_layers(deep / "LowResLeftView/Balls.exr", options);
+  ASSERT_TRUE(balls) << balls.error().message();
+  // A crop of the display window.
+  EXPECT_EQ(balls->camera.width, 764);
+  EXPECT_NEAR(balls->camera.window.left, (2.0 * 131 / 1024 - 1) * std::tan(0.45), 1e-9);
+  EXPECT_GT(balls->samples.size(), 100'000u);
+  for (const char* id : {"openexr-id/11.deep.exr", "openexr-id/objectid.deep.exr"})
+    EXPECT_TRUE(load_layers(deep / id, options)) << id;
+}
+
+TEST(DeepExr, damaged_files_end_in_a_clear_error) {
+  const char* data = std::getenv("RILIEVO_DATA");
+  if (!data) GTEST_SKIP() << "RILIEVO_DATA is not set";
+  DeepLoadOptions options;
+  options.camera = deep_camera(0.9, 64, 64);
+  int files = 0;
+  for (const char* folder : {"invalid/exr_damaged", "invalid/exr_wrong_type", "exr"})
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(data) / folder)) {
+      if (!entry.is_regular_file()) continue;
+      ++files;
+      const Result<LayeredDepthImage> loaded = load_layers(entry.path(), options);
+      if (loaded) {
+        EXPECT_TRUE(validate(*loaded)) << entry.path();
+        continue;
+      }
+      const std::string message = loaded.error().message();
+      EXPECT_TRUE(message.starts_with(entry.path().string() + ": ")) << message;
+      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+  EXPECT_GT(files, 100);
+}
+
+}  // namespace
+}  // namespace rilievo
