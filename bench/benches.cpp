@@ -10,8 +10,11 @@
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
 #include "bench/pop.h"
+#include "bench/prewarp.h"
+#include "bench/relief_run.h"
 #include "bench/rgbd.h"
 #include "bench/spinning.h"
+#include "bench/splats.h"
 #include "bench/tradeoff.h"
 
 namespace rilievo::bench {
@@ -39,6 +42,12 @@ std::span<const Bench> benches() {
             layered},
       Bench{"layered-cost", "What do layered impostors cost? (S2.8: tables 2 and 3, figure 8)",
             true, layered_cost},
+      Bench{"prewarp", "What does the pre-warp of layered reliefs cost? (S4.6 to S4.8)", false,
+            prewarp},
+      Bench{"splats", "Which splats show a layered picture best, and fastest? (S4.9: figure 6)",
+            false, splats},
+      Bench{"relief-run", "What do layered reliefs cost over 300 turns? (S4.4, S4.7)", false,
+            relief_run},
       Bench{"rgbd", "What do impostors of photographs with depth look like? (S2.7)", false, rgbd},
   };
   return list;

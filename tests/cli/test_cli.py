@@ -157,6 +157,13 @@ class Results(Folder):
                          ["back_1", "ordinary_1", "12", "20", "32"]],
             "rgbd": [f"{what}_{way}" for way in ["cameras", "around", "direct"] for what in
                      ["psnr", "uncovered", "uncovered_seen", "holes"]],
+            "prewarp": ["memcpy_ratio_nearest_256_1t", "memcpy_ratio_splat_256_1t",
+                        "msamples_per_s_splat_512_2t"],
+            "splats": [f"{what}_{way}" for what in ["flip", "ms"] for way in
+                       ["ldi_rect", "ldi_gauss", "lrt_rect", "lrt_gauss"]],
+            "relief-run": [f"{what}_{name}_fresh" for what in
+                           ["warp_p50_ms", "warp_p99_ms", "warped_over_drawn"] for name in
+                           ["fish", "cube", "fern"]],
             "layered": ["psnr_db_teapot_32_256_64", "uncovered_teapot_32_256_64",
                         "tears_overlap_0_at_20deg", "jump_slices_switch_12"],
             "layered-cost": ["memory_mb_32_256", "draw_ms_64_220", "break_even_triangles_64_220"],
