@@ -87,7 +87,8 @@ std::vector<std::uint64_t> held_by(const RayScene& scene, const std::vector<Samp
 std::size_t count_new(const std::vector<std::uint64_t>& bits,
                       const std::vector<std::uint64_t>& held) {
   std::size_t sum = 0;
-  for (std::size_t i = 0; i < bits.size(); ++i) sum += std::size_t(std::popcount(bits[i] & ~held[i]));
+  for (std::size_t i = 0; i < bits.size(); ++i)
+    sum += std::size_t(std::popcount(bits[i] & ~held[i]));
   return sum;
 }
 

@@ -16,13 +16,13 @@
 namespace rilievo {
 
 struct PlacementOptions {
-  Box region;               // where eyes will be; not empty, may be flat
-  int nodes = 8;            // at most
-  double enough = 1.0;      // stop when this share is held
-  int candidates = 400;     // places that are tried
-  int eyes = 200;           // points of the region from which is looked ...
-  int rays = 200;           // ... in as many directions each
-  double clearance = 0.1;   // metres that a node keeps from surfaces
+  Box region;                  // where eyes will be; not empty, may be flat
+  int nodes = 8;               // at most
+  double enough = 1.0;         // stop when this share is held
+  int candidates = 400;        // places that are tried
+  int eyes = 200;              // points of the region from which is looked ...
+  int rays = 200;              // ... in as many directions each
+  double clearance = 0.1;      // metres that a node keeps from surfaces
   double least_cosine = 0.05;  // of the angle between a surface's normal and the line of sight
   std::uint64_t seed = 1;
 };

@@ -37,10 +37,10 @@ Scene scene_of(const std::vector<Box>& boxes) {
 
 // Three rooms in a row, with doors that are not opposite each other.
 Scene three_rooms() {
-  std::vector<Box> boxes{{{-1, -0.1f, -2}, {13, 0, 2}},     {{-1, 2.5f, -2}, {13, 2.6f, 2}},
-                         {{-0.1f, 0, -2}, {0, 2.5f, 2}},    {{12, 0, -2}, {12.1f, 2.5f, 2}},
-                         {{0, 0, -2.1f}, {12, 2.5f, -2}},   {{0, 0, 2}, {12, 2.5f, 2.1f}},
-                         {{4, 0, -2}, {4.1f, 2.5f, 1.2f}},  {{8, 0, -1.2f}, {8.1f, 2.5f, 2}}};
+  std::vector<Box> boxes{{{-1, -0.1f, -2}, {13, 0, 2}},    {{-1, 2.5f, -2}, {13, 2.6f, 2}},
+                         {{-0.1f, 0, -2}, {0, 2.5f, 2}},   {{12, 0, -2}, {12.1f, 2.5f, 2}},
+                         {{0, 0, -2.1f}, {12, 2.5f, -2}},  {{0, 0, 2}, {12, 2.5f, 2.1f}},
+                         {{4, 0, -2}, {4.1f, 2.5f, 1.2f}}, {{8, 0, -1.2f}, {8.1f, 2.5f, 2}}};
   return scene_of(boxes);
 }
 
@@ -72,7 +72,8 @@ TEST(PlaceNodes, three_rooms_take_three_nodes_and_a_row_takes_more) {
   const Result<double> held = share_held(*rays, options, first);
   ASSERT_TRUE(held.ok());
   EXPECT_DOUBLE_EQ(*held, placed->share[2]);
-  const Result<double> row = share_held(*rays, options, {{3, 1.6, 1.6}, {6, 1.6, 1.6}, {9, 1.6, 1.6}});
+  const Result<double> row =
+      share_held(*rays, options, {{3, 1.6, 1.6}, {6, 1.6, 1.6}, {9, 1.6, 1.6}});
   ASSERT_TRUE(row.ok());
   EXPECT_GT(*held, *row);
 }

@@ -204,10 +204,10 @@ Result<DepthImage> read_view(const Json& view, const fs::path& folder) {
   const int w = picture.camera.width, h = picture.camera.height;
   for (const auto& [planes, file] : {std::pair(&*color, &*color_path), {&*depth, &*depth_path}})
     if ((*planes)[0].width() != w || (*planes)[0].height() != h)
-      return Error{(folder / *file).string(),
-                   "is " + std::to_string((*planes)[0].width()) + " x " +
-                       std::to_string((*planes)[0].height()) + " texels, but its camera is " +
-                       std::to_string(w) + " x " + std::to_string(h)};
+      return Error{(folder / *file).string(), "is " + std::to_string((*planes)[0].width()) + " x " +
+                                                  std::to_string((*planes)[0].height()) +
+                                                  " texels, but its camera is " +
+                                                  std::to_string(w) + " x " + std::to_string(h)};
 
   picture.name = fs::path(*color_path).stem().string();
   picture.color = ColorImage(w, h);
@@ -329,18 +329,17 @@ Result<> save_seurat_capture(const fs::path& folder, const EnvironmentMap& map) 
     for (int y = 0; y < n; ++y)
       for (int x = 0; x < n; ++x) {
         for (int k = 0; k < 4; ++k) planes[std::size_t(k)](x, y) = face.color(x, y)[k];
-        planes[4](x, y) = face.covered(x, y)
-                              ? float(eye_z_from(face.depth_kind, face.depth(x, y), face.camera,
-                                                 {x + 0.5, y + 0.5}))
-                              : 0.0f;
+        planes[4](x, y) = face.covered(x, y) ? float(eye_z_from(face.depth_kind, face.depth(x, y),
+                                                                face.camera, {x + 0.5, y + 0.5}))
+                                             : 0.0f;
       }
     const std::string channels[] = {"R", "G", "B", "A"}, depth[] = {"R"};
-    if (Result<> saved = save_exr_channels(folder / (name + "_color.exr"), channels,
-                                           std::span(planes).first(4));
+    if (Result<> saved =
+            save_exr_channels(folder / (name + "_color.exr"), channels, std::span(planes).first(4));
         !saved)
       return saved;
-    if (Result<> saved = save_exr_channels(folder / (name + "_depth.exr"), depth,
-                                           std::span(planes).subspan(4));
+    if (Result<> saved =
+            save_exr_channels(folder / (name + "_depth.exr"), depth, std::span(planes).subspan(4));
         !saved)
       return saved;
     views.push_back({{"projective_camera",

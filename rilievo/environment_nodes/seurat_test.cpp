@@ -18,12 +18,11 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 EnvironmentMap small_node() {
-  return make_node(
-      8, furnished_room(),
-      [](const glm::dvec3& d, double) {
-        return glm::vec4(0.5f + 0.1f * glm::vec3(glm::normalize(d)), 1.0f);
-      },
-      {0.5, -1, 2});
+  return make_node(8, furnished_room(),
+                   [](const glm::dvec3& d, double) {
+                     return glm::vec4(0.5f + 0.1f * glm::vec3(glm::normalize(d)), 1.0f);
+                   },
+                   {0.5, -1, 2});
 }
 
 Json manifest_of(const fs::path& folder) {
@@ -55,13 +54,14 @@ TEST(Seurat, each_kind_of_depth_is_the_same_surface) {
   ASSERT_TRUE(save_seurat_capture(folder.path(), map).ok());
   const std::string channel[] = {"R"};
   for (const auto& [name, kind] : {std::pair("WINDOW_Z", DepthKind::window_z),
-                                   {"RAY_DEPTH", DepthKind::ray}, {"EYE_Z", DepthKind::eye_z}}) {
+                                   {"RAY_DEPTH", DepthKind::ray},
+                                   {"EYE_Z", DepthKind::eye_z}}) {
     const DepthImage& face = map.faces[2];
     std::vector<Image<float>> depth(1, Image<float>(8, 8));
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x)
-        depth[0](x, y) = float(
-            depth_from_eye_z(kind, face.depth(x, y), face.camera, {x + 0.5, y + 0.5}));
+        depth[0](x, y) =
+            float(depth_from_eye_z(kind, face.depth(x, y), face.camera, {x + 0.5, y + 0.5}));
     ASSERT_TRUE(save_exr_channels(folder.path() / "face2_depth.exr", channel, depth).ok());
     Json manifest = manifest_of(folder.path());
     manifest["view_groups"][0]["views"][2]["projective_camera"]["depth_type"] = name;
@@ -72,9 +72,8 @@ TEST(Seurat, each_kind_of_depth_is_the_same_surface) {
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x)
         // window_z in floats: 1e4 m away from 0.01 m, at 5 m a step of 1e-7 is 0.2 %.
-        EXPECT_NEAR(
-            eye_z_from(read.depth_kind, read.depth(x, y), read.camera, {x + 0.5, y + 0.5}),
-            face.depth(x, y), 0.02)
+        EXPECT_NEAR(eye_z_from(read.depth_kind, read.depth(x, y), read.camera, {x + 0.5, y + 0.5}),
+                    face.depth(x, y), 0.02)
             << name;
   }
 }
@@ -113,8 +112,7 @@ TEST(Seurat, what_is_wrong_with_a_capture_is_said) {
   const Case cases[] = {
       {"has no \"view_groups\"", [](Json& m) { m.erase("view_groups"); }},
       {"group 0 has no \"views\"", [](Json& m) { m["view_groups"][0] = 7; }},
-      {"no size of an image",
-       [&](Json& m) { view(m)["projective_camera"]["image_width"] = -3; }},
+      {"no size of an image", [&](Json& m) { view(m)["projective_camera"]["image_width"] = -3; }},
       {"16 finite numbers",
        [&](Json& m) { view(m)["projective_camera"]["clip_from_eye_matrix"][3] = "x"; }},
       {"no projection",
@@ -124,9 +122,9 @@ TEST(Seurat, what_is_wrong_with_a_capture_is_said) {
        }},
       {"not a rotation",
        [&](Json& m) { view(m)["projective_camera"]["world_from_eye_matrix"][0] = 1e30; }},
-      {"none of WINDOW_Z",
-       [&](Json& m) { view(m)["projective_camera"]["depth_type"] = "METRES"; }},
-      {"missing.exr", [&](Json& m) { view(m)["depth_image_file"]["depth"]["path"] = "missing.exr"; }},
+      {"none of WINDOW_Z", [&](Json& m) { view(m)["projective_camera"]["depth_type"] = "METRES"; }},
+      {"missing.exr",
+       [&](Json& m) { view(m)["depth_image_file"]["depth"]["path"] = "missing.exr"; }},
       {"has no channel Q",
        [&](Json& m) { view(m)["depth_image_file"]["color"]["channel_1"] = "Q"; }},
       {"but its camera is 16 x 8",

@@ -116,8 +116,8 @@ Result<> save_exr_channels(const std::filesystem::path& path, std::span<const st
     Imf::FrameBuffer buffer;
     for (std::size_t i = 0; i < names.size(); ++i) {
       header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
-      buffer.insert(names[i], Imf::Slice::Make(Imf::FLOAT, planes[i].texels().data(),
-                                               header.dataWindow()));
+      buffer.insert(names[i],
+                    Imf::Slice::Make(Imf::FLOAT, planes[i].texels().data(), header.dataWindow()));
     }
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(buffer);

@@ -44,7 +44,7 @@ struct PrewarpOptions {
 };
 
 // The picture; planes in row order, `geometry.capture` has their size. As a Nailboard's, but for
-// empty texels, none of which has a Delta (see spread_delta in prewarp_board.h).
+// empty texels, none of which has a Delta.
 struct Prewarped {
   PictureGeometry geometry;
   std::vector<glm::u8vec4> color;

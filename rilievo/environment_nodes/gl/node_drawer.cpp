@@ -78,8 +78,8 @@ Result<NodeDrawer> NodeDrawer::create() {
                         make(make_node_program(NodeOutput::color_twice_corrected), drawer.twice_)})
     if (!made) return made.error();
   for (int merge = 1; merge <= 3; ++merge)
-    if (Result<> made = make(shader::make_node_merge_program(merge),
-                             drawer.merge_[std::size_t(merge - 1)]);
+    if (Result<> made =
+            make(shader::make_node_merge_program(merge), drawer.merge_[std::size_t(merge - 1)]);
         !made)
       return made.error();
   if (Result<> made = make(shader::make_cube_map_program(), drawer.cube_map_); !made)
@@ -88,9 +88,8 @@ Result<NodeDrawer> NodeDrawer::create() {
   return drawer;
 }
 
-void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node,
-                           const gl::Program& surfaces, const gl::Program* skins,
-                           float widest_skin) {
+void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
+                           const gl::Program* skins, float widest_skin) {
   const std::array<bool, 6> visible = visible_faces(node.shape_, node.reaches_, frame);
   const glm::mat4 to_clip(clip_from_node(node.shape_, frame));
   glEnable(GL_DEPTH_TEST);
@@ -119,9 +118,9 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node,
       while (f + 1 < 6 && visible[f + 1]) count += ranges[++f].count;
       if (count == 0) continue;
       glUniform1i(first_triangle, GLint(first));
-      glDrawElements(GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT,
-                     reinterpret_cast<const void*>(std::uintptr_t(first) * 3 *
-                                                   sizeof(std::uint32_t)));
+      glDrawElements(
+          GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT,
+          reinterpret_cast<const void*>(std::uintptr_t(first) * 3 * sizeof(std::uint32_t)));
       triangles_drawn_ += count;
     }
   };
@@ -173,8 +172,8 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   for (const StoredNode* node : nodes) sum += 1 / std::max(1e-9, glm::distance(eye, node->eye()));
   float nearness[kMostNodes] = {};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nearness[i] = float(
-        std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
+    nearness[i] =
+        float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer_framebuffers_[i]);
     glClearNamedFramebufferfv(layer_framebuffers_[i], GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(layer_framebuffers_[i], GL_DEPTH, 0, &far);
@@ -201,8 +200,7 @@ void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
   const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(node.shape_.world_from_node));
   // Of the frame's corners at (-1, -1) and twice as far to the right and to the top.
   const auto ray = [&](double x, double y) {
-    const glm::dvec3 to =
-        world_from_raster(frame, {x * frame.width, (1 - y) * frame.height}, 1.0);
+    const glm::dvec3 to = world_from_raster(frame, {x * frame.width, (1 - y) * frame.height}, 1.0);
     return glm::vec3(node_from_world * (to - frame.position()));
   };
   const glm::vec3 rays[] = {ray(0, 0), ray(2, 0), ray(0, 2)};

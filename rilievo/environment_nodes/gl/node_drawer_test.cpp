@@ -140,14 +140,14 @@ TEST_F(NodeDrawing, from_its_own_eye_a_node_is_its_picture) {
 TEST_F(NodeDrawing, each_pixel_shows_its_own_direction_and_not_without_the_correction) {
   // Figure 10: a floor, far along which one looks, in as few triangles as it has.
   const EnvironmentMap map = make_node(
-      64, box_around({-20, -1, -30}, {20, 9, 30}),
-      [](const glm::dvec3& d, double distance) {
+      64, box_around({-20, -1, -30}, {20, 9, 30}), [](const glm::dvec3& d, double distance) {
         const glm::dvec3 p = d * distance;
         const int field = int(std::floor(p.x)) + int(std::floor(p.z));
         return field % 2 == 0 ? glm::vec4(1) : glm::vec4(0.01f, 0.01f, 0.01f, 1);
       });
   const StoredNode node = StoredNode::create(map, mesh_of(map, 100));
-  const Camera frame = look_at({0, 0, 0}, {0.3, -0.2, -1}, {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 99);
+  const Camera frame =
+      look_at({0, 0, 0}, {0.3, -0.2, -1}, {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 99);
   const Image<glm::vec4> shown = directions(frame, node, false);
   double worst = 0;
   for (int y = 0; y < kHeight; ++y)
@@ -195,21 +195,22 @@ TEST_F(NodeDrawing, a_closed_room_has_no_cracks) {
 TEST_F(NodeDrawing, without_skins_gaps_stay_open) {
   const EnvironmentMap map = make_node(64, furnished_room(), painted);
   const StoredNode node = StoredNode::create(map, mesh_of(map, 900));
-  const Camera frame = look_at({0.9, 0, 0.3}, {1.5, -0.6, -1.6}, {0, 1, 0}, 1.2, kWidth, kHeight,
-                               0.01, 100);
+  const Camera frame =
+      look_at({0.9, 0, 0.3}, {1.5, -0.6, -1.6}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.01, 100);
   EXPECT_GT(count_magenta(draw(frame, {&node}, {})), 100);
   // Another node sees what lies behind the ball.
-  const EnvironmentMap other = make_node(
-      64, [](const glm::dvec3& d) {
-        return nearest_of({box_around({-4.9, -1.6, -3.3}, {4.1, 2, 3.7}),
-                           ball({0.6, -0.6, -1.7}, 0.6), ball({-2.1, 0.3, 1.6}, 0.5)})(d);
-      },
-      painted, {0.9, 0, 0.3});
+  const EnvironmentMap other =
+      make_node(64,
+                [](const glm::dvec3& d) {
+                  return nearest_of({box_around({-4.9, -1.6, -3.3}, {4.1, 2, 3.7}),
+                                     ball({0.6, -0.6, -1.7}, 0.6), ball({-2.1, 0.3, 1.6}, 0.5)})(d);
+                },
+                painted, {0.9, 0, 0.3});
   const StoredNode second = StoredNode::create(other, mesh_of(other, 900));
   Camera near_second = frame;
   near_second.world_from_eye[3] += glm::dvec4(0.05, 0, 0, 0);
-  for (const NodeMerge merge : {NodeMerge::layering, NodeMerge::binary, NodeMerge::weighted,
-                                NodeMerge::positional}) {
+  for (const NodeMerge merge :
+       {NodeMerge::layering, NodeMerge::binary, NodeMerge::weighted, NodeMerge::positional}) {
     NodeDrawOptions options;
     options.merge = merge;
     EXPECT_LT(count_magenta(draw(near_second, {&second, &node}, options)), 40) << int(merge);
@@ -237,8 +238,8 @@ TEST_F(NodeDrawing, merges_take_the_best_or_the_mean_as_they_are_named) {
     EXPECT_EQ(c.g, 0);
     return glm::ivec2(c.r, c.b);
   };
-  for (const NodeMerge merge : {NodeMerge::layering, NodeMerge::binary, NodeMerge::weighted,
-                                NodeMerge::positional}) {
+  for (const NodeMerge merge :
+       {NodeMerge::layering, NodeMerge::binary, NodeMerge::weighted, NodeMerge::positional}) {
     EXPECT_EQ(pixel(-1, merge), glm::ivec2(255, 0));
     EXPECT_EQ(pixel(1, merge), glm::ivec2(0, 255));
     const glm::ivec2 between = pixel(-0.5, merge);
@@ -250,7 +251,8 @@ TEST_F(NodeDrawing, merges_take_the_best_or_the_mean_as_they_are_named) {
   // Positional: the weights of distances 1/2 and 3/2 are 3 : 1; qualities of a wall seen from
   // (-1, 0) and (1, 0) at x = -1/2 are cosines of atan(1/4) and atan(3/4), of its few triangles
   // only roughly.
-  const glm::ivec2 mean = pixel(-0.5, NodeMerge::positional), even = pixel(0, NodeMerge::positional);
+  const glm::ivec2 mean = pixel(-0.5, NodeMerge::positional),
+                   even = pixel(0, NodeMerge::positional);
   EXPECT_GT(mean.x, 0.7 * 255);
   EXPECT_LT(mean.x, 0.88 * 255);
   EXPECT_NEAR(even.x, even.y, 25);
@@ -262,8 +264,8 @@ TEST_F(NodeDrawing, depth_is_that_of_what_is_shown) {
       make_node(64, box_around({-3.5, -2, -4}, {2.5, 2, 4}), painted, {0.5, 0, 0});
   const StoredNode node = StoredNode::create(map, mesh_of(map, 300));
   const StoredNode second = StoredNode::create(other, mesh_of(other, 300));
-  const Camera frame = look_at({0.2, 0.1, 0}, {0.2, 0.1, -1}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.1,
-                               50);
+  const Camera frame =
+      look_at({0.2, 0.1, 0}, {0.2, 0.1, -1}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.1, 50);
   for (const NodeMerge merge : {NodeMerge::layering, NodeMerge::positional}) {
     NodeDrawOptions options;
     options.merge = merge;
@@ -302,8 +304,9 @@ TEST_F(NodeDrawing, samples_are_drawn_within_the_bound) {
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           if (shown(x, y).w == 0) continue;
-          const glm::dvec3 c = glm::dvec3(shown(x, y)) / double(std::max(
-              {std::abs(shown(x, y).x), std::abs(shown(x, y).y), std::abs(shown(x, y).z)}));
+          const glm::dvec3 c = glm::dvec3(shown(x, y)) /
+                               double(std::max({std::abs(shown(x, y).x), std::abs(shown(x, y).y),
+                                                std::abs(shown(x, y).z)}));
           int f = 0;
           while (glm::dot(c, glm::dvec3(face_axes()[std::size_t(f)].forward)) < 1 - 1e-6) ++f;
           const FaceAxes& axes = face_axes()[std::size_t(f)];

@@ -1,6 +1,6 @@
-// One frame of everything that may stand for an object (S1.6): a flat impostor, nailboards with exact
-// and with linear depth, a layered impostor, the cache and polygons, driven through each other. The
-// z-buffer decides, whatever the order of drawing.
+// One frame of everything that may stand for an object (S1.6): a flat impostor, nailboards with
+// exact and with linear depth, a layered impostor, the cache and polygons, driven through each
+// other. The z-buffer decides, whatever the order of drawing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,13 +32,13 @@ BuiltinScene interlocked() {
   test_shapes::add(made.scene, test_shapes::sphere(0.7), kColors[0]);
   for (int i = 1; i < kParts; ++i) {
     const float angle = 1.2566371f * float(i);
-    const glm::mat4 place =
-        glm::translate(glm::mat4(1), {0.95f * std::cos(angle), 0.95f * std::sin(angle), 0.1f * float(i)});
+    const glm::mat4 place = glm::translate(
+        glm::mat4(1), {0.95f * std::cos(angle), 0.95f * std::sin(angle), 0.1f * float(i)});
     // A flat impostor is its rectangle: a thin thing that faces the eye is its best case.
     test_shapes::add(made.scene,
-                     i == kFlat    ? test_shapes::box({0.5f, 0.5f, 0.02f})
-                     : i % 2 == 0  ? test_shapes::sphere(0.6)
-                                   : test_shapes::torus(0.5, 0.2),
+                     i == kFlat   ? test_shapes::box({0.5f, 0.5f, 0.02f})
+                     : i % 2 == 0 ? test_shapes::sphere(0.6)
+                                  : test_shapes::torus(0.5, 0.2),
                      kColors[i], place);
   }
   for (Mesh& mesh : made.scene.meshes) {
@@ -84,7 +84,8 @@ class MixedFrame : public SceneTest {
     auto set = NailboardSet::create({32u << 20, 16, 1}, mode);
     ASSERT_TRUE(set.ok()) << set.error().message();
     Camera eye = camera;
-    eye.world_from_eye = glm::translate(glm::dmat4(1), glm::dvec3(ahead, 0, 0)) * eye.world_from_eye;
+    eye.world_from_eye =
+        glm::translate(glm::dmat4(1), glm::dvec3(ahead, 0, 0)) * eye.world_from_eye;
     const auto capture = picture_camera(eye, renderer->object_bounds(part), {2.0, 1024, 0.25});
     ASSERT_TRUE(capture.has_value());
     PictureAtlas& atlas = (*set)->atlas();
@@ -169,8 +170,8 @@ TEST_F(MixedFrame, agrees_with_direct_drawing_but_for_a_pixel_beside_each_edge) 
     EXPECT_GT(shown, 300) << part;  // all take part
   }
   // Nailboards are captured at this eye or beside it, with two texels a pixel: their outlines, and
-  // where surfaces cross at a grazing angle, move by less than a pixel. The layered impostor's texel is
-  // about a pixel, and its picture another one.
+  // where surfaces cross at a grazing angle, move by less than a pixel. The layered impostor's
+  // texel is about a pixel, and its picture another one.
   EXPECT_LE(wrong_inside(truth, seen), kWidth * kHeight / 500);
 }
 

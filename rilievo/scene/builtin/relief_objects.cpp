@@ -113,7 +113,8 @@ BuiltinScene make_fish(std::uint64_t triangles, std::uint64_t) {
   const int nu = std::max(8, int(std::lround(std::sqrt(double(triangles) * 0.4))));
   const int n = std::max(2, int(std::lround(std::sqrt(double(triangles) * 0.2 / 5 / 2))));
   const auto half_height = [](float v) {
-    return 0.34f * std::pow(std::sin(kPi * std::pow(v, 0.75f)), 0.8f) * (1 - 0.35f * v) +
+    return 0.34f * std::pow(std::max(0.0f, std::sin(kPi * std::pow(v, 0.75f))), 0.8f) *
+               (1 - 0.35f * v) +
            0.05f * v * (1 - v);
   };
   // Scales in rows, stripes across, an eye: fine detail everywhere.
