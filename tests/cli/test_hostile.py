@@ -223,7 +223,7 @@ class Words(command.Case):
         self.assertNotRegex(done.stderr, "[\x00-\x09\x0b-\x1f\x7f-\x9f\u202e]")
         missing = self.folder / "no\x1b[2Jsuch.glb"
         self.refused(["info", missing], r"no\x1b[2Jsuch.glb")
-        self.refused(["info", "--no\x1b[2Jsuch"], r"\x1b[2J")
+        self.refused(["info", file, "--no\x1b[2Jsuch"], r"\x1b[2J")
 
     def test_nothing_is_not_only_0(self):
         skin = triangle()
@@ -266,7 +266,7 @@ class Words(command.Case):
         self.succeeds("bake", "builtin:teapot?triangles=2000", "--views", "12", "--size", "16",
                       "-o", pictures)
         renamed = pictures.rename(self.folder / "teapot.pictures")
-        self.assertIn("layered impostor", self.succeeds("info", renamed).stdout)
+        self.assertIn("layered-impostor", self.succeeds("info", renamed).stdout)
         self.succeeds("render", renamed, "--frames", "1", "--size", "32x32", "-o",
                       self.folder / "out")
 
