@@ -13,51 +13,13 @@
 #include <stdexcept>
 
 #include "rilievo/core/file.h"
+#include "rilievo/io/exr_header.h"
 #include "rilievo/io/exr_sizes.h"
 
 namespace rilievo {
 namespace {
 
 constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 32;
-
-class Reader : public Imf::IStream {
- public:
-  explicit Reader(std::string_view bytes) : Imf::IStream("memory"), bytes_(bytes) {}
-  bool read(char out[], int count) override {
-    if (count < 0 || std::uint64_t(count) > bytes_.size() - position_)
-      throw std::runtime_error("it ends too early");
-    std::memcpy(out, bytes_.data() + position_, std::size_t(count));
-    position_ += std::size_t(count);
-    return position_ < bytes_.size();
-  }
-  uint64_t tellg() override { return position_; }
-  void seekg(uint64_t position) override {
-    if (position > bytes_.size()) throw std::runtime_error("it ends too early");
-    position_ = std::size_t(position);
-  }
-
- private:
-  std::string_view bytes_;
-  std::size_t position_ = 0;
-};
-
-class Writer : public Imf::OStream {
- public:
-  Writer() : Imf::OStream("memory") {}
-  void write(const char bytes[], int count) override {
-    const std::size_t end = position_ + std::size_t(count);
-    if (end > bytes_.size()) bytes_.resize(end);
-    std::copy_n(bytes, count, bytes_.begin() + std::ptrdiff_t(position_));
-    position_ = end;
-  }
-  uint64_t tellp() override { return position_; }
-  void seekp(uint64_t position) override { position_ = position; }
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  std::size_t position_ = 0;
-};
 
 }  // namespace
 
@@ -68,7 +30,7 @@ Result<std::vector<Image<float>>> load_exr_channels(const std::filesystem::path&
   if (!bytes) return bytes.error();
   if (Result<> sizes = check_exr_sizes(*bytes); !sizes) return error(sizes.error().reason);
   try {
-    Reader stream(*bytes);
+    exr::MemoryStream stream(*bytes);
     Imf::InputFile file(stream, 0);
     const Imf::Header& header = file.header();
     if (header.hasType() && Imf::isDeepData(header.type())) return error("is a deep image");
@@ -110,7 +72,7 @@ Result<> save_exr_channels(const std::filesystem::path& path, std::span<const st
   RILIEVO_EXPECTS_EQ(names.size(), planes.size());
   RILIEVO_EXPECTS(!planes.empty());
   const int width = planes[0].width(), height = planes[0].height();
-  Writer stream;
+  exr::MemoryOutput stream;
   try {
     Imf::Header header(width, height);
     Imf::FrameBuffer buffer;
