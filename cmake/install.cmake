@@ -21,6 +21,8 @@ function(rilievo_install target name with_gl)
     list(FILTER headers EXCLUDE REGEX "_test_helpers\\.h$")
     # Behind load_scene.h and save_glb.h; they need the headers of what reads for it.
     list(FILTER headers EXCLUDE REGEX "/scene/gltf/")
+    # What the readers and writers of OpenEXR share; it needs OpenEXR's headers.
+    list(FILTER headers EXCLUDE REGEX "/io/exr_header\\.h$")
     # Behind builtin.h.
     list(FILTER headers EXCLUDE REGEX "/scene/builtin/(bridge|parts|traffic|masonry|mesh_builder)[^/]*\\.h$")
     foreach(header ${headers})
