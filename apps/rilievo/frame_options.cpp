@@ -61,7 +61,8 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
       ->check(CLI::IsMember({1, 4}));
 }
 
-Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds) {
+Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
+                              const Vantage& vantage) {
   FramePlan plan;
   if (!options.path_file.empty()) {
     Result<CameraPath> path = load_path(options.path_file);
@@ -74,7 +75,8 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds) {
                 : options.orbit ? options.orbit
                 : options.walk  ? options.walk
                                 : kDefaultFrames;
-  plan.path = options.walk ? walk_path(bounds, plan.frames) : orbit_path(bounds, plan.frames);
+  plan.path = options.walk ? walk_path(bounds, plan.frames, vantage)
+                           : orbit_path(bounds, plan.frames, vantage);
   return plan;
 }
 

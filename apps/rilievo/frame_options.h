@@ -27,7 +27,8 @@ struct FramePlan {
 };
 
 // The path asked for; or one found from the bounds of what there is to see.
-[[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds);
+[[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
+                                            const Vantage& vantage = {});
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
 

@@ -219,7 +219,8 @@ Result<> render_pictures(const Options& options, const FramePictures& stored, Sc
 
 Result<> render_representation(const Options& options, PictureFileContent content,
                                SceneRenderer& sky) {
-  const Result<FramePlan> plan = plan_frames(options.frames, content.representation->bounds());
+  const Result<FramePlan> plan = plan_frames(options.frames, content.representation->bounds(),
+                                             content.representation->vantage());
   if (!plan) return plan.error();
   Result<std::unique_ptr<FrameSource>> source =
       make_stored_source(options.method, options.methods, std::move(content.representation), sky);

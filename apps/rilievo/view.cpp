@@ -91,7 +91,7 @@ void move_eye(ViewState& state, const glm::dvec3& center, GLFWwindow* window) {
 }
 
 Camera camera_of(const ViewState& state, int width, int height) {
-  return look_at(state.pose.eye, state.pose.eye + forward_of(state.pose), {0, 1, 0},
+  return look_at(state.pose.eye, state.pose.eye + forward_of(state.pose), up_of(state.pose),
                  state.vertical_fov, width, height, state.path.z_near, state.path.z_far);
 }
 
@@ -123,7 +123,14 @@ struct Subject {
                                                      const MethodOptions& options)>
       make_source;
   FrameSource* direct = nullptr;  // none if nothing but pictures is known
+  Vantage vantage{};
 };
+
+// What an orbit goes around.
+glm::dvec3 center_of(const Subject& subject) {
+  if (subject.vantage.gaze) return subject.vantage.gaze->target;
+  return subject.bounds.empty() ? glm::dvec3(0) : glm::dvec3(subject.bounds.center());
+}
 
 class Viewer {
  public:
@@ -131,7 +138,8 @@ class Viewer {
       : options_(options),
         subject_(subject),
         window_(window),
-        center_(subject.bounds.empty() ? glm::dvec3(0) : glm::dvec3(subject.bounds.center())) {
+        center_(center_of(subject)),
+        world_from_upright_(upright_axes(subject.vantage.up)) {
     const FramePlan& plan = subject.plan;
     state_.path = plan.path;
     state_.path_frames = plan.frames;
@@ -161,7 +169,7 @@ class Viewer {
     if (scripted) state_.path_frame = frame;
     if (state_.mode == ViewMode::play) {
       state_.time = frame_time(state_.path, state_.path_frame);
-      state_.pose = pose_of(camera_at(state_.path, state_.time, 1, 1));
+      state_.pose = pose_of(camera_at(state_.path, state_.time, 1, 1), world_from_upright_);
     } else {
       move_eye(state_, center_, window_.handle());
       if (state_.animate) state_.time += ImGui::GetIO().DeltaTime;
@@ -239,6 +247,7 @@ class Viewer {
   const Subject& subject_;
   Window& window_;
   glm::dvec3 center_;
+  glm::dmat3 world_from_upright_;
   ViewState state_;
   std::unique_ptr<FrameSource> source_;
   std::unique_ptr<FrameTarget> left_, right_;
@@ -277,14 +286,15 @@ Result<> view_file(const Options& options) {
     if (Result<> known = expect_method_of(kind, options.method, "--method"); !known) return known;
   if (options.split) return Error{"--split", "a file has no direct drawing to compare with"};
   const Box bounds = content->representation->bounds();
-  const Result<FramePlan> plan = plan_frames(options.frames, bounds);
+  const Vantage vantage = content->representation->vantage();
+  const Result<FramePlan> plan = plan_frames(options.frames, bounds, vantage);
   if (!plan) return plan.error();
   const auto window = open_window(options);
   if (!window) return window.error();
   const Scene nothing;
   Result<SceneRenderer> sky = SceneRenderer::create(nothing);
   if (!sky) return sky.error();
-  Subject subject{bounds, *plan, kind_method_names(kind), {}, nullptr};
+  Subject subject{bounds, *plan, kind_method_names(kind), {}, nullptr, vantage};
   subject.make_source = [&](const std::string& method,
                             const MethodOptions& with) -> Result<std::unique_ptr<FrameSource>> {
     // A drawable takes the representation for itself: the next method loads it again.

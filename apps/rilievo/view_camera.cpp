@@ -10,7 +10,8 @@ namespace {
 // Straight up there is no left.
 constexpr double kMaxPitch = 0.49 * glm::pi<double>();
 
-void look_along(ViewPose& pose, const glm::dvec3& direction) {
+void look_along(ViewPose& pose, const glm::dvec3& in_world) {
+  const glm::dvec3 direction = glm::transpose(pose.world_from_upright) * in_world;
   pose.pitch = std::clamp(std::asin(std::clamp(direction.y, -1.0, 1.0)), -kMaxPitch, kMaxPitch);
   if (std::abs(direction.x) + std::abs(direction.z) > 1e-9)
     pose.yaw = std::atan2(-direction.x, -direction.z);
@@ -20,11 +21,20 @@ void look_along(ViewPose& pose, const glm::dvec3& direction) {
 
 glm::dvec3 forward_of(const ViewPose& pose) {
   const double level = std::cos(pose.pitch);
-  return {-std::sin(pose.yaw) * level, std::sin(pose.pitch), -std::cos(pose.yaw) * level};
+  return pose.world_from_upright *
+         glm::dvec3(-std::sin(pose.yaw) * level, std::sin(pose.pitch), -std::cos(pose.yaw) * level);
 }
 
-ViewPose pose_of(const Camera& camera) {
-  ViewPose pose{camera.position()};
+glm::dmat3 upright_axes(const glm::dvec3& up) {
+  const glm::dvec3 back = std::abs(up.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 z = glm::normalize(back - glm::dot(back, up) * up);
+  return {glm::cross(up, z), up, z};
+}
+
+ViewPose pose_of(const Camera& camera, const glm::dmat3& world_from_upright) {
+  ViewPose pose;
+  pose.eye = camera.position();
+  pose.world_from_upright = world_from_upright;
   look_along(pose, camera.forward());
   return pose;
 }
@@ -35,8 +45,9 @@ void turn(ViewPose& pose, double left, double up) {
 }
 
 void fly(ViewPose& pose, const glm::dvec3& right_up_forward) {
-  const glm::dvec3 right{std::cos(pose.yaw), 0, -std::sin(pose.yaw)};
-  pose.eye += right * right_up_forward.x + glm::dvec3(0, right_up_forward.y, 0) +
+  const glm::dvec3 right =
+      pose.world_from_upright * glm::dvec3(std::cos(pose.yaw), 0, -std::sin(pose.yaw));
+  pose.eye += right * right_up_forward.x + up_of(pose) * right_up_forward.y +
               forward_of(pose) * right_up_forward.z;
 }
 

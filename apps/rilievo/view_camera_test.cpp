@@ -24,7 +24,7 @@ TEST(view_camera, a_camera_gives_its_pose_back) {
     const ViewPose pose{10.0 * random.vector(), 3.1 * random(), 1.5 * random()};
     const Camera camera =
         look_at(pose.eye, pose.eye + forward_of(pose), {0, 1, 0}, 0.9, 16, 9, 0.1, 10);
-    const ViewPose back = pose_of(camera);
+    const ViewPose back = pose_of(camera, pose.world_from_upright);
     EXPECT_NEAR(glm::distance(back.eye, pose.eye), 0, kRounding);
     EXPECT_NEAR(back.yaw, pose.yaw, 1e-6);  // near the poles yaw is ill-conditioned
     EXPECT_NEAR(back.pitch, pose.pitch, 1e-6);
@@ -72,6 +72,27 @@ TEST(view_camera, circling_keeps_the_distance_and_looks_at_the_center) {
     EXPECT_NEAR(glm::distance(pose.eye, center), distance * std::exp(-closer),
                 kRounding * distance);
     EXPECT_NEAR(glm::dot(glm::normalize(center - pose.eye), forward_of(pose)), 1, kRounding);
+  }
+}
+
+TEST(view_camera, upright_is_whatever_was_told) {
+  Random random;
+  EXPECT_EQ(upright_axes({0, 1, 0}), glm::dmat3(1));
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dmat3 axes = upright_axes(glm::normalize(random.vector()));
+    EXPECT_NEAR(glm::determinant(axes), 1, kRounding);
+    ViewPose pose{random.vector(), 3 * random(), 1.4 * random(), axes};
+    const Camera camera =
+        look_at(pose.eye, pose.eye + forward_of(pose), up_of(pose), 0.9, 16, 9, 0.1, 10);
+    const ViewPose back = pose_of(camera, axes);
+    EXPECT_NEAR(glm::distance(forward_of(back), forward_of(pose)), 0, kRounding);
+    // Turning to the side keeps the height of the gaze; flying up goes up.
+    const double height = glm::dot(forward_of(pose), up_of(pose));
+    turn(pose, random(), 0);
+    EXPECT_NEAR(glm::dot(forward_of(pose), up_of(pose)), height, kRounding);
+    const glm::dvec3 before = pose.eye;
+    fly(pose, {0, 2, 0});
+    EXPECT_NEAR(glm::distance(pose.eye, before + 2.0 * up_of(pose)), 0, kRounding);
   }
 }
 

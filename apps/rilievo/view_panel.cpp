@@ -35,8 +35,8 @@ void camera_panel(ViewState& state) {
   if (ImGui::Button("Set key")) {
     const double time = double(state.recorded.keys.size());
     state.recorded.keys.push_back(look_key(time, state.pose.eye,
-                                           state.pose.eye + forward_of(state.pose), {0, 1, 0},
-                                           state.vertical_fov));
+                                           state.pose.eye + forward_of(state.pose),
+                                           up_of(state.pose), state.vertical_fov));
   }
   ImGui::SameLine();
   if (ImGui::Button("Forget keys")) state.recorded.keys.clear();

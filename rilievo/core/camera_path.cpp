@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kVerticalFov = 0.87;  // 50 degrees
 constexpr double kOrbitSpeed = 10.0 * glm::pi<double>() / 180.0;
+constexpr double kFirstAzimuth = 0.5;  // from +z towards +x
 constexpr double kElevation = 15.0 * glm::pi<double>() / 180.0;
 
 // Velocity of the eye at key `k`: the slope there of the parabola through three neighbouring keys
@@ -45,26 +46,54 @@ PathKey between(const std::vector<PathKey>& keys, double time) {
   return p;
 }
 
-// The ball around `bounds`, and from how far it fits into a frame that is at least as wide as high:
+// From where all of `bounds` is seen: the ball around it fits into a frame that is at least as wide
+// as high, from
 //   sin(fov / 2) = radius / distance, and 5 % for comfort.
+// With a gaze: from its eye, whatever is seen from there.
 struct Framing {
-  glm::dvec3 center{0.0};
+  glm::dvec3 center{0.0};  // looked at
   double radius = 1.0, distance = 0.0;
+  double elevation = kElevation;
+  glm::dvec3 up, level, aside;  // orthonormal; the eye is level * cos(elevation) ... at first
+  double near_reach = 0, far_reach = 0;  // of the bounds from `center`, towards eyes and away
 
-  explicit Framing(const Box& bounds) {
+  Framing(const Box& bounds, const Vantage& vantage) : up(glm::normalize(vantage.up)) {
+    glm::dvec3 middle(0.0);
     if (!bounds.empty()) {
-      center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+      middle = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
       radius = 0.5 * glm::length(glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
     }
     // A single point far from the origin still needs a distance that doubles can resolve.
-    radius = std::max({radius, 1e-6 * glm::length(center), 1e-6});
-    distance = 1.05 * radius / std::sin(0.5 * kVerticalFov);
+    radius = std::max({radius, 1e-6 * glm::length(middle), 1e-6});
+    if (!vantage.gaze) {
+      center = middle;
+      distance = 1.05 * radius / std::sin(0.5 * kVerticalFov);
+      // Any two directions at right angles to `up`; for +y those of z and x.
+      const glm::dvec3 z = std::abs(up.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+      const glm::dvec3 e = glm::normalize(z - glm::dot(z, up) * up), f = glm::cross(up, e);
+      level = std::cos(kFirstAzimuth) * e + std::sin(kFirstAzimuth) * f;
+      near_reach = far_reach = radius;
+    } else {
+      center = vantage.gaze->target;
+      const glm::dvec3 outwards = vantage.gaze->eye - center;
+      distance = glm::length(outwards);
+      const double rise = glm::dot(outwards, up);
+      level = glm::normalize(outwards - rise * up);
+      elevation = std::asin(std::clamp(rise / distance, -1.0, 1.0));
+      near_reach = 0.98 * distance;  // the eye is within: something may be right before it
+      far_reach = glm::distance(center, middle) + radius;
+    }
+    aside = glm::cross(up, level);
   }
 
-  // Near and far planes for eyes at distances from the center between `nearest` and `farthest`.
-  void set_planes(CameraPath& path, double nearest, double farthest) const {
-    path.z_near = std::max(0.5 * (nearest - radius), 1e-3 * radius);
-    path.z_far = farthest + 1.5 * radius;
+  [[nodiscard]] glm::dvec3 outwards(double turned) const {
+    return std::cos(elevation) * (std::cos(turned) * level + std::sin(turned) * aside) +
+           std::sin(elevation) * up;
+  }
+  // Near and far planes for eyes at distances from the center between `distance` and `farthest`.
+  void set_planes(CameraPath& path, double farthest) const {
+    path.z_near = std::max(0.5 * (distance - near_reach), 1e-3 * near_reach);
+    path.z_far = farthest + 1.5 * far_reach;
   }
 };
 
@@ -98,42 +127,38 @@ Camera camera_at(const CameraPath& path, double time, int width, int height) {
   return camera;
 }
 
-CameraPath orbit_path(const Box& bounds, int frames) {
+CameraPath orbit_path(const Box& bounds, int frames, const Vantage& vantage) {
   RILIEVO_EXPECTS_GE(frames, 1);
-  const Framing framing(bounds);
+  const Framing framing(bounds, vantage);
   CameraPath path;
-  framing.set_planes(path, framing.distance, framing.distance);
+  framing.set_planes(path, framing.distance);
   // One key a degree: the curve through them leaves the circle by less than 1e-6 of its radius.
   const double key_step = 1.0 * glm::pi<double>() / 180.0 / kOrbitSpeed;
   const double seconds = frames / kFramesPerSecond;
   const int steps = std::max(1, int(std::ceil(seconds / key_step)));
   for (int i = 0; i <= steps; ++i) {
-    const double time = seconds * i / steps, azimuth = kOrbitSpeed * time + 0.5;
-    const glm::dvec3 direction{std::sin(azimuth) * std::cos(kElevation), std::sin(kElevation),
-                               std::cos(azimuth) * std::cos(kElevation)};
-    path.keys.push_back(look_key(time, framing.center + framing.distance * direction,
-                                 framing.center, {0, 1, 0}, kVerticalFov));
+    const double time = seconds * i / steps;
+    path.keys.push_back(
+        look_key(time, framing.center + framing.distance * framing.outwards(kOrbitSpeed * time),
+                 framing.center, framing.up, kVerticalFov));
   }
   return path;
 }
 
-CameraPath walk_path(const Box& bounds, int frames) {
+CameraPath walk_path(const Box& bounds, int frames, const Vantage& vantage) {
   RILIEVO_EXPECTS_GE(frames, 1);
-  const Framing framing(bounds);
+  const Framing framing(bounds, vantage);
   const double seconds = frames / kFramesPerSecond;
   const double half_length = 0.5 * seconds * 0.1 * kWalkingSpeed * framing.radius;
   // The middle of the walk frames the bounds. The walker passes at a right angle, so that every
   // other point of the walk is farther away.
-  const glm::dvec3 outwards{std::sin(0.5) * std::cos(kElevation), std::sin(kElevation),
-                            std::cos(0.5) * std::cos(kElevation)};
-  const glm::dvec3 along{std::cos(0.5), 0, -std::sin(0.5)};
-  const glm::dvec3 middle = framing.center + framing.distance * outwards;
+  const glm::dvec3 middle = framing.center + framing.distance * framing.outwards(0);
   CameraPath path;
-  framing.set_planes(path, framing.distance, std::hypot(framing.distance, half_length));
+  framing.set_planes(path, std::hypot(framing.distance, half_length));
   for (const double end : {-1.0, 1.0}) {
     PathKey key =
-        look_key((0.5 + 0.5 * end) * seconds, middle, framing.center, {0, 1, 0}, kVerticalFov);
-    key.eye += end * half_length * along;
+        look_key((0.5 + 0.5 * end) * seconds, middle, framing.center, framing.up, kVerticalFov);
+    key.eye += end * half_length * framing.aside;
     path.keys.push_back(key);
   }
   return path;

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,11 +55,26 @@ struct CameraPath {
 // every key. Requires a valid path.
 [[nodiscard]] Camera camera_at(const CameraPath& path, double time, int width, int height);
 
-// Part of a circle around `bounds` at 10 degrees a second, all of it in view, the eye outside.
-[[nodiscard]] CameraPath orbit_path(const Box& bounds, int frames);
-// A straight line past `bounds`, all of it in view in the middle of the walk, the eye outside. The
-// speed is what a house of 10 m radius looks like to a person on foot: 0.14 radii a second.
-[[nodiscard]] CameraPath walk_path(const Box& bounds, int frames);
+// How is a thing, or a place, best looked at?
+struct Vantage {
+  glm::dvec3 up{0, 1, 0};  // unit
+  // Of a place that is seen from within, like a room: an eye from which it was seen, and a point
+  // that this eye sees in the middle. They differ, and not along `up` alone.
+  struct Gaze {
+    glm::dvec3 eye{0.0}, target{0.0};
+    friend bool operator==(const Gaze&, const Gaze&) = default;
+  };
+  std::optional<Gaze> gaze;
+  friend bool operator==(const Vantage&, const Vantage&) = default;
+};
+
+// Part of a circle around `bounds` at 10 degrees a second, all of it in view, the eye outside; or
+// around the gaze's target, from the gaze's eye on.
+[[nodiscard]] CameraPath orbit_path(const Box& bounds, int frames, const Vantage& vantage = {});
+// A straight line past `bounds`, all of it in view in the middle of the walk, the eye outside; or
+// through the gaze's eye in the middle of the walk. The speed is what a house of 10 m radius looks
+// like to a person on foot: 0.14 radii a second.
+[[nodiscard]] CameraPath walk_path(const Box& bounds, int frames, const Vantage& vantage = {});
 
 // Is there a key, do times ascend, is every number finite and in range?
 [[nodiscard]] Result<> validate(const CameraPath& path);

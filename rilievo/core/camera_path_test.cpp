@@ -124,6 +124,66 @@ TEST(CameraPath, an_orbit_is_a_circle_at_ten_degrees_a_second) {
   }
 }
 
+TEST(CameraPath, a_world_that_is_turned_has_the_same_paths_turned) {
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> u(-1, 1);
+  // A cube is its own box from six sides; any other would be another box when turned.
+  const Box box = box_of({-1, -1, -1}, {1, 1, 1});
+  for (const glm::dvec3& up : {glm::dvec3(0, -1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1),
+                               glm::normalize(glm::dvec3(u(rng), u(rng), u(rng)))})
+    for (const bool walk : {false, true}) {
+      const Vantage vantage{up, {}};
+      const CameraPath path = walk ? walk_path(box, 120, vantage) : orbit_path(box, 120, vantage);
+      const CameraPath usual = walk ? walk_path(box, 120) : orbit_path(box, 120);
+      ASSERT_TRUE(validate(path).ok());
+      EXPECT_EQ(path.z_far, usual.z_far);
+      for (int frame = 0; frame <= 120; frame += 30) {
+        const Camera a = camera_at(path, frame_time(path, frame), 8, 8);
+        const Camera b = camera_at(usual, frame_time(usual, frame), 8, 8);
+        // 1e-9: rounding of doubles. Heights, distances and tilts are alike.
+        EXPECT_NEAR(glm::dot(a.position(), up), b.position().y, 1e-9);
+        EXPECT_NEAR(glm::length(a.position()), glm::length(b.position()), 1e-9);
+        for (int axis = 0; axis < 3; ++axis)
+          EXPECT_NEAR(glm::dot(glm::dvec3(a.world_from_eye[axis]), up), b.world_from_eye[axis].y,
+                      1e-9);
+      }
+    }
+}
+
+TEST(CameraPath, a_gaze_is_where_an_orbit_begins_and_a_walk_has_its_middle) {
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<double> u(-1, 1);
+  const Box box = box_of({-3, -2, -1}, {3, 2, 4});
+  for (int i = 0; i < 50; ++i) {
+    const Vantage vantage{glm::normalize(glm::dvec3(u(rng), u(rng) + 2, u(rng))),
+                          Vantage::Gaze{{2 * u(rng), 1.5 * u(rng), 0}, {u(rng), u(rng), 3}}};
+    const glm::dvec3 eye = vantage.gaze->eye, target = vantage.gaze->target;
+    for (const bool walk : {false, true}) {
+      const CameraPath path = walk ? walk_path(box, 120, vantage) : orbit_path(box, 120, vantage);
+      ASSERT_TRUE(validate(path).ok());
+      const Camera c = camera_at(path, frame_time(path, walk ? 60 : 0), 8, 8);
+      EXPECT_LT(glm::distance(c.position(), eye), 1e-9);
+      EXPECT_LT(glm::length(c.forward() - glm::normalize(target - eye)), 1e-6);
+      // Upright: no roll, and not on its head.
+      EXPECT_NEAR(glm::dot(glm::dvec3(c.world_from_eye[0]), vantage.up), 0, 1e-6);
+      EXPECT_GT(glm::dot(glm::dvec3(c.world_from_eye[1]), vantage.up), 0);
+      for (int frame = 0; frame <= 120; frame += 20) {
+        const Camera at = camera_at(path, frame_time(path, frame), 8, 8);
+        if (!walk) {
+          EXPECT_NEAR(glm::distance(at.position(), target), glm::distance(eye, target), 1e-5);
+          EXPECT_NEAR(glm::dot(at.position() - eye, vantage.up), 0, 1e-5);
+        }
+        // What is before the eye is between the planes, but for the very nearest.
+        for (const glm::vec3& corner : box.corners()) {
+          const double z = raster_from_world(at, corner).z;
+          EXPECT_LT(z, at.z_far);
+        }
+        EXPECT_LT(at.z_near, 0.02 * glm::distance(eye, target));
+      }
+    }
+  }
+}
+
 TEST(CameraPath, degenerate_bounds_give_valid_paths) {
   for (const Box& box : {Box{}, box_of({7, 7, 7}, {7, 7, 7}), box_of({1e6f, 0, 0}, {1e6f, 0, 0}),
                          box_of({-5, 0, -5}, {5, 0, 5})}) {

@@ -15,6 +15,7 @@
 
 #include "rilievo/capture/capture_source.h"
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/kind/drawable.h"
@@ -31,8 +32,8 @@ class Representation {
   [[nodiscard]] virtual std::size_t bytes() const = 0;
   // What Output::object_id writes where the pictures show but one object.
   [[nodiscard]] virtual std::uint32_t only_object() const { return 1; }
-  // The direction that is up, where the pictures tell.
-  [[nodiscard]] virtual glm::dvec3 up() const { return {0, 1, 0}; }
+  // Which way is up and from where it is best looked at, where the pictures tell.
+  [[nodiscard]] virtual Vantage vantage() const { return {}; }
 };
 
 // One line of what `rilievo info` says.

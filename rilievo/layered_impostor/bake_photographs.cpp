@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "rilievo/capture/upright.h"
+
 namespace rilievo {
 namespace {
 
@@ -43,6 +45,18 @@ std::vector<Camera> spread_cameras(std::span<const DepthImage> photographs, int 
   return cameras;
 }
 
+Vantage vantage_of(std::span<const DepthImage> photographs, const PhotographBakeOptions& options) {
+  Vantage vantage = estimate_vantage(photographs, options.reproject.box);
+  if (!options.up) return vantage;
+  vantage.up = glm::normalize(*options.up);
+  // Who looks straight up or down has no way to go around.
+  if (vantage.gaze) {
+    const glm::dvec3 way = glm::normalize(vantage.gaze->target - vantage.gaze->eye);
+    if (glm::length(glm::cross(way, vantage.up)) < 0.05) vantage.gaze.reset();
+  }
+  return vantage;
+}
+
 }  // namespace
 
 Result<PhotographBake> bake_photographs(std::span<const DepthImage> photographs,
@@ -72,6 +86,7 @@ Result<PhotographBake> bake_photographs(std::span<const DepthImage> photographs,
       make_layered_impostor(std::move(made.pictures), options.slicing);
   if (!impostor) return impostor.error();
   bake.impostor = std::move(*impostor);
+  bake.impostor.vantage = vantage_of(photographs, options);
   return bake;
 }
 

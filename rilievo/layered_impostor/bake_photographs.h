@@ -10,6 +10,7 @@
 // World space of the photographs. Same bytes for any number of threads.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "rilievo/layered_impostor/layered_impostor.h"
@@ -26,9 +27,10 @@ struct PhotographBakeOptions {
   ReprojectOptions reproject;  // its box: the region of interest
   SliceOptions slicing;
   PhotographViews kind = PhotographViews::at_cameras;
-  int most_views = 32;       // at_cameras: those that look most differently
-  ViewSetOptions views;      // around
-  ViewCameraOptions camera;  // around
+  std::optional<glm::dvec3> up;  // not zero; else estimated (capture/upright.h)
+  int most_views = 32;           // at_cameras: those that look most differently
+  ViewSetOptions views;          // around
+  ViewCameraOptions camera;      // around
 };
 
 struct PhotographBake {

@@ -74,6 +74,33 @@ TEST(BakePhotographs, a_camera_between_the_others_sees_what_it_would) {
   }
 }
 
+TEST(BakePhotographs, its_default_view_is_upright_and_looks_from_where_it_was_photographed) {
+  const Scene scene = test_shapes::jug();
+  const Result<RayScene> rays = RayScene::create(scene);
+  std::vector<DepthImage> photographs = photographs_of_jug(*rays, 5, 1.0);
+  // A world in which +y is down and aslant.
+  glm::dmat4 turn = glm::rotate(glm::dmat4(1), 2.8, glm::normalize(glm::dvec3(1, 0.2, 0.3)));
+  turn[3] = {3, -2, 1, 1};
+  for (DepthImage& p : photographs) p.camera.world_from_eye = turn * p.camera.world_from_eye;
+  PhotographBakeOptions options;
+  options.reproject.box = measured_bounds(photographs, 0.0);
+  Result<PhotographBake> bake = bake_photographs(photographs, options);
+  ASSERT_TRUE(bake) << bake.error().message();
+  const Vantage& vantage = bake->impostor.vantage;
+  // All look down by 18 degrees, and to one side by at most 23: part of it is taken for theirs.
+  EXPECT_GT(glm::dot(vantage.up, glm::dvec3(turn[1])), std::cos(0.32));
+  ASSERT_TRUE(vantage.gaze);
+  EXPECT_EQ(vantage.gaze->eye, photographs[2].camera.position());
+  const CameraPath path = orbit_path(bake->impostor.bounds, 1, vantage);
+  const DepthImage frame = warp_surfaces(bake->impostor, camera_at(path, 0, 64, 48));
+  EXPECT_TRUE(frame.covered(32, 24));  // the jug, at which all were pointed
+  // Who knows better says so.
+  options.up = glm::dvec3(0, 0, -7);
+  bake = bake_photographs(photographs, options);
+  ASSERT_TRUE(bake);
+  EXPECT_EQ(bake->impostor.vantage.up, glm::dvec3(0, 0, -1));
+}
+
 TEST(BakePhotographs, a_hole_in_one_picture_does_not_hide_what_another_knows) {
   const Scene scene = test_shapes::jug();
   const Result<RayScene> rays = RayScene::create(scene);

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace rilievo {
@@ -14,6 +17,8 @@ constexpr const char* kRepresentation = "representation";
 constexpr const char* kLayeredImpostor = "layered-impostor";
 constexpr const char* kSlicing = "slicing";
 constexpr const char* kFills = "fills";
+constexpr const char* kUp = "up";
+constexpr const char* kGaze = "gaze";
 constexpr std::size_t kMaxFillText = std::size_t(1) << 24;
 
 std::vector<std::string_view> split(std::string_view text, std::string_view separator) {
@@ -51,6 +56,43 @@ std::optional<SliceOptions> slicing_from(std::string_view text) {
   if (words[3] != "pieces" && words[3] != "samples") return std::nullopt;
   return SliceOptions{*layers, *overlap, words[3] == "pieces",
                       words[2] == "eye_z" ? SliceSpacing::eye_z : SliceSpacing::window_z};
+}
+
+std::string text_of(const glm::dvec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+
+// As many vectors as `into` has room for, of finite numbers.
+bool read_vectors(std::string_view text, std::span<glm::dvec3> into) {
+  const std::vector<std::string_view> words = split(text, " ");
+  if (words.size() != 3 * into.size()) return false;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::optional<double> value = number<double>(words[i]);
+    if (!value || !std::isfinite(*value)) return false;
+    into[i / 3][glm::length_t(i % 3)] = *value;
+  }
+  return true;
+}
+
+// Files that do not say stand upright along y and are looked at from outside.
+Result<Vantage> vantage_from(const Attributes& attributes) {
+  Vantage vantage;
+  if (const auto up = attributes.find(kUp); up != attributes.end()) {
+    const bool read = read_vectors(up->second, {&vantage.up, 1});
+    const double length = glm::length(vantage.up);
+    if (!read || !(length > 1e-6 && length < 1e6))
+      return Error{"", fmt::format("\"{}\" is not a direction that could be up", up->second)};
+    vantage.up /= length;
+  }
+  if (const auto gaze = attributes.find(kGaze); gaze != attributes.end()) {
+    std::array<glm::dvec3, 2> points;
+    const bool read = read_vectors(gaze->second, points);
+    const glm::dvec3 way = points[0] - points[1];
+    // Who looks straight up or down has no way to go around.
+    if (!read || !(glm::length(way) < 1e12) ||
+        !(glm::length(glm::cross(way, vantage.up)) > 1e-6 * glm::length(way)))
+      return Error{"", fmt::format("\"{}\" is not an eye and what it looks at", gaze->second)};
+    vantage.gaze = Vantage::Gaze{points[0], points[1]};
+  }
+  return vantage;
 }
 
 std::string fills_text(const LayeredImpostor& impostor, int view) {
@@ -105,6 +147,9 @@ Result<> save_layered_impostor(const std::filesystem::path& path, const LayeredI
   FileAttributes attributes;
   attributes.file[kRepresentation] = kLayeredImpostor;
   attributes.file[kSlicing] = slicing_text(impostor.slicing);
+  if (impostor.vantage != Vantage{}) attributes.file[kUp] = text_of(impostor.vantage.up);
+  if (const auto& gaze = impostor.vantage.gaze)
+    attributes.file[kGaze] = text_of(gaze->eye) + " " + text_of(gaze->target);
   attributes.pictures.resize(impostor.pictures.size());
   if (!impostor.fills.empty())
     for (std::size_t v = 0; v < impostor.pictures.size(); ++v)
@@ -126,8 +171,12 @@ Result<LayeredImpostor> layered_impostor_from(PictureFile file, const std::files
   const std::optional<SliceOptions> slicing = slicing_from(text->second);
   if (!slicing) return refuse(fmt::format("\"{}\" is not a way to slice views", text->second));
 
+  const Result<Vantage> vantage = vantage_from(file.attributes.file);
+  if (!vantage) return refuse(vantage.error().reason);
+
   Result<LayeredImpostor> impostor = make_layered_impostor(std::move(file.pictures), *slicing);
   if (!impostor) return refuse(impostor.error().message());
+  impostor->vantage = *vantage;
   impostor->name = path.stem().string();
 
   std::size_t with_fills = 0;

@@ -93,6 +93,32 @@ TEST_F(Files, holes_not_looked_for_stay_so) {
   EXPECT_TRUE(again->fills.empty());
 }
 
+TEST_F(Files, the_vantage_is_kept_and_older_files_have_the_usual_one) {
+  LayeredImpostor impostor = jug();
+  ASSERT_TRUE(save_layered_impostor(file("jug.exr"), impostor).ok());
+  Result<PictureFile> older = load_picture_file(file("jug.exr"));
+  ASSERT_TRUE(older.ok());
+  // Files written before there was a vantage have neither attribute; nor have those of scenes.
+  EXPECT_EQ(older->attributes.file.count("up") + older->attributes.file.count("gaze"), 0u);
+  EXPECT_EQ(load_layered_impostor(file("jug.exr"))->vantage, Vantage{});
+  impostor.vantage.up = glm::normalize(glm::dvec3(0.1, -0.9, 0.3));
+  impostor.vantage.gaze = Vantage::Gaze{{0.1, 1e-17, -3}, {1.0 / 3, 2, 5e5}};
+  ASSERT_TRUE(save_layered_impostor(file("jug.exr"), impostor).ok());
+  const Result<LayeredImpostor> again = load_layered_impostor(file("jug.exr"));
+  ASSERT_TRUE(again.ok()) << again.error().message();
+  // 1e-15: it is made of unit length again.
+  EXPECT_LT(glm::distance(again->vantage.up, impostor.vantage.up), 1e-15);
+  EXPECT_EQ(again->vantage.gaze, impostor.vantage.gaze);
+}
+
+TEST_F(Files, a_vantage_that_is_none_is_refused) {
+  for (const char* up : {"", "0 0 0", "0 1", "0 1 0 0", "nan 1 0", "0 inf 0", "y"})
+    expect_refused([&](PictureFile& f) { f.attributes.file["up"] = up; }, "could be up");
+  for (const char* gaze :
+       {"", "0 0 0", "0 0 0 0 0 0", "1 2 3 1 5 3", "0 0 0 nan 1 1", "0 0 0 1 1 1 1", "0 0 0 1 1 x"})
+    expect_refused([&](PictureFile& f) { f.attributes.file["gaze"] = gaze; }, "looks at");
+}
+
 TEST_F(Files, what_is_no_layered_impostor_is_refused_with_its_name_and_a_reason) {
   expect_refused([](PictureFile& f) { f.attributes.file.erase("representation"); },
                  "not a layered impostor");

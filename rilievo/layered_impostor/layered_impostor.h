@@ -17,6 +17,7 @@
 
 #include "rilievo/capture/view_set.h"
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/camera_path.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/warp/texel_surface.h"
 
@@ -69,6 +70,8 @@ struct FillSlices {
 struct LayeredImpostor {
   std::string name;
   Box bounds;  // of the samples, world
+  Vantage
+      vantage;  // for default paths; from photographs, which way was up and where they were taken
   SliceOptions slicing;
   ViewSet views;
   std::vector<DepthImage> pictures;        // one a direction

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "rilievo/layered_impostor/bake_photographs.h"
 #include "rilievo/layered_impostor/file.h"
@@ -59,6 +60,12 @@ const std::array kBakeOptions{
            .default_value = "",
            .help = "Of photographs: only what lies between two corners (default all)",
            .unit = "X0,Y0,Z0,X1,Y1,Z1"},
+    Option{.name = "up",
+           .type = OptionType::point,
+           .default_value = "",
+           .help = "Of photographs: the direction that is up in their world (default from the "
+                   "poses)",
+           .unit = "X,Y,Z"},
     Option{
         .name = "around",
         .type = OptionType::flag,
@@ -77,7 +84,17 @@ const std::array kDrawOptions{
 constexpr std::array kVariants{Variant{"layered-slices", "warp", "slices"},
                                Variant{"layered", "", ""}};
 
+// Of the option "up"; nothing if it was not given.
+std::optional<glm::dvec3> up_from(const OptionValues& values) {
+  const std::vector<double> n = values.numbers("up");
+  if (n.empty()) return std::nullopt;
+  return glm::dvec3(n[0], n[1], n[2]);
+}
+
 Result<> check_options(const OptionValues& values) {
+  if (const std::optional<glm::dvec3> up = up_from(values);
+      up && !(glm::length(*up) > 1e-6 && glm::length(*up) < 1e6))
+    return Error{"--up", "is no direction: its length must lie between 1e-6 and 1e6"};
   if (values.integer("ring") > 0 && values.integer("ring") < 3)
     return Error{"--ring", "takes at least 3 views"};
   if (values.integer("ring") > 0 && (values.given("views") || values.flag("hemisphere")))
@@ -106,6 +123,7 @@ Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& v
   const Box box = box_from(values.numbers("box"), photographs);
   PhotographBakeOptions bake;
   bake.reproject.box = box;
+  bake.up = up_from(values);
   bake.slicing = options.slicing;
   bake.kind = values.flag("around") ? PhotographViews::around : PhotographViews::at_cameras;
   bake.views = options.views;
@@ -132,9 +150,9 @@ Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& v
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   if (!input.source.photographs().empty()) return bake_from_photographs(input.source, values);
-  if (values.given("box") || values.flag("around"))
+  if (values.given("box") || values.given("up") || values.flag("around"))
     return Error{std::string(input.source.name()),
-                 "is no capture: --box and --around are for photographs"};
+                 "is no capture: --box, --up and --around are for photographs"};
   BakeOptions options = layered_bake_options(values);
   options.progress = progress;
   Result<LayeredImpostor> impostor = bake_layered(input.source, input.objects, options);
@@ -219,6 +237,9 @@ std::vector<Fact> describe(const Representation& representation) {
                          figures.hole_slices, 100 * figures.hole_fill_share)},
       {"hole_slices", json(figures.hole_slices), "", ""},
       {"hole_fill_share", json(figures.hole_fill_share), "", ""},
+      {"up",
+       nlohmann::json{impostor.vantage.up.x, impostor.vantage.up.y, impostor.vantage.up.z}.dump(),
+       "", ""},
       {"bounds_min", list_of(impostor.bounds.min).dump(), "bounds",
        fmt::format("{} to {} m", text_of(impostor.bounds.min), text_of(impostor.bounds.max))},
       {"bounds_max", list_of(impostor.bounds.max).dump(), "", ""},

@@ -13,6 +13,7 @@ inline constexpr std::string_view kLayeredImpostorName = "layered-impostor";
 struct LayeredRepresentation final : Representation {
   explicit LayeredRepresentation(LayeredImpostor made) : impostor(std::move(made)) {}
   [[nodiscard]] Box bounds() const override { return impostor.bounds; }
+  [[nodiscard]] Vantage vantage() const override { return impostor.vantage; }
   [[nodiscard]] std::size_t bytes() const override;
   [[nodiscard]] std::uint32_t only_object() const override;
 
