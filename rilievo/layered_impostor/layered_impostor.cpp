@@ -158,12 +158,16 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
     impostor.surfaces.push_back(std::move(surface));
   }
   if (impostor.bounds.empty()) return Error{"layered impostor", "all pictures are empty"};
-  // What hardly anybody looks at hides nothing of itself.
-  if (options.pieces && impostor.surfaces.size() >= 4) find_inside(impostor.surfaces);
-  for (const TexelSurface& surface : impostor.surfaces)
-    impostor.slices.push_back(slice_surface(surface, options));
   for (const DepthImage& picture : pictures)
     impostor.complete.push_back(holds(picture.camera, samples) && !lacks_samples(picture));
+  // What hardly anybody looks at hides nothing of itself; and pictures that leave parts out, as
+  // photographs do, do not know what is inside.
+  if (options.pieces && impostor.surfaces.size() >= 4 &&
+      std::find(impostor.complete.begin(), impostor.complete.end(), false) ==
+          impostor.complete.end())
+    find_inside(impostor.surfaces);
+  for (const TexelSurface& surface : impostor.surfaces)
+    impostor.slices.push_back(slice_surface(surface, options));
   impostor.views = view_set_from_directions(std::move(directions));
   impostor.pictures = std::move(pictures);
   return impostor;

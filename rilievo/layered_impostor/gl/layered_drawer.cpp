@@ -11,6 +11,7 @@ namespace rilievo {
 namespace {
 
 constexpr int kMaxViews = shader::kMaxWalkedViews;
+constexpr std::size_t kInstances = shader::kMaxInstances;
 
 // The frame as seen from an instance: its own axes, with the eye at the origin.
 struct Local {
@@ -68,6 +69,15 @@ shader::LayeredView view_block(const LayeredImpostor& impostor, int layer, const
       glm::vec4(glm::vec3(axes[0] * ((r - l) / w)), float(w)),
       glm::vec4(glm::vec3(axes[1] * (-(t - b) / h)), float(h)),
       glm::vec4(float(camera.z_near), float(camera.z_far), impostor.complete[layer] ? 1 : 0, 0)};
+}
+
+// What of a rectangle is drawn: half a texel more to each side than there is to see. Two that share
+// an edge, but not its ends, would leave cracks; where they overlap they show the same texels.
+glm::vec4 quad_of(const TexelRect& rect, const TexelRect& within) {
+  return {std::max(float(rect.x0) - 0.5f, float(within.x0)),
+          std::max(float(rect.y0) - 0.5f, float(within.y0)),
+          std::min(float(rect.x1) + 0.5f, float(within.x1)),
+          std::min(float(rect.y1) + 0.5f, float(within.y1))};
 }
 
 void set_state() {
@@ -149,33 +159,14 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
   const LayeredImpostor& impostor = pictures.impostor();
   // Rounding must not cut off what lies on a face of the bounds.
   const glm::dvec3 slack(1e-4 * double(impostor.bounds.radius()) + 1e-9);
-  views_.clear();
-  blocks_.clear();
-  for (const LayeredInstance& instance : instances) {
-    const Local local = local_of(frame, instance);
-    const Served served = serve(impostor, local.eye, options);
-    shader::LayeredInstanceBlock block;
-    block.clip_from_local = local.clip_from_local;
-    block.box_min = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.min) - slack - local.eye), 0);
-    block.box_max = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.max) + slack - local.eye), 0);
-    for (int i = 0; i < kMaxViews; ++i) block.weights[i / 4][i % 4] = served.weights[i];
-    block.views = {int(views_.size()), served.count, served.weighty, int(instance.object)};
-    blocks_.push_back(block);
-    for (int i = 0; i < served.count; ++i)
-      views_.push_back(view_block(impostor, served.views[i], local.eye));
-  }
-  figures_.views = int(views_.size());
-
   const LayeredPictures::SurfaceTextures textures = pictures.surface_textures();
   glUseProgram(surface_programs_[int(output)]);
-  view_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 0, std::as_bytes(std::span(views_)));
-  instance_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 1, std::as_bytes(std::span(blocks_)));
-  glUniform1i(0, 0);
+  glUniform1iv(2, GLsizei(textures.level_at.size()), textures.level_at.data());
   glBindTextureUnit(0, pictures.color_texture());
   glBindTextureUnit(1, textures.q);
   glBindTextureUnit(2, textures.slope);
   glBindTextureUnit(3, textures.links);
-  glBindTextureUnit(4, textures.blocks);
+  glBindTextureUnit(4, textures.cells);
   if (output == shader::LayeredOutput::objects) {
     glUniform1i(1, pictures.object_texture() != 0);
     glBindTextureUnit(5, pictures.object_texture());
@@ -187,7 +178,32 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
   glFrontFace(GL_CCW);
   glEnable(GL_DEPTH_CLAMP);
   glBindVertexArray(no_attributes_);
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, GLsizei(instances.size()));
+  while (!instances.empty()) {
+    const auto some = instances.first(std::min(instances.size(), kInstances));
+    instances = instances.subspan(some.size());
+    views_.clear();
+    blocks_.clear();
+    for (const LayeredInstance& instance : some) {
+      const Local local = local_of(frame, instance);
+      const Served served = serve(impostor, local.eye, options);
+      shader::LayeredInstanceBlock block;
+      block.clip_from_local = local.clip_from_local;
+      block.box_min = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.min) - slack - local.eye), 0);
+      block.box_max = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.max) + slack - local.eye), 0);
+      for (int i = 0; i < kMaxViews; ++i) block.weights[i / 4][i % 4] = served.weights[i];
+      block.views = {int(views_.size()), served.count, served.weighty, int(instance.object)};
+      blocks_.push_back(block);
+      for (int i = 0; i < served.count; ++i)
+        views_.push_back(view_block(impostor, served.views[i], local.eye));
+    }
+    figures_.views += int(views_.size());
+    // A block must be there as a whole.
+    views_.resize(kInstances * std::size_t(kMaxViews));
+    blocks_.resize(kInstances);
+    view_buffer_.upload_and_bind(GL_UNIFORM_BUFFER, 0, std::as_bytes(std::span(views_)));
+    instance_buffer_.upload_and_bind(GL_UNIFORM_BUFFER, 1, std::as_bytes(std::span(blocks_)));
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 14, GLsizei(some.size()));
+  }
   glDisable(GL_DEPTH_CLAMP);
   glCullFace(GL_BACK);
   glDisable(GL_CULL_FACE);
@@ -218,15 +234,20 @@ void LayeredDrawer::draw_slices(LayeredPictures& pictures, const Camera& frame,
           views_.push_back(view_block(impostor, draw.view, local.eye));
         }
         const IntervalScale scale = interval_scale(impostor, draw.view);
-        slices_.push_back(
-            {glm::vec4(draw.rect.x0, draw.rect.y0, draw.rect.x1, draw.rect.y1),
-             glm::vec4(slice.eye_z, scale(slice.front), scale(slice.back), 0),
-             glm::vec4(from, to, float(views_.size() - 1), std::bit_cast<float>(instance.object))});
+        for (const TexelRect& rect : pictures.rects_of(draw.view, draw.slice)) {
+          const glm::vec4 quad = quad_of(rect, draw.rect);
+          if (!(quad.x < quad.z && quad.y < quad.w)) continue;
+          figures_.texels += double(quad.z - quad.x) * double(quad.w - quad.y);
+          slices_.push_back({quad, glm::vec4(slice.eye_z, scale(slice.front), scale(slice.back), 0),
+                             glm::vec4(from, to, float(views_.size() - 1),
+                                       std::bit_cast<float>(instance.object))});
+        }
       }
+      figures_.slices += chosen_.size();
       from = to;
     }
     figures_.views += int(views_.size());
-    figures_.slices += slices_.size();
+    figures_.quads += slices_.size();
     if (slices_.empty()) continue;
     const auto bytes = std::as_bytes(std::span(slices_));
     if (bytes.size() > slice_capacity_) {

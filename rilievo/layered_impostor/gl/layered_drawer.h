@@ -43,7 +43,9 @@ class LayeredDrawer {
   // What the last call drew.
   struct Figures {
     int views = 0;           // pictures bound, over all instances
-    std::size_t slices = 0;  // quads
+    std::size_t slices = 0;  // of all views
+    std::size_t quads = 0;   // that show them
+    double texels = 0;       // in these
   };
   [[nodiscard]] const Figures& figures() const { return figures_; }
 

@@ -209,6 +209,66 @@ TEST_F(LayeredDrawerTest, slices_are_what_the_slow_drawing_on_the_cpu_shows) {
   EXPECT_LT(d.color, d.pixels / 100);
 }
 
+// A room's corner, photographed from within: large pictures of surfaces that recede.
+LayeredImpostor corner_impostor() {
+  Scene scene;
+  const glm::mat4 one(1);
+  test_shapes::add(scene, test_shapes::box({2, 0.05f, 2}), {0.7f, 0.6f, 0.5f},
+                   glm::translate(one, {0, -1, 0}));
+  test_shapes::add(scene, test_shapes::box({2, 1, 0.05f}), {0.3f, 0.6f, 0.3f},
+                   glm::translate(one, {0, 0, -2}));
+  test_shapes::add(scene, test_shapes::box({0.05f, 1, 2}), {0.3f, 0.3f, 0.7f},
+                   glm::translate(one, {-2, 0, 0}));
+  test_shapes::add(scene, test_shapes::sphere(0.4), {0.8f, 0.3f, 0.2f},
+                   glm::translate(one, {-0.5f, -0.5f, -0.8f}));
+  finish(scene);
+  const Result<RayScene> rays = RayScene::create(scene);
+  std::vector<DepthImage> pictures;
+  for (int i = 0; i < 3; ++i) {
+    const double a = 0.3 * (i - 1);
+    pictures.push_back(cast_picture(
+        *rays, look_at({1.5 + a, 0.3, 1.5 - a}, {-1, -0.6, -1}, {0, 1, 0}, 0.9, 192, 160, 0.1, 9)));
+  }
+  // Its far side lost a stripe, as where a sensor measures nothing.
+  for (DepthImage& picture : pictures)
+    for (int y = 40; y < 90; ++y)
+      for (int x = 90; x < 96; ++x) picture.depth(x, y) = kNoDepth;
+  Result<LayeredImpostor> impostor = make_layered_impostor(std::move(pictures), {.layers = 64});
+  return std::move(*impostor);
+}
+
+TEST_F(LayeredDrawerTest, a_room_seen_from_within_and_from_behind_is_drawn_as_on_the_cpu) {
+  const LayeredImpostor impostor = corner_impostor();
+  auto pictures = LayeredPictures::create(impostor);
+  ASSERT_TRUE(pictures.ok()) << pictures.error().message();
+  Difference surfaces, slices;
+  for (int i = 0; i < 4; ++i) {
+    const Camera camera =
+        i < 3 ? look_at({1.4 - 0.5 * i, 0.2, 1.2}, {-1, -0.6, -1}, {0, 1, 0}, 0.9, kSize, kSize,
+                        0.05, 20)
+              : look_at({-5, 3, -4}, {0, 0, 0}, {0, 1, 0}, 0.6, kSize, kSize, 0.5, 20);
+    compare(warp_surfaces(impostor, camera, {.handover = 0.25}), draw(*pictures, camera, {}), 5e-3,
+            surfaces);
+    const LayeredOptions by_slices{.method = LayeredMethod::slices, .handover = 0};
+    const auto draws = slices_for_eye(impostor, camera.position(), true);
+    compare(warp_slices(impostor, draws, camera), draw(*pictures, camera, by_slices), 5e-3, slices);
+    EXPECT_EQ(drawer_->figures().slices, draws.size());
+    // Part of the slices' rectangles is empty, and not drawn.
+    double whole = 0;
+    for (const SliceDraw& d : draws) whole += double(d.rect.area());
+    EXPECT_LT(drawer_->figures().texels, 0.8 * whole);
+    EXPECT_GT(drawer_->figures().quads, draws.size());
+  }
+  EXPECT_GT(surfaces.pixels, 10000);
+  EXPECT_GT(slices.pixels, 10000);
+  // As above.
+  for (const Difference& d : {surfaces, slices}) {
+    EXPECT_LT(d.coverage, d.pixels / 100);
+    EXPECT_LT(d.depth, d.pixels / 50);
+    EXPECT_LT(d.color, d.pixels / 40);
+  }
+}
+
 TEST_F(LayeredDrawerTest, an_impostor_that_moved_is_an_eye_that_moved_the_other_way) {
   const LayeredImpostor impostor = jug_impostor();
   auto pictures = LayeredPictures::create(impostor);

@@ -3,16 +3,36 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "rilievo/core/color.h"
+#include "rilievo/layered_impostor/slice_rects.h"
 
 namespace rilievo {
 namespace {
 
 // Of a texel, by texture.
-constexpr int kColorBytes = 4, kQBytes = 4, kSlopeBytes = 8, kLinksBytes = 1, kIntervalBytes = 4;
+constexpr int kColorBytes = 4, kQBytes = 4, kSlopeBytes = 8, kLinksBytes = 1, kIntervalBytes = 4,
+              kCellBytes = 8;
+
+// The pyramid of a picture of this size, its levels side by side.
+struct CellTexture {
+  int columns = 0, rows = 0;
+  std::array<int, SurfacePyramid::kLevels> level_at{};
+};
+CellTexture cell_texture(int width, int height) {
+  CellTexture texture;
+  int side = SurfacePyramid::kBlock;
+  texture.rows = (height + side - 1) / side;
+  for (int& at : texture.level_at) {
+    at = texture.columns;
+    texture.columns += (width + side - 1) / side;
+    side *= SurfacePyramid::kFactor;
+  }
+  return texture;
+}
 
 // One layer of a texture array from an image, whose row 0 becomes the texture's row 0: shaders
 // fetch by raster position.
@@ -36,23 +56,21 @@ Image<glm::u8vec4> encoded(const ColorImage& color) {
   return out;
 }
 
-// Of each block the q of the surface point nearest to the viewers, who look from where q is small
-// to where it is large at a back-perspective picture and the other way round at another: a ray
-// that stays on their side of it meets nothing in the block. Nothing there: no ray passes it.
-Image<float> blocks_of(const TexelSurface& surface) {
-  constexpr int n = LayeredPictures::kBlock;
-  const bool back = surface.camera.keeps_farthest();
-  const int w = surface.texels.width(), h = surface.texels.height();
-  Image<float> blocks((w + n - 1) / n, (h + n - 1) / n, back ? 1e30f : -1e30f);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const SurfaceTexel& texel = surface.texels(x, y);
-      if (texel.q == 0) continue;
-      const DepthInterval interval = depth_interval(texel);
-      float& block = blocks(x / n, y / n);
-      block = back ? std::min(block, 1 / interval.back) : std::max(block, 1 / interval.front);
-    }
-  return blocks;
+// The pyramid's levels side by side, as the shader wants them: empty cells are in front of nothing.
+Image<glm::vec2> cells_of(const TexelSurface& surface, int columns, int rows,
+                          std::span<const int> level_at) {
+  Image<glm::vec2> cells(columns, rows, glm::vec2(0));
+  const SurfacePyramid pyramid = make_surface_pyramid(surface);
+  for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
+    const Image<SurfaceCell>& from = pyramid.levels[level];
+    for (int y = 0; y < from.height(); ++y)
+      for (int x = 0; x < from.width(); ++x) {
+        const SurfaceCell& cell = from(x, y);
+        cells(level_at[level] + x, y) = {cell.front,
+                                         std::abs(cell.back) * (cell.holes ? -1.0f : 1.0f)};
+      }
+  }
+  return cells;
 }
 
 bool shows_several_objects(const LayeredImpostor& impostor) {
@@ -69,12 +87,12 @@ bool shows_several_objects(const LayeredImpostor& impostor) {
 }  // namespace
 
 std::size_t layered_texture_bytes(int views, int width, int height, LayeredMethod method) {
-  constexpr int n = LayeredPictures::kBlock;
   const std::size_t texels = std::size_t(width) * std::size_t(height);
-  const std::size_t blocks = std::size_t((width + n - 1) / n) * std::size_t((height + n - 1) / n);
+  const CellTexture cells = cell_texture(width, height);
   return std::size_t(views) *
          (method == LayeredMethod::surfaces
-              ? texels * (kColorBytes + kQBytes + kSlopeBytes + kLinksBytes) + blocks * kQBytes
+              ? texels * (kColorBytes + kQBytes + kSlopeBytes + kLinksBytes) +
+                    std::size_t(cells.columns) * std::size_t(cells.rows) * kCellBytes
               : texels * (kColorBytes + kIntervalBytes));
 }
 
@@ -127,28 +145,33 @@ Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
 LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
   if (!q_) {
     q_ = make_array(GL_R32F, width_, height_, kQBytes);
-    slope_ = make_array(GL_RGBA16F, width_, height_, kSlopeBytes);
+    // Halves, but fetched as integers: a driver for processors converts each texel of a format
+    // of halves by a call.
+    slope_ = make_array(GL_RG32UI, width_, height_, kSlopeBytes);
     links_ = make_array(GL_R8UI, width_, height_, kLinksBytes);
-    blocks_ = make_array(GL_R32F, (width_ + kBlock - 1) / kBlock, (height_ + kBlock - 1) / kBlock,
-                         kQBytes);
+    const CellTexture size = cell_texture(width_, height_);
+    cells_ = make_array(GL_RG32F, size.columns, size.rows, kCellBytes);
     for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
       const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
       Image<float> q(texels.width(), texels.height());
-      Image<glm::vec4> slope(texels.width(), texels.height());
+      Image<glm::uvec2> slope(texels.width(), texels.height());
       Image<std::uint8_t> links(texels.width(), texels.height());
       for (std::size_t i = 0; i < texels.texels().size(); ++i) {
         const SurfaceTexel& t = texels.texels()[i];
         q.texels()[i] = t.q;
-        slope.texels()[i] = {t.slope[0], t.slope[1], t.slope[2], t.slope[3]};
+        slope.texels()[i] = {glm::packHalf2x16({t.slope[0], t.slope[1]}),
+                             glm::packHalf2x16({t.slope[2], t.slope[3]})};
         links.texels()[i] = t.links;
       }
       upload(q_, int(v), q, GL_RED, GL_FLOAT);
-      upload(slope_, int(v), slope, GL_RGBA, GL_FLOAT);
+      upload(slope_, int(v), slope, GL_RG_INTEGER, GL_UNSIGNED_INT);
       upload(links_, int(v), links, GL_RED_INTEGER, GL_UNSIGNED_BYTE);
-      upload(blocks_, int(v), blocks_of(impostor_.surfaces[v]), GL_RED, GL_FLOAT);
+      upload(cells_, int(v),
+             cells_of(impostor_.surfaces[v], size.columns, size.rows, size.level_at), GL_RG,
+             GL_FLOAT);
     }
   }
-  return {q_, slope_, links_, blocks_};
+  return {q_, slope_, links_, cells_, cell_texture(width_, height_).level_at};
 }
 
 GLuint LayeredPictures::interval_texture() {
@@ -166,6 +189,7 @@ GLuint LayeredPictures::interval_texture() {
                            std::uint16_t(std::ceil(code(scale(d.back))))};
       }
       upload(interval_, int(v), out, GL_RG, GL_UNSIGNED_SHORT);
+      slice_rects_.push_back(slice_rects(impostor_, int(v)));
     }
   }
   return interval_;

@@ -5,11 +5,14 @@
 // kind is uploaded by whoever needs it first. Needs a current OpenGL context.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <vector>
 
 #include "rilievo/gl/object.h"
 #include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
+#include "rilievo/warp/surface_pyramid.h"
 
 namespace rilievo {
 
@@ -29,23 +32,27 @@ class LayeredPictures {
   [[nodiscard]] GLuint color_texture() const { return color_; }
 
   struct SurfaceTextures {
-    GLuint q, slope, links, blocks;
+    GLuint q, slope, links, cells;
+    // The columns at which the levels of the pyramid (warp/surface_pyramid.h) begin.
+    std::array<int, SurfacePyramid::kLevels> level_at;
   };
   [[nodiscard]] SurfaceTextures surface_textures();
   [[nodiscard]] GLuint interval_texture();
+  // What of a slice is drawn (layered_impostor/slice_rects.h), by view and slice; from
+  // interval_texture() on.
+  [[nodiscard]] const std::vector<TexelRect>& rects_of(int view, int slice) const {
+    return slice_rects_[std::size_t(view)][std::size_t(slice)];
+  }
   // Uploads what this way of drawing takes and lets go of the texels in main memory: from now on
   // there is no other way, and impostor() is without its pictures' and surfaces' texels.
   void keep_only(LayeredMethod method);
-
-  // Texels a side of a block; of each the surface nearest to the viewers is known, so that a walk
-  // can step over it.
-  static constexpr int kBlock = 8;
 
  private:
   LayeredImpostor impostor_;
   int width_ = 0, height_ = 0;  // of the largest picture
   std::size_t bytes_ = 0;
-  gl::Texture color_, object_, q_, slope_, links_, blocks_, interval_;
+  std::vector<std::vector<std::vector<TexelRect>>> slice_rects_;
+  gl::Texture color_, object_, q_, slope_, links_, cells_, interval_;
 
   [[nodiscard]] gl::Texture make_array(GLenum format, int width, int height, int texel_bytes);
 };

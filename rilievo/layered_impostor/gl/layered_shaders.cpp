@@ -1,12 +1,15 @@
-// The walk is that of warp/texel_surface.cpp, which is its slow twin: there are the rules and
-// their reasons. What is added: blocks of 8 x 8 texels whose nearest surface the ray stays in front
-// of are stepped over at once.
+// The walk is that of warp/surface_pyramid.cpp: there are the rules and their reasons.
+//
+// Drivers for processors run both sides of every branch for some eight pixels together; loops alone
+// are left early, and only at their ends. So each loop holds one thing, steps over cells or steps
+// over texels, and tests last. Where the piece is met is found after the loops.
 #include "rilievo/layered_impostor/gl/layered_shaders.h"
 
 #include <string>
 
 #include "rilievo/render/opengl/outline_shader.h"
 #include "rilievo/render/opengl/scene_shaders.h"
+#include "rilievo/warp/surface_pyramid.h"
 
 namespace rilievo::shader {
 namespace {
@@ -15,7 +18,11 @@ const char* const kVersion = "#version 450\n";
 
 const char* const kViews = R"(
 struct View { vec4 u_row, v_row, w_row, apex, base, du, dv, depths; };
+#ifdef VIEWS
+layout(std140, binding = 0) uniform Views { View views[VIEWS]; };
+#else
 layout(std430, binding = 0) readonly buffer Views { View views[]; };
+#endif
 )";
 
 const char* const kOutput = R"(
@@ -31,8 +38,7 @@ layout(location = 0) out vec4 out_color;
 
 const char* const kInstance = R"(
 struct Instance { mat4 clip_from_local; vec4 box_min, box_max, weights[2]; ivec4 views; };
-layout(std430, binding = 1) readonly buffer Instances { Instance instances[]; };
-layout(location = 0) uniform int first_instance;
+layout(std140, binding = 1) uniform Instances { Instance instances[INSTANCES]; };
 )";
 
 // A box as one strip of 14 corners; what is seen from inside, its back faces, is drawn, so that the
@@ -41,7 +47,7 @@ const char* const kSurfaceVertex = R"(
 out vec3 v_ray;  // to the box's back, from the eye
 flat out int v_instance;
 void main() {
-  int i = first_instance + gl_InstanceID;
+  int i = gl_InstanceID;
   const int kStrip[14] = int[](6, 7, 4, 5, 1, 7, 3, 6, 2, 4, 0, 1, 2, 3);
   int c = kStrip[gl_VertexID];
   v_ray = mix(instances[i].box_min.xyz, instances[i].box_max.xyz, vec3(c >> 2, c >> 1 & 1, c & 1));
@@ -54,14 +60,17 @@ const char* const kWalk = R"(
 in vec3 v_ray;
 flat in int v_instance;
 layout(binding = 1) uniform sampler2DArray q_texture;
-layout(binding = 2) uniform sampler2DArray slope_texture;
+layout(binding = 2) uniform usampler2DArray slope_texture;  // halves, two by two
 layout(binding = 3) uniform usampler2DArray links_texture;
-layout(binding = 4) uniform sampler2DArray block_texture;
+// Levels side by side: the nearest q times sigma; the farthest q, negative if there are holes.
+layout(binding = 4) uniform sampler2DArray cell_texture;
+layout(location = 2) uniform int level_at[LEVELS];  // columns
 
-struct Walk { bool hit, behind, outline; vec3 at; ivec2 texel; };
+// s: along the segment, of the hit; without one, of the edge passed last. The texel likewise.
+struct Walk { bool hit, behind, outline; float s; ivec2 texel; };
 
-// The stretch of the ray, t in [t.x, t.y], that lies in the view's frustum, as (u, v, q).
-bool frustum_segment(View view, vec3 ray, vec2 t, out vec3 from, out vec3 to) {
+// The stretch of the ray, t in [t.x, t.y], that lies in the view's frustum, as (u, v, q); narrows t.
+bool frustum_segment(View view, vec3 ray, inout vec2 t, out vec3 from, out vec3 to) {
   vec3 c = vec3(view.u_row.w, view.v_row.w, view.w_row.w);
   vec3 d = vec3(dot(view.u_row.xyz, ray), dot(view.v_row.xyz, ray), dot(view.w_row.xyz, ray));
   vec3 p = c + t.x * d, q = c + t.y * d;
@@ -72,16 +81,21 @@ bool frustum_segment(View view, vec3 ray, vec2 t, out vec3 from, out vec3 to) {
                           size.x * q.z - q.x, size.y * q.z - q.y);
   float begin = 0.0, end = 1.0;
   for (int i = 0; i < 6; ++i) {
-    if (at_p[i] < 0.0 && at_q[i] < 0.0) return false;
+    if (at_p[i] < 0.0 && at_q[i] < 0.0) end = -1.0;
     float s = at_p[i] / (at_p[i] - at_q[i]);
     if (at_p[i] < 0.0) begin = max(begin, s);
     else if (at_q[i] < 0.0) end = min(end, s);
   }
-  if (begin >= end) return false;
+  t = mix(t.xx, t.yy, vec2(begin, end));
   vec3 a = mix(p, q, begin), b = mix(p, q, end);
   from = vec3(a.xy, 1.0) / a.z;
   to = vec3(b.xy, 1.0) / b.z;
-  return true;
+  return begin < end;
+}
+
+vec4 slope_of(ivec3 texel) {
+  uvec2 halves = texelFetch(slope_texture, texel, 0).rg;
+  return vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
 }
 
 // > 0 in front of the piece of surface over the texel.
@@ -92,8 +106,13 @@ float side_of(float sigma, vec3 p, ivec2 texel, float q, vec4 slope) {
   return sigma * (p.z - q - dot(abs(d), s));
 }
 
+// Of the border of [low, low + side) in front, on either axis.
+vec2 exits(ivec2 low, int side, vec2 from, vec2 inverse, vec2 ahead) {
+  return (vec2(low) + ahead * float(side) - from) * inverse;
+}
+
 Walk walk_view(View view, vec3 from, vec3 to) {
-  Walk walk = Walk(false, false, false, vec3(0.0), ivec2(0));
+  Walk walk = Walk(false, false, false, 0.0, ivec2(0));
   float sigma = view.apex.w;
   int layer = int(view.base.w);
   ivec2 size = ivec2(view.du.w, view.dv.w);
@@ -103,67 +122,93 @@ Walk walk_view(View view, vec3 from, vec3 to) {
   ivec2 forward = ivec2(ahead) * 2 - 1;
   ivec2 texel = clamp(ivec2(floor(from.xy)), ivec2(0), size - 1), moved = ivec2(0);
   float t = 0.0, before = 1.0;  // the side that the last texel was left on
-  for (int i = 0; i < 4096; ++i) {
-    ivec2 block = texel / BLOCK;
-    float nearest = texelFetch(block_texture, ivec3(block, layer), 0).r;
-    vec2 ends = ((vec2(block) + ahead) * float(BLOCK) - from.xy) * inverse;
-    float end = min(min(ends.x, ends.y), 1.0);
-    vec2 z = from.z + delta.z * vec2(t, end);
-    if (before > 0.0 && min(sigma * (z.x - nearest), sigma * (z.y - nearest)) > 0.0) {
-      if (end >= 1.0) return walk;
-      ivec2 inside = clamp(ivec2(floor(from.xy + delta.xy * end)), block * BLOCK,
-                           block * BLOCK + (BLOCK - 1));
-      bool across = ends.x <= ends.y;
-      texel = across ? ivec2(block.x * BLOCK + (forward.x > 0 ? BLOCK : -1), inside.y)
-                     : ivec2(inside.x, block.y * BLOCK + (forward.y > 0 ? BLOCK : -1));
-      moved = across ? ivec2(forward.x, 0) : ivec2(0, forward.y);
-      t = end;
-      if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size))) return walk;
-      continue;
-    }
+  float leave = 0.0, enters = 0.0;
+  int level = LEVELS - 1;
+  bool done = false;
+  int steps = 0;
+  do {
+    // Cells, down to one of the finest level that cannot be stepped over.
+    bool near = false;
+    do {
+      int side = BLOCK << (level * FACTOR_BITS);
+      ivec2 at = texel >> (BLOCK_BITS + level * FACTOR_BITS), low = at * side;
+      vec2 cell = texelFetch(cell_texture, ivec3(at.x + level_at[level], at.y, layer), 0).rg;
+      vec2 ends = exits(low, side, from.xy, inverse, ahead);
+      float end = min(min(ends.x, ends.y), 1.0);
+      vec2 z = sigma * (from.z + delta.z * vec2(t, end));
+      bool in_front = min(z.x, z.y) > cell.x;
+      bool behind = before <= 0.0 && max(z.x, z.y) < sigma * abs(cell.y) &&
+                    (cell.y > 0.0 || walk.outline);
+      if (in_front || behind) {
+        bool across = ends.x <= ends.y;
+        ivec2 inside = clamp(ivec2(floor(from.xy + delta.xy * end)), low, low + (side - 1));
+        texel = across ? ivec2(low.x + (forward.x > 0 ? side : -1), inside.y)
+                       : ivec2(inside.x, low.y + (forward.y > 0 ? side : -1));
+        moved = across ? ivec2(forward.x, 0) : ivec2(0, forward.y);
+        t = end;
+        before = in_front ? 1.0 : -1.0;
+        done = end >= 1.0 || any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size));
+        // Into another cell of the coarser level: that may be stepped over as a whole.
+        int coarser = BLOCK_BITS + (level + 1) * FACTOR_BITS;
+        if (level + 1 < LEVELS && (texel >> coarser) != (low >> coarser)) ++level;
+      } else if (level > 0) {
+        --level;
+      } else {
+        near = true;
+      }
+    } while (!near && !done);
+    if (done) break;
+    // Its texels, up to an edge, or to where the surface is met.
+    ivec2 block = texel >> BLOCK_BITS;
+    bool edge = false;
     do {
       float q = texelFetch(q_texture, ivec3(texel, layer), 0).r;
-      vec4 slope = texelFetch(slope_texture, ivec3(texel, layer), 0);
-      float enters = side_of(sigma, from + delta * t, texel, q, slope);
-      if (before > 0.0 && enters <= 0.0) {
-        if (moved == ivec2(0)) {
-          walk.outline = true;
-        } else {
-          ivec3 beyond = ivec3(texel - moved, layer);
-          int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
-          walk.hit = (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
-          walk.at = from + delta * t;
-          walk.texel = walk.hit ? texel : beyond.xy;
-          if (walk.hit) return walk;
-          if (texelFetch(q_texture, beyond, 0).r == 0.0) walk.outline = true;
-        }
-        walk.behind = true;
+      vec4 slope = slope_of(ivec3(texel, layer));
+      enters = side_of(sigma, from + delta * t, texel, q, slope);
+      edge = before > 0.0 && enters <= 0.0;
+      vec2 ends = exits(texel, 1, from.xy, inverse, ahead);
+      leave = min(min(ends.x, ends.y), 1.0);
+      float leaves = side_of(sigma, from + delta * leave, texel, q, slope);
+      walk.hit = enters > 0.0 && leaves <= 0.0;
+      done = walk.hit || (!edge && leave >= 1.0);
+      if (!edge && !done) {
+        moved = ends.x <= ends.y ? ivec2(forward.x, 0) : ivec2(0, forward.y);
+        texel += moved;
+        t = leave;
+        before = leaves;
+        done = any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size));
       }
-      ends = (vec2(texel) + ahead - from.xy) * inverse;
-      end = min(min(ends.x, ends.y), 1.0);
-      float leaves = side_of(sigma, from + delta * end, texel, q, slope);
-      if (enters > 0.0 && leaves <= 0.0) {
-        vec2 middle = clamp((vec2(texel) + 0.5 - from.xy) * inverse, t, end);
-        float stops[3] = float[](min(middle.x, middle.y), max(middle.x, middle.y), end);
-        float t0 = t, s0 = enters;
-        for (int k = 0; k < 3; ++k) {
-          float s = side_of(sigma, from + delta * stops[k], texel, q, slope);
-          if (s <= 0.0) {
-            t0 += (stops[k] - t0) * s0 / (s0 - s);
-            break;
-          }
-          t0 = stops[k], s0 = s;
-        }
-        walk.hit = true, walk.at = from + delta * t0, walk.texel = texel;
-        return walk;
-      }
-      if (end >= 1.0) return walk;
-      moved = ends.x <= ends.y ? ivec2(forward.x, 0) : ivec2(0, forward.y);
-      texel += moved;
-      t = end;
-      before = leaves;
-      if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size))) return walk;
-    } while (texel / BLOCK == block);
+    } while (!done && !edge && (texel >> BLOCK_BITS) == block);
+    if (edge) {
+      // Is it the surface's end, or only where two linked pieces do not quite meet?
+      ivec3 beyond = ivec3(texel - moved, layer);
+      int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
+      bool hole = moved == ivec2(0) || texelFetch(q_texture, beyond, 0).r == 0.0;
+      bool linked = !hole && (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
+      walk.hit = linked, walk.s = t, walk.texel = linked ? texel : beyond.xy;
+      walk.behind = walk.behind || !linked;
+      walk.outline = walk.outline || hole;
+      done = linked;
+      leave = t;
+      before = -1.0;
+    }
+    if ((texel >> (BLOCK_BITS + FACTOR_BITS)) != (block >> FACTOR_BITS)) level = min(1, LEVELS - 1);
+    // Every round leaves a texel, or the surface's front; rounding must not make it endless.
+  } while (!done && ++steps < 16384);
+  // Between t (in front) and leave (not) the piece is met: a line against a plane in each of the
+  // stretches between the texel's middle lines.
+  if (walk.hit && leave > t) {
+    float q = texelFetch(q_texture, ivec3(texel, layer), 0).r;
+    vec4 slope = slope_of(ivec3(texel, layer));
+    vec2 middle = clamp((vec2(texel) + 0.5 - from.xy) * inverse, t, leave);
+    vec4 at = vec4(t, min(middle.x, middle.y), max(middle.x, middle.y), leave);
+    vec4 s = vec4(enters, side_of(sigma, from + delta * at.y, texel, q, slope),
+                  side_of(sigma, from + delta * at.z, texel, q, slope),
+                  side_of(sigma, from + delta * at.w, texel, q, slope));
+    vec4 piece = s.y <= 0.0 ? vec4(at.xy, s.xy)
+                            : s.z <= 0.0 ? vec4(at.yz, s.yz) : vec4(at.zw, s.zw);
+    walk.s = piece.x + (piece.y - piece.x) * clamp(piece.z / (piece.z - piece.w), 0.0, 1.0);
+    walk.texel = texel;
   }
   return walk;
 }
@@ -171,8 +216,8 @@ Walk walk_view(View view, vec3 from, vec3 to) {
 
 const char* const kSurfaceFragment = R"(
 // Between the texels that are linked to the one that was hit.
-vec4 color_at(int layer, Walk walk) {
-  vec2 offset = walk.at.xy - (vec2(walk.texel) + 0.5), f = min(abs(offset), 0.5);
+vec4 color_at(int layer, Walk walk, vec2 at) {
+  vec2 offset = at - (vec2(walk.texel) + 0.5), f = min(abs(offset), 0.5);
   ivec2 s = ivec2(offset.x >= 0.0 ? 1 : -1, offset.y >= 0.0 ? 1 : -1);
   uint links = texelFetch(links_texture, ivec3(walk.texel, layer), 0).r;
   int x = s.x > 0 ? 0 : 4, y = s.y > 0 ? 2 : 6;
@@ -188,15 +233,10 @@ vec4 color_at(int layer, Walk walk) {
   return sum / (w + wx + wy + wxy);
 }
 
-float window_z(mat4 clip_from_local, View view, vec3 at) {
-  vec3 p = view.apex.xyz + (view.base.xyz + at.x * view.du.xyz + at.y * view.dv.xyz) / at.z;
-  vec2 clip = (clip_from_local * vec4(p, 1.0)).zw;
-  return 0.5 * clip.x / clip.y + 0.5;
-}
-
 void main() {
   int instance = v_instance;
   mat4 clip_from_local = instances[instance].clip_from_local;
+  vec2 clip_zw = (clip_from_local * vec4(v_ray, 0.0)).zw, clip_zw_eye = clip_from_local[3].zw;
   ivec4 list = instances[instance].views;
   vec3 a = instances[instance].box_min.xyz / v_ray, b = instances[instance].box_max.xyz / v_ray;
   vec3 lo = min(a, b);
@@ -215,8 +255,9 @@ void main() {
     float weight = weighty ? instances[instance].weights[i >> 2][i & 3] : 1.0;
     View view = views[list.x + i];
     vec3 from, to;
-    Walk walk = Walk(false, false, false, vec3(0.0), ivec2(0));
-    if (frustum_segment(view, v_ray, t, from, to)) walk = walk_view(view, from, to);
+    vec2 stretch = t;
+    Walk walk = Walk(false, false, false, 0.0, ivec2(0));
+    if (frustum_segment(view, v_ray, stretch, from, to)) walk = walk_view(view, from, to);
     if (!walk.hit) {
       if (!walk.behind) nothing += weight * view.depths.z;
       if (walk.behind) inside += walk.outline ? -1 : 1;
@@ -224,13 +265,16 @@ void main() {
       if (doubtful_depth < 2.0 || skin) continue;
     }
     int layer = int(view.base.w);
-    float z = window_z(clip_from_local, view, walk.at);
+    // t along the ray is linear in s where it is divided by eye_z, as 1 is.
+    float along = mix(stretch.x * from.z, stretch.y * to.z, walk.s) / mix(from.z, to.z, walk.s);
+    vec2 clip = along * clip_zw + clip_zw_eye;
+    float z = 0.5 * clip.x / clip.y + 0.5;
     vec4 c = vec4(1.0);
     uint o = 0u;
 #ifdef OBJECT_IDS
     o = several_objects ? texelFetch(object_texture, ivec3(walk.texel, layer), 0).r : uint(list.w);
 #else
-    c = color_at(layer, walk);
+    c = color_at(layer, walk, mix(from.xy, to.xy, walk.s));
 #endif
     if (!walk.hit || skin || z < doubtful_depth) {
       doubtful_depth = z, doubtful_color = c, doubtful_object = o;
@@ -316,9 +360,18 @@ void main() {
 )";
 
 std::string defines(LayeredOutput output) {
-  std::string text = "#define BLOCK 8\n#define SHARE 1\n";
+  static_assert(SurfacePyramid::kBlock == 4 && SurfacePyramid::kFactor == 4);
+  std::string text =
+      "#define BLOCK 4\n#define BLOCK_BITS 2\n#define FACTOR_BITS 2\n#define SHARE 1\n";
+  text += "#define LEVELS " + std::to_string(SurfacePyramid::kLevels) + "\n";
   if (output == LayeredOutput::objects) text += "#define OBJECT_IDS 1\n";
   return text;
+}
+
+// Uniform blocks have sizes: so many are drawn at once. They are read much faster than storage.
+std::string block_sizes() {
+  return "#define INSTANCES " + std::to_string(kMaxInstances) + "\n#define VIEWS " +
+         std::to_string(kMaxInstances * kMaxWalkedViews) + "\n";
 }
 
 }  // namespace
@@ -327,7 +380,7 @@ Result<gl::Program> make_surface_program(LayeredOutput output) {
   const std::string head = kVersion;
   return gl::make_program("layered surfaces", head + kInstance + kSurfaceVertex,
                           head + kViews + kOutput + kInstance + kWalk + kSurfaceFragment,
-                          defines(output));
+                          defines(output) + block_sizes());
 }
 
 Result<gl::Program> make_slice_program(LayeredOutput output) {

@@ -11,10 +11,12 @@
 namespace rilievo::shader {
 
 inline constexpr int kMaxWalkedViews = 6;
+// Impostors in one draw call of the surface program, whose blocks have room for so many.
+inline constexpr int kMaxInstances = 16;
 
-// One picture as seen by one instance (std430). Homogeneous raster position of a local point P:
-// (u w, v w, w) = (dot(u_row, (P, 1)), ...), w = eye_z; and back: P = apex + (base + u du + v dv) /
-// q.
+// One picture as seen by one instance (std140, std430). Homogeneous raster position of a local
+// point P: (u w, v w, w) = (dot(u_row, (P, 1)), ...), w = eye_z; and back: P = apex + (base + u du
+// + v dv) / q.
 struct LayeredView {
   glm::vec4 u_row, v_row, w_row;
   glm::vec4 apex;    // w: +1 ordinary, -1 back-perspective
@@ -23,7 +25,7 @@ struct LayeredView {
   glm::vec4 depths;  // z_near, z_far; 1 if the picture is complete, else 0
 };
 
-// One impostor to draw by walking (std430).
+// One impostor to draw by walking (std140).
 struct LayeredInstanceBlock {
   glm::mat4 clip_from_local;
   glm::vec4 box_min, box_max;

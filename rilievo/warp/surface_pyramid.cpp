@@ -1,0 +1,169 @@
+// The walk keeps three things from texel to texel: is it in front of the surface, has it passed
+// behind an edge, and behind an outline. Over a cell
+//
+//   front of all pieces    nothing is met, and it leaves in front, whatever it was before
+//   behind all pieces      if it was behind, it stays so; with holes in the cell it comes out in
+//                          front over each and passes behind an outline again. That is news only
+//                          the first time: then the texels are walked. Later it may leave the cell
+//                          as "behind" even if over a hole: holes have no links, by which alone the
+//                          next texel would tell the difference
+//
+// and otherwise the next finer level is asked, and the texels at last.
+
+#include "rilievo/warp/surface_pyramid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/warp/texel_walk.h"
+
+namespace rilievo {
+namespace {
+
+// Pieces are bounded in floats.
+float outwards(float q, float side) { return q + side * 1e-6f * std::abs(q); }
+
+void add(const SurfaceCell& cell, SurfaceCell& to) {
+  to.front = std::max(to.front, cell.front);
+  to.back = std::min(to.back, cell.back);
+  to.holes = to.holes || cell.holes;
+}
+
+int side_of(int level) {
+  int side = SurfacePyramid::kBlock;
+  for (int i = 0; i < level; ++i) side *= SurfacePyramid::kFactor;
+  return side;
+}
+
+}  // namespace
+
+SurfacePyramid make_surface_pyramid(const TexelSurface& surface) {
+  const float sigma = surface.camera.keeps_farthest() ? -1.0f : 1.0f;
+  const int w = surface.texels.width(), h = surface.texels.height();
+  SurfacePyramid pyramid;
+  for (int level = 0; level < SurfacePyramid::kLevels; ++level) {
+    const int side = side_of(level);
+    pyramid.levels.emplace_back((w + side - 1) / side, (h + side - 1) / side);
+  }
+  Image<SurfaceCell>& finest = pyramid.levels[0];
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const SurfaceTexel& texel = surface.texels(x, y);
+      SurfaceCell piece;
+      piece.holes = texel.q == 0;
+      if (!piece.holes) {
+        const DepthInterval interval = depth_interval(texel);
+        const auto [low, high] = std::minmax({sigma / interval.front, sigma / interval.back});
+        piece.front = outwards(high, 1), piece.back = outwards(low, -1);
+      }
+      add(piece, finest(x / SurfacePyramid::kBlock, y / SurfacePyramid::kBlock));
+    }
+  for (std::size_t level = 1; level < pyramid.levels.size(); ++level) {
+    const Image<SurfaceCell>& finer = pyramid.levels[level - 1];
+    for (int y = 0; y < finer.height(); ++y)
+      for (int x = 0; x < finer.width(); ++x)
+        add(finer(x, y),
+            pyramid.levels[level](x / SurfacePyramid::kFactor, y / SurfacePyramid::kFactor));
+  }
+  return pyramid;
+}
+
+SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
+                      const DisparitySegment& segment, WalkCost* cost) {
+  const TexelWalker walker{surface, segment, surface.camera.keeps_farthest() ? -1.0 : 1.0};
+  const glm::dvec2 from(segment.from), step(segment.to - segment.from);
+  const glm::ivec2 size{surface.texels.width(), surface.texels.height()};
+  glm::ivec2 forward, ahead;
+  for (int a = 0; a < 2; ++a) {
+    ahead[a] = step[a] >= 0;
+    forward[a] = 2 * ahead[a] - 1;
+  }
+  // Of the border of [low, low + side) in front, on either axis.
+  const auto exits = [&](const glm::ivec2& low, int side) {
+    glm::dvec2 t;
+    for (int a = 0; a < 2; ++a)
+      t[a] = std::abs(step[a]) > 1e-12 ? (low[a] + ahead[a] * side - from[a]) / step[a] : 1e300;
+    return t;
+  };
+
+  SurfaceWalk walk;
+  WalkCost spent;
+  glm::ivec2 texel = glm::clamp(glm::ivec2(glm::floor(from)), glm::ivec2(0), size - 1);
+  glm::ivec2 moved{0};       // the step that led here
+  double t = 0, before = 1;  // the side that the last texel was left on
+  int level = SurfacePyramid::kLevels - 1;
+  const auto run = [&] {
+    for (;;) {
+      const int side = side_of(level);
+      const glm::ivec2 at = texel / side, low = at * side;
+      const SurfaceCell& cell = pyramid.levels[std::size_t(level)](at.x, at.y);
+      ++spent.cells;
+      const glm::dvec2 ends = exits(low, side);
+      const double end = std::min({ends.x, ends.y, 1.0});
+      const double z0 = walker.sigma * walker.at(t).z, z1 = walker.sigma * walker.at(end).z;
+      const bool in_front = std::min(z0, z1) > double(cell.front);
+      const bool behind = before <= 0 && std::max(z0, z1) < double(cell.back) &&
+                          (!cell.holes || walk.passed_outline);
+      if (in_front || behind) {
+        if (end >= 1) return;
+        const int axis = ends.x <= ends.y ? 0 : 1;
+        for (int a = 0; a < 2; ++a)
+          texel[a] =
+              std::clamp(int(std::floor(from[a] + step[a] * end)), low[a], low[a] + side - 1);
+        texel[axis] = low[axis] + (forward[axis] > 0 ? side : -1);
+        moved = glm::ivec2(0);
+        moved[axis] = forward[axis];
+        t = end;
+        before = in_front ? 1 : -1;
+        if (texel[axis] < 0 || texel[axis] >= size[axis]) return;
+        // Into another cell of the coarser level: that may be stepped over as a whole.
+        if (level + 1 < SurfacePyramid::kLevels && texel[axis] / (side * SurfacePyramid::kFactor) !=
+                                                       low[axis] / (side * SurfacePyramid::kFactor))
+          ++level;
+        continue;
+      }
+      if (level > 0) {
+        --level;
+        continue;
+      }
+      do {
+        ++spent.texels;
+        const double enters = walker.side(texel, t);
+        if (before > 0 && enters <= 0) {
+          const bool from_outside = moved == glm::ivec2(0);
+          const glm::ivec2 last = texel - moved;
+          const bool hole = from_outside || surface.texels(last.x, last.y).q == 0;
+          walk.hit = !hole && surface.texels(last.x, last.y).links >> link_of(moved) & 1;
+          walk.t = t, walk.at = walker.at(t), walk.texel = walk.hit ? texel : last;
+          if (walk.hit) return;
+          walk.passed_behind = true;
+          walk.passed_outline = walk.passed_outline || hole;
+        }
+        const glm::dvec2 borders = exits(texel, 1);
+        const double leave = std::min({borders.x, borders.y, 1.0});
+        const double leaves = walker.side(texel, leave);
+        if (enters > 0 && leaves <= 0) {
+          walk.hit = true;
+          walk.t = walker.root(texel, t, leave);
+          walk.at = walker.at(walk.t);
+          walk.texel = texel;
+          return;
+        }
+        if (leave >= 1) return;
+        const int axis = borders.x <= borders.y ? 0 : 1;
+        moved = glm::ivec2(0);
+        moved[axis] = forward[axis];
+        texel += moved;
+        t = leave;
+        before = leaves;
+        if (texel[axis] < 0 || texel[axis] >= size[axis]) return;
+      } while (texel / side == at);
+      if (texel / (side * SurfacePyramid::kFactor) != at / SurfacePyramid::kFactor) ++level;
+    }
+  };
+  run();
+  if (cost) cost->cells += spent.cells, cost->texels += spent.texels;
+  return walk;
+}
+
+}  // namespace rilievo

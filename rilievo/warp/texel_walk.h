@@ -1,0 +1,52 @@
+// What the two walks through a surface share: which side of a piece is a point of the ray on, and
+// where does the ray meet the piece? texel_surface.cpp has the derivation.
+//
+// Internal to `warp`.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "rilievo/warp/texel_surface.h"
+
+namespace rilievo {
+
+// Bit of the link from one texel to a neighbour.
+inline int link_of(const glm::ivec2& step) {
+  for (int k = 0; k < 8; ++k)
+    if (kLinkSteps[k] == step) return k;
+  return -1;
+}
+
+struct TexelWalker {
+  const TexelSurface& surface;
+  const DisparitySegment& segment;
+  double sigma;
+
+  [[nodiscard]] glm::dvec3 at(double t) const { return glm::mix(segment.from, segment.to, t); }
+  // > 0 in front of the surface.
+  [[nodiscard]] double side(const glm::ivec2& texel, double t) const {
+    const SurfaceTexel& piece = surface.texels(texel.x, texel.y);
+    if (piece.q == 0) return 1;
+    const glm::dvec3 p = at(t);
+    return sigma * (p.z - surface_q(piece, glm::dvec2(texel) + 0.5, glm::dvec2(p)));
+  }
+  // Between t0 (in front) and t1 (not) the piece is met: a line against a plane in each of the
+  // stretches between the texel's middle lines.
+  [[nodiscard]] double root(const glm::ivec2& texel, double t0, double t1) const {
+    std::array<double, 2> middle;
+    for (int a = 0; a < 2; ++a)
+      middle[a] = std::clamp((texel[a] + 0.5 - segment.from[a]) / (segment.to[a] - segment.from[a]),
+                             t0, t1);
+    double s0 = side(texel, t0);
+    for (double t : {std::min(middle[0], middle[1]), std::max(middle[0], middle[1]), t1}) {
+      if (!(t > t0)) continue;  // also where the segment does not move in u or in v
+      const double s = side(texel, t);
+      if (s <= 0) return t0 + (t - t0) * s0 / (s0 - s);
+      t0 = t, s0 = s;
+    }
+    return t1;
+  }
+};
+
+}  // namespace rilievo
