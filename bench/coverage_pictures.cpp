@@ -1,7 +1,6 @@
 #include "bench/coverage_pictures.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "rilievo/capture/analyze_coverage.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/warp.h"
 #include "rilievo/render/rays/cast_picture.h"
@@ -90,7 +90,7 @@ Rgba8Image color_by_coverage(const RayScene& rays, const Camera& taken, const Ca
   fine.width *= kFine, fine.height *= kFine;
   const DepthImage seen = cast_picture(rays, fine);
   ColorImage color(camera.width, camera.height);
-  tbb::parallel_for(0, camera.height, [&](int y) {
+  parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x)
       for (int i = 0; i < kFine * kFine; ++i) {
         const int fx = kFine * x + i % kFine, fy = kFine * y + i / kFine;

@@ -9,14 +9,13 @@
 
 #include "rilievo/capture/analyze_coverage.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -150,7 +149,7 @@ Coverage analyze_coverage(const RayScene& rays, std::span<const Camera> cameras,
     double spacing = kNever;
   };
   std::vector<Found> found(points.size());
-  tbb::parallel_for(std::size_t(0), points.size(), [&](std::size_t i) {
+  parallel_for(std::size_t(0), points.size(), [&](std::size_t i) {
     const SurfacePoint& point = points[i];
     for (const glm::vec3& viewpoint : viewpoints) {
       const glm::vec3 to = viewpoint - point.position;

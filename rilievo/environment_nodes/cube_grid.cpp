@@ -1,10 +1,10 @@
 #include "rilievo/environment_nodes/cube_grid.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
+
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -101,7 +101,7 @@ CubeGrid::CubeGrid(const EnvironmentMap& map, const CutOptions& options)
     cuts_[std::size_t(f)] = Image<std::uint8_t>(size_, size_);
     for (int s = 0; s < 4; ++s) border_[std::size_t(f)][std::size_t(s)].resize(std::size_t(size_));
   }
-  tbb::parallel_for(0, 6 * size_, [&](int i) {
+  parallel_for(0, 6 * size_, [&](int i) {
     const int f = i / size_, y = i % size_;
     const DepthImage& face = map.faces[std::size_t(f)];
     for (int x = 0; x < size_; ++x) {
@@ -122,7 +122,7 @@ CubeGrid::CubeGrid(const EnvironmentMap& map, const CutOptions& options)
 
 void CubeGrid::find_cuts(const CutOptions& options) {
   const float texel = 2.0f / float(size_);
-  tbb::parallel_for(0, 6 * size_, [&](int i) {
+  parallel_for(0, 6 * size_, [&](int i) {
     const std::size_t f = std::size_t(i / size_);
     const int y = i % size_;
     const Image<float>& d = disparity_[f];

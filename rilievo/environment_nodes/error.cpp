@@ -9,13 +9,12 @@
 // and the denominator least at r = k / |b|^2.
 #include "rilievo/environment_nodes/error.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/environment_nodes/cube_grid.h"
 
 namespace rilievo {
@@ -84,7 +83,7 @@ NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh)
   const CubeGrid grid(map, {});
   const int n = grid.size(), across = (n + NodeErrorModel::kBlock - 1) / NodeErrorModel::kBlock;
   std::array<std::vector<Block>, 6> of_face;
-  tbb::parallel_for(0, 6, [&](int f) {
+  parallel_for(0, 6, [&](int f) {
     const FaceAxes& axes = face_axes()[std::size_t(f)];
     const Image<float> seen = seen_disparity(mesh, f);
     std::vector<Block>& blocks = of_face[std::size_t(f)];

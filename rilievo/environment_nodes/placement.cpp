@@ -1,13 +1,12 @@
 #include "rilievo/environment_nodes/placement.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/core/random.h"
 
 namespace rilievo {
@@ -49,7 +48,7 @@ bool is_free(const RayScene& scene, const glm::vec3& at, float clearance, std::u
 
 Result<std::vector<Sample>> look_around(const RayScene& scene, const PlacementOptions& options) {
   std::vector<std::vector<Sample>> found(std::size_t(options.eyes));
-  tbb::parallel_for(0, options.eyes, [&](int e) {
+  parallel_for(0, options.eyes, [&](int e) {
     Random random(combine(options.seed, 1, std::uint64_t(e)));
     glm::vec3 eye = point_in(options.region, random);
     for (int tries = 0; tries < 20 && !is_free(scene, eye, 0.01f, options.seed); ++tries)
@@ -119,7 +118,7 @@ Result<Placement> place_nodes(const RayScene& scene, const PlacementOptions& opt
     return Error{"nodes", "no place in the region is as far from surfaces as a node must be"};
 
   std::vector<std::vector<std::uint64_t>> held(places.size());
-  tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
+  parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
     held[i] = held_by(scene, *samples, places[i], options.least_cosine);
   });
   Placement placement;

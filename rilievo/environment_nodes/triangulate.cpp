@@ -2,13 +2,13 @@
 // rounds of ever smaller errors that all faces go through together. A round that ends above the
 // budget is taken back, and of its points those with the largest errors are added once more: what
 // one queue for all faces would have chosen, whatever the number of threads.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/environment_nodes/assemble_mesh.h"
 #include "rilievo/environment_nodes/cube_edges.h"
 #include "rilievo/environment_nodes/node_mesh.h"
@@ -41,7 +41,7 @@ double usual_reach(const EnvironmentMap& map) {
 
 Silhouettes trace(const CubeGrid& grid) {
   Silhouettes all;
-  tbb::parallel_for(0, 6, [&](int f) { all[std::size_t(f)] = trace_silhouettes(grid, f); });
+  parallel_for(0, 6, [&](int f) { all[std::size_t(f)] = trace_silhouettes(grid, f); });
   return all;
 }
 
@@ -137,14 +137,14 @@ void refine(Faces& faces, CubeEdges& edges, float error, std::size_t budget) {
     const std::size_t most = budget ? (budget - count_triangles(faces)) / 2 : std::size_t(-1);
     Faces kept;
     std::array<std::vector<float>, 6> errors;
-    tbb::parallel_for(std::size_t(0), std::size_t(6), [&](std::size_t f) {
+    parallel_for(std::size_t(0), std::size_t(6), [&](std::size_t f) {
       if (budget) kept[f] = std::make_unique<FaceMesh>(*faces[f]);
       faces[f]->refine(level, most, &errors[f]);
     });
     if (worst_error(faces) == 0) return;
     if (!budget || count_triangles(faces) <= budget) continue;
     const std::array<std::size_t, 6> counts = largest(errors, most);
-    tbb::parallel_for(std::size_t(0), std::size_t(6), [&](std::size_t f) {
+    parallel_for(std::size_t(0), std::size_t(6), [&](std::size_t f) {
       faces[f] = std::move(kept[f]);
       faces[f]->refine(0, counts[f]);
     });
@@ -178,7 +178,7 @@ NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& option
 
   CubeEdges edges(grid);
   Faces faces;
-  tbb::parallel_for(0, 6, [&](int f) {
+  parallel_for(0, 6, [&](int f) {
     faces[std::size_t(f)] =
         std::make_unique<FaceMesh>(grid, f, silhouettes[std::size_t(f)], edges.required(f));
   });

@@ -6,10 +6,9 @@
 // a ray that meets the view's surface, or meets nothing without having passed behind an edge, saw
 // no hole. And of a slice only the rectangle that shows is kept.
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/pixel_walk.h"
 #include "rilievo/layered_impostor/warp.h"
 
@@ -57,7 +56,7 @@ void find_fill_slices(LayeredImpostor& impostor, const FillOptions& options) {
   std::vector<FillSlices> fills = neighbor_pairs(impostor.views);
   const glm::dvec3 center(impostor.bounds.center());
   const double reach = options.distance * impostor.bounds.radius();
-  tbb::parallel_for(std::size_t(0), fills.size(), [&](std::size_t i) {
+  parallel_for(std::size_t(0), fills.size(), [&](std::size_t i) {
     FillSlices& fill = fills[i];
     std::vector<TexelRect> rects(impostor.slices[fill.neighbor].size());
     for (const glm::dvec3& direction :

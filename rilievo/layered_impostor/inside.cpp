@@ -4,10 +4,10 @@
 
 #include "rilievo/layered_impostor/inside.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -73,9 +73,9 @@ bool seen_empty(const TexelSurface& surface, const glm::dvec3& world) {
 
 void find_inside(std::span<TexelSurface> surfaces) {
   std::vector<Lines> lines(surfaces.size());
-  tbb::parallel_for(std::size_t(0), surfaces.size(),
-                    [&](std::size_t view) { lines[view] = follow_lines(surfaces, view); });
-  tbb::parallel_for(std::size_t(0), surfaces.size(), [&](std::size_t view) {
+  parallel_for(std::size_t(0), surfaces.size(),
+               [&](std::size_t view) { lines[view] = follow_lines(surfaces, view); });
+  parallel_for(std::size_t(0), surfaces.size(), [&](std::size_t view) {
     TexelSurface& surface = surfaces[view];
     const bool back = surface.camera.keeps_farthest();
     for (int y = 0; y < surface.texels.height(); ++y)

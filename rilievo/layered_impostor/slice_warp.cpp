@@ -1,9 +1,9 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
@@ -58,7 +58,7 @@ DepthImage warp_slices(const LayeredImpostor& impostor, std::span<const SliceDra
   frame.depth = Image<float>(camera.width, camera.height, kNoDepth);
   frame.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
   if (drawn) *drawn = Image<int>(camera.width, camera.height, -1);
-  tbb::parallel_for(0, camera.height, [&](int y) {
+  parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const glm::dvec3 eye = camera.position();
       const glm::dvec3 along = world_from_raster(camera, {x + 0.5, y + 0.5}, 1.0) - eye;

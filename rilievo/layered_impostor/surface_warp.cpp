@@ -1,10 +1,10 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/pixel_walk.h"
 #include "rilievo/layered_impostor/warp.h"
 
@@ -101,7 +101,7 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
   frame.color = ColorImage(camera.width, camera.height);
   frame.depth = Image<float>(camera.width, camera.height, kNoDepth);
   frame.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
-  tbb::parallel_for(0, camera.height, [&](int y) {
+  parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
       if (!ray) continue;

@@ -4,12 +4,11 @@
 #include "rilievo/layered_relief/prewarp.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
 
 namespace rilievo {
@@ -343,15 +342,12 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
     reset();
 
   tbb::enumerable_thread_specific<PrewarpStats> sums;
-  tbb::parallel_for(
-      std::size_t(0), jobs.size(),
-      [&](std::size_t i) {
-        State::Job job = jobs[i];
-        const bool new_one = !(job.error < std::numeric_limits<double>::infinity());
-        if (job.warp && !new_one && out_of_time && out_of_time()) job.warp = false;
-        s.do_tile(f, job, result, sums.local());
-      },
-      tbb::simple_partitioner());
+  parallel_for(std::size_t(0), jobs.size(), [&](std::size_t i) {
+    State::Job job = jobs[i];
+    const bool new_one = !(job.error < std::numeric_limits<double>::infinity());
+    if (job.warp && !new_one && out_of_time && out_of_time()) job.warp = false;
+    s.do_tile(f, job, result, sums.local());
+  });
   for (const PrewarpStats& sum : sums) {
     stats.warped += sum.warped;
     stats.samples_warped += sum.samples_warped;

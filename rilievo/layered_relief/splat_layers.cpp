@@ -1,10 +1,9 @@
 #include "rilievo/layered_relief/splat_layers.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
 
 namespace rilievo {
@@ -93,7 +92,7 @@ void map_picture(const Prewarped& picture, SplattedFrame& frame) {
   const glm::dmat4 from_eye = eye_from_world(from) * camera.world_from_eye;
   const glm::dvec3 axis(0, 0, -1);
   const auto texel = [&](int x, int y) { return std::size_t(y) * std::size_t(w) + std::size_t(x); };
-  tbb::parallel_for(0, camera.height, [&](int y) {
+  parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const auto& [l, r, b, t] = camera.window;
       const glm::dvec3 ray =

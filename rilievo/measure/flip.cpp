@@ -17,13 +17,12 @@
 
 #include "rilievo/measure/flip.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/measure/flip_kernels.h"
 
 namespace rilievo {
@@ -220,7 +219,7 @@ Image<float> flip_map(const Rgba8Image& truth, const Rgba8Image& frame,
   const FlipKernels kernels = make_flip_kernels(options.pixels_per_degree);
   const int w = truth.width(), h = truth.height();
   Image<float> out(w, h);
-  tbb::parallel_for(0, (h + kRows - 1) / kRows, [&](int i) {
+  parallel_for(0, (h + kRows - 1) / kRows, [&](int i) {
     const int first = i * kRows, rows = std::min(kRows, h - first);
     const Strip truth_strip(truth, colors, kernels, first, rows);
     const Strip frame_strip(frame, colors, kernels, first, rows);

@@ -11,12 +11,12 @@
 
 #include "rilievo/measure/ssim.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
+
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -97,7 +97,7 @@ double ssim(const Rgba8Image& a, const Rgba8Image& b) {
   const Window window = gaussian();
   const int rows = a.height() - kSsimWindow + 1;
   std::vector<double> sums(std::size_t(rows), 0.0);
-  tbb::parallel_for(0, (rows + kRows - 1) / kRows, [&](int i) {
+  parallel_for(0, (rows + kRows - 1) / kRows, [&](int i) {
     const int first = i * kRows;
     strip(a, b, window, first,
           std::span(sums).subspan(std::size_t(first), std::size_t(std::min(kRows, rows - first))));

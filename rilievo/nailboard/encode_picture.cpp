@@ -1,11 +1,10 @@
 #include "rilievo/nailboard/encode_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -74,7 +73,7 @@ void encode_picture(const RasterPicture& picture, int delta_bits, AtlasPicture& 
     encoded.codes16.resize(texels);
   else
     encoded.codes8.resize(texels);
-  tbb::parallel_for(0, rows, [&](int row) {
+  parallel_for(0, rows, [&](int row) {
     PictureBlock* blocks = &encoded.blocks[std::size_t(row) * std::size_t(columns)];
     if (delta_bits > 8)
       encode_rows(picture, steps, row, encoded.codes16.data(), blocks);

@@ -8,11 +8,11 @@
 // the part of b - a that is counted on is 1 / 2n - e, and none at a greater e than kLevel.
 #include "rilievo/nailboard/visible_cells.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -180,7 +180,7 @@ void VisibleCells::find(const glm::dmat4& clip_from_relative, int width, int hei
   }
   bands_.resize(kBands);
   const int band_rows = (rows + kBands - 1) / kBands;
-  tbb::parallel_for(0, kBands, [&](int i) {
+  parallel_for(0, kBands, [&](int i) {
     Band& band = bands_[std::size_t(i)];
     band.first = std::min(rows, i * band_rows), band.end = std::min(rows, (i + 1) * band_rows);
     look_at_band(band);

@@ -16,13 +16,12 @@
 
 #include "rilievo/warp/reproject.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -270,7 +269,7 @@ Reprojection reproject(std::span<const DepthImage> photographs, std::span<const 
   RILIEVO_EXPECTS(!options.box.empty());
   RILIEVO_EXPECTS(options.depth_error >= 0 && options.hole_steps >= 1);
   std::vector<Source> sources(photographs.size());
-  tbb::parallel_for(std::size_t(0), photographs.size(), [&](std::size_t i) {
+  parallel_for(std::size_t(0), photographs.size(), [&](std::size_t i) {
     RILIEVO_EXPECTS(photographs[i].camera.projection == Projection::perspective);
     sources[i] = {&photographs[i], eye_z_of(photographs[i]),
                   texel_links(photographs[i], options.links),
@@ -280,7 +279,7 @@ Reprojection reproject(std::span<const DepthImage> photographs, std::span<const 
   Reprojection result;
   result.pictures.resize(targets.size());
   result.figures.resize(targets.size());
-  tbb::parallel_for(std::size_t(0), targets.size(), [&](std::size_t i) {
+  parallel_for(std::size_t(0), targets.size(), [&](std::size_t i) {
     const Camera& camera = targets[i];
     RILIEVO_EXPECTS(camera.projection != Projection::parallel);
     Target target{camera, eye_from_world(camera),

@@ -1,11 +1,11 @@
 #include "rilievo/render/raster/raster_picture.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/render/raster/band_shader.h"
 
 namespace rilievo {
@@ -127,7 +127,7 @@ void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t
                          glm::vec3(per_y),
                          {s.lights, camera.position(), s.scene.sky}};
   constexpr int kBand = BandShader::kBand;
-  tbb::parallel_for(0, (camera.height + kBand - 1) / kBand, [&](int band) {
+  parallel_for(0, (camera.height + kBand - 1) / kBand, [&](int band) {
     s.shaders.local().shade(view, band * kBand, std::min((band + 1) * kBand, camera.height),
                             picture);
   });

@@ -8,12 +8,11 @@
 // runs from its smaller to its larger end. So no sample between them is missed or taken twice.
 #include "rilievo/render/raster/sample_raster.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -248,7 +247,7 @@ void SampleRaster::begin(int width, int height, int samples) {
   stride_ = (std::size_t(width) * std::size_t(samples) + kMostLanes - 1) / kMostLanes * kMostLanes;
   const std::size_t size = stride_ * std::size_t(height);
   if (depth_.size() < size) depth_.resize(size), name_.resize(size);
-  tbb::parallel_for(0, (height + 63) / 64, [&](int i) {
+  parallel_for(0, (height + 63) / 64, [&](int i) {
     const int end = std::min(height, 64 * (i + 1));
     std::fill(depth_.begin() + std::ptrdiff_t(row(64 * i)),
               depth_.begin() + std::ptrdiff_t(row(end)), 1.0f);
@@ -280,13 +279,13 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
 }
 
 void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
-  tbb::parallel_for(std::size_t(0), pieces_.size(), [&](std::size_t i) {
+  parallel_for(std::size_t(0), pieces_.size(), [&](std::size_t i) {
     Piece& piece = pieces_[i];
     piece.kept = HWY_DYNAMIC_DISPATCH(set_up)(instances[piece.instance], piece.first, piece.count,
                                               width_, height_, samples_, triangles_, piece.place);
   });
   constexpr int kRows = 32;
-  tbb::parallel_for(0, (height_ + kRows - 1) / kRows, [&](int strip) {
+  parallel_for(0, (height_ + kRows - 1) / kRows, [&](int strip) {
     for (const Piece& piece : pieces_) HWY_DYNAMIC_DISPATCH(fill)
     (triangles_, piece.place, piece.kept, strip * kRows, std::min((strip + 1) * kRows, height_),
      width_, samples_, stride_, depth_.data(), name_.data());

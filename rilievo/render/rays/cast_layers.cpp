@@ -1,10 +1,9 @@
 #include "rilievo/render/rays/cast_layers.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <limits>
 
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo {
@@ -18,7 +17,7 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
     std::vector<std::uint32_t> counts;
   };
   std::vector<Row> rows{std::size_t(height)};
-  tbb::parallel_for(0, height, [&](int y) {
+  parallel_for(0, height, [&](int y) {
     Row& row = rows[std::size_t(y)];
     row.counts.assign(std::size_t(width), 0);
     for (int x = 0; x < width; ++x) {

@@ -1,11 +1,11 @@
 #include "rilievo/render/rays/cast_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -76,7 +76,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera) {
   picture.color = ColorImage(camera.width, camera.height);
   picture.depth = Image<float>(camera.width, camera.height, kNoDepth);
   picture.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
-  tbb::parallel_for(0, camera.height, [&](int y) {
+  parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
       const std::optional<RayHit> hit = rays.first_hit(ray.origin, ray.direction, 0.0f, 1.0f);
