@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "bench/random.h"
 #include "rilievo/nailboard/error.h"
 
 namespace rilievo::bench {
@@ -14,26 +15,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Frames drawn from each captured picture, and rays cast along each side of it.
 constexpr int kFramesPerPicture = 8, kRays = 40;
-
-// SplitMix64: the same numbers with every compiler and library.
-struct Random {
-  std::uint64_t state;
-  double next() {  // [0, 1)
-    std::uint64_t z = (state += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-  double between(double low, double high) { return low + (high - low) * next(); }
-  double power(double low, double high) { return low * std::pow(high / low, next()); }
-  glm::dvec3 direction() {
-    for (;;) {
-      const glm::dvec3 p(between(-1, 1), between(-1, 1), between(-1, 1));
-      const double length = glm::length(p);
-      if (length > 1e-3 && length <= 1) return p / length;
-    }
-  }
-};
 
 // A union of boxes and balls, and from how far it is looked at, in radii of its bounds.
 struct Solid {

@@ -31,112 +31,20 @@
 #include "rilievo/nailboard/error.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/nailboard/picture_rays.h"
 
 namespace rilievo {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The frame as seen from the picture: pixel rows and the eye, in the capture's eye space.
-struct View {
-  glm::dvec3 x, y, f, eye;
-  double t = 0;  // f.eye
-};
-
-View view_of(const Camera& frame, const PictureGeometry& picture, const RigidMotion& motion) {
-  // Rows of the frame's axes act on world now; pull them back to the capture's eye space.
-  const glm::dmat4 now_from_capture = motion.now_from_then * picture.capture.world_from_eye;
-  const glm::dmat3 to_rows = glm::transpose(glm::dmat3(now_from_capture));
-  const ImageWindow& w = frame.window;
-  View v;
-  v.x = to_rows * glm::dvec3(frame.world_from_eye[0]) * (frame.width / (w.right - w.left));
-  v.y = to_rows * glm::dvec3(frame.world_from_eye[1]) * (frame.height / (w.top - w.bottom));
-  v.f = to_rows * -glm::dvec3(frame.world_from_eye[2]);
-  const glm::dvec3 offset = frame.position() - glm::dvec3(now_from_capture[3]);
-  v.eye = glm::inverse(glm::dmat3(now_from_capture)) * offset;
-  v.t = glm::dot(v.f, v.eye);
-  return v;
-}
-
-bool rigid(const glm::dmat4& m) {
-  const glm::dmat3 axes(m);
-  const glm::dmat3 gram = glm::transpose(axes) * axes;
-  for (int c = 0; c < 3; ++c)
-    for (int r = 0; r < 3; ++r)
-      if (!(std::abs(gram[c][r] - (c == r ? 1.0 : 0.0)) <= 1e-4)) return false;
-  return glm::determinant(axes) > 0;
-}
-
-// A convex polygon of capture rays (x, y). The window has 4 corners, each cut adds at most 1.
-struct RayPolygon {
-  std::array<glm::dvec2, 12> corner;
-  int size = 0;
-};
-
-RayPolygon all_rays(const ImageWindow& w) {
-  RayPolygon polygon;
-  polygon.corner[0] = {w.left, w.bottom};
-  polygon.corner[1] = {w.right, w.bottom};
-  polygon.corner[2] = {w.right, w.top};
-  polygon.corner[3] = {w.left, w.top};
-  polygon.size = 4;
-  return polygon;
-}
-
-// Keeps the rays with n.r >= least (Sutherland and Hodgman).
-void cut(RayPolygon& polygon, const glm::dvec3& n, double least) {
-  std::array<double, 12> above;
-  bool all = true;
-  for (int i = 0; i < polygon.size; ++i) {
-    const glm::dvec2& c = polygon.corner[std::size_t(i)];
-    above[std::size_t(i)] = n.x * c.x + n.y * c.y - n.z - least;
-    all &= above[std::size_t(i)] >= 0;
-  }
-  if (all) return;
-  RayPolygon kept;
-  for (int i = 0; i < polygon.size; ++i) {
-    const auto here = std::size_t(i), next = std::size_t((i + 1) % polygon.size);
-    const glm::dvec2 &a = polygon.corner[here], &b = polygon.corner[next];
-    if (above[here] >= 0) kept.corner[std::size_t(kept.size++)] = a;
-    if ((above[here] >= 0) != (above[next] >= 0))
-      kept.corner[std::size_t(kept.size++)] =
-          a + (b - a) * (above[here] / (above[here] - above[next]));
-  }
-  polygon = kept;
-}
-
-// The rays whose cell of half size `half` (tangents) has a point in the frame at any distance from
-// `front` to `back`; or somewhat more.
-RayPolygon rays_in_frame(const PictureGeometry& picture, const Camera& frame, const View& view,
-                         double front, double back, const glm::dvec2& half) {
-  RayPolygon polygon = all_rays(picture.capture.window);
-  const ImageWindow& w = frame.window;
-  const double px = frame.width / (w.right - w.left), py = frame.height / (w.top - w.bottom);
-  // Inside the frame: n.(d r - e) >= least.
-  const std::array<glm::dvec3, 5> normals{
-      view.x - px * w.left * view.f, px * w.right * view.f - view.x,
-      view.y - py * w.bottom * view.f, py * w.top * view.f - view.y, view.f};
-  const std::array<double, 5> least{0, 0, 0, 0, frame.z_near};
-  for (std::size_t i = 0; i < normals.size() && polygon.size > 0; ++i) {
-    const glm::dvec3& n = normals[i];
-    // n.r >= (n.e + least) / d: weakest at one end of the depths.
-    const double offset = glm::dot(n, view.eye) + least[i];
-    const double slack = std::abs(n.x) * half.x + std::abs(n.y) * half.y;
-    // A hair for rounding, so that no sample on the frame's border is missed.
-    const double hair = 1e-12 * (glm::length(n) + std::abs(offset) / front);
-    cut(polygon, n, std::min(offset / front, offset / back) - slack - hair);
-  }
-  return polygon;
-}
-
 // Largest screen distance of the points `a` r and `b` r over the polygon's rays by (1), pixels.
-double largest_gap(const RayPolygon& polygon, const View& view, double a, double b) {
+double largest_gap(const RayPolygon& polygon, const PictureView& view, double a, double b) {
   double over_a = 0, over_b = 0, least_a = kInfinity, least_b = kInfinity;
   for (int i = 0; i < polygon.size; ++i) {
     const glm::dvec3 ray(polygon.corner[std::size_t(i)], -1);
@@ -157,7 +65,7 @@ double largest_gap(const RayPolygon& polygon, const View& view, double a, double
 //   X.(A-e) / f.(A-e) - b_x = p (X.s - b_x f.s) / f.(A-e)
 //
 // convex in s and in b: the largest values are at corners.
-double half_texel_px(const RayPolygon& polygon, const View& view, double p,
+double half_texel_px(const RayPolygon& polygon, const PictureView& view, double p,
                      const glm::dvec2& half) {
   double largest = 0, least_weight = kInfinity;
   for (int i = 0; i < polygon.size; ++i) {
@@ -180,7 +88,7 @@ double half_texel_px(const RayPolygon& polygon, const View& view, double p,
 // at most d^2 step / (1 - d step), and the sample's weight d g - t by |g| times that. d^2 / (d g -
 // t) is convex in d and g / (d g - t) monotone in g: the corners and the slab's ends are the worst.
 double exact_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                         const View& view) {
+                         const PictureView& view) {
   if (picture.delta_bits == 0) return 0;
   const double n = picture.capture.z_near, f = picture.capture.z_far;
   const double step = 0.5 / delta_steps(picture.delta_bits) * (1 / n - 1 / f);
@@ -208,7 +116,7 @@ double exact_depth_error(const PictureGeometry& picture, const RayPolygon& polyg
 // For e = 0 this is 1: eq. (4) is exact under a rotation about the eye. (2) is monotone in g, and
 // stationary in d where d^2 = -t B / (A g). Half a step of Delta changes h by `eta`.
 double linear_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                          const View& view) {
+                          const PictureView& view) {
   const double n = picture.capture.z_near, f = picture.capture.z_far, p = picture.plane_z;
   const double c = -view.eye.z;
   if (c >= n || c >= p) return kInfinity;
@@ -240,7 +148,7 @@ double linear_depth_error(const PictureGeometry& picture, const RayPolygon& poly
 // A flat impostor writes the weight p g - t of its rectangle. The difference grows as d leaves p
 // and is monotone in g.
 double flat_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                        const View& view) {
+                        const PictureView& view) {
   double worst = 0;
   for (int i = 0; i < polygon.size; ++i) {
     const double g = glm::dot(view.f, glm::dvec3(polygon.corner[std::size_t(i)], -1));
@@ -252,7 +160,8 @@ double flat_depth_error(const PictureGeometry& picture, const RayPolygon& polygo
   return worst;
 }
 
-double depth_error(const PictureGeometry& picture, const RayPolygon& polygon, const View& view) {
+double depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
+                   const PictureView& view) {
   switch (picture.depth_mode) {
     case DepthMode::flat:
       return flat_depth_error(picture, polygon, view);
@@ -266,7 +175,7 @@ double depth_error(const PictureGeometry& picture, const RayPolygon& polygon, co
 
 // The least weight of the rectangle's points on these rays: their distance from the frame's eye
 // along its line of sight.
-double least_weight(const RayPolygon& polygon, const View& view, double p) {
+double least_weight(const RayPolygon& polygon, const PictureView& view, double p) {
   double least = kInfinity;
   for (int i = 0; i < polygon.size; ++i)
     least = std::min(least,
@@ -275,8 +184,8 @@ double least_weight(const RayPolygon& polygon, const View& view, double p) {
 }
 
 // Fills in what concerns the screen position; yields the rays that are drawn in the frame.
-RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame, const View& view,
-                        PictureError& error) {
+RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame,
+                        const PictureView& view, PictureError& error) {
   const Camera& capture = picture.capture;
   RILIEVO_EXPECTS(capture.projection == Projection::perspective);
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
@@ -307,9 +216,9 @@ RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame, con
 
 PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
                          const RigidMotion& motion) {
-  if (!rigid(motion.now_from_then))
+  if (!is_rigid(motion.now_from_then))
     return {true, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-  const View view = view_of(frame, picture, motion);
+  const PictureView view = view_of(frame, picture, motion);
   PictureError error;
   // What is missing is missed where it truly is, not on the flat rectangle.
   const DepthSlab& slab = picture.slab;
@@ -323,7 +232,7 @@ PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
 
 double bound_total_px(const PictureGeometry& picture, const Camera& frame,
                       const RigidMotion& motion) {
-  if (!rigid(motion.now_from_then)) return kInfinity;
+  if (!is_rigid(motion.now_from_then)) return kInfinity;
   PictureError error;
   screen_error(picture, frame, view_of(frame, picture, motion), error);
   return error.total_px;

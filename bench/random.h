@@ -1,0 +1,31 @@
+// Random numbers for benchmarks, of which the same seed makes the same everywhere.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace rilievo::bench {
+
+// SplitMix64: the same numbers with every compiler and library.
+struct Random {
+  std::uint64_t state;
+  double next() {  // [0, 1)
+    std::uint64_t z = (state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+  double between(double low, double high) { return low + (high - low) * next(); }
+  double power(double low, double high) { return low * std::pow(high / low, next()); }
+  int below(int count) { return int(next() * count); }
+  glm::dvec3 direction() {
+    for (;;) {
+      const glm::dvec3 p(between(-1, 1), between(-1, 1), between(-1, 1));
+      const double length = glm::length(p);
+      if (length > 1e-3 && length <= 1) return p / length;
+    }
+  }
+};
+
+}  // namespace rilievo::bench
