@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <vector>
 
@@ -14,6 +17,7 @@
 #include "rilievo/render/raster/raster_picture.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/builtin/builtin.h"
+#include "rilievo/scene/files/load_scene.h"
 
 namespace rilievo::bench {
 namespace {
@@ -36,14 +40,21 @@ double median_ms(int runs, const std::function<void()>& work) {
 
 struct Measured {
   std::uint64_t triangles = 0;
-  double opengl_ms = 0, rasterizer_ms = 0, rays_ms = 0, copy_ms = 0, psnr_db = 0;
+  double opengl_ms = 0, rasterizer_ms = 0, rays_ms = 0, copy_ms = 0;
+  double rasterizer_db = 0, rays_db = 0;  // against OpenGL
 };
 
-// A whole forest in one picture, from above.
-Result<Measured> measure(std::uint64_t triangles, int runs) {
-  Result<BuiltinScene> forest = make_builtin(fmt::format("builtin:forest?triangles={}", triangles));
-  if (!forest) return forest.error();
-  const Scene& scene = forest->scene;
+Rgba8Image from_top(const RasterPicture& picture) {
+  Rgba8Image image(picture.width, picture.height);
+  const auto width = std::size_t(picture.width);
+  for (int y = 0; y < picture.height; ++y)
+    std::copy_n(picture.color.begin() + std::ptrdiff_t(std::size_t(y) * width), width,
+                image.row(picture.height - 1 - y).begin());
+  return image;
+}
+
+// All of a scene in one picture, from above.
+Result<Measured> measure(const Scene& scene, int runs) {
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
   const Box box = world_bounds(scene);
@@ -71,53 +82,92 @@ Result<Measured> measure(std::uint64_t triangles, int runs) {
     });
     taken.push_back(atlas->read(*slot, picture_geometry(*camera)));
   }
-  m.psnr_db = psnr_db(taken[0].color, taken[1].color);
+  m.rasterizer_db = psnr_db(taken[0].color, taken[1].color);
   std::vector<std::uint8_t> copy(std::size_t(kSize) * kSize * 5);  // colour and Delta
   const std::vector<std::uint8_t> source(copy.size(), 1);
   m.copy_ms = median_ms(runs, [&] { std::memcpy(copy.data(), source.data(), copy.size()); });
 
   Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
-  Camera four_rays = *camera;  // a texel
-  four_rays.width *= 2, four_rays.height *= 2;
-  m.rays_ms = median_ms(1, [&] { static_cast<void>(cast_picture(*rays, four_rays)); });
+  PictureCaster caster(*rays);
+  RasterPicture cast;
+  m.rays_ms = median_ms(runs, [&] { caster.draw(*camera, {}, options.samples, cast); });
+  m.rays_db = psnr_db(taken[0].color, from_top(cast));
   return m;
+}
+
+// What is measured: forests of all sizes, and the models of others that are at hand.
+struct Subject {
+  std::string name, key;
+  std::function<Result<Scene>()> make;
+};
+
+std::vector<Subject> subjects(bool quick) {
+  std::vector<Subject> out;
+  for (const std::uint64_t triangles : {10'000u, 100'000u, 1'000'000u, 10'000'000u}) {
+    out.push_back({"forest", std::to_string(triangles), [triangles]() -> Result<Scene> {
+                     Result<BuiltinScene> made =
+                         make_builtin(fmt::format("builtin:forest?triangles={}", triangles));
+                     if (!made) return made.error();
+                     return std::move(made->scene);
+                   }});
+    if (quick) return out;
+  }
+  const char* const data = std::getenv("RILIEVO_DATA");
+  if (!data) return out;
+  for (const auto& [name, file] :
+       {std::pair{"FlightHelmet", "models/FlightHelmet/FlightHelmet.gltf"},
+        std::pair{"copperBeech", "obj/copperBeech/copperBeech.obj"},
+        std::pair{"chess-board", "models/chess-board.glb"}}) {
+    const std::filesystem::path path = std::filesystem::path(data) / file;
+    if (std::filesystem::exists(path))
+      out.push_back({name, name, [path]() -> Result<Scene> {
+                       Result<LoadedScene> loaded = load_scene(path);
+                       if (!loaded) return loaded.error();
+                       return std::move(loaded->scene);
+                     }});
+  }
+  return out;
 }
 
 }  // namespace
 
 Result<BenchReport> capture(const BenchOptions& options) {
-  std::vector<std::uint64_t> sizes{10'000, 100'000, 1'000'000, 10'000'000};
-  if (options.quick) sizes.resize(1);
+  const std::vector<Subject> all = subjects(options.quick);
   const int runs = options.quick ? 1 : 7;
   BenchReport report;
   Table table{
-      fmt::format("A forest in one picture of {} x {} texels, four samples each", kSize, kSize),
-      {"triangles", "OpenGL ms", "rasteriser ms", "times", "rays ms", "copies",
-       "OpenGL against rasteriser, dB"},
+      fmt::format("A scene in one picture of {} x {} texels, four samples each", kSize, kSize),
+      {"scene", "triangles", "OpenGL ms", "rasteriser ms", "times", "rays ms", "copies",
+       "OpenGL against rasteriser, dB", "against rays, dB"},
       {}};
   Curve by_opengl{"OpenGL", {}, {}}, by_rasterizer{"rasteriser", {}, {}}, by_rays{"rays", {}, {}};
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const Result<Measured> m = measure(sizes[i], runs);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Result<Scene> scene = all[i].make();
+    if (!scene) return scene.error();
+    const Result<Measured> m = measure(*scene, runs);
     if (!m) return m.error();
     const double times = m->opengl_ms / m->rasterizer_ms;
-    table.rows.push_back({std::to_string(m->triangles), fmt::format("{:.1f}", m->opengl_ms),
-                          fmt::format("{:.1f}", m->rasterizer_ms), fmt::format("{:.1f}", times),
-                          fmt::format("{:.0f}", m->rays_ms),
-                          fmt::format("{:.0f}", m->rasterizer_ms / m->copy_ms),
-                          fmt::format("{:.1f}", m->psnr_db)});
+    table.rows.push_back(
+        {all[i].name, std::to_string(m->triangles), fmt::format("{:.1f}", m->opengl_ms),
+         fmt::format("{:.1f}", m->rasterizer_ms), fmt::format("{:.1f}", times),
+         fmt::format("{:.1f}", m->rays_ms), fmt::format("{:.0f}", m->rasterizer_ms / m->copy_ms),
+         fmt::format("{:.1f}", m->rasterizer_db), fmt::format("{:.1f}", m->rays_db)});
     const std::pair<Curve*, double> points[] = {
         {&by_opengl, m->opengl_ms}, {&by_rasterizer, m->rasterizer_ms}, {&by_rays, m->rays_ms}};
-    for (const auto& [curve, ms] : points) {
-      curve->x.push_back(double(m->triangles));
-      curve->y.push_back(ms);
-    }
-    report.figures.push_back({fmt::format("rasterizer_times_{}", sizes[i]), times});
-    report.figures.push_back({fmt::format("psnr_db_{}", sizes[i]), m->psnr_db});
-    if (options.progress) options.progress(int(i) + 1, int(sizes.size()));
+    if (all[i].name == "forest")
+      for (const auto& [curve, ms] : points) {
+        curve->x.push_back(double(m->triangles));
+        curve->y.push_back(ms);
+      }
+    report.figures.push_back({"rasterizer_times_" + all[i].key, times});
+    report.figures.push_back({"psnr_db_" + all[i].key, m->rasterizer_db});
+    report.figures.push_back({"rays_times_" + all[i].key, m->opengl_ms / m->rays_ms});
+    report.figures.push_back({"rays_psnr_db_" + all[i].key, m->rays_db});
+    if (options.progress) options.progress(int(i) + 1, int(all.size()));
   }
   report.tables = {std::move(table)};
-  report.plots = {{"Cost of a capture",
+  report.plots = {{"Cost of a capture of a forest",
                    "triangles",
                    "ms",
                    {by_opengl, by_rasterizer, by_rays},
@@ -127,7 +177,8 @@ Result<BenchReport> capture(const BenchOptions& options) {
   report.notes = {
       "OpenGL and rasteriser: with Delta, blocks and the way to the GPU; `times`: the first by the "
       "second. `copies`: the rasteriser's time by that of a memcpy of colour and Delta.",
-      "Rays: four a texel by Embree, one at a time, diffuse shading only."};
+      "Rays: by Embree, a ray a sample, shaded as the rasteriser shades.",
+      "Models of others are measured if RILIEVO_DATA names the folder that has them."};
   return report;
 }
 

@@ -107,9 +107,7 @@ void flip_rows(Image<T>& image) {
 }  // namespace
 
 const Scene* rasterized_scene(CaptureBy by, const Scene& scene, int samples) {
-  if (by == CaptureBy::opengl || !PictureRasterizer::supports(scene) ||
-      (samples != 1 && samples != 4))
-    return nullptr;
+  if (by == CaptureBy::opengl || (samples != 1 && samples != 4)) return nullptr;
   return by == CaptureBy::rasterizer || gl::is_software() ? &scene : nullptr;
 }
 

@@ -20,9 +20,9 @@
 namespace rilievo {
 
 // What captures pictures. Where OpenGL is done by the processor, a rasteriser made for pictures is
-// several times as fast; it knows neither textures nor masks (render/raster/raster_picture.h).
+// several times as fast (render/raster/raster_picture.h).
 enum class CaptureBy {
-  automatic,  // the rasteriser where OpenGL is software and the scene is all for it, else OpenGL
+  automatic,  // the rasteriser where OpenGL is software, else OpenGL
   opengl,
   rasterizer,
 };

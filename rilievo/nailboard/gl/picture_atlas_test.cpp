@@ -209,8 +209,11 @@ TEST_F(PictureAtlasTest, rasterizes_only_what_it_can) {
   EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 4), &scene);
   EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 8), nullptr);
   EXPECT_EQ(rasterized_scene(CaptureBy::automatic, scene, 1), gl::is_software() ? &scene : nullptr);
+  scene.images.emplace_back(2, 2, glm::u8vec4(255));
+  scene.textures.emplace_back();
   scene.materials[0].base_color_texture.texture = 0;
-  EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 4), nullptr);
+  scene.materials[0].alpha_mode = AlphaMode::mask;
+  EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 4), &scene);
 }
 
 }  // namespace

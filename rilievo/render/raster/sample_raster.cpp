@@ -10,9 +10,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/shading/surface.h"
 
 // This file is compiled once for each instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -27,20 +29,21 @@ namespace hn = hwy::HWY_NAMESPACE;
 namespace {
 
 #include "rilievo/render/shading/simd_numbers.inl"
+// A template over these numbers.
+#include "rilievo/render/shading/shading_model.inl"
 
 using Triangles = SampleRaster::Triangles;
-using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
 using Mask = hn::Mask<F>;
 
-constexpr std::uint32_t kMostLanes = SampleRaster::kMostLanes;
+constexpr std::uint32_t kMaxLanes = SampleRaster::kMaxLanes;
 
 struct Corner {
-  N x, y, z, w;
+  vfloat x, y, z, w;
 };
 
-N dot(const glm::vec4& row, const N3& p) {
-  return row.x * p.x + N(row.y) * p.y + (row.z * p.z + N(row.w));
+vfloat dot(const glm::vec4& row, const Vec3<vfloat>& p) {
+  return row.x * p.x + vfloat(row.y) * p.y + (row.z * p.z + vfloat(row.w));
 }
 
 // Of one index a lane.
@@ -48,9 +51,10 @@ Corner project(const RasterInstance& instance, hn::Vec<U> index) {
   const F f;
   const float* positions = &instance.positions[0].x;
   const auto offset = hn::BitCast(I(), hn::Add(hn::Add(index, index), index));  // three floats each
-  const N3 p(hn::GatherIndex(f, positions, offset), hn::GatherIndex(f, positions + 1, offset),
-             hn::GatherIndex(f, positions + 2, offset));
-  const N w = dot(instance.row_w, p), per_w = 1.0f / w;
+  const Vec3<vfloat> p(hn::GatherIndex(f, positions, offset),
+                       hn::GatherIndex(f, positions + 1, offset),
+                       hn::GatherIndex(f, positions + 2, offset));
+  const vfloat w = dot(instance.row_w, p), per_w = 1.0f / w;
   return {per_w * dot(instance.row_x, p), per_w * dot(instance.row_y, p),
           per_w * dot(instance.row_z, p), w};
 }
@@ -67,7 +71,7 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
   std::uint32_t kept = place;
   for (std::uint32_t t = 0; t < count; t += lanes) {
     const std::uint32_t* at = instance.indices + 3 * std::size_t(first + t);
-    std::uint32_t padded[3 * kMostLanes];
+    std::uint32_t padded[3 * kMaxLanes];
     if (count - t < lanes) {
       // Its first corner over and over: triangles without an area.
       std::fill(std::begin(padded), std::end(padded), at[0]);
@@ -80,80 +84,89 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
                  c = project(instance, index[2]);
 
     // Which way round? Nothing that is behind, flat, or not a number.
-    const N bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
-    const N area = bx * cy - cx * by;
+    const vfloat bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
+    const vfloat area = bx * cy - cx * by;
     const Mask turned = hn::Lt(area.v, hn::Zero(f));
-    const auto above = [&](N x, float low) { return hn::Gt(x.v, hn::Set(f, low)); };
+    const auto above = [&](vfloat x, float low) { return hn::Gt(x.v, hn::Set(f, low)); };
     Mask keep = hn::And(above(a.w, 0), hn::And(above(b.w, 0), above(c.w, 0)));
-    const N sized = instance.back ? instance.front ? N(hn::Abs(area.v)) : 0.0f - area : area;
+    const vfloat sized =
+        instance.back ? instance.front ? vfloat(hn::Abs(area.v)) : 0.0f - area : area;
     constexpr float kTooLarge = 1e30f;
     keep = hn::And(keep, hn::And(above(sized, 0), above(kTooLarge - sized, 0)));
 
     // Is there a column and a row of samples in its box? A row of texels has as many rows of
     // samples as samples, the first one half a step from its edge.
-    const auto first_in = [&](N low) {
-      return max(N(hn::Ceil((low * float(samples) - 0.5f).v)), 0.0f);
+    const auto first_in = [&](vfloat low) {
+      return max(vfloat(hn::Ceil((low * float(samples) - 0.5f).v)), 0.0f);
     };
-    const auto last_in = [&](N high, float count) {
-      return N(hn::Floor((min(high * float(samples), count - 0.5f) - 0.5f).v));
+    const auto last_in = [&](vfloat high, float count) {
+      return vfloat(hn::Floor((min(high * float(samples), count - 0.5f) - 0.5f).v));
     };
-    const N first_column = first_in(min(min(a.x, b.x), c.x));
-    const N last_column = last_in(max(max(a.x, b.x), c.x), columns);
-    const N first_row = first_in(min(min(a.y, b.y), c.y));
-    const N last_row = last_in(max(max(a.y, b.y), c.y), rows);
+    const vfloat first_column = first_in(min(min(a.x, b.x), c.x));
+    const vfloat last_column = last_in(max(max(a.x, b.x), c.x), columns);
+    const vfloat first_row = first_in(min(min(a.y, b.y), c.y));
+    const vfloat last_row = last_in(max(max(a.y, b.y), c.y), rows);
     keep = hn::And(keep,
                    hn::And(hn::Le(first_column.v, last_column.v), hn::Le(first_row.v, last_row.v)));
     if (hn::AllFalse(f, keep)) continue;
 
-    const auto store = [&](Triangles::Field field, N x) {
+    const auto store = [&](Triangles::Field field, vfloat x) {
       hn::CompressBlendedStore(x.v, keep, f, &out.field[field][kept]);
     };
     // Counter-clockwise from here on.
-    const auto other = [&](N yes, N no) { return N(hn::IfThenElse(turned, yes.v, no.v)); };
+    const auto other = [&](vfloat yes, vfloat no) {
+      return vfloat(hn::IfThenElse(turned, yes.v, no.v));
+    };
     store(Triangles::x0, a.x), store(Triangles::y0, a.y);
     store(Triangles::x1, other(c.x, b.x)), store(Triangles::y1, other(c.y, b.y));
     store(Triangles::x2, other(b.x, c.x)), store(Triangles::y2, other(b.y, c.y));
     // Depth is affine over the raster.
-    const N bz = b.z - a.z, cz = c.z - a.z, per_area = 1.0f / area;
+    const vfloat bz = b.z - a.z, cz = c.z - a.z, per_area = 1.0f / area;
     store(Triangles::z0, a.z);
     store(Triangles::z_per_x, (bz * cy - cz * by) * per_area);
     store(Triangles::z_per_y, (cz * bx - bz * cx) * per_area);
     store(Triangles::z_min, max(min(min(a.z, b.z), c.z), 0.0f));
     store(Triangles::z_max, max(max(max(a.z, b.z), c.z), 0.0f));
-    const auto texels = [&](N row) {
+    if (instance.mask) {
+      store(Triangles::per_w0, 1.0f / a.w);
+      store(Triangles::per_w1, other(1.0f / c.w, 1.0f / b.w));
+      store(Triangles::per_w2, other(1.0f / b.w, 1.0f / c.w));
+      store(Triangles::exchanged, other(1.0f, 0.0f));
+    }
+    const auto texels = [&](vfloat row) {
       return hn::ConvertTo(i, hn::Floor((row * (1.0f / float(samples))).v));
     };
     const auto whole = hn::RebindMask(i, keep);
     hn::CompressBlendedStore(texels(first_row), whole, i, &out.low[kept]);
     hn::CompressBlendedStore(texels(last_row), whole, i, &out.high[kept]);
-    const auto names = hn::Add(hn::Iota(u, 0), hn::Set(u, instance.first_name + first + t));
-    kept +=
-        std::uint32_t(hn::CompressBlendedStore(names, hn::RebindMask(u, keep), u, &out.name[kept]));
+    const auto triangles = hn::Add(hn::Iota(u, 0), hn::Set(u, instance.first_triangle + first + t));
+    kept += std::uint32_t(
+        hn::CompressBlendedStore(triangles, hn::RebindMask(u, keep), u, &out.triangle[kept]));
   }
   return kept - place;
 }
 
 // Where the samples of a vector lie, from the left edge of its first texel on.
 struct Pattern {
-  float x[kMostLanes], y[kMostLanes];
+  float x[kMaxLanes], y[kMaxLanes];
 };
 
 // Vectors that hold a texel's samples, where a vector is too short for all of them.
-constexpr int kMostParts = 4;
+constexpr int kMaxParts = 4;
 
 Pattern make_pattern(int part, int samples, int lanes) {
   Pattern pattern;
   for (int k = 0; k < lanes; ++k) {
     const int sample = part * lanes + k;
-    const glm::vec2 p = SampleRaster::sample_position(sample % samples, samples);
+    const glm::vec2 p = sample_position(sample % samples, samples);
     pattern.x[k] = float(sample / samples) + p.x, pattern.y[k] = p.y;
   }
   return pattern;
 }
 
 struct Edge {
-  N x, y, along_x, along_y;  // from its smaller end to its larger one
-  Mask turned;               // the triangle runs along it the other way
+  vfloat x, y, along_x, along_y;  // from its smaller end to its larger one
+  Mask turned;                    // the triangle runs along it the other way
 };
 
 Edge make_edge(float ax, float ay, float bx, float by) {
@@ -163,13 +176,70 @@ Edge make_edge(float ax, float ay, float bx, float by) {
   return {ax, ay, bx - ax, by - ay, hn::FirstN(f, turned ? hn::Lanes(f) : 0)};
 }
 
-// Rows [low, high) of what the triangles [place, place + count) cover.
-void fill(const Triangles& in, std::uint32_t place, std::uint32_t count, int low, int high,
-          int width, int samples, std::size_t stride, float* depths, std::uint32_t* names) {
+// A triangle with holes, ready to be asked for its alpha at samples: attributes over w and 1 / w
+// are affine over the raster, and so are the edges, each of which weighs the corner opposite.
+struct MaskedTriangle {
+  const RasterMask* mask;
+  float x[3], y[3], per_w[3], alpha[3];
+  glm::vec2 uv[3];
+};
+
+MaskedTriangle masked_triangle(const Triangles& in, std::uint32_t t,
+                               const RasterInstance& instance) {
+  const auto get = [&](int field) { return in.field[field][t]; };
+  const RasterMask& mask = *instance.mask;
+  const std::uint32_t* at =
+      instance.indices + 3 * std::size_t(in.triangle[t] - instance.first_triangle);
+  const bool exchanged = get(Triangles::exchanged) > 0;
+  MaskedTriangle out;
+  out.mask = &mask;
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = at[exchanged && k > 0 ? 3 - k : k];
+    out.x[k] = get(Triangles::x0 + 2 * k), out.y[k] = get(Triangles::y0 + 2 * k);
+    out.per_w[k] = get(Triangles::per_w0 + k);
+    out.alpha[k] = mask.colors ? mask.alpha * mask.colors[vertex].a : mask.alpha;
+    out.uv[k] = mask.uv ? mask.uv[vertex] : glm::vec2(0.0f);
+  }
+  return out;
+}
+
+// Which of the samples at (x, y) are no holes?
+Mask alpha_passes(const MaskedTriangle& t, vfloat x, vfloat y) {
+  Weights<vfloat> w;
+  vfloat sum = 0.0f, sum_per_x = 0.0f, sum_per_y = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const float along_x = t.x[j] - t.x[i], along_y = t.y[j] - t.y[i];
+    const vfloat per_w = t.per_w[k];
+    w.at[k] = per_w * max(along_x * (y - t.y[i]) - along_y * (x - t.x[i]), 0.0f);
+    w.per_x[k] = 0.0f - per_w * along_y, w.per_y[k] = per_w * along_x;
+    sum = sum + w.at[k], sum_per_x = sum_per_x + w.per_x[k], sum_per_y = sum_per_y + w.per_y[k];
+  }
+  const vfloat per_sum = 1.0f / max(sum, 1e-30f);
+  for (int k = 0; k < 3; ++k) {
+    w.at[k] = per_sum * w.at[k];
+    w.per_x[k] = per_sum * (w.per_x[k] - w.at[k] * sum_per_x);
+    w.per_y[k] = per_sum * (w.per_y[k] - w.at[k] * sum_per_y);
+  }
+  vfloat alpha = w.at[0] * t.alpha[0] + w.at[1] * t.alpha[1] + w.at[2] * t.alpha[2];
+  if (const SurfaceTexture* texture = t.mask->texture) {
+    Vec2<vfloat> uv[3];
+    for (int k = 0; k < 3; ++k) uv[k] = {t.uv[k].x, t.uv[k].y};
+    alpha = alpha * sample_alpha(*texture, footprint(w, uv));
+  }
+  return hn::Ge(alpha.v, hn::Set(F(), t.mask->cutoff));
+}
+
+// Rows [low, high) of what the triangles [place, place + count) of the instance cover.
+void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
+          const RasterInstance& instance, int low, int high, SampleBuffer& out) {
   const F f;
   const U u;
+  const int samples = out.samples, width = out.width;
+  float* const depths = out.depth.data();
+  std::uint32_t* const triangles = out.triangle.data();
   const int lanes = int(hn::Lanes(f)), parts = std::max(1, samples / lanes);
-  Pattern patterns[kMostParts];
+  Pattern patterns[kMaxParts];
   for (int part = 0; part < parts; ++part) patterns[part] = make_pattern(part, samples, lanes);
   for (std::uint32_t t = place; t < place + count; ++t) {
     const int from = std::max(in.low[t], low), to = std::min(in.high[t], high - 1);
@@ -180,35 +250,43 @@ void fill(const Triangles& in, std::uint32_t place, std::uint32_t count, int low
     const float x2 = get(Triangles::x2), y2 = get(Triangles::y2);
     const Edge edges[3] = {make_edge(x0, y0, x1, y1), make_edge(x1, y1, x2, y2),
                            make_edge(x2, y2, x0, y0)};
-    const N z0 = get(Triangles::z0), z_min = get(Triangles::z_min), z_max = get(Triangles::z_max);
-    const N z_per_x = get(Triangles::z_per_x), z_per_y = get(Triangles::z_per_y);
-    const auto name = hn::Set(u, in.name[t]);
+    const vfloat z0 = get(Triangles::z0), z_min = get(Triangles::z_min),
+                 z_max = get(Triangles::z_max);
+    const vfloat z_per_x = get(Triangles::z_per_x), z_per_y = get(Triangles::z_per_y);
+    const auto triangle = hn::Set(u, in.triangle[t]);
+    MaskedTriangle masked;
+    if (instance.mask) masked = masked_triangle(in, t, instance);
     const float left = std::max(std::min(std::min(x0, x1), x2), 0.0f);
     const float right = std::min(std::max(std::max(x0, x1), x2), float(width) - 0.5f);
     // Vectors of a row.
     const int first = int(left) * samples / lanes, last = ((int(right) + 1) * samples - 1) / lanes;
     for (int part = 0; part < parts; ++part) {
-      const N pattern_x(hn::LoadU(f, patterns[part].x)), pattern_y(hn::LoadU(f, patterns[part].y));
+      const vfloat pattern_x(hn::LoadU(f, patterns[part].x)),
+          pattern_y(hn::LoadU(f, patterns[part].y));
       for (int row = from; row <= to; ++row) {
-        const N y = pattern_y + float(row);
-        const N z_row = z0 + z_per_y * (y - y0);
-        N across[3] = {0.0f, 0.0f, 0.0f};
+        const vfloat y = pattern_y + float(row);
+        const vfloat z_row = z0 + z_per_y * (y - y0);
+        vfloat across[3] = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) across[k] = edges[k].along_x * (y - edges[k].y);
         for (int vector = first + part; vector <= last; vector += parts) {
-          const N x = pattern_x + float((vector - part) * lanes / samples);
+          const vfloat x = pattern_x + float((vector - part) * lanes / samples);
           const auto inside = [&](int k) {
-            const N e = across[k] - edges[k].along_y * (x - edges[k].x);
+            const vfloat e = across[k] - edges[k].along_y * (x - edges[k].x);
             return hn::Xor(hn::Ge(e.v, hn::Zero(f)), edges[k].turned);
           };
           Mask covered = hn::And(hn::And(inside(0), inside(1)), inside(2));
-          const N z = min(max(z_row + z_per_x * (x - x0), z_min), z_max);
-          const std::size_t at = std::size_t(row) * stride + std::size_t(vector * lanes);
+          const vfloat z = min(max(z_row + z_per_x * (x - x0), z_min), z_max);
+          const std::size_t at = out.row(row) + std::size_t(vector * lanes);
           const auto nearest = hn::LoadU(f, depths + at);
           covered = hn::And(covered, hn::Lt(z.v, nearest));
           if (hn::AllFalse(f, covered)) continue;
+          if (instance.mask) {
+            covered = hn::And(covered, alpha_passes(masked, x, y));
+            if (hn::AllFalse(f, covered)) continue;
+          }
           hn::StoreU(hn::IfThenElse(covered, z.v, nearest), f, depths + at);
-          const auto seen = hn::LoadU(u, names + at);
-          hn::StoreU(hn::IfThenElse(hn::RebindMask(u, covered), name, seen), u, names + at);
+          const auto seen = hn::LoadU(u, triangles + at);
+          hn::StoreU(hn::IfThenElse(hn::RebindMask(u, covered), triangle, seen), u, triangles + at);
         }
       }
     }
@@ -226,37 +304,33 @@ namespace rilievo {
 HWY_EXPORT(set_up);
 HWY_EXPORT(fill);
 
-glm::vec2 SampleRaster::sample_position(int sample, int samples) {
-  if (samples == 1) return {0.5f, 0.5f};
-  constexpr glm::vec2 kFour[] = {
-      {0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}};
-  return kFour[sample];
+RasterMask mask_of(const Mesh& mesh, const SurfaceMaterial& material) {
+  RasterMask mask;
+  mask.alpha = material.base_color.a;
+  mask.cutoff = material.alpha_cutoff;
+  if (!mesh.colors.empty()) mask.colors = mesh.colors.data();
+  if (material.base) {
+    mask.texture = &*material.base;
+    const std::vector<glm::vec2>& uv = mesh.uv[material.base->uv_set];
+    if (!uv.empty()) mask.uv = uv.data();
+  }
+  return mask;
 }
 
 std::size_t SampleRaster::bytes(int size, int samples) {
-  return std::size_t(size) * std::size_t(size) * std::size_t(samples) *
-             (sizeof(float) + sizeof(std::uint32_t)) +
-         kPlaces * (Triangles::kFields * sizeof(float) + sizeof(std::uint32_t) +
-                    2 * sizeof(std::int32_t));
+  return SampleBuffer::bytes(size, samples) +
+         kCapacity * (Triangles::kFields * sizeof(float) + sizeof(std::uint32_t) +
+                      2 * sizeof(std::int32_t));
 }
 
 void SampleRaster::begin(int width, int height, int samples) {
-  RILIEVO_EXPECTS(0 < width && width <= kMaxSize && 0 < height && height <= kMaxSize);
-  RILIEVO_EXPECTS(samples == 1 || samples == 4);
-  width_ = width, height_ = height, samples_ = samples;
-  stride_ = (std::size_t(width) * std::size_t(samples) + kMostLanes - 1) / kMostLanes * kMostLanes;
-  const std::size_t size = stride_ * std::size_t(height);
-  if (depth_.size() < size) depth_.resize(size), name_.resize(size);
-  parallel_for(0, (height + 63) / 64, [&](int i) {
-    const int end = std::min(height, 64 * (i + 1));
-    std::fill(depth_.begin() + std::ptrdiff_t(row(64 * i)),
-              depth_.begin() + std::ptrdiff_t(row(end)), 1.0f);
-  });
-  if (!triangles_.name.empty()) return;
-  for (std::vector<float>& field : triangles_.field) field.resize(kPlaces);
-  triangles_.name.resize(kPlaces);
-  triangles_.low.resize(kPlaces);
-  triangles_.high.resize(kPlaces);
+  RILIEVO_EXPECTS(width <= kMaxSize && height <= kMaxSize);
+  seen_.begin(width, height, samples);
+  if (!triangles_.triangle.empty()) return;
+  for (std::vector<float>& field : triangles_.field) field.resize(kCapacity);
+  triangles_.triangle.resize(kCapacity);
+  triangles_.low.resize(kCapacity);
+  triangles_.high.resize(kCapacity);
 }
 
 void SampleRaster::draw(std::span<const RasterInstance> instances) {
@@ -269,7 +343,7 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
       first += count;
       // Some processors store whole vectors: no piece may reach into the next one, which another
       // thread fills.
-      place += count + kMostLanes;
+      place += count + kMaxLanes;
       if (place < kRound) continue;
       draw_round(instances);
       pieces_.clear();
@@ -282,13 +356,14 @@ void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
   parallel_for(std::size_t(0), pieces_.size(), [&](std::size_t i) {
     Piece& piece = pieces_[i];
     piece.kept = HWY_DYNAMIC_DISPATCH(set_up)(instances[piece.instance], piece.first, piece.count,
-                                              width_, height_, samples_, triangles_, piece.place);
+                                              seen_.width, seen_.height, seen_.samples, triangles_,
+                                              piece.place);
   });
   constexpr int kRows = 32;
-  parallel_for(0, (height_ + kRows - 1) / kRows, [&](int strip) {
+  parallel_for(0, (seen_.height + kRows - 1) / kRows, [&](int strip) {
     for (const Piece& piece : pieces_) HWY_DYNAMIC_DISPATCH(fill)
-    (triangles_, piece.place, piece.kept, strip * kRows, std::min((strip + 1) * kRows, height_),
-     width_, samples_, stride_, depth_.data(), name_.data());
+    (triangles_, piece.place, piece.kept, instances[piece.instance], strip * kRows,
+     std::min((strip + 1) * kRows, seen_.height), seen_);
   });
 }
 

@@ -97,7 +97,7 @@ Nearest slow_nearest(const std::vector<Soup>& soups, const glm::dvec2& at) {
           (best.doubtful && z > best.z - kDepth) || at_edge || std::abs(z - best.z) <= kDepth;
       if (nearest_edge >= 0 && z < best.z) {
         best.z = z;
-        best.name = soup.instance.first_name + t;
+        best.name = soup.instance.first_triangle + t;
       }
     }
   return best;
@@ -112,14 +112,14 @@ TEST(SampleRaster, finds_the_triangle_that_is_nearest_among_all) {
       const int width = 1 + int(rng() % 90), height = 1 + int(rng() % 60);
       std::vector<Soup> soups;
       std::vector<RasterInstance> instances;
-      std::uint32_t first_name = 0;
+      std::uint32_t first_triangle = 0;
       for (int i = 0; i < 3; ++i) {
         soups.push_back(random_soup(rng, 5 << (round % 5)));
         look(soups.back(), width, height, 0.3f * float(i));
         RasterInstance& r = soups.back().instance;
         r.front = i != 1, r.back = i != 0;
-        r.first_name = first_name;
-        first_name += r.triangles;
+        r.first_triangle = first_triangle;
+        first_triangle += r.triangles;
       }
       for (const Soup& soup : soups) instances.push_back(soup.instance);
       SampleRaster raster;
@@ -128,18 +128,17 @@ TEST(SampleRaster, finds_the_triangle_that_is_nearest_among_all) {
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
           for (int s = 0; s < samples; ++s) {
-            const glm::dvec2 at =
-                glm::dvec2(x, y) + glm::dvec2(SampleRaster::sample_position(s, samples));
+            const glm::dvec2 at = glm::dvec2(x, y) + glm::dvec2(sample_position(s, samples));
             const Nearest expected = slow_nearest(soups, at);
             if (expected.doubtful) continue;
             ++compared;
-            const float z = raster.depths(y)[x * samples + s];
+            const float z = raster.seen().depths(y)[x * samples + s];
             // Floats again; z is at most 1, its slopes are steep.
             ASSERT_NEAR(z, expected.z, 2e-5)
                 << name << ", round " << round << ": " << x << " " << y;
             if (expected.z >= 1) continue;
             ++covered;
-            ASSERT_EQ(raster.names(y)[x * samples + s], expected.name);
+            ASSERT_EQ(raster.seen().triangles(y)[x * samples + s], expected.name);
           }
     }
     EXPECT_GT(compared, 50'000);
@@ -187,7 +186,7 @@ TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
       raster.draw({&one, 1});
       for (int y = 0; y < size; ++y)
         for (int i = 0; i < size * samples; ++i)
-          times[std::size_t(y * size * samples + i)] += raster.depths(y)[i] < 1;
+          times[std::size_t(y * size * samples + i)] += raster.seen().depths(y)[i] < 1;
     }
     for (const int t : times) ASSERT_EQ(t, 1) << "sheet " << round;
   }
@@ -205,8 +204,8 @@ TEST(SampleRaster, gives_the_same_bytes_for_any_number_of_threads_and_instructio
     std::vector<std::uint32_t> seen;
     for (int y = 0; y < 90; ++y)
       for (int i = 0; i < 480; ++i) {
-        const float z = raster.depths(y)[i];
-        seen.push_back(z < 1 ? raster.names(y)[i] : kNothing);
+        const float z = raster.seen().depths(y)[i];
+        seen.push_back(z < 1 ? raster.seen().triangles(y)[i] : kNothing);
         seen.push_back(0);
         std::memcpy(&seen.back(), &z, sizeof z);
       }

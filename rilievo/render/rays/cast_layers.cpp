@@ -12,6 +12,7 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
                               const CastLayersOptions& options) {
   RILIEVO_EXPECTS(camera.projection != Projection::back_perspective);
   const int width = camera.width, height = camera.height;
+  const HitShader shader(rays, camera);
   struct Row {
     std::vector<LayerSample> samples;
     std::vector<std::uint32_t> counts;
@@ -22,7 +23,6 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
     row.counts.assign(std::size_t(width), 0);
     for (int x = 0; x < width; ++x) {
       const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
-      const glm::vec3 towards = glm::normalize(ray.direction);
       double kept = -std::numeric_limits<double>::infinity();
       float from = 0;
       for (int layer = 0; layer < options.max_layers;) {
@@ -34,8 +34,7 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
         const double z = ray.eye_z_start + double(hit->distance) * ray.eye_z_step;
         if (z - kept <= options.merge) continue;
         LayerSample sample;
-        const glm::vec3 position(ray.origin + double(hit->distance) * ray.direction);
-        sample.color = shade_hit(rays, *hit, position, towards);
+        sample.color = shader.shade(*hit, x, y);
         sample.depth = sample.back = float(z);
         sample.object = hit->object;
         row.samples.push_back(sample);

@@ -1,66 +1,153 @@
 #include "rilievo/render/rays/cast_picture.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
+#include <numeric>
+#include <vector>
 
+#include "rilievo/core/depth.h"
+#include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/shading/picture_shader.h"
+#include "rilievo/render/shading/shading_model.h"
 
 namespace rilievo {
 namespace {
 
-// Light per unit of area that arrives at `position` on a surface with normal `n`.
-glm::vec3 irradiance(const Light& light, const glm::vec3& position, const glm::vec3& n) {
-  if (light.kind == Light::Kind::directional)
-    return light.intensity * std::max(0.0f, -glm::dot(n, light.direction));
-  const glm::vec3 to = light.position - position;
-  const float distance2 = std::max(glm::dot(to, to), 1e-6f);
-  const glm::vec3 l = to / std::sqrt(distance2);
-  float strength = 1.0f / distance2;
-  if (light.kind == Light::Kind::spot)
-    strength *= glm::smoothstep(std::cos(light.outer_cone), std::cos(light.inner_cone),
-                                -glm::dot(l, light.direction));
-  if (light.range > 0.0f) {
-    const float r = distance2 / (light.range * light.range);
-    strength *= std::clamp(1.0f - r * r, 0.0f, 1.0f);
+// The camera's rays, in doubles: the k-th from where it stops looking, see camera_ray().
+class CameraRays {
+ public:
+  explicit CameraRays(const Camera& camera)
+      : parallel_(camera.projection == Projection::parallel),
+        position_(camera.position()),
+        forward_(camera.forward()),
+        start_(camera.keeps_farthest() ? camera.z_far : camera.z_near),
+        step_((camera.keeps_farthest() ? camera.z_near : camera.z_far) - start_) {
+    const glm::dmat3 axes(camera.world_from_eye);
+    const ImageWindow& w = camera.window;
+    corner_ = axes * glm::dvec3(w.left, w.bottom, parallel_ ? 0 : -1);
+    per_x_ = (w.right - w.left) / camera.width * axes[0];
+    per_y_ = (w.top - w.bottom) / camera.height * axes[1];
   }
-  return light.intensity * strength * std::max(0.0f, glm::dot(n, l));
-}
+  // Through a place in texels from the *lower* left corner.
+  void put(double x, double y, RayPacket& packet) const {
+    const int i = packet.count++;
+    const glm::dvec3 through = corner_ + x * per_x_ + y * per_y_;
+    const glm::dvec3 direction = parallel_ ? forward_ : through;
+    const glm::vec3 origin(position_ + start_ * direction + (parallel_ ? through : glm::dvec3(0)));
+    const glm::vec3 way(step_ * direction);
+    for (int axis = 0; axis < 3; ++axis)
+      packet.origin[axis][i] = origin[axis], packet.direction[axis][i] = way[axis];
+    packet.t_near[i] = 0, packet.t_far[i] = 1;
+  }
+  [[nodiscard]] double eye_z(double t) const { return start_ + t * step_; }
+
+ private:
+  bool parallel_;
+  glm::dvec3 position_, forward_, corner_, per_x_, per_y_;
+  double start_, step_;
+};
 
 }  // namespace
 
-glm::vec4 shade_hit(const RayScene& rays, const RayHit& hit, const glm::vec3& position,
-                    const glm::vec3& direction) {
+struct PictureCaster::State {
+  const RayScene& rays;
+  // By model and part: how many parts before it are in pictures.
+  std::vector<std::vector<std::uint32_t>> place_of_part;
+  std::vector<std::uint32_t> all, first_of_object;
+  std::unique_ptr<bool[]> included;
+  std::vector<PlacedMesh> placed;
+  std::vector<Light> lights;
+  SampleBuffer seen;
+  PictureShader shader;
+
+  explicit State(const RayScene& rays);
+  void place(const Camera& camera, std::span<const std::uint32_t> objects);
+  // Fills `seen`.
+  void cast(const Camera& camera, bool all_objects, int samples);
+  void set(std::size_t sample, float depth, std::uint32_t object, int part, std::uint32_t triangle);
+};
+
+PictureCaster::State::State(const RayScene& rays) : rays(rays) {
   const Scene& scene = rays.scene();
-  const Object& object = scene.objects[hit.object - 1];
-  const Part& part = scene.models[object.model].parts[hit.part];
-  const Mesh& mesh = scene.meshes[part.mesh];
-  const glm::vec3 base(base_color_at(scene, part.mesh, hit.triangle, hit.barycentric));
-  if (mesh.material >= 0 && scene.materials[mesh.material].unlit) return {base, 1.0f};
-
-  glm::vec3 n = hit.normal;
-  if (!mesh.normals.empty()) {
-    const std::uint32_t* corner = &mesh.indices[3 * std::size_t(hit.triangle)];
-    const glm::vec3 smooth = (1 - hit.barycentric.x - hit.barycentric.y) * mesh.normals[corner[0]] +
-                             hit.barycentric.x * mesh.normals[corner[1]] +
-                             hit.barycentric.y * mesh.normals[corner[2]];
-    const glm::mat3 world_from_mesh(rays.poses()[hit.object - 1] * part.model_from_mesh);
-    const glm::vec3 world = glm::transpose(glm::inverse(world_from_mesh)) * smooth;
-    if (glm::dot(world, world) > 0) n = glm::normalize(world);
+  for (const Model& model : scene.models) {
+    std::vector<std::uint32_t>& places = place_of_part.emplace_back();
+    std::uint32_t place = 0;
+    for (const Part& part : model.parts) {
+      places.push_back(place);
+      place += !rays.materials().of_mesh(part.mesh).blended;
+    }
   }
-  // Both sides of a thin sheet are lit as seen; the back of a single-sided surface has no light of
-  // its own.
-  const bool behind =
-      glm::dot(hit.normal, direction) > 0 && !double_sided(scene, part.mesh).value_or(true);
-  if (!behind && glm::dot(n, direction) > 0) n = -n;
+  all.resize(scene.objects.size());
+  std::iota(all.begin(), all.end(), 0u);
+  included = std::make_unique<bool[]>(all.size());
+}
 
-  glm::vec3 light(0.0f);
-  if (scene.lights.empty()) light = irradiance(default_sun(), position, n);
-  for (const Light& each : scene.lights) light += irradiance(each, position, n);
-  const glm::vec3 hemisphere =
-      glm::mix(scene.sky.ground, 0.5f * (scene.sky.zenith + scene.sky.horizon), 0.5f + 0.5f * n.y);
-  return {base * (light / std::numbers::pi_v<float> + 0.6f * hemisphere), 1.0f};
+void PictureCaster::State::place(const Camera& camera, std::span<const std::uint32_t> objects) {
+  const Scene& scene = rays.scene();
+  place_meshes(scene, rays.materials(), camera.position(), objects, rays.poses(), placed);
+  first_of_object.assign(scene.objects.size(), 0);
+  std::fill_n(included.get(), scene.objects.size(), false);
+  std::uint32_t first = 0;
+  for (const std::uint32_t object : objects) {
+    first_of_object[object] = first;
+    included[object] = true;
+    for (const Part& part : scene.models[std::size_t(scene.objects[object].model)].parts)
+      first += !rays.materials().of_mesh(part.mesh).blended;
+  }
+}
+
+// What a sample shows: `depth` as SampleBuffer has it, of an object from 0 on.
+void PictureCaster::State::set(std::size_t sample, float depth, std::uint32_t object, int part,
+                               std::uint32_t triangle) {
+  constexpr float kBelowOne = 0x1.fffffep-1f;
+  seen.depth[sample] = std::clamp(depth, 0.0f, kBelowOne);
+  const auto& places = place_of_part[std::size_t(rays.scene().objects[object].model)];
+  seen.triangle[sample] =
+      placed[first_of_object[object] + places[std::size_t(part)]].first_triangle + triangle;
+}
+
+void PictureCaster::State::cast(const Camera& camera, bool all_objects, int samples) {
+  const Scene& scene = rays.scene();
+  seen.begin(camera.width, camera.height, samples);
+  RayPictureView view{picture_rays(camera), camera.position(), {}};
+  if (!all_objects) view.objects = {included.get(), scene.objects.size()};
+  const CameraRays camera_rays(camera);
+  const int texels = RayPacket::kMaxCount / samples;  // a packet
+  parallel_for(0, camera.height, [&](int y) {
+    RayPacket packet;
+    for (int x = 0; x < camera.width; x += texels) {
+      packet.count = 0;
+      for (int k = x; k < std::min(x + texels, camera.width); ++k)
+        for (int s = 0; s < samples; ++s) {
+          const glm::vec2 at = sample_position(s, samples);
+          camera_rays.put(double(k) + double(at.x), double(y) + double(at.y), packet);
+        }
+      rays.first_hits(view, packet);
+      const std::size_t first = seen.row(y) + std::size_t(x) * std::size_t(samples);
+      for (int i = 0; i < packet.count; ++i) {
+        if (packet.object[i] == 0) continue;
+        const double eye_z = camera_rays.eye_z(double(packet.distance[i]));
+        const double window_z = depth_from_eye_z(DepthKind::window_z, eye_z, camera, {});
+        set(first + std::size_t(i), float(camera.keeps_farthest() ? 1.0 - window_z : window_z),
+            packet.object[i] - 1, packet.part[i], packet.triangle[i]);
+      }
+    }
+  });
+}
+
+PictureCaster::PictureCaster(const RayScene& scene) : state_(new State(scene)) {}
+PictureCaster::PictureCaster(PictureCaster&&) noexcept = default;
+PictureCaster& PictureCaster::operator=(PictureCaster&&) noexcept = default;
+PictureCaster::~PictureCaster() = default;
+
+void PictureCaster::draw(const Camera& camera, std::span<const std::uint32_t> objects, int samples,
+                         RasterPicture& picture) {
+  State& s = *state_;
+  s.place(camera, objects.empty() ? s.all : objects);
+  s.cast(camera, objects.empty(), samples);
+  s.shader.shade({s.seen, s.placed, picture_rays(camera),
+                  surface_lights(s.rays.scene(), camera.position(), s.lights)},
+                 picture);
 }
 
 CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster) {
@@ -76,18 +163,75 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera) {
   picture.color = ColorImage(camera.width, camera.height);
   picture.depth = Image<float>(camera.width, camera.height, kNoDepth);
   picture.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
+  PictureCaster caster(rays);
+  PictureCaster::State& s = *caster.state_;
+  s.place(camera, s.all);
+  s.seen.begin(camera.width, camera.height, 1);
+  const int last = camera.height - 1;  // rows from the top
+  const RayPictureView seen_by{picture_rays(camera), camera.position(), {}};
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
-      const std::optional<RayHit> hit = rays.first_hit(ray.origin, ray.direction, 0.0f, 1.0f);
+      const auto hit = rays.first_hit(seen_by, ray.origin, ray.direction, 0.0f, 1.0f);
       if (!hit) continue;
-      const glm::vec3 position(ray.origin + double(hit->distance) * ray.direction);
-      picture.color(x, y) = shade_hit(rays, *hit, position, glm::normalize(ray.direction));
-      picture.depth(x, y) = float(ray.eye_z_start + hit->distance * ray.eye_z_step);
+      picture.depth(x, y) = float(ray.eye_z_start + double(hit->distance) * ray.eye_z_step);
       picture.object(x, y) = hit->object;
+      s.set(s.seen.row(last - y) + std::size_t(x), 0.0f, hit->object - 1, hit->part, hit->triangle);
     }
   });
+  const PictureView view{s.seen, s.placed, picture_rays(camera),
+                         surface_lights(rays.scene(), camera.position(), s.lights),
+                         ColorScale::linear};
+  const std::size_t width = std::size_t(camera.width);
+  s.shader.shade(view, [&](const BandShader& shaded, int from, int to) {
+    for (int y = from; y < to; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const std::size_t i = std::size_t(y - from) * width + std::size_t(x);
+        if (shaded.covered()[i]) picture.color(x, last - y) = {shaded.color_sums()[i], 1.0f};
+      }
+  });
   return picture;
+}
+
+HitShader::HitShader(const RayScene& scene, const Camera& camera)
+    : scene_(scene),
+      rays_(picture_rays(camera)),
+      height_(camera.height),
+      lights_(surface_lights(scene.scene(), camera.position(), storage_)) {}
+
+glm::vec4 HitShader::shade(const RayHit& hit, int x, int y) const {
+  namespace model = shading_model;
+  const Scene& scene = scene_.scene();
+  const Part& part =
+      scene.models[std::size_t(scene.objects[hit.object - 1].model)].parts[std::size_t(hit.part)];
+  const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+  const SurfaceMaterial& material = scene_.materials().of_mesh(part.mesh);
+  const SurfacePlacement placement = place_surface(
+      mesh, material,
+      relative_to(lights_.eye, scene_.poses()[hit.object - 1]) * part.model_from_mesh);
+  const std::uint32_t* corner = &mesh.indices[3 * std::size_t(hit.triangle)];
+  model::Corners<float> corners;
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t at = corner[k];
+    corners.position[k] = mesh.positions[at];
+    corners.normal[k] = placement.has_normals ? mesh.normals[at] : glm::vec3(0);
+    corners.color[k] = placement.has_colors ? glm::vec3(mesh.colors[at]) : glm::vec3(0);
+    for (int set = 0; set < 2; ++set) {
+      const glm::vec2 uv = mesh.uv[set].empty() ? glm::vec2(0) : mesh.uv[set][at];
+      corners.uv[set][k] = {uv.x, uv.y};
+    }
+  }
+  // As BandShader has it, for the same bytes.
+  const glm::vec3 ray = rays_.first + float(x) * rays_.per_x + float(height_ - 1 - y) * rays_.per_y;
+  model::SurfacePoint<float> point =
+      model::surface_at<float>(rays_, placement, ray, corners, linear_of_srgb_bytes());
+  const glm::vec3 view(point.view.x, point.view.y, point.view.z);
+  if (!material.double_sided && glm::dot(hit.normal, view) < 0) {
+    point.normal = -1.0f * point.normal;
+    point.view = glm::reflect(view, hit.normal);
+  }
+  const model::Vec3<float> light = model::shade_point(lights_, point);
+  return {light.x, light.y, light.z, 1.0f};
 }
 
 }  // namespace rilievo

@@ -5,17 +5,29 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
-#include <limits>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/render/shading/shading_model.h"
 
 namespace rilievo {
 namespace {
 
+namespace model = shading_model;
+
 // What the filter of one geometry needs to know.
 struct PartFilter {
-  const Scene* scene;
-  int mesh;
-  bool double_sided, masked;
+  const Mesh* mesh;
+  const glm::vec3* vertices;  // of the mesh, in model space
+  const SurfaceMaterial* material;
   float front;  // -1 where the part's placement mirrors: its front is then clockwise
+};
+
+// What a ray takes along.
+struct RayContext {
+  RTCIntersectContext embree;  // the first member: Embree hands on a pointer to it
+  const RayPictureView* picture = nullptr;
+  std::span<const glm::mat4> model_from_world;
+  RaySides sides = RaySides::seen;
 };
 
 struct SceneDeleter {
@@ -23,70 +35,87 @@ struct SceneDeleter {
 };
 using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
-glm::vec4 texel(const Texture& texture, const Rgba8Image& image, int x, int y) {
-  const auto wrapped = [](int i, int n, Wrap wrap) {
-    if (wrap == Wrap::clamp_to_edge) return std::clamp(i, 0, n - 1);
-    const int period = wrap == Wrap::mirrored_repeat ? 2 * n : n;
-    const int k = ((i % period) + period) % period;
-    return k < n ? k : period - 1 - k;
-  };
-  const glm::u8vec4 c =
-      image(wrapped(x, image.width(), texture.wrap_u), wrapped(y, image.height(), texture.wrap_v));
-  return {linear_from_srgb(float(c.r) / 255), linear_from_srgb(float(c.g) / 255),
-          linear_from_srgb(float(c.b) / 255), float(c.a) / 255};
+// The picture's rays in the space of one of its models.
+PictureRays in_model(const RayPictureView& picture, const glm::mat4& model_from_world) {
+  const glm::mat3 turned(model_from_world);
+  PictureRays rays = picture.rays;
+  rays.first = turned * rays.first;
+  rays.per_x = turned * rays.per_x, rays.per_y = turned * rays.per_y;
+  rays.axis = turned * rays.axis;
+  return rays;
 }
 
-glm::vec4 sample(const Scene& scene, int index, const glm::vec2& uv) {
-  if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return glm::vec4(1.0f);
-  const Texture& texture = scene.textures[std::size_t(index)];
-  const Rgba8Image& image = scene.images[std::size_t(texture.image)];
-  // Far from the origin a float has no fraction left to wrap.
-  const glm::vec2 near_uv = glm::abs(uv.x) + glm::abs(uv.y) < 1e6f ? uv : glm::vec2(0.0f);
-  const glm::vec2 at = near_uv * glm::vec2(image.width(), image.height()) - 0.5f;
-  const glm::vec2 cell = glm::floor(texture.nearest ? at + 0.5f : at);
-  const int x = int(cell.x), y = int(cell.y);
-  const auto at_cell = [&](int dx, int dy) { return texel(texture, image, x + dx, y + dy); };
-  if (texture.nearest) return at_cell(0, 0);
-  const glm::vec2 f = at - cell;
-  return glm::mix(glm::mix(at_cell(0, 0), at_cell(1, 0), f.x),
-                  glm::mix(at_cell(0, 1), at_cell(1, 1), f.x), f.y);
-}
-
-// What every query carries: for the filter.
-struct Query {
-  RTCIntersectContext context;  // first: Embree gives back a pointer to it
-  RaySides sides;
-};
-
-Query make_query(RaySides sides) {
-  Query query{};
-  rtcInitIntersectContext(&query.context);
-  query.sides = sides;
-  return query;
+// The alpha of a masked triangle there; without a picture, of the texture as it is.
+float alpha_at(const PartFilter& part, std::uint32_t triangle, const glm::vec2& barycentric,
+               const RayPictureView* picture, const glm::mat4& model_from_world) {
+  const Mesh& mesh = *part.mesh;
+  const SurfaceMaterial& material = *part.material;
+  const std::uint32_t* corner = &mesh.indices[3 * std::size_t(triangle)];
+  model::Weights<float> w{
+      {1 - barycentric.x - barycentric.y, barycentric.x, barycentric.y}, {0, 0, 0}, {0, 0, 0}};
+  float alpha = material.base_color.a;
+  if (!mesh.colors.empty())
+    alpha *= w.at[0] * mesh.colors[corner[0]].a + w.at[1] * mesh.colors[corner[1]].a +
+             w.at[2] * mesh.colors[corner[2]].a;
+  if (!material.base) return alpha;
+  if (picture) {
+    const PictureRays rays = in_model(*picture, model_from_world);
+    const glm::vec3 eye(glm::dmat4(model_from_world) * glm::dvec4(picture->position, 1));
+    glm::vec3 at[3], met(0.0f);
+    for (int k = 0; k < 3; ++k) {
+      at[k] = part.vertices[corner[k]] - eye;
+      met += w.at[k] * at[k];
+    }
+    // The steps from texel to texel are of rays as long as `first`.
+    if (!rays.parallel) {
+      const glm::vec3 across = glm::cross(rays.per_x, rays.per_y);
+      met *= glm::dot(rays.first, across) / glm::dot(met, across);
+    }
+    w = model::weights_of<float>(rays, met, at[0], at[1], at[2],
+                                 glm::cross(at[1] - at[0], at[2] - at[0]), true);
+  }
+  const std::vector<glm::vec2>& uvs = mesh.uv[material.base->uv_set];
+  model::Vec2<float> uv[3] = {{0, 0}, {0, 0}, {0, 0}};
+  if (!uvs.empty())
+    for (int k = 0; k < 3; ++k) uv[k] = {uvs[corner[k]].x, uvs[corner[k]].y};
+  return alpha * model::sample_alpha<float>(*material.base, model::footprint(w, uv));
 }
 
 // Rejects what a picture cannot hold. Side = sign of Ng . direction, both in model space, where a
 // mirroring placement of the *object* changes nothing: glTF turns the front side with it.
 void filter(const RTCFilterFunctionNArguments* arguments) {
-  if (arguments->valid[0] != -1) return;
   const PartFilter& part = *static_cast<const PartFilter*>(arguments->geometryUserPtr);
+  const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
   RTCHitN* hit = arguments->hit;
   RTCRayN* ray = arguments->ray;
-  const glm::vec3 normal{RTCHitN_Ng_x(hit, 1, 0), RTCHitN_Ng_y(hit, 1, 0), RTCHitN_Ng_z(hit, 1, 0)};
-  const glm::vec3 direction{RTCRayN_dir_x(ray, 1, 0), RTCRayN_dir_y(ray, 1, 0),
-                            RTCRayN_dir_z(ray, 1, 0)};
-  const RaySides sides = reinterpret_cast<const Query*>(arguments->context)->sides;
-  if (sides == RaySides::seen && !part.double_sided &&
-      part.front * glm::dot(normal, direction) >= 0) {
-    arguments->valid[0] = 0;
-    return;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    const glm::vec3 normal{RTCHitN_Ng_x(hit, n, i), RTCHitN_Ng_y(hit, n, i),
+                           RTCHitN_Ng_z(hit, n, i)};
+    const glm::vec3 direction{RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i),
+                              RTCRayN_dir_z(ray, n, i)};
+    if (context.sides == RaySides::seen && !part.material->double_sided &&
+        part.front * glm::dot(normal, direction) >= 0) {
+      arguments->valid[i] = 0;
+      continue;
+    }
+    if (!part.material->masked) continue;
+    const glm::vec2 barycentric{RTCHitN_u(hit, n, i), RTCHitN_v(hit, n, i)};
+    const std::uint32_t object = RTCHitN_instID(hit, n, i, 0);
+    if (alpha_at(part, RTCHitN_primID(hit, n, i), barycentric, context.picture,
+                 context.model_from_world[object]) < part.material->alpha_cutoff)
+      arguments->valid[i] = 0;
   }
-  if (!part.masked) return;
-  const glm::vec2 barycentric{RTCHitN_u(hit, 1, 0), RTCHitN_v(hit, 1, 0)};
-  const int material = part.scene->meshes[part.mesh].material;
-  if (base_color_at(*part.scene, part.mesh, RTCHitN_primID(hit, 1, 0), barycentric).a <
-      part.scene->materials[material].alpha_cutoff)
-    arguments->valid[0] = 0;
+}
+
+// Rejects objects that are not in the picture.
+void filter_objects(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
+  for (unsigned i = 0; i < arguments->N; ++i)
+    if (arguments->valid[i] == -1 &&
+        !context.picture->objects[RTCHitN_instID(arguments->hit, arguments->N, i, 0)])
+      arguments->valid[i] = 0;
 }
 
 RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_near, float t_far) {
@@ -102,14 +131,25 @@ RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_nea
 }  // namespace
 
 struct RayScene::State {
-  const Scene* scene = nullptr;
+  const Scene* scene;
   RTCDevice device = nullptr;
-  std::vector<glm::mat4> poses;
+  SurfaceMaterials materials;
+  std::vector<glm::mat4> poses, model_from_world;
   std::vector<glm::mat3> normal_from_model;
   std::vector<std::unique_ptr<PartFilter>> filters;
   std::vector<std::vector<int>> parts;  // per model: the part of each geometry
   std::vector<EmbreeScene> models;
   EmbreeScene world;
+
+  explicit State(const Scene& scene) : scene(&scene), materials(scene) {}
+  [[nodiscard]] RayContext context(const RayPictureView* picture, RaySides sides) const {
+    RayContext context;
+    rtcInitIntersectContext(&context.embree);
+    context.picture = picture;
+    context.model_from_world = model_from_world;
+    context.sides = sides;
+    return context;
+  }
 
   ~State() {
     world.reset();
@@ -125,6 +165,7 @@ RayScene::~RayScene() = default;
 
 const Scene& RayScene::scene() const { return *state_->scene; }
 const std::vector<glm::mat4>& RayScene::poses() const { return state_->poses; }
+const SurfaceMaterials& RayScene::materials() const { return state_->materials; }
 
 std::optional<bool> double_sided(const Scene& scene, int mesh) {
   const int material = scene.meshes[mesh].material;
@@ -145,17 +186,18 @@ glm::vec4 base_color_at(const Scene& scene, int mesh_index, std::uint32_t triang
   if (mesh.material < 0) return color;
   const Material& material = scene.materials[mesh.material];
   color *= material.base_color;
-  const TextureUse& use = material.base_color_texture;
-  if (use.texture < 0) return color;
-  const std::vector<glm::vec2>& uvs = mesh.uv[use.uv_set];
-  if (uvs.empty()) return color * sample(scene, use.texture, {0, 0});
-  const glm::vec2 uv = w.x * uvs[corner[0]] + w.y * uvs[corner[1]] + w.z * uvs[corner[2]];
-  return color * sample(scene, use.texture, glm::vec2(use.texture_from_uv * glm::vec3(uv, 1)));
+  if (material.base_color_texture.texture < 0) return color;
+  const SurfaceTexture texture = unscaled_texture(scene, material.base_color_texture, true);
+  const std::vector<glm::vec2>& uvs = mesh.uv[texture.uv_set];
+  glm::vec2 uv(0.0f);
+  if (!uvs.empty()) uv = w.x * uvs[corner[0]] + w.y * uvs[corner[1]] + w.z * uvs[corner[2]];
+  const model::Vec4<float> texel =
+      model::sample_color<float>(texture, {{uv.x, uv.y}, {0, 0}, {0, 0}}, linear_of_srgb_bytes());
+  return color * glm::vec4(texel.x, texel.y, texel.z, texel.w);
 }
 
 Result<RayScene> RayScene::create(const Scene& scene, double time) {
-  auto state = std::make_unique<State>();
-  state->scene = &scene;
+  auto state = std::make_unique<State>(scene);
   state->device = rtcNewDevice(nullptr);
   if (!state->device) return Error{"Embree", "no device"};
   pose(scene, time, state->poses);
@@ -170,10 +212,8 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
     for (int p = 0; p < int(model.parts.size()); ++p) {
       const Part& part = model.parts[p];
       const Mesh& mesh = scene.meshes[part.mesh];
-      const std::optional<bool> both_sides = double_sided(scene, part.mesh);
-      if (!both_sides || mesh.indices.size() < 3) continue;
-      const bool masked =
-          mesh.material >= 0 && scene.materials[mesh.material].alpha_mode == AlphaMode::mask;
+      const SurfaceMaterial& material = state->materials.of_mesh(part.mesh);
+      if (material.blended || mesh.indices.size() < 3) continue;
       RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
       auto* vertices = static_cast<glm::vec3*>(
           rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -190,9 +230,9 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
       std::copy(mesh.indices.begin(), mesh.indices.end() - mesh.indices.size() % 3, indices);
       const bool mirrors = glm::determinant(glm::mat3(part.model_from_mesh)) < 0;
       state->filters.push_back(std::make_unique<PartFilter>(
-          PartFilter{&scene, part.mesh, *both_sides, masked, mirrors ? -1.0f : 1.0f}));
+          PartFilter{&mesh, vertices, &material, mirrors ? -1.0f : 1.0f}));
       rtcSetGeometryUserData(geometry, state->filters.back().get());
-      if (!*both_sides || masked) {
+      if (!material.double_sided || material.masked) {
         rtcSetGeometryIntersectFilterFunction(geometry, filter);
         rtcSetGeometryOccludedFilterFunction(geometry, filter);
       }
@@ -214,6 +254,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
     rtcAttachGeometry(state->world.get(), instance);
     rtcReleaseGeometry(instance);
     state->normal_from_model.push_back(glm::inverseTranspose(glm::mat3(state->poses[i])));
+    state->model_from_world.push_back(glm::mat4(glm::inverse(glm::dmat4(state->poses[i]))));
   }
   rtcCommitScene(state->world.get());
   if (rtcGetDeviceError(state->device) != RTC_ERROR_NONE)
@@ -223,11 +264,24 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
 
 std::optional<RayHit> RayScene::first_hit(const glm::vec3& origin, const glm::vec3& direction,
                                           float t_near, float t_far, RaySides sides) const {
-  Query carried = make_query(sides);
+  return first_hit(nullptr, sides, origin, direction, t_near, t_far);
+}
+
+std::optional<RayHit> RayScene::first_hit(const RayPictureView& view, const glm::vec3& origin,
+                                          const glm::vec3& direction, float t_near,
+                                          float t_far) const {
+  return first_hit(&view, RaySides::seen, origin, direction, t_near, t_far);
+}
+
+std::optional<RayHit> RayScene::first_hit(const RayPictureView* view, RaySides sides,
+                                          const glm::vec3& origin, const glm::vec3& direction,
+                                          float t_near, float t_far) const {
+  RayContext context = state_->context(view, sides);
+  if (view && !view->objects.empty()) context.embree.filter = filter_objects;
   RTCRayHit query{};
   query.ray = ray_from(origin, direction, t_near, t_far);
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(state_->world.get(), &carried.context, &query);
+  rtcIntersect1(state_->world.get(), &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RayHit hit;
   hit.distance = query.ray.tfar;
@@ -244,11 +298,43 @@ std::optional<RayHit> RayScene::first_hit(const glm::vec3& origin, const glm::ve
   return hit;
 }
 
+void RayScene::first_hits(const RayPictureView& view, RayPacket& packet) const {
+  constexpr int kCount = RayPacket::kMaxCount;
+  RILIEVO_EXPECTS(0 < packet.count && packet.count <= kCount);
+  RILIEVO_EXPECTS(view.objects.empty() || view.objects.size() == state_->scene->objects.size());
+  RayContext context = state_->context(&view, RaySides::seen);
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (!view.objects.empty()) context.embree.filter = filter_objects;
+  alignas(64) int valid[kCount];
+  RTCRayHit16 query{};
+  for (int i = 0; i < kCount; ++i) {
+    valid[i] = i < packet.count ? -1 : 0;
+    const int k = std::min(i, packet.count - 1);
+    query.ray.org_x[i] = packet.origin[0][k], query.ray.org_y[i] = packet.origin[1][k];
+    query.ray.org_z[i] = packet.origin[2][k];
+    query.ray.dir_x[i] = packet.direction[0][k], query.ray.dir_y[i] = packet.direction[1][k];
+    query.ray.dir_z[i] = packet.direction[2][k];
+    query.ray.tnear[i] = packet.t_near[k], query.ray.tfar[i] = packet.t_far[k];
+    query.ray.mask[i] = 0xffffffffu;
+    query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  rtcIntersect16(valid, state_->world.get(), &context.embree, &query);
+  for (int i = 0; i < packet.count; ++i) {
+    packet.object[i] = 0;
+    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    const std::uint32_t object = query.hit.instID[0][i];
+    packet.object[i] = object + 1;
+    packet.distance[i] = query.ray.tfar[i];
+    packet.triangle[i] = query.hit.primID[i];
+    packet.part[i] = state_->parts[state_->scene->objects[object].model][query.hit.geomID[i]];
+  }
+}
+
 bool RayScene::occluded(const glm::vec3& origin, const glm::vec3& direction, float t_near,
                         float t_far) const {
-  Query carried = make_query(RaySides::seen);
+  RayContext context = state_->context(nullptr, RaySides::seen);
   RTCRay ray = ray_from(origin, direction, t_near, t_far);
-  rtcOccluded1(state_->world.get(), &carried.context, &ray);
+  rtcOccluded1(state_->world.get(), &context.embree, &ray);
   return ray.tfar < 0;
 }
 

@@ -1,22 +1,21 @@
-// What colour has a lit surface, as render/opengl/scene_shaders.h shades it?
+// What colour has a lit surface?
 //
-// Metallic-roughness shading after appendix B of the glTF 2.0 specification, the light of a clear
-// sky, and sRGB at the end: the same formulas for processors, SIMD over surfaces. Linear light in,
-// sRGB out; directions in world axes. The same bytes for any instruction set. Pure; any thread.
+// The second half of the shading model (shading_model.inl), SIMD over surfaces: lights and sky.
+// Linear light in; directions in world axes. The same bytes for any instruction set. Pure; any
+// thread.
 #pragma once
 
 #include <cstddef>
 #include <glm/glm.hpp>
-#include <span>
 
-#include "rilievo/scene/scene.h"
+#include "rilievo/render/shading/surface.h"
 
 namespace rilievo {
 
 // A structure of arrays; the first `count` entries are to be shaded.
 struct Surfaces {
-  static constexpr std::size_t kMost = 256;
-  static constexpr std::size_t kRoom = kMost + 16;  // vectors are stored whole
+  static constexpr std::size_t kMaxCount = 256;
+  static constexpr std::size_t kCapacity = kMaxCount + 16;  // vectors are stored whole
   enum Field {
     base_r,
     base_g,
@@ -27,30 +26,32 @@ struct Surfaces {
     relative_x,
     relative_y,
     relative_z,  // position relative to the eye, metres
+    view_x,
+    view_y,
+    view_z,  // the way to who sees it, unit
     emissive_r,
     emissive_g,
     emissive_b,
     roughness,
     metallic,
-    lit,  // 1; or 0: the base colour as it is
+    occlusion,  // the share of the sky's light that arrives
+    lit,        // 1; or 0: the base colour as it is
     kFields
   };
   std::size_t count = 0;
-  alignas(64) float field[kFields][kRoom];
+  alignas(64) float field[kFields][kCapacity];
 };
 
-// In [0, 1].
 struct SurfaceColors {
-  alignas(64) float srgb[3][Surfaces::kMost];
+  alignas(64) float rgb[3][Surfaces::kMaxCount];
 };
 
-// The lights of a Scene as an eye at `eye` (world) needs them.
-struct SurfaceLights {
-  std::span<const Light> lights;  // not empty
-  glm::dvec3 eye{0.0};
-  Sky sky;
+enum class ColorScale {
+  linear,  // as much light as there is
+  srgb,    // encoded, in [0, 1]
 };
 
-void shade_surfaces(const SurfaceLights& lights, const Surfaces& surfaces, SurfaceColors& colors);
+void shade_surfaces(const SurfaceLights& lights, const Surfaces& surfaces, ColorScale scale,
+                    SurfaceColors& colors);
 
 }  // namespace rilievo

@@ -18,8 +18,8 @@ struct Case {
   std::vector<Light> lights;
   SurfaceLights seen_by;
   Surfaces surfaces;
-  Material materials[Surfaces::kMost];
-  glm::vec3 normal[Surfaces::kMost], relative[Surfaces::kMost];
+  Material materials[Surfaces::kMaxCount];
+  glm::vec3 normal[Surfaces::kMaxCount], relative[Surfaces::kMaxCount];
 };
 
 std::unique_ptr<Case> random_case(unsigned seed, std::size_t count) {
@@ -61,8 +61,10 @@ std::unique_ptr<Case> random_case(unsigned seed, std::size_t count) {
     set(Surfaces::base_r, glm::vec3(m.base_color));
     set(Surfaces::normal_x, (0.1f + u(rng)) * c->normal[i]);
     set(Surfaces::relative_x, c->relative[i]);
+    set(Surfaces::view_x, -glm::normalize(c->relative[i]));
     set(Surfaces::emissive_r, m.emissive);
-    set(Surfaces::roughness, {m.roughness, m.metallic, m.unlit ? 0.0f : 1.0f});
+    set(Surfaces::roughness, {m.roughness, m.metallic, 1});
+    c->surfaces.field[Surfaces::lit][i] = m.unlit ? 0.0f : 1.0f;
   }
   return c;
 }
@@ -72,8 +74,8 @@ TEST(SurfaceShading, shades_as_the_specification_says) {
     auto colors = std::make_unique<SurfaceColors>();
     int lit_by_lights = 0, compared = 0;
     for (unsigned seed = 0; seed < 60; ++seed) {
-      const auto c = random_case(seed, 1 + 37 * seed % Surfaces::kMost);
-      shade_surfaces(c->seen_by, c->surfaces, *colors);
+      const auto c = random_case(seed, 1 + 37 * seed % Surfaces::kMaxCount);
+      shade_surfaces(c->seen_by, c->surfaces, ColorScale::srgb, *colors);
       for (std::size_t i = 0; i < c->surfaces.count; ++i) {
         const Material& m = c->materials[i];
         std::vector<Incident> incident;
@@ -92,7 +94,7 @@ TEST(SurfaceShading, shades_as_the_specification_says) {
           ++compared;
           // A fifth of a byte of the sRGB curve's polynomial; floats in the lobe of the smoothest
           // material.
-          ASSERT_NEAR(colors->srgb[k][i], srgb_from_linear(std::min(float(expected[k]), 1.0f)),
+          ASSERT_NEAR(colors->rgb[k][i], srgb_from_linear(std::min(float(expected[k]), 1.0f)),
                       0.25 / 255 + 2e-4)
               << name << ", case " << seed << ", surface " << i;
         }
@@ -104,13 +106,13 @@ TEST(SurfaceShading, shades_as_the_specification_says) {
 }
 
 TEST(SurfaceShading, gives_the_same_bytes_on_every_instruction_set) {
-  const auto c = random_case(2, Surfaces::kMost);
+  const auto c = random_case(2, Surfaces::kMaxCount);
   const auto expected = std::make_unique<SurfaceColors>(),
              colors = std::make_unique<SurfaceColors>();
-  shade_surfaces(c->seen_by, c->surfaces, *expected);
+  shade_surfaces(c->seen_by, c->surfaces, ColorScale::srgb, *expected);
   for_each_instruction_set([&](const char* name) {
     std::memset(colors.get(), 0, sizeof *colors);
-    shade_surfaces(c->seen_by, c->surfaces, *colors);
+    shade_surfaces(c->seen_by, c->surfaces, ColorScale::srgb, *colors);
     EXPECT_EQ(std::memcmp(colors.get(), expected.get(), sizeof *colors), 0) << name;
   });
 }

@@ -1,4 +1,4 @@
-#include "rilievo/render/raster/surface_points.h"
+#include "rilievo/render/shading/surface_points.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,9 @@ namespace rilievo {
 namespace {
 
 struct Case {
+  SurfaceMaterial material;
   SurfacePlacement placement;
+  PictureRays picture;
   TriangleRays rays;
 };
 
@@ -28,10 +30,12 @@ std::unique_ptr<Case> random_case(unsigned seed, bool beside) {
   p.relative_from_mesh = glm::scale(p.relative_from_mesh, {seed % 2 ? -1.0f : 1.0f, 1.3f, 0.8f});
   p.normal_from_mesh = glm::transpose(glm::inverse(glm::mat3(p.relative_from_mesh)));
   p.has_normals = seed % 3 != 0, p.has_colors = seed % 5 != 0;
-  p.base_color = {0.5f, 0.7f, 0.9f};
-  p.emissive = {0.1f, 0.2f, 0.3f};
-  p.roughness = 0.4f, p.metallic = 0.6f, p.unlit = seed % 4 == 0;
-  c->rays.count = 1 + seed % TriangleRays::kMost;
+  SurfaceMaterial& m = c->material;
+  m.base_color = {0.5f, 0.7f, 0.9f, 1};
+  m.emissive = {0.1f, 0.2f, 0.3f};
+  m.roughness = 0.4f, m.metallic = 0.6f, m.unlit = seed % 4 == 0;
+  p.material = &m;
+  c->rays.count = 1 + seed % TriangleRays::kMaxCount;
   for (std::size_t i = 0; i < c->rays.count; ++i) {
     glm::vec3 meets(0.0f), weights(1.01f + u(rng), 1.01f + u(rng), 1.01f + u(rng));
     weights /= weights.x + weights.y + weights.z;
@@ -56,7 +60,7 @@ std::unique_ptr<Case> random_case(unsigned seed, bool beside) {
   return c;
 }
 
-glm::dvec3 get(const float (&v)[3][TriangleRays::kMost], std::size_t i) {
+glm::dvec3 get(const float (&v)[3][TriangleRays::kMaxCount], std::size_t i) {
   return {v[0][i], v[1][i], v[2][i]};
 }
 
@@ -71,7 +75,7 @@ TEST(SurfacePoints, are_where_the_rays_meet_the_triangles) {
       const auto c = random_case(seed, false);
       const SurfacePlacement& p = c->placement;
       const std::size_t before = surfaces->count = seed % 100;
-      append_surfaces(c->rays, p, *surfaces);
+      append_surfaces(c->rays, c->picture, p, *surfaces);
       ASSERT_EQ(surfaces->count, before + c->rays.count);
       for (std::size_t i = 0; i < c->rays.count; ++i) {
         const glm::dvec3 ray = get(c->rays.ray, i);
@@ -86,7 +90,7 @@ TEST(SurfacePoints, are_where_the_rays_meet_the_triangles) {
         // A ray divided into the corners.
         glm::dvec3 weights = glm::inverse(glm::dmat3(corner[0], corner[1], corner[2])) * ray;
         weights /= weights.x + weights.y + weights.z;
-        const auto mixed = [&](const float(&v)[3][3][TriangleRays::kMost]) {
+        const auto mixed = [&](const float(&v)[3][3][TriangleRays::kMaxCount]) {
           return weights.x * get(v[0], i) + weights.y * get(v[1], i) + weights.z * get(v[2], i);
         };
         const glm::dvec3 relative =
@@ -95,8 +99,8 @@ TEST(SurfacePoints, are_where_the_rays_meet_the_triangles) {
             p.has_normals ? glm::dmat3(p.normal_from_mesh) * mixed(c->rays.normal) : facing;
         const bool edge_on = std::abs(glm::dot(glm::normalize(facing), glm::normalize(n))) < 1e-3;
         if (glm::dot(facing, ray) * glm::dot(facing, n) > 0) n = -n;
-        const glm::dvec3 base =
-            glm::dvec3(p.base_color) * (p.has_colors ? mixed(c->rays.color) : glm::dvec3(1));
+        const glm::dvec3 base = glm::dvec3(c->material.base_color) *
+                                (p.has_colors ? mixed(c->rays.color) : glm::dvec3(1));
         const std::size_t at = before + i;
         // Floats of some metres, times how flatly the ray meets the triangle.
         const double near = 1e-5 / flat;
@@ -111,9 +115,10 @@ TEST(SurfacePoints, are_where_the_rays_meet_the_triangles) {
           ASSERT_LE(glm::length(found - glm::normalize(n)), 20 * near) << name << ", case " << seed;
         }
         expect_near(Surfaces::base_r, base, 20 * near, "colour");
-        expect_near(Surfaces::emissive_r, glm::dvec3(p.emissive), 0, "emission");
-        expect_near(Surfaces::roughness, glm::dvec3(p.roughness, p.metallic, p.unlit ? 0 : 1), 0,
-                    "material");
+        expect_near(Surfaces::view_x, -glm::normalize(ray), 20 * near, "view");
+        expect_near(Surfaces::emissive_r, glm::dvec3(c->material.emissive), 0, "emission");
+        expect_near(Surfaces::roughness, {0.4f, 0.6f, 1}, 0, "material");
+        ASSERT_EQ(surfaces->field[Surfaces::lit][at], c->material.unlit ? 0.0f : 1.0f);
       }
     }
   });
@@ -125,7 +130,7 @@ TEST(SurfacePoints, stay_on_the_triangle_where_the_ray_passes_by) {
   for (unsigned seed = 1; seed < 60; ++seed) {
     const auto c = random_case(seed, true);
     surfaces->count = 0;
-    append_surfaces(c->rays, c->placement, *surfaces);
+    append_surfaces(c->rays, c->picture, c->placement, *surfaces);
     for (std::size_t i = 0; i < c->rays.count; ++i) {
       const glm::dvec3 corner = glm::dvec3(glm::dmat4(c->placement.relative_from_mesh) *
                                            glm::dvec4(get(c->rays.position[i % 3], i), 1));
@@ -138,10 +143,10 @@ TEST(SurfacePoints, stay_on_the_triangle_where_the_ray_passes_by) {
 TEST(SurfacePoints, are_the_same_bytes_on_every_instruction_set) {
   const auto c = random_case(62, true);
   const auto expected = std::make_unique<Surfaces>(), surfaces = std::make_unique<Surfaces>();
-  append_surfaces(c->rays, c->placement, *expected);
+  append_surfaces(c->rays, c->picture, c->placement, *expected);
   for_each_instruction_set([&](const char* name) {
     surfaces->count = 0;
-    append_surfaces(c->rays, c->placement, *surfaces);
+    append_surfaces(c->rays, c->picture, c->placement, *surfaces);
     for (int field = 0; field < Surfaces::kFields; ++field)
       EXPECT_EQ(std::memcmp(surfaces->field[field], expected->field[field],
                             expected->count * sizeof(float)),

@@ -1,0 +1,85 @@
+// What colour has each texel of a picture whose samples are known?
+//
+// Shades each triangle once in each texel where it is seen, at the texel's middle, and averages
+// over the samples, as OpenGL does with several samples a pixel; whoever found the samples, the
+// rasteriser or rays. behind render/raster and render/rays.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rilievo/render/shading/sample_buffer.h"
+#include "rilievo/render/shading/surface_points.h"
+#include "rilievo/render/shading/surface_shading.h"
+
+namespace rilievo {
+
+// A mesh in a picture.
+struct PlacedMesh {
+  const Mesh* mesh = nullptr;
+  SurfacePlacement surface;
+  // Its triangles in the SampleBuffer.
+  std::uint32_t first_triangle = 0, triangles = 0;
+};
+
+// What is the same for all texels of a picture.
+struct PictureView {
+  const SampleBuffer& samples;
+  std::span<const PlacedMesh> meshes;  // in the order of their triangles
+  PictureRays rays;
+  SurfaceLights lights;
+  ColorScale scale = ColorScale::srgb;
+};
+
+// Shades rows of texels, a few at once. Keeps its buffers; each thread needs one of its own.
+class BandShader {
+ public:
+  static constexpr int kBand = 8;  // rows at most
+
+  // Shades rows [from, to).
+  void shade(const PictureView& view, int from, int to);
+
+  // Of the band's texels, row by row: the colours of the covered samples added up ...
+  [[nodiscard]] std::span<const glm::vec3> color_sums() const { return sums_; }
+  // ... and how many these are.
+  [[nodiscard]] std::span<const std::uint8_t> covered() const { return covered_; }
+  [[nodiscard]] std::span<const float> nearest() const { return nearest_; }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+  // A triangle in a texel.
+  struct Seen {
+    std::uint32_t triangle;  // of its mesh
+    std::uint32_t next;      // index of another one of its mesh, or kNone
+    std::uint16_t x, row;    // texel of the band
+    std::uint16_t samples;
+  };
+  // Of a surface that waits to be shaded.
+  struct Waiting {
+    std::size_t texel;  // of the band
+    float samples;
+  };
+
+  void find_seen(const PictureView& view, int y, int row);
+  void add_seen(const PictureView& view, std::uint32_t triangle, int x, int row, int samples);
+  void add_mesh(const PictureView& view, const PlacedMesh& placed, std::uint32_t first, int from);
+  void append(const PictureView& view, const PlacedMesh& placed);
+  void flush(const PictureView& view);
+
+  std::vector<Seen> seen_;
+  std::vector<std::uint32_t> first_of_;  // by mesh: index into seen_, or kNone
+  std::vector<std::uint32_t> met_;       // meshes that are seen
+  std::uint32_t mesh_ = 0;               // the last one met
+  TriangleRays rays_;
+  Surfaces surfaces_;
+  SurfaceColors colors_;
+  Waiting waiting_[Surfaces::kMaxCount];  // of the surfaces
+  std::vector<glm::vec3> sums_;
+  std::vector<std::uint8_t> covered_;
+  std::vector<float> nearest_;
+};
+
+}  // namespace rilievo

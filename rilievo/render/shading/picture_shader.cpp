@@ -1,0 +1,82 @@
+#include "rilievo/render/shading/picture_shader.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
+
+namespace rilievo {
+
+void place_meshes(const Scene& scene, const SurfaceMaterials& materials, const glm::dvec3& eye,
+                  std::span<const std::uint32_t> objects, std::span<const glm::mat4> poses,
+                  std::vector<PlacedMesh>& placed) {
+  placed.clear();
+  std::uint64_t triangles = 0;
+  for (const std::uint32_t object : objects) {
+    const glm::mat4 relative_from_model = relative_to(eye, poses[object]);
+    for (const Part& part : scene.models[std::size_t(scene.objects[object].model)].parts) {
+      const SurfaceMaterial& material = materials.of_mesh(part.mesh);
+      if (material.blended) continue;
+      const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+      placed.push_back({&mesh,
+                        place_surface(mesh, material, relative_from_model * part.model_from_mesh),
+                        std::uint32_t(triangles), std::uint32_t(mesh.triangles())});
+      triangles += mesh.triangles();
+    }
+  }
+  RILIEVO_EXPECTS(triangles < 0xFFFFFFFFu);
+}
+
+SurfaceLights surface_lights(const Scene& scene, const glm::dvec3& eye,
+                             std::vector<Light>& storage) {
+  storage = scene.lights;
+  if (storage.empty()) storage.push_back(default_sun());
+  return {storage, eye, scene.sky};
+}
+
+struct PictureShader::State {
+  tbb::enumerable_thread_specific<BandShader> shaders;
+};
+
+PictureShader::PictureShader() : state_(new State) {}
+PictureShader::PictureShader(PictureShader&&) noexcept = default;
+PictureShader& PictureShader::operator=(PictureShader&&) noexcept = default;
+PictureShader::~PictureShader() = default;
+
+void PictureShader::shade(
+    const PictureView& view,
+    const std::function<void(const BandShader& shaded, int from, int to)>& write) {
+  constexpr int kBand = BandShader::kBand;
+  const int height = view.samples.height;
+  parallel_for(0, (height + kBand - 1) / kBand, [&](int band) {
+    const int from = band * kBand, to = std::min(from + kBand, height);
+    BandShader& shader = state_->shaders.local();
+    shader.shade(view, from, to);
+    write(shader, from, to);
+  });
+}
+
+void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
+  RILIEVO_EXPECTS(view.scale == ColorScale::srgb);
+  picture.width = view.samples.width, picture.height = view.samples.height;
+  const std::size_t width = std::size_t(picture.width),
+                    texels = width * std::size_t(picture.height);
+  picture.color.resize(texels);
+  picture.depth.resize(texels);
+  const int samples = view.samples.samples;
+  const float scale = 255.0f / float(samples);
+  shade(view, [&](const BandShader& shaded, int from, int /*to*/) {
+    const std::size_t first = std::size_t(from) * width;
+    const std::span<const glm::vec3> sums = shaded.color_sums();
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      picture.color[first + i] = {
+          glm::u8vec3(sums[i] * scale + 0.5f),
+          std::uint8_t((510 * int(shaded.covered()[i]) + samples) / (2 * samples))};
+    std::copy(shaded.nearest().begin(), shaded.nearest().end(),
+              picture.depth.begin() + std::ptrdiff_t(first));
+  });
+}
+
+}  // namespace rilievo

@@ -1,0 +1,52 @@
+// Which meshes are in a picture, and what colours have its texels? For the rasteriser and for rays.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rilievo/render/shading/band_shader.h"
+#include "rilievo/render/shading/surface_materials.h"
+
+namespace rilievo {
+
+// The opaque and masked parts of `objects` (indices into Scene::objects), placed by `poses` (of all
+// objects) relative to `eye`, in this order. Requires less than 2^32 triangles.
+void place_meshes(const Scene& scene, const SurfaceMaterials& materials, const glm::dvec3& eye,
+                  std::span<const std::uint32_t> objects, std::span<const glm::mat4> poses,
+                  std::vector<PlacedMesh>& placed);
+
+// The lights of a scene, or the default sun, which `storage` keeps then.
+[[nodiscard]] SurfaceLights surface_lights(const Scene& scene, const glm::dvec3& eye,
+                                           std::vector<Light>& storage);
+
+// Rows from the bottom, as OpenGL has them.
+struct RasterPicture {
+  int width = 0, height = 0;
+  std::vector<glm::u8vec4> color;  // sRGB, premultiplied; alpha is the share of covered samples
+  std::vector<float> depth;        // window_z of the nearest sample; 1: nothing
+};
+
+// Shades pictures on all cores. Keeps its buffers.
+class PictureShader {
+ public:
+  PictureShader();
+  PictureShader(PictureShader&&) noexcept;
+  PictureShader& operator=(PictureShader&&) noexcept;
+  ~PictureShader();
+
+  // Calls write(shaded, from, to) for bands of rows [from, to), by any thread, in any order.
+  void shade(const PictureView& view,
+             const std::function<void(const BandShader& shaded, int from, int to)>& write);
+  // Fills the picture. Requires ColorScale::srgb.
+  void shade(const PictureView& view, RasterPicture& picture);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rilievo

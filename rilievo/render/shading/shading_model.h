@@ -1,0 +1,21 @@
+// The shading model for one number at a time: float (the same bytes as a lane of several) or
+// double.
+//
+// For what shades points apart from pictures, such as a ray tracer's, and for tests.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <numbers>
+
+#include "rilievo/render/shading/surface.h"
+
+namespace rilievo::shading_model {
+
+#include "rilievo/render/shading/scalar_numbers.inl"
+// A template over these numbers.
+#include "rilievo/render/shading/shading_model.inl"
+
+}  // namespace rilievo::shading_model

@@ -1,0 +1,48 @@
+#include "rilievo/render/shading/surface.h"
+
+#include <array>
+
+#include "rilievo/core/color.h"
+
+namespace rilievo {
+
+PictureRays picture_rays(const Camera& camera) {
+  const glm::dmat3 axes(camera.world_from_eye);
+  const ImageWindow& w = camera.window;
+  const glm::dvec3 per_x = (w.right - w.left) / camera.width * axes[0];
+  const glm::dvec3 per_y = (w.top - w.bottom) / camera.height * axes[1];
+  PictureRays rays;
+  rays.parallel = camera.projection == Projection::parallel;
+  rays.towards_apex = camera.keeps_farthest();
+  const glm::dvec3 corner = axes * glm::dvec3(w.left, w.bottom, rays.parallel ? 0 : -1);
+  rays.first = glm::vec3(corner + 0.5 * (per_x + per_y));
+  rays.per_x = glm::vec3(per_x), rays.per_y = glm::vec3(per_y);
+  rays.axis = glm::vec3(camera.forward());
+  return rays;
+}
+
+SurfacePlacement place_surface(const Mesh& mesh, const SurfaceMaterial& material,
+                               const glm::mat4& m) {
+  SurfacePlacement surface;
+  surface.relative_from_mesh = m;
+  // The cofactor matrix carries normals through any linear map; to which side they point then is
+  // found out with the triangle (shading_model.inl).
+  surface.normal_from_mesh = {glm::cross(glm::vec3(m[1]), glm::vec3(m[2])),
+                              glm::cross(glm::vec3(m[2]), glm::vec3(m[0])),
+                              glm::cross(glm::vec3(m[0]), glm::vec3(m[1]))};
+  surface.has_normals = !mesh.normals.empty();
+  surface.has_colors = !mesh.colors.empty();
+  surface.material = &material;
+  return surface;
+}
+
+const float* linear_of_srgb_bytes() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> linear{};
+    for (std::size_t i = 0; i < 256; ++i) linear[i] = linear_from_srgb(float(i) / 255.0f);
+    return linear;
+  }();
+  return table.data();
+}
+
+}  // namespace rilievo
