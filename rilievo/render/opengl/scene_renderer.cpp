@@ -168,6 +168,7 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
   glFrontFace(GL_CCW);
 
   int bound_material = -1;
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // masks make their own
   for (const Batch& batch : list.batches()) {
     const GpuMesh& mesh = gpu.meshes[batch.mesh];
     const GpuMaterial& material = gpu.materials[std::size_t(mesh.material)];
@@ -184,10 +185,6 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
       if (features & shader::kTextures)
         for (GLuint unit = 0; unit < kMaterialUnits; ++unit)
           glBindTextureUnit(unit, gpu.textures[std::size_t(material.textures[unit])]);
-      if ((features & shader::kMask) && !(features & shader::kObjectIds))
-        glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-      else
-        glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
       if (material.double_sided || hindmost)
         glDisable(GL_CULL_FACE);
       else
@@ -200,7 +197,6 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
         reinterpret_cast<const void*>(std::uintptr_t(mesh.first_index) * sizeof(std::uint32_t)),
         GLsizei(batch.count), mesh.base_vertex, batch.first);
   }
-  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
 SceneRenderer::SceneRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}

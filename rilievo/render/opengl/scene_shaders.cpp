@@ -259,14 +259,16 @@ void main() {
 
   float alpha = 1.0;
 #ifdef MASK
-  // Sharpened to one pixel's width, so that coverage antialiases the cut-out where the frame has
-  // several samples.
   float cutoff = material.metallic_roughness_occlusion_cutoff.w;
-  alpha = clamp((base.a - cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
 #ifdef OBJECT_IDS
   if (base.a < cutoff) discard;
 #else
-  if (alpha < (gl_NumSamples > 1 ? 0.125 : 0.5)) discard;
+  // Sharpened to one pixel's width, and that share of the samples taken, rounded: what a driver
+  // makes of alpha by itself may be half a sample more.
+  alpha = clamp((base.a - cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
+  int covered = int(alpha * float(gl_NumSamples) + 0.5);
+  if (covered == 0) discard;
+  gl_SampleMask[0] = (1 << covered) - 1;
 #endif
 #endif
 #ifdef BLEND
