@@ -180,6 +180,11 @@ vec3 mapped_normal(vec3 n) {
   vec3 t = a * du1.x + b * du2.x, bt = a * du1.y + b * du2.y;
   float longest = max(dot(t, t), dot(bt, bt));
   if (longest <= 0.0) return n;
+  // Seen from afar towards an apex, the picture's x and y turn the other way around n.
+  if (dot(cross(dp1, dp2), n) < 0.0) {
+    t = -t;
+    bt = -bt;
+  }
   vec3 m = texture(normal_texture, uv).xyz * 2.0 - 1.0;
   m.xy *= material.emissive_normal_scale.w;
   // glTF's texture v grows downwards as the bitangent grows upwards.
