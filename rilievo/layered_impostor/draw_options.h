@@ -12,11 +12,13 @@ namespace rilievo {
 //             its holes (S2.6), in one instanced draw call; the depth is that of the slice
 enum class LayeredMethod { surfaces, slices };
 
+// The zone in which views fade into each other, in mean spacings of the views, whoever draws.
+inline constexpr double kHandover = 0.25;
+
 struct LayeredOptions {
   LayeredMethod method = LayeredMethod::surfaces;
-  int max_views = 6;       // pictures asked for a pixel, or with 1 only the nearest: its holes stay
-  double handover = 0.25;  // zone in which views fade into each other, in mean spacings of the
-                           // views: blended (surfaces) or pixel by pixel (slices); 0: they switch
+  int max_views = 6;  // pictures asked for a pixel, or with 1 only the nearest: its holes stay
+  double handover = kHandover;  // blended (surfaces) or pixel by pixel (slices); 0: views switch
 };
 
 // Bytes of texture memory for drawing so many views of one object, of this size.

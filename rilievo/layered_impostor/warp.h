@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
 
 namespace rilievo {
@@ -41,9 +42,8 @@ void slices_of_view(const LayeredImpostor& impostor, int view, const glm::dvec3&
                                                     const glm::dvec3& eye, bool fill);
 
 struct SurfaceWarpOptions {
-  int max_views = 6;       // pictures asked, 1 to 6; 1 shows the holes
-  double handover = 0.15;  // zone in which views fade into each other, in mean spacings of the
-                           // views; 0: they switch
+  int max_views = 6;            // pictures asked, 1 to 6; 1 shows the holes
+  double handover = kHandover;  // 0: views switch
 };
 
 // The second way, which does not slice: every pixel's ray is intersected with the surfaces of the
