@@ -236,7 +236,8 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
   vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
   float a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
   vec2 ab = vec2(-1.04, 1.04) * a004 + r.zw;
-  light += occlusion * (0.6 * diffuse * hemisphere + (f0 * ab.x + ab.y) * mirrored);
+  // The approximation falls below 0 for rough black metals.
+  light += occlusion * (0.6 * diffuse * hemisphere + max(f0 * ab.x + ab.y, F0(0.0)) * mirrored);
 
 #ifdef EMISSIVE
   vec3 emissive = material.emissive_normal_scale.rgb;

@@ -85,6 +85,26 @@ INSTANTIATE_TEST_SUITE_P(AllProjections, SceneShadersTest,
                          testing::Values(Projection::perspective, Projection::back_perspective,
                                          Projection::parallel));
 
+// Less than black in a captured picture would darken what lights give it.
+TEST_F(SceneShaders, a_rough_black_metal_is_black) {
+  Material black;
+  black.base_color = {0, 0, 0, 1}, black.metallic = 1, black.roughness = 1;
+  Scene scene = wall_scene(2, black);
+  Light none;
+  none.intensity = glm::vec3(0);
+  scene.lights = {none};
+  finish(scene);
+  auto camera = tight_camera(Projection::parallel, {0, 0, 5}, {0, 1, 0}, world_bounds(scene));
+  ASSERT_TRUE(camera.ok());
+  camera->width = camera->height = 4;
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+  auto picture = capture_picture(*renderer, *camera, {.samples = 1});
+  ASSERT_TRUE(picture.ok());
+  ASSERT_NE(picture->depth(2, 2), kNoDepth);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(picture->color(2, 2)[k], 0);
+}
+
 TEST_F(SceneShaders, encode_what_is_linear_as_srgb) {
   Material unlit;
   unlit.unlit = true;

@@ -526,8 +526,10 @@ Vec3<T> shade_point(const SurfaceLights& lights, const SurfacePoint<T>& in) {
   const T rz = T(1.04f) - T(0.572f) * roughness, rw = T(0.022f) * roughness - T(0.04f);
   const T a004 = min(rx * rx, exp2(T(-9.28f) * n_v)) * rx + ry;
   const T scale = T(-1.04f) * a004 + rz, bias = T(1.04f) * a004 + rw;
-  const Vec3<T> ambient =
-      T(0.6f) * (diffuse * hemisphere) + (scale * f0 + Vec3<T>(bias, bias, bias)) * mirrored;
+  // The approximation falls below 0 for rough black metals.
+  const Vec3<T> by_mirror(max(scale * f0.x + bias, T(0.0f)), max(scale * f0.y + bias, T(0.0f)),
+                          max(scale * f0.z + bias, T(0.0f)));
+  const Vec3<T> ambient = T(0.6f) * (diffuse * hemisphere) + by_mirror * mirrored;
   light = light + in.occlusion * ambient;
   return select(T(0.0f) < in.lit, light, in.base);
 }

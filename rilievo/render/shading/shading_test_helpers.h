@@ -70,7 +70,8 @@ inline glm::dvec3 shade_by_definition(const Material& m, std::span<const Inciden
   const glm::dvec4 k =
       r * glm::dvec4(-1, -0.0275, -0.572, 0.022) + glm::dvec4(1, 0.0425, 1.04, -0.04);
   const double a004 = std::min(k.x * k.x, std::exp2(-9.28 * n_v)) * k.x + k.y;
-  const glm::dvec3 reflected = f0 * (-1.04 * a004 + k.z) + (1.04 * a004 + k.w);
+  // His polynomial falls below 0 where f0 does not reach 0.006: no surface takes light away.
+  const glm::dvec3 reflected = glm::max(f0 * (-1.04 * a004 + k.z) + (1.04 * a004 + k.w), 0.0);
   return light + 0.6 * diffuse * hemisphere + reflected * mirrored + glm::dvec3(m.emissive);
 }
 

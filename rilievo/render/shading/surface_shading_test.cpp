@@ -105,6 +105,27 @@ TEST(SurfaceShading, shades_as_the_specification_says) {
   });
 }
 
+// What nothing is reflected by is black: less than that would darken what lights give it.
+TEST(SurfaceShading, a_rough_black_metal_is_black) {
+  Light none;
+  none.intensity = glm::vec3(0);
+  const SurfaceLights lights{{&none, 1}, {}, {}};
+  Material black;
+  black.base_color = {0, 0, 0, 1}, black.metallic = 1, black.roughness = 1;
+  auto surfaces = std::make_unique<Surfaces>();
+  auto colors = std::make_unique<SurfaceColors>();
+  std::memset(surfaces.get(), 0, sizeof *surfaces);
+  surfaces->count = 1;
+  surfaces->field[Surfaces::normal_z][0] = 1, surfaces->field[Surfaces::relative_z][0] = -1;
+  surfaces->field[Surfaces::roughness][0] = surfaces->field[Surfaces::metallic][0] = 1;
+  surfaces->field[Surfaces::lit][0] = 1;
+  shade_surfaces(lights, *surfaces, ColorScale::linear, *colors);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(colors->rgb[k][0], 0);
+    EXPECT_EQ(shade_by_definition(black, {}, {}, {0, 0, 1}, {0, 0, 1})[k], 0);
+  }
+}
+
 TEST(SurfaceShading, gives_the_same_bytes_on_every_instruction_set) {
   const auto c = random_case(2, Surfaces::kMaxCount);
   const auto expected = std::make_unique<SurfaceColors>(),
