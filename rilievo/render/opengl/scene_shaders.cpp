@@ -271,8 +271,8 @@ void main() {
 #else
   // Sharpened to one pixel's width, and that share of the samples taken, rounded: what a driver
   // makes of alpha by itself may be half a sample more.
-  alpha = clamp((base.a - cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
-  int covered = int(alpha * float(gl_NumSamples) + 0.5);
+  float share = clamp((base.a - cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
+  int covered = int(share * float(gl_NumSamples) + 0.5);
   if (covered == 0) discard;
   gl_SampleMask[0] = (1 << covered) - 1;
 #endif

@@ -105,6 +105,39 @@ TEST_F(SceneShaders, a_rough_black_metal_is_black) {
   for (int k = 0; k < 3; ++k) EXPECT_EQ(picture->color(2, 2)[k], 0);
 }
 
+// A hole's edge covers a share of a texel, and of its light no other share.
+TEST_F(SceneShaders, cover_as_much_of_a_masked_texel_as_they_light) {
+  Material white;
+  white.unlit = white.double_sided = true;
+  white.alpha_mode = AlphaMode::mask;
+  Scene scene = wall_scene(2, white);
+  Mesh& mesh = scene.meshes[0];
+  // Alpha falls from 1 to 0 askew.
+  for (const glm::vec3& p : mesh.positions)
+    mesh.colors.emplace_back(1, 1, 1, 0.5f + 0.3f * p.x + 0.2f * p.y);
+  finish(scene);
+  auto camera = tight_camera(Projection::parallel, {0, 0, 5}, {0, 1, 0}, world_bounds(scene));
+  ASSERT_TRUE(camera.ok());
+  camera->width = camera->height = 32;
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok()) << renderer.error().message();
+  auto picture = capture_picture(*renderer, *camera, {.samples = 4});
+  ASSERT_TRUE(picture.ok());
+  int partly = 0;
+  double sum = 0;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      const glm::vec4 c = picture->color(x, y);
+      sum += c.a;
+      partly += c.a > 0 && c.a < 1;
+      EXPECT_EQ(c.a * 4, std::round(c.a * 4));
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(c[k], c.a);
+    }
+  EXPECT_GT(partly, 8);
+  // Half of the wall; a texel on the edge is empty if its middle is a hole, by half of one at most.
+  EXPECT_NEAR(sum, 512, 0.5 * partly);
+}
+
 TEST_F(SceneShaders, encode_what_is_linear_as_srgb) {
   Material unlit;
   unlit.unlit = true;
