@@ -114,7 +114,6 @@ TEST(SurfaceShading, a_rough_black_metal_is_black) {
   black.base_color = {0, 0, 0, 1}, black.metallic = 1, black.roughness = 1;
   auto surfaces = std::make_unique<Surfaces>();
   auto colors = std::make_unique<SurfaceColors>();
-  std::memset(surfaces.get(), 0, sizeof *surfaces);
   surfaces->count = 1;
   surfaces->field[Surfaces::normal_z][0] = 1, surfaces->field[Surfaces::relative_z][0] = -1;
   surfaces->field[Surfaces::roughness][0] = surfaces->field[Surfaces::metallic][0] = 1;
