@@ -8,7 +8,8 @@ function(rilievo_install target name with_gl)
   install(TARGETS ${target} EXPORT rilievo-${name}-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT rilievo-${name}-targets NAMESPACE rilievo:: DESTINATION ${RILIEVO_CMAKE_DIR})
   foreach(folder ${RILIEVO_FOLDERS})
-    file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/rilievo/${folder}/*.h)
+    file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/rilievo/${folder}/*.h
+                                                ${PROJECT_SOURCE_DIR}/rilievo/${folder}/*.inl)
     if(folder IN_LIST RILIEVO_GL_FOLDERS)
       if(NOT with_gl)
         continue()
@@ -23,6 +24,8 @@ function(rilievo_install target name with_gl)
     list(FILTER headers EXCLUDE REGEX "/scene/gltf/")
     # What the readers and writers of OpenEXR share; it needs OpenEXR's headers.
     list(FILTER headers EXCLUDE REGEX "/io/exr_header\\.h$")
+    # It needs Highway's headers.
+    list(FILTER headers EXCLUDE REGEX "/render/shading/simd_numbers\\.inl$")
     # Behind builtin.h.
     list(FILTER headers EXCLUDE REGEX "/scene/builtin/(bridge|parts|traffic|masonry|mesh_builder)[^/]*\\.h$")
     foreach(header ${headers})
