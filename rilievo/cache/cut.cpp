@@ -207,7 +207,8 @@ void Cut::enqueue(Entity e, double deadline, bool covered) {
     const double pays_in = estimated.capture / benefit;
     deadline = pays_in < kPaysSoon ? 0 : std::min(pays_in, kPaysLate);
   }
-  scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture)});
+  scratch.requests.push_back(
+      {e, float(deadline), float(benefit / estimated.capture), float(estimated.capture)});
   full_bytes += estimated.texels * options.bytes_per_texel;
 }
 

@@ -45,9 +45,9 @@ struct CostModel {
 struct CacheOptions {
   double error_px = 1;                      // allowed by bound_total_px
   std::uint64_t memory_bytes = 256u << 20;  // never exceeded by the pictures together
-  // Budget of captures a frame: triangles beyond those that the frame would else draw of the same
-  // objects (captures of what is drawn as polygons are nearly free), and their number. One capture
-  // is always allowed, however large.
+  // Budget of captures a frame: what capturing so many triangles costs, texels and all, beyond
+  // what the frame would else draw of the same objects (captures of what is drawn as polygons are
+  // nearly free), and their number. One capture is always allowed, however large.
   std::uint64_t capture_triangles = 500'000;
   int captures = 1000;
   // Of one picture that shows several objects: what a frame can afford to capture at once.
@@ -158,6 +158,7 @@ struct Capture {
   Entity entity = 0;
   PictureGeometry geometry;  // geometry.capture is the camera to capture with, its size included
   std::uint64_t triangles = 0;
+  double cost = 0;                  // as CostModel prices it, triangles
   Picture picture;                  // as committed
   bool several = false;             // objects
   std::optional<DeltaRange> range;  // what it turned out to show
@@ -206,6 +207,7 @@ struct PlanScratch {
   struct Request {
     Entity entity = 0;
     float deadline = 0, worth = 0;
+    float cost = 0;  // of the capture, as CostModel prices it
   };
   std::vector<Checked> checked;         // by slot
   std::vector<std::uint8_t> choice;     // by entity

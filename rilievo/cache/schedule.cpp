@@ -19,8 +19,9 @@ constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
 constexpr std::uint64_t kMostFadedTriangles = 10'000;  // begun in one frame
 
-double cost_of(const Cut& cut, Entity e) {
-  return cut.options.cost.capture + double(cut.triangles_of(e));
+// What a frame's captures may cost, in the units of their estimates: drawn triangles.
+double capture_budget(const CacheOptions& options) {
+  return double(options.capture_triangles) * options.cost.capture_triangle;
 }
 
 // Makes room for `bytes` by dropping pictures that this frame does not need, the longest unused
@@ -60,7 +61,7 @@ std::uint32_t new_slot(const Cut& cut) {
   return std::uint32_t(cut.state.slots.size() + taken - cut.state.free_slots.size());
 }
 
-bool capture(Cut& cut, Entity e) {
+bool capture(Cut& cut, Entity e, double cost) {
   const CacheOptions& options = cut.options;
   const PictureEstimate estimated = cut.estimate(e);
   const glm::dvec3 drift = cut.drift_of(e);
@@ -79,6 +80,7 @@ bool capture(Cut& cut, Entity e) {
   made.entity = e;
   made.geometry = placed.geometry;
   made.triangles = cut.triangles_of(e);
+  made.cost = cost;
   made.several = cut.several(e);
 
   Picture& picture = made.picture;
@@ -130,25 +132,26 @@ void schedule_captures(Cut& cut) {
 
   double sum = 0, pace = 0;
   for (const auto& request : requests) {
-    sum += cost_of(cut, request.entity);
+    sum += double(request.cost);
     pace = std::max(pace, sum / std::max(1.0, double(request.deadline)));
   }
+  const double budget = capture_budget(cut.options);
   double credit = requests.empty() ? 0 : cut.state.credit + pace, spent = 0;
   for (const auto& request : requests) {
-    const double cost = cost_of(cut, request.entity);
+    const double cost = request.cost;
     if (request.deadline > 0 && credit < cost) break;
     // What is captured need not be drawn by other means: in a frame that would draw it as polygons
     // its capture costs next to nothing.
     const double extra = std::max(0.0, cost - double(cut.scratch.now_cost[request.entity]));
-    if (!cut.plan.captures.empty() && (int(cut.plan.captures.size()) >= cut.options.captures ||
-                                       spent + extra > double(cut.options.capture_triangles)))
+    if (!cut.plan.captures.empty() &&
+        (int(cut.plan.captures.size()) >= cut.options.captures || spent + extra > budget))
       break;
-    if (!capture(cut, request.entity)) continue;
+    if (!capture(cut, request.entity, cost)) continue;
     credit = std::max(0.0, credit - cost);
     spent += extra;
   }
   // Nothing to save for beyond what one frame may spend.
-  cut.plan.credit = std::min(credit, double(cut.options.capture_triangles));
+  cut.plan.credit = std::min(credit, budget);
 }
 
 }  // namespace rilievo

@@ -156,8 +156,9 @@ void ImageCache::plan(const Camera& camera) {
   const FrameView view = follow(motion_, camera);
   policy_.error_px = options_.error_px;
   policy_.fade_frames = options_.fade_frames;
-  if (options_.capture_ms > 0 && triangles_per_ms_ > 0)
-    policy_.capture_triangles = std::uint64_t(options_.capture_ms * triangles_per_ms_);
+  if (options_.capture_ms > 0 && cost_per_ms_ > 0)
+    policy_.capture_triangles =
+        std::uint64_t(options_.capture_ms * cost_per_ms_ / policy_.cost.capture_triangle);
   plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
 }
 
@@ -165,7 +166,7 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   for (std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
   const auto start = std::chrono::steady_clock::now();
-  std::uint64_t triangles = 0;
+  double cost = 0;
   for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
     const Capture& capture = plan_.captures[i];
     const Camera& eye = capture.geometry.capture;
@@ -181,7 +182,7 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
     held.camera = eye;
     objects_of(capture.entity, held.objects);
     pictures_->atlas().capture(renderer(), eye, held.objects, *slot);
-    triangles += capture.triangles;
+    cost += capture.cost;
     ++stats.captures;
   }
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)
@@ -193,10 +194,10 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
         }
   gl::finish();
   stats.capture_ms = milliseconds_since(start);
-  if (triangles > 0 && stats.capture_ms > 0) {
-    const double now = double(triangles) / stats.capture_ms;
+  if (cost > 0 && stats.capture_ms > 0) {
+    const double now = cost / stats.capture_ms;
     // The first measurement includes the driver's warm-up; later ones smooth it away.
-    triangles_per_ms_ = triangles_per_ms_ > 0 ? 0.8 * triangles_per_ms_ + 0.2 * now : now;
+    cost_per_ms_ = cost_per_ms_ > 0 ? 0.8 * cost_per_ms_ + 0.2 * now : now;
   }
 }
 

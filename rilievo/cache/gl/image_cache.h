@@ -108,7 +108,7 @@ class ImageCache final : public SceneFrames {
   std::vector<Held> held_;  // by slot of the state
 
   EyeMotion motion_;
-  double triangles_per_ms_ = 0;  // of captures, measured
+  double cost_per_ms_ = 0;  // of captures: Capture::cost, measured
 };
 
 }  // namespace rilievo
