@@ -230,12 +230,15 @@ Mask alpha_passes(const MaskedTriangle& t, vfloat x, vfloat y) {
   return hn::Ge(alpha.v, hn::Set(F(), t.mask->cutoff));
 }
 
-// Rows [low, high) of what the triangles [place, place + count) of the instance cover.
-void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
-          const RasterInstance& instance, int low, int high, SampleBuffer& out) {
+// Rows [low, high) of what the triangles [place, place + count) of the instance cover. Without
+// holes a loop of its own: it has no register to spare.
+template <bool kMasked>
+void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
+               const RasterInstance& instance, int low, int high, SampleBuffer& out) {
   const F f;
   const U u;
   const int samples = out.samples, width = out.width;
+  const std::size_t stride = out.stride;
   float* const depths = out.depth.data();
   std::uint32_t* const triangles = out.triangle.data();
   const int lanes = int(hn::Lanes(f)), parts = std::max(1, samples / lanes);
@@ -254,8 +257,8 @@ void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
                  z_max = get(Triangles::z_max);
     const vfloat z_per_x = get(Triangles::z_per_x), z_per_y = get(Triangles::z_per_y);
     const auto triangle = hn::Set(u, in.triangle[t]);
-    MaskedTriangle masked;
-    if (instance.mask) masked = masked_triangle(in, t, instance);
+    [[maybe_unused]] MaskedTriangle masked;
+    if constexpr (kMasked) masked = masked_triangle(in, t, instance);
     const float left = std::max(std::min(std::min(x0, x1), x2), 0.0f);
     const float right = std::min(std::max(std::max(x0, x1), x2), float(width) - 0.5f);
     // Vectors of a row.
@@ -276,11 +279,11 @@ void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
           };
           Mask covered = hn::And(hn::And(inside(0), inside(1)), inside(2));
           const vfloat z = min(max(z_row + z_per_x * (x - x0), z_min), z_max);
-          const std::size_t at = out.row(row) + std::size_t(vector * lanes);
+          const std::size_t at = std::size_t(row) * stride + std::size_t(vector * lanes);
           const auto nearest = hn::LoadU(f, depths + at);
           covered = hn::And(covered, hn::Lt(z.v, nearest));
           if (hn::AllFalse(f, covered)) continue;
-          if (instance.mask) {
+          if constexpr (kMasked) {
             covered = hn::And(covered, alpha_passes(masked, x, y));
             if (hn::AllFalse(f, covered)) continue;
           }
@@ -291,6 +294,14 @@ void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
       }
     }
   }
+}
+
+void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
+          const RasterInstance& instance, int low, int high, SampleBuffer& out) {
+  if (instance.mask)
+    fill_rows<true>(in, place, count, instance, low, high, out);
+  else
+    fill_rows<false>(in, place, count, instance, low, high, out);
 }
 
 }  // namespace
