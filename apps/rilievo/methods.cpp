@@ -60,6 +60,7 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
                                                 SceneRenderer& renderer) {
   ImageCacheOptions cache;
   cache.error_px = options.error_px;
+  cache.gap_px = options.gap_px;
   if (options.bake_mb >= options.memory_mb)
     return Error{"--bake-mb", "must leave some of --memory-mb for pictures"};
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
@@ -174,6 +175,12 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       .add_option("--error-px", options.error_px,
                   "cache: no sample is drawn farther from its place, pixels (default 1)")
       ->check(in_range(0.01, 100.0))
+      ->type_name("E");
+  command
+      .add_option("--gap-px", options.gap_px,
+                  "cache: no strip wider than this lacks what was hidden when a picture was "
+                  "captured, pixels (default twice --error-px)")
+      ->check(in_range(0.01, 1e6))
       ->type_name("E");
   command
       .add_option("--capture-ms", options.capture_ms,

@@ -20,6 +20,7 @@ struct MethodOptions {
   double angle_degrees = 0.7;  // flat, nailboard
   int memory_mb = 256;
   double error_px = 1;                                   // cache
+  double gap_px = 0;                                     // cache; 0: twice error_px
   double capture_ms = 0;                                 // cache; 0: a budget by triangles
   bool fade = true;                                      // cache
   int bake_mb = 0;                                       // cache; 0: bakes nothing

@@ -212,6 +212,7 @@ class Viewer {
     if (!state_.new_source) {
       if (auto* cache = dynamic_cast<ImageCache*>(source_.get())) {
         cache->options().error_px = state_.methods.error_px;
+        cache->options().gap_px = state_.methods.gap_px;
         cache->options().capture_ms = state_.methods.capture_ms;
         cache->options().outlines = state_.methods.outlines;
       }

@@ -62,7 +62,8 @@ PictureEstimate Cut::estimate(Entity e) const {
   if (is_moving(e) ? moving[e - nodes()].deforms
                    : !tree.nodes[e].leaf() && triangles > options.picture_triangles)
     return {};
-  return estimate_picture(view, box_of(e), triangles, drift_of(e), options, expected_range(e));
+  return estimate_picture(view, box_of(e), triangles, drift_of(e), options, expected_range(e),
+                          expected_life_share(e));
 }
 
 // What it showed last, or what pictures show on the whole; and somewhat more.
@@ -72,6 +73,12 @@ DeltaRange Cut::expected_range(Entity e) const {
                                 : state.usual_range[several(e) ? 1 : 0];
   const double margin = kRangeMargin * (range.farthest - range.nearest);
   return {std::max(0.0, range.nearest - margin), std::min(1.0, range.farthest + margin)};
+}
+
+double Cut::expected_life_share(Entity e) const {
+  return double(e < state.life_shares.size() && state.life_shares[e]
+                    ? *state.life_shares[e]
+                    : state.usual_life_share[several(e) ? 1 : 0]);
 }
 
 const Picture* Cut::picture_of(const std::vector<std::uint32_t>& by_entity, Entity e) const {
@@ -91,22 +98,27 @@ const PlanScratch::Checked& Cut::check(std::uint32_t slot) {
   const glm::dmat4 motion =
       object ? object->world_from_object * glm::inverse(picture.world_from_object)
              : glm::dmat4(1.0);
-  const auto bound_at = [&](int k) {
-    return bound_total_px(picture.geometry, k == 0 ? frame.camera : camera_ahead(frame, k),
-                          {object ? power(object->now_from_last, k) * motion : motion});
+  const double limit = limit_px(picture, options), gap_limit = gap_limit_px(options);
+  const auto holds_at = [&](int k) {
+    const Camera camera = k == 0 ? frame.camera : camera_ahead(frame, k);
+    const RigidMotion moved{object ? power(object->now_from_last, k) * motion : motion};
+    const double bound_px = bound_total_px(picture.geometry, camera, moved);
+    const double gap_px = bound_gap_px(picture.geometry, picture.gaps, camera, moved);
+    if (k == 0) checked = {state.frame, bound_px, gap_px, 0};
+    return bound_px <= limit && gap_px <= gap_limit;
   };
-  const double limit = limit_px(picture, options);
-  checked = {state.frame, bound_at(0), 0};
-  if (object && object->deforms) checked.now_px = INFINITY;
-  if (!(checked.now_px <= limit)) return checked;
-  if (bound_at(picture.lead) <= limit) {
+  if (!holds_at(0) || (object && object->deforms)) {
+    checked.now_px = INFINITY;
+    return checked;
+  }
+  if (holds_at(picture.lead)) {
     checked.remaining = picture.lead;
     return checked;
   }
   int lives = 0, ends = picture.lead;
   while (ends - lives > 1) {
     const int middle = (lives + ends) / 2;
-    (bound_at(middle) <= limit ? lives : ends) = middle;
+    (holds_at(middle) ? lives : ends) = middle;
   }
   checked.remaining = lives;
   return checked;
@@ -262,10 +274,16 @@ bool Cut::pictures_cover_below(Entity e) {
          pictures_cover(tree.nodes[e].second_child);
 }
 
-void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float from, float to) {
+void Cut::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
+               float to) {
+  emit(slot, e, float(checked.now_px), float(checked.gap_px), from, to);
+}
+
+void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float from, float to) {
   if (!(from < to)) return;
-  plan.pictures.push_back({slot, from, to, bound_px});
+  plan.pictures.push_back({slot, from, to, bound_px, gap_px});
   plan.bound_px = std::max(plan.bound_px, double(bound_px));
+  plan.gap_px = std::max(plan.gap_px, double(gap_px));
   ++(is_moving(e) || tree.nodes[e].leaf() ? plan.single : plan.hierarchy);
 }
 
@@ -310,8 +328,6 @@ void Cut::draw(Entity e, float from, float to) {
   const Picture* picture = capture ? &capture->picture : picture_of(state.current, e);
   if (!picture || (!capture && !valid(picture))) return draw_below(e, from, to);
 
-  const float bound_px = capture ? float(bound_total_px(picture->geometry, frame.camera))
-                                 : float(check(slot_of(picture)).now_px);
   const std::uint32_t slot = capture ? capture->slot : slot_of(picture);
   const float frames = float(state.frame - picture->fade_start) + 1;
   float share = std::min(1.0f, frames / float(picture->fade_length));
@@ -322,10 +338,13 @@ void Cut::draw(Entity e, float from, float to) {
   if (share < 1 && !over_old && !may_fade_over_below(e)) share = 1;
 
   const float middle = share < 1 ? from + (to - from) * share : to;
-  emit(slot, e, bound_px, from, middle);
+  if (capture)  // its gaps are known only when it is made
+    emit(slot, e, float(bound_total_px(picture->geometry, frame.camera)), 0, from, middle);
+  else
+    emit(slot, e, check(slot), from, middle);
   if (!(middle < to)) return;
   if (over_old)
-    emit(slot_of(old), e, float(check(slot_of(old)).now_px), middle, to);
+    emit(slot_of(old), e, check(slot_of(old)), middle, to);
   else
     draw_below(e, middle, to);
 }

@@ -58,6 +58,7 @@ struct Cut {
   [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
   [[nodiscard]] PictureEstimate estimate(Entity e) const;
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
+  [[nodiscard]] double expected_life_share(Entity e) const;
 
   // Of slots. Nothing if the entity has no picture, or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
@@ -91,7 +92,9 @@ struct Cut {
   void enqueue(Entity e, double deadline, bool covered);
   void draw(Entity e, float from, float to);
   void draw_below(Entity e, float from, float to);
-  void emit(std::uint32_t slot, Entity e, float bound_px, float from, float to);
+  void emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float from, float to);
+  void emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
+            float to);
 };
 
 }  // namespace rilievo

@@ -125,7 +125,7 @@ double covered_pixels(const ViewAxes& view, const Box& box) {
 
 PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint64_t triangles,
                                  const glm::dvec3& drift, const CacheOptions& options,
-                                 const DeltaRange& range) {
+                                 const DeltaRange& range, double life_share) {
   PictureEstimate e;
   const Seen seen = see(view, box, view.eye);
   if (seen.front <= view.camera.z_near) return e;
@@ -142,7 +142,8 @@ PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint
   const DepthSlab slab = part_of({seen.front, seen.back}, range);
   const double per_frame = 0.5 * (1 / slab.front - 1 / slab.back) * flow;
   e.life = options.longest_life;
-  if (per_frame * e.life > options.error_px) e.life = options.error_px / per_frame;
+  const double allowed_px = options.error_px * life_share;
+  if (per_frame * e.life > allowed_px) e.life = allowed_px / per_frame;
   // The eye comes nearer twice as long: before the capture's eye and after.
   const double approach = std::max(0.0, d.z) * (1 + options.anticipation);
   if (approach * e.life > kApproach * seen.front) e.life = kApproach * seen.front / approach;

@@ -42,11 +42,12 @@ struct PictureEstimate {
 };
 
 // `drift`: metres that the eye moves against the object in a frame. `range`: which part of the
-// box's depths the picture is expected to show.
+// box's depths the picture is expected to show. `life_share`: of the life that its flatness allows,
+// what its gaps are expected to leave.
 [[nodiscard]] PictureEstimate estimate_picture(const ViewAxes& view, const Box& box,
                                                std::uint64_t triangles, const glm::dvec3& drift,
                                                const CacheOptions& options,
-                                               const DeltaRange& range = {});
+                                               const DeltaRange& range = {}, double life_share = 1);
 
 // Rate of a picture that is captured over and over again: triangles a frame.
 [[nodiscard]] inline double picture_rate(const PictureEstimate& e, const CacheOptions& options) {

@@ -28,15 +28,25 @@ void forget_entity(CacheState& state, Entity e, std::vector<std::uint32_t>& evic
 
 // Of what is drawn now.
 void find_bound(Plan& plan) {
-  plan.bound_px = 0;
-  for (const DrawnPicture& drawn : plan.pictures)
+  plan.bound_px = plan.gap_px = 0;
+  for (const DrawnPicture& drawn : plan.pictures) {
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
+    plan.gap_px = std::max(plan.gap_px, double(drawn.gap_px));
+  }
   for (const DrawnAlternative& drawn : plan.alternatives)
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
 }
 
-// How soon CacheState::usual_range follows what captures show.
+// How soon CacheState::usual_range and usual_life_share follow what captures show.
 constexpr double kForget = 1.0 / 32;
+
+// Of the life that the flatness allows, the share that the gaps allow: both bounds grow about
+// evenly with the eye's way. Nothing where the eye is too near the capture's to tell.
+std::optional<float> life_share(double bound_px, double limit_px, double gap_px, double gap_limit) {
+  const double flat = bound_px / limit_px, torn = gap_px / gap_limit;
+  if (!(flat > 0.05)) return std::nullopt;
+  return float(torn > flat ? std::max(0.02, flat / torn) : 1.0);
+}
 
 }  // namespace
 
@@ -52,7 +62,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
   plan.single = plan.hierarchy = plan.starved = 0;
-  plan.bound_px = 0;
+  plan.bound_px = plan.gap_px = 0;
   plan.bytes = state.bytes;
 
   scratch.checked.assign(state.slots.size(), {});
@@ -99,17 +109,21 @@ void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
 }
 
 bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame, const DeltaRange& range,
-                    const CacheOptions& options) {
+                    const CacheOptions& options, const GapTable& gaps) {
   RILIEVO_EXPECTS_LT(index, plan.captures.size());
   Capture& capture = plan.captures[index];
   capture.range = range;
   narrow_slab(capture.geometry, range);
   capture.picture.geometry = capture.geometry;
+  capture.picture.gaps = gaps;
   const double bound_px = bound_total_px(capture.geometry, frame);
+  const double gap_px = bound_gap_px(capture.geometry, gaps, frame);
+  const double limit = limit_px(capture.picture, options), gap_limit = gap_limit_px(options);
+  capture.life_share = life_share(bound_px, limit, gap_px, gap_limit);
   for (DrawnPicture& drawn : plan.pictures)
-    if (drawn.slot == capture.slot) drawn.bound_px = float(bound_px);
+    if (drawn.slot == capture.slot) drawn.bound_px = float(bound_px), drawn.gap_px = float(gap_px);
   find_bound(plan);
-  return bound_px <= limit_px(capture.picture, options);
+  return bound_px <= limit && gap_px <= gap_limit;
 }
 
 void commit(const Plan& plan, CacheState& state) {
@@ -127,12 +141,18 @@ void commit(const Plan& plan, CacheState& state) {
   }
   for (std::uint32_t slot : plan.evictions) forget(state, slot);
   state.ranges.resize(plan.entities);
+  state.life_shares.resize(plan.entities);
   for (const Capture& capture : plan.captures) {
     if (capture.range) {
       state.ranges[capture.entity] = capture.range;
       DeltaRange& usual = state.usual_range[capture.several ? 1 : 0];
       usual.nearest += kForget * (capture.range->nearest - usual.nearest);
       usual.farthest += kForget * (capture.range->farthest - usual.farthest);
+    }
+    if (capture.life_share) {
+      state.life_shares[capture.entity] = capture.life_share;
+      float& usual = state.usual_life_share[capture.several ? 1 : 0];
+      usual += float(kForget) * (*capture.life_share - usual);
     }
     if (!capture.picture.held) {  // refused
       state.free_slots.push_back(capture.slot);

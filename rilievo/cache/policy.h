@@ -11,9 +11,9 @@
 //   commit(plan, state);
 //
 // Every picture drawn has bound_total_px <= CacheOptions::error_px, and if memory is short so much
-// more as its texels are too coarse (Picture::coarse_px). What was baked
-// before, of any kind, stands for its object where its ErrorModel allows it and it costs less: for
-// what turns so fast that no flat picture lasts, above all. World space, metres; time in
+// more as its texels are too coarse (Picture::coarse_px), and bound_gap_px <= gap_limit_px. What
+// was baked before, of any kind, stands for its object where its ErrorModel allows it and it costs
+// less: for what turns so fast that no flat picture lasts, above all. World space, metres; time in
 // frames. The same plan for the same input. Steady state does not allocate.
 #pragma once
 
@@ -26,6 +26,7 @@
 #include "rilievo/core/camera.h"
 #include "rilievo/kind/drawable.h"
 #include "rilievo/nailboard/error.h"
+#include "rilievo/nailboard/gap_table.h"
 
 namespace rilievo {
 
@@ -43,7 +44,11 @@ struct CostModel {
 };
 
 struct CacheOptions {
-  double error_px = 1;                      // allowed by bound_total_px
+  double error_px = 1;  // allowed by bound_total_px
+  // Allowed by bound_gap_px: how wide a strip a picture may lack of what was hidden when it was
+  // captured, pixels; 0: twice error_px; infinite: not asked. What is torn opens twice as fast as
+  // it slides: at twice error_px pictures live hardly shorter, and what was hidden is still caught.
+  double gap_px = 0;
   std::uint64_t memory_bytes = 256u << 20;  // never exceeded by the pictures together
   // Budget of captures a frame: what capturing so many triangles costs, texels and all, beyond
   // what the frame would else draw of the same objects (captures of what is drawn as polygons are
@@ -71,6 +76,10 @@ struct CacheOptions {
   double longest_life = 600;
   CostModel cost;
 };
+
+[[nodiscard]] inline double gap_limit_px(const CacheOptions& options) {
+  return options.gap_px > 0 ? options.gap_px : 2 * options.error_px;
+}
 
 // Where captures are rasterised without OpenGL (render/raster/raster_picture.h): a triangle costs a
 // quarter of what it costs to draw, 70 ns, and a texel 15 ns. So pictures may show more, and live
@@ -121,6 +130,7 @@ struct FrameView {
 struct Picture {
   Entity entity = 0;
   PictureGeometry geometry;           // world space at capture
+  GapTable gaps;                      // all zero where they are not asked for
   glm::dmat4 world_from_object{1.0};  // of a moving object at capture
   double coarse_px = 0;               // of its error, what coarse texels made from the start
   double draw_cost = 0, rate = 0;     // triangles a frame: to draw; captures included
@@ -149,6 +159,9 @@ struct CacheState {
   // show on the whole: mostly their fronts.
   std::vector<std::optional<DeltaRange>> ranges;
   DeltaRange usual_range[2];  // of one object; of several
+  // Of the life that its flatness allows a picture, the share that its gaps allow, likewise.
+  std::vector<std::optional<float>> life_shares;
+  float usual_life_share[2] = {1, 1};
   std::uint64_t bytes = 0;
   double credit = 0;  // triangles saved up for captures
 };
@@ -162,6 +175,7 @@ struct Capture {
   Picture picture;                  // as committed
   bool several = false;             // objects
   std::optional<DeltaRange> range;  // what it turned out to show
+  std::optional<float> life_share;  // and to hide
 };
 
 // Of the pixels, those whose hash in [0, 1) falls into [from, to) are drawn from this. At every
@@ -169,7 +183,7 @@ struct Capture {
 struct DrawnPicture {
   std::uint32_t slot = 0;
   float from = 0, to = 1;
-  float bound_px = 0;
+  float bound_px = 0, gap_px = 0;
 };
 struct DrawnObject {
   std::uint32_t object = 0;  // static: the caller's index; moving: index in `moving`
@@ -194,6 +208,7 @@ struct Plan {
   std::uint64_t bytes = 0;        // of all pictures, after evictions and captures
   int single = 0, hierarchy = 0;  // drawn pictures of one object, of several
   double bound_px = 0;            // the largest of the pictures and alternatives drawn
+  double gap_px = 0;              // by bound_gap_px, the largest of the pictures drawn
   int starved = 0;                // captures that had no room in memory
   double credit = 0, texel_scale = 1;
 };
@@ -202,7 +217,7 @@ struct Plan {
 struct PlanScratch {
   struct Checked {
     std::uint32_t frame = 0xFFFFFFFFu;
-    double now_px = 0, remaining = 0;
+    double now_px = 0, gap_px = 0, remaining = 0;  // now_px is infinite where gap_px is too much
   };
   struct Request {
     Entity entity = 0;
@@ -224,11 +239,12 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
                 PlanScratch& scratch, Plan& plan, const Alternatives& alternatives = {});
 
-// Capture `index` turned out to have samples between these Deltas only. To be called before
-// commit(). Is it good enough for this frame? If not, it was expected to be flatter than it is: to
-// be refused.
+// Capture `index` turned out to have samples between these Deltas only, and to hide as much as
+// `gaps` says. To be called before commit(). Is it good enough for this frame? If not, it was
+// expected to be flatter, or less torn, than it is: to be refused.
 [[nodiscard]] bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame,
-                                  const DeltaRange& range, const CacheOptions& options);
+                                  const DeltaRange& range, const CacheOptions& options,
+                                  const GapTable& gaps = {});
 
 // The textures of capture `index` could not be made: draws its objects as polygons instead, and
 // forgets the capture. To be called before commit().

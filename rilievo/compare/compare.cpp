@@ -23,7 +23,7 @@ struct Tally {
   Histogram depth_errors;
   std::int64_t polygons = 0, groups = 0;
   std::map<std::string, std::int64_t> by_kind{{"nailboard", 0}};
-  double bound_px = 0;
+  double bound_px = 0, gap_px = 0;
   Histogram errors_px;
   float largest_error_px = 0;
   Rgba8Image last;  // frame
@@ -37,6 +37,7 @@ struct Tally {
     groups += stats.groups;
     for (const auto& [kind, count] : stats.by_kind) by_kind[std::string(kind)] += count;
     bound_px = std::max(bound_px, stats.bound_px);
+    gap_px = std::max(gap_px, stats.gap_px);
   }
 
   // The difference of two frames that are the same need not be measured.
@@ -82,6 +83,7 @@ struct Tally {
     result.depth_error_p50 = depth_errors.percentile(0.50);
     result.depth_error_p99 = depth_errors.percentile(0.99);
     if (bound_px > 0) result.bound_px_max = bound_px;
+    if (gap_px > 0) result.gap_bound_px_max = gap_px;
     result.drawn_as = {{"polygons", polygons}};
     for (const auto& [kind, count] : by_kind) result.drawn_as.emplace_back(kind, count);
     result.drawn_as.emplace_back("hierarchy", groups);

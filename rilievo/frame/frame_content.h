@@ -38,6 +38,7 @@ struct FrameStats {
   double capture_ms = 0;          // their share of the frame, wall clock
   std::size_t picture_bytes = 0;  // memory that pictures hold now
   double bound_px = 0;            // largest error bound of what was drawn, pixels; 0: not known
+  double gap_px = 0;              // largest bound of a strip that pictures lack; 0: none, not known
   int polygons = 0;               // objects drawn as polygons
   int groups = 0;                 // instances drawn that show several objects each
   // Instances drawn that show one object, by kind.

@@ -28,6 +28,7 @@ Json method_json(const MethodResult& method) {
   out["capture_ms"] = method.capture_ms;
   out["picture_bytes"] = method.picture_bytes;
   if (method.bound_px_max) out["bound_px"] = {{"max", *method.bound_px_max}};
+  if (method.gap_bound_px_max) out["gap_bound_px"] = {{"max", *method.gap_bound_px_max}};
   if (const auto& e = method.error_px)
     out["error_px"] = {{"p50", e->p50}, {"p99", e->p99}, {"max", e->max}};
   if (method.pop_max)

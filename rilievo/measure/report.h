@@ -41,6 +41,7 @@ struct MethodResult {
   std::uint64_t picture_bytes = 0;  // the most held at a time
   // Where they are known:
   std::optional<double> bound_px_max;
+  std::optional<double> gap_bound_px_max;  // of strips that lack what was hidden at capture
   std::optional<ErrorPx> error_px;
   // The most by which a frame differs from the one before it (FLIP) above the true frames' change.
   std::optional<double> pop_max;                               // over tiles (popping.h)

@@ -74,6 +74,11 @@ const std::array kRows = {
         [](const MethodResult& m, const MethodSummary&) {
           return m.bound_px_max ? fmt::format("{:.3g} px", *m.bound_px_max) : std::string();
         }},
+    Row{"Gap bound, most",
+        "The widest strip that may lack what was hidden when a picture was captured, in pixels.",
+        [](const MethodResult& m, const MethodSummary&) {
+          return m.gap_bound_px_max ? fmt::format("{:.3g} px", *m.gap_bound_px_max) : std::string();
+        }},
     Row{"Error, median / 99 % / most", "How far samples lie from their true places.",
         [](const MethodResult& m, const MethodSummary&) {
           return m.error_px ? fmt::format("{:.3g} / {:.3g} / {:.3g} px", m.error_px->p50,

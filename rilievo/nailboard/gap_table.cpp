@@ -114,6 +114,13 @@ GapTable make_gap_table(const Image<float>& nearest, const Image<float>& farthes
   return table;
 }
 
+GapTable unknown_gaps(const Camera& capture) {
+  GapTable table;
+  table.w_front = 1 / capture.z_near, table.w_back = 1 / capture.z_far;
+  for (auto& octant : table.code) octant.fill(std::uint8_t(kGapSteps));
+  return table;
+}
+
 double bound_gap_px(const PictureGeometry& picture, const GapTable& table, const Camera& frame,
                     const RigidMotion& motion) {
   if (!(table.w_front > table.w_back)) return 0;

@@ -35,6 +35,9 @@ struct GapTable {
 // millisecond for 256 x 256 texels on one core with AVX2. Any thread.
 [[nodiscard]] GapTable make_gap_table(const Image<float>& nearest, const Image<float>& farthest);
 
+// Where nothing is known but that all surfaces lie between the camera's z_near and z_far.
+[[nodiscard]] GapTable unknown_gaps(const Camera& capture);
+
 // Pixels of `frame`: every surface point of the picture's objects that the frame's eye sees inside
 // the frame and that the capture did not see lies within so many pixels of the true position of an
 // edge that the capture saw, if that edge is at most a frame's size outside the frame. Infinite

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/gl/context.h"
@@ -155,6 +156,7 @@ void ImageCache::release(std::uint32_t slot) {
 void ImageCache::plan(const Camera& camera) {
   const FrameView view = follow(motion_, camera);
   policy_.error_px = options_.error_px;
+  policy_.gap_px = options_.gap_px;
   policy_.fade_frames = options_.fade_frames;
   if (options_.capture_ms > 0 && cost_per_ms_ > 0)
     policy_.capture_triangles =
@@ -167,6 +169,8 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   if (plan_.captures.empty()) return;
   const auto start = std::chrono::steady_clock::now();
   double cost = 0;
+  gaps_.assign(plan_.captures.size(), {});
+  const bool bounds_gaps = std::isfinite(gap_limit_px(policy_));
   for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
     const Capture& capture = plan_.captures[i];
     const Camera& eye = capture.geometry.capture;
@@ -183,12 +187,13 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
     objects_of(capture.entity, held.objects);
     pictures_->atlas().capture(renderer(), eye, held.objects, *slot);
     cost += capture.cost;
+    if (bounds_gaps) gaps_[i] = pictures_->atlas().capture_gaps(renderer(), eye, held.objects);
     ++stats.captures;
   }
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)
     if (const Capture& capture = plan_.captures[i]; capture.picture.held)
       if (const auto range = delta_range(pictures_->atlas().blocks(*held_[capture.slot].slot)))
-        if (!narrow_capture(plan_, i, camera, *range, policy_)) {
+        if (!narrow_capture(plan_, i, camera, *range, policy_, gaps_[i])) {
           refuse_capture(plan_, i, hierarchy_, moving_);
           release(capture.slot);
         }
@@ -244,6 +249,7 @@ Result<> ImageCache::choose(const Camera& camera, FrameContent& content, FrameSt
   commit(plan_, state_);
   collect(content);
   stats.bound_px = plan_.bound_px;
+  stats.gap_px = plan_.gap_px;
   stats.picture_bytes = pictures_->bytes() + alternative_bytes_;
   return Done{};
 }

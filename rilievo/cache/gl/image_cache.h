@@ -22,6 +22,7 @@ namespace rilievo {
 
 struct ImageCacheOptions {
   double error_px = 1;
+  double gap_px = 0;                               // as CacheOptions::gap_px
   std::size_t max_bytes = std::size_t(256) << 20;  // all texture memory that pictures take
   // Time for captures in a frame, by the clock; 0: by CacheOptions::capture_triangles, which makes
   // a run reproducible.
@@ -52,7 +53,7 @@ class ImageCache final : public SceneFrames {
   // Forgets the pictures that show this object (index into Scene::objects), and what it has baked.
   void invalidate_object(std::uint32_t object);
 
-  // May be changed between frames: error_px, capture_ms, fade_frames, outlines.
+  // May be changed between frames: error_px, gap_px, capture_ms, fade_frames, outlines.
   [[nodiscard]] ImageCacheOptions& options() { return options_; }
 
   // What the last frame drew from pictures, for measures and for saving.
@@ -105,7 +106,8 @@ class ImageCache final : public SceneFrames {
   CacheState state_;
   PlanScratch scratch_;
   Plan plan_;
-  std::vector<Held> held_;  // by slot of the state
+  std::vector<Held> held_;      // by slot of the state
+  std::vector<GapTable> gaps_;  // by capture of the plan
 
   EyeMotion motion_;
   double cost_per_ms_ = 0;  // of captures: Capture::cost, measured

@@ -79,6 +79,16 @@ Result<DepthImage> capture_picture(SceneRenderer& renderer, const Camera& camera
   return picture;
 }
 
+Result<Image<float>> capture_nearest(SceneRenderer& renderer, const Camera& camera,
+                                     std::span<const std::uint32_t> objects) {
+  if (Result<> ok = validate(camera); !ok) return ok.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(camera.width, camera.height);
+  if (!probe) return probe.error();
+  probe->begin(false);
+  renderer.draw_objects(camera, objects);
+  return probe->read_eye_z(camera);
+}
+
 Result<Image<float>> capture_hindmost(SceneRenderer& renderer, const Camera& camera,
                                       std::span<const std::uint32_t> objects) {
   if (Result<> ok = validate(camera); !ok) return ok.error();

@@ -30,6 +30,10 @@ struct CaptureOptions {
 [[nodiscard]] Result<DepthImage> capture_picture(SceneRenderer& renderer, const Camera& camera,
                                                  const CaptureOptions& options = {});
 
+// eye_z of the nearest surface of `objects` at the texels' centres; kNoDepth where there is none.
+[[nodiscard]] Result<Image<float>> capture_nearest(SceneRenderer& renderer, const Camera& camera,
+                                                   std::span<const std::uint32_t> objects);
+
 // eye_z at the other end of each texel's ray: of the farthest of all surfaces of `objects`, hidden
 // ones and back faces included (for back-perspective the nearest); kNoDepth where there is none.
 [[nodiscard]] Result<Image<float>> capture_hindmost(SceneRenderer& renderer, const Camera& camera,

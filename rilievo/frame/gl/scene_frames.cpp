@@ -54,7 +54,7 @@ Result<> SceneFrames::draw(const Camera& camera, double time) {
   time_ = time;
   renderer_->set_time(time);
   content_.clear();
-  stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = 0;
+  stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = stats_.gap_px = 0;
   if (Result<> chosen = choose(camera, content_, stats_); !chosen) return chosen;
   count();
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/capture/gl/capture_picture.h"
 #include "rilievo/gl/context.h"
 
 namespace rilievo {
@@ -102,6 +103,20 @@ void flip_rows(Image<T>& image) {
   for (int y = 0; y < image.height() / 2; ++y)
     std::swap_ranges(image.row(y).begin(), image.row(y).end(),
                      image.row(image.height() - 1 - y).begin());
+}
+
+// Of window_z, rows from the bottom, 1 where there is nothing.
+Image<float> eye_z_of(const std::vector<float>& window_z, const Camera& camera) {
+  Image<float> eye_z(camera.width, camera.height);
+  const double near = 1 / camera.z_near, per_z = 1 / camera.z_near - 1 / camera.z_far;
+  for (int y = 0; y < camera.height; ++y) {
+    const float* from =
+        window_z.data() + std::size_t(camera.height - 1 - y) * std::size_t(camera.width);
+    float* to = eye_z.row(y).data();
+    for (int x = 0; x < camera.width; ++x)
+      to[x] = from[x] < 1 ? float(1 / (near - double(from[x]) * per_z)) : kNoDepth;
+  }
+  return eye_z;
 }
 
 }  // namespace
@@ -239,6 +254,19 @@ void PictureAtlas::capture_rasterized(const SceneRenderer& renderer, const Camer
                                  : encoded_.codes8.data());
   read_blocks();  // what was in the slot before must not come later
   blocks_.assign(slot, encoded_.blocks);
+}
+
+GapTable PictureAtlas::capture_gaps(SceneRenderer& renderer, const Camera& camera,
+                                    std::span<const std::uint32_t> objects) {
+  if (rasterizer_) {
+    RILIEVO_EXPECTS(rasterized_.width == camera.width && rasterized_.height == camera.height);
+    rasterizer_->draw_farthest(camera, objects, renderer.poses(), farthest_);
+    return make_gap_table(eye_z_of(rasterized_.depth, camera), eye_z_of(farthest_, camera));
+  }
+  const Result<Image<float>> nearest = capture_nearest(renderer, camera, objects);
+  const Result<Image<float>> farthest = capture_hindmost(renderer, camera, objects);
+  if (!nearest.ok() || !farthest.ok()) return unknown_gaps(camera);
+  return make_gap_table(*nearest, *farthest);
 }
 
 // Rows from the bottom; codes of 8 or, for more bits, 16 bits.

@@ -12,6 +12,7 @@
 #include "rilievo/gl/object.h"
 #include "rilievo/nailboard/atlas_allocator.h"
 #include "rilievo/nailboard/encode_picture.h"
+#include "rilievo/nailboard/gap_table.h"
 #include "rilievo/nailboard/nailboard.h"
 #include "rilievo/nailboard/picture_blocks.h"
 #include "rilievo/render/opengl/scene_renderer.h"
@@ -51,6 +52,9 @@ class PictureAtlas {
   // alpha; depth is the nearest sample's. Changes the bound framebuffer and viewport.
   void capture(SceneRenderer& renderer, const Camera& camera,
                std::span<const std::uint32_t> objects, const AtlasSlot& slot);
+  // How much of them may the picture lack that capture() has just made?
+  [[nodiscard]] GapTable capture_gaps(SceneRenderer& renderer, const Camera& camera,
+                                      std::span<const std::uint32_t> objects);
   // Object identifiers of the same picture, for probes. Allocates their texture at the first call.
   void capture_objects(SceneRenderer& renderer, const Camera& camera,
                        std::span<const std::uint32_t> objects, const AtlasSlot& slot);
@@ -114,6 +118,7 @@ class PictureAtlas {
   gl::VertexArray no_vertices_;
   std::optional<PictureRasterizer> rasterizer_;
   RasterPicture rasterized_;
+  std::vector<float> farthest_;  // of rasterized_
   AtlasPicture encoded_;
 };
 

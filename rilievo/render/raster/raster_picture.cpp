@@ -59,6 +59,26 @@ PictureRasterizer::PictureRasterizer(PictureRasterizer&&) noexcept = default;
 PictureRasterizer& PictureRasterizer::operator=(PictureRasterizer&&) noexcept = default;
 PictureRasterizer::~PictureRasterizer() = default;
 
+void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
+                                      std::span<const glm::mat4> poses, std::vector<float>& depth) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  State& s = *state_;
+  place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
+  s.make_instances(camera);
+  for (RasterInstance& instance : s.instances) {
+    instance.front = instance.back = true;
+    instance.row_z = instance.row_w - instance.row_z;  // 1 - window_z: the farthest is the nearest
+  }
+  s.raster.begin(camera.width, camera.height, 1);
+  s.raster.draw(s.instances);
+  depth.resize(std::size_t(camera.width) * std::size_t(camera.height));
+  for (int y = 0; y < camera.height; ++y) {
+    const float* from = s.raster.seen().depths(y);
+    float* to = depth.data() + std::size_t(y) * std::size_t(camera.width);
+    for (int x = 0; x < camera.width; ++x) to[x] = from[x] < 1 ? 1 - from[x] : 1;
+  }
+}
+
 std::size_t PictureRasterizer::texture_bytes() const { return state_->materials.bytes(); }
 
 void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t> objects,

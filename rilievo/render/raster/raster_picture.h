@@ -37,6 +37,12 @@ class PictureRasterizer {
   void draw(const Camera& camera, std::span<const std::uint32_t> objects,
             std::span<const glm::mat4> poses, int samples, RasterPicture& picture);
 
+  // window_z of the farthest of all surfaces along the rays through the texels' centres, hidden
+  // ones and faces turned away included; 1: nothing. Rows from the bottom. Of the same objects as
+  // draw().
+  void draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
+                     std::span<const glm::mat4> poses, std::vector<float>& depth);
+
   // Memory that the scene's textures take beyond the Scene's own.
   [[nodiscard]] std::size_t texture_bytes() const;
 

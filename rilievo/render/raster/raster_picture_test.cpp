@@ -153,6 +153,68 @@ TEST(PictureRasterizer, draws_what_rays_through_the_samples_meet) {
   EXPECT_LE(other_color, compared / 500);
 }
 
+TEST(PictureRasterizer, the_farthest_surface_is_the_last_that_rays_meet) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<double> u(-1, 1);
+  int compared = 0, behind = 0, differ = 0;
+  for (int round = 0; round < 8; ++round) {
+    Scene scene = random_scene(rng);
+    for (Material& material : scene.materials) material.alpha_mode = AlphaMode::opaque;
+    const auto rays = RayScene::create(scene);
+    ASSERT_TRUE(rays.ok());
+    auto made = tight_camera(
+        Projection::perspective,
+        glm::dvec3(1000, 0, 0) + 8.0 * glm::normalize(glm::dvec3(u(rng), u(rng), u(rng))),
+        {0.1, 1, 0.2}, world_bounds(scene));
+    ASSERT_TRUE(made.ok());
+    made->width = 41, made->height = 37;
+    PictureRasterizer rasterizer(scene);
+    RasterPicture picture;
+    std::vector<float> farthest;
+    const std::uint32_t all[] = {0, 1, 2};
+    rasterizer.draw(*made, all, rays->poses(), 1, picture);
+    rasterizer.draw_farthest(*made, all, rays->poses(), farthest);
+    for (int y = 0; y < 37; ++y)
+      for (int x = 0; x < 41; ++x) {
+        // By definition: each triangle's plane, if the ray passes through the triangle.
+        const CameraRay ray = camera_ray(*made, {x + 0.5, 36.5 - y});
+        double last = -1;
+        for (const Part& part : scene.models[0].parts)
+          for (std::size_t o = 0; o < 3; ++o) {
+            const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+            const glm::dmat4 place(rays->poses()[o] * part.model_from_mesh);
+            for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+              glm::dvec3 p[3];
+              for (std::size_t k = 0; k < 3; ++k)
+                p[k] = glm::dvec3(place *
+                                  glm::dvec4(glm::dvec3(mesh.positions[mesh.indices[t + k]]), 1));
+              const glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
+              const double towards = glm::dot(n, ray.direction);
+              if (std::abs(towards) < 1e-12) continue;
+              const double distance = glm::dot(n, p[0] - ray.origin) / towards;
+              const glm::dvec3 at = ray.origin + distance * ray.direction;
+              bool inside = distance > 0;
+              for (std::size_t k = 0; k < 3 && inside; ++k)
+                inside = glm::dot(glm::cross(p[(k + 1) % 3] - p[k], at - p[k]), n) >= 0;
+              if (inside) last = std::max(last, distance);
+            }
+          }
+        const std::size_t i = std::size_t(y * 41 + x);
+        ++compared;
+        const double expected =
+            last < 0 ? 1.0
+                     : depth_from_eye_z(DepthKind::window_z,
+                                        ray.eye_z_start + last * ray.eye_z_step, *made, {});
+        // Where two faces meet, rounding may take a ray past both.
+        if (std::abs(double(farthest[i]) - expected) > 1e-4) ++differ;
+        behind += farthest[i] < 1 && farthest[i] > picture.depth[i] + 1e-3f;
+      }
+  }
+  EXPECT_GT(compared, 10'000);
+  EXPECT_GT(behind, 1000);
+  EXPECT_LE(differ, compared / 500);
+}
+
 TEST(PictureRasterizer, draws_the_same_bytes_with_one_thread) {
   std::mt19937 rng(3);
   const Scene scene = random_scene(rng);

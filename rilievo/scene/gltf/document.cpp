@@ -80,6 +80,8 @@ nlohmann::json parse_json(Bytes text, LoadContext& context) {
     // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error ..."
     std::string what = e.what();
     if (const std::size_t end = what.find("] "); end != std::string::npos) what.erase(0, end + 2);
+    // What was read last may be long, and is the file's own.
+    what = what.substr(0, what.find("; last read: "));
     std::replace_if(
         what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
     refuse("is not valid JSON: " + what.substr(0, 200));
