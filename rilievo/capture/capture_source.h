@@ -34,6 +34,13 @@ struct CapturedPicture {
   Image<float> farthest;
 };
 
+struct LayersRequest {
+  Camera camera;                                // parallel, or perspective
+  std::span<const std::uint32_t> objects = {};  // as CaptureRequest's
+  double merge = 0;      // surfaces closer together along a line of sight become one; metres
+  int max_layers = 256;  // of one line of sight
+};
+
 class CaptureSource {
  public:
   virtual ~CaptureSource() = default;
@@ -44,6 +51,12 @@ class CaptureSource {
   [[nodiscard]] virtual Box bounds(std::span<const std::uint32_t> objects) const = 0;
   [[nodiscard]] virtual Result<CapturedPicture> capture(const CaptureRequest& request) = 0;
 
+  // Every surface along each line of sight, hidden ones and back faces included (S4.1); eye_z. The
+  // error says that this source cannot look behind what it shows.
+  [[nodiscard]] virtual Result<LayeredDepthImage> capture_layers(const LayersRequest& request);
+
+  // The layered pictures that the source consists of, where it does.
+  [[nodiscard]] virtual std::span<const LayeredDepthImage> layered_pictures() const { return {}; }
   // The photographs that the source consists of, where it does.
   [[nodiscard]] virtual std::span<const DepthImage> photographs() const { return {}; }
 };

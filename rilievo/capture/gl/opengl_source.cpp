@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "rilievo/capture/gl/capture_layers.h"
 #include "rilievo/capture/gl/capture_picture.h"
 
 namespace rilievo {
@@ -30,6 +31,13 @@ Result<CapturedPicture> OpenGLSource::capture(const CaptureRequest& request) {
   if (!farthest) return farthest.error();
   captured.farthest = std::move(*farthest);
   return captured;
+}
+
+Result<LayeredDepthImage> OpenGLSource::capture_layers(const LayersRequest& request) {
+  std::vector<std::uint32_t> objects(request.objects.begin(), request.objects.end());
+  if (objects.empty()) renderer_.cull(request.camera, objects);
+  return rilievo::capture_layers(renderer_, request.camera, objects,
+                                 {request.merge, request.max_layers});
 }
 
 }  // namespace rilievo

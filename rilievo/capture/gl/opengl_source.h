@@ -17,6 +17,8 @@ class OpenGLSource final : public CaptureSource {
   [[nodiscard]] std::string_view name() const override { return renderer_.scene().name; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+  // By depth peeling (capture_layers.h).
+  [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;
 
  private:
   SceneRenderer& renderer_;

@@ -164,7 +164,11 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
   glVertexArrayVertexBuffer(gpu.vertex_array, kInstanceBinding, instance_buffer, 0,
                             sizeof(GpuInstance));
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(camera.keeps_farthest() != hindmost ? GL_GREATER : GL_LESS);
+  const bool peel = extra_features & shader::kPeel;
+  if (peel && !(extra_features & shader::kObjectIds))
+    glDepthFunc(GL_EQUAL);
+  else
+    glDepthFunc(camera.keeps_farthest() != hindmost ? GL_GREATER : GL_LESS);
   glFrontFace(GL_CCW);
 
   int bound_material = -1;
@@ -185,7 +189,11 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
       if (features & shader::kTextures)
         for (GLuint unit = 0; unit < kMaterialUnits; ++unit)
           glBindTextureUnit(unit, gpu.textures[std::size_t(material.textures[unit])]);
-      if (material.double_sided || hindmost)
+      // Not there in programs that shade nothing.
+      if (peel)
+        glUniform1i(glGetUniformLocation(**program_of_material, "double_sided"),
+                    material.double_sided);
+      if (material.double_sided || hindmost || peel)
         glDisable(GL_CULL_FACE);
       else
         glEnable(GL_CULL_FACE);
@@ -321,6 +329,28 @@ void SceneRenderer::draw_hindmost(const Camera& camera, std::span<const std::uin
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   s.draw_list(camera, unsigned(shader::kObjectIds), true);
+}
+
+void SceneRenderer::draw_objects_behind(const Camera& camera,
+                                        std::span<const std::uint32_t> objects,
+                                        unsigned peeled_depth) {
+  State& s = *state_;
+  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
+                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glBindTextureUnit(shader::kPeeledUnit, peeled_depth);
+  s.draw_list(camera, shader::kObjectIds | shader::kPeel);
+}
+
+void SceneRenderer::draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects) {
+  State& s = *state_;
+  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
+                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  glDepthMask(GL_FALSE);
+  glDisable(GL_BLEND);
+  s.draw_list(camera, shader::kLinear | shader::kPeel);
+  glDepthMask(GL_TRUE);
 }
 
 void SceneRenderer::draw_sky(const Camera& camera, OutputEncoding encoding) {

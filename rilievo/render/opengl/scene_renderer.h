@@ -60,6 +60,13 @@ class SceneRenderer {
   // The same of the surface at the other end of each line of sight, behind all others, back faces
   // included: into a ProbeTarget that begins the other way round.
   void draw_hindmost(const Camera& camera, std::span<const std::uint32_t> objects);
+  // Depth peeling: identifiers of what lies behind these depths (a texture of window_z, as large as
+  // the framebuffer), back faces included ...
+  void draw_objects_behind(const Camera& camera, std::span<const std::uint32_t> objects,
+                           unsigned peeled_depth);
+  // ... and the colours, linear, of what was drawn there: over its own depths. The back of what is
+  // single-sided looks as its front does.
+  void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects);
   // The sky where nothing has been drawn yet.
   void draw_sky(const Camera& camera, OutputEncoding encoding);
 

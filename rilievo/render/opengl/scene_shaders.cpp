@@ -53,6 +53,10 @@ out vec3 v_relative;
 out vec3 v_normal;
 #endif
 
+#ifdef PEEL
+invariant gl_Position;  // of identifiers and of colours: depths are compared
+#endif
+
 void main() {
   vec4 p = vec4(position, 1.0);
   vec3 relative = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
@@ -108,6 +112,10 @@ vec2 uv_of(int unit) {
 }
 #endif
 
+#ifdef PEEL
+layout(binding = 7) uniform sampler2D peeled_depth;
+uniform bool double_sided;
+#endif
 #ifdef OBJECT_IDS
 flat in uint v_object;
 layout(location = 0) out uint out_object;
@@ -255,6 +263,9 @@ void main() {
   float hash = pixel_hash();
   if (hash < v_share.x || hash >= v_share.y) discard;
 #endif
+#if defined(PEEL) && defined(OBJECT_IDS)
+  if (gl_FragCoord.z <= texelFetch(peeled_depth, ivec2(gl_FragCoord.xy), 0).r) discard;
+#endif
   vec4 base = material.base_color;
 #ifdef TEXTURES
   base *= texture(base_color_texture, uv_of(0));
@@ -266,7 +277,7 @@ void main() {
   float alpha = 1.0;
 #ifdef MASK
   float cutoff = material.metallic_roughness_occlusion_cutoff.w;
-#ifdef OBJECT_IDS
+#if defined(OBJECT_IDS) || defined(PEEL)
   if (base.a < cutoff) discard;
 #else
   // Sharpened to one pixel's width, and that share of the samples taken, rounded: what a driver
@@ -296,6 +307,12 @@ void main() {
   // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
   // silhouette the smooth normal of a visible face may already point away.
   vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
+#ifdef PEEL
+  // The back of what has but a front: seen from the other side of its plane.
+  if (!double_sided && dot(v, n) < 0.0)
+    v -= 2.0 * dot(v, n) * n;
+  else
+#endif
   if (dot(facing, v) * dot(facing, n) < 0.0) n = -n;
 #ifdef BACK_PERSPECTIVE
   // The picture is for viewers far away: they see along its axis, not along its rays, which part
@@ -382,6 +399,7 @@ Result<gl::Program> make_scene_program(unsigned features) {
   define(kMetallic, "METALLIC");
   define(kEmissive, "EMISSIVE");
   define(kManyLights, "MANY_LIGHTS");
+  define(kPeel, "PEEL");
   const std::string head = std::string(kVersion) + kCommon;
   return gl::make_program("scene", head + kVertex,
                           head + kSky + kSrgbFromLinear + kPixelHash + kFragment, defines);

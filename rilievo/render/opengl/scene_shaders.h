@@ -25,6 +25,7 @@ enum Feature : unsigned {
   kMetallic = 2048,
   kEmissive = 4096,
   kManyLights = 8192,  // with kAnyLights: any number
+  kPeel = 16384,       // behind given depths; back faces look as fronts where there is but one side
   // What changes nothing where there is no light.
   kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive | kManyLights,
 };
@@ -52,6 +53,9 @@ struct LightBlock {
   glm::vec4 intensity_inner;  // w: cosine of the inner cone
   glm::vec4 outer;            // x: cosine of the outer cone
 };
+
+// Of kPeel: the texture unit of the depths.
+inline constexpr unsigned kPeeledUnit = 7;
 
 [[nodiscard]] Result<gl::Program> make_scene_program(unsigned features);
 [[nodiscard]] Result<gl::Program> make_sky_program(bool linear);
