@@ -10,11 +10,11 @@
 #include <functional>
 #include <vector>
 
+#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/gl/picture_atlas.h"
-#include "rilievo/render/raster/raster_picture.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
@@ -71,13 +71,19 @@ Result<Measured> measure(const Scene& scene, int runs) {
   AtlasOptions options;
   std::vector<Nailboard> taken;
   for (const bool rasterized : {false, true}) {
-    options.rasterized = rasterized ? &scene : nullptr;
+    const auto capturer =
+        rasterized ? CaptureWithoutOpenGL::create(CaptureBy::rasterizer, scene, options.samples)
+                   : nullptr;
+    options.capture_bytes = rasterized ? &CaptureWithoutOpenGL::bytes : nullptr;
     Result<PictureAtlas> atlas = PictureAtlas::create(options);
     if (!atlas) return atlas.error();
     const auto slot = atlas->allocate(kSize, kSize);
     if (!slot) return Error{"bench", "no room for one picture"};
     (rasterized ? m.rasterizer_ms : m.opengl_ms) = median_ms(runs, [&] {
-      atlas->capture(*renderer, *camera, objects, *slot);
+      if (capturer)
+        atlas->write(*slot, capturer->capture(*camera, objects, renderer->poses()));
+      else
+        atlas->capture(*renderer, *camera, objects, *slot);
       static_cast<void>(atlas->blocks(*slot));
     });
     taken.push_back(atlas->read(*slot, picture_geometry(*camera)));

@@ -1,8 +1,8 @@
 // Any source of pictures with depth, behind one capture call.
 //
-// Backends: OpenGL (capture/gl), the SIMD rasteriser, Embree (capture/scene_sources.h), posed
-// photographs (capture/photograph_source.h), and any callable (what S5 calls a software shader).
-// Not for several threads at once.
+// Backends: OpenGL (capture/gl/opengl_source.h), posed photographs (capture/photograph_source.h),
+// and any callable (capture/callable_source.h), as of rays (cast_picture) or what S5 calls a
+// software shader. Not for several threads at once.
 #pragma once
 
 #include <cstdint>

@@ -6,6 +6,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/nailboard/gl/capture_gaps.h"
 
 namespace rilievo {
 
@@ -18,20 +19,25 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<NailboardSet> pictures,
-                       const ImageCacheOptions& options)
-    : SceneFrames(renderer), options_(options), pictures_(std::move(pictures)) {
+ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
+                       std::unique_ptr<NailboardSet> pictures, const ImageCacheOptions& options)
+    : SceneFrames(renderer),
+      options_(options),
+      capturer_(std::move(capturer)),
+      pictures_(std::move(pictures)) {
   content().sets.push_back({pictures_.get(), {}});
   build();
 }
 
 Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
-  Result<std::unique_ptr<NailboardSet>> pictures = NailboardSet::create(
-      {options.max_bytes, options.delta_bits, options.samples,
-       rasterized_scene(options.capture_by, renderer.scene(), options.samples)},
-      options.depth_mode);
+  std::unique_ptr<CaptureWithoutOpenGL> capturer =
+      CaptureWithoutOpenGL::create(options.capture_by, renderer.scene(), options.samples);
+  Result<std::unique_ptr<NailboardSet>> pictures =
+      NailboardSet::create({options.max_bytes, options.delta_bits, options.samples,
+                            capturer ? &CaptureWithoutOpenGL::bytes : nullptr},
+                           options.depth_mode);
   if (!pictures) return pictures.error();
-  return ImageCache(renderer, std::move(*pictures), options);
+  return ImageCache(renderer, std::move(capturer), std::move(*pictures), options);
 }
 
 void ImageCache::build() {
@@ -59,8 +65,7 @@ void ImageCache::build() {
   for (Entity e = 0; e < hierarchy_.nodes.size(); ++e)
     if (hierarchy_.nodes[e].leaf()) leaf_of_[hierarchy_.order[hierarchy_.nodes[e].first]] = e;
 
-  policy_ =
-      pictures_->atlas().captures_by_rasterizer() ? rasterized_cache_options() : CacheOptions{};
+  policy_ = capturer_ ? rasterized_cache_options() : CacheOptions{};
   policy_.max_texels = pictures_->atlas().max_picture_size();
   policy_.texel_cell = AtlasAllocator::kCell;
   policy_.delta_bits = options_.delta_bits;
@@ -185,9 +190,12 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
     held.objects_captured = false;
     held.camera = eye;
     objects_of(capture.entity, held.objects);
-    pictures_->atlas().capture(renderer(), eye, held.objects, *slot);
+    if (capturer_)
+      pictures_->atlas().write(*slot, capturer_->capture(eye, held.objects, renderer().poses()));
+    else
+      pictures_->atlas().capture(renderer(), eye, held.objects, *slot);
     cost += capture.cost;
-    if (bounds_gaps) gaps_[i] = pictures_->atlas().capture_gaps(renderer(), eye, held.objects);
+    if (bounds_gaps) gaps_[i] = capture_gaps(renderer(), capturer_.get(), eye, held.objects);
     ++stats.captures;
   }
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)

@@ -14,6 +14,7 @@
 
 #include "rilievo/cache/eye_motion.h"
 #include "rilievo/cache/policy.h"
+#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/nailboard/gl/nailboard_set.h"
 #include "rilievo/representation/gl/object_drawables.h"
@@ -75,8 +76,8 @@ class ImageCache final : public SceneFrames {
     Camera camera;
   };
 
-  ImageCache(SceneRenderer& renderer, std::unique_ptr<NailboardSet> pictures,
-             const ImageCacheOptions& options);
+  ImageCache(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
+             std::unique_ptr<NailboardSet> pictures, const ImageCacheOptions& options);
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   void prepare_objects() override;
   void build();
@@ -91,6 +92,7 @@ class ImageCache final : public SceneFrames {
   void index_alternatives();
 
   ImageCacheOptions options_;
+  std::unique_ptr<CaptureWithoutOpenGL> capturer_;  // null: OpenGL captures
   std::unique_ptr<NailboardSet> pictures_;
 
   std::vector<std::uint32_t> static_objects_,

@@ -22,9 +22,13 @@ glm::dmat4 motion_between(const glm::mat4& then, const glm::mat4& now) {
 
 }  // namespace
 
-PictureFrames::PictureFrames(SceneRenderer& renderer, std::unique_ptr<NailboardSet> set,
-                             const PictureFramesOptions& options)
-    : SceneFrames(renderer), options_(options), set_(std::move(set)) {
+PictureFrames::PictureFrames(SceneRenderer& renderer,
+                             std::unique_ptr<CaptureWithoutOpenGL> capturer,
+                             std::unique_ptr<NailboardSet> set, const PictureFramesOptions& options)
+    : SceneFrames(renderer),
+      options_(options),
+      capturer_(std::move(capturer)),
+      set_(std::move(set)) {
   pictures_.resize(renderer.scene().objects.size());
   content().sets.push_back({set_.get(), {}});
   outlines_ = options.outlines;
@@ -32,12 +36,14 @@ PictureFrames::PictureFrames(SceneRenderer& renderer, std::unique_ptr<NailboardS
 
 Result<PictureFrames> PictureFrames::create(SceneRenderer& renderer,
                                             const PictureFramesOptions& options) {
-  Result<std::unique_ptr<NailboardSet>> set = NailboardSet::create(
-      {options.max_bytes, options.delta_bits, options.samples,
-       rasterized_scene(options.capture_by, renderer.scene(), options.samples)},
-      options.mode);
+  std::unique_ptr<CaptureWithoutOpenGL> capturer =
+      CaptureWithoutOpenGL::create(options.capture_by, renderer.scene(), options.samples);
+  Result<std::unique_ptr<NailboardSet>> set =
+      NailboardSet::create({options.max_bytes, options.delta_bits, options.samples,
+                            capturer ? &CaptureWithoutOpenGL::bytes : nullptr},
+                           options.mode);
   if (!set) return set.error();
-  return PictureFrames(renderer, std::move(*set), options);
+  return PictureFrames(renderer, std::move(capturer), std::move(*set), options);
 }
 
 bool PictureFrames::is_valid(const Picture& picture, const Camera& frame,
@@ -80,7 +86,10 @@ bool PictureFrames::capture(std::uint32_t object, const Camera& frame) {
   if (!camera) return false;
   const std::optional<AtlasSlot> slot = make_room(camera->width, camera->height);
   if (!slot) return false;
-  set_->atlas().capture(renderer(), *camera, {&object, 1}, *slot);
+  if (capturer_)
+    set_->atlas().write(*slot, capturer_->capture(*camera, {&object, 1}, renderer().poses()));
+  else
+    set_->atlas().capture(renderer(), *camera, {&object, 1}, *slot);
   picture = Picture{*slot, picture_geometry(*camera), renderer().poses()[object],
                     glm::dvec3(bounds.center()), frame_};
   picture->geometry.delta_bits = options_.delta_bits;

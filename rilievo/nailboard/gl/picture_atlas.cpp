@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/capture/gl/capture_picture.h"
 #include "rilievo/gl/context.h"
 
 namespace rilievo {
@@ -105,26 +104,7 @@ void flip_rows(Image<T>& image) {
                      image.row(image.height() - 1 - y).begin());
 }
 
-// Of window_z, rows from the bottom, 1 where there is nothing.
-Image<float> eye_z_of(const std::vector<float>& window_z, const Camera& camera) {
-  Image<float> eye_z(camera.width, camera.height);
-  const double near = 1 / camera.z_near, per_z = 1 / camera.z_near - 1 / camera.z_far;
-  for (int y = 0; y < camera.height; ++y) {
-    const float* from =
-        window_z.data() + std::size_t(camera.height - 1 - y) * std::size_t(camera.width);
-    float* to = eye_z.row(y).data();
-    for (int x = 0; x < camera.width; ++x)
-      to[x] = from[x] < 1 ? float(1 / (near - double(from[x]) * per_z)) : kNoDepth;
-  }
-  return eye_z;
-}
-
 }  // namespace
-
-const Scene* rasterized_scene(CaptureBy by, const Scene& scene, int samples) {
-  if (by == CaptureBy::opengl || (samples != 1 && samples != 4)) return nullptr;
-  return by == CaptureBy::rasterizer || gl::is_software() ? &scene : nullptr;
-}
 
 Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   RILIEVO_EXPECTS(2 <= options.delta_bits && options.delta_bits <= 16);
@@ -135,14 +115,14 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
       texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + layer_blocks * sizeof(PictureBlock);
   // Under a small budget a large capture buffer would leave no room for pictures.
   const bool small = options.max_bytes < (std::size_t(64) << 20);
-  const int capture_size = !small ? kSize : options.rasterized ? kSize * 7 / 16 : kSize / 2;
+  const int capture_size = !small ? kSize : options.capture_bytes ? kSize * 7 / 16 : kSize / 2;
   // Two pictures of the largest size, or many small ones.
   const int block_rows = 2 * blocks_across(capture_size);
   const std::size_t capture_texels = std::size_t(capture_size) * std::size_t(capture_size);
   const std::size_t buffers =
-      (options.rasterized ? PictureRasterizer::bytes(capture_size, options.samples) +
-                                capture_texels * (options.delta_bits > 8 ? 2 : 1)
-                          : capture_texels * 8 * std::size_t(options.samples)) +
+      (options.capture_bytes ? options.capture_bytes(capture_size, options.samples) +
+                                   capture_texels * (options.delta_bits > 8 ? 2 : 1)
+                             : capture_texels * 8 * std::size_t(options.samples)) +
       std::size_t(PictureBlocks::kLayerBlocks) * std::size_t(block_rows) * 8;
   GLint most_layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
@@ -168,10 +148,8 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   // Codes next to each other have nothing to do with each other.
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  if (options.rasterized)
-    atlas.rasterizer_.emplace(*options.rasterized);
-  else if (Result<> ok = atlas.make_capture_target(); !ok)
-    return ok.error();
+  if (!options.capture_bytes)
+    if (Result<> ok = atlas.make_capture_target(); !ok) return ok.error();
   if (glGetError() == GL_OUT_OF_MEMORY)
     return Error{"pictures", "the GPU has no " + std::to_string(atlas.bytes_ >> 20) + " MB left"};
 
@@ -209,7 +187,7 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   RILIEVO_EXPECTS_EQ(camera.height, slot.height);
   RILIEVO_EXPECTS(!camera.keeps_farthest());
   RILIEVO_EXPECTS(slot.width <= capture_size_ && slot.height <= capture_size_);
-  if (rasterizer_) return capture_rasterized(renderer, camera, objects, slot);
+  RILIEVO_EXPECTS(!options_.capture_bytes);
   // Draw, in a corner of the capture buffer ...
   glBindFramebuffer(GL_FRAMEBUFFER, capture_framebuffer_);
   glViewport(0, 0, slot.width, slot.height);
@@ -243,30 +221,15 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   reduce_to_blocks(slot);
 }
 
-void PictureAtlas::capture_rasterized(const SceneRenderer& renderer, const Camera& camera,
-                                      std::span<const std::uint32_t> objects,
-                                      const AtlasSlot& slot) {
-  RILIEVO_EXPECTS(&renderer.scene() == options_.rasterized);
-  rasterizer_->draw(camera, objects, renderer.poses(), options_.samples, rasterized_);
-  encode_picture(rasterized_, options_.delta_bits, encoded_);
-  upload(slot, rasterized_.color.data(),
+void PictureAtlas::write(const AtlasSlot& slot, const RasterPicture& picture) {
+  RILIEVO_EXPECTS_EQ(picture.width, slot.width);
+  RILIEVO_EXPECTS_EQ(picture.height, slot.height);
+  encode_picture(picture, options_.delta_bits, encoded_);
+  upload(slot, picture.color.data(),
          options_.delta_bits > 8 ? static_cast<const void*>(encoded_.codes16.data())
                                  : encoded_.codes8.data());
   read_blocks();  // what was in the slot before must not come later
   blocks_.assign(slot, encoded_.blocks);
-}
-
-GapTable PictureAtlas::capture_gaps(SceneRenderer& renderer, const Camera& camera,
-                                    std::span<const std::uint32_t> objects) {
-  if (rasterizer_) {
-    RILIEVO_EXPECTS(rasterized_.width == camera.width && rasterized_.height == camera.height);
-    rasterizer_->draw_farthest(camera, objects, renderer.poses(), farthest_);
-    return make_gap_table(eye_z_of(rasterized_.depth, camera), eye_z_of(farthest_, camera));
-  }
-  const Result<Image<float>> nearest = capture_nearest(renderer, camera, objects);
-  const Result<Image<float>> farthest = capture_hindmost(renderer, camera, objects);
-  if (!nearest.ok() || !farthest.ok()) return unknown_gaps(camera);
-  return make_gap_table(*nearest, *farthest);
 }
 
 // Rows from the bottom; codes of 8 or, for more bits, 16 bits.

@@ -1,5 +1,6 @@
 // Pictures on the GPU: colour and Delta of many nailboards in a few texture arrays, so that one
-// draw call reaches them all; and the capture that fills them without leaving the GPU.
+// draw call reaches them all; filled by a capture that never leaves the GPU, or with pictures that
+// others captured.
 //
 // All memory is taken at once: a budget, once granted, is never passed. Needs a current OpenGL
 // context.
@@ -12,30 +13,20 @@
 #include "rilievo/gl/object.h"
 #include "rilievo/nailboard/atlas_allocator.h"
 #include "rilievo/nailboard/encode_picture.h"
-#include "rilievo/nailboard/gap_table.h"
 #include "rilievo/nailboard/nailboard.h"
 #include "rilievo/nailboard/picture_blocks.h"
 #include "rilievo/render/opengl/scene_renderer.h"
-#include "rilievo/render/raster/raster_picture.h"
+#include "rilievo/render/shading/picture_shader.h"
 
 namespace rilievo {
-
-// What captures pictures. Where OpenGL is done by the processor, a rasteriser made for pictures is
-// several times as fast (render/raster/raster_picture.h).
-enum class CaptureBy {
-  automatic,  // the rasteriser where OpenGL is software, else OpenGL
-  opengl,
-  rasterizer,
-};
-
-// The scene if its pictures are to be captured by the rasteriser, else null.
-[[nodiscard]] const Scene* rasterized_scene(CaptureBy by, const Scene& scene, int samples);
 
 struct AtlasOptions {
   std::size_t max_bytes = 256u << 20;  // capture buffers included
   int delta_bits = 8;                  // 2, 4, 6, 8 or 16
   int samples = 4;                     // samples a texel at capture: the frame's antialiasing
-  const Scene* rasterized = nullptr;   // captured without OpenGL; must outlive the atlas
+  // What who captures without OpenGL takes of the budget, for pictures of up to `size` texels a
+  // side; null: the atlas captures, and has the buffers for it.
+  std::size_t (*capture_bytes)(int size, int samples) = nullptr;
 };
 
 class PictureAtlas {
@@ -49,12 +40,10 @@ class PictureAtlas {
   void free(const AtlasSlot& slot) { allocator_.free(slot); }
 
   // Captures `objects` (opaque parts) into the slot, whose size is the camera's. Coverage becomes
-  // alpha; depth is the nearest sample's. Changes the bound framebuffer and viewport.
+  // alpha; depth is the nearest sample's. Changes the bound framebuffer and viewport. Requires an
+  // atlas without AtlasOptions::capture_bytes.
   void capture(SceneRenderer& renderer, const Camera& camera,
                std::span<const std::uint32_t> objects, const AtlasSlot& slot);
-  // How much of them may the picture lack that capture() has just made?
-  [[nodiscard]] GapTable capture_gaps(SceneRenderer& renderer, const Camera& camera,
-                                      std::span<const std::uint32_t> objects);
   // Object identifiers of the same picture, for probes. Allocates their texture at the first call.
   void capture_objects(SceneRenderer& renderer, const Camera& camera,
                        std::span<const std::uint32_t> objects, const AtlasSlot& slot);
@@ -62,6 +51,8 @@ class PictureAtlas {
   // Between the GPU and memory, bit for bit.
   [[nodiscard]] Nailboard read(const AtlasSlot& slot, const PictureGeometry& geometry) const;
   void write(const AtlasSlot& slot, const Nailboard& nailboard);
+  // A picture captured elsewhere, of the slot's size; perspective.
+  void write(const AtlasSlot& slot, const RasterPicture& picture);
 
   // What the slot's picture shows, block by block. Waits for the GPU the first time after a capture
   // or a write.
@@ -69,7 +60,6 @@ class PictureAtlas {
   // Narrows the geometry's slab to what the slot's picture shows; an empty one keeps it.
   void narrow(const AtlasSlot& slot, PictureGeometry& geometry);
 
-  [[nodiscard]] bool captures_by_rasterizer() const { return rasterizer_.has_value(); }
   [[nodiscard]] int delta_bits() const { return options_.delta_bits; }
   // What a shader makes of the Delta texture's values: times delta_scale() they are Delta; above
   // largest_delta(), half a step above 1, is the reserved code, a whole step above.
@@ -92,8 +82,6 @@ class PictureAtlas {
  private:
   explicit PictureAtlas(int layers) : allocator_(layers), blocks_(layers) {}
   [[nodiscard]] Result<> make_capture_target();
-  void capture_rasterized(const SceneRenderer& renderer, const Camera& camera,
-                          std::span<const std::uint32_t> objects, const AtlasSlot& slot);
   void upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes);
   void reduce_to_blocks(const AtlasSlot& slot);
   void read_blocks();
@@ -116,9 +104,6 @@ class PictureAtlas {
   std::vector<Unread> unread_;  // whose blocks the GPU has and blocks_ has not
   std::vector<PictureBlock> read_blocks_;
   gl::VertexArray no_vertices_;
-  std::optional<PictureRasterizer> rasterizer_;
-  RasterPicture rasterized_;
-  std::vector<float> farthest_;  // of rasterized_
   AtlasPicture encoded_;
 };
 

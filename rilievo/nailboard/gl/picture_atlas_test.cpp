@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/nailboard/gl/board_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -108,10 +109,10 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
       for (const int samples : {1, 4}) {
         AtlasOptions options{64u << 20, bits, samples};
         auto by_opengl = PictureAtlas::create(options);
-        options.rasterized = &scene;
+        options.capture_bytes = &CaptureWithoutOpenGL::bytes;
         auto by_rasterizer = PictureAtlas::create(options);
-        ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok());
-        EXPECT_TRUE(by_rasterizer->captures_by_rasterizer());
+        const auto capturer = CaptureWithoutOpenGL::create(CaptureBy::rasterizer, scene, samples);
+        ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok() && capturer);
         EXPECT_LE(by_rasterizer->bytes(), 64u << 20);
         int texels = 0, covered = 0, other_coverage = 0, other_color = 0, other_depth = 0,
             beside = 0;
@@ -128,7 +129,8 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
           const auto slot_b = by_rasterizer->allocate(150, 131);
           ASSERT_TRUE(slot_a && slot_b);
           by_opengl->capture(*renderer, *camera, {&object, 1}, *slot_a);
-          by_rasterizer->capture(*renderer, *camera, {&object, 1}, *slot_b);
+          by_rasterizer->write(*slot_b,
+                               capturer->capture(*camera, {&object, 1}, renderer->poses()));
           const Nailboard a = by_opengl->read(*slot_a, picture_geometry(*camera));
           const Nailboard b = by_rasterizer->read(*slot_b, picture_geometry(*camera));
           for (std::size_t i = 0; i < a.color.texels().size(); ++i) {
@@ -180,9 +182,10 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   auto renderer = SceneRenderer::create(made->scene);
   ASSERT_TRUE(renderer.ok());
   AtlasOptions options{64u << 20, 8, 4};
-  options.rasterized = &made->scene;
+  options.capture_bytes = &CaptureWithoutOpenGL::bytes;
   auto atlas = PictureAtlas::create(options);
-  ASSERT_TRUE(atlas.ok());
+  const auto capturer = CaptureWithoutOpenGL::create(CaptureBy::rasterizer, made->scene, 4);
+  ASSERT_TRUE(atlas.ok() && capturer);
   std::mt19937 rng(2);
   const Nailboard noise = random_board(rng, 8);
   const auto slot = atlas->allocate(40, 33);
@@ -192,7 +195,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   ASSERT_TRUE(camera.ok());
   camera->width = 40, camera->height = 33;
   const std::uint32_t object = 0;
-  atlas->capture(*renderer, *camera, {&object, 1}, *slot);
+  atlas->write(*slot, capturer->capture(*camera, {&object, 1}, renderer->poses()));
   const Nailboard board = atlas->read(*slot, picture_geometry(*camera));
   const PictureBlocksView blocks = atlas->blocks(*slot);
   for (int y = 0; y < 33; ++y)
@@ -205,15 +208,18 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
 
 TEST_F(PictureAtlasTest, rasterizes_only_what_it_can) {
   Scene scene = std::move(make_builtin("builtin:teapot")->scene);
-  EXPECT_EQ(rasterized_scene(CaptureBy::opengl, scene, 4), nullptr);
-  EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 4), &scene);
-  EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 8), nullptr);
-  EXPECT_EQ(rasterized_scene(CaptureBy::automatic, scene, 1), gl::is_software() ? &scene : nullptr);
+  const auto rasterizes = [&](CaptureBy by, int samples) {
+    return CaptureWithoutOpenGL::create(by, scene, samples) != nullptr;
+  };
+  EXPECT_FALSE(rasterizes(CaptureBy::opengl, 4));
+  EXPECT_TRUE(rasterizes(CaptureBy::rasterizer, 4));
+  EXPECT_FALSE(rasterizes(CaptureBy::rasterizer, 8));
+  EXPECT_EQ(rasterizes(CaptureBy::automatic, 1), gl::is_software());
   scene.images.emplace_back(2, 2, glm::u8vec4(255));
   scene.textures.emplace_back();
   scene.materials[0].base_color_texture.texture = 0;
   scene.materials[0].alpha_mode = AlphaMode::mask;
-  EXPECT_EQ(rasterized_scene(CaptureBy::rasterizer, scene, 4), &scene);
+  EXPECT_TRUE(rasterizes(CaptureBy::rasterizer, 4));
 }
 
 }  // namespace
