@@ -15,6 +15,8 @@
 
 namespace rilievo {
 
+struct Scene;
+
 struct CaptureRequest {
   Camera camera;
   // Indices into the scene's objects; empty: everything that the camera sees.
@@ -57,6 +59,8 @@ class CaptureSource {
 
   // The layered pictures that the source consists of, where it does.
   [[nodiscard]] virtual std::span<const LayeredDepthImage> layered_pictures() const { return {}; }
+  // The scene of which pictures are captured, where it is one: for rays.
+  [[nodiscard]] virtual const Scene* scene() const { return nullptr; }
   // The photographs that the source consists of, where it does.
   [[nodiscard]] virtual std::span<const DepthImage> photographs() const { return {}; }
 };

@@ -53,9 +53,20 @@ struct PictureFile {
                                      std::span<const DepthImage> pictures,
                                      const FileAttributes& attributes = {});
 
-// Every picture returned is valid. The error names the file, the part if there are several, and
+// Of which of a file's pictures are the planes read? All others come without: name, camera and
+// attributes only.
+struct PictureRange {
+  std::size_t first = 0, count = std::size_t(-1);
+
+  [[nodiscard]] bool has(std::size_t picture) const {
+    return picture >= first && picture - first < count;
+  }
+};
+
+// Every picture of the range is valid. The error names the file, the part if there are several, and
 // the reason.
-[[nodiscard]] Result<PictureFile> load_picture_file(const std::filesystem::path& path);
+[[nodiscard]] Result<PictureFile> load_picture_file(const std::filesystem::path& path,
+                                                    const PictureRange& range = {});
 [[nodiscard]] Result<std::vector<DepthImage>> load_pictures(const std::filesystem::path& path);
 
 }  // namespace rilievo

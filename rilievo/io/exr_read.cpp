@@ -87,7 +87,7 @@ Result<> adopt_foreign_depth(DepthImage& picture) {
   return Done{};
 }
 
-Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index) {
+Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index, bool with_planes) {
   const Imf::Header& header = file.header(index);
   if (Result<> channels = check_channels(header); !channels) return channels.error();
   DepthImage picture;
@@ -103,6 +103,7 @@ Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index) {
   picture.name = attribute<std::string>(header, kName)
                      .value_or(header.hasName() ? header.name() : std::string());
 
+  if (!with_planes) return picture;
   Imf::InputPart part(file, index);
   read_planes(part, picture);
   if (!ours)
@@ -122,7 +123,8 @@ Attributes attributes_of(const Imf::Header& header, std::string_view prefix) {
   return out;
 }
 
-Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes) {
+Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes,
+                               const PictureRange& range) {
   const auto error = [&](int part, const Error& e) {
     const std::string which = file.parts() > 1 ? "part " + std::to_string(part) + ": " : "";
     return because(which + e.reason);
@@ -133,7 +135,7 @@ Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes)
       return error(i, claims.error());
   PictureFile out;
   for (int i = 0; i < file.parts(); ++i) {
-    Result<DepthImage> picture = read_part(file, i);
+    Result<DepthImage> picture = read_part(file, i, range.has(std::size_t(i)));
     if (!picture) return error(i, picture.error());
     out.pictures.push_back(*std::move(picture));
     out.attributes.pictures.push_back(attributes_of(file.header(i), kPicturePrefix));
@@ -144,7 +146,8 @@ Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes)
 
 }  // namespace
 
-Result<PictureFile> load_picture_file(const std::filesystem::path& path) {
+Result<PictureFile> load_picture_file(const std::filesystem::path& path,
+                                      const PictureRange& range) {
   const Result<std::string> bytes = read_file(path, kMostBytes);
   if (!bytes) return bytes.error();
   if (Result<> sizes = check_exr_sizes(*bytes); !sizes)
@@ -152,7 +155,7 @@ Result<PictureFile> load_picture_file(const std::filesystem::path& path) {
   try {
     MemoryStream stream(*bytes);
     Imf::MultiPartInputFile file(stream, 0);
-    Result<PictureFile> read = read_parts(file, double(bytes->size()));
+    Result<PictureFile> read = read_parts(file, double(bytes->size()), range);
     if (!read) return Error{path.string(), read.error().reason};
     return read;
   } catch (const std::exception& failed) {

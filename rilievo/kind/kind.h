@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,8 @@ class Representation {
   [[nodiscard]] virtual std::uint32_t only_object() const { return 1; }
   // Which way is up and from where it is best looked at, where the pictures tell.
   [[nodiscard]] virtual Vantage vantage() const { return {}; }
+  // Where to walk by default; nothing: around the bounds.
+  [[nodiscard]] virtual std::optional<CameraPath> walk() const { return {}; }
 };
 
 // One line of what `rilievo info` says.
@@ -48,6 +51,7 @@ struct Fact {
 struct BakeInput {
   CaptureSource& source;
   std::vector<std::uint32_t> objects;  // indices into the scene's objects; empty: all
+  Box eyes = {};                       // where eyes will be; empty: not known
 };
 
 struct Baked {
@@ -63,12 +67,25 @@ struct Variant {
   std::string_view option, value;  // of draw_options; empty: none, a former name of the kind
 };
 
+// What does a representation stand for?
+enum class StandsFor {
+  objects,       // one object or several, seen from outside
+  surroundings,  // all that is seen from within a region, the sky too
+};
+
+// Of what a representation exports.
+struct SceneRequest {
+  int part = 0;        // one of its nodes, views ...
+  bool closed = true;  // gaps that no picture has seen are closed
+};
+
 struct Kind {
   std::string_view name;     // "layered-impostor": as --as, --method and files have it
   std::string_view summary;  // half a sentence, for --help
   std::span<const Variant> variants = {};
   // Of bake; and of make_drawable, which changes no file.
   std::span<const Option> bake_options = {}, draw_options = {};
+  StandsFor stands_for = StandsFor::objects;
 
   // The error says what the source lacks.
   Result<Baked> (*bake)(const BakeInput&, const OptionValues&, const Progress&) = nullptr;
@@ -77,11 +94,15 @@ struct Kind {
 
   // Does a file with these attributes hold this kind?
   bool (*says)(const FileAttributes&) = nullptr;
+  // Does load() read the planes of pictures itself, some at a time? Then it gets none.
+  bool reads_later = false;
   // The error names the file and what is wrong with it.
   Result<std::unique_ptr<Representation>> (*load)(PictureFile,
                                                   const std::filesystem::path&) = nullptr;
   Result<> (*save)(const Representation&, const std::filesystem::path&) = nullptr;
   std::vector<Fact> (*describe)(const Representation&) = nullptr;
+  // The same as an ordinary textured mesh, for other programs; null where a kind is none.
+  Result<Scene> (*to_scene)(const Representation&, const SceneRequest&) = nullptr;
 };
 
 // One backend's way to draw a kind: what instances of it share (shaders) is made once. Must outlive

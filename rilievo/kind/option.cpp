@@ -34,6 +34,19 @@ std::vector<double> numbers_from(std::string_view text) {
   }
 }
 
+// Three numbers each; empty if one of them is no point.
+std::vector<double> points_from(std::string_view text) {
+  std::vector<double> all;
+  while (!text.empty()) {
+    const std::size_t space = std::min(text.find(' '), text.size());
+    const std::vector<double> point = numbers_from(text.substr(0, space));
+    if (point.size() != 3) return {};
+    all.insert(all.end(), point.begin(), point.end());
+    text.remove_prefix(std::min(space + 1, text.size()));
+  }
+  return all;
+}
+
 bool is_box(const std::vector<double>& n) {
   return n.size() == 6 && n[0] < n[3] && n[1] < n[4] && n[2] < n[5];
 }
@@ -52,6 +65,8 @@ bool accepts(const Option& option, std::string_view value) {
       return std::find(option.choices.begin(), option.choices.end(), value) != option.choices.end();
     case OptionType::point:
       return value.empty() || numbers_from(value).size() == 3;
+    case OptionType::points:
+      return value.empty() || !points_from(value).empty();
     case OptionType::box:
       return value.empty() || is_box(numbers_from(value));
     case OptionType::text:
@@ -74,6 +89,8 @@ std::string expected_text(const Option& option) {
       return fmt::format("{}", fmt::join(option.choices, ", "));
     case OptionType::point:
       return "three numbers, X,Y,Z";
+    case OptionType::points:
+      return "one or more points, X,Y,Z each";
     case OptionType::box:
       return "two corners, X0,Y0,Z0,X1,Y1,Z1, the second above the first along every axis";
     case OptionType::text:
@@ -126,7 +143,8 @@ double OptionValues::number(std::string_view name) const {
 }
 
 std::vector<double> OptionValues::numbers(std::string_view name) const {
-  return numbers_from(text(name));
+  const bool points = options_[index_of(name)].type == OptionType::points;
+  return points ? points_from(text(name)) : numbers_from(text(name));
 }
 
 const std::string& OptionValues::text(std::string_view name) const {

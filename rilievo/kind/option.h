@@ -21,6 +21,7 @@ enum class OptionType {
   number,   // within [least, most], finite
   choice,   // one of `choices`
   point,    // three finite numbers "X,Y,Z", or empty
+  points,   // some such, with spaces between them, or empty
   box,      // two corners, the second above the first: "X0,Y0,Z0,X1,Y1,Z1", or empty
   text,
 };
@@ -54,7 +55,7 @@ class OptionValues {
   [[nodiscard]] int integer(std::string_view name) const;
   [[nodiscard]] double number(std::string_view name) const;
   [[nodiscard]] const std::string& text(std::string_view name) const;
-  // A point or a box; nothing if it is empty.
+  // A point, points or a box, one number after the other; nothing if it is empty.
   [[nodiscard]] std::vector<double> numbers(std::string_view name) const;
 
   [[nodiscard]] std::span<const Option> options() const { return options_; }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <random>
+#include <vector>
 
 namespace rilievo {
 namespace {
@@ -23,6 +24,7 @@ const std::array kOptions{
            .default_value = "left",
            .choices = {"left", "right"}},
     Option{.name = "at", .type = OptionType::point, .default_value = ""},
+    Option{.name = "points", .type = OptionType::points, .default_value = ""},
     Option{.name = "box", .type = OptionType::box, .default_value = ""},
 };
 
@@ -49,8 +51,11 @@ TEST(OptionValues, take_what_the_option_says_and_nothing_else) {
                                    {"fast", "on"},
                                    {"way", "right"},
                                    {"at", "1,-2.5,3e2"},
+                                   {"points", "1,2,3"},
+                                   {"points", "1,2,3 -4,5e1,6"},
                                    {"box", "0,0,0,1,2,3"}})
     EXPECT_TRUE(values.set(name, good).ok()) << name << " " << good;
+  EXPECT_EQ(values.numbers("points"), (std::vector<double>{1, 2, 3, -4, 50, 6}));
   const OptionValues before = values;
   for (const auto& [name, bad] : {std::pair{"count", "0"},
                                   {"count", "11"},
@@ -68,6 +73,10 @@ TEST(OptionValues, take_what_the_option_says_and_nothing_else) {
                                   {"at", "1,2,3,4"},
                                   {"at", "1,,3"},
                                   {"at", "1,2,nan"},
+                                  {"points", "1,2"},
+                                  {"points", "1,2,3 4"},
+                                  {"points", "1,2,3  4,5,6"},
+                                  {"points", "1,2,3 4,5,inf"},
                                   {"box", "0,0,0,1,2"},
                                   {"box", "0,0,0,1,0,3"},
                                   {"box", "0,0,0,1,1,1e999"}}) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 
 namespace rilievo {
@@ -10,6 +11,7 @@ namespace rilievo {
 std::span<const Kind* const> kinds() {
   static const std::array all{
       &layered_impostor_kind(),
+      &environment_nodes_kind(),
   };
   return all;
 }

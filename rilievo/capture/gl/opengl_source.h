@@ -19,6 +19,7 @@ class OpenGLSource final : public CaptureSource {
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   // By depth peeling (capture_layers.h).
   [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;
+  [[nodiscard]] const Scene* scene() const override { return &renderer_.scene(); }
 
  private:
   SceneRenderer& renderer_;

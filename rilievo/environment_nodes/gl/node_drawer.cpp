@@ -11,6 +11,9 @@ namespace {
 // A gap's width up to which it counts as a crack, pixels.
 constexpr float kCrack = 2.0f;
 constexpr float kAnyWidth = 1e30f;
+// One step of a float before the far plane, which is the empty frame's: a sky that is drawn later
+// must not cover the node's.
+constexpr double kFarthest = 1 - 0x1p-23;
 
 }  // namespace
 
@@ -39,12 +42,29 @@ StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
     glTextureSubImage3D(name, 0, 0, 0, f, size, size, 1, GL_RGBA, GL_UNSIGNED_BYTE,
                         face.texels().data());
   }
+  if (!map.faces[0].object.empty()) {
+    GLuint objects = 0;
+    glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &objects);
+    node.objects_ = gl::Texture(objects);
+    glTextureStorage2D(objects, 1, GL_R32UI, size, size);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      glTextureParameteri(objects, filter, GL_NEAREST);
+    for (int f = 0; f < 6; ++f) {
+      Image<std::uint32_t> face = map.faces[std::size_t(f)].object;
+      if (face.empty()) face = Image<std::uint32_t>(size, size, kNoObject);
+      for (int y = 0; y < size / 2; ++y)
+        std::swap_ranges(face.row(y).begin(), face.row(y).end(), face.row(size - 1 - y).begin());
+      glTextureSubImage3D(objects, 0, 0, 0, f, size, size, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                          face.texels().data());
+    }
+  }
   const std::size_t vertex_bytes = mesh.vertices.size() * sizeof(NodeVertex);
   const std::size_t index_bytes = mesh.indices.size() * sizeof(std::uint32_t);
   node.vertices_ = gl::make_buffer(vertex_bytes, mesh.vertices.data());
   node.indices_ = gl::make_buffer(index_bytes, mesh.indices.data());
   node.quality_ = gl::make_buffer(mesh.quality.size() * sizeof(float), mesh.quality.data());
-  node.bytes_ = rilievo::bytes(mesh) + std::size_t(6) * std::size_t(size) * std::size_t(size) * 4;
+  node.bytes_ = rilievo::bytes(mesh) +
+                std::size_t(6) * std::size_t(size) * std::size_t(size) * (node.objects_ ? 8 : 4);
 
   node.vertex_array_ = gl::make_vertex_array();
   const GLuint array = node.vertex_array_;
@@ -73,15 +93,15 @@ Result<NodeDrawer> NodeDrawer::create() {
                         make(make_node_skin_program(NodeOutput::color), drawer.color_skin_),
                         make(make_node_program(NodeOutput::layer), drawer.layer_),
                         make(make_node_skin_program(NodeOutput::layer), drawer.layer_skin_),
+                        make(make_node_program(NodeOutput::object), drawer.objects_),
+                        make(make_node_skin_program(NodeOutput::object), drawer.objects_skin_),
+                        make(shader::make_node_cover_program(), drawer.covered_),
                         make(make_node_program(NodeOutput::direction), drawer.direction_),
                         make(make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
                         make(make_node_program(NodeOutput::color_twice_corrected), drawer.twice_)})
     if (!made) return made.error();
   for (int merge = 1; merge <= 3; ++merge)
-    if (Result<> made =
-            make(shader::make_node_merge_program(merge), drawer.merge_[std::size_t(merge - 1)]);
-        !made)
-      return made.error();
+    if (Result<> made = drawer.use_merge(merge, 2); !made) return made.error();
   if (Result<> made = make(shader::make_cube_map_program(), drawer.cube_map_); !made)
     return made.error();
   drawer.no_vertices_ = gl::make_vertex_array();
@@ -97,6 +117,7 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glEnable(GL_DEPTH_CLAMP);
+  glDepthRange(0, kFarthest);
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -127,6 +148,7 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   draw_ranges(surfaces, node.shape_.surfaces);
   if (skins) draw_ranges(*skins, node.shape_.skins);
   glDisable(GL_DEPTH_CLAMP);
+  glDepthRange(0, 1);
 }
 
 Result<> NodeDrawer::make_layers(int width, int height, int count) {
@@ -149,6 +171,72 @@ Result<> NodeDrawer::make_layers(int width, int height, int count) {
   return Done{};
 }
 
+Result<> NodeDrawer::use_merge(int merge, std::size_t nodes) {
+  gl::Program& program = merge_[std::size_t(merge) - 1][nodes];
+  if (!program) {
+    Result<gl::Program> made = shader::make_node_merge_program(merge, int(nodes));
+    if (!made) return made.error();
+    program = std::move(*made);
+  }
+  glUseProgram(program);
+  return Done{};
+}
+
+void NodeDrawer::begin_layer(std::size_t layer) const {
+  const GLuint name = layer_framebuffers_[layer];
+  const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, name);
+  glClearNamedFramebufferfv(name, GL_COLOR, 0, nothing);
+  glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far);
+}
+
+// The second layer is drawn into a z-buffer that lets nothing pass where the first one shows a
+// surface; what both hold together no longer overlaps, so that any merge composes it.
+Result<> NodeDrawer::draw_first(const Camera& frame, std::span<const StoredNode* const> nodes,
+                                float widest) {
+  if (Result<> made = make_layers(frame.width, frame.height, 2); !made) return made;
+  GLint framebuffer = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+  begin_layer(0);
+  draw_node(frame, *nodes[0], layer_, &layer_skin_, widest);
+  begin_layer(1);
+  glUseProgram(covered_);
+  glBindVertexArray(no_vertices_);
+  glBindTextureUnit(0, layer_colors_);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  for (const StoredNode* node : nodes.subspan(1))
+    draw_node(frame, *node, layer_, &layer_skin_, kCrack);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
+  if (Result<> made = use_merge(1, 2); !made) return made;
+  glBindVertexArray(no_vertices_);
+  glBindTextureUnit(0, layer_colors_);
+  glBindTextureUnit(1, layer_depths_);
+  glUniform1f(1, 0.0f);
+  glUniform2f(2, float(frame.z_near), float(frame.z_far));
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  return Done{};
+}
+
+void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
+                              std::uint32_t object, const NodeDrawOptions& options) {
+  RILIEVO_EXPECTS(!nodes.empty());
+  for (const gl::Program* program : {&objects_, &objects_skin_})
+    glProgramUniform1ui(*program, 3, object);
+  for (const StoredNode* node : nodes) {
+    // Without identifiers of its own it shows one object.
+    if (object == kNoObject && !node->objects_)
+      for (const gl::Program* program : {&objects_, &objects_skin_})
+        glProgramUniform1ui(*program, 3, 1);
+    glBindTextureUnit(1, node->objects_);
+    draw_node(frame, *node, objects_, &objects_skin_,
+              options.skin && node == nodes[0] ? kAnyWidth : kCrack);
+    for (const gl::Program* program : {&objects_, &objects_skin_})
+      glProgramUniform1ui(*program, 3, object);
+  }
+}
+
 Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                           const NodeDrawOptions& options) {
   RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMostNodes);
@@ -164,30 +252,28 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
     return Done{};
   }
 
+  if (options.merge == NodeMerge::first) return draw_first(frame, nodes, widest);
   if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size())); !made) return made;
   GLint framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-  const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
   double sum = 0;
   for (const StoredNode* node : nodes) sum += 1 / std::max(1e-9, glm::distance(eye, node->eye()));
   float nearness[kMostNodes] = {};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nearness[i] =
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer_framebuffers_[i]);
-    glClearNamedFramebufferfv(layer_framebuffers_[i], GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(layer_framebuffers_[i], GL_DEPTH, 0, &far);
+    begin_layer(i);
     draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack);
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
-  glUseProgram(merge_[std::size_t(options.merge) - 1]);
+  if (Result<> made = use_merge(int(options.merge), nodes.size()); !made) return made;
   glBindVertexArray(no_vertices_);
   glBindTextureUnit(0, layer_colors_);
   glBindTextureUnit(1, layer_depths_);
-  glUniform1i(0, GLint(nodes.size()));
   glUniform1f(1, options.tolerance);
   glUniform2f(2, float(frame.z_near), float(frame.z_far));
-  glUniform1fv(3, GLsizei(nodes.size()), nearness);
+  // Only one of the merges has it.
+  if (options.merge == NodeMerge::positional) glUniform1fv(3, GLsizei(nodes.size()), nearness);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   return Done{};
 }

@@ -1,9 +1,10 @@
 // Draws environment nodes, and merges them where several show the same surface (S3.3 to S3.7).
 //
 // A frame's depth is written, so that polygons and other pictures mix with nodes; what lies beyond
-// the frame's far plane, as the sky does, is drawn at it. Needs a current OpenGL context; draws
-// into the bound framebuffer, whose colours are sRGB-encoded, and the viewport, which has the
-// frame's size.
+// the frame's far plane, as the sky does, is drawn just before it, so that whoever draws a sky
+// where the frame is empty draws it into the gaps alone. Needs a current OpenGL context; draws into
+// the bound framebuffer, whose colours are sRGB-encoded, and the viewport, which has the frame's
+// size.
 #pragma once
 
 #include <array>
@@ -33,7 +34,8 @@ class StoredNode {
   StoredNode() = default;
   NodeMesh shape_;  // without vertices and indices
   std::array<SideReach, 6> reaches_;
-  gl::Texture faces_;  // a cube map, sRGB-encoded
+  gl::Texture faces_;    // a cube map, sRGB-encoded
+  gl::Texture objects_;  // likewise, identifiers; 0 if the pictures have none
   gl::Buffer vertices_, indices_, quality_;
   gl::VertexArray vertex_array_;
   std::size_t bytes_ = 0, triangles_ = 0;
@@ -44,6 +46,7 @@ enum class NodeMerge {
   binary,      // of what is about as near, the triangle of the best quality
   weighted,    // ... their mean by quality
   positional,  // ... by quality and by how near the eye is to the node
+  first,       // the first node; the others only where it has gaps (S3.8)
 };
 
 struct NodeDrawOptions {
@@ -66,6 +69,11 @@ class NodeDrawer {
   Result<> draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                 const NodeDrawOptions& options);
 
+  // Object identifiers, for probes: those of the pictures, or `object` if it is not kNoObject. One
+  // z-buffer for all nodes.
+  void draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
+                    std::uint32_t object, const NodeDrawOptions& options);
+
   // For tests and measures: the direction, in the node's own space, that each pixel shows, into a
   // framebuffer of floats.
   void draw_directions(const Camera& frame, const StoredNode& node, bool skin);
@@ -81,11 +89,16 @@ class NodeDrawer {
  private:
   void draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
                  const gl::Program* skins, float widest_skin);
+  Result<> draw_first(const Camera& frame, std::span<const StoredNode* const> nodes, float widest);
+  void begin_layer(std::size_t layer) const;
+  // Makes the program the current one.
+  Result<> use_merge(int merge, std::size_t nodes);
   Result<> make_layers(int width, int height, int count);
 
   gl::Program color_, color_skin_, layer_, layer_skin_, direction_, direction_skin_, twice_,
-      cube_map_;
-  std::array<gl::Program, 3> merge_;
+      cube_map_, objects_, objects_skin_, covered_;
+  // By merge - 1 and number of nodes; made when first needed, those of two at once.
+  std::array<std::array<gl::Program, kMostNodes + 1>, 3> merge_;
   gl::VertexArray no_vertices_;
   int width_ = 0, height_ = 0, count_ = 0;
   gl::Texture layer_colors_, layer_depths_;

@@ -40,14 +40,22 @@ layout(location = 1) uniform float widest_skin;  // pixels
 layout(location = 2) uniform int first_triangle;
 layout(std430, binding = 0) readonly buffer Quality { float quality[]; };
 #endif
+#ifdef OBJECT
+layout(location = 3) uniform uint object;  // 0: those of the pictures
+layout(binding = 1) uniform usamplerCube objects;
+layout(location = 0) out uint out_object;
+#else
 layout(binding = 0) uniform samplerCube faces;
 layout(location = 0) out vec4 out_color;
+#endif
 void main() {
 #ifdef SKIN
   // From 0 to 1 over its width.
   if (v_stretch >= 0.0 && fwidth(v_stretch) * widest_skin < 1.0) discard;
 #endif
-#ifdef DIRECTION
+#if defined(OBJECT)
+  out_object = object != 0u ? object : texture(objects, v_direction).r;
+#elif defined(DIRECTION)
   out_color = vec4(v_direction, 1.0);
 #else
   vec4 color = texture(faces, v_direction);
@@ -78,20 +86,19 @@ void main() {
 const char* const kMergeFragment = R"(#version 450
 layout(binding = 0) uniform sampler2DArray colors;
 layout(binding = 1) uniform sampler2DArray depths;
-layout(location = 0) uniform int layers;
 layout(location = 1) uniform float tolerance;
 layout(location = 2) uniform vec2 planes;       // z_near, z_far
-layout(location = 3) uniform float nearness[8];
+layout(location = 3) uniform float nearness[LAYERS];
 layout(location = 0) out vec4 out_color;
 float eye_z(float window_z) {
   return planes.x * planes.y / (planes.y - window_z * (planes.y - planes.x));
 }
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 color[8];
-  float depth[8];
+  vec4 color[LAYERS];
+  float depth[LAYERS];
   float nearest = 1e30, nearest_skin = 1e30;
-  for (int i = 0; i < layers; ++i) {
+  for (int i = 0; i < LAYERS; ++i) {
     color[i] = texelFetch(colors, ivec3(pixel, i), 0);
     depth[i] = texelFetch(depths, ivec3(pixel, i), 0).r;
     if (color[i].a > 1.5 / 255.0) nearest = min(nearest, depth[i]);
@@ -103,7 +110,7 @@ void main() {
   float limit = eye_z(nearest) * (1.0 + tolerance);
   vec3 sum = vec3(0.0);
   float weights = 0.0, most = -1.0, out_depth = nearest;
-  for (int i = 0; i < layers; ++i) {
+  for (int i = 0; i < LAYERS; ++i) {
     if (color[i].a == 0.0 || (color[i].a > 1.5 / 255.0) == skin || eye_z(depth[i]) > limit) continue;
     float weight = skin ? 1.0 : max(color[i].a * 255.0 - 2.0, 0.0) + 0.25;
 #if MERGE == 3
@@ -126,6 +133,14 @@ void main() {
 #endif
   out_color = vec4(sum, 1.0);
   gl_FragDepth = out_depth;
+}
+)";
+
+const char* const kCoverFragment = R"(#version 450
+layout(binding = 0) uniform sampler2DArray colors;
+void main() {
+  if (texelFetch(colors, ivec3(ivec2(gl_FragCoord.xy), 0), 0).a < 1.5 / 255.0) discard;
+  gl_FragDepth = 0.0;
 }
 )";
 
@@ -155,6 +170,7 @@ Result<gl::Program> make_cube_map_program() {
 Result<gl::Program> make_node_program(NodeOutput output) {
   std::string defines;
   if (output == NodeOutput::layer) defines = "#define LAYER 1\n";
+  if (output == NodeOutput::object) defines = "#define OBJECT 1\n";
   if (output == NodeOutput::direction) defines = "#define DIRECTION 1\n";
   if (output == NodeOutput::color_twice_corrected) defines = "#define TWICE 1\n";
   return gl::make_program("environment node", kVertex, kFragment, defines);
@@ -163,13 +179,19 @@ Result<gl::Program> make_node_program(NodeOutput output) {
 Result<gl::Program> make_node_skin_program(NodeOutput output) {
   std::string defines = "#define SKIN 1\n";
   if (output == NodeOutput::layer) defines += "#define LAYER 1\n";
+  if (output == NodeOutput::object) defines += "#define OBJECT 1\n";
   if (output == NodeOutput::direction) defines += "#define DIRECTION 1\n";
   return gl::make_program("node skin", kVertex, kFragment, defines);
 }
 
-Result<gl::Program> make_node_merge_program(int merge) {
+Result<gl::Program> make_node_cover_program() {
+  return gl::make_program("node cover", kMergeVertex, kCoverFragment);
+}
+
+Result<gl::Program> make_node_merge_program(int merge, int layers) {
   return gl::make_program("node merge", kMergeVertex, kMergeFragment,
-                          "#define MERGE " + std::to_string(merge) + "\n");
+                          "#define MERGE " + std::to_string(merge) + "\n#define LAYERS " +
+                              std::to_string(layers) + "\n");
 }
 
 }  // namespace rilievo::shader

@@ -4,6 +4,8 @@
 #include <array>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/environment_nodes/environment_kind.h"
+#include "rilievo/environment_nodes/gl/environment_drawable.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 
@@ -12,6 +14,7 @@ namespace rilievo {
 std::span<const DrawableRow> drawable_rows() {
   static constexpr std::array rows{
       DrawableRow{kLayeredImpostorName, make_layered_drawable_factory},
+      DrawableRow{kEnvironmentNodesName, make_environment_drawable_factory},
   };
   return rows;
 }

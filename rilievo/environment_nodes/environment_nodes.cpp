@@ -1,0 +1,151 @@
+#include "rilievo/environment_nodes/environment_nodes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/environment_nodes/cube_grid.h"
+#include "rilievo/io/exr.h"
+
+namespace rilievo {
+namespace {
+
+EnvironmentMap map_of(const DepthImage* faces, const std::string& name) {
+  EnvironmentMap map;
+  map.name = name;
+  for (std::size_t f = 0; f < 6; ++f) map.faces[f] = faces[f];
+  return map;
+}
+
+}  // namespace
+
+Box EnvironmentNodes::bounds() const {
+  Box all;
+  for (const NodeSketch& node : nodes) all.add(node.bounds);
+  // Nothing but sky: the nodes themselves.
+  if (all.empty())
+    for (const NodeSketch& node : nodes) all.add(glm::vec3(node.eye()));
+  return all;
+}
+
+std::size_t EnvironmentNodes::bytes() const {
+  std::size_t sum = 0;
+  for (const DepthImage& picture : pictures)
+    sum += picture.color.texels().size() * sizeof(glm::vec4) +
+           picture.depth.texels().size() * sizeof(float) +
+           picture.object.texels().size() * sizeof(std::uint32_t);
+  for (const NodeSketch& node : nodes)
+    for (const Image<float>& face : node.distance) sum += face.texels().size() * sizeof(float);
+  return sum;
+}
+
+NodeSketch make_sketch(const EnvironmentMap& map) {
+  NodeSketch sketch;
+  sketch.world_from_node = world_from_node(map);
+  const int n = sketch.face_size = map.faces[0].camera.width;
+  std::size_t covered = 0;
+  for (std::size_t f = 0; f < 6; ++f) {
+    const DepthImage& face = map.faces[f];
+    const auto distance_at = [&](int x, int y) {
+      const glm::dvec2 at(x + 0.5, y + 0.5);
+      return depth_from_eye_z(DepthKind::ray,
+                              eye_z_from(face.depth_kind, face.depth(x, y), face.camera, at),
+                              face.camera, at);
+    };
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) covered += face.covered(x, y) ? 1 : 0;
+    // Every few texels are enough for bounds that say where to look.
+    const int step = std::max(1, n / 64);
+    for (int y = step / 2; y < n; y += step)
+      for (int x = step / 2; x < n; x += step)
+        if (face.covered(x, y)) {
+          const glm::dvec2 at(x + 0.5, y + 0.5);
+          sketch.bounds.add(glm::vec3(world_from_raster(
+              face.camera, at, eye_z_from(face.depth_kind, face.depth(x, y), face.camera, at))));
+        }
+    sketch.distance[f] = Image<float>(NodeSketch::kSize, NodeSketch::kSize);
+    for (int j = 0; j < NodeSketch::kSize; ++j)
+      for (int i = 0; i < NodeSketch::kSize; ++i) {
+        const int x = (2 * i + 1) * n / (2 * NodeSketch::kSize);
+        const int y = (2 * j + 1) * n / (2 * NodeSketch::kSize);
+        sketch.distance[f](i, j) = face.covered(x, y) ? float(distance_at(x, y))
+                                   : face.color(x, y).a > 0.0f
+                                       ? std::numeric_limits<float>::infinity()
+                                       : 0.0f;
+      }
+  }
+  sketch.covered = double(covered) / (6.0 * n * n);
+  return sketch;
+}
+
+Result<EnvironmentNodes> make_environment_nodes(std::vector<DepthImage> pictures,
+                                                const TriangulateOptions& mesh) {
+  if (pictures.empty() || pictures.size() % 6 != 0)
+    return Error{"nodes",
+                 fmt::format("{} pictures are no nodes of six faces each", pictures.size())};
+  EnvironmentNodes nodes;
+  nodes.mesh = mesh;
+  nodes.pictures = std::move(pictures);
+  for (std::size_t i = 0; i < nodes.pictures.size() / 6; ++i) {
+    const EnvironmentMap map = map_of(&nodes.pictures[6 * i], "");
+    if (Result<> valid = validate_environment(map); !valid)
+      return Error{fmt::format("node {}", i), valid.error().message()};
+    nodes.nodes.push_back(make_sketch(map));
+  }
+  return nodes;
+}
+
+Result<EnvironmentMap> load_node(const EnvironmentNodes& nodes, std::size_t node) {
+  RILIEVO_EXPECTS(node < nodes.nodes.size());
+  if (!nodes.pictures.empty()) return map_of(&nodes.pictures[6 * node], nodes.name);
+  Result<PictureFile> file = load_picture_file(nodes.file, {6 * node, 6});
+  if (!file) return file.error();
+  const auto refuse = [&](const std::string& reason) {
+    return Error{nodes.file.string(), fmt::format("node {}: {}", node, reason)};
+  };
+  if (file->pictures.size() < 6 * node + 6) return refuse("is no longer in the file");
+  const EnvironmentMap map = map_of(&file->pictures[6 * node], nodes.name);
+  if (Result<> valid = validate_environment(map); !valid) return refuse(valid.error().message());
+  return map;
+}
+
+bool sees(const NodeSketch& node, const glm::dvec3& eye) {
+  const glm::dvec3 to = glm::transpose(glm::dmat3(node.world_from_node)) * (eye - node.eye());
+  const double distance = glm::length(to);
+  if (distance == 0) return true;
+  std::size_t f = 0;
+  double most = 0;
+  for (std::size_t g = 0; g < 6; ++g) {
+    const double along = glm::dot(to, glm::dvec3(face_axes()[g].forward));
+    if (along > most) most = along, f = g;
+  }
+  const FaceAxes& axes = face_axes()[f];
+  const auto place = [&](double at) {
+    return std::clamp(int(0.5 * (1 + at / most) * NodeSketch::kSize), 0, NodeSketch::kSize - 1);
+  };
+  const int i = place(glm::dot(to, glm::dvec3(axes.right)));
+  const int j = place(-glm::dot(to, glm::dvec3(axes.up)));
+  return distance <= double(node.distance[f](i, j));
+}
+
+std::vector<std::size_t> nodes_for_eye(const EnvironmentNodes& nodes, const glm::dvec3& eye) {
+  struct Entry {
+    bool blind;
+    double distance;
+    std::size_t node;
+  };
+  std::vector<Entry> order;
+  for (std::size_t i = 0; i < nodes.nodes.size(); ++i)
+    order.push_back({!sees(nodes.nodes[i], eye), glm::distance(nodes.nodes[i].eye(), eye), i});
+  std::stable_sort(order.begin(), order.end(), [](const Entry& a, const Entry& b) {
+    return a.blind != b.blind ? b.blind : a.distance < b.distance;
+  });
+  std::vector<std::size_t> best;
+  for (const Entry& entry : order) best.push_back(entry.node);
+  return best;
+}
+
+}  // namespace rilievo

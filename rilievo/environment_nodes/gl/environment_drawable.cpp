@@ -1,0 +1,205 @@
+#include "rilievo/environment_nodes/gl/environment_drawable.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "rilievo/environment_nodes/environment_kind.h"
+#include "rilievo/environment_nodes/working_set.h"
+
+namespace rilievo {
+namespace {
+
+// In triangles, on a software rasteriser: a node's mesh, and a pixel of a merge of two.
+constexpr double kTriangles = 20000;
+constexpr double kPixel = 0.05;
+// Triangles of a node that has as many as the error asks for, a texel of its faces: of an indoor
+// scene, roughly; each takes so many bytes with its vertices.
+constexpr double kTrianglesATexel = 0.05;
+constexpr std::size_t kTriangleBytes = 40;
+
+// The same frame, seen from the world of the capture. Nothing if that is no rigid motion or uniform
+// scale.
+std::optional<Camera> captured_frame(const Camera& frame, const glm::dmat4& world_from_capture) {
+  const double scale = glm::length(glm::dvec3(world_from_capture[0]));
+  if (!(scale > 0)) return std::nullopt;
+  const glm::dmat4 inverse = glm::inverse(world_from_capture);
+  Camera camera = frame;
+  camera.world_from_eye = inverse * frame.world_from_eye;
+  for (int k = 0; k < 3; ++k) camera.world_from_eye[k] *= scale;
+  camera.z_near /= scale;
+  camera.z_far /= scale;
+  return camera;
+}
+
+}  // namespace
+
+Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& values) {
+  EnvironmentDrawOptions options;
+  const std::string& merge = values.text("merge");
+  options.draw.merge = merge == "layering"   ? NodeMerge::layering
+                       : merge == "binary"   ? NodeMerge::binary
+                       : merge == "weighted" ? NodeMerge::weighted
+                       : merge == "first"    ? NodeMerge::first
+                                             : NodeMerge::positional;
+  if (values.flag("gaps") && values.flag("skin")) return Error{"--gaps", "excludes --skin"};
+  options.draw.skin = !values.flag("gaps");
+  options.resident = std::size_t(values.integer("resident"));
+  options.nodes = std::min(std::size_t(values.integer("nodes")), options.resident);
+  return options;
+}
+
+struct EnvironmentDrawable::State {
+  State(EnvironmentNodes made, NodeDrawer& with, const EnvironmentDrawOptions& how)
+      : nodes(std::move(made)), drawer(with), options(how), working(nodes, how.resident) {}
+
+  EnvironmentNodes nodes;
+  NodeDrawer& drawer;
+  EnvironmentDrawOptions options;
+  std::map<std::size_t, StoredNode> stored;
+  // Of nodes that have been in memory, or asked for.
+  mutable std::map<std::size_t, NodeErrorModel> errors;
+  mutable std::mutex errors_mutex;
+  NodeWorkingSet working;
+  std::vector<const StoredNode*> drawn;
+
+  void take_all() {
+    while (std::optional<LoadedNode> loaded = working.take()) {
+      stored.insert_or_assign(loaded->node, StoredNode::create(loaded->map, loaded->mesh));
+      const std::lock_guard lock(errors_mutex);
+      errors.insert_or_assign(loaded->node, std::move(loaded->error));
+    }
+  }
+
+  // Into `drawn`, the best first.
+  void choose(const glm::dvec3& eye) {
+    const std::vector<std::size_t> order = nodes_for_eye(nodes, eye);
+    working.want(order, [&](std::size_t node) { stored.erase(node); });
+    drawn.clear();
+    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
+      take_all();
+      if (stored.find(order[k]) == stored.end() && working.wait_for(order[k])) take_all();
+    }
+    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
+      const auto found = stored.find(order[k]);
+      if (found != stored.end()) drawn.push_back(&found->second);
+    }
+  }
+
+  [[nodiscard]] double bound(const Camera& frame) const {
+    const std::vector<std::size_t> order = nodes_for_eye(nodes, frame.position());
+    const std::lock_guard lock(errors_mutex);
+    double widest = 0;
+    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
+      auto found = errors.find(order[k]);
+      if (found == errors.end()) {
+        Result<LoadedNode> loaded = load_and_triangulate(nodes, order[k]);
+        if (!loaded) return std::numeric_limits<double>::infinity();
+        found = errors.emplace(order[k], std::move(loaded->error)).first;
+      }
+      const NodeBound px = bound_px(found->second, frame);
+      widest = std::max(widest, px.error);
+      // A gap shows what no node has seen, unless another node fills it: not counted on.
+      if (k == 0) widest = std::max(widest, px.gap);
+      // At a node's own place only that one is drawn.
+      if (k == 0 && px.error == 0 && px.gap == 0) break;
+    }
+    return widest;
+  }
+};
+
+EnvironmentDrawable::EnvironmentDrawable(EnvironmentNodes nodes, NodeDrawer& drawer,
+                                         const EnvironmentDrawOptions& options)
+    : state_(std::make_unique<State>(std::move(nodes), drawer, options)) {}
+
+EnvironmentDrawable::~EnvironmentDrawable() = default;
+
+std::string_view EnvironmentDrawable::kind() const { return kEnvironmentNodesName; }
+
+void EnvironmentDrawable::draw(const Camera& frame, std::span<const Instance> instances,
+                               Output output) {
+  State& s = *state_;
+  for (const Instance& instance : instances) {
+    const std::optional<Camera> captured = captured_frame(frame, instance.world_from_capture);
+    if (!captured) continue;
+    s.choose(captured->position());
+    if (s.drawn.empty()) continue;
+    if (output == Output::object_id)
+      s.drawer.draw_objects(*captured, s.drawn, instance.object, s.options.draw);
+    else
+      // Fails only if the driver has no memory for the layers: then nothing is drawn.
+      (void)s.drawer.draw(*captured, s.drawn, s.options.draw);
+  }
+}
+
+void EnvironmentDrawable::draw_outlines(const Camera&, std::span<const Instance>) {}
+
+ErrorModel EnvironmentDrawable::error_model(std::uint32_t) const {
+  ErrorModel model;
+  model.bounds = state_->nodes.bounds();
+  // The state outlives the model: who asks for it holds the drawable.
+  model.store<const State*>(state_.get());
+  model.bound = [](const ErrorModel& of, const glm::dmat4& world_from_capture,
+                   const Camera& frame) {
+    const std::optional<Camera> captured = captured_frame(frame, world_from_capture);
+    return captured ? of.load<const State*>()->bound(*captured)
+                    : std::numeric_limits<double>::infinity();
+  };
+  return model;
+}
+
+CostTerms EnvironmentDrawable::cost_terms(std::uint32_t) const {
+  const double triangles =
+      state_->nodes.mesh.triangles > 0 ? double(state_->nodes.mesh.triangles) : kTriangles;
+  return {triangles * double(state_->options.nodes), kPixel};
+}
+
+std::size_t EnvironmentDrawable::bytes() const {
+  std::size_t sum = state_->nodes.bytes();
+  for (const auto& [node, stored] : state_->stored) sum += stored.bytes();
+  return sum;
+}
+
+std::size_t EnvironmentDrawable::most_in_memory() const { return state_->working.most_in_memory(); }
+
+std::optional<Error> EnvironmentDrawable::error() const { return state_->working.error(); }
+
+namespace {
+
+class EnvironmentFactory final : public DrawableFactory {
+ public:
+  explicit EnvironmentFactory(NodeDrawer drawer) : drawer_(std::move(drawer)) {}
+
+  [[nodiscard]] std::size_t expected_bytes(const OptionValues& bake,
+                                           const OptionValues& draw) const override {
+    const auto face = std::size_t(bake.integer("face"));
+    const auto asked = std::size_t(bake.integer("triangles"));
+    const std::size_t texels = 6 * face * face;
+    const std::size_t triangles =
+        asked > 0 ? asked : std::size_t(kTrianglesATexel * double(texels));
+    return std::size_t(draw.integer("resident")) * (8 * texels + kTriangleBytes * triangles);
+  }
+  [[nodiscard]] Result<std::unique_ptr<Drawable>> make_drawable(
+      std::unique_ptr<Representation> representation, const OptionValues& draw) override {
+    const Result<EnvironmentDrawOptions> options = environment_draw_options(draw);
+    if (!options) return options.error();
+    auto& environment = dynamic_cast<EnvironmentRepresentation&>(*representation);
+    return {std::make_unique<EnvironmentDrawable>(std::move(environment.nodes), drawer_, *options)};
+  }
+
+ private:
+  NodeDrawer drawer_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<DrawableFactory>> make_environment_drawable_factory() {
+  Result<NodeDrawer> drawer = NodeDrawer::create();
+  if (!drawer) return drawer.error();
+  return {std::make_unique<EnvironmentFactory>(std::move(*drawer))};
+}
+
+}  // namespace rilievo

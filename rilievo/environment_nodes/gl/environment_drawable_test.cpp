@@ -1,0 +1,162 @@
+#include "rilievo/environment_nodes/gl/environment_drawable.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rilievo/core/random.h"
+#include "rilievo/environment_nodes/environment_kind.h"
+#include "rilievo/environment_nodes/node_test_helpers.h"
+#include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/render/opengl/frame_target.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kWidth = 96, kHeight = 64;
+
+class EnvironmentDrawing : public gl::ContextTest {
+ protected:
+  void TearDown() override { EXPECT_TRUE(gl::check_errors("environment drawable").ok()); }
+};
+
+// A room around the origin, seen from `eye`; the wall at +x is object 2, all else 1.
+DistanceAlong room_from(const glm::dvec3& eye) {
+  return box_around(glm::dvec3(-4, -2, -3) - eye, glm::dvec3(4, 2, 3) - eye);
+}
+EnvironmentNodes room_nodes(const std::vector<glm::dvec3>& eyes, int size = 32,
+                            bool with_objects = true) {
+  std::vector<DepthImage> pictures;
+  for (const glm::dvec3& eye : eyes) {
+    EnvironmentMap map = make_node(
+        size, room_from(eye),
+        [&](const glm::dvec3& d, double distance) {
+          const glm::vec3 at(eye + distance * d);
+          return glm::vec4(0.5f + 0.1f * glm::sin(at), 1.0f);
+        },
+        eye);
+    for (DepthImage& face : map.faces) {
+      if (with_objects) face.object = Image<std::uint32_t>(size, size, 1u);
+      for (int y = 0; with_objects && y < size; ++y)
+        for (int x = 0; x < size; ++x)
+          if (world_from_raster(face.camera, {x + 0.5, y + 0.5}, double(face.depth(x, y))).x > 3.99)
+            face.object(x, y) = 2;
+      pictures.push_back(std::move(face));
+    }
+  }
+  return *make_environment_nodes(std::move(pictures), {});
+}
+
+std::vector<glm::dvec3> grid_of_eyes(int count) {
+  std::vector<glm::dvec3> eyes;
+  for (int i = 0; i < count; ++i)
+    eyes.emplace_back(-3.5 + 7.0 * (i % 8) / 7, 0, -2 + 4.0 * (i / 8) / std::max(1, count / 8 - 1));
+  return eyes;
+}
+
+TEST_F(EnvironmentDrawing, at_most_four_of_thirty_two_nodes_are_in_memory) {
+  Result<NodeDrawer> drawer = NodeDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 1);
+  ASSERT_TRUE(target.ok());
+  EnvironmentDrawable nodes(room_nodes(grid_of_eyes(32), 16), *drawer, {});
+  const Instance instance;
+  std::vector<Rgba8Image> first;
+  // The same walk twice: what is drawn follows from the eye, not from what was loaded before.
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < 40; ++i) {
+      const int step = pass == 0 ? i : 39 - i;
+      const double x = -3.4 + 6.8 * step / 39;
+      const Camera frame = look_at({x, 0.1, 1.5 * std::sin(step)}, {x + 1, 0, 0}, {0, 1, 0}, 1.0,
+                                   kWidth, kHeight, 0.05, 50);
+      target->begin();
+      nodes.draw(frame, {&instance, 1}, Output::color);
+      target->resolve();
+      Rgba8Image picture = target->read();
+      if (pass == 0)
+        first.push_back(std::move(picture));
+      else
+        EXPECT_EQ(picture, first[std::size_t(step)]) << step;
+    }
+  EXPECT_EQ(nodes.most_in_memory(), 4u);
+  EXPECT_FALSE(nodes.error().has_value());
+}
+
+TEST_F(EnvironmentDrawing, identifiers_are_those_of_what_is_seen) {
+  Result<NodeDrawer> drawer = NodeDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  Result<ProbeTarget> target = ProbeTarget::create(kWidth, kHeight);
+  ASSERT_TRUE(target.ok());
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}, 64), *drawer, {});
+  const Camera frame =
+      look_at({0.5, 0.2, 0.3}, {4, 0.3, 1.9}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.05, 50);
+  for (const std::uint32_t asked : {std::uint32_t(kNoObject), 7u}) {
+    Instance instance;
+    instance.object = asked;
+    target->begin();
+    nodes.draw(frame, {&instance, 1}, Output::object_id);
+    const Image<std::uint32_t> shown = target->read_objects();
+    int wrong = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const glm::dvec3 eye = frame.position();
+        const glm::dvec3 to = world_from_raster(frame, {x + 0.5, y + 0.5}, 1.0) - eye;
+        const bool wall = (eye + room_from(eye)(to) * to).x > 3.99;
+        wrong += shown(x, y) != (asked != kNoObject ? asked : wall ? 2u : 1u);
+      }
+    // Along the wall's edge within a texel, 1.4 degrees of 57 over 64 pixels.
+    EXPECT_LT(wrong, 4 * kHeight);
+  }
+}
+
+// Moved, turned and scaled as a whole, with the eye along, a frame stays what it was.
+TEST_F(EnvironmentDrawing, an_instance_is_drawn_where_it_was_moved_to) {
+  Result<NodeDrawer> drawer = NodeDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 1);
+  ASSERT_TRUE(target.ok());
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}), *drawer, {});
+  const Camera frame =
+      look_at({0.5, 0.2, 0.3}, {3, -0.3, 2}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.05, 50);
+  const auto picture = [&](const Camera& from, const glm::dmat4& motion) {
+    Instance instance;
+    instance.world_from_capture = motion;
+    target->begin();
+    nodes.draw(from, {&instance, 1}, Output::color);
+    target->resolve();
+    return target->read();
+  };
+  const Rgba8Image still = picture(frame, glm::dmat4(1));
+  const double scale = 2.5, c = std::cos(0.7), s = std::sin(0.7);
+  glm::dmat4 motion(glm::dvec4(scale * c, 0, scale * s, 0), glm::dvec4(0, scale, 0, 0),
+                    glm::dvec4(-scale * s, 0, scale * c, 0), glm::dvec4(10, -3, 5, 1));
+  Camera moved = frame;
+  moved.world_from_eye = motion * frame.world_from_eye;
+  for (int k = 0; k < 3; ++k) moved.world_from_eye[k] /= scale;
+  moved.z_near *= scale, moved.z_far *= scale;
+  const Rgba8Image with_motion = picture(moved, motion);
+  int differ = 0;
+  for (std::size_t i = 0; i < still.texels().size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      differ += std::abs(int(still.texels()[i][k]) - int(with_motion.texels()[i][k])) > 2;
+  // Rounding moves the edges of triangles by less than a pixel.
+  EXPECT_LT(differ, kWidth * kHeight / 50);
+}
+
+TEST_F(EnvironmentDrawing, the_bound_is_known_before_anything_is_drawn_and_none_at_a_node) {
+  Result<NodeDrawer> drawer = NodeDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}), *drawer, {});
+  const ErrorModel model = nodes.error_model(0);
+  const Camera frame =
+      look_at({0.5, 0.2, 0.3}, {3, -0.3, 2}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.05, 50);
+  const double there = model.bound_px(glm::dmat4(1), frame);
+  EXPECT_TRUE(std::isfinite(there));
+  EXPECT_GT(there, 0);
+  Camera at_node = frame;
+  at_node.world_from_eye[3] = glm::dvec4(0, 0, 0, 1);
+  EXPECT_EQ(model.bound_px(glm::dmat4(1), at_node), 0);
+}
+
+}  // namespace
+}  // namespace rilievo
