@@ -21,7 +21,6 @@
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
-#include "rilievo/io/rgbd.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/representation/kinds.h"
@@ -153,7 +152,7 @@ Result<> run(const Options& options) {
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   Times times;
-  if (is_rgbd_capture(options.scene)) {
+  if (is_capture(options.scene)) {
     Result<PhotographSource> source = open_photographs(options.scene, options.limits);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;
@@ -190,9 +189,11 @@ Command bake_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("bake", "Take pictures of a scene from all around, into one file");
   command
-      ->add_option("SCENE", options->scene,
-                   std::string(kSceneHelp) +
-                       ", or a capture: a folder of photographs with depth and their poses")
+      ->add_option(
+          "SCENE", options->scene,
+          std::string(kSceneHelp) +
+              ", or a capture: a folder of photographs with depth and their poses, or a manifest "
+              "of Google's Seurat")
       ->required();
   command->add_option("--as", options->as, "What is made of it (default layered-impostor)")
       ->check(CLI::IsMember(kind_names()));

@@ -7,6 +7,8 @@
 
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
+#include "rilievo/core/file.h"
+#include "rilievo/environment_nodes/seurat.h"
 #include "rilievo/io/rgbd.h"
 #include "rilievo/warp/reproject.h"
 
@@ -27,6 +29,26 @@ const char* name_of(RgbdFormat format) {
       return "one pose file a frame";
   }
   return "";
+}
+
+// The first bytes tell: a manifest names its groups of views within them, or is refused as a scene.
+bool is_seurat_capture(const std::filesystem::path& path) {
+  constexpr std::uint64_t kMostManifest = std::uint64_t(1) << 26;
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(path, ignored);
+  const std::filesystem::path file = folder ? path / "manifest.json" : path;
+  if (file.extension() != ".json" || !std::filesystem::is_regular_file(file, ignored)) return false;
+  const Result<std::string> text = read_file(file, kMostManifest);
+  return text && text->find("\"view_groups\"") != std::string::npos;
+}
+
+Result<std::vector<DepthImage>> seurat_views(const std::string& path) {
+  Result<SeuratCapture> capture = load_seurat_capture(path);
+  if (!capture) return capture.error();
+  std::vector<DepthImage> views;
+  for (std::vector<DepthImage>& group : capture->groups)
+    for (DepthImage& view : group) views.push_back(std::move(view));
+  return views;
 }
 
 nlohmann::json list_of(const glm::vec3& v) { return {v.x, v.y, v.z}; }
@@ -54,9 +76,32 @@ Result<std::vector<DepthImage>> photographs_of(const std::string& path, const Rg
   return photographs;
 }
 
+Result<> print_capture(const std::string& path, const std::string& json, const char* format,
+                       std::size_t frames, int width, int height, const Box& bounds) {
+  if (json.empty()) {
+    print("{}\nformat     {}\nframes     {}\nsize       {} x {}\nbounds     {} to {} m\n", path,
+          format, frames, width, height, text_of(bounds.min), text_of(bounds.max));
+    return Done{};
+  }
+  return write_json(json, {{"schema", "rilievo-info-1"},
+                           {"capture", format},
+                           {"frames", frames},
+                           {"size", {width, height}},
+                           {"bounds", {list_of(bounds.min), list_of(bounds.max)}}});
+}
+
 }  // namespace
 
+bool is_capture(const std::string& path) {
+  return is_rgbd_capture(path) || is_seurat_capture(path);
+}
+
 Result<PhotographSource> open_photographs(const std::string& path, const FileLimits& limits) {
+  if (is_seurat_capture(path)) {
+    Result<std::vector<DepthImage>> views = seurat_views(path);
+    if (!views) return views.error();
+    return PhotographSource(path, std::move(*views));
+  }
   const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
   Result<std::vector<DepthImage>> photographs = photographs_of(path, *capture, limits);
@@ -66,10 +111,20 @@ Result<PhotographSource> open_photographs(const std::string& path, const FileLim
 
 Result<> describe_capture(const std::string& path, const std::string& json,
                           const FileLimits& limits) {
-  const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
-  if (!capture) return capture.error();
   Box bounds;
   int width = 0, height = 0;
+  if (is_seurat_capture(path)) {
+    const Result<std::vector<DepthImage>> views = seurat_views(path);
+    if (!views) return views.error();
+    for (const DepthImage& view : *views) {
+      width = std::max(width, view.camera.width);
+      height = std::max(height, view.camera.height);
+    }
+    return print_capture(path, json, "Seurat manifest", views->size(), width, height,
+                         measured_bounds(*views));
+  }
+  const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
+  if (!capture) return capture.error();
   for (const RgbdFrame& frame : capture->frames) {
     const Result<DepthImage> read = load_rgbd_frame(frame, limits.bytes());
     if (!read) return read.error();
@@ -77,17 +132,8 @@ Result<> describe_capture(const std::string& path, const std::string& json,
     height = std::max(height, read->camera.height);
     bounds.add(measured_bounds(std::span(&*read, 1)));
   }
-  if (json.empty()) {
-    print("{}\nformat     {}\nframes     {}\nsize       {} x {}\nbounds     {} to {} m\n", path,
-          name_of(capture->format), capture->frames.size(), width, height, text_of(bounds.min),
-          text_of(bounds.max));
-    return Done{};
-  }
-  return write_json(json, {{"schema", "rilievo-info-1"},
-                           {"capture", name_of(capture->format)},
-                           {"frames", capture->frames.size()},
-                           {"size", {width, height}},
-                           {"bounds", {list_of(bounds.min), list_of(bounds.max)}}});
+  return print_capture(path, json, name_of(capture->format), capture->frames.size(), width, height,
+                       bounds);
 }
 
 }  // namespace rilievo::app

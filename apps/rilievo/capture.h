@@ -9,7 +9,10 @@
 
 namespace rilievo::app {
 
-// All photographs of a capture, decoded. Needs no OpenGL.
+// A capture of photographs, or one for Google's Seurat: its manifest, or the folder that holds it.
+[[nodiscard]] bool is_capture(const std::string& path);
+
+// All photographs of a capture, or views, decoded. Needs no OpenGL.
 [[nodiscard]] Result<PhotographSource> open_photographs(const std::string& path,
                                                         const FileLimits& limits);
 

@@ -21,6 +21,7 @@ struct Command {
 [[nodiscard]] Command info_command(CLI::App& app);
 [[nodiscard]] Command scene_command(CLI::App& app);
 [[nodiscard]] Command bake_command(CLI::App& app);
+[[nodiscard]] Command export_command(CLI::App& app);
 [[nodiscard]] Command render_command(CLI::App& app);
 [[nodiscard]] Command compare_command(CLI::App& app);
 [[nodiscard]] Command bench_command(CLI::App& app);

@@ -74,7 +74,7 @@ Result<std::unique_ptr<FrameSource>> source_of(const std::string& method, const 
                             renderer);
 }
 
-Result<> run(const Options& options) {
+Result<> run(Options options) {
   if (std::min(options.frames.width, options.frames.height) < kLeastCompareSize)
     return Error{"--size",
                  fmt::format("frames to compare have at least {0}x{0} pixels", kLeastCompareSize)};
@@ -86,6 +86,7 @@ Result<> run(const Options& options) {
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
+  options.method_options.eyes = eyes_of(*plan);
   const auto context = gl::Context::create();
   if (!context) return context.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);

@@ -80,6 +80,24 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
   return plan;
 }
 
+Result<FramePlan> plan_frames(const FrameOptions& options, const Representation& representation) {
+  Result<FramePlan> plan = plan_frames(options, representation.bounds(), representation.vantage());
+  if (!plan || !options.path_file.empty() || options.orbit || options.walk) return plan;
+  if (std::optional<CameraPath> walk = representation.walk()) {
+    plan->path = *std::move(walk);
+    // All of it, in as many frames as are asked for.
+    if (!options.frames) plan->frames = std::min(frame_count(plan->path), kMaxFrames);
+  }
+  return plan;
+}
+
+Box eyes_of(const FramePlan& plan) {
+  Box eyes;
+  for (int frame = 0; frame < plan.frames; ++frame)
+    eyes.add(glm::vec3(camera_at(plan.path, frame_time(plan.path, frame), 1, 1).position()));
+  return eyes;
+}
+
 Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {
   Result<FramePlan> plan = plan_frames(options, world_bounds(opened.scene));
   if (plan && opened.walk && options.path_file.empty() && !options.orbit) plan->path = *opened.walk;

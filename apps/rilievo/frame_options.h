@@ -7,6 +7,7 @@
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
+#include "rilievo/kind/kind.h"
 
 namespace rilievo::app {
 
@@ -29,6 +30,11 @@ struct FramePlan {
 // The path asked for; or one found from the bounds of what there is to see.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
                                             const Vantage& vantage = {});
+// The path asked for; or the representation's own walk; or one found from its bounds.
+[[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options,
+                                            const Representation& representation);
+// Around all eyes of a plan.
+[[nodiscard]] Box eyes_of(const FramePlan& plan);
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
 

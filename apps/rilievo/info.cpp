@@ -13,7 +13,6 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/io/rgbd.h"
 
 namespace rilievo::app {
 namespace {
@@ -146,7 +145,7 @@ Command info_command(CLI::App& app) {
   command->footer("Example: rilievo info model.glb");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->json}); !good) return good;
-            if (is_rgbd_capture(options->file))
+            if (is_capture(options->file))
               return describe_capture(options->file, options->json, options->limits);
             return holds_pictures(options->file) ? describe_pictures(*options)
                                                  : describe_scene(*options);

@@ -72,9 +72,19 @@ void add_kind_options(CLI::App& command, KindOptionsOf which, KindOptions& optio
         }
         return fmt::format("'{}' is not {}", text, expected);
       };
+      const std::string unit(option.unit.empty() ? "VALUE" : option.unit);
+      if (option.type == OptionType::points) {
+        const auto keep_all = [keep](const std::vector<std::string>& values) {
+          keep(fmt::format("{}", fmt::join(values, " ")));
+        };
+        command.add_option_function<std::vector<std::string>>(flag, keep_all, help)
+            ->check(CLI::Validator([check](std::string& text) { return check(text); }, ""))
+            ->type_name(unit);
+        continue;
+      }
       command.add_option_function<std::string>(flag, keep, help)
           ->check(CLI::Validator([check](std::string& text) { return check(text); }, ""))
-          ->type_name(option.unit.empty() ? std::string("VALUE") : std::string(option.unit));
+          ->type_name(unit);
     }
 }
 

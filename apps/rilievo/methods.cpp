@@ -13,6 +13,7 @@
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/frame/gl/object_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/gl/surrounding_frames.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -75,6 +76,27 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
   if (options.bake_mb > 0)
     if (Result<> added = add_alternatives(*made, options, renderer); !added) return added.error();
   return {std::make_unique<ImageCache>(std::move(*made))};
+}
+
+// All that stands still by one bake, what moves as polygons.
+Result<std::unique_ptr<FrameSource>> make_surroundings(const KindMethod& method,
+                                                       const MethodOptions& options,
+                                                       SceneRenderer& renderer) {
+  KindOptions values = options.kinds;
+  apply(method, values);
+  const Result<OptionValues> bake = bake_values(*method.kind, values);
+  if (!bake) return bake.error();
+  const Result<OptionValues> draw = draw_values(*method.kind, values);
+  if (!draw) return draw.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(drawable_rows(), method.kind->name);
+  if (!factory) return factory.error();
+  Progress progress("view");
+  Result<std::unique_ptr<SurroundingFrames>> frames = SurroundingFrames::create(
+      renderer, *method.kind, std::move(*factory),
+      {*bake, *draw, options.eyes, [&](int done, int total) { progress.show(done, total); }});
+  if (!frames) return frames.error();
+  return {std::move(*frames)};
 }
 
 // Each heavy object by a bake of its own.
@@ -208,9 +230,11 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->delimiter(',')
       ->check(CLI::Validator(
           [](std::string& name) {
-            return kind_method(name).kind
-                       ? std::string()
-                       : fmt::format("'{}' is no kind: {}", name, fmt::join(kind_names(), ", "));
+            const Kind* kind = kind_method(name).kind;
+            if (kind && kind->stands_for != StandsFor::objects)
+              return fmt::format("'{}' stands for no objects", name);
+            return kind ? std::string()
+                        : fmt::format("'{}' is no kind: {}", name, fmt::join(kind_names(), ", "));
           },
           ""))
       ->type_name("A,B,...");
@@ -258,7 +282,10 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  SceneRenderer& renderer) {
   for (const BuiltinMethod& builtin : kBuiltin)
     if (method == builtin.name) return builtin.make(options, samples, renderer);
-  return make_objects(kind_method(method), options, renderer);
+  const KindMethod named = kind_method(method);
+  return named.kind->stands_for == StandsFor::surroundings
+             ? make_surroundings(named, options, renderer)
+             : make_objects(named, options, renderer);
 }
 
 Result<std::unique_ptr<FrameSource>> make_stored_source(

@@ -27,6 +27,7 @@ struct MethodOptions {
   std::vector<std::string> bake_as{"layered-impostor"};  // cache: kinds that are baked
   double texel_px = 4;                                   // kinds drawn for objects
   KindOptions kinds;
+  Box eyes = {};  // where eyes will be; empty: not known
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);

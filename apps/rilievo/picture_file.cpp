@@ -62,10 +62,15 @@ Result<> save_frame_pictures(const std::string& file, const FramePictures& frame
 }
 
 Result<PictureFileContent> open_pictures(const std::string& file) {
-  Result<PictureFile> loaded = load_picture_file(file);
+  // What it says of itself first: some kinds read its pictures as they need them.
+  Result<PictureFile> loaded = load_picture_file(file, {0, 0});
   if (!loaded) return loaded.error();
   PictureFileContent content;
   content.kind = kind_of_file(kinds(), loaded->attributes);
+  if (!content.kind || !content.kind->reads_later) {
+    loaded = load_picture_file(file);
+    if (!loaded) return loaded.error();
+  }
   if (content.kind) {
     Result<std::unique_ptr<Representation>> made = content.kind->load(std::move(*loaded), file);
     if (!made) return made.error();

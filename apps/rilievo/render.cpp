@@ -181,8 +181,10 @@ Result<> render_scene(const Options& options) {
   if (!context) return context.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
+  MethodOptions methods = options.methods;
+  methods.eyes = eyes_of(*plan);
   const Result<std::unique_ptr<FrameSource>> source =
-      make_source(options.method, options.methods, options.frames.samples, *renderer);
+      make_source(options.method, methods, options.frames.samples, *renderer);
   if (!source) return source.error();
   const Walk walk{*plan, {}};
   if (options.loop_seconds > 0) return loop(options, walk, **source);
@@ -219,12 +221,13 @@ Result<> render_pictures(const Options& options, const FramePictures& stored, Sc
 
 Result<> render_representation(const Options& options, PictureFileContent content,
                                SceneRenderer& sky) {
-  const Result<FramePlan> plan = plan_frames(options.frames, content.representation->bounds(),
-                                             content.representation->vantage());
+  const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
   Result<std::unique_ptr<FrameSource>> source =
       make_stored_source(options.method, options.methods, std::move(content.representation), sky);
-  if (!source) return Error{options.scene, source.error().reason};
+  if (!source)
+    return source.error().where.starts_with("--") ? source.error()
+                                                  : Error{options.scene, source.error().reason};
   const Walk walk{*plan, {}};
   if (options.loop_seconds > 0) return loop(options, walk, **source);
   return draw_frames(options, walk, options.frames.width, options.frames.height, **source);

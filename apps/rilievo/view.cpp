@@ -273,7 +273,8 @@ Result<> view_scene(const Options& options) {
   Subject subject{world_bounds(opened->scene), *plan, {"cache"}, {}, &direct};
   for (const std::string& name : method_names())
     if (name != "cache") subject.methods.push_back(name);
-  subject.make_source = [&](const std::string& method, const MethodOptions& methods) {
+  subject.make_source = [&](const std::string& method, MethodOptions methods) {
+    methods.eyes = eyes_of(*plan);
     return make_source(method, methods, options.frames.samples, *renderer);
   };
   return Viewer(options, subject, **window).run();
@@ -288,7 +289,7 @@ Result<> view_file(const Options& options) {
   if (options.split) return Error{"--split", "a file has no direct drawing to compare with"};
   const Box bounds = content->representation->bounds();
   const Vantage vantage = content->representation->vantage();
-  const Result<FramePlan> plan = plan_frames(options.frames, bounds, vantage);
+  const Result<FramePlan> plan = plan_frames(options.frames, *content->representation);
   if (!plan) return plan.error();
   const auto window = open_window(options);
   if (!window) return window.error();

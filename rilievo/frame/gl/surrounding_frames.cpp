@@ -1,0 +1,56 @@
+#include "rilievo/frame/gl/surrounding_frames.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+
+Result<std::unique_ptr<SurroundingFrames>> SurroundingFrames::create(
+    SceneRenderer& renderer, const Kind& kind, std::unique_ptr<DrawableFactory> factory,
+    const SurroundingFramesOptions& options) {
+  RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
+  std::unique_ptr<SurroundingFrames> frames(new SurroundingFrames(renderer));
+  frames->factory_ = std::move(factory);
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<Object>& objects = renderer.scene().objects;
+  std::vector<std::uint32_t> still;
+  for (std::uint32_t object = 0; object < objects.size(); ++object)
+    if (!objects[object].moving) still.push_back(object);
+  frames->baked_.assign(objects.size(), false);
+  for (const std::uint32_t object : still) frames->baked_[object] = true;
+  OpenGLSource source(renderer);
+  const auto progress = [&](int done, int total) {
+    frames->captures_ = std::max(frames->captures_, done);
+    if (options.progress) options.progress(done, total);
+  };
+  // No list at all where it would name everything: the source then culls for itself.
+  if (still.size() == objects.size()) still.clear();
+  Result<Baked> baked = kind.bake({source, std::move(still), options.eyes}, options.bake, progress);
+  if (!baked) return baked.error();
+  Result<std::unique_ptr<Drawable>> drawable =
+      frames->factory_->make_drawable(std::move(baked->representation), options.draw);
+  if (!drawable) return drawable.error();
+  frames->drawable_ = std::move(*drawable);
+  frames->content().sets.push_back({frames->drawable_.get(), {}});
+  frames->capture_ms_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return {std::move(frames)};
+}
+
+Result<> SurroundingFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+  content.sets[0].instances.push_back({});
+  visible_.clear();
+  renderer().cull(camera, visible_);
+  for (const std::uint32_t object : visible_)
+    if (!baked_[object]) content.polygons.push_back(object);
+  stats.captures = std::exchange(captures_, 0);
+  stats.capture_ms = std::exchange(capture_ms_, 0);
+  stats.picture_bytes = drawable_->bytes();
+  return Done{};
+}
+
+}  // namespace rilievo
