@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "rilievo/core/result.h"
 #include "rilievo/measure/bench_report.h"
@@ -16,6 +17,8 @@ struct BenchOptions {
   bool quick = false;
   // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
   std::string capture;
+  // Scene files, for benches that take some besides the built-in ones.
+  std::vector<std::string> scenes;
   // Called now and then with what is done and how much there is.
   std::function<void(int done, int total)> progress;
 };

@@ -9,6 +9,7 @@
 #include "bench/layered_cost.h"
 #include "bench/nailboard_bits.h"
 #include "bench/nailboard_error.h"
+#include "bench/nodes.h"
 #include "bench/pop.h"
 #include "bench/prewarp.h"
 #include "bench/relief_run.h"
@@ -16,6 +17,7 @@
 #include "bench/spinning.h"
 #include "bench/splats.h"
 #include "bench/tradeoff.h"
+#include "bench/triangulate.h"
 
 namespace rilievo::bench {
 
@@ -49,6 +51,11 @@ std::span<const Bench> benches() {
       Bench{"relief-run", "What do layered reliefs cost over 300 turns? (S4.4, S4.7)", false,
             relief_run},
       Bench{"rgbd", "What do impostors of photographs with depth look like? (S2.7)", false, rgbd},
+      Bench{"triangulate", "How well do few triangles stand for a node's depths? (S3.2)", false,
+            triangulate_nodes},
+      Bench{"nodes", "What do environment nodes look like, alone and merged? (S3)", true, nodes},
+      Bench{"node-bound", "Does a node's bound hold for what is drawn? (S3)", true, node_bound},
+      Bench{"node-places", "How many nodes hold all that is seen? (S3)", false, node_places},
   };
   return list;
 }

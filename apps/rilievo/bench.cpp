@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "apps/commit.h"
 #include "apps/rilievo/command.h"
@@ -18,6 +19,7 @@ namespace {
 
 struct Options {
   std::string name, json, html, capture;
+  std::vector<std::string> scenes;
   bool quick = false;
 };
 
@@ -47,6 +49,7 @@ Result<> run(const Options& options) {
   bench::BenchOptions bench_options;
   bench_options.quick = options.quick;
   bench_options.capture = options.capture;
+  bench_options.scenes = options.scenes;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
   if (!report) return report.error();
@@ -83,6 +86,8 @@ Command bench_command(CLI::App& app) {
           "For rgbd: a folder of photographs with depth (transforms.json, trajectory.log or "
           "*.pose.txt)")
       ->type_name("DIR");
+  command->add_option("--scene", options->scenes, "For node-places: scenes besides stonehenge")
+      ->type_name("FILE ...");
   command->add_flag("--quick", options->quick, "Far fewer cases: only shows that the bench runs");
   command->footer("Benches:\n" + known_benches() +
                   "Example: rilievo bench nailboard-error --json -");
