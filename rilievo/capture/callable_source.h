@@ -1,4 +1,4 @@
-// Any callable as a source of pictures: what S5 calls a software shader.
+// How does a function become a source of pictures? S5 calls such functions software shaders.
 #pragma once
 
 #include <functional>
@@ -9,24 +9,27 @@
 
 namespace rilievo {
 
+// A capture source that calls `shade`.
 class CallableSource final : public CaptureSource {
  public:
+  // Makes the picture of a request.
   using Shade = std::function<Result<CapturedPicture>(const CaptureRequest&)>;
 
-  // `shade` makes pictures of what lies within `bounds`, with depth as CapturedPicture says.
+  // `shade` captures what lies within `bounds` (world space), with depth as CapturedPicture defines
+  // it.
   CallableSource(std::string name, const Box& bounds, Shade shade)
       : name_(std::move(name)), bounds_(bounds), shade_(std::move(shade)) {}
 
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t>) const override { return bounds_; }
-  // An error if what the callable made does not fit the camera.
+  // Fails if the callable fails, or if its picture does not fit the camera.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
     Result<CapturedPicture> captured = shade_(request);
     if (!captured) return captured;
     const DepthImage& picture = captured->picture;
     if (picture.depth.width() != request.camera.width ||
         picture.depth.height() != request.camera.height)
-      return Error{name_, "made a picture of another size than was asked for"};
+      return Error{name_, "returned a picture of the wrong size"};
     if (Result<> ok = validate(picture); !ok) return Error{name_, ok.error().reason};
     return captured;
   }

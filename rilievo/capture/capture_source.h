@@ -1,8 +1,8 @@
-// Any source of pictures with depth, behind one capture call.
+// Who makes pictures with depth? Any source, behind one capture call.
 //
-// Backends: OpenGL (capture/gl/opengl_source.h), posed photographs (capture/photograph_source.h),
-// and any callable (capture/callable_source.h), as of rays (cast_picture) or what S5 calls a
-// software shader. Not for several threads at once.
+// Sources: OpenGL (capture/gl/opengl_source.h), posed photographs (capture/photograph_source.h),
+// and any callable (capture/callable_source.h), such as ray casting (cast_picture) or S5's software
+// shaders. Not safe for several threads at once.
 #pragma once
 
 #include <cstdint>
@@ -17,51 +17,55 @@ namespace rilievo {
 
 struct Scene;
 
+// What to capture, and which data.
 struct CaptureRequest {
   Camera camera;
   // Indices into the scene's objects; empty: everything that the camera sees.
   std::span<const std::uint32_t> objects = {};
-  int samples = 4;          // a texel; colours are averaged, alpha is coverage
-  bool identifiers = true;  // which object each texel shows
-  bool farthest = false;    // CapturedPicture::farthest
-  bool with_sky = false;    // else texels without an object stay empty
+  int samples = 4;          // per texel; colours are averaged, alpha is coverage
+  bool identifiers = true;  // capture the object shown by each texel
+  bool farthest = false;    // capture CapturedPicture::farthest
+  bool with_sky = false;    // otherwise texels without an object stay empty
 };
 
-// What a source makes. Depth is eye_z at the texel's centre: the nearest surface's, or for a
-// back-perspective camera the farthest's.
+// A capture. Depth is the eye_z of the nearest surface at the texel's centre, or of the farthest
+// for a back-perspective camera.
 struct CapturedPicture {
   DepthImage picture;
-  // eye_z of the farthest of all surfaces along the texel's ray, hidden ones included; kNoDepth
-  // where there is none. Empty if it was not asked for. It bounds what the picture may lack.
+  // eye_z of the farthest of all surfaces along the texel's ray, including hidden ones; kNoDepth if
+  // there is none. Empty unless requested. It bounds what the picture can be missing.
   Image<float> farthest;
 };
 
+// Which surfaces to capture along each line of sight.
 struct LayersRequest {
-  Camera camera;                                // parallel, or perspective
+  Camera camera;                                // parallel or perspective
   std::span<const std::uint32_t> objects = {};  // as CaptureRequest's
-  double merge = 0;      // surfaces closer together along a line of sight become one; metres
-  int max_layers = 256;  // of one line of sight
+  double merge = 0;      // surfaces within this distance along a line of sight become one; metres
+  int max_layers = 256;  // per line of sight
 };
 
+// A source of pictures.
 class CaptureSource {
  public:
   virtual ~CaptureSource() = default;
 
-  // What is captured, for errors and files.
+  // The name of what is captured, for errors and files.
   [[nodiscard]] virtual std::string_view name() const = 0;
   // World bounds of what these objects (empty: all) can show in a picture; empty if nothing.
   [[nodiscard]] virtual Box bounds(std::span<const std::uint32_t> objects) const = 0;
+  // Captures a picture. Fails where the source cannot provide what is requested.
   [[nodiscard]] virtual Result<CapturedPicture> capture(const CaptureRequest& request) = 0;
 
-  // Every surface along each line of sight, hidden ones and back faces included (S4.1); eye_z. The
-  // error says that this source cannot look behind what it shows.
+  // Captures every surface along each line of sight, including hidden ones and back faces (S4.1).
+  // Depths are eye_z. Fails for sources that do not know hidden surfaces.
   [[nodiscard]] virtual Result<LayeredDepthImage> capture_layers(const LayersRequest& request);
 
-  // The layered pictures that the source consists of, where it does.
+  // The layered pictures that the source consists of, if it does.
   [[nodiscard]] virtual std::span<const LayeredDepthImage> layered_pictures() const { return {}; }
-  // The scene of which pictures are captured, where it is one: for rays.
+  // The scene that is captured, for ray casting; null if the source is not a scene.
   [[nodiscard]] virtual const Scene* scene() const { return nullptr; }
-  // The photographs that the source consists of, where it does.
+  // The photographs that the source consists of, if it does.
   [[nodiscard]] virtual std::span<const DepthImage> photographs() const { return {}; }
 };
 

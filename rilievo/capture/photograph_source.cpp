@@ -15,8 +15,8 @@ PhotographSource::PhotographSource(std::string name, std::vector<DepthImage> pho
 Box PhotographSource::bounds(std::span<const std::uint32_t>) const { return box_; }
 
 Result<CapturedPicture> PhotographSource::capture(const CaptureRequest& request) {
-  if (request.farthest) return Error{name_, "photographs do not show what is hidden"};
-  if (box_.empty()) return Error{name_, "no photograph has measured anything"};
+  if (request.farthest) return Error{name_, "photographs do not contain hidden surfaces"};
+  if (box_.empty()) return Error{name_, "no photograph has a measured depth"};
   if (Result<> ok = validate(request.camera); !ok) return ok.error();
   ReprojectOptions options;
   options.box = box_;

@@ -1,7 +1,7 @@
-// Posed photographs with depth as a source of pictures.
+// How do posed photographs with depth serve as a source of pictures?
 //
-// A capture is a reprojection of all photographs into the camera (warp/reproject.h), or of those
-// that lie in the box. Objects are not told apart. Needs no OpenGL.
+// A capture reprojects all photographs, or their parts within a box, into the camera
+// (warp/reproject.h). Objects are not distinguished. Needs no OpenGL.
 #pragma once
 
 #include <string>
@@ -11,15 +11,16 @@
 
 namespace rilievo {
 
+// Photographs as a capture source.
 class PhotographSource final : public CaptureSource {
  public:
-  // `box` is the region of interest; empty: all that was measured.
+  // `box` is the region of interest (world space); empty: everything that was measured.
   PhotographSource(std::string name, std::vector<DepthImage> photographs, const Box& box = {});
 
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
-  // Holes have no depth, but colour 0 0 0 1. Photographs know nothing of hidden surfaces:
-  // `farthest` is an error.
+  // Holes have no depth, but colour 0 0 0 1. Fails if `farthest` is requested, because photographs
+  // do not know hidden surfaces.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   [[nodiscard]] std::span<const DepthImage> photographs() const override { return photographs_; }
 

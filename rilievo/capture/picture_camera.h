@@ -1,4 +1,4 @@
-// From where, and how finely, is a picture of some bounds to be captured for a frame?
+// From where, and at which resolution, is a picture captured for a frame?
 //
 // Pure; no OpenGL.
 #pragma once
@@ -10,16 +10,17 @@
 
 namespace rilievo {
 
+// Resolution and limits.
 struct PictureCameraOptions {
   double texels_per_pixel = 1.0;
   int max_size = 1024;      // texels a side
-  double min_front = 0.25;  // nearest distance of the bounds to the eye, in diameters of the bounds
+  double min_front = 0.25;  // least distance from the eye to the bounds, in diameters of the bounds
 };
 
-// The tight perspective camera at the frame's eye around `bounds`, with at least `texels_per_pixel`
-// texels to each pixel of the frame in both directions wherever the bounds lie in it, and an empty
-// border of one texel, so that neighbours in an atlas do not bleed in. Nothing if the eye is too
-// near to the bounds, or the picture would be larger than `max_size`.
+// The tight perspective camera at the frame's eye around `bounds`. It has at least
+// `texels_per_pixel` texels for each pixel of the frame, in both directions, wherever the bounds
+// cover the frame, and an empty border of one texel, so that neighbours in an atlas do not bleed
+// in. None if the eye is too near to the bounds, or if the picture would exceed `max_size`.
 [[nodiscard]] std::optional<Camera> picture_camera(const Camera& frame, const Box& bounds,
                                                    const PictureCameraOptions& options = {});
 

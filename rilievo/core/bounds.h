@@ -1,4 +1,4 @@
-// Bounding volumes: boxes along the axes, and balls.
+// Which simple volume holds a thing? Axis-aligned boxes and balls.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace rilievo {
 
-// A box along the axes of whichever space its owner names. Default: empty, contains nothing.
+// An axis-aligned box, in the space that its owner names. By default it is empty.
 struct Box {
   glm::vec3 min{std::numeric_limits<float>::infinity()};
   glm::vec3 max{-std::numeric_limits<float>::infinity()};
@@ -15,7 +15,7 @@ struct Box {
   [[nodiscard]] bool empty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
   [[nodiscard]] glm::vec3 center() const { return 0.5f * (min + max); }
   [[nodiscard]] glm::vec3 extent() const { return max - min; }
-  // Half the diagonal: the radius of the ball around the center that holds the box.
+  // Half the diagonal: the radius of the ball around the centre that holds the box.
   [[nodiscard]] float radius() const { return empty() ? 0.0f : 0.5f * glm::length(extent()); }
 
   void add(const glm::vec3& p) {
@@ -35,7 +35,7 @@ struct Box {
   }
 };
 
-// The box around `b` after an affine transform; empty stays empty.
+// The axis-aligned box around `b` after an affine transform; an empty box stays empty.
 [[nodiscard]] inline Box transformed(const glm::mat4& to_from, const Box& b) {
   if (b.empty()) return {};
   // Arvo's method: the extent transforms by the absolute values of the linear part.
@@ -46,6 +46,7 @@ struct Box {
   return {center - reach, center + reach};
 }
 
+// A ball; the owner names its space.
 struct Ball {
   glm::dvec3 center{0.0};
   double radius = 0.0;

@@ -1,16 +1,16 @@
-// Where is the eye at each moment of a walk?
+// Where is the eye at each moment of a walk (a camera path)?
 //
-// A path is a list of keyed poses; the eye moves along a smooth curve through them, the gaze turns
-// along great arcs between them. World space, metres, seconds, radians. A frame is 1/60 s of scene
-// time, however long it takes to draw: how long a picture lives depends on how far the eye moves
-// in a frame, so a path moves as a person would (1.4 m/s: 2.3 cm a frame).
+// A path is a list of keyed poses. The eye moves along a smooth curve through them; its orientation
+// turns along great arcs. World space, metres, seconds, radians. A frame is 1/60 s of scene time,
+// however long it takes to draw. Speeds are a person's (1.4 m/s: 2.3 cm a frame), because the
+// lifetime of a picture depends on how far the eye moves in a frame.
 //
 // The file is JSON:
 //   { "schema": "rilievo-path-1", "z_near": 0.1, "z_far": 500,
 //     "keys": [ { "time": 0, "eye": [0, 1.7, 9], "orientation": [0, 0, 0, 1],
 //                 "vertical_fov": 0.9 }, ... ] }
-// "orientation" is the quaternion x y z w that takes eye space to world space; "target": [x, y, z],
-// with or without "up": [x, y, z], may stand in its place. "z_near" and "z_far" may be left out.
+// "orientation" is the quaternion x y z w that takes eye space to world space. "target": [x, y, z],
+// with an optional "up": [x, y, z], can replace it. "z_near" and "z_far" are optional.
 #pragma once
 
 #include <filesystem>
@@ -27,9 +27,12 @@
 
 namespace rilievo {
 
+// Frames of scene time in a second.
 inline constexpr double kFramesPerSecond = 60.0;
+// The speed of a person on foot.
 inline constexpr double kWalkingSpeed = 1.4;  // metres a second
 
+// A pose that the path passes through.
 struct PathKey {
   double time = 0.0;  // seconds
   glm::dvec3 eye{0.0};
@@ -37,29 +40,30 @@ struct PathKey {
   double vertical_fov = 0.9;
 };
 
+// A camera path with clipping planes for all its cameras.
 struct CameraPath {
   std::vector<PathKey> keys;  // at least one, times ascending
   double z_near = 0.1, z_far = 1000.0;
 };
 
-// A key at `eye` that looks at `target`; `up` need not be orthogonal.
+// A key at `eye` that looks at `target`; `up` need not be orthogonal to the viewing direction.
 [[nodiscard]] PathKey look_key(double time, const glm::dvec3& eye, const glm::dvec3& target,
                                const glm::dvec3& up, double vertical_fov);
 
-// Frames of 1/60 s between the first key and the last; at least one.
+// The number of frames of 1/60 s from the first key to the last; at least one.
 [[nodiscard]] int frame_count(const CameraPath& path);
-// The moment of frame `frame`, counted from 0; it may lie after the last key.
+// The time of frame `frame`, counted from 0; it can lie after the last key.
 [[nodiscard]] double frame_time(const CameraPath& path, int frame);
 
-// The camera at `time`; before the first key and after the last it stands still. Passes through
-// every key. Requires a valid path.
+// The camera at `time`: at the first key before the path begins, at the last after it ends. The
+// curve passes through every key. Requires a valid path.
 [[nodiscard]] Camera camera_at(const CameraPath& path, double time, int width, int height);
 
-// How is a thing, or a place, best looked at?
+// From where is an object, or a place, best viewed?
 struct Vantage {
   glm::dvec3 up{0, 1, 0};  // unit
-  // Of a place that is seen from within, like a room: an eye from which it was seen, and a point
-  // that this eye sees in the middle. They differ, and not along `up` alone.
+  // For a place that is viewed from within, such as a room: an eye that saw it, and a point at the
+  // centre of its view. The two differ, and not only along `up`.
   struct Gaze {
     glm::dvec3 eye{0.0}, target{0.0};
     friend bool operator==(const Gaze&, const Gaze&) = default;
@@ -68,20 +72,22 @@ struct Vantage {
   friend bool operator==(const Vantage&, const Vantage&) = default;
 };
 
-// Part of a circle around `bounds` at 10 degrees a second, all of it in view, the eye outside; or
-// around the gaze's target, from the gaze's eye on.
+// An arc around `bounds` at 10 degrees a second, with all of `bounds` in view and the eye outside.
+// If there is a gaze: an arc around its target that begins at its eye.
 [[nodiscard]] CameraPath orbit_path(const Box& bounds, int frames, const Vantage& vantage = {});
-// A straight line past `bounds`, all of it in view in the middle of the walk, the eye outside; or
-// through the gaze's eye in the middle of the walk. The speed is what a house of 10 m radius looks
-// like to a person on foot: 0.14 radii a second.
+// A straight walk past `bounds`, with all of it in view half way and the eye outside. If there is a
+// gaze: through its eye half way. The speed is 0.14 radii a second: a person walking past a house
+// of 10 m radius.
 [[nodiscard]] CameraPath walk_path(const Box& bounds, int frames, const Vantage& vantage = {});
 
-// Is there a key, do times ascend, is every number finite and in range?
+// Checks that there is a key, that times ascend, and that every number is finite and in range.
 [[nodiscard]] Result<> validate(const CameraPath& path);
 
-// `where` names the source in errors.
+// Reads a path from JSON; `where` names the source in errors.
 [[nodiscard]] Result<CameraPath> parse_path(std::string_view json, const std::string& where);
+// Reads a path from a file; the error names the file.
 [[nodiscard]] Result<CameraPath> load_path(const std::filesystem::path& file);
+// Writes a path as JSON. The file is replaced at once or not at all.
 [[nodiscard]] Result<> save_path(const CameraPath& path, const std::filesystem::path& file);
 
 }  // namespace rilievo

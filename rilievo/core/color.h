@@ -1,4 +1,7 @@
-// sRGB at the edges (IEC 61966-2-1), linear light inside; premultiplied alpha throughout.
+// How do colours go from files to linear light and back?
+//
+// Files and frames are 8-bit sRGB (IEC 61966-2-1). Inside, colours are linear, with premultiplied
+// alpha.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +11,14 @@
 
 namespace rilievo {
 
+// The transfer function of sRGB, and its inverse, for one channel in [0, 1].
 [[nodiscard]] float srgb_from_linear(float linear);
 [[nodiscard]] float linear_from_srgb(float srgb);
 
+// 8-bit sRGB and alpha, as files and screens have them.
 using Rgba8Image = Image<glm::u8vec4>;
 
-// 8-bit sRGB for files and screens; colours are clamped to [0, 1]; alpha is stored as it is.
+// Converts a picture; alpha stays as it is. Colours above 1 and below 0 are clamped in 8 bits.
 [[nodiscard]] Rgba8Image srgb8_from_linear(const ColorImage& linear);
 [[nodiscard]] ColorImage linear_from_srgb8(const Rgba8Image& srgb);
 

@@ -1,7 +1,7 @@
-// Pictures with depth: what is captured once and re-drawn from new eyes.
+// What is a picture with depth? It is captured once and re-drawn from new eyes.
 //
-// Colour is linear light, premultiplied; alpha is coverage. A texel that shows nothing has colour
-// 0 0 0 0 and depth kNoDepth. All planes of one picture have the camera's size.
+// Colours are linear, premultiplied by alpha; alpha is coverage. A texel that shows nothing has
+// colour 0 0 0 0 and depth kNoDepth. All planes of one picture have the camera's size.
 #pragma once
 
 #include <array>
@@ -18,19 +18,21 @@ namespace rilievo {
 // Object identifiers start at 1; 0 is "no object" (the sky).
 inline constexpr std::uint32_t kNoObject = 0;
 
+// A picture with depth: a colour and one depth at each texel, from a known camera.
 struct DepthImage {
   std::string name;
   Camera camera;
   DepthKind depth_kind = DepthKind::eye_z;
   ColorImage color;
   Image<float> depth;
-  Image<std::uint32_t> object;  // empty, or which object each texel shows
+  Image<std::uint32_t> object;  // empty, or the identifier of the object that each texel shows
 
+  // Does the texel show anything?
   [[nodiscard]] bool covered(int x, int y) const { return depth(x, y) != kNoDepth; }
 };
 
-// One surface crossing on a line of sight (S4.1). `back` == `depth` for a surface; a volume's
-// sample reaches from `depth` to `back`.
+// One surface crossing on a line of sight (S4.1). For a surface, `back` equals `depth`; a volume's
+// sample extends from `depth` to `back`.
 struct LayerSample {
   glm::vec4 color{0.0f};
   float depth = kNoDepth;

@@ -1,4 +1,4 @@
-// A file descriptor that closes itself. For this library's own use.
+// Who closes a file descriptor? Internal: not a stable interface.
 #pragma once
 
 #include <unistd.h>
@@ -7,6 +7,7 @@
 
 namespace rilievo {
 
+// Owns a POSIX file descriptor and closes it.
 struct Descriptor {
   int fd = -1;
 
@@ -15,8 +16,8 @@ struct Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 
-  // False, with errno, if what was written is lost after all: some file systems say only now that
-  // the disk is full.
+  // Returns false and sets errno if the data written is lost after all: some file systems report a
+  // full disk only on close.
   bool close() { return fd < 0 || ::close(std::exchange(fd, -1)) == 0; }
 };
 

@@ -1,7 +1,7 @@
-// Preconditions: a broken one is a bug in the caller, never bad input.
+// How are preconditions checked? A broken precondition is a bug in the caller, never bad input.
 //
-// On in debug builds and in CI (RILIEVO_CHECKS=ON); compiled out otherwise. Both operands of a
-// comparison are printed, so that a failure in CI can be read without a debugger.
+// Checks run in debug builds and in CI (RILIEVO_CHECKS=ON) and compile to nothing otherwise. A
+// failed comparison prints both operands, so that a log suffices to understand it.
 #pragma once
 
 #ifdef RILIEVO_CHECKS
@@ -27,6 +27,7 @@ std::string operands(const A& a, const B& b) {
 
 }  // namespace rilievo::detail
 
+// Aborts with file, line and text unless `condition` holds.
 #define RILIEVO_EXPECTS(condition) \
   ((condition) ? void(0)           \
                : ::rilievo::detail::expectation_failed(#condition, "", __FILE__, __LINE__))
@@ -39,8 +40,13 @@ std::string operands(const A& a, const B& b) {
 #define RILIEVO_EXPECTS_OP_(a, op, b) void(0)
 #endif
 
+// Aborts unless a == b; prints both operands.
 #define RILIEVO_EXPECTS_EQ(a, b) RILIEVO_EXPECTS_OP_(a, ==, b)
+// Aborts unless a < b; prints both operands.
 #define RILIEVO_EXPECTS_LT(a, b) RILIEVO_EXPECTS_OP_(a, <, b)
+// Aborts unless a <= b; prints both operands.
 #define RILIEVO_EXPECTS_LE(a, b) RILIEVO_EXPECTS_OP_(a, <=, b)
+// Aborts unless a > b; prints both operands.
 #define RILIEVO_EXPECTS_GT(a, b) RILIEVO_EXPECTS_OP_(a, >, b)
+// Aborts unless a >= b; prints both operands.
 #define RILIEVO_EXPECTS_GE(a, b) RILIEVO_EXPECTS_OP_(a, >=, b)

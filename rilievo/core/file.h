@@ -1,10 +1,10 @@
-// Reading and writing whole files.
+// How are whole files read and written?
 //
-// A file is written under a temporary name beside its place and renamed when it is complete: a
-// reader sees the old file or the new one, and a full disk leaves the old one as it was. A link
-// stays a link: the file that it points to is replaced. A file that is replaced hands its
-// permissions on, and its owner where that is allowed. Devices and pipes are written straight into;
-// /dev/stdout and /dev/fd/N are the process's own descriptors, whatever they are.
+// A file is written under a temporary name in the same folder and renamed when it is complete: a
+// reader sees either the old file or the new one, and a full disk leaves the old one untouched. A
+// symbolic link stays a link: the file that it points to is replaced. The new file keeps the
+// permissions of the old one, and its owner where the system allows it. Devices and pipes are
+// written directly; /dev/stdout and /dev/fd/N are the process's own descriptors, of any kind.
 //
 // A signal handler can remove the temporary files: core/unfinished_files.h.
 #pragma once
@@ -20,18 +20,17 @@
 
 namespace rilievo {
 
-// The bytes of a regular file that is at most `max_bytes` long.
+// Reads a regular file of at most `max_bytes` bytes.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path,
                                             std::uint64_t max_bytes);
 
-// Replaces `path` by the pieces, one after the other.
+// Replaces the contents of `path` by the pieces, in their order.
 [[nodiscard]] Result<> write_file(const std::filesystem::path& path,
                                   std::span<const std::span<const std::byte>> pieces);
 [[nodiscard]] Result<> write_file(const std::filesystem::path& path, std::string_view text);
 
-// Can `path` be written, as far as that can be told beforehand? Folders that are missing count as
-// there, if they could be made. Leaves everything as it was: call it before long work whose result
-// goes to `path`.
+// Checks, before long work, that its result can be written to `path`. Missing folders are accepted
+// if they could be created. Changes nothing.
 [[nodiscard]] Result<> expect_writable(const std::filesystem::path& path);
 
 }  // namespace rilievo

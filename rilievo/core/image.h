@@ -1,5 +1,6 @@
-// A rectangle of texels that owns its memory. Row 0 is the top row, as in files; texel (x, y)
-// covers [x, x+1) x [y, y+1) with its centre at (x + 0.5, y + 0.5).
+// How are texels kept in memory? Row by row, without padding; row 0 is the top row, as in files.
+//
+// Texel (x, y) covers [x, x+1) x [y, y+1); its centre is (x + 0.5, y + 0.5).
 #pragma once
 
 #include <cstddef>
@@ -11,6 +12,7 @@
 
 namespace rilievo {
 
+// A rectangle of texels that owns its memory.
 template <class T>
 class Image {
  public:
@@ -49,7 +51,7 @@ class Image {
   std::vector<T> texels_;
 };
 
-// Linear light, alpha premultiplied.
+// Linear colour; alpha premultiplied.
 using ColorImage = Image<glm::vec4>;
 
 }  // namespace rilievo

@@ -1,10 +1,11 @@
-// How is work shared out among the cores?
+// How is work distributed over the cores?
 //
-// Pieces run in any order, each once, and all have run when parallel_for returns; what was written
-// before it may be read by them, what they wrote by what comes after it. An exception of a piece
-// comes out of parallel_for. Nested calls are fine.
+// Calls run in any order, each once, and are complete when parallel_for returns. They can read what
+// was written before, and later code can read what they wrote. An exception of a call leaves
+// parallel_for. Nested calls are allowed.
 //
-// The library's only way to use threads, so that ThreadSanitizer can be told of it in one place.
+// The library uses threads only through this function, so that ThreadSanitizer needs to be told
+// only here.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,7 @@ void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), co
 
 }  // namespace detail
 
-// body(i) for each i of [first, last), whatever the thread.
+// Calls body(i) for each i in [first, last), on any thread.
 template <typename Index, typename Body>
 void parallel_for(Index first, Index last, const Body& body) {
   if (!(first < last)) return;

@@ -1,6 +1,6 @@
-// Random numbers that are the same everywhere, and noise that follows from them.
+// Which random numbers are the same on every machine? And noise made from them.
 //
-// Independent of the standard library's distributions; pure; any thread.
+// Independent of the standard library's distributions. Pure; any thread.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace rilievo {
 
-// A bijection of 64 bits in which every input bit changes about half of the output bits (the
+// A bijection of 64 bits in which each input bit changes about half of the output bits (the
 // finaliser of SplitMix64, [Steele, Lea, Flood 2014]).
 [[nodiscard]] constexpr std::uint64_t scramble(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -17,7 +17,7 @@ namespace rilievo {
   return x ^ (x >> 31);
 }
 
-// One key out of several numbers; the order matters.
+// A key that depends on several numbers and on their order.
 template <class... Rest>
 [[nodiscard]] constexpr std::uint64_t combine(std::uint64_t first, Rest... rest) {
   std::uint64_t key = scramble(first + 0x9e3779b97f4a7c15ull);
@@ -25,11 +25,12 @@ template <class... Rest>
   return key;
 }
 
-// [0, 1) out of the upper 24 bits: every value is a float.
+// A number in [0, 1) from the upper 24 bits, which a float holds exactly.
 [[nodiscard]] constexpr float unit_float(std::uint64_t bits) {
   return float(bits >> 40) * (1.0f / 16777216.0f);
 }
 
+// A sequence of random numbers; the seed determines it.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -43,7 +44,7 @@ class Random {
   std::uint64_t state_;
 };
 
-// Smooth noise in [-1, 1] with features of size 1: values at integer points, blended.
+// Smooth noise in [-1, 1] with features of size 1: random values at integer points, interpolated.
 [[nodiscard]] inline float noise(const glm::vec3& p, std::uint64_t seed) {
   const glm::vec3 cell = glm::floor(p), f = p - cell, w = f * f * (3.0f - 2.0f * f);
   const auto corner = [&](int x, int y, int z) {

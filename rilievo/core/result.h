@@ -1,4 +1,5 @@
-// What an operation on the outside world (files, OpenGL) yields: a value, or where and why not.
+// What does an operation on the outside world (files, OpenGL) return? A value, or an error that
+// says where it failed and why.
 //
 //   Result<Scene> scene = load_scene(path);
 //   if (!scene) return scene.error();
@@ -14,18 +15,21 @@
 
 namespace rilievo {
 
+// Where an operation failed, and why.
 struct Error {
   std::string where;   // a file's path, or the device or step that failed
   std::string reason;  // one clause without a full stop: "vertex 12 of mesh 3 is not finite"
 
+  // "where: reason", as the command line prints it.
   [[nodiscard]] std::string message() const {
     return where.empty() ? reason : where + ": " + reason;
   }
 };
 
-// The value of a Result that carries none.
+// The value of an operation that either succeeds without a result or fails.
 struct Done {};
 
+// A value of type T or an Error. Result<> is success or an Error.
 template <class T = Done>
 class [[nodiscard]] Result {
  public:
@@ -35,7 +39,7 @@ class [[nodiscard]] Result {
   [[nodiscard]] bool ok() const noexcept { return state_.index() == 0; }
   explicit operator bool() const noexcept { return ok(); }
 
-  // Requires ok().
+  // The value. Requires ok().
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T&& operator*() && { return std::move(value()); }
@@ -51,7 +55,7 @@ class [[nodiscard]] Result {
   }
   T&& value() && { return std::move(value()); }
 
-  // Requires !ok().
+  // The error. Requires !ok().
   [[nodiscard]] const Error& error() const {
     RILIEVO_EXPECTS(!ok());
     return *std::get_if<1>(&state_);

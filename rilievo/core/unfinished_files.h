@@ -1,14 +1,14 @@
 // Which files are half written at this moment?
 //
-// A list of fixed size, so that a signal handler can remove them before the program ends.
+// The list has a fixed size, so that a signal handler can read it and remove the files.
 #pragma once
 
 #include <string>
 
 namespace rilievo {
 
-// Lists `path` while it lives. What is longer than PATH_MAX, or comes when the list is full (64
-// files), is not listed. Any thread.
+// Lists `path` for as long as the object lives. Paths longer than PATH_MAX and files beyond the
+// 64th are not listed. Any thread.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::string& path) noexcept;
@@ -20,9 +20,9 @@ class UnfinishedFile {
   int slot_ = -1;
 };
 
-// Removes the temporary files that write_file() has open. Safe in a signal handler: it only reads
-// the list and calls unlink(). It is for a program that is about to end: what is being written
-// fails, and a file that another thread begins meanwhile may stay.
+// Removes the temporary files that write_file() has open. Safe in a signal handler: only reads the
+// list and calls unlink(). For a program that is about to end: writes in progress fail, and a file
+// that another thread opens at the same time can remain.
 void remove_unfinished_files() noexcept;
 
 }  // namespace rilievo

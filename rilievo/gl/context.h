@@ -1,7 +1,7 @@
-// An OpenGL 4.5 core context without a window, by EGL: works without X and without a GPU.
+// How does a program without a window get OpenGL? A 4.5 core context by EGL, without X or a GPU.
 //
-// One context a thread. Objects of rilievo/gl die before their context does. Users who bring their
-// own context need none of this: everything else runs in whichever context is current.
+// One context per thread. Destroy all objects of rilievo/gl before their context. Programs that
+// have their own context do not need this one: all drawing uses the context that is current.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,11 @@
 
 namespace rilievo::gl {
 
+// Owns an EGL context.
 class Context {
  public:
-  // Makes a context and makes it current on this thread.
+  // Creates a context and makes it current on this thread. Fails where EGL or OpenGL 4.5 is
+  // missing.
   [[nodiscard]] static Result<std::unique_ptr<Context>> create();
   ~Context();
   Context(const Context&) = delete;
@@ -28,14 +30,14 @@ class Context {
 // GL_RENDERER of the current context.
 [[nodiscard]] std::string renderer_name();
 
-// Is the current context's OpenGL the work of the processor?
+// Does the current context's driver render on the CPU?
 [[nodiscard]] bool is_software();
 
-// Waits until all drawing is done: what a frame's time ends with (timer queries do not work on
-// software rasterisers).
+// Waits until all drawing is complete. Frame times end with it, because timer queries do not work
+// on software rasterisers.
 void finish();
 
-// The first OpenGL error since the last call, or nothing wrong. For tests and debug builds.
+// The first OpenGL error since the last call, if there is one. For tests and debug builds.
 [[nodiscard]] Result<> check_errors(const char* where);
 
 }  // namespace rilievo::gl

@@ -1,4 +1,4 @@
-// Thin owners of OpenGL names: they delete what they own and convert to it.
+// Who deletes an OpenGL object? Thin owners, which convert to the object's name.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -13,6 +13,7 @@
 
 namespace rilievo::gl {
 
+// Owns one OpenGL object; `destroy` deletes it.
 template <void (*destroy)(GLuint)>
 class Object {
  public:
@@ -41,6 +42,7 @@ inline void destroy_vertex_array(GLuint n) { glDeleteVertexArrays(1, &n); }
 inline void destroy_program(GLuint n) { glDeleteProgram(n); }
 }  // namespace detail
 
+// The kinds of OpenGL objects:
 using Buffer = Object<detail::destroy_buffer>;
 using Texture = Object<detail::destroy_texture>;
 using Framebuffer = Object<detail::destroy_framebuffer>;
@@ -48,9 +50,11 @@ using Renderbuffer = Object<detail::destroy_renderbuffer>;
 using VertexArray = Object<detail::destroy_vertex_array>;
 using Program = Object<detail::destroy_program>;
 
+// Objects with immutable storage. `format` is a sized internal format; `data` may be null.
 [[nodiscard]] Buffer make_buffer(std::size_t bytes, const void* data, GLbitfield flags = 0);
 [[nodiscard]] Texture make_texture_2d(GLenum format, int width, int height, int levels = 1);
-// The same texels under a name with parameters of its own; they live as long as either.
+// A texture view: the texels of `of` with sampling parameters of its own. Either may be deleted
+// first.
 [[nodiscard]] Texture make_texture_view(const Texture& of, GLenum format, int levels);
 [[nodiscard]] Texture make_texture_2d_array(GLenum format, int width, int height, int layers);
 [[nodiscard]] Texture make_texture_2d_multisample(GLenum format, int width, int height,
@@ -58,20 +62,21 @@ using Program = Object<detail::destroy_program>;
 [[nodiscard]] Framebuffer make_framebuffer();
 [[nodiscard]] VertexArray make_vertex_array();
 
-// Both sources start with "#version 450"; `defines` ("#define A 1\n...") go after that line.
+// Compiles and links a program. Both sources start with "#version 450"; `defines` ("#define A
+// 1\n...") follow that line. The error holds the compiler's log; `name` names the program in it.
 [[nodiscard]] Result<Program> make_program(std::string_view name, std::string_view vertex,
                                            std::string_view fragment,
                                            std::string_view defines = "");
 
-// A buffer that is rewritten before every drawing and grows when it must.
+// A buffer that is rewritten before each draw and grows when needed.
 //
-// Each upload goes behind the one before; the GPU is waited for before a place is used again, every
-// megabyte or so. OpenGL promises the same without, but Mesa's software drivers, which shade
-// fragments late, read what has been written since.
+// Each upload goes behind the one before. Before a place is used again, every megabyte or so, it
+// waits for the GPU. OpenGL promises correct results without this wait; Mesa's software drivers,
+// which shade fragments late, read data that was written since.
 class StreamBuffer {
  public:
-  // Copies `bytes` into the buffer and binds it at `index` of `target` (GL_SHADER_STORAGE_BUFFER or
-  // GL_UNIFORM_BUFFER). Allocates only when it has to grow.
+  // Copies `bytes` into the buffer and binds the copy at `index` of `target`
+  // (GL_SHADER_STORAGE_BUFFER or GL_UNIFORM_BUFFER). Allocates only to grow.
   void upload_and_bind(GLenum target, GLuint index, std::span<const std::byte> bytes);
 
  private:

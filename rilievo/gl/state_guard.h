@@ -1,12 +1,12 @@
-// Leaves the caller's OpenGL state as it was found.
+// How does drawing leave the caller's OpenGL state unchanged?
 #pragma once
 
 #include <epoxy/gl.h>
 
 namespace rilievo::gl {
 
-// Restores, at the end of the scope, every piece of OpenGL state that Rilievo's drawing changes.
-// Until then, whatever the caller has set that would spoil a picture is switched off.
+// Saves all OpenGL state that Rilievo's drawing changes, and restores it at the end of the scope.
+// In between, it switches off state of the caller that would corrupt a picture.
 class StateGuard {
  public:
   StateGuard();
@@ -14,8 +14,8 @@ class StateGuard {
   StateGuard(const StateGuard&) = delete;
   StateGuard& operator=(const StateGuard&) = delete;
 
-  // Framebuffer, viewport and scissor test as the caller had set them: where a frame is drawn,
-  // after its captures.
+  // Binds the caller's framebuffer, viewport and scissor test again: the frame is drawn there after
+  // the captures.
   void bind_frame() const;
 
  private:

@@ -1,4 +1,4 @@
-// Vertex colours as files have them. Internal to loading.
+// How are vertex colours of files converted? Internal to loading.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,7 +7,8 @@
 
 namespace rilievo {
 
-// Scanners and sculpting programs write what a screen shows; alpha stays as it is.
+// A linear colour from the sRGB values that scanners and sculpting programs write. Alpha is
+// unchanged.
 [[nodiscard]] inline glm::vec4 linear_from_screen(const glm::dvec4& c) {
   return {linear_from_srgb(float(c.r)), linear_from_srgb(float(c.g)), linear_from_srgb(float(c.b)),
           float(c.a)};

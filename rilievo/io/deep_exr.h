@@ -1,17 +1,18 @@
-// How are layered pictures with depth kept in files that any OpenEXR tool opens? (S4.1)
+// How are layered pictures with depth stored in files that any OpenEXR tool opens? (S4.1)
 //
-// One deep part of scan lines, ZIPS:
-//   channels    R G B A half, linear and premultiplied; Z, ZBack float: where a sample begins and
-//               ends (a surface ends where it begins); id uint
-//   attributes  those of exr.h: the camera exactly, and as worldToCamera and worldToNDC
+// One deep part of scan lines, ZIPS compression:
+//   channels    R G B A half, linear and premultiplied; Z, ZBack float: front and back of a sample
+//               (equal for a surface); id uint
+//   attributes  as in exr.h: the camera exactly, and as worldToCamera and worldToNDC
 //
-// What is read back equals what was written, bit for bit, once colours are halfs.
+// Loading returns exactly what was saved, once colours are rounded to half precision.
 //
 // A foreign file loads if it has one part, deep and of scan lines, with R G B and Z (A, ZBack, id
-// optional) and a camera: worldToCamera and worldToNDC, or one that the caller gives for its
-// display window. Without either it is refused: a guessed camera would put everything in the wrong
-// place in silence. Its Z is taken as `depth_kind` says; samples whose Z is at least 1e30, or not
-// positive, show nothing; samples are sorted. Reading and writing run in the caller's thread.
+// are optional) and a camera: either worldToCamera and worldToNDC, or one that the caller gives for
+// the display window. A file without either is refused, because a guessed camera would silently put
+// everything in the wrong place. `depth_kind` says what Z means. Samples whose Z is at least 1e30
+// or not positive are dropped; the others are sorted. Reading and writing run in the caller's
+// thread.
 #pragma once
 
 #include <filesystem>
@@ -22,28 +23,28 @@
 
 namespace rilievo {
 
+// What a foreign file does not say.
 struct DeepLoadOptions {
-  // Of the display window; its size does not matter. Used only if the file has no camera.
+  // The camera of the display window, of any resolution. Used only if the file has no camera.
   std::optional<Camera> camera;
-  // What a foreign file's Z means: eye_z or ray.
+  // The meaning of a foreign file's Z: eye_z or ray.
   DepthKind depth_kind = DepthKind::eye_z;
 };
 
-// Requires a valid picture (an invalid one is an error, not a crash). Replaces the file at once or
-// not at all.
+// Saves a valid picture (an invalid one is an error). The file is replaced at once or not at all.
 [[nodiscard]] Result<> save_layers(const std::filesystem::path& path,
                                    const LayeredDepthImage& layers);
 
-// What is returned is valid. The error names the file and the reason.
+// Loads a valid picture. The error names the file and the reason.
 [[nodiscard]] Result<LayeredDepthImage> load_layers(const std::filesystem::path& path,
                                                     const DeepLoadOptions& options = {});
-// The same of a file in memory; `where` names it in errors.
+// Loads a picture from memory; `where` names it in errors.
 [[nodiscard]] Result<LayeredDepthImage> load_layers(std::string_view bytes,
                                                     const std::string& where,
                                                     const DeepLoadOptions& options = {});
 
-// The symmetric perspective camera at the origin, looking down -z, up +y, for a file that brings
-// none. `horizontal_fov` in radians.
+// A symmetric perspective camera at the origin that looks down -z, for files without a camera.
+// `horizontal_fov` in radians; sizes in texels.
 [[nodiscard]] Camera deep_camera(double horizontal_fov, int width, int height);
 
 }  // namespace rilievo

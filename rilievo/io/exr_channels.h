@@ -1,9 +1,9 @@
-// What do the channels of an OpenEXR file hold, whatever they mean?
+// How are single channels of an OpenEXR file read and written by name?
 //
-// For formats that keep their cameras elsewhere and name channels themselves (Seurat's captures).
-// The first part's data window, as floats, row 0 on top; of a tiled part the base level. Deep
-// parts, sub-sampled and missing channels and files that claim more than their bytes can hold are
-// refused. The caller's thread.
+// For formats that store their cameras elsewhere and name channels themselves (Seurat's captures).
+// Reads the first part's data window as floats, row 0 on top, the base level of a tiled part.
+// Refuses deep parts, sub-sampled and missing channels, and files that claim more texels than their
+// bytes can hold. Runs in the caller's thread.
 #pragma once
 
 #include <filesystem>
@@ -16,11 +16,11 @@
 
 namespace rilievo {
 
-// In the order of `names`.
+// Loads one plane for each name, in the order of `names`.
 [[nodiscard]] Result<std::vector<Image<float>>> load_exr_channels(
     const std::filesystem::path& path, std::span<const std::string> names);
 
-// Names and planes of one size each; replaces the file at once or not at all.
+// Saves planes of one size under their names. The file is replaced at once or not at all.
 [[nodiscard]] Result<> save_exr_channels(const std::filesystem::path& path,
                                          std::span<const std::string> names,
                                          std::span<const Image<float>> planes);

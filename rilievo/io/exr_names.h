@@ -1,4 +1,4 @@
-// What our own attributes are called in an OpenEXR file; see exr.h. Shared by writer and reader.
+// What are our attributes called in an OpenEXR file? Internal; described in exr.h.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 
 namespace rilievo::exr {
 
+// The version of the attributes, and their names:
 inline constexpr int kVersion = 1;
 inline constexpr char kVersionName[] = "rilievo.version";
 inline constexpr char kName[] = "rilievo.name";
@@ -22,7 +23,7 @@ inline constexpr char kDepthRange[] = "rilievo.depthRange";
 inline constexpr std::string_view kFilePrefix = "rilievo.file.";
 inline constexpr std::string_view kPicturePrefix = "rilievo.picture.";
 
-// In the order of their enumerators.
+// The values of rilievo.projection and rilievo.depthKind, in the order of the enumerators:
 inline constexpr std::array<const char*, 3> kProjections = {"perspective", "back_perspective",
                                                             "parallel"};
 inline constexpr std::array<const char*, 3> kDepthKinds = {"window_z", "eye_z", "ray"};

@@ -1,9 +1,9 @@
-// Do the sizes that an OpenEXR header states fit into its file?
+// Do the sizes that an OpenEXR header states fit into its file? Internal.
 //
-// OpenEXR allocates an attribute as large as it says before it reads it, so that four wrong bytes
-// cost two gigabytes. Walks the header's bytes: magic and version (4 bytes each), then per part
-// attributes (name 0, type 0, int32 size, value) up to an empty name; a multi-part file ends with
-// an empty part. Values are not looked at.
+// OpenEXR allocates an attribute's stated size before it reads it, so that four wrong bytes cost
+// two gigabytes. This check steps through the header: magic and version (4 bytes each), then for
+// each part its attributes (name 0, type 0, int32 size, value) up to an empty name. A multi-part
+// file ends with an empty part. Values are not read.
 #pragma once
 
 #include <string_view>
@@ -12,6 +12,7 @@
 
 namespace rilievo {
 
+// Fails if an attribute's size exceeds the rest of `file`.
 [[nodiscard]] Result<> check_exr_sizes(std::string_view file);
 
 }  // namespace rilievo

@@ -1,7 +1,4 @@
-// How do frames become small enough for a report?
-//
-// As baseline JPEG, in memory; alpha is dropped. `quality` from 1 to 100; about 90 shows no
-// blocks.
+// How do frames become small enough for a report? As baseline JPEG in memory.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +8,8 @@
 
 namespace rilievo {
 
-// Requires a picture of at least one pixel.
+// Encodes a picture of at least one pixel; alpha is dropped. `quality` is 1 to 100; about 90 shows
+// no block artefacts.
 [[nodiscard]] std::vector<std::uint8_t> encode_jpeg(const Rgba8Image& picture, int quality = 85);
 
 }  // namespace rilievo

@@ -1,4 +1,4 @@
-// JPEG by libjpeg. Internal to loading; throws LoadFault.
+// How is a JPEG file decoded? By libjpeg. Internal to loading; throws LoadFault.
 #pragma once
 
 #include "rilievo/core/color.h"
@@ -6,7 +6,7 @@
 
 namespace rilievo {
 
-// Calls `make(width, height)` for the picture to fill, which may refuse.
+// Decodes into the picture that `make(width, height)` returns; `make` may refuse by throwing.
 [[nodiscard]] Rgba8Image decode_jpeg(Bytes encoded, MemoryBudget& budget,
                                      Rgba8Image (*make)(int width, int height, MemoryBudget&));
 

@@ -78,7 +78,8 @@ bool lies_within(const std::filesystem::path& folder, const std::filesystem::pat
 std::filesystem::path neighbor_path(const LoadContext& context, const std::string& relative) {
   namespace fs = std::filesystem;
   if (!context.folder) refuse("refers to another file, which a scene in memory cannot");
-  if (relative.find('\0') != std::string::npos) refuse("refers to a file by a name with a zero");
+  if (relative.find('\0') != std::string::npos)
+    refuse("refers to a file whose name contains a zero byte");
   std::string slashed = relative;
   std::replace(slashed.begin(), slashed.end(), '\\', '/');
   if (slashed.size() > 1 && slashed[1] == ':')

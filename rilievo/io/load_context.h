@@ -1,6 +1,6 @@
-// What the readers of all formats share: faults, warnings, the memory bound, neighbouring files.
+// What do the readers of all formats share? Errors, warnings, memory limits, access to other files.
 //
-// Internal to loading. Inside it a fault is thrown as LoadFault; load_scene turns it into an Error.
+// Internal to loading. Inside, an error is thrown as LoadFault; load_scene returns it as an Error.
 #pragma once
 
 #include <cstddef>
@@ -13,50 +13,54 @@
 
 namespace rilievo {
 
+// The contents of a file.
 using Bytes = std::span<const std::uint8_t>;
 
+// The same memory as bytes.
 [[nodiscard]] inline Bytes bytes_of(const std::string& s) {
   return {reinterpret_cast<const std::uint8_t*>(s.data()), s.size()};
 }
 
+// The exception for bad input.
 struct LoadFault {
   std::string reason;  // one clause, as Error::reason
 };
 
+// Throws a LoadFault.
 [[noreturn]] inline void refuse(std::string reason) { throw LoadFault{std::move(reason)}; }
 
-// ", but there are only 7": the end of a sentence about a number that is too large.
+// ", but there are only 7": ends a sentence about a number that is too large.
 [[nodiscard]] std::string but_there_are(std::uint64_t count);
 
-// Counts what is allocated for a file, against two bounds: a limit on all of it, and what the file
-// has earned: kFree bytes, and kTimes as many as were read. Nobody who sends a kilobyte gets a
-// gigabyte; decoded pixels, which small files hold in earnest, count against the limit alone.
+// Limits what is allocated for a file, in two ways. All allocations together stay within a limit
+// that the caller sets. They also stay within what the file has *earned*: kFree bytes plus kTimes
+// its own size, so that a kilobyte cannot cost a gigabyte. Decoded pixels are exempt from the
+// second rule, because small files legitimately contain large pictures.
 //
-// What is taken is not given back, even if it is freed before the end: the bounds are then ones on
-// time, too.
+// Memory that is freed is not given back to the budget, so both also bound the time spent.
 class MemoryBudget {
  public:
-  // 64 MiB less what a process takes that has loaded nothing.
+  // 64 MiB less the memory of a process that has loaded nothing.
   static constexpr std::uint64_t kFree = std::uint64_t(40) << 20;
   static constexpr std::uint64_t kTimes = 32;
 
   explicit MemoryBudget(std::uint64_t limit) : limit_(limit), left_(limit) {}
-  // Bytes that were read from a file, which are taken with it.
+  // Adds to what is earned after `bytes` were read from a file, and takes them.
   void earn(std::uint64_t bytes);
-  // Bytes that `packed` ones of a compressed mesh become, which are not taken yet. Draco makes a
-  // hundred bytes of one in earnest: they earn memory, too, half as much, as far as they are
-  // likely.
+  // Adds to what is earned before `packed` bytes of a compressed mesh expand to `unpacked`. Draco
+  // legitimately expands a byte to a hundred, so plausible expanded bytes earn half as much as
+  // bytes of a file. Takes nothing.
   void earn_decompressed(std::uint64_t packed, std::uint64_t unpacked);
-  // Throws if `count` things of `each` bytes are more than is left.
+  // Takes `count` items of `each` bytes; throws if that exceeds either bound.
   void take(std::uint64_t count, std::uint64_t each = 1);
-  // The same of decoded pixels, which need not be earned.
+  // Takes decoded pixels, against the limit only.
   void take_pixels(std::uint64_t count, std::uint64_t each);
-  // The same for what is freed again at once.
+  // Throws like take(), but takes nothing: for memory that is freed at once.
   void borrow(std::uint64_t count, std::uint64_t each = 1) const;
-  // Of the limit.
+  // What is left of the limit, in bytes.
   [[nodiscard]] std::uint64_t left() const { return left_; }
 
-  // "--memory-limit-mb" is what the command line calls the limit.
+  // Throws the fault that names the limit, as the command line calls it: "--memory-limit-mb".
   [[noreturn]] void refuse_limit() const;
 
  private:
@@ -66,31 +70,32 @@ class MemoryBudget {
   std::uint64_t read_ = 0, earned_ = kFree;  // earned and not yet taken
 };
 
+// The state of one load.
 struct LoadContext {
   std::string name;                             // of the scene
-  std::optional<std::filesystem::path> folder;  // nothing: no other file may be read
+  std::optional<std::filesystem::path> folder;  // of the scene; none: no other file may be read
   double time = 0.0;
   MemoryBudget budget;
-  bool allow_outside = false;  // files that do not lie below `folder`
+  bool allow_outside = false;  // files outside `folder`
   std::vector<std::string> warnings;
   bool skipped_points_or_lines = false;
 
-  // Says the same thing once, and stops after a hundred.
+  // Adds a warning once; at most a hundred warnings are kept.
   void warn(const std::string& what);
   void skip_points_or_lines();
 };
 
-// Is `path` in `folder` or below it, once ".." and links are resolved?
+// Does `path` lie in `folder` or below it, after ".." and symbolic links are resolved?
 [[nodiscard]] bool lies_within(const std::filesystem::path& folder,
                                const std::filesystem::path& path);
 
-// Where `relative` (UTF-8, '/' or '\' between names) leads from the scene's own folder, all links
-// resolved: two names of a file are one path. Throws if that lies outside of the folder, unless the
-// context allows it, or if the scene came from memory.
+// The path of the file `relative` (UTF-8, names separated by '/' or '\') in the scene's folder,
+// with all symbolic links resolved, so that equal files have equal paths. Throws if it lies outside
+// the folder (unless the context allows it) or if the scene was loaded from memory.
 [[nodiscard]] std::filesystem::path neighbor_path(const LoadContext& context,
                                                   const std::string& relative);
 
-// The file there.
+// The contents of the file at neighbor_path().
 [[nodiscard]] std::string read_neighbor(LoadContext& context, const std::string& relative);
 
 }  // namespace rilievo

@@ -1,9 +1,9 @@
-// PNG by libpng. Internal to loading; throws LoadFault.
+// How is a PNG file decoded? By libpng. Internal to loading; throws LoadFault.
 //
-// What a file costs is known before libpng sees it: the size and the bits of a texel stand in the
-// first 26 bytes, a size that the compressed bytes cannot hold is refused, and libpng works row by
-// row with at most 4 MiB of its own. Of the chunks only those that make the picture are read:
-// gamma, profiles and texts are passed over, whatever is in them.
+// Memory is bounded before libpng starts: the first 26 bytes hold the picture's size and format, a
+// size that the compressed bytes cannot hold is refused, and libpng works row by row with at most
+// 4 MiB of its own. Only the chunks that make the picture are read; gamma, profiles and texts are
+// skipped.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@
 
 namespace rilievo {
 
-// Does it begin as a PNG file?
+// Do the bytes begin with PNG's signature?
 [[nodiscard]] bool is_png(Bytes encoded);
 
-// Any PNG picture: grey, palette and 16 bits become RGBA with 8. Calls `make(width, height)` for
-// the picture to fill, which may refuse.
+// Decodes any PNG to 8-bit RGBA, into the picture that `make(width, height)` returns; `make` may
+// refuse by throwing.
 [[nodiscard]] Rgba8Image decode_png(Bytes encoded, MemoryBudget& budget,
                                     Rgba8Image (*make)(int width, int height, MemoryBudget&));
 
-// The numbers of 16-bit grey as they are; any other picture is refused.
+// The values of a 16-bit grey PNG; throws for any other picture.
 [[nodiscard]] Image<std::uint16_t> decode_png_grey16(Bytes encoded, MemoryBudget& budget,
                                                      Image<std::uint16_t> (*make)(int width,
                                                                                   int height,

@@ -1,4 +1,4 @@
-// What the readers of the three kinds of captures share. Internal to io.
+// What do the readers of the three capture formats share? Internal to io.
 #pragma once
 
 #include <string>
@@ -8,26 +8,27 @@
 
 namespace rilievo::rgbd {
 
-// More frames or larger texts are no capture.
+// The sizes beyond which a capture is refused:
 inline constexpr std::size_t kMostFrames = 100000;
 inline constexpr std::uint64_t kMostTextBytes = 256u << 20;
 
-// The nearest rigid motion to a camera-to-world matrix that is one to 1 %; the error is a clause
-// that says what is wrong with it.
+// The rigid motion nearest to a camera-to-world matrix. Fails with a clause that says what is wrong
+// if they differ by more than 1 %.
 [[nodiscard]] Result<glm::dmat4> rigid_pose(const glm::dmat4& matrix);
 
-// To a camera that looks down -z, y up, from one that looks down +z, y down.
+// The pose of a camera that looks down -z, y up, from that of one that looks down +z, y down.
 [[nodiscard]] glm::dmat4 flipped_axes(const glm::dmat4& world_from_camera);
 
-// Are the numbers those of a lens?
+// Checks that the numbers describe a lens.
 [[nodiscard]] Result<> check(const RgbdIntrinsics& intrinsics);
 
-// Is there a file at `path`? The error says which is missing.
+// Checks that there is a file at `path`; the error names it.
 [[nodiscard]] Result<> check_file(const std::filesystem::path& path);
 
-// `count` numbers, and nothing else, out of text.
+// Reads exactly `count` numbers from text.
 [[nodiscard]] Result<std::vector<double>> numbers(std::string_view text, std::size_t count);
 
+// Open a capture of each format; the error names the file and the reason.
 [[nodiscard]] Result<RgbdCapture> open_transforms(const std::filesystem::path& file,
                                                   bool allow_outside);
 [[nodiscard]] Result<RgbdCapture> open_trajectory(const std::filesystem::path& file);

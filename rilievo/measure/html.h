@@ -1,4 +1,4 @@
-// What pages that hold everything in one file are put together from.
+// How is a page made that needs no other file? From these parts.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,27 @@
 
 namespace rilievo {
 
-// A picture as it lies in a file.
+// An encoded picture: the bytes of its file.
 struct EncodedPicture {
   std::string mime;  // "image/png", "image/jpeg"
   std::vector<std::uint8_t> bytes;
 };
 
-// `text` with & < > " as entities: safe between tags and in quoted attributes.
+// `text` with & < > " as entities, for use between tags and in quoted attributes.
 [[nodiscard]] std::string html_text(std::string_view text);
 
-// "data:image/png;base64,..."
+// The picture as a URI: "data:image/png;base64,..."
 [[nodiscard]] std::string data_uri(const EncodedPicture& picture);
 
-// JSON that can stand inside a <script> element: no "</" and no "<!" in it.
+// JSON that can stand inside a script element: it contains neither "</" nor "<!".
 [[nodiscard]] std::string script_json(std::string_view json);
 
-// `page` with every {{NAME}} replaced by its text, which itself is not searched. Requires that
-// every {{NAME}} of the page is given.
+// `page` with every {{NAME}} replaced by its text. The inserted text is not searched again.
+// Requires a text for every {{NAME}} of the page.
 [[nodiscard]] std::string fill_page(
     std::string_view page, std::span<const std::pair<std::string_view, std::string>> texts);
 
-// The files of rilievo/measure/pages, as they were at build time.
+// The files of rilievo/measure/pages, compiled into the library.
 [[nodiscard]] std::string_view report_page();
 [[nodiscard]] std::string_view report_script();
 [[nodiscard]] std::string_view bench_page();

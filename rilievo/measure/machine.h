@@ -1,14 +1,15 @@
-// On what was this measured?
+// On which machine was this measured?
 #pragma once
 
 #include <string>
 
 namespace rilievo {
 
+// The processor and the OpenGL driver of a measurement.
 struct Machine {
-  std::string cpu;          // the processor's own name for itself, "unknown" if it says none
-  int threads = 1;          // that this process may run at once
-  std::string gl_renderer;  // empty if nothing was drawn with OpenGL
+  std::string cpu;          // the processor's name, "unknown" if the system does not tell
+  int threads = 1;          // that this process can run at the same time
+  std::string gl_renderer;  // empty if OpenGL was not used
 };
 
 // This machine, without `gl_renderer`.

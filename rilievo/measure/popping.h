@@ -1,24 +1,25 @@
 // How much does a frame jump against the one before it, where the true frames do not?
 //
-// From FLIP maps of the change: of the true frames from one to the next, and of the method's. What
-// the method's changed more is its own doing: a new picture, or the shimmer of old ones. A picture
-// that pops is a small part of the frame, and the mean over the frame hides it; so the largest
-// excess over tiles is looked for.
+// Compares two FLIP maps of the change from one frame to the next: that of the true frames and that
+// of the method's frames. The excess of the method's change is its own doing: a replaced picture,
+// or shimmer. A picture that pops covers a small part of the frame, and a mean over the frame hides
+// it; therefore the largest excess over tiles is reported as well.
 #pragma once
 
 #include "rilievo/core/image.h"
 
 namespace rilievo {
 
-inline constexpr int kPopTile = 64;  // pixels a side, one degree of the default observer's view
+inline constexpr int kPopTile = 64;  // pixels a side: one degree of the default observer's view
 
+// The excess change of one frame, in units of FLIP (0 to 1).
 struct Pop {
-  double frame = 0;  // mean of the method's change less that of the true one; not below 0
+  double frame = 0;  // the mean of (method's change - true change), at least 0
   double tile = 0;   // the same over the tile where it is largest
 };
 
-// Requires two maps of one size, of at least one pixel. Tiles overlap by half; of a frame smaller
-// than a tile the frame is the tile.
+// The excess change between two maps of one size, of at least one pixel. Tiles overlap by half. A
+// frame smaller than a tile is one tile.
 [[nodiscard]] Pop largest_pop(const Image<float>& true_change, const Image<float>& change);
 
 }  // namespace rilievo

@@ -1,7 +1,7 @@
 // How far apart are two frames, pixel by pixel?
 //
 // The peak signal-to-noise ratio of 8-bit sRGB frames over R, G and B together; alpha is ignored.
-// Exact integer sums: the same figure from any number of threads.
+// Sums are exact integers: the result does not depend on the number of threads.
 #pragma once
 
 #include "rilievo/core/color.h"

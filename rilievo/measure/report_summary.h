@@ -1,4 +1,4 @@
-// What a method's frames come to; shared by the report's JSON and its page.
+// What are the means and percentiles of a method's frames? Used by the report's JSON and its page.
 #pragma once
 
 #include "rilievo/measure/report.h"
@@ -6,12 +6,14 @@
 
 namespace rilievo {
 
+// The statistics of each measure over all frames.
 struct MethodSummary {
   Summary frame_ms, psnr_db, ssim, flip, wrong_visibility, uncovered;
 };
 
-// One figure of every frame, in their order; PSNR cut off at kMostPsnrDb.
+// One measure of all frames, in order; PSNR is limited to kMostPsnrDb.
 [[nodiscard]] std::vector<double> series(const MethodResult& method, double FrameResult::*figure);
+// The statistics of a method's frames.
 [[nodiscard]] MethodSummary summarize(const MethodResult& method);
 
 }  // namespace rilievo

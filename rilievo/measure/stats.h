@@ -1,6 +1,7 @@
-// What do many figures come to?
+// What are the mean and the percentiles of many values?
 //
-// Percentiles as numpy's default has them: linear between the two nearest ranks. Pure; any thread.
+// Percentiles interpolate linearly between the two nearest ranks, as numpy's default. Pure; any
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -9,25 +10,26 @@
 
 namespace rilievo {
 
+// Mean, range and percentiles.
 struct Summary {
   double mean = 0, min = 0, max = 0, p50 = 0, p99 = 0;
 };
 
-// `share` from 0 to 1. Requires at least one value.
+// The value below which `share` of the values lie, 0 <= share <= 1. Requires at least one value.
 [[nodiscard]] double percentile(std::span<const double> values, double share);
-// Requires at least one value.
+// Mean, range and percentiles of `values`. Requires at least one value.
 [[nodiscard]] Summary summarize(std::span<const double> values);
 
-// Percentiles of more figures than one would keep: hundreds of millions of them >= 0 in 128 KiB,
-// each known to one part in 64. Independent of the order in which they come.
+// Percentiles of more values than fit in memory: any number of values >= 0 in 128 KiB, each with a
+// relative error of at most 1/64. The result does not depend on their order.
 class Histogram {
  public:
-  // Requires a number >= 0; infinity is a number here.
+  // Requires value >= 0; infinity is allowed.
   void add(float value);
   void add(const Histogram& other);
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  // The least value that at least `share` of the figures do not exceed, rounded up by at most one
-  // part in 64; 0 if there are none.
+  // The smallest value that at least `share` of the values do not exceed, rounded up by at most one
+  // part in 64; 0 if the histogram is empty.
   [[nodiscard]] double percentile(double share) const;
 
  private:

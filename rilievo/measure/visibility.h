@@ -1,9 +1,9 @@
 // Does each pixel show the right object, at the right depth?
 //
-// Compared are images of object identifiers (0 = no object: the sky) and of eye_z, of a true frame
-// and of another one of the same size. Pixels within 1 pixel of an object boundary in the true
-// frame are not counted: those whose 3 x 3 neighbourhood (as far as it lies in the image) shows
-// more than one identifier there. What is left is `counted`.
+// Compares a frame with the true frame of the same size, both as images of object identifiers (0 =
+// no object: the sky) and of eye_z. Pixels within 1 pixel of an object boundary in the true frame
+// are not counted, that is those whose 3 x 3 neighbourhood in the image shows more than one
+// identifier there. The other pixels are `counted`.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,17 @@
 
 namespace rilievo {
 
+// An object identifier at each pixel; 0 is no object.
 using IdImage = Image<std::uint32_t>;
 
+// Numbers of pixels, over one frame or several.
 struct Visibility {
   std::uint64_t counted = 0;          // pixels away from boundaries
-  std::uint64_t wrong = 0;            // counted, and the identifiers differ
-  std::uint64_t counted_objects = 0;  // counted, and the true frame shows an object
-  std::uint64_t uncovered = 0;        // of these, the other frame shows none
+  std::uint64_t wrong = 0;            // counted pixels whose identifiers differ
+  std::uint64_t counted_objects = 0;  // counted pixels that show an object in the true frame
+  std::uint64_t uncovered = 0;        // those that show no object in the other frame
 
-  // wrong / counted and uncovered / counted_objects; 0 where nothing is counted.
+  // The shares wrong / counted and uncovered / counted_objects; 0 if nothing is counted.
   [[nodiscard]] double wrong_share() const { return share(wrong, counted); }
   [[nodiscard]] double uncovered_share() const { return share(uncovered, counted_objects); }
 
@@ -31,10 +33,11 @@ struct Visibility {
   }
 };
 
+// Compares one frame's identifiers with the true frame's.
 [[nodiscard]] Visibility compare_visibility(const IdImage& true_ids, const IdImage& ids);
 
-// Adds |eye_z - true eye_z| / true eye_z of every counted pixel where both frames show the same
-// object and both depths are positive and finite.
+// Adds the relative depth error |eye_z - true eye_z| / true eye_z of every counted pixel at which
+// both frames show the same object and both depths are positive and finite.
 void add_depth_errors(const IdImage& true_ids, const IdImage& ids, const Image<float>& true_eye_z,
                       const Image<float>& eye_z, Histogram& errors);
 

@@ -1,12 +1,12 @@
-// Which share of an object's pixels is drawn, while something else stands for the others?
+// Which pixels of an object are drawn while it fades in or out?
 #pragma once
 
 #include <cstdint>
 
 namespace rilievo {
 
-// An object drawn only where the pixel's hash (shader::kPixelHash) lies in [from, to): it fades in
-// or out.
+// A cross-fade range: the object is drawn only at pixels whose hash (shader::kPixelHash) lies in
+// [from, to). Something else is drawn at the other pixels.
 struct CrossFade {
   std::uint32_t object = 0;  // index into Scene::objects
   float from = 0, to = 1;

@@ -1,8 +1,9 @@
-// What there is to draw: meshes with materials, put together into models, placed as objects.
+// What is a scene? Meshes with materials, assembled into models, placed as objects.
 //
-// An *object* is what gets a picture. Objects share models and models share meshes, so that a
-// forest of 10^8 triangles is a few trees and many placements. Plain data; owns everything; no
-// OpenGL. World space: right-handed, +y up, metres. Colours linear unless a texture says otherwise.
+// An *object* is the unit that gets a picture. Objects share models and models share meshes, so
+// that a forest of 10^8 triangles is a few trees with many placements. Plain data; owns everything;
+// no OpenGL. World space: right-handed, +y up, metres. Colours are linear unless a texture says
+// otherwise.
 #pragma once
 
 #include <cstdint>
@@ -17,22 +18,25 @@
 
 namespace rilievo {
 
+// How texture coordinates outside of [0, 1] are mapped.
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
 
-// How an image is sampled; many textures may share one.
+// An image with its sampling parameters. Textures can share an image.
 struct Texture {
   std::string name;
   int image = 0;  // index into Scene::images
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
-  bool nearest = false;  // magnify without interpolation
+  bool nearest = false;  // no interpolation when magnified
 };
 
+// A texture as a material uses it: with its texture coordinates and their transform.
 struct TextureUse {
-  int texture = -1;  // index into Scene::textures, or none
+  int texture = -1;  // index into Scene::textures, or -1
   int uv_set = 0;    // 0 or 1
   glm::mat3 texture_from_uv{1.0f};
 };
 
+// What alpha means: nothing, a cut-out at Material::alpha_cutoff, or blending.
 enum class AlphaMode { opaque, mask, blend };
 
 // glTF 2.0's metallic-roughness model. Factors multiply the textures.
@@ -54,12 +58,11 @@ struct Material {
 };
 
 // Triangles with one material. Arrays other than positions and indices are empty or have one entry
-// a vertex. Counter-clockwise is front; where world_from_mesh has a negative determinant (a
-// mirrored object), clockwise is: whoever draws or traces flips it by the determinant's sign, as in
-// glTF.
+// for each vertex. Counter-clockwise is front. Where world_from_mesh has a negative determinant (a
+// mirrored object), clockwise is front, as in glTF; renderers test the determinant's sign.
 struct Mesh {
   std::string name;
-  int material = -1;  // index into Scene::materials, or the default material
+  int material = -1;  // index into Scene::materials; -1: the default material
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;   // unit; a loaded mesh always has them
   std::vector<glm::vec4> tangents;  // xyz unit, w = handedness
@@ -71,19 +74,21 @@ struct Mesh {
   [[nodiscard]] std::uint64_t triangles() const { return indices.size() / 3; }
 };
 
+// A mesh in a model.
 struct Part {
   int mesh = 0;
   glm::mat4 model_from_mesh{1.0f};
 };
 
+// Meshes that objects place together.
 struct Model {
   std::string name;
   std::vector<Part> parts;
-  Box bounds;  // of all parts, model space
+  Box bounds;  // of all parts; model space
   std::uint64_t triangles = 0;
 };
 
-// A node of the hierarchy that animation moves; parents come before their children.
+// An animated transform. Parents come before their children.
 struct Node {
   int parent = -1;
   glm::vec3 translation{0.0f};
@@ -91,8 +96,8 @@ struct Node {
   glm::vec3 scale{1.0f};
 };
 
-// A keyed curve on one node. `values` holds vec3 or quaternion (x y z w) keys in xyzw; cubic
-// splines store in-tangent, value, out-tangent for each key.
+// A keyed curve of one node's transform. `values` holds vec3 or quaternion keys (x y z w); cubic
+// splines store in-tangent, value and out-tangent for each key.
 struct Channel {
   enum class Path { translation, rotation, scale };
   enum class Interpolation { step, linear, cubic_spline };
@@ -103,73 +108,77 @@ struct Channel {
   std::vector<glm::vec4> values;
 };
 
+// A model placed in the world.
 struct Object {
   std::string name;
   int model = 0;
-  int node = -1;              // animated: placed by this node at each time ...
-  glm::mat4 placement{1.0f};  // ... times this; not animated: world_from_model itself
-  bool moving = false;        // does any channel move it?
+  int node = -1;              // the animated node that places it, or -1
+  glm::mat4 placement{1.0f};  // world_from_model, or node_from_model if there is a node
+  bool moving = false;        // a channel moves it
 };
 
+// A light, as in KHR_lights_punctual.
 struct Light {
   enum class Kind { directional, point, spot };
   Kind kind = Kind::directional;
   glm::vec3 position{0.0f};
-  glm::vec3 direction{0, -1, 0};                    // the way the light travels, unit
-  glm::vec3 intensity{1.0f};                        // linear; lux for directional, candela else
-  float range = 0.0f;                               // 0: unlimited
+  glm::vec3 direction{0, -1, 0};                    // in which the light travels; unit
+  glm::vec3 intensity{1.0f};                        // linear; lux if directional, else candela
+  float range = 0.0f;                               // metres; 0: unlimited
   float inner_cone = 0.0f, outer_cone = 0.785398f;  // radians
 };
 
-// A clear sky: two colours, blended by elevation, that also light the scene from all around.
+// A clear sky: two colours, blended by elevation, that also light the scene from all directions.
 struct Sky {
   glm::vec3 zenith{0.25f, 0.45f, 0.85f};
   glm::vec3 horizon{0.75f, 0.82f, 0.90f};
   glm::vec3 ground{0.20f, 0.19f, 0.17f};
 };
 
+// A scene with everything that it owns.
 struct Scene {
   std::string name;
-  std::vector<Rgba8Image> images;  // row 0 is v = 0 (glTF's convention); alpha straight
+  std::vector<Rgba8Image> images;  // row 0 is v = 0 (as in glTF); straight alpha
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Model> models;
   std::vector<Node> nodes;
   std::vector<Channel> channels;
-  float duration = 0.0f;  // seconds; the animation repeats
+  float duration = 0.0f;  // of the animation, seconds; it repeats
   std::vector<Object> objects;
-  std::vector<Light> lights;    // empty: the default sun
-  std::vector<Camera> cameras;  // those the file brought along
+  std::vector<Light> lights;    // if empty, default_sun() shines
+  std::vector<Camera> cameras;  // of the file
   Sky sky;
 };
 
-// The curve's value at `time` (seconds; constant before the first key and after the last): a vec3
-// in xyz, or a unit quaternion.
+// The curve's value at `time` (seconds): a vec3 in xyz, or a unit quaternion. Constant before the
+// first and after the last key.
 [[nodiscard]] glm::vec4 sample(const Channel& channel, double time);
 
-// The time within the animation that `time` stands for: it repeats.
+// `time` within the first period of an animation of `duration` seconds.
 [[nodiscard]] double repeated(double time, double duration);
 
-// world_from_model of every object at `time` seconds into the caller's buffer, which is resized.
+// Writes world_from_model of each object at `time` (seconds) into the caller's buffer and resizes
+// it.
 void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_model);
 
-// A placement in the world as one relative to `origin`; no digits are lost on the way.
+// world_from_model with translations relative to `origin`, without loss of precision.
 [[nodiscard]] glm::mat4 relative_to(const glm::dvec3& origin, const glm::mat4& world_from_model);
 
-// Triangles of all objects, instances counted.
+// Triangles of all objects; each instance counts.
 [[nodiscard]] std::uint64_t count_triangles(const Scene& scene);
 
-// A box that holds all objects at `time`: the box of their transformed boxes.
+// A box that contains all objects at `time`: the box of their transformed boxes.
 [[nodiscard]] Box world_bounds(const Scene& scene, double time = 0.0);
 
-// Fills in what can be derived: bounds and triangle counts of meshes and models, Object::moving.
+// Computes the derived data: bounds and triangle counts of meshes and models, Object::moving.
 void finish(Scene& scene);
 
-// Are all indices in range, all numbers finite, all parents before their children?
+// Checks that all indices are in range, all numbers are finite, and parents precede their children.
 [[nodiscard]] Result<> validate(const Scene& scene);
 
-// The sun that shines when a scene has no lights.
+// The light of a scene without lights.
 [[nodiscard]] Light default_sun();
 
 }  // namespace rilievo

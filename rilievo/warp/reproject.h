@@ -1,15 +1,15 @@
 // How do photographs with depth become the pictures of a representation? (S2.7)
 //
-// Each target camera is shown what all photographs together know of a box: they are taken apart
-// into triangles between linked texels (warp/texel_links.h), so that there are no cracks within a
-// surface and no skin over its edges, and the triangles are drawn into the target. A triangle has
-// one side, that which its photograph saw: a target whose viewers look at its back does not show
-// it. Where several photographs know the same piece of surface, they are averaged, each by the
-// square of how densely its samples lie on it: the one from nearby and straight on counts most.
+// Each target camera gets what all photographs together know of a box. Each photograph is split
+// into triangles between linked texels (warp/texel_links.h), so that there are neither cracks
+// within a surface nor skins over its edges; the triangles are drawn into the target. A triangle
+// has one side, the one that its photograph saw: it is not drawn for a target that sees its back.
+// Where several photographs know the same piece of surface, their colours are averaged, weighted by
+// the square of their sampling density on it: near and perpendicular views count most.
 //
 // Photographs: perspective, depth of any kind. Targets: perspective (nearest surface shown) or
-// back-perspective (farthest from the apex). World space, metres. Same bytes for any number of
-// threads.
+// back-perspective (farthest from the apex). World space, metres. The result does not depend on the
+// number of threads.
 #pragma once
 
 #include <cstddef>
@@ -22,45 +22,47 @@
 
 namespace rilievo {
 
+// What to reproject, and how much the photographs can be trusted.
 struct ReprojectOptions {
-  // Only triangles with all corners in it. Must not be empty.
+  // Only triangles with all corners in the box are drawn. Must not be empty.
   Box box;
   LinkOptions links;
-  // Samples on a target's ray show one surface if they are no farther apart than this share of
-  // their distance to their own photograph: what its depths, and poses, are trusted to.
+  // The accuracy of depths and poses. Samples on a target's ray belong to one surface if they
+  // differ by at most this share of their distance from their own photograph.
   double depth_error = 0.02;
-  // At so many places along a ray it is asked whether a photograph saw through.
+  // The number of places on a ray that are tested for free space.
   int hole_steps = 48;
 };
 
-// Texels of one target, or of all.
+// Numbers of texels of one target, or of all.
 struct ReprojectFigures {
   std::size_t filled = 0;
-  // Nothing is shown, and something may be there: of the stretch of the texel's ray within the box,
-  // not every place is known to be empty. A photograph knows a place to be empty if it measured
-  // something behind it, or is masked out there.
+  // Texels that show nothing although something may be there: not every place on the texel's ray
+  // within the box is known to be free. A photograph knows a place to be free if it measured a
+  // surface behind it or masks it out.
   std::size_t holes = 0;
-  // Holes within the silhouette, which is both together.
+  // The share of holes in the silhouette (filled + holes).
   [[nodiscard]] double hole_share() const {
     return filled + holes == 0 ? 0.0 : double(holes) / double(filled + holes);
   }
 };
 
+// The pictures, one for each target.
 struct Reprojection {
-  // One a target, of eye_z; may be empty of samples. A hole has no depth, but colour 0 0 0 1, from
-  // which a layered impostor knows that it cannot rely on nothing being there.
+  // Of eye_z; a picture can be empty. A hole has no depth, but colour 0 0 0 1, so that a layered
+  // impostor does not take it for free space.
   std::vector<DepthImage> pictures;
-  std::vector<ReprojectFigures> figures;  // one a target
+  std::vector<ReprojectFigures> figures;  // one for each target
   ReprojectFigures total;
 };
 
-// Requires valid cameras of the kinds above.
+// Reprojects the photographs into all targets. Requires valid cameras of the kinds named above.
 [[nodiscard]] Reprojection reproject(std::span<const DepthImage> photographs,
                                      std::span<const Camera> targets,
                                      const ReprojectOptions& options);
 
-// The box around all that is measured, but for the outermost `outliers` share of the samples along
-// each axis and to either side. Empty if nothing is.
+// The box around all measured samples, without the outermost share `outliers` of them at either end
+// of each axis. Empty if nothing was measured.
 [[nodiscard]] Box measured_bounds(std::span<const DepthImage> photographs, double outliers = 0.001);
 
 }  // namespace rilievo

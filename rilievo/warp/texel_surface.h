@@ -1,16 +1,15 @@
-// Which surface do the texels of a picture with depth stand for, and where does a ray meet it?
+// Which surface do the texels of a picture with depth stand for, and where does a ray hit it?
 //
-// Over each covered texel lies a piece of surface through the texel's sample, tilted towards the
-// neighbours it is linked to (texel_links) and flat or continued where there is none. In raster
-// position and disparity (u, v, q = 1 / eye_z) a plane of the world is a plane and a ray is a
-// line, so that nothing here divides by depth: the piece is q0 + slope . (offset from the texel's
-// centre), with a slope for each half of the texel in u and in v; across linked texels the pieces
-// meet halfway.
+// Each covered texel has a patch of surface through its sample, tilted towards the neighbours that
+// it is linked to (texel_links) and flat or continued where there is none. In raster position and
+// disparity (u, v, q = 1 / eye_z), a plane of the world is a plane and a ray is a line, so nothing
+// here divides by depth. A patch is q0 + slope . (offset from the texel's centre), with a slope for
+// each half of the texel in u and in v; patches of linked texels meet halfway.
 //
-// A ray hits a piece where it passes from the side that the picture's rays come from to beyond it:
-// for an ordinary picture from nearer to farther, for a back-perspective one from farther to
-// nearer. Where it passes behind the edge of a piece, between texels that are not linked, it goes
-// on; what it meets there may be hidden by something that the picture does not show.
+// A ray hits a patch where it crosses it away from the picture's eye: for an ordinary picture from
+// nearer to farther, for a back-perspective one from farther to nearer. A ray that passes behind
+// the edge of a patch, between texels that are not linked, continues; what it hits next can be
+// hidden by something that the picture does not show.
 //
 // Perspective and back-perspective pictures. Pure.
 #pragma once
@@ -25,56 +24,59 @@
 
 namespace rilievo {
 
+// The patch of one texel.
 struct SurfaceTexel {
-  float q = 0;  // 1 / eye_z at the centre; 0: nothing
+  float q = 0;  // 1 / eye_z at the centre; 0: the texel shows nothing
   std::uint8_t links = 0;
-  // Change of q over one texel to the right, down, left, up (all outwards).
+  // Change of q over one texel to the right, down, left, up (outwards).
   std::array<float, 4> slope{};
-  // eye_z down to which the space behind it is seen to be empty by no picture (find_inside); 0: not
-  // known, or none is.
+  // The eye_z down to which the space behind the patch is inside the visual hull, that is not
+  // carved by any picture (find_inside); 0: unknown, or none.
   float inside = 0;
 };
 
+// The surface of a picture.
 struct TexelSurface {
   Camera camera;
   Image<SurfaceTexel> texels;
 };
 
-// Requires a perspective or back-perspective camera.
+// Builds the surface. Requires a perspective or back-perspective camera.
 [[nodiscard]] TexelSurface make_texel_surface(const DepthImage& picture,
                                               const LinkOptions& options = {});
 
-// The eye_z between which the piece over a texel lies. Requires texel.q != 0.
+// The interval of eye_z that a patch covers.
 struct DepthInterval {
   float front = 0, back = 0;
 };
+// The interval of a texel's patch. Requires texel.q != 0.
 [[nodiscard]] DepthInterval depth_interval(const SurfaceTexel& texel);
 
-// q of the piece over texel (x, y) at raster position `at`, inside or at the edge of the texel.
+// The disparity q of a texel's patch at raster position `at`, inside the texel or on its edge.
 [[nodiscard]] double surface_q(const SurfaceTexel& texel, const glm::dvec2& center,
                                const glm::dvec2& at);
 
-// A line in (u, v, q).
+// A line segment in (u, v, q).
 struct DisparitySegment {
   glm::dvec3 from, to;
 };
-// The part of a world-space segment that lies in the camera's frustum; nothing if none does.
+// The part of a world-space segment that lies in the camera's frustum; none if it lies outside.
 [[nodiscard]] std::optional<DisparitySegment> disparity_segment(const Camera& camera,
                                                                 const glm::dvec3& from,
                                                                 const glm::dvec3& to);
 
-// What became of a ray on its way. If it neither hit nor passed behind, what it looked for is not
-// there: all of its way was seen to be empty.
+// The result of a height-field ray march. A ray that neither hit nor passed behind an edge crossed
+// only free space.
 struct SurfaceWalk {
   bool hit = false;
-  bool passed_behind = false;   // did it pass behind an edge (before it hit)?
-  bool passed_outline = false;  // ... behind one next to which the picture shows nothing?
-  double t = 0;                 // of the hit, along the segment; without one, of the last edge
+  bool passed_behind = false;   // passed behind an edge (before the hit)
+  bool passed_outline = false;  // passed behind an edge next to which the picture shows nothing
+  double t = 0;                 // of the hit, along the segment; without a hit, of the last edge
   glm::dvec3 at{0.0};           // u, v, q there
-  glm::ivec2 texel{0};          // of the surface that was hit; without a hit, that beyond the edge
+  glm::ivec2 texel{0};          // whose patch was hit; without a hit, the texel beyond the edge
 };
 
-// Walks the texels under the segment.
+// Marches through the texels along the segment to the first hit.
 [[nodiscard]] SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segment);
 
 }  // namespace rilievo

@@ -1,7 +1,7 @@
-// What the two walks through a surface share: which side of a piece is a point of the ray on, and
-// where does the ray meet the piece? texel_surface.cpp has the derivation.
+// What do the two ray marches through a surface share? Internal to `warp`.
 //
-// Internal to `warp`.
+// The side of a patch on which a point of the ray lies, and the intersection of ray and patch.
+// texel_surface.cpp has the derivation.
 #pragma once
 
 #include <algorithm>
@@ -11,28 +11,29 @@
 
 namespace rilievo {
 
-// Bit of the link from one texel to a neighbour.
+// The bit of the link from a texel to the neighbour at `step`; -1 if that is not a neighbour.
 inline int link_of(const glm::ivec2& step) {
   for (int k = 0; k < 8; ++k)
     if (kLinkSteps[k] == step) return k;
   return -1;
 }
 
+// A ray over a surface.
 struct TexelWalker {
   const TexelSurface& surface;
   const DisparitySegment& segment;
   double sigma;
 
   [[nodiscard]] glm::dvec3 at(double t) const { return glm::mix(segment.from, segment.to, t); }
-  // > 0 in front of the surface.
+  // Positive in front of the texel's patch.
   [[nodiscard]] double side(const glm::ivec2& texel, double t) const {
     const SurfaceTexel& piece = surface.texels(texel.x, texel.y);
     if (piece.q == 0) return 1;
     const glm::dvec3 p = at(t);
     return sigma * (p.z - surface_q(piece, glm::dvec2(texel) + 0.5, glm::dvec2(p)));
   }
-  // Between t0 (in front) and t1 (not) the piece is met: a line against a plane in each of the
-  // stretches between the texel's middle lines.
+  // The intersection with the patch between t0 (in front) and t1 (not in front): a line meets a
+  // plane in each interval between the texel's middle lines.
   [[nodiscard]] double root(const glm::ivec2& texel, double t0, double t1) const {
     std::array<double, 2> middle;
     for (int a = 0; a < 2; ++a)

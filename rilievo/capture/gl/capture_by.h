@@ -1,9 +1,9 @@
-// Who captures the pictures of a scene that an atlas of nailboards keeps?
+// Who captures the pictures of a scene for an atlas of nailboards?
 //
-// OpenGL into the atlas's own textures, so that pictures never leave the GPU; or, where OpenGL is
-// done by the processor, a rasteriser made for pictures, several times as fast
-// (render/raster/raster_picture.h), whose pictures the atlas is given. What the rasteriser cannot
-// draw, a number of samples that is not its own, is left to OpenGL. Needs a current OpenGL context.
+// Either OpenGL, into the atlas's own textures, so that pictures never leave the GPU; or, where
+// OpenGL runs on the CPU, the library's own rasteriser, which is several times faster
+// (render/raster/raster_picture.h) and hands its pictures to the atlas. Numbers of samples that the
+// rasteriser does not support are left to OpenGL. Needs a current OpenGL context.
 #pragma once
 
 #include <cstddef>
@@ -15,30 +15,32 @@
 
 namespace rilievo {
 
+// The renderer that captures pictures.
 enum class CaptureBy {
-  automatic,  // the rasteriser where OpenGL is software, else OpenGL
+  automatic,  // the rasteriser if OpenGL runs on the CPU, else OpenGL
   opengl,
   rasterizer,
 };
 
+// Captures pictures by the rasteriser.
 class CaptureWithoutOpenGL {
  public:
-  // Memory that pictures of up to `size` texels a side take while they are captured.
+  // The memory for capturing pictures of up to `size` texels a side.
   [[nodiscard]] static std::size_t bytes(int size, int samples);
 
-  // Null where OpenGL is to capture. `scene` must be valid and outlive it.
+  // Null if OpenGL is to capture. `scene` must be valid and outlive the object.
   [[nodiscard]] static std::unique_ptr<CaptureWithoutOpenGL> create(CaptureBy by,
                                                                     const Scene& scene,
                                                                     int samples);
 
-  // What the camera sees of `objects`, placed by `poses` (of all objects), as PictureRasterizer
-  // has it; it is there until the next call.
+  // Captures `objects`, placed by `poses` (of all objects), as PictureRasterizer::draw. Valid until
+  // the next call.
   [[nodiscard]] const RasterPicture& capture(const Camera& camera,
                                              std::span<const std::uint32_t> objects,
                                              std::span<const glm::mat4> poses);
-  // The last one.
+  // The last picture.
   [[nodiscard]] const RasterPicture& picture() const { return picture_; }
-  // Of the same picture, as PictureRasterizer::draw_farthest has it.
+  // The farthest depths of the same picture, as PictureRasterizer::draw_farthest.
   [[nodiscard]] const std::vector<float>& capture_farthest(const Camera& camera,
                                                            std::span<const std::uint32_t> objects,
                                                            std::span<const glm::mat4> poses);

@@ -1,9 +1,9 @@
-// Every surface along each line of sight, by depth peeling (S4.1).
+// How does OpenGL capture every surface along each line of sight? By depth peeling (S4.1).
 //
-// The same as render/rays/cast_layers.h, with the colours of direct drawing: each pass draws what
-// lies behind all that earlier passes drew. Back faces count, too; of a single-sided surface they
-// look as its front does. One line of sight a texel, through its centre. Needs a current OpenGL
-// context; changes the bound framebuffer and viewport.
+// Gives the same as render/rays/cast_layers.h, with the colours of direct drawing. Each pass draws
+// what lies behind everything that earlier passes drew. Back faces count, too; those of a
+// single-sided surface look like its front. One line of sight for each texel, through its centre.
+// Needs a current OpenGL context; changes the bound framebuffer and viewport.
 #pragma once
 
 #include <span>
@@ -13,14 +13,15 @@
 
 namespace rilievo {
 
+// Which surfaces become samples.
 struct PeelOptions {
-  // Of surfaces along a line of sight that lie closer together the nearest stays; metres of eye_z.
+  // Surfaces within this distance along a line of sight become one, the nearest. Metres of eye_z.
   double merge = 0;
-  int max_layers = 256;  // no more samples than that on one line of sight
+  int max_layers = 256;  // the largest number of samples on one line of sight
 };
 
-// Of `objects` (indices into Scene::objects; opaque and masked parts) at the renderer's time;
-// eye_z. Takes parallel and perspective cameras.
+// Captures `objects` (indices into Scene::objects; opaque and masked parts) at the renderer's time.
+// Depths are eye_z. Accepts parallel and perspective cameras.
 [[nodiscard]] Result<LayeredDepthImage> capture_layers(SceneRenderer& renderer,
                                                        const Camera& camera,
                                                        std::span<const std::uint32_t> objects,

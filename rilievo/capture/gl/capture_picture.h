@@ -1,9 +1,8 @@
-// Scene + Camera -> DepthImage, rasterised: a picture with depth in linear light, of any camera
-// kind.
+// How is a scene captured by OpenGL as a picture with depth, for a camera of any kind?
 //
-// What leaves the GPU here goes into files, warps and measures. Pictures that stay on the GPU are
-// captured by nailboard/gl/picture_atlas.h instead. Needs a current OpenGL context; changes the
-// bound framebuffer and viewport.
+// For pictures that leave the GPU, to files, warps and measures. Pictures that stay on the GPU are
+// captured by nailboard/gl/picture_atlas.h. Needs a current OpenGL context; changes the bound
+// framebuffer and viewport.
 #pragma once
 
 #include <span>
@@ -13,29 +12,31 @@
 
 namespace rilievo {
 
+// What to capture besides colour and depth.
 struct CaptureOptions {
-  int samples = 4;        // samples a texel; colours are averaged, alpha is coverage
-  bool objects = true;    // identifiers too
-  bool with_sky = false;  // else texels without an object stay empty
+  int samples = 4;        // per texel; colours are averaged, alpha is coverage
+  bool objects = true;    // capture object identifiers
+  bool with_sky = false;  // otherwise texels without an object stay empty
 };
 
-// The picture of `objects` (indices into Scene::objects; opaque and masked parts) at the renderer's
-// time. Depth is eye_z at the texel's centre: the nearest surface's, or for back-perspective the
-// farthest's; where only the centre misses, the texel is empty. Requires the renderer's own scene.
+// Captures `objects` (indices into Scene::objects; opaque and masked parts) at the renderer's time,
+// in linear light. Depth is the eye_z of the nearest surface at the texel's centre, or of the
+// farthest for a back-perspective camera. A texel whose centre shows nothing is empty. The indices
+// refer to the renderer's scene.
 [[nodiscard]] Result<DepthImage> capture_picture(SceneRenderer& renderer, const Camera& camera,
                                                  std::span<const std::uint32_t> objects,
                                                  const CaptureOptions& options = {});
 
-// The same of everything that the camera sees.
+// Captures everything that the camera sees.
 [[nodiscard]] Result<DepthImage> capture_picture(SceneRenderer& renderer, const Camera& camera,
                                                  const CaptureOptions& options = {});
 
-// eye_z of the nearest surface of `objects` at the texels' centres; kNoDepth where there is none.
+// The eye_z of the nearest surface of `objects` at the texels' centres; kNoDepth if there is none.
 [[nodiscard]] Result<Image<float>> capture_nearest(SceneRenderer& renderer, const Camera& camera,
                                                    std::span<const std::uint32_t> objects);
 
-// eye_z at the other end of each texel's ray: of the farthest of all surfaces of `objects`, hidden
-// ones and back faces included (for back-perspective the nearest); kNoDepth where there is none.
+// The eye_z of the farthest of all surfaces of `objects` along each texel's ray, including hidden
+// ones and back faces (for a back-perspective camera the nearest); kNoDepth if there is none.
 [[nodiscard]] Result<Image<float>> capture_hindmost(SceneRenderer& renderer, const Camera& camera,
                                                     std::span<const std::uint32_t> objects);
 

@@ -1,6 +1,6 @@
-// OpenGL as a source of pictures: a scene drawn by a SceneRenderer.
+// How does OpenGL serve as a source of pictures? It draws a scene with a SceneRenderer.
 //
-// At the renderer's time. Needs a current OpenGL context; changes the bound framebuffer and
+// Captures the renderer's time. Needs a current OpenGL context; changes the bound framebuffer and
 // viewport.
 #pragma once
 
@@ -9,13 +9,15 @@
 
 namespace rilievo {
 
+// A scene as a capture source.
 class OpenGLSource final : public CaptureSource {
  public:
-  // `renderer` must outlive it.
+  // `renderer` must outlive the source.
   explicit OpenGLSource(SceneRenderer& renderer) : renderer_(renderer) {}
 
   [[nodiscard]] std::string_view name() const override { return renderer_.scene().name; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
+  // Fails where OpenGL does.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   // By depth peeling (capture_layers.h).
   [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;

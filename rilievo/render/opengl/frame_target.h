@@ -1,8 +1,8 @@
-// Where frames are drawn: colour and depth, multisampled, without a window.
+// Into what are frames drawn without a window? Multisampled colour and depth.
 //
-// The frame holds sRGB-encoded bytes (the frame is the edge at which colour leaves linear light),
-// so that the resolve of the samples averages what a screen shows; direct drawing, pictures and
-// captures share this, so that all are antialiased alike. Needs a current OpenGL context.
+// The frame holds sRGB-encoded bytes, so that the resolve averages samples as a screen shows them.
+// Direct drawing, pictures and captures share this target and are antialiased alike. Needs a
+// current OpenGL context.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,17 @@
 
 namespace rilievo {
 
+// A framebuffer for frames.
 class FrameTarget {
  public:
-  // `samples` is 1 or 4 (or whatever the driver offers).
+  // Creates a target. `samples` is 1, 4 or any other number that the driver offers.
   [[nodiscard]] static Result<FrameTarget> create(int width, int height, int samples);
 
-  // Makes this the draw framebuffer and clears it to transparent black, far depth.
+  // Binds the target as the draw framebuffer and clears it to transparent black and far depth.
   void begin();
-  // Averages the samples. Part of a frame's cost.
+  // Averages the samples. This belongs to the cost of a frame.
   void resolve();
-  // The resolved frame; row 0 on top.
+  // Reads the resolved frame; row 0 on top.
   [[nodiscard]] Rgba8Image read() const;
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }
@@ -39,17 +40,18 @@ class FrameTarget {
   gl::Framebuffer framebuffer_, resolved_framebuffer_;
 };
 
-// What the measures compare: which object each pixel shows, and how far away, one sample at each
-// pixel's centre.
+// A framebuffer for measures: the object identifier and the depth at each pixel's centre.
 class ProbeTarget {
  public:
+  // Creates a target of this size.
   [[nodiscard]] static Result<ProbeTarget> create(int width, int height);
 
-  // Makes this the draw framebuffer and clears it to kNoObject and to the depth that everything
-  // beats: far, or near for cameras that keep the farthest sample.
+  // Binds the target as the draw framebuffer and clears it to kNoObject and far depth (near depth
+  // for cameras that keep the farthest sample).
   void begin(bool keeps_farthest = false);
+  // Reads the identifiers.
   [[nodiscard]] Image<std::uint32_t> read_objects() const;
-  // eye_z of every pixel, kNoDepth where nothing was drawn since begin().
+  // Reads eye_z; kNoDepth where nothing was drawn since begin().
   [[nodiscard]] Image<float> read_eye_z(const Camera& camera) const;
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }

@@ -1,4 +1,5 @@
-// A Scene's meshes, materials and textures on the GPU. Placements are not part of it: they change.
+// How is a Scene stored on the GPU? Meshes, materials and textures; placements change and are not
+// part of it.
 #pragma once
 
 #include <array>
@@ -10,20 +11,20 @@
 
 namespace rilievo {
 
-// Where a vertex array's attributes are found.
+// The indices of vertex attributes.
 enum VertexAttribute : GLuint {
   kPosition = 0,
   kNormal = 1,
   kColor = 2,
   kUv0 = 3,
   kUv1 = 4,
-  kInstanceRow0 = 5,  // three rows of eye_relative_from_mesh, then the object's
-                      // identifier and its share of the pixels
+  kInstanceRow0 = 5,  // three rows of eye_relative_from_mesh; then the object's
+                      // identifier and its cross-fade range
   kInstanceObject = 8,
   kInstanceShare = 9,
 };
 
-// Which texture units materials use.
+// The texture units of a material's textures.
 enum TextureUnit : GLuint {
   kBaseColorUnit = 0,
   kMetallicRoughnessUnit = 1,
@@ -33,6 +34,7 @@ enum TextureUnit : GLuint {
   kMaterialUnits = 5,
 };
 
+// A mesh's range in the index buffer.
 struct GpuMesh {
   GLsizei index_count = 0;
   GLuint first_index = 0;
@@ -40,15 +42,16 @@ struct GpuMesh {
   int material = 0;  // index into GpuScene::materials
 };
 
-// Matches the Material block of the shaders (std140).
+// The Material block of the shaders (std140).
 struct GpuMaterialBlock {
   glm::vec4 base_color;
   glm::vec4 emissive_normal_scale;
   glm::vec4 metallic_roughness_occlusion_cutoff;
-  // Two rows of texture_from_uv and, in w of the first, the uv set, for each texture unit.
+  // For each texture unit, two rows of texture_from_uv; w of the first is the UV set.
   glm::vec4 uv_rows[kMaterialUnits * 2];
 };
 
+// A material's textures and state.
 struct GpuMaterial {
   std::array<int, kMaterialUnits> textures;  // index into GpuScene::textures; 0 is plain white
   unsigned features = 0;                     // bits of shader::Feature
@@ -57,6 +60,7 @@ struct GpuMaterial {
   bool double_sided = false;
 };
 
+// A scene on the GPU.
 struct GpuScene {
   std::vector<GpuMesh> meshes;         // as Scene::meshes
   std::vector<GpuMaterial> materials;  // as Scene::materials, then the default material
@@ -65,9 +69,10 @@ struct GpuScene {
   gl::VertexArray vertex_array;  // instances come from binding kInstanceBinding
 };
 
+// The vertex buffer binding of instances.
 inline constexpr GLuint kInstanceBinding = 2;
 
-// One instance of a mesh, as the vertex shader reads it.
+// An instance of a mesh, as the vertex shader reads it.
 struct GpuInstance {
   glm::vec4 rows[3];
   std::uint32_t object;
@@ -75,6 +80,7 @@ struct GpuInstance {
   std::uint32_t padding;
 };
 
+// Uploads a scene. Fails where a texture exceeds the driver's limits.
 [[nodiscard]] Result<GpuScene> upload(const Scene& scene);
 
 }  // namespace rilievo

@@ -1,4 +1,4 @@
-// The lines around what is drawn from pictures (S1.8): all in one colour.
+// Which program draws the outlines of pictures (S1.8)? One colour for all.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace rilievo::shader {
 
-// `vertex`: a whole vertex shader.
+// Links the outline's fragment shader with a complete vertex shader.
 [[nodiscard]] Result<gl::Program> make_outline_program(const std::string& vertex);
 
 }  // namespace rilievo::shader

@@ -1,7 +1,7 @@
-// Draws a Scene with OpenGL, directly: the source of every rasterised picture, and the honest
-// baseline that pictures are measured against.
+// How does OpenGL draw a Scene directly? As the source of rasterised pictures, and as the baseline
+// that pictures are measured against.
 //
-// Instanced (one draw call a mesh), culled by frustum and by face, front to back.
+// Instanced (one draw call for each mesh), with frustum and back-face culling, front to back.
 // Metallic-roughness shading with the scene's lights, or the default sun, under the scene's sky.
 // Positions reach the GPU relative to the eye, so that large worlds keep their precision. Needs a
 // current OpenGL context.
@@ -18,56 +18,60 @@
 
 namespace rilievo {
 
+// The encoding of the colours that are written.
 enum class OutputEncoding {
-  linear,  // for captured pictures in float
+  linear,  // for pictures captured in floating point
   srgb,    // for frames: sRGB-encoded values into an ordinary 8-bit framebuffer
 };
 
+// A scene on the GPU, ready to be drawn.
 class SceneRenderer {
  public:
-  // Uploads the scene's meshes and textures and compiles the shaders. `scene` must outlive it.
+  // Uploads the scene's meshes and textures and compiles the shaders. `scene` must outlive the
+  // renderer.
   [[nodiscard]] static Result<SceneRenderer> create(const Scene& scene);
   SceneRenderer(SceneRenderer&&) noexcept;
   SceneRenderer& operator=(SceneRenderer&&) noexcept;
   ~SceneRenderer();
 
-  // Places every object at `time`; returns at once if the time has not changed.
+  // Places each object at `time` (seconds). Does nothing if the time has not changed.
   void set_time(double time);
+  // world_from_model of each object at the current time.
   [[nodiscard]] std::span<const glm::mat4> poses() const;
-  // World bounds of an object at the time set.
+  // The world bounds of an object at the current time.
   [[nodiscard]] const Box& object_bounds(std::uint32_t object) const;
-  // Does any material of the object blend? Such parts cannot be in a picture; see draw_blended.
+  // Has the object parts that blend (see draw_blended; a picture cannot hold them)? Parts that do
+  // not?
   [[nodiscard]] bool has_blended_parts(std::uint32_t object) const;
   [[nodiscard]] bool has_opaque_parts(std::uint32_t object) const;
 
-  // Appends the objects whose bounds touch the camera's frustum.
+  // Appends the objects whose bounds intersect the camera's frustum.
   void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const;
 
   // Draws the opaque and alpha-masked parts of `objects` (indices into Scene::objects, any order)
-  // into the bound framebuffer with depth. Culls nothing by frustum: pass what cull() gave.
+  // with depth into the bound framebuffer. Does not cull: pass the result of cull().
   void draw_opaque(const Camera& camera, std::span<const std::uint32_t> objects,
                    OutputEncoding encoding);
-  // The same of a part of the pixels of each object: what fades in or out. An object may have
-  // several ranges.
+  // Draws the same parts of objects that fade in or out. An object can have several ranges.
   void draw_cross_fades(const Camera& camera, std::span<const CrossFade> fading,
                         OutputEncoding encoding);
-  // Then the blended parts over it, back to front.
+  // Draws the blended parts, back to front; call it after the opaque parts and the sky.
   void draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,
                     OutputEncoding encoding);
-  // Identifiers (object index + 1) of the opaque parts into a ProbeTarget; masked texels respected.
-  // Blended parts have no single depth and are left out.
+  // Draws the identifiers (object index + 1) of opaque and masked parts into a ProbeTarget. Blended
+  // parts have no single depth and are left out.
   void draw_objects(const Camera& camera, std::span<const std::uint32_t> objects);
-  // The same of the surface at the other end of each line of sight, behind all others, back faces
-  // included: into a ProbeTarget that begins the other way round.
+  // Draws the identifiers of the farthest surfaces along each ray, back faces included, into a
+  // ProbeTarget that was cleared for them: the opposite of what the camera keeps.
   void draw_hindmost(const Camera& camera, std::span<const std::uint32_t> objects);
-  // Depth peeling: identifiers of what lies behind these depths (a texture of window_z, as large as
-  // the framebuffer), back faces included ...
+  // Depth peeling, first step: draws the identifiers of surfaces behind the given depths, back
+  // faces included. `peeled_depth` is a texture of window_z with the framebuffer's size.
   void draw_objects_behind(const Camera& camera, std::span<const std::uint32_t> objects,
                            unsigned peeled_depth);
-  // ... and the colours, linear, of what was drawn there: over its own depths. The back of what is
-  // single-sided looks as its front does.
+  // Second step: draws the linear colours of these surfaces over their own depths. The back of a
+  // single-sided surface looks like its front.
   void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects);
-  // The sky where nothing has been drawn yet.
+  // Draws the sky where nothing has been drawn yet.
   void draw_sky(const Camera& camera, OutputEncoding encoding);
 
   [[nodiscard]] const Scene& scene() const;

@@ -1,4 +1,4 @@
-// The shaders of direct drawing, and which variants of them there are.
+// Which shaders draw a scene directly, and in which variants?
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace rilievo::shader {
 
-// A variant is a set of these; what a mesh does not use costs it nothing.
+// A variant of the shader is a set of these. A mesh does not pay for features that it does not use.
 enum Feature : unsigned {
   kColors = 1,    // vertex colours
   kTextures = 2,  // any texture at all
@@ -19,34 +19,34 @@ enum Feature : unsigned {
   kBlend = 32,
   kObjectIds = 64,          // identifiers instead of colours
   kLinear = 128,            // OutputEncoding::linear
-  kShare = 256,             // a share of the pixels only, chosen by kPixelHash
-  kAnyLights = 512,         // up to kFewLights of any kind; without it, one directional light
-  kBackPerspective = 1024,  // the camera's projection; without it, one of the others
+  kShare = 256,             // a cross-fade range (kPixelHash)
+  kAnyLights = 512,         // up to kFewLights of any kind; otherwise one directional light
+  kBackPerspective = 1024,  // a back-perspective camera; otherwise another
   kMetallic = 2048,
   kEmissive = 4096,
   kManyLights = 8192,  // with kAnyLights: any number
-  kPeel = 16384,       // behind given depths; back faces look as fronts where there is but one side
-  // What changes nothing where there is no light.
+  kPeel = 16384,       // surfaces behind given depths; single-sided back faces look like fronts
+  // The features without effect where there is no light.
   kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive | kManyLights,
 };
 
-// Matches the View block (std140).
+// The View block of the shaders (std140).
 struct ViewBlock {
   glm::mat4 clip_from_relative;
   glm::mat4 relative_from_clip;
-  // xyz: seen from afar, the way to the eye; w: 0 if all rays are parallel.
+  // xyz: direction to the eye of a parallel camera; w: 0 if the camera is parallel.
   glm::vec4 eye_direction;
   glm::vec4 zenith, horizon, ground;
-  // Of what is drawn without kAnyLights, the one light; w of the direction: how many there are.
+  // The one light of variants without kAnyLights; w of the direction is the number of lights.
   glm::vec4 sun_direction_count, sun_intensity;
 };
 
-// Few lights lie in a uniform block: a software rasteriser takes a third longer to shade with
-// lights of a storage buffer.
+// Up to this number, lights lie in a uniform block: software rasterisers shade a third slower with
+// lights in a storage buffer.
 inline constexpr std::size_t kFewLights = 16;
-// Where either is bound.
+// The binding of both.
 inline constexpr unsigned kLightsBinding = 2;
-// Matches an entry of Lights, which has kFewLights of them or, in a storage buffer, any number.
+// A light in the Lights block, which has kFewLights entries, or any number in a storage buffer.
 struct LightBlock {
   glm::vec4 position_range;   // relative to the eye
   glm::vec4 direction_kind;   // 0 directional, 1 point, 2 spot
@@ -54,19 +54,20 @@ struct LightBlock {
   glm::vec4 outer;            // x: cosine of the outer cone
 };
 
-// Of kPeel: the texture unit of the depths.
+// The texture unit of these depths.
 inline constexpr unsigned kPeeledUnit = 7;
 
+// The program of a variant (a set of Feature), and that of the sky.
 [[nodiscard]] Result<gl::Program> make_scene_program(unsigned features);
 [[nodiscard]] Result<gl::Program> make_sky_program(bool linear);
 
-// GLSL `float pixel_hash()`: a number in [0, 1) for each pixel, evenly spread in every
-// neighbourhood [Jimenez 2014, interleaved gradient noise]. What is drawn where the hash is in [a,
-// b) and what is drawn where it is in [b, c) complement each other pixel by pixel, whatever drew
-// them: so one fades into the other without blending, in any order, through the z-buffer.
+// GLSL `float pixel_hash()`: a number in [0, 1) for each pixel, evenly distributed in every
+// neighbourhood [Jimenez 2014, interleaved gradient noise]. Two things drawn with the cross-fade
+// ranges [a, b) and [b, c) are complementary at each pixel. So one fades into the other through the
+// z-buffer, in any drawing order, without blending.
 extern const char* const kPixelHash;
 
-// GLSL that turns linear light into what an 8-bit frame holds: `vec3 srgb_from_linear(vec3)`.
+// GLSL `vec3 srgb_from_linear(vec3)`: encodes linear light for an 8-bit frame.
 extern const char* const kSrgbFromLinear;
 
 }  // namespace rilievo::shader

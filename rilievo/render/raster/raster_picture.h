@@ -1,9 +1,10 @@
-// What does a camera see of objects, rasterised without OpenGL?
+// How are objects rasterised without OpenGL?
 //
-// The picture that nailboard/gl/picture_atlas.h captures by OpenGL, for machines whose OpenGL is a
-// processor too: nearest depth, coverage, shading as render/opengl/scene_shaders.h has it, of all
-// materials. What is seen is found first and then shaded once for each texel and triangle, so that
-// triangles smaller than texels cost little. All cores; the same bytes for any number of threads.
+// Gives the picture that nailboard/gl/picture_atlas.h captures by OpenGL: nearest depth, coverage,
+// and the shading of render/opengl/scene_shaders.h for all materials. For machines whose OpenGL
+// runs on the CPU. First finds the visible triangles, then shades once for each pair of a texel and
+// a visible triangle, so that triangles smaller than texels cost little. Uses all cores; the result
+// does not depend on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -19,31 +20,32 @@
 
 namespace rilievo {
 
+// Rasterises pictures of one scene.
 class PictureRasterizer {
  public:
-  // Memory that pictures of up to `size` texels a side take while they are drawn, theirs included;
-  // besides a few hundred kilobytes for each thread.
+  // The memory that drawing pictures of up to `size` texels a side takes, including the picture,
+  // plus a few hundred kilobytes for each thread.
   [[nodiscard]] static std::size_t bytes(int size, int samples);
 
-  // `scene` must be valid and outlive it. Makes the smaller levels of its textures.
+  // `scene` must be valid and outlive the object. Makes the mip levels of its textures.
   explicit PictureRasterizer(const Scene& scene);
   PictureRasterizer(PictureRasterizer&&) noexcept;
   PictureRasterizer& operator=(PictureRasterizer&&) noexcept;
   ~PictureRasterizer();
 
-  // The opaque and masked parts of `objects`, placed by `poses` (of all objects). Requires a
-  // perspective camera with all of the objects in front of its eye, and 1 or 4 samples a texel.
-  // What lies before the near plane is drawn on it.
+  // Draws the opaque and masked parts of `objects`, placed by `poses` (of all objects). Requires a
+  // perspective camera with all of the objects in front of its eye, and 1 or 4 samples per texel.
+  // Parts in front of the near plane are drawn on it.
   void draw(const Camera& camera, std::span<const std::uint32_t> objects,
             std::span<const glm::mat4> poses, int samples, RasterPicture& picture);
 
-  // window_z of the farthest of all surfaces along the rays through the texels' centres, hidden
-  // ones and faces turned away included; 1: nothing. Rows from the bottom. Of the same objects as
+  // Draws the window_z of the farthest of all surfaces along the rays through the texels' centres,
+  // including hidden ones and back faces; 1 if there is none. Rows from the bottom. Objects as in
   // draw().
   void draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
                      std::span<const glm::mat4> poses, std::vector<float>& depth);
 
-  // Memory that the scene's textures take beyond the Scene's own.
+  // The memory of mip levels, beyond the Scene's own textures.
   [[nodiscard]] std::size_t texture_bytes() const;
 
  private:

@@ -1,9 +1,10 @@
 // Which triangle is nearest at each sample of a picture?
 //
-// A rasteriser for pictures of very many small triangles: it only finds out what is seen, into a
-// SampleBuffer; shading comes after, once for each texel and triangle (raster_picture.h). Depth is
-// window_z. Masked triangles have holes: whether a sample lies in one, its own alpha says. SIMD on
-// all cores; the same bytes for any number of threads and any instruction set. No OpenGL.
+// A rasteriser for pictures of very many small triangles. It only fills a SampleBuffer (a
+// visibility buffer); shading comes later, once for each pair of a texel and a triangle
+// (raster_picture.h). Depth is window_z. Masked triangles have holes: a sample lies in one if the
+// alpha there is below the cutoff. SIMD on all cores; the result depends neither on the number of
+// threads nor on the instruction set. No OpenGL.
 #pragma once
 
 #include <cstddef>
@@ -17,48 +18,50 @@
 
 namespace rilievo {
 
-// Where a mesh has holes: where its alpha is below the cutoff.
+// The mask of a mesh: it has holes where its alpha is below the cutoff.
 struct RasterMask {
-  const SurfaceTexture* texture = nullptr;  // whose alpha counts; null: plain
-  const glm::vec2* uv = nullptr;            // by vertex, of the texture's set; null: all zero
-  const glm::vec4* colors = nullptr;        // by vertex, whose alpha counts; null: plain
+  const SurfaceTexture* texture = nullptr;  // with the alpha; null: none
+  const glm::vec2* uv = nullptr;            // for each vertex, of the texture's set; null: all zero
+  const glm::vec4* colors = nullptr;        // for each vertex, with alpha; null: none
   float alpha = 1, cutoff = 0;              // of the material
 };
 
+// The mask of a mesh with a masked material.
 [[nodiscard]] RasterMask mask_of(const Mesh& mesh, const SurfaceMaterial& material);
 
-// Triangles of one mesh, placed. A vertex p is seen at (x, y, z) / w, each the product of a row
-// with (p, 1); all w must be > 0: what reaches behind the eye must not be given.
+// The triangles of one mesh, placed. A vertex p appears at (x, y, z) / w, each the product of a row
+// with (p, 1). All w must be positive: leave out meshes that reach behind the eye.
 struct RasterInstance {
   const glm::vec3* positions = nullptr;
-  const std::uint32_t* indices = nullptr;  // three a triangle
+  const std::uint32_t* indices = nullptr;  // three for each triangle
   std::uint32_t triangles = 0;
-  std::uint32_t first_triangle = 0;  // of its triangles, in the SampleBuffer
+  std::uint32_t first_triangle = 0;  // primitive index of its first triangle in the SampleBuffer
   glm::vec4 row_x, row_y, row_z, row_w;
-  // Which faces are seen; front is counter-clockwise in the raster.
+  // The visible faces; front is counter-clockwise in the raster.
   bool front = true, back = false;
-  const RasterMask* mask = nullptr;  // if it has holes
+  const RasterMask* mask = nullptr;  // null: no holes
 };
 
+// Rasterises into a visibility buffer.
 class SampleRaster {
  public:
   static constexpr int kMaxSize = 4096;  // texels a side
 
-  // Memory that pictures of up to `size` texels a side take.
+  // The memory for pictures of up to `size` texels a side.
   [[nodiscard]] static std::size_t bytes(int size, int samples);
 
-  // A new picture, empty: depth 1 everywhere. `samples` is 1 or 4.
+  // Starts an empty picture: depth 1 everywhere. `samples` is 1 or 4.
   void begin(int width, int height, int samples);
-  // Adds what the instances show; of equal depths the first one stays.
+  // Draws instances; of equal depths, the first one stays.
   void draw(std::span<const RasterInstance> instances);
 
   [[nodiscard]] const SampleBuffer& seen() const { return seen_; }
 
-  // Triangles that are set up together, and by one thread.
+  // The numbers of triangles that are set up together, and by one thread.
   static constexpr std::uint32_t kRound = 16384, kPiece = 1024;
   static constexpr std::uint32_t kMaxLanes = 16;  // of a vector
 
-  // A structure of arrays: triangles that may cover a sample, ready to be rasterised.
+  // Triangles that can cover a sample, ready to be rasterised. A structure of arrays.
   struct Triangles {
     enum Field {
       x0,
@@ -72,7 +75,8 @@ class SampleRaster {
       z_per_y,
       z_min,
       z_max,
-      // Of masked triangles alone: 1 / w of each corner; 1: the last two were exchanged, else 0.
+      // Of masked triangles only: 1 / w of each corner; whether the last two corners were exchanged
+      // (1 or 0).
       per_w0,
       per_w1,
       per_w2,

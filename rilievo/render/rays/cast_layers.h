@@ -1,9 +1,9 @@
-// What does a camera see of a Scene along each line of sight, hidden surfaces included? (S4.1)
+// What does a camera see of a Scene along each line of sight, including hidden surfaces? (S4.1)
 //
-// One ray a texel, followed through everything: a sample for each surface that it crosses, backs of
-// single-sided surfaces too, since an eye elsewhere may see their fronts. Depths are eye_z. Colour
-// is that of cast_picture.h; where a single-sided surface is met from behind, that of its front.
-// Same bytes for any number of threads.
+// One ray for each texel, followed through everything: one sample for each surface that it crosses,
+// including backs of single-sided surfaces, because other eyes can see their fronts. Depths are
+// eye_z. Colours are those of cast_picture.h; the back of a single-sided surface has the colour of
+// its front. The result does not depend on the number of threads.
 #pragma once
 
 #include "rilievo/core/depth_image.h"
@@ -11,14 +11,15 @@
 
 namespace rilievo {
 
+// Which surfaces become samples.
 struct CastLayersOptions {
-  // Surfaces that lie closer together along the ray become one: the nearest. Metres of eye_z.
+  // Surfaces within this distance along the ray become one, the nearest. Metres of eye_z.
   double merge = 0.0;
-  // No more samples than that on one ray.
+  // The largest number of samples on a ray.
   int max_layers = 256;
 };
 
-// Requires a valid camera: parallel, or perspective.
+// Casts a picture. Requires a valid parallel or perspective camera.
 [[nodiscard]] LayeredDepthImage cast_layers(const RayScene& scene, const Camera& camera,
                                             const CastLayersOptions& options = {});
 

@@ -1,8 +1,8 @@
-// What does a camera see of a Scene, by rays?
+// What does a camera see of a Scene, by ray casting?
 //
-// The pictures that the rasterisers take, without OpenGL: the same surfaces, depths, object
-// identifiers and shading (shading_model.inl). Blended parts and the sky are left out. All cores;
-// same bytes for any number of threads.
+// Gives the pictures of the rasterisers without OpenGL: the same surfaces, depths, object
+// identifiers and shading (shading_model.inl). Blended parts and the sky are left out. Uses all
+// cores; the result does not depend on the number of threads.
 #pragma once
 
 #include <memory>
@@ -15,21 +15,21 @@
 
 namespace rilievo {
 
-// One ray a texel: eye_z, linear light. Requires a valid camera.
+// Casts one ray for each texel: eye_z and linear light. Requires a valid camera.
 [[nodiscard]] DepthImage cast_picture(const RayScene& scene, const Camera& camera);
 
-// As PictureRasterizer draws: a ray through each sample.
+// Draws like PictureRasterizer, with a ray through each sample.
 class PictureCaster {
  public:
-  // `scene` must outlive it.
+  // `scene` must outlive the object.
   explicit PictureCaster(const RayScene& scene);
   PictureCaster(PictureCaster&&) noexcept;
   PictureCaster& operator=(PictureCaster&&) noexcept;
   ~PictureCaster();
 
-  // What the camera, of any kind, sees of `objects` (none: of all), with 1 or 4 samples a texel.
-  // What lies before the near plane is not seen. Depth is window_z; of a back-perspective picture,
-  // which keeps the farthest, 1 - window_z.
+  // Draws `objects` (empty: all) as seen by a camera of any kind, with 1 or 4 samples per texel.
+  // Parts in front of the near plane are invisible. Depth is window_z, or 1 - window_z for a
+  // back-perspective camera, which keeps the farthest surface.
   void draw(const Camera& camera, std::span<const std::uint32_t> objects, int samples,
             RasterPicture& picture);
 
@@ -39,15 +39,15 @@ class PictureCaster {
   std::unique_ptr<State> state_;
 };
 
-// Shades what single rays of a picture meet as cast_picture does. Any thread.
+// Shades hits of single rays as cast_picture does. Any thread.
 class HitShader {
  public:
-  // `scene` must outlive it.
+  // `scene` must outlive the object.
   HitShader(const RayScene& scene, const Camera& camera);
   HitShader(const HitShader&) = delete;  // its lights lie in itself
   HitShader& operator=(const HitShader&) = delete;
-  // Linear, opaque. Of the ray through the middle of texel (x, y), y from the top; where a
-  // single-sided surface is met from behind, the light of its front as a mirror behind it shows it.
+  // The linear, opaque colour of a hit of the ray through the centre of texel (x, y), y from the
+  // top. The back of a single-sided surface has the light of its front, mirrored.
   [[nodiscard]] glm::vec4 shade(const RayHit& hit, int x, int y) const;
 
  private:
@@ -58,14 +58,15 @@ class HitShader {
   SurfaceLights lights_;
 };
 
-// The ray of a raster position, from where the camera stops looking towards where it would rather
-// see: an ordinary camera looks from its near plane, a back-perspective one from its far plane
-// towards the apex, so that the first hit is the farthest from the apex (S2.1). `eye_z` along it is
-// eye_z_start + t * eye_z_step for t in [0, 1].
+// The ray of a raster position, in the direction in which the camera looks for its sample. An
+// ordinary camera's ray starts at its near plane. A back-perspective camera's ray starts at the far
+// plane and goes towards the apex, so that its first hit is the farthest from the apex (S2.1).
+// eye_z along the ray is eye_z_start + t * eye_z_step for t in [0, 1].
 struct CameraRay {
   glm::dvec3 origin, direction;
   double eye_z_start = 0, eye_z_step = 0;
 };
+// The ray of a raster position.
 [[nodiscard]] CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster);
 
 }  // namespace rilievo

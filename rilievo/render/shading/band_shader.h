@@ -1,8 +1,8 @@
 // What colour has each texel of a picture whose samples are known?
 //
-// Shades each triangle once in each texel where it is seen, at the texel's middle, and averages
-// over the samples, as OpenGL does with several samples a pixel; whoever found the samples, the
-// rasteriser or rays. behind render/raster and render/rays.
+// Shades each triangle once in each texel where it is visible, at the texel's centre, and averages
+// over the samples, as OpenGL does with several samples per pixel. The samples come from the
+// rasteriser or from rays. Internal to render/raster and render/rays.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ namespace rilievo {
 struct PlacedMesh {
   const Mesh* mesh = nullptr;
   SurfacePlacement surface;
-  // Its triangles in the SampleBuffer.
+  // The range of its triangles in the SampleBuffer.
   std::uint32_t first_triangle = 0, triangles = 0;
 };
 
-// What is the same for all texels of a picture.
+// The data that is the same for all texels of a picture.
 struct PictureView {
   const SampleBuffer& samples;
   std::span<const PlacedMesh> meshes;  // in the order of their triangles
@@ -33,15 +33,16 @@ struct PictureView {
   ColorScale scale = ColorScale::srgb;
 };
 
-// Shades rows of texels, a few at once. Keeps its buffers; each thread needs one of its own.
+// Shades a few rows of texels at a time. Keeps its buffers; use one object for each thread.
 class BandShader {
  public:
   static constexpr int kBand = 8;  // rows at most
 
-  // Shades rows [from, to).
+  // Shades rows [from, to), at most kBand.
   void shade(const PictureView& view, int from, int to);
 
-  // Of the band's texels, row by row: the colours of the covered samples added up ...
+  // For the band's texels, row by row: the sum of the colours of covered samples, the number of
+  // covered samples, and the nearest depth.
   [[nodiscard]] std::span<const glm::vec3> color_sums() const { return sums_; }
   // ... and how many these are.
   [[nodiscard]] std::span<const std::uint8_t> covered() const { return covered_; }

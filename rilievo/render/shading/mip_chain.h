@@ -1,8 +1,8 @@
-// What does a texture look like from afar?
+// What does a texture look like from a distance? Its mip levels.
 //
-// Its smaller levels, each half as wide and high as the one before (rounded down, at least 1), down
-// to a single texel: a texel is the average of the area that it covers, in linear light. Level 0 is
-// the texture itself and not kept again. The same bytes for any number of threads.
+// Each level is half as wide and high as the one before (rounded down, at least 1), down to a
+// single texel. A texel is the average of the area that it covers, in linear light. Level 0 is the
+// texture itself and not stored again. The result does not depend on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,12 @@
 
 namespace rilievo {
 
+// The levels of a texture after level 0.
 struct MipChain {
+  // The size and the place of a level.
   struct Level {
-    int width = 0, height = 0;
-    std::size_t offset = 0;  // of its first texel in `texels`; of level 0: 0, in the texture
+    int width = 0, height = 0;  // texels
+    std::size_t offset = 0;     // of its first texel in `texels`; unused for level 0
   };
   std::vector<Level> levels;  // the first one is the texture
   std::vector<glm::u8vec4> texels;
@@ -24,7 +26,7 @@ struct MipChain {
   [[nodiscard]] std::size_t bytes() const { return texels.size() * sizeof(texels[0]); }
 };
 
-// `srgb`: are red, green and blue encoded? Alpha never is.
+// Computes the levels. `srgb`: red, green and blue are sRGB-encoded (alpha never is).
 [[nodiscard]] MipChain build_mip_chain(const Rgba8Image& texture, bool srgb);
 
 }  // namespace rilievo

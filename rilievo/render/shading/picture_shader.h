@@ -1,4 +1,5 @@
-// Which meshes are in a picture, and what colours have its texels? For the rasteriser and for rays.
+// Which meshes are in a picture, and which colours have its texels? For the rasteriser and for
+// rays.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +14,17 @@
 
 namespace rilievo {
 
-// The opaque and masked parts of `objects` (indices into Scene::objects), placed by `poses` (of all
-// objects) relative to `eye`, in this order. Requires less than 2^32 triangles.
+// Places the opaque and masked parts of `objects` (indices into Scene::objects) by `poses` (of all
+// objects) relative to `eye`, in this order. Requires fewer than 2^32 triangles.
 void place_meshes(const Scene& scene, const SurfaceMaterials& materials, const glm::dvec3& eye,
                   std::span<const std::uint32_t> objects, std::span<const glm::mat4> poses,
                   std::vector<PlacedMesh>& placed);
 
-// The lights of a scene, or the default sun, which `storage` keeps then.
+// The lights of a scene, or the default sun, which is then stored in `storage`.
 [[nodiscard]] SurfaceLights surface_lights(const Scene& scene, const glm::dvec3& eye,
                                            std::vector<Light>& storage);
 
-// Rows from the bottom, as OpenGL has them.
+// A picture with rows from the bottom, as in OpenGL.
 struct RasterPicture {
   int width = 0, height = 0;
   std::vector<glm::u8vec4> color;  // sRGB, premultiplied; alpha is the share of covered samples

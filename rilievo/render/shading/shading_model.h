@@ -1,7 +1,7 @@
-// The shading model for one number at a time: float (the same bytes as a lane of several) or
-// double.
+// How is one point shaded? The shading model for one number at a time.
 //
-// For what shades points apart from pictures, such as a ray tracer's, and for tests.
+// For float (the same bytes as a SIMD lane) or double: for renderers that shade single points, such
+// as a ray tracer, and for tests.
 #pragma once
 
 #include <cmath>

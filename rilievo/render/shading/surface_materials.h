@@ -1,9 +1,9 @@
-// What do a scene's materials look like to processors?
+// What does the CPU shading model know of a scene's materials?
 //
-// Each material with its textures at hand: where their levels lie, how they wrap, which coordinates
-// they take. Level 0 of a texture is the Scene's own image; the smaller levels are made once for
-// each way in which the image is read (sRGB or linear). Plain numbers, uniform over a mesh, for the
-// shading model (shading_model.inl). Read-only after the constructor: any thread.
+// Each material with its textures: mip levels, wrapping and texture coordinates. Level 0 of a
+// texture is the Scene's own image; the smaller levels are made once for each way of reading the
+// image (sRGB or linear). Plain numbers, constant over a mesh, for shading_model.inl. Read-only
+// after the constructor: any thread.
 #pragma once
 
 #include <array>
@@ -18,16 +18,17 @@
 
 namespace rilievo {
 
-// The levels of a texture. Texels are four bytes, red the first one in memory.
+// The levels of a texture. A texel is four bytes; red is the first in memory.
 struct TextureLevels {
   static constexpr int kMaxLevels = 31;
   const std::int32_t* texels = nullptr;   // of level 0
   const std::int32_t* smaller = nullptr;  // of the levels after it
   int count = 1;
   std::int32_t width[kMaxLevels] = {}, height[kMaxLevels] = {};
-  std::int32_t offset[kMaxLevels] = {};  // of the level's first texel in `smaller`; of level 0: 0
+  std::int32_t offset[kMaxLevels] =
+      {};  // of the level's first texel in `smaller`; unused for level 0
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
-  bool nearest = false;  // magnified without interpolation
+  bool nearest = false;  // no interpolation when magnified
   bool srgb = false;
 };
 
@@ -38,30 +39,32 @@ struct SurfaceTexture {
   glm::vec3 row_u{1, 0, 0}, row_v{0, 1, 0};  // texture coordinates: dot(row, (uv, 1))
 };
 
+// A material with its textures.
 struct SurfaceMaterial {
   glm::vec4 base_color{1.0f};
   glm::vec3 emissive{0.0f};
   float metallic = 0, roughness = 0.8f, normal_scale = 1, occlusion_strength = 1;
   float alpha_cutoff = 0.5f;
   bool unlit = false, masked = false, blended = false, double_sided = false;
-  bool textured = false;  // any of these, each of which may be absent
+  bool textured = false;  // has any of the following textures
   std::optional<SurfaceTexture> base, metallic_roughness, normal, occlusion, emission;
   bool uses_uv[2] = {false, false};
 };
 
-// The texture without its smaller levels. Requires one that exists and has texels.
+// A texture without its smaller levels. Requires one that exists and has texels.
 [[nodiscard]] SurfaceTexture unscaled_texture(const Scene& scene, const TextureUse& use, bool srgb);
 
+// All materials of a scene.
 class SurfaceMaterials {
  public:
-  // `scene` must be valid and outlive it; its materials and textures stay as they are.
+  // `scene` must be valid and outlive the object; its materials and textures must not change.
   explicit SurfaceMaterials(const Scene& scene);
 
   SurfaceMaterials(SurfaceMaterials&&) = default;  // pointers into its parts stay valid
   SurfaceMaterials& operator=(SurfaceMaterials&&) = default;
 
   [[nodiscard]] const SurfaceMaterial& of_mesh(int mesh) const;
-  // Memory beyond the Scene's: the smaller levels of its textures.
+  // The memory of the smaller levels, bytes.
   [[nodiscard]] std::size_t bytes() const;
 
  private:

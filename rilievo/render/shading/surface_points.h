@@ -1,7 +1,7 @@
-// What is a triangle's surface like where a ray of a picture meets it?
+// What is a triangle's surface like where a ray of a picture hits it?
 //
-// SIMD over rays that meet triangles of one placed mesh: position, normal, and what its material
-// and its textures are there. The same bytes for any instruction set. Pure; any thread.
+// SIMD over rays that hit triangles of one placed mesh: position, normal, and the values of its
+// material and textures. The result does not depend on the instruction set. Pure; any thread.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +12,20 @@
 
 namespace rilievo {
 
-// A structure of arrays; the first `count` entries are to be looked at.
+// Rays and the triangles that they hit, as a structure of arrays with `count` valid entries.
 struct TriangleRays {
   static constexpr std::size_t kMaxCount = 64;
   std::size_t count = 0;
-  alignas(64) float ray[3][kMaxCount];  // as PictureRays has it, of any length
-  // Of each corner, in mesh space.
+  alignas(64) float ray[3][kMaxCount];  // as in PictureRays, of any length
+  // Of each corner, in mesh space:
   alignas(64) float position[3][3][kMaxCount];
-  alignas(64) float normal[3][3][kMaxCount];  // only if the mesh has any
+  alignas(64) float normal[3][3][kMaxCount];  // only if the mesh has normals
   alignas(64) float color[3][3][kMaxCount];
   alignas(64) float uv[2][3][2][kMaxCount];  // of the sets that the material uses; else zeros
 };
 
-// Appends what the rays meet; of a ray that passes by, the nearest point of the triangle, nearly.
-// Requires room for all in `surfaces`.
+// Appends the surfaces at the hits. For a ray that misses its triangle, appends approximately the
+// nearest point of the triangle. Requires room for all in `surfaces`.
 void append_surfaces(const TriangleRays& triangles, const PictureRays& rays,
                      const SurfacePlacement& placement, Surfaces& surfaces);
 

@@ -1,8 +1,8 @@
 // What colour has a lit surface?
 //
 // The second half of the shading model (shading_model.inl), SIMD over surfaces: lights and sky.
-// Linear light in; directions in world axes. The same bytes for any instruction set. Pure; any
-// thread.
+// Input is in linear light, directions are in world axes. The result does not depend on the
+// instruction set. Pure; any thread.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace rilievo {
 
-// A structure of arrays; the first `count` entries are to be shaded.
+// Surfaces to shade, as a structure of arrays with `count` valid entries.
 struct Surfaces {
   static constexpr std::size_t kMaxCount = 256;
   static constexpr std::size_t kCapacity = kMaxCount + 16;  // vectors are stored whole
@@ -22,35 +22,38 @@ struct Surfaces {
     base_b,
     normal_x,
     normal_y,
-    normal_z,  // of any length, towards the side that is seen
+    normal_z,  // of any length, towards the visible side
     relative_x,
     relative_y,
     relative_z,  // position relative to the eye, metres
     view_x,
     view_y,
-    view_z,  // the way to who sees it, unit
+    view_z,  // direction to the viewer, unit
     emissive_r,
     emissive_g,
     emissive_b,
     roughness,
     metallic,
     occlusion,  // the share of the sky's light that arrives
-    lit,        // 1; or 0: the base colour as it is
+    lit,        // 1; 0: the colour is the base colour
     kFields
   };
   std::size_t count = 0;
   alignas(64) float field[kFields][kCapacity];
 };
 
+// The colours of Surfaces.
 struct SurfaceColors {
   alignas(64) float rgb[3][Surfaces::kMaxCount];
 };
 
+// The encoding of the result.
 enum class ColorScale {
-  linear,  // as much light as there is
+  linear,  // linear light, not limited
   srgb,    // encoded, in [0, 1]
 };
 
+// Shades all surfaces.
 void shade_surfaces(const SurfaceLights& lights, const Surfaces& surfaces, ColorScale scale,
                     SurfaceColors& colors);
 

@@ -81,7 +81,7 @@ LoadedScene read(Bytes file, const std::string& extension, LoadContext& context)
     refuse(context.skipped_points_or_lines ? "has points or lines only, no triangles to draw"
                                            : "has no triangles to draw");
   const Box bounds = world_bounds(out.scene, context.time);
-  if (!std::isfinite(bounds.radius())) refuse("is larger than numbers can say");
+  if (!std::isfinite(bounds.radius())) refuse("is too large for single-precision coordinates");
   if (bounds.radius() == 0.0f) refuse("has all its triangles in one point");
   out.warnings = std::move(context.warnings);
   return out;
@@ -95,7 +95,7 @@ Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, LoadC
   } catch (const LoadFault& fault) {
     return Error{where, fault.reason};
   } catch (const std::bad_alloc&) {
-    return Error{where, "needs more memory than there is"};
+    return Error{where, "needs more memory than is available"};
   } catch (const std::exception& e) {
     // A library's own complaint; none is expected that is not caught nearer to its cause.
     return Error{where, std::string("cannot be read: ") + e.what()};

@@ -1,28 +1,29 @@
-// Which scene does a file hold?
+// Which scene does a file contain?
 //
-// glTF 2.0 (.gltf, .glb), Wavefront OBJ, PLY and STL. What a file is, its first bytes say; its name
-// only where they leave it open. Files that a scene refers to (buffers, pictures, materials) are
-// read from its own folder and those below it, each once; nothing is ever fetched from elsewhere.
-// A path that leads outside of that folder, after ".." and symbolic links are resolved, is refused
-// unless LoadOptions::allow_outside.
+// Reads glTF 2.0 (.gltf, .glb), Wavefront OBJ, PLY and STL. The first bytes of a file decide its
+// format; its name matters only where they are ambiguous. Files that a scene refers to (buffers,
+// pictures, materials) are read from its own folder and those below it, each once; nothing is ever
+// fetched from the network. A path that leads outside of that folder, after ".." and symbolic links
+// are resolved, is refused unless LoadOptions::allow_outside is set.
 //
-// Bad input ends in an Error with a reason: no exception leaves these functions, and memory stays
+// Bad input ends in an Error with a reason. No exception leaves these functions, and memory stays
 // within LoadOptions::max_bytes. It also stays within 64 MiB + 32 times the bytes of the files +
-// the decoded pixels, so that a small file costs little; bytes that a compressed mesh (Draco,
-// meshoptimizer) becomes count half as bytes of files. Messages call the options as the command
-// line does. What a file asks for and cannot be had without harm to the rest (a picture that cannot
-// be decoded, an optional extension) is left out with a warning.
+// the decoded pixels, so that a small file costs little; the decompressed bytes of a mesh (Draco,
+// meshoptimizer) count half as bytes of files. Messages name the options as the command line does.
+// A part that cannot be loaded but can be left out without harm (a picture that cannot be decoded,
+// an optional extension) is left out with a warning.
 //
 // How glTF maps to a Scene:
-//   - a node with a mesh is one Object, each of its GPU instances too; meshes are shared;
-//   - the first animation moves nodes; skins and morph targets are posed once, at
-//   LoadOptions::time,
-//     and skinned objects then stand still in world space;
-//   - lights are scaled together so that they light the scene's centre as the default sun would:
-//     exporters disagree about units by factors of 683 and 4 pi, and there is no exposure to set;
-//   - transmission becomes blended alpha, specular-glossiness becomes metallic-roughness
-//   (warnings).
-// OBJ, PLY, STL: every named group is an Object; materials are those of the .mtl file.
+// - Each node with a mesh is one Object, and so is each of its GPU instances. Meshes are shared.
+// - The first animation moves nodes. Skins and morph targets are posed once, at LoadOptions::time;
+//   skinned objects then stand still in world space.
+// - All lights are scaled by one factor so that they light the scene's centre as the default sun
+//   would: exporters disagree about units by factors of 683 and 4 pi, and there is no exposure.
+// - Transmission becomes blended alpha and specular-glossiness becomes metallic-roughness, both
+// with
+//   a warning.
+//
+// In OBJ, PLY and STL, each named group is an Object; materials come from the .mtl file.
 #pragma once
 
 #include <cstdint>
@@ -36,25 +37,27 @@
 
 namespace rilievo {
 
+// What to load and how much memory to use. Names beginning with -- are the command line's.
 struct LoadOptions {
-  double time = 0.0;  // seconds: skins and morph targets are posed at this time
-  // --memory-limit-mb: bound on what loading allocates, files and intermediate data included.
+  double time = 0.0;  // seconds; skins and morph targets are posed at this time
+  // --memory-limit-mb: limit on what loading allocates, including files and intermediate data.
   std::uint64_t max_bytes = std::uint64_t(4) << 30;
-  // --allow-outside: may a scene refer to files that do not lie in its own folder, or below it?
+  // --allow-outside: permits files that lie neither in the scene's folder nor below it.
   bool allow_outside = false;
 };
 
+// A loaded scene, with what the user should know about it.
 struct LoadedScene {
   Scene scene;  // finished and valid; at least one object
   std::vector<std::string> warnings;
 };
 
-// Any thread.
+// Loads a file. Any thread.
 [[nodiscard]] Result<LoadedScene> load_scene(const std::filesystem::path& path,
                                              const LoadOptions& options = {});
 
-// The same from memory. `name` stands for the path in errors, and its extension decides where the
-// bytes do not; no other file is read.
+// Loads a file in memory. Errors name it `name`, whose extension decides the format where the bytes
+// are ambiguous. No other file is read.
 [[nodiscard]] Result<LoadedScene> load_scene(std::span<const std::uint8_t> bytes,
                                              const std::string& name,
                                              const LoadOptions& options = {});

@@ -1,13 +1,12 @@
 // How does a scene become a file that other programs open?
 //
-// glTF 2.0, binary (.glb), everything in one file: meshes, materials, textures (PNG), nodes with
-// their animation, lights, cameras. What loading makes of the file draws the same frames at any
-// time. Differences that remain:
-//   - objects may come back in another order, and those of a model that stands still in many places
-//     become instances of one node (EXT_mesh_gpu_instancing) and lose their names;
-//   - a part that a model places by a matrix is written in the model's space;
-//   - cameras whose axis does not pass through the image's centre, and back-perspective ones, are
-//     left out, as is the sky: glTF has no words for them.
+// Binary glTF 2.0 (.glb), one file: meshes, materials, textures (PNG), nodes with their animation,
+// lights, cameras. The loaded file draws the same frames at any time. What changes:
+// - Objects can come back in another order. Static instances of one model become instances of one
+//   node (EXT_mesh_gpu_instancing) and lose their names.
+// - A part that its model places by a matrix is written in the model's space.
+// - Cameras whose axis does not pass through the image's centre, back-perspective cameras and the
+//   sky are left out, because glTF cannot express them.
 #pragma once
 
 #include <filesystem>
@@ -17,8 +16,8 @@
 
 namespace rilievo {
 
-// Replaces the file at once or not at all. Refuses scenes that are not valid, and files of 4 GiB or
-// more, which the format cannot hold.
+// Saves a scene. The file is replaced at once or not at all. Fails for invalid scenes, and for
+// files of 4 GiB or more, which the format cannot hold.
 [[nodiscard]] Result<> save_glb(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace rilievo

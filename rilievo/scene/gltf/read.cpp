@@ -134,7 +134,8 @@ std::vector<glm::dmat4> Reader::instances_of(const JsonValue& instancing) {
     const Accessor a =
         describe_accessor(document_, at.required_index(document_.count("accessors")));
     expect_numbers(document_, a, std::array{numbers});
-    if (count && *count != a.count) at.fail("has another number of instances than its neighbours");
+    if (count && *count != a.count)
+      at.fail("has a different number of instances than the other attributes");
     count = a.count;
     return read_floats(document_, a);
   };

@@ -1,4 +1,4 @@
-// The materials of an OBJ file (.mtl), turned into metallic-roughness. Internal to loading.
+// How do the materials of an OBJ file (.mtl) become metallic-roughness? Internal to loading.
 //
 //   Kd  base colour, unless there is a picture of it (map_Kd): exporters write both as alternatives
 //   d   opacity, Tr its opposite; map_d a picture of it; a picture's own alpha counts, too
@@ -16,19 +16,20 @@
 
 namespace rilievo {
 
+// The materials of one OBJ file, read on demand.
 class ObjMaterials {
  public:
   explicit ObjMaterials(LoadContext& context) : context_(context) {}
 
-  // Adds the definitions of the libraries named in a mtllib statement, each library once; one that
-  // cannot be read is a warning.
+  // Reads the libraries of an mtllib statement, each library once. A library that cannot be read is
+  // a warning.
   void read(const std::string& names);
 
-  // The material of that name, read with its pictures; -1 if there is none. `colored`: the mesh has
-  // colours of its own.
+  // The index of the named material, loaded with its pictures; -1 if there is none. `colored`: the
+  // mesh has vertex colours.
   [[nodiscard]] int use(const std::string& name, bool colored);
 
-  // The materials in use, with their textures and images.
+  // A scene of the materials in use, with their textures and images.
   [[nodiscard]] Scene take();
 
  private:

@@ -1,7 +1,7 @@
-// OBJ, PLY and STL -> Scene. Internal to loading; throws LoadFault.
+// How do OBJ, PLY and STL files become scenes? Internal to loading; throws LoadFault.
 //
-// Read here and not by a library: Debian 12's assimp (5.2.5), the one that reads all three, crashes
-// on damaged files and has no limit on the memory that a small file may ask for.
+// These readers are written by hand because the only library in Debian 12 that reads all three
+// (assimp 5.2.5) crashes on damaged files and has no limit on the memory that a small file can use.
 #pragma once
 
 #include <string>
@@ -11,23 +11,23 @@
 
 namespace rilievo {
 
-// Not yet finished, nor validated.
+// Read a file of each format. The scene is neither finished nor validated.
 [[nodiscard]] Scene read_obj(Bytes file, LoadContext& context);
 [[nodiscard]] Scene read_ply(Bytes file, LoadContext& context);
 [[nodiscard]] Scene read_stl(Bytes file, LoadContext& context);
 
-// Has it the length that a binary STL with its count of triangles has?
+// Does the file's length match the number of triangles in a binary STL header?
 [[nodiscard]] bool is_binary_stl(Bytes file);
 
-// A part of a soup: which object it belongs to, and its material.
+// A part of a soup: the object that it belongs to, and its material.
 struct SoupPart {
   std::string object;
-  int material = -1;  // of the scene, or none
+  int material = -1;  // index into the scene's materials, or -1
 };
 
-// Every name of an object becomes an Object with all its parts, in the order in which they first
-// appear. Objects stand where their vertices are. `scene` brings the materials and textures; parts
-// without a material get a plain one.
+// Makes one Object for each object name, of all its parts, in the order in which the names appear.
+// Vertices stay in world space. `scene` provides the materials and textures; parts without a
+// material get a plain one.
 [[nodiscard]] Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene,
                              LoadContext& context);
 
