@@ -1,13 +1,14 @@
-// The cut through the hierarchy: which nodes should be pictures, which are, and what to draw.
+// Which nodes of the hierarchy are drawn as pictures in this frame? The frame planner.
 //
-// The best cut has the least cost a frame, captures included: a picture costs its pixels, and its
-// capture divided by the frames it will live; the least cost of a node is its own picture's or the
-// sum of its children's. Far away pictures live long and whole groves share one; nearer they live
-// shorter and stand for single trees; nearest a tree's triangles are cheaper than its pixels. All
-// of that follows from the one sum.
+// A cut is a set of nodes that contains each object once. The best cut costs the least per frame,
+// captures included: a picture costs its pixels, plus its capture divided by the frames that it
+// will live. The cost of a node is the lesser of its own picture's and the sum of its children's.
+// Far away, pictures live long and whole groves share one; nearer, they live shorter and show
+// single trees; nearest, a tree's triangles are cheaper than a picture's pixels.
 //
-// A picture at hand that will last is kept without looking below it, so that a frame costs as much
-// as the cut is wide, not as the scene is large. What is about to end is replaced before it does.
+// A valid picture that will last is kept without visiting its children, so that planning costs as
+// much as the cut is wide, not as the scene is large. A picture that is about to expire is replaced
+// before it does.
 #pragma once
 
 #include <algorithm>
@@ -17,16 +18,18 @@
 
 namespace rilievo {
 
-// Of an entity whose polygons are worth drawing for a few frames more, so that its picture fades.
+// Entities with at most this many triangles are drawn as polygons for a few more frames, while
+// their first picture fades in.
 inline constexpr std::uint64_t kFadedTriangles = 10'000;
 
-// Frames over which a picture's successor fades in: of its last `lead` frames most, if there are
-// few. A quarter is left to make the capture in.
+// The number of frames over which a picture's successor fades in, at most `lead` (its last frames).
+// A quarter of them is reserved for the capture.
 [[nodiscard]] inline int fade_length(int lead, const CacheOptions& options) {
   return std::clamp(lead - lead / 4, 1, std::max(1, options.fade_frames));
 }
 
-// One frame's planning. Order of use: evict_finished, choose, schedule_captures (schedule.h), draw.
+// The planning of one frame. Call in this order: evict_finished, choose, schedule_captures
+// (schedule.h), draw.
 struct Cut {
   const Hierarchy& tree;
   std::span<const MovingObject> moving;
@@ -37,8 +40,8 @@ struct Cut {
   PlanScratch& scratch;
   Plan& plan;
   ViewAxes view;
-  std::uint64_t faded_triangles = 0;  // of polygons over which pictures of this frame fade in
-  double full_bytes = 0;  // of all pictures that stay or are requested, were they at full density
+  std::uint64_t faded_triangles = 0;  // of polygons behind pictures that fade in
+  double full_bytes = 0;  // of all pictures kept or requested, if they were at full density
 
   Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_,
       const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
@@ -48,19 +51,19 @@ struct Cut {
   void choose();
   void draw();
 
-  // Of entities.
+  // About entities.
   [[nodiscard]] std::uint32_t nodes() const { return std::uint32_t(tree.nodes.size()); }
   [[nodiscard]] bool is_moving(Entity e) const { return e >= nodes(); }
   [[nodiscard]] bool several(Entity e) const { return !is_moving(e) && !tree.nodes[e].leaf(); }
   [[nodiscard]] const Box& box_of(Entity e) const;
   [[nodiscard]] std::uint64_t triangles_of(Entity e) const;
-  // How the eye moves against the entity in a frame, world space.
+  // The motion of the eye relative to the entity in a frame, world space.
   [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
   [[nodiscard]] PictureEstimate estimate(Entity e) const;
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 
-  // Of slots. Nothing if the entity has no picture, or it has been dropped.
+  // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
                                           Entity e) const;
   const PlanScratch::Checked& check(std::uint32_t slot);
@@ -69,7 +72,7 @@ struct Cut {
     return std::uint32_t(picture - state.slots.data());
   }
   void drop(std::uint32_t slot);
-  // Is everything visible below the node shown by pictures at hand?
+  // Do valid pictures show everything visible below the node?
   [[nodiscard]] bool pictures_cover(Entity e);
   [[nodiscard]] bool pictures_cover_below(Entity e);
   [[nodiscard]] bool may_fade_over_below(Entity e);

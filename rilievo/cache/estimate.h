@@ -1,6 +1,6 @@
-// What would a picture of this box cost, and for how long would it live?
+// What would a picture of a box cost, and how long would it live?
 //
-// Estimates for choosing, a few dozen operations each; whether a picture may be drawn is decided by
+// Estimates for choosing, a few dozen operations each. Whether a picture can be drawn is decided by
 // bound_total_px alone. World space, metres, frames.
 #pragma once
 
@@ -11,64 +11,70 @@
 
 namespace rilievo {
 
-// The frame's camera taken apart, and where it will be some frames ahead.
+// The frame's camera, decomposed, now and some frames ahead.
 struct ViewAxes {
   Camera camera;
   glm::dvec3 eye, right, up, forward, velocity;
   double px = 1, py = 1;  // pixels per tangent
+  // A half space: dot(normal, p) >= offset.
   struct Plane {
     glm::dvec3 normal;  // inwards
     double offset;      // inside: dot(normal, p) >= offset
   };
-  std::array<Plane, 5> now, ahead;  // of the frustum, without its far plane
+  std::array<Plane, 5> now, ahead;  // the frustum without its far plane
 };
 
-// The camera `frames` from now if the motion goes on.
+// The camera after `frames` frames, if the motion continues.
 [[nodiscard]] Camera camera_ahead(const FrameView& view, double frames);
 
+// The view now and `frames_ahead` frames ahead.
 [[nodiscard]] ViewAxes view_axes(const FrameView& view, double frames_ahead);
 
-// May the box be in the frustum? False only if it is not.
+// Does the box intersect the frustum? Conservative: false only if it does not.
 [[nodiscard]] bool may_see(const std::array<ViewAxes::Plane, 5>& frustum, const Box& box);
 
+// The estimate for one picture. Costs are in triangles.
 struct PictureEstimate {
-  bool possible = false;  // not too near, not too large, not too short-lived
-  double life = 0;        // frames until the error passes the limit, for an eye at the capture's
+  bool possible = false;         // not too near, not too large, not too short-lived
+  double life = 0;               // frames until the error exceeds the limit
   double draw = 0, capture = 0;  // triangles
-  // Frames ahead of now for which the picture should be captured.
+  // For how many frames ahead the picture should be captured.
   double ahead = 0;
   double texels = 0;
-  double density = 1;  // texels per pixel: texels will not have outgrown pixels when it ends
+  double density = 1;  // texels per pixel at capture, so that texels do not exceed pixels later
 };
 
-// `drift`: metres that the eye moves against the object in a frame. `range`: which part of the
-// box's depths the picture is expected to show. `life_share`: of the life that its flatness allows,
-// what its gaps are expected to leave.
+// Estimates a picture of `box`. `drift`: the eye's motion relative to the object, metres per frame.
+// `range`: the part of the box's depths that the picture is expected to show. `life_share`: the
+// share of the life that flatness allows which gaps are expected to leave.
 [[nodiscard]] PictureEstimate estimate_picture(const ViewAxes& view, const Box& box,
                                                std::uint64_t triangles, const glm::dvec3& drift,
                                                const CacheOptions& options,
                                                const DeltaRange& range = {}, double life_share = 1);
 
-// Rate of a picture that is captured over and over again: triangles a frame.
+// The cost per frame of a picture that is captured again and again, in triangles.
 [[nodiscard]] inline double picture_rate(const PictureEstimate& e, const CacheOptions& options) {
   return e.draw + e.capture / ((1 + options.anticipation) * e.life);
 }
 
-// Pixels of the frame within the rectangle around the box; of the whole frame if it is too near.
+// The number of pixels of the rectangle around the box on the screen; those of the whole frame if
+// the box is too near.
 [[nodiscard]] double covered_pixels(const ViewAxes& view, const Box& box);
 
-// The picture itself: a camera whose axes are the frame's, so that texels lie as pixels do, tight
-// around the box, as far ahead of the frame's eye as keeps it within the limit now.
+// The geometry for a capture. The camera has the frame's axes, so that texels align with pixels, is
+// tight around the box, and stands as far ahead of the frame's eye as the error limit allows now.
 struct PlacedPicture {
   PictureGeometry geometry;
-  double coarse_px = 0;  // by which it may pass error_px: texels made too coarse
-  bool good = false;     // within the limit now, if the picture shows what is expected
+  double coarse_px = 0;  // the excess over error_px that coarse texels cause
+  bool good = false;     // within the limit now, if the picture shows the expected range
 };
+// Places a picture; see estimate_picture. `texel_scale` below 1 makes texels coarser.
 [[nodiscard]] PlacedPicture place_picture(const ViewAxes& view, const Box& box,
                                           const PictureEstimate& estimate, const glm::dvec3& drift,
                                           double texel_scale, const CacheOptions& options,
                                           const DeltaRange& range = {});
 
+// The memory of a picture in the atlas.
 [[nodiscard]] inline std::uint64_t picture_bytes(const Camera& camera,
                                                  const CacheOptions& options) {
   const auto cells = [&](int texels) {

@@ -1,20 +1,20 @@
 // What is each part of this frame drawn from, and which pictures are captured now? (S1.5, S1.7)
 //
-// A pure decision: from the hierarchy of static objects, the moving objects, the pictures at hand
-// and the camera follows a Plan, which pictures to capture, to forget and to draw, and what to draw
-// as polygons. No OpenGL. Once a frame:
+// A pure decision. The input is the hierarchy of static objects, the moving objects, the pictures
+// in the cache and the camera. The output is a Plan: which pictures to capture, to evict and to
+// draw, and what to draw as polygons. No OpenGL. For each frame:
 //
 //   plan_frame(hierarchy, moving, state, view, options, scratch, plan);
-//   free the textures of plan.evictions; make those of plan.captures, in this order, and say
-//   what they turned out to be: refuse_capture, narrow_capture
+//   free the textures of plan.evictions; make those of plan.captures, in this order, and report
+//   their results: refuse_capture, narrow_capture
 //   draw plan.pictures, plan.polygons, plan.moving_polygons, plan.alternatives in any order
 //   commit(plan, state);
 //
-// Every picture drawn has bound_total_px <= CacheOptions::error_px, and if memory is short so much
-// more as its texels are too coarse (Picture::coarse_px), and bound_gap_px <= gap_limit_px. What
-// was baked before, of any kind, stands for its object where its ErrorModel allows it and it costs
-// less: for what turns so fast that no flat picture lasts, above all. World space, metres; time in
-// frames. The same plan for the same input. Steady state does not allocate.
+// Each picture drawn has bound_total_px <= CacheOptions::error_px, plus Picture::coarse_px if
+// memory was short and its texels are coarser, and bound_gap_px <= gap_limit_px. A baked
+// representation of any kind stands for its object where its ErrorModel allows it and it costs
+// less, above all for objects that turn so fast that no flat picture lasts. World space, metres;
+// time in frames. The same input gives the same plan. A steady state does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -30,60 +30,63 @@
 
 namespace rilievo {
 
-// What drawing costs, in triangles: how many triangles the renderer draws in the same time.
-// Defaults measured on a software rasteriser with four samples a pixel: a triangle 280 ns, a pixel
-// of a picture 5 ns, a pixel of shaded polygons 30 ns.
+// The cost of drawing, in triangles: as many as the renderer draws in the same time. The defaults
+// were measured on a software rasteriser with four samples per pixel: a triangle takes 280 ns, a
+// pixel of a picture 5 ns, a pixel of shaded polygons 30 ns.
 struct CostModel {
   double picture = 10;          // one picture drawn
   double picture_pixel = 0.02;  // one pixel of its rectangle
   double object = 20;           // one object drawn as polygons, besides its triangles
   double polygon_pixel = 0.10;  // one pixel of the rectangle around an object
-  double capture = 2000;        // one capture, besides ...
-  double capture_triangle = 1;  // ... one triangle of it
-  double capture_texel = 0.2;   // one texel of it
+  double capture = 2000;        // one capture, plus ...
+  double capture_triangle = 1;  // ... each of its triangles
+  double capture_texel = 0.2;   // ... and each of its texels
 };
 
+// Limits and preferences of the planner.
 struct CacheOptions {
-  double error_px = 1;  // allowed by bound_total_px
-  // Allowed by bound_gap_px: how wide a strip a picture may lack of what was hidden when it was
-  // captured, pixels; 0: twice error_px; infinite: not asked. What is torn opens twice as fast as
-  // it slides: at twice error_px pictures live hardly shorter, and what was hidden is still caught.
+  double error_px = 1;  // limit on bound_total_px
+  // The limit on bound_gap_px, in pixels: the width of a strip that a picture is missing because it
+  // was hidden at capture. 0: twice error_px; infinite: no limit. A gap opens twice as fast as
+  // samples slide, so with twice error_px the life of pictures is hardly shorter, and hidden
+  // surfaces are still captured in time.
   double gap_px = 0;
-  std::uint64_t memory_bytes = 256u << 20;  // never exceeded by the pictures together
-  // Budget of captures a frame: what capturing so many triangles costs, texels and all, beyond
-  // what the frame would else draw of the same objects (captures of what is drawn as polygons are
-  // nearly free), and their number. One capture is always allowed, however large.
+  std::uint64_t memory_bytes = 256u << 20;  // limit on all pictures together
+  // The budget of captures per frame: their number, and their cost, texels included, expressed as
+  // the cost of capturing this number of triangles. Only the cost in excess of drawing the same
+  // objects counts (captures of what is drawn as polygons are nearly free). One capture is always
+  // allowed, of any size.
   std::uint64_t capture_triangles = 500'000;
   int captures = 1000;
-  // Of one picture that shows several objects: what a frame can afford to capture at once.
+  // The largest number of triangles in a picture of several objects, which one frame must capture.
   std::uint64_t picture_triangles = 100'000;
-  int max_texels = 1024;  // a side of a picture
-  int texel_cell = 32;    // pictures take up multiples of this
+  int max_texels = 1024;  // limit on a picture's side
+  int texel_cell = 32;    // pictures occupy multiples of this
   int bytes_per_texel = 5;
   int delta_bits = 8;
   DepthMode depth_mode = DepthMode::linear;
-  // A picture at hand is given up only for something cheaper by this share.
+  // A valid picture is replaced only by something that is cheaper by this share.
   double hysteresis = 0.2;
-  // Pictures are captured for an eye this share of their life ahead, where the motion leads: they
-  // are good on the way there and on the way beyond. 0: from the frame's own eye; below 1.
+  // Pictures are captured for an eye ahead on the predicted motion, by this share of their life, so
+  // that they are good on the way to it and beyond. 0: for the frame's own eye. Must be below 1.
   double anticipation = 0.8;
-  // A new picture replaces the old one over so many frames, a growing share of the pixels; 1: at
-  // once.
+  // The number of frames over which a new picture replaces the old one; 1: at once.
   int fade_frames = 10;
-  // Captures that will be needed are spread over so many frames before.
+  // Captures that will be needed are distributed over this many frames.
   int spread_frames = 8;
-  // No picture is expected to live longer: nobody walks straight on for ever.
+  // The largest life that is predicted for a picture, frames: nobody walks straight on for ever.
   double longest_life = 600;
   CostModel cost;
 };
 
+// The limit on bound_gap_px.
 [[nodiscard]] inline double gap_limit_px(const CacheOptions& options) {
   return options.gap_px > 0 ? options.gap_px : 2 * options.error_px;
 }
 
-// Where captures are rasterised without OpenGL (render/raster/raster_picture.h): a triangle costs a
-// quarter of what it costs to draw, 70 ns, and a texel 15 ns. So pictures may show more, and live
-// shorter.
+// Options for captures by the SIMD rasteriser (render/raster/raster_picture.h): compared with
+// drawing a triangle by OpenGL, capturing one costs a quarter (70 ns), and a texel takes 15 ns.
+// Pictures can therefore show more and live shorter.
 [[nodiscard]] inline CacheOptions rasterized_cache_options() {
   CacheOptions options;
   options.cost.capture = 200;
@@ -94,107 +97,115 @@ struct CacheOptions {
   return options;
 }
 
-// A node of the hierarchy, by index, or moving object i as hierarchy.nodes.size() + i.
+// A node of the hierarchy (its index), or moving object i (hierarchy.nodes.size() + i).
 using Entity = std::uint32_t;
 
-// Something baked before that may stand for an entity instead of its polygons or a picture.
+// A baked representation that can stand for an entity instead of polygons or a picture.
 struct Alternative {
   ErrorModel error;
   CostTerms cost;
   glm::dmat4 world_from_capture{1.0};      // now
-  bool present = true;                     // false: not for this frame
-  std::uint32_t object = 0, drawable = 0;  // the caller's names for both
+  bool present = true;                     // false: not available in this frame
+  std::uint32_t object = 0, drawable = 0;  // the caller's identifiers
 };
 
+// All baked representations.
 struct Alternatives {
   std::vector<Alternative> list;
-  // By entity: the places in `list` of those that may stand for it. Empty: none has any.
+  // For each entity, the indices into `list` of those that can stand for it. Empty: none at all.
   std::vector<std::vector<std::uint32_t>> of_entity;
 };
 
+// An object that moves, at this frame.
 struct MovingObject {
   Box box;  // world, now
   std::uint64_t triangles = 0;
   glm::dmat4 world_from_object{1.0};  // now
-  glm::dmat4 now_from_last{1.0};      // what it did in world space since the last frame
-  bool deforms = false;               // always polygons
+  glm::dmat4 now_from_last{1.0};      // its motion in world space since the last frame
+  bool deforms = false;               // always drawn as polygons
 };
 
+// The camera of a frame and its predicted motion.
 struct FrameView {
   Camera camera;  // perspective
-  // As expected for the next frames (see eye_motion.h): of the eye, metres a frame; of the gaze,
-  // radians a frame about this world axis.
+  // The prediction for the next frames (eye_motion.h): the eye's velocity in metres per frame, and
+  // its rotation about a world axis in radians per frame.
   glm::dvec3 velocity{0.0}, turn{0.0};
 };
 
+// A picture in the cache.
 struct Picture {
   Entity entity = 0;
   PictureGeometry geometry;           // world space at capture
-  GapTable gaps;                      // all zero where they are not asked for
+  GapTable gaps;                      // all zero if there is no limit on gaps
   glm::dmat4 world_from_object{1.0};  // of a moving object at capture
-  double coarse_px = 0;               // of its error, what coarse texels made from the start
-  double draw_cost = 0, rate = 0;     // triangles a frame: to draw; captures included
+  double coarse_px = 0;            // the part of its error that coarse texels caused from the start
+  double draw_cost = 0, rate = 0;  // triangles per frame: without and with captures
   std::uint64_t bytes = 0;
-  double texel_scale = 1;  // below 1: coarser than the frame, memory was short
-  std::uint32_t used = 0;  // the frame that drew it last
+  double texel_scale = 1;  // below 1: coarser than the frame, because memory was short
+  std::uint32_t used = 0;  // the last frame that drew it
   std::uint32_t fade_start = 0, retire_start = 0;
   std::uint16_t fade_length = 1;    // frames
   std::uint16_t retire_length = 0;  // 0: not retiring
   std::uint16_t lead = 1;           // frames before its end at which it is replaced
-  bool held = false;                // is there a picture in this slot?
+  bool held = false;                // this slot contains a picture
 };
 
-// The picture is drawn while bound_total_px is at most this. Follows error_px when it changes.
+// The picture is drawn while bound_total_px does not exceed this limit, which follows error_px.
 [[nodiscard]] inline double limit_px(const Picture& picture, const CacheOptions& options) {
   return options.error_px + picture.coarse_px;
 }
 
-// What one frame leaves for the next. Start with an empty one.
+// What the planner keeps between frames. Start with an empty one.
 struct CacheState {
   std::uint32_t frame = 0;
-  std::vector<Picture> slots;  // slot: the picture's name, also for textures
+  std::vector<Picture> slots;  // the slot identifies a picture and its textures
   std::vector<std::uint32_t> free_slots;
   std::vector<std::uint32_t> current, previous;  // by entity: slot + 1, or 0; previous: fading out
-  // Of its depths, how much an entity's last picture showed, if it had any; and how much pictures
-  // show on the whole: mostly their fronts.
+  // The part of its depths that an entity's last picture showed, if there was one; and the part
+  // that pictures usually show, mostly the front.
   std::vector<std::optional<DeltaRange>> ranges;
   DeltaRange usual_range[2];  // of one object; of several
-  // Of the life that its flatness allows a picture, the share that its gaps allow, likewise.
+  // The share of the life that flatness allows which an entity's last picture's gaps allowed, if
+  // there was one; and the usual share:
   std::vector<std::optional<float>> life_shares;
   float usual_life_share[2] = {1, 1};
   std::uint64_t bytes = 0;
   double credit = 0;  // triangles saved up for captures
 };
 
+// A picture to capture.
 struct Capture {
   std::uint32_t slot = 0;
   Entity entity = 0;
-  PictureGeometry geometry;  // geometry.capture is the camera to capture with, its size included
+  PictureGeometry geometry;  // geometry.capture is the camera to capture with, including its size
   std::uint64_t triangles = 0;
-  double cost = 0;                  // as CostModel prices it, triangles
-  Picture picture;                  // as committed
-  bool several = false;             // objects
-  std::optional<DeltaRange> range;  // what it turned out to show
-  std::optional<float> life_share;  // and to hide
+  double cost = 0;                  // by CostModel, in triangles
+  Picture picture;                  // as it will be committed
+  bool several = false;             // shows several objects
+  std::optional<DeltaRange> range;  // the Deltas that it was found to show
+  std::optional<float> life_share;  // and how much its gaps shorten its life
 };
 
-// Of the pixels, those whose hash in [0, 1) falls into [from, to) are drawn from this. At every
-// pixel the shares of what overlaps in a fade are complementary.
+// A picture to draw, in the cross-fade range [from, to). At each pixel, the ranges of what overlaps
+// in a fade are complementary.
 struct DrawnPicture {
   std::uint32_t slot = 0;
   float from = 0, to = 1;
   float bound_px = 0, gap_px = 0;
 };
+// An object to draw as polygons, in a cross-fade range.
 struct DrawnObject {
   std::uint32_t object = 0;  // static: the caller's index; moving: index in `moving`
   float from = 0, to = 1;
 };
-// All pixels.
+// A baked representation to draw, at all pixels.
 struct DrawnAlternative {
   std::uint32_t alternative = 0;  // index into Alternatives::list
   float bound_px = 0;
 };
 
+// The decisions for one frame.
 struct Plan {
   std::vector<std::uint32_t> evictions;  // slots
   std::vector<Capture> captures;         // most urgent first
@@ -206,23 +217,26 @@ struct Plan {
   std::size_t entities = 0;  // nodes and moving objects
   std::uint64_t polygon_triangles = 0, captured_triangles = 0;
   std::uint64_t bytes = 0;        // of all pictures, after evictions and captures
-  int single = 0, hierarchy = 0;  // drawn pictures of one object, of several
-  double bound_px = 0;            // the largest of the pictures and alternatives drawn
-  double gap_px = 0;              // by bound_gap_px, the largest of the pictures drawn
-  int starved = 0;                // captures that had no room in memory
+  int single = 0, hierarchy = 0;  // drawn pictures of one object, and of several
+  double bound_px = 0;            // the largest of what is drawn
+  double gap_px = 0;              // the largest bound_gap_px of the pictures drawn
+  int starved = 0;                // captures for which memory did not suffice
   double credit = 0, texel_scale = 1;
 };
 
-// Buffers that plan_frame uses; contents mean nothing between frames.
+// Buffers of plan_frame; their contents are not used between frames.
 struct PlanScratch {
+  // A slot's error bound now and its remaining life, as of `frame`.
   struct Checked {
     std::uint32_t frame = 0xFFFFFFFFu;
-    double now_px = 0, gap_px = 0, remaining = 0;  // now_px is infinite where gap_px is too much
+    double now_px = 0, gap_px = 0,
+           remaining = 0;  // now_px is infinite if gap_px is above its limit
   };
+  // A capture that is wanted.
   struct Request {
     Entity entity = 0;
     float deadline = 0, worth = 0;
-    float cost = 0;  // of the capture, as CostModel prices it
+    float cost = 0;  // of the capture, by CostModel, in triangles
   };
   std::vector<Checked> checked;         // by slot
   std::vector<std::uint8_t> choice;     // by entity
@@ -233,31 +247,30 @@ struct PlanScratch {
   std::vector<std::uint8_t> dropped;  // by slot
 };
 
-// Requires a perspective camera that passes validate(), and a state committed after the last plan
-// for the same hierarchy and number of moving objects.
+// Plans a frame. Requires a perspective camera that passes validate(), and a state to which the
+// last plan was committed, for the same hierarchy and number of moving objects.
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
                 PlanScratch& scratch, Plan& plan, const Alternatives& alternatives = {});
 
-// Capture `index` turned out to have samples between these Deltas only, and to hide as much as
-// `gaps` says. To be called before commit(). Is it good enough for this frame? If not, it was
-// expected to be flatter, or less torn, than it is: to be refused.
+// Reports that capture `index` shows only these Deltas, and has these gaps. Returns whether the
+// picture is good enough for this frame; if not (it was expected to be flatter, or to hide less),
+// refuse the capture. Call it before commit().
 [[nodiscard]] bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame,
                                   const DeltaRange& range, const CacheOptions& options,
                                   const GapTable& gaps = {});
 
-// The textures of capture `index` could not be made: draws its objects as polygons instead, and
-// forgets the capture. To be called before commit().
+// Reports that capture `index` could not be made: its objects are drawn as polygons instead. Call
+// it before commit().
 void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
                     std::span<const MovingObject> moving);
 
-// The plan was carried out.
+// Records in the state that the plan was carried out.
 void commit(const Plan& plan, CacheState& state);
 
-// The light changed, or all objects did: forgets every picture. The slots are appended to
-// `evictions`.
+// Drops all pictures, because the light or all objects changed. Appends their slots to `evictions`.
 void invalidate(CacheState& state, std::vector<std::uint32_t>& evictions);
-// One object changed: forgets every picture that shows it.
+// Drops the pictures that show one object (static; moving), because it changed.
 void invalidate(const Hierarchy& hierarchy, std::uint32_t object, CacheState& state,
                 std::vector<std::uint32_t>& evictions);
 void invalidate_moving(const Hierarchy& hierarchy, std::uint32_t object, CacheState& state,

@@ -1,13 +1,13 @@
-// How fast, and how right, are several ways to draw the same walk?
+// How fast, and how right, are several methods along the same walk?
 //
-// The first source draws the true frames (direct drawing); every source is timed alike: wall clock
-// from FrameTarget::begin() until the GPU has finished after resolve(), with the same antialiasing.
-// Colours are compared as they are shown, objects and depths in a second drawing with one sample a
-// pixel. Frames are drawn source by source in blocks and measured between the blocks, so that
+// The first source draws the true frames (direct drawing). All sources are timed alike, with the
+// same antialiasing: wall-clock time from FrameTarget::begin() until the GPU has finished after
+// resolve(). Colours are compared as displayed; objects and depths are compared in a second drawing
+// with one sample per pixel. Each source draws a block of frames, then all are measured, so that
 // measuring does not disturb the timing.
 //
-// Needs a current OpenGL context; measuring uses all cores. Figures other than times do not depend
-// on the machine's speed or its number of threads.
+// Needs a current OpenGL context; measuring uses all cores. Apart from times, the results do not
+// depend on the machine's speed or its number of threads.
 #pragma once
 
 #include <cstddef>
@@ -22,34 +22,35 @@
 
 namespace rilievo {
 
+// A method by name.
 struct ComparedSource {
   std::string name;
   FrameSource* source = nullptr;
 };
 
+// The frames and what to measure.
 struct CompareOptions {
   int width = 1280, height = 720;
   int samples = 4;
   int frames = 120;
-  // Frame 0 is drawn this many times before the clock runs. What is captured then counts as
-  // captured.
+  // How often frame 0 is drawn before timing starts. Captures made then count as captures.
   int warm_up = 1;
-  // For frames that wait to be measured.
+  // Memory for frames that wait to be measured.
   std::size_t max_bytes = std::size_t(256) << 20;
-  // The error of every so many texels in x and y of every picture drawn is measured; 0: none.
+  // Measures the error of every `error_step`-th texel in x and y of each picture drawn; 0: of none.
   int error_step = 4;
-  // Measure how much more than the true ones frames differ from those before them (popping.h).
+  // Measures how much more the method's frames change than the true ones (popping.h).
   bool pop = false;
-  // At most so many frames' pictures go into the report.
+  // The largest number of frames with pictures in the report.
   int shown_frames = 8;
   std::function<void(int done, int total)> progress;
 };
 
-// What measuring takes: the smallest frame.
+// The smallest width and height that can be measured, pixels.
 inline constexpr int kLeastCompareSize = 16;
 
-// Fills in all of the report that has to do with drawing: machine, size, antialiasing, methods,
-// pictures. Requires at least one source and one frame.
+// Draws and measures all frames. Fills the parts of the report that drawing determines: machine,
+// size, antialiasing, methods, pictures. Requires at least one source and one frame.
 [[nodiscard]] Result<Report> compare(std::span<const ComparedSource> sources,
                                      const std::function<WalkFrame(int frame)>& walk,
                                      const CompareOptions& options);

@@ -1,4 +1,4 @@
-// One frame as a source drew it: how long that took, and what it shows.
+// What does a source's frame show, and how long did it take to draw?
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,18 @@
 
 namespace rilievo {
 
-// Where the eye is, and the moment of the animation.
+// A moment of a walk: the camera and the time of the animation (seconds).
 struct WalkFrame {
   Camera camera;
   double time = 0;
 };
 
+// A frame that was drawn and read back.
 struct DrawnFrame {
-  double frame_ms = 0;  // wall clock, from begin() until all drawing is done
+  double frame_ms = 0;  // wall-clock time from begin() until all drawing is complete
   FrameStats stats;
   Rgba8Image color;
-  Image<std::uint32_t> objects;  // at pixel centres; so is eye_z
+  Image<std::uint32_t> objects;  // at pixel centres, as eye_z
   Image<float> eye_z;
   std::vector<float> errors_px;  // of samples of the pictures drawn
 };
@@ -32,8 +33,8 @@ struct DrawnFrame {
 [[nodiscard]] Result<double> time_frame(FrameSource& source, FrameTarget& target,
                                         const WalkFrame& frame);
 
-// The same, then colours, objects and depths; and the error of every `error_step`-th texel in x and
-// y, if that is not 0.
+// Draws and times the frame, then reads back colours, objects and depths, and measures the error of
+// every `error_step`-th texel in x and y unless that is 0.
 [[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, FrameTarget& target,
                                             ProbeTarget& probe, const WalkFrame& frame,
                                             int error_step);

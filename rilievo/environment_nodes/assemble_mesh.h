@@ -8,6 +8,8 @@
 
 namespace rilievo {
 
+// The mesh of all faces, surfaces and skins. The triangulations must share their points on the
+// cube's edges.
 [[nodiscard]] NodeMesh assemble_mesh(const CubeGrid& grid,
                                      const std::array<const FaceMesh*, 6>& faces);
 

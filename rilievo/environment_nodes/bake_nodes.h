@@ -1,8 +1,8 @@
-// How do environment nodes come about from a source of pictures?
+// How are environment nodes made of a source of pictures?
 //
-// Nodes stand where they are told to, or where they hold most of what is to be seen from a region
-// (placement.h); six faces of each are captured, sky included. From photographs: six of them at one
-// point are a node (a Seurat capture's views), or fewer, which leave the rest of it empty.
+// Nodes stand at given places, or where they show most of what is visible from a region
+// (placement.h). Six faces of each are captured, with the sky. Photographs from one point become a
+// node: six views (a Seurat capture), or fewer, which leave the other directions empty.
 #pragma once
 
 #include <functional>
@@ -16,32 +16,32 @@
 
 namespace rilievo {
 
+// The places and the quality of nodes.
 struct NodeBakeOptions {
-  std::vector<glm::dvec3> at;  // where nodes stand; empty: they are placed
+  std::vector<glm::dvec3> at;  // the places of nodes, world space; empty: they are chosen
   PlacementOptions placement;
-  int face = 512;  // texels of a side
-  int samples = 4;
+  int face = 512;   // texels a side of a face
+  int samples = 4;  // per texel
   TriangulateOptions mesh;
-  std::vector<std::uint32_t> objects;  // empty: all
+  std::vector<std::uint32_t> objects;  // indices into the scene's objects; empty: all
   std::function<void(int done, int total)> progress;
 };
 
+// The result of a bake.
 struct NodeBake {
   EnvironmentNodes nodes;
-  // Share of the surface visible from the region that the nodes hold; nothing if there is no scene
-  // to ask.
+  // The share of the surface visible from the region that the nodes show; none without a scene.
   std::optional<double> held;
 };
 
-// The error says what the source lacks.
+// Bakes nodes. Fails where the source lacks something; the error says what.
 [[nodiscard]] Result<NodeBake> bake_nodes(CaptureSource& source, const NodeBakeOptions& options);
 
-// Where eyes are likely to be in such bounds: their middle, at a person's height where the bounds
-// allow it.
+// A likely region of eyes within `bounds`: the middle, at a person's height if the bounds permit.
 [[nodiscard]] Box usual_region(const Box& bounds);
 
-// Views from about one point, anywhere around it, as a node's faces of `size` texels; where no view
-// looks, it shows nothing. Nearest texels; of several views the first.
+// A node with faces of `size` texels from views that share about one point. Directions without a
+// view show nothing; where views overlap, the first is used. Texels are copied, not interpolated.
 [[nodiscard]] Result<EnvironmentMap> environment_around(std::span<const DepthImage> views,
                                                         int size);
 

@@ -1,8 +1,8 @@
-// Which points on a shared cube edge do both faces use, and what lies there?
+// Which points on a shared cube edge do both faces use, and which surfaces are there?
 //
-// Chosen once for both faces, so that they join without cracks: where silhouettes end or the edge
-// itself begins or ends to be one, and then wherever the line between two points is wrong by most,
-// on either side.
+// The points are chosen once for both faces, so that the faces join without cracks: first where
+// silhouettes end and where the edge itself begins or ceases to be a silhouette, then wherever the
+// line between two points has the largest error on either side.
 #pragma once
 
 #include <array>
@@ -14,19 +14,20 @@
 
 namespace rilievo {
 
+// The points on the twelve edges.
 class CubeEdges {
  public:
   explicit CubeEdges(const CubeGrid& grid);
 
-  // What both faces must have: the cube's corners and where something begins or ends. Each point
-  // once, for the face's own view of it.
+  // The points that both faces need: the cube's corners and the ends of silhouettes, each once, as
+  // seen from this face.
   [[nodiscard]] std::vector<BorderPoint> required(int face) const;
 
-  // Chooses points until no corner of a texel on an edge is wrong by more than `error`, and adds
-  // them to the faces' meshes.
+  // Chooses points until no texel corner on an edge has an error above `error` (disparity, 1/m),
+  // and adds them to the faces' meshes.
   void refine(float error, std::array<FaceMesh*, 6> faces);
 
-  // How many points refine() would add.
+  // The number of points that refine() would add.
   [[nodiscard]] std::size_t count(float error) const;
 
  private:

@@ -63,7 +63,7 @@ Result<> validate_environment(const EnvironmentMap& map) {
                              " texels, but the first is " + std::to_string(n) +
                              " wide; all must "
                              "be square and alike"};
-    if (c.projection != Projection::perspective) return Error{name, "is no perspective picture"};
+    if (c.projection != Projection::perspective) return Error{name, "is not a perspective picture"};
     const ImageWindow& w = c.window;
     for (const double side : {-w.left, w.right, -w.bottom, w.top})
       if (std::abs(side - 1) > 1e-4) return Error{name, "is not 90 degrees wide and high"};

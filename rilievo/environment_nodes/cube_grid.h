@@ -1,15 +1,15 @@
-// What of a node's six faces does its triangulation look at: disparities, and where surfaces end?
+// Which disparities do a node's six faces have, and where do surfaces end?
 //
-// Disparity is 1 / eye_z of the face: a plane is affine in it over a face (S3.2), it is the same
-// from both faces along a shared cube edge, where eye_z is the same, and it is what parallax is
-// proportional to. The sky has disparity 0; a texel that shows nothing has kNothing.
+// Disparity is 1 / eye_z of the face. A plane is affine in it over a face (S3.2); along a shared
+// cube edge both faces agree on it, because their eye_z agree; and parallax is proportional to it.
+// The sky has disparity 0; a texel that shows nothing has kNothing.
 //
-// The half-texel lattice: over a face of n texels, raster positions in half texels, (0, 0) to
-// (2n, 2n), y down. Texels' centres are odd, their corners even. As a direction, a lattice point is
-// a whole-numbered vector whose largest coordinate is n or -n: points on shared cube edges have one
-// name.
+// The half-texel lattice: raster positions in half texels over a face of n texels, (0, 0) to
+// (2n, 2n), y down. Texel centres are odd, texel corners even. As a direction, a lattice point is
+// an integer vector whose largest coordinate is n or -n, so that both faces name a point on their
+// shared edge alike.
 //
-// A gate is what lies between two neighbouring texels; it is cut if they show different surfaces.
+// A gate lies between two neighbouring texels. It is cut if they show different surfaces.
 #pragma once
 
 #include <array>
@@ -21,30 +21,34 @@
 
 namespace rilievo {
 
+// The disparity of a texel that shows nothing.
 inline constexpr float kNothing = -1.0f;
 
-// Which steps of disparity between neighbouring texels are jumps to another surface? Depth per
-// lateral distance, as for texel links (core/texel_links.h), except that a plane may be as steep as
-// it likes while its steps go on evenly: the ground reaches the horizon.
+// Which steps of disparity between neighbouring texels separate surfaces? Slopes are depth per
+// lateral distance, as for texel links (warp/texel_links.h), except that a plane may have any slope
+// while its steps change evenly: the ground extends to the horizon.
 struct CutOptions {
-  float gentle = 6.0f;        // up to this slope never
-  float steepest = 20.0f;     // up to this one not if a step beside it is half as large ...
-  float growth = 2.0f;        // ... to say it in numbers
-  float even_growth = 1.25f;  // above, only if a step beside it is nearly as large
-  float least_step = 0.0f;    // 1/m: smaller ones never
+  float gentle = 6.0f;        // slopes up to this never separate
+  float steepest = 20.0f;     // slopes up to this separate unless a step beside is comparable ...
+  float growth = 2.0f;        // ... by at most this factor
+  float even_growth = 1.25f;  // the factor for steeper slopes
+  float least_step = 0.0f;    // 1/m: smaller steps never separate
 };
 
-// The axes of a face in the node's own space (those of environment_cameras).
+// The axes of a face in node space (those of environment_cameras).
 struct FaceAxes {
   glm::ivec3 forward, right, up;
 };
+// The axes of all faces.
 [[nodiscard]] const std::array<FaceAxes, 6>& face_axes();
 
-// Sides of a face: 0 top, 1 right, 2 bottom, 3 left; places along them count rightwards, downwards.
+// A texel on a side of a face. Sides: 0 top, 1 right, 2 bottom, 3 left; `along` counts rightwards
+// or downwards.
 struct SideTexel {
   int face = 0, side = 0, along = 0;
 };
 
+// The disparities and gates of a node.
 class CubeGrid {
  public:
   // Requires a valid environment (validate_environment).
@@ -56,28 +60,28 @@ class CubeGrid {
     return disparity_[face](texel.x, texel.y);
   }
 
-  // Between texels (x, y) and (x + 1, y), or (x, y + 1), of one face.
+  // Is the gate between texels (x, y) and (x + 1, y), or (x, y + 1), of a face cut?
   [[nodiscard]] bool cut_right(int face, int x, int y) const { return cuts_[face](x, y) & 1; }
   [[nodiscard]] bool cut_below(int face, int x, int y) const { return cuts_[face](x, y) & 2; }
-  // Between a border texel and its neighbour on the next face.
+  // Is the gate between a border texel and its neighbour on the next face cut?
   [[nodiscard]] bool cut_border(const SideTexel& t) const {
     return border_[t.face][t.side][std::size_t(t.along)] != 0;
   }
-  // Joins what a gate has parted. Not for gates to nothing.
+  // Joins a cut gate. Not for gates next to kNothing.
   void join_right(int face, int x, int y) { cuts_[face](x, y) &= std::uint8_t(~1u); }
   void join_below(int face, int x, int y) { cuts_[face](x, y) &= std::uint8_t(~2u); }
 
-  // The lattice point as a direction of the node's space, and back.
+  // The lattice point as a direction in node space, and the inverse.
   [[nodiscard]] glm::ivec3 key(int face, const glm::ivec2& half) const;
   [[nodiscard]] glm::ivec2 half(int face, const glm::ivec3& key) const;
-  // The texel of a side, and the corner before it (0 ... n), in half texels.
+  // A texel of a side, and the corner before it (0 ... n), in half texels.
   [[nodiscard]] glm::ivec2 side_texel(int side, int along) const;
   [[nodiscard]] glm::ivec2 side_corner(int side, int along) const;
-  // Its neighbour on the next face.
+  // The neighbour on the next face.
   [[nodiscard]] SideTexel across(const SideTexel& t) const;
 
-  // The texel's surface, continued to a lattice point at most a texel away: with the mean of its
-  // disparity's steps to linked neighbours; within a factor of two of its own.
+  // The disparity of a texel's surface at a lattice point at most a texel away, extrapolated by the
+  // mean step to linked neighbours and limited to a factor of two.
   [[nodiscard]] float continued(int face, const glm::ivec2& texel, const glm::ivec2& half) const;
 
  private:
@@ -90,11 +94,11 @@ class CubeGrid {
   std::array<std::array<std::vector<std::uint8_t>, 4>, 6> border_;
 };
 
-// Is this six square faces of one size, 2 to 4096 texels, 90 degrees wide, at one point, in order
-// and turned alike? The error says what is not.
+// Checks for six square faces of one size (2 to 4096 texels), 90 degrees wide, at one point, in
+// order and with consistent axes. The error says what is wrong.
 [[nodiscard]] Result<> validate_environment(const EnvironmentMap& map);
 
-// The rigid motion from the node's own space, in which the faces are those of environment_cameras.
+// The rigid motion from node space, in which the faces are those of environment_cameras.
 [[nodiscard]] glm::dmat4 world_from_node(const EnvironmentMap& map);
 
 }  // namespace rilievo

@@ -1,4 +1,4 @@
-// Environment nodes as a row of the list of kinds.
+// How are environment nodes a kind of representation? Their row in the list of kinds.
 #pragma once
 
 #include "rilievo/environment_nodes/environment_nodes.h"
@@ -6,22 +6,25 @@
 
 namespace rilievo {
 
+// The name of the kind.
 inline constexpr std::string_view kEnvironmentNodesName = "environment-nodes";
 
+// Environment nodes as a Representation.
 struct EnvironmentRepresentation final : Representation {
   explicit EnvironmentRepresentation(EnvironmentNodes made) : nodes(std::move(made)) {}
   [[nodiscard]] Box bounds() const override { return nodes.bounds(); }
   [[nodiscard]] std::size_t bytes() const override { return nodes.bytes(); }
-  // What a picture shows is told by its own identifiers.
+  // None: the pictures have identifiers.
   [[nodiscard]] std::uint32_t only_object() const override { return kNoObject; }
   [[nodiscard]] std::optional<CameraPath> walk() const override;
 
   EnvironmentNodes nodes;
 };
 
-// From one node to the next, looking ahead; around a single one.
+// A camera path from one node to the next, looking ahead; around a single node.
 [[nodiscard]] CameraPath walk_through(const EnvironmentNodes& nodes);
 
+// The row.
 [[nodiscard]] const Kind& environment_nodes_kind();
 
 }  // namespace rilievo

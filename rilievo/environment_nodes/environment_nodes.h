@@ -1,8 +1,8 @@
-// What is kept of surroundings: nodes, each six pictures with depth around a point (S3.1).
+// What is kept of surroundings? Nodes, each with six pictures with depth around a point (S3.1).
 //
-// The pictures are in memory, or in a file from which they are read as they are needed; of every
-// node a sketch is in memory, from which nodes are chosen for an eye (S3.8). Meshes are made again
-// from the pictures whenever a node is loaded: the same ones each time. World space, metres.
+// The pictures are in memory, or in a file from which they are read when needed. A sketch of each
+// node is in memory, from which nodes are chosen for an eye (S3.8). Meshes are computed from the
+// pictures when a node is loaded, with the same result each time. World space, metres.
 #pragma once
 
 #include <array>
@@ -15,25 +15,27 @@
 
 namespace rilievo {
 
+// A node in low resolution.
 struct NodeSketch {
   static constexpr int kSize = 24;
 
   glm::dmat4 world_from_node{1.0};
   int face_size = 0;   // texels
-  double covered = 0;  // share of the texels that show a surface, not the sky
+  double covered = 0;  // share of the texels that show a surface (not the sky)
   Box bounds;          // of these surfaces
-  // How far along its line of sight lies what a direction shows: kSize x kSize of a face;
+  // The distance along the line of sight of what a direction shows, kSize x kSize for each face;
   // infinite for the sky, 0 where nothing is shown.
   std::array<Image<float>, 6> distance;
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(world_from_node[3]); }
 };
 
+// All nodes of a place.
 struct EnvironmentNodes {
   std::string name;
   TriangulateOptions mesh;
   std::vector<NodeSketch> nodes;  // at least one
-  // Six a node, in order; or empty: they are in `file`.
+  // Six for each node, in order; or empty if they are in `file`.
   std::vector<DepthImage> pictures;
   std::filesystem::path file;
 
@@ -41,21 +43,21 @@ struct EnvironmentNodes {
   [[nodiscard]] std::size_t bytes() const;
 };
 
-// Requires a valid environment.
+// The sketch of a node. Requires a valid environment.
 [[nodiscard]] NodeSketch make_sketch(const EnvironmentMap& map);
 
-// Six pictures a node. The error says which node's which face is no good.
+// Makes nodes of six pictures each. The error names the node and the face that are invalid.
 [[nodiscard]] Result<EnvironmentNodes> make_environment_nodes(std::vector<DepthImage> pictures,
                                                               const TriangulateOptions& mesh);
 
-// The node's pictures, from memory or from the file. Any thread.
+// A node's pictures, from memory or from the file. Any thread.
 [[nodiscard]] Result<EnvironmentMap> load_node(const EnvironmentNodes& nodes, std::size_t node);
 
-// Which nodes should be drawn for an eye, the best first? Those that see the eye, the nearest
-// first; then all others, the nearest first. (S3.8)
+// The nodes to draw for an eye, the best first: nearest first, those that see the eye before the
+// others (S3.8).
 [[nodiscard]] std::vector<std::size_t> nodes_for_eye(const EnvironmentNodes& nodes,
                                                      const glm::dvec3& eye);
-// Does nothing that the node shows lie between the two? By its sketch: about.
+// Is there no surface between node and eye? Approximate, from the sketch.
 [[nodiscard]] bool sees(const NodeSketch& node, const glm::dvec3& eye);
 
 }  // namespace rilievo

@@ -1,10 +1,10 @@
-// Which triangles stand for one face of a node?
+// Which triangles approximate one face of a node?
 //
-// A constrained Delaunay triangulation of the face on the half-texel lattice (cube_grid.h): the
-// silhouettes are constraints, and a point on one has a disparity for each side of it; the other
-// points are texels' centres with the texel's own disparity, taken where the triangles are wrong by
-// most. Points on the face's border are given from outside, so that neighbouring faces share them.
-// Each thread one of its own; the triangles do not depend on threads.
+// A constrained Delaunay triangulation of the face on the half-texel lattice (cube_grid.h).
+// Silhouettes are constraints, and a point on one has a disparity for each side of it. The other
+// points are texel centres with the texel's own disparity, inserted where the triangles have the
+// largest error. The points on the face's border are given, so that neighbouring faces share them.
+// Not thread-safe; use one object per thread. The triangles do not depend on threads.
 #pragma once
 
 #include <array>
@@ -19,43 +19,44 @@
 
 namespace rilievo {
 
-// A point of the face's border. With a silhouette that ends there it has two sides: on the left of
-// `spoke` (orientation > 0) and on the right; else both are alike.
+// A point of the face's border. If a silhouette ends there, it has two sides: left of `spoke`
+// (orientation > 0) and right; otherwise both are equal.
 struct BorderPoint {
   glm::ivec2 at{0};  // half texels
   float left = 0, right = 0;
-  std::uint8_t left_copy = 0, right_copy = 0;  // which of the point's surfaces
+  std::uint8_t left_copy = 0, right_copy = 0;  // index of the point's surface
 };
 
+// The triangulation of a face.
 class FaceMesh {
  public:
-  // `border`: at least the face's corners and the ends of `silhouettes` on the border. `grid` must
-  // outlive it.
+  // `border` contains at least the face's corners and the ends of `silhouettes` on the border.
+  // `grid` must outlive the object.
   FaceMesh(const CubeGrid& grid, int face, std::span<const Silhouette> silhouettes,
            std::span<const BorderPoint> border);
 
   void add_border(const BorderPoint& point);
 
-  // Adds texels until no texel's disparity is wrong by more than `error`, or `most` of them have
-  // been added. Appends to `errors`, if given, what each one of them was wrong by.
+  // Inserts texels until no texel's disparity has an error above `error` (1/m), or `most` of them
+  // have been inserted. Appends the error of each inserted texel to `errors`, if given.
   void refine(float error, std::size_t most, std::vector<float>* errors = nullptr);
 
-  // Of the worst texel of any triangle.
+  // The largest error of a texel in any triangle, 1/m.
   [[nodiscard]] float worst_error() const;
-  // Triangles that show something.
+  // The number of triangles that show something.
   [[nodiscard]] std::size_t count_triangles() const;
   [[nodiscard]] bool shows_something(std::uint32_t triangle) const { return shown_[triangle] != 0; }
 
   [[nodiscard]] const Delaunay& mesh() const { return mesh_; }
-  // The surface of a triangle's corner: its disparity, which of the point's surfaces it is, and
-  // where, in half texels, the nearest texels are that show it.
+  // The surface at a triangle's corner: its disparity, its index among the point's surfaces, and
+  // the place of the nearest texels that show it, in half texels.
   struct Corner {
     float disparity = 0;
     int copy = 0;
     glm::vec2 anchor{0.0f};
   };
   [[nodiscard]] Corner corner(std::uint32_t triangle, int i) const;
-  // How many surfaces meet at a point: copies are 0 ... count - 1.
+  // The number of surfaces that meet at a point.
   [[nodiscard]] int copies(std::uint32_t point) const;
 
  private:

@@ -1,10 +1,10 @@
-// How are environment nodes kept in a file?
+// How are environment nodes stored in a file?
 //
-// As their pictures (io/exr.h): one part of an OpenEXR file a face, six parts a node, in the order
-// +x -x +y -y +z -z. What makes nodes of them are string attributes:
+// As their pictures (io/exr.h): each face is a part of an OpenEXR file, six parts for each node, in
+// the order +x -x +y -y +z -z. These string attributes make them nodes:
 //   rilievo.file.representation   "environment-nodes"
 //   rilievo.file.mesh             "TRIANGLES ERROR_PX REACH": the budget or 0, pixels, metres or 0
-// Meshes follow from the pictures and are made again on loading.
+// Meshes follow from the pictures and are computed on loading.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,15 @@
 
 namespace rilievo {
 
-// Colours are rounded to halfs (io/exr.h).
+// Saves nodes. Colours are rounded to half precision (io/exr.h).
 [[nodiscard]] Result<> save_environment_nodes(const std::filesystem::path& path,
                                               const EnvironmentNodes& nodes);
 
+// Do the attributes say that the pictures are environment nodes?
 [[nodiscard]] bool says_environment_nodes(const FileAttributes& attributes);
 
-// Reads every face once, so that what is damaged is found, but one node at a time: the pictures
-// stay in the file. The error names the file, the face and what is wrong with it.
+// Opens a file. Reads every face once to find damage, one node at a time; the pictures stay in the
+// file. The error names the file, the face and the reason.
 [[nodiscard]] Result<EnvironmentNodes> open_environment_nodes(const std::filesystem::path& path);
 
 }  // namespace rilievo

@@ -1,11 +1,12 @@
-// What is drawn of an environment node: one textured triangle mesh around the point from which its
-// six faces were taken (S3.2).
+// Which mesh stands for an environment node? (S3.2)
 //
-// A vertex lies at `direction` / `disparity` from the node, in the node's own space: direction is a
-// point of the cube [-1, 1]^3 and disparity 1 / eye_z of a face that it lies on, so that the sky,
-// infinitely far, is drawn by the same triangles (disparity 0). Faces share the vertices on the
-// cube's edges, and both sides of a silhouette lie on the same lines of sight: from the node's own
-// eye the mesh has no crack, and with its skins it is closed.
+// One textured triangle mesh around the point from which the node's six faces were captured. A
+// vertex lies at `direction` / `disparity` from the node, in node space. `direction` is a point of
+// the cube
+// [-1, 1]^3, and `disparity` is 1 / eye_z of a face on which it lies. So the same triangles draw
+// the infinitely far sky (disparity 0). Faces share the vertices on the cube's edges, and both
+// sides of a silhouette lie on the same lines of sight: seen from the node's own eye the mesh has
+// no cracks, and with its skins it is closed.
 #pragma once
 
 #include <array>
@@ -18,32 +19,34 @@
 
 namespace rilievo {
 
+// A vertex of a surface or a skin.
 struct NodeVertex {
   glm::vec3 direction{0, 0, 1};
   float disparity = 0;
-  // Where a skin takes its colour from: a little inside the surface at whose border it begins. The
-  // direction itself for vertices of surfaces.
+  // The direction from which a skin takes its colour: slightly inside the surface at whose border
+  // it begins. For vertices of surfaces, `direction` itself.
   glm::vec3 texture{0, 0, 1};
-  // Of a skin: 0 at its nearer border, 1 at the farther; how fast it changes over the frame says
-  // how wide the skin is there. kAlways where it is always to be drawn.
+  // 0 at a skin's nearer border, 1 at the farther one: its rate of change over the frame tells how
+  // wide the skin is. kAlways: always drawn.
   float stretch = kAlways;
 
   static constexpr float kAlways = -1.0f;
 };
 
-// [first, first + count) of a mesh's triangles.
+// The triangles [first, first + count) of a mesh.
 struct TriangleRange {
   std::uint32_t first = 0, count = 0;
 };
 
+// The mesh of a node.
 struct NodeMesh {
   glm::dmat4 world_from_node{1.0};  // rigid
   int face_size = 0;                // texels
   std::vector<NodeVertex> vertices;
-  // Three a triangle: first the surfaces face by face, then skins face by face.
+  // Three for each triangle: first the surfaces face by face, then the skins face by face.
   std::vector<std::uint32_t> indices;
   std::array<TriangleRange, 6> surfaces, skins;
-  // By triangle, of what it shows to the node's own eye: |cos| of the angle between its normal and
+  // For each triangle, as seen from the node's own eye: |cos| of the angle between its normal and
   // the line of sight to its middle (S3.4); 0 for skins.
   std::vector<float> quality;
 
@@ -53,35 +56,38 @@ struct NodeMesh {
   }
 };
 
+// The size and the error of a mesh.
 struct TriangulateOptions {
-  // What limits the mesh: so many triangles of surfaces, or, if 0, the error alone.
+  // The largest number of triangles of surfaces; 0: limited by the error alone.
   std::size_t triangles = 0;
-  // Stop when no texel is wrong by more: pixels, seen by an eye `reach` metres from the node in a
-  // frame as fine as the faces. (Parallax is reach times disparity.)
+  // Refinement ends when no texel has a larger error, in pixels seen by an eye `reach` metres from
+  // the node in a frame as fine as the faces. (Parallax is reach times disparity.)
   double error_px = 0.5;
-  // Metres; 0: a quarter of the median distance of what the faces show.
+  // Metres; 0: a quarter of the median distance of the surfaces.
   double reach = 0;
-  // Share of the budget that silhouettes may take; those that tell least are left out first, and
+  // The share of the budget for silhouettes. Beyond it, the least important ones are left out and
   // surfaces stretch there.
   double silhouette_share = 0.6;
 };
 
+// The results of a triangulation.
 struct TriangulateFigures {
   double reach = 0;       // metres, as used
   float worst_error = 0;  // 1/m, of any texel
   double worst_error_px = 0;
-  std::size_t silhouette_triangles = 0;  // that silhouettes alone need
+  std::size_t silhouette_triangles = 0;  // needed by silhouettes alone
   std::size_t silhouettes = 0, left_out = 0;
 };
 
-// Requires a valid environment (validate_environment). Faces run in parallel; the mesh does not
-// depend on the number of threads.
+// Triangulates a node. Requires a valid environment (validate_environment). Faces run in parallel;
+// the mesh does not depend on the number of threads.
 [[nodiscard]] NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& options,
                                    TriangulateFigures* figures = nullptr);
 
 // |cos| of the angle between a triangle's normal and the line of sight to its middle (S3.4).
 [[nodiscard]] float triangle_quality(const NodeVertex& a, const NodeVertex& b, const NodeVertex& c);
 
+// The memory of a mesh, bytes.
 [[nodiscard]] std::size_t bytes(const NodeMesh& mesh);
 
 }  // namespace rilievo

@@ -63,7 +63,7 @@ Result<std::vector<Sample>> look_around(const RayScene& scene, const PlacementOp
   });
   std::vector<Sample> all;
   for (const std::vector<Sample>& some : found) all.insert(all.end(), some.begin(), some.end());
-  if (all.empty()) return Error{"nodes", "nothing is to be seen from the region"};
+  if (all.empty()) return Error{"nodes", "no surface is visible from the region"};
   return all;
 }
 
@@ -137,7 +137,8 @@ Result<Placement> place_nodes(const RayScene& scene, const PlacementOptions& opt
     placement.share.push_back(double(sum) / double(samples->size()));
     if (placement.share.back() >= options.enough) break;
   }
-  if (placement.eyes.empty()) return Error{"nodes", "no place in the region sees anything"};
+  if (placement.eyes.empty())
+    return Error{"nodes", "no surface is visible from any place in the region"};
   return placement;
 }
 

@@ -1,9 +1,10 @@
-// Where should nodes stand so that they hold what can be seen from a region? (S3, left open there)
+// Where should nodes stand so that they show what is visible from a region? (Left open by S3)
 //
-// What can be seen is sampled: rays in all directions from points of the region. A node holds a
-// sample if nothing lies between, and if it does not look along the surface. Nodes are chosen one
-// by one, each where it adds most to what is held: no choice of as many nodes holds more than
-// 1 / (1 - 1/e) of that of these candidates. The same places for any number of threads.
+// The visible surface is sampled by rays in all directions from points of the region. A node covers
+// a sample if nothing lies between them and it does not look along the surface. Nodes are chosen
+// greedily, each where it covers most in addition: no choice of the same number of candidates
+// covers more than 1 / (1 - 1/e) times as much. The result does not depend on the number of
+// threads.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +16,29 @@
 
 namespace rilievo {
 
+// The region, the number of nodes and of samples.
 struct PlacementOptions {
-  Box region;                  // where eyes will be; not empty, may be flat
+  Box region;                  // where eyes will be; not empty, can be flat
   int nodes = 8;               // at most
-  double enough = 1.0;         // stop when this share is held
-  int candidates = 400;        // places that are tried
-  int eyes = 200;              // points of the region from which is looked ...
-  int rays = 200;              // ... in as many directions each
-  double clearance = 0.1;      // metres that a node keeps from surfaces
+  double enough = 1.0;         // stop when this share is covered
+  int candidates = 400;        // places to try
+  int eyes = 200;              // points of the region from which rays are cast ...
+  int rays = 200;              // ... in this number of directions each
+  double clearance = 0.1;      // least distance of a node from surfaces, metres
   double least_cosine = 0.05;  // of the angle between a surface's normal and the line of sight
   std::uint64_t seed = 1;
 };
 
+// The chosen places.
 struct Placement {
-  std::vector<glm::dvec3> eyes;  // in the order of their worth
-  std::vector<double> share;     // of the visible surface that the first nodes hold together
+  std::vector<glm::dvec3> eyes;  // in the order of choice
+  std::vector<double> share;     // of the visible surface that the first nodes cover together
 };
 
-// Fails if no candidate is free, or nothing is to be seen.
+// Chooses places. Fails if no candidate is free or no surface is visible.
 [[nodiscard]] Result<Placement> place_nodes(const RayScene& scene, const PlacementOptions& options);
 
-// Share of the same samples that nodes at `eyes` hold.
+// The share of the same samples that nodes at `eyes` cover.
 [[nodiscard]] Result<double> share_held(const RayScene& scene, const PlacementOptions& options,
                                         const std::vector<glm::dvec3>& eyes);
 

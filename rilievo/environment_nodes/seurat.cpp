@@ -284,7 +284,7 @@ Result<EnvironmentMap> environment_from_views(const std::vector<DepthImage>& vie
     taken[f] = true;
     const ImageWindow& w = view.camera.window;
     if (view.camera.width != n || view.camera.height != n)
-      return Error{view.name, "has not the size of the first view, or is not square"};
+      return Error{view.name, "is not square or differs in size from the first view"};
     for (const double side : {-w.left, w.right, -w.bottom, w.top})
       if (std::abs(side - 1) > 1e-4) return Error{view.name, "is not 90 degrees wide and high"};
     if (glm::distance(view.camera.position(), cameras[f].position()) > 1e-4)

@@ -1,8 +1,8 @@
 // Along which lines do a face's surfaces end?
 //
-// Cut gates (cube_grid.h) form chains between texels; each becomes a polyline with few vertices
-// that still has every texel's centre on its own side, an eighth of a texel's half width away at
-// least. So the lines of different chains do not meet except at common ends. Half texels.
+// Cut gates (cube_grid.h) form chains between texels. Each chain becomes a polyline with few
+// vertices that has every texel centre on its own side, at a distance of at least an eighth of half
+// a texel. Therefore lines of different chains meet only at common ends. Half texels.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,17 +13,18 @@
 
 namespace rilievo {
 
+// A chain and its polyline.
 struct Silhouette {
-  // Corners of texels, in texels: a unit step each; where surfaces meet or a chain begins and ends,
-  // on the face's border too; a closed one ends where it begins.
+  // Texel corners, in texels, one unit step apart. The chain begins and ends where surfaces meet,
+  // also on the face's border; a closed chain ends where it begins.
   std::vector<glm::ivec2> corners;
-  // The polyline, half texels: the first and the last corner, between them middles of gates.
+  // The polyline, in half texels: the first and the last corner, and between them middles of gates.
   std::vector<glm::ivec2> line;
-  double worth = 0;         // sum over its gates of squared steps of disparity
-  bool to_nothing = false;  // ends at what shows nothing: cannot be joined
+  double worth = 0;         // sum of squared disparity steps over its gates
+  bool to_nothing = false;  // borders kNothing; cannot be joined
 };
 
-// In the order in which the face's rows meet them.
+// The silhouettes of a face, in the order of its rows.
 [[nodiscard]] std::vector<Silhouette> trace_silhouettes(const CubeGrid& grid, int face);
 
 // The polyline of a chain of corners, as above.

@@ -1,7 +1,7 @@
 // Which of a node's six sides can an eye see? (S3.5)
 //
-// A side's triangles lie in a pyramid with its apex at the node; a side whose pyramid the view
-// frustum does not meet is not drawn. Errs towards drawing.
+// A side's triangles lie in a pyramid with its apex at the node. A side is not drawn if its pyramid
+// does not intersect the view frustum. Conservative.
 #pragma once
 
 #include <array>
@@ -12,15 +12,16 @@
 
 namespace rilievo {
 
-// How far the triangles of each side reach, skins included.
+// The range of disparities of a side's triangles, skins included.
 struct SideReach {
   float least_disparity = 0, most_disparity = 0;
   bool empty = true;
 };
+// The ranges of all sides.
 [[nodiscard]] std::array<SideReach, 6> side_reaches(const NodeMesh& mesh);
 
-// Of a perspective camera, without its near and far planes: nodes are drawn from the eye to the
-// sky.
+// The sides visible to a perspective camera. Its near and far planes are ignored, because nodes are
+// drawn from the eye to the sky.
 [[nodiscard]] std::array<bool, 6> visible_faces(const NodeMesh& mesh,
                                                 const std::array<SideReach, 6>& reaches,
                                                 const Camera& frame);

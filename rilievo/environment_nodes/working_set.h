@@ -1,9 +1,9 @@
 // Which of many nodes are in memory, and which are loaded next? (S3.8)
 //
-// Nodes are loaded (read, triangulated, their bounds measured) by a thread of its own, so that a
-// frame never waits for a node that it does not draw. At most so many are in memory at a time:
-// those that the owner holds, the one being loaded and those that wait to be taken. All calls from
-// one thread.
+// A thread loads nodes (reads and triangulates them, and computes their bounds), so that a frame
+// waits only for nodes that it draws. The number of nodes in memory is limited: those that the
+// owner holds, the one being loaded and those that wait to be taken. Call all functions from one
+// thread.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +17,7 @@
 
 namespace rilievo {
 
+// A node in memory.
 struct LoadedNode {
   std::size_t node = 0;
   EnvironmentMap map;
@@ -24,29 +25,31 @@ struct LoadedNode {
   NodeErrorModel error;
 };
 
-// Reads and triangulates; what the thread does for each node.
+// Reads and triangulates a node: the work of the thread.
 [[nodiscard]] Result<LoadedNode> load_and_triangulate(const EnvironmentNodes& nodes,
                                                       std::size_t node);
 
+// The nodes in memory.
 class NodeWorkingSet {
  public:
-  // `nodes` must outlive it. Requires most >= 1.
+  // `nodes` must outlive the object. Requires most >= 1.
   NodeWorkingSet(const EnvironmentNodes& nodes, std::size_t most);
   // Waits for what is being loaded.
   ~NodeWorkingSet();
 
-  // Says which nodes are wanted, the best first; more than `most` are ignored. Calls `drop` for
-  // nodes that the owner holds and must give up, to make room.
+  // Sets the wanted nodes, the best first; those beyond `most` are ignored. Calls `drop` for each
+  // node that the owner must give up to make room.
   void want(std::span<const std::size_t> wanted, const std::function<void(std::size_t)>& drop);
 
-  // A node that has been loaded; from now on the owner holds it. A node that could not be loaded is
-  // not tried again: error() says why.
+  // A node that has been loaded, which the owner then holds; none if there is no such node. A node
+  // that could not be loaded is not tried again: see error().
   [[nodiscard]] std::optional<LoadedNode> take();
-  // Waits until `node` can be taken. False if it cannot be loaded, is not wanted, or is held.
+  // Waits until `node` can be taken. Returns false if it cannot be loaded, is not wanted, or is
+  // held.
   bool wait_for(std::size_t node);
 
   [[nodiscard]] std::optional<Error> error() const;
-  // Held, being loaded, and waiting to be taken: now, and at most ever.
+  // The number of nodes held, being loaded and waiting to be taken: now, and the largest so far.
   [[nodiscard]] std::size_t in_memory() const;
   [[nodiscard]] std::size_t most_in_memory() const;
 

@@ -1,7 +1,8 @@
 // What is a frame drawn from?
 //
-// Chosen anew for every frame: which objects are polygons, and which instances of which drawables
-// stand for the others. Buffers are kept between frames, so that choosing does not allocate.
+// The choice for each frame: which objects are drawn as polygons, and which instances of which
+// drawables stand for the others. Buffers are kept between frames, so that choosing does not
+// allocate.
 #pragma once
 
 #include <cstddef>
@@ -15,16 +16,18 @@
 
 namespace rilievo {
 
+// The contents of one frame.
 struct FrameContent {
+  // A drawable and its instances.
   struct Set {
     Drawable* drawable = nullptr;  // outlives the frame
     std::vector<Instance> instances;
   };
   std::vector<Set> sets;                // drawn in this order
   std::vector<std::uint32_t> polygons;  // indices into Scene::objects
-  std::vector<CrossFade> fading;        // likewise; an object may have several ranges
+  std::vector<CrossFade> fading;  // polygons with a cross-fade range; an object can have several
 
-  // Forgets the last frame's choice, not its sets.
+  // Removes all instances and polygons but keeps the sets.
   void clear() {
     for (Set& set : sets) set.instances.clear();
     polygons.clear();
@@ -35,15 +38,16 @@ struct FrameContent {
 // What the last frame did.
 struct FrameStats {
   int captures = 0;               // pictures captured in this frame
-  double capture_ms = 0;          // their share of the frame, wall clock
-  std::size_t picture_bytes = 0;  // memory that pictures hold now
-  double bound_px = 0;            // largest error bound of what was drawn, pixels; 0: not known
-  double gap_px = 0;              // largest bound of a strip that pictures lack; 0: none, not known
-  int polygons = 0;               // objects drawn as polygons
-  int groups = 0;                 // instances drawn that show several objects each
-  // Instances drawn that show one object, by kind.
+  double capture_ms = 0;          // wall-clock time of captures in this frame
+  std::size_t picture_bytes = 0;  // memory of pictures now
+  double bound_px = 0;            // the largest error bound of anything drawn, pixels; 0: unknown
+  double gap_px = 0;  // the largest bound of the width of gaps, pixels; 0: none, or unknown
+  int polygons = 0;   // objects drawn as polygons
+  int groups = 0;     // instances drawn that show several objects each
+  // Instances drawn that show one object each, by kind:
   std::vector<std::pair<std::string_view, int>> by_kind;
 
+  // The number of instances of a kind.
   [[nodiscard]] int count(std::string_view kind) const {
     for (const auto& [name, number] : by_kind)
       if (name == kind) return number;

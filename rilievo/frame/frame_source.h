@@ -1,6 +1,6 @@
-// Something that can draw a scene's frames: directly, from pictures, from a cache ...
+// Who draws a scene's frames? Any source: polygons, pictures, a cache, a stored representation.
 //
-// A frame is target.begin(); source.draw(...); target.resolve(). All of it is what a frame costs.
+// A frame is target.begin(); source.draw(...); target.resolve(). Its cost includes all three.
 #pragma once
 
 #include <vector>
@@ -12,24 +12,26 @@
 
 namespace rilievo {
 
+// Draws frames.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  // Draws the scene as seen by `camera` at `time` seconds, sky included, into the backend's current
-  // target, whose colours are sRGB-encoded. May capture pictures first.
+  // Draws the scene as seen by `camera` at `time` (seconds), with the sky, into the backend's
+  // current target, whose colours are sRGB-encoded. May capture pictures first.
   virtual Result<> draw(const Camera& camera, double time) = 0;
 
-  // Draws the last frame once more, object identifiers instead of colours, into the current probe
-  // (no sky): nothing is captured, nothing is chosen.
+  // Draws the object identifiers of the last frame into the current ProbeTarget, without the sky.
+  // Captures and chooses nothing, so that it shows exactly what the frame shows.
   virtual Result<> draw_objects() = 0;
 
+  // What the last draw() did.
   [[nodiscard]] virtual const FrameStats& stats() const = 0;
 
-  // Appends how far from where they belong the last draw() showed samples, pixels; every `step`-th
-  // texel in x and y. Slow; nothing for sources without pictures.
+  // Appends the measured position errors of the last frame's samples, in pixels, at every `step`-th
+  // texel in x and y. Slow. Sources without pictures append nothing.
   virtual void append_errors(int /*step*/, std::vector<float>& /*errors_px*/) const {}
-  // The pictures that the last draw() was drawn from, named after what they show.
+  // The pictures from which the last frame was drawn, named after what they show.
   [[nodiscard]] virtual std::vector<DepthImage> read_pictures() const { return {}; }
 };
 

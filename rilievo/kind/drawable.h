@@ -1,8 +1,8 @@
-// What can be drawn of a representation, many times over, and what does the cache need to know?
+// What can be drawn of a representation, in many instances, and what does the cache need to know?
 //
 // A drawable is one representation, or a set of many of one kind (an atlas of nailboards, the nodes
-// of an environment), ready to be drawn by one backend. Instances of it stand for objects of the
-// scene. How wrong an instance is and what it costs are plain data, so that whoever plans a frame
+// of an environment), ready to be drawn by one backend. Its instances stand for objects of the
+// scene. The error and the cost of an instance are plain data, so that code that plans a frame
 // knows no kind by name.
 #pragma once
 
@@ -30,40 +30,43 @@ enum class Output {
   object_id,  // object identifiers; see Instance::object
 };
 
+// One placed copy of a drawable, or of an item of it.
 struct Instance {
-  // The rigid motion, or uniform scale, from the world in which the pictures were captured.
+  // Placement relative to the world at capture: a rigid motion, or a uniform scale.
   glm::dmat4 world_from_capture{1.0};
-  // Which member of the drawable's set; 0 where there is but one.
+  // The member of the drawable's set; 0 if there is only one.
   std::uint32_t item = 0;
-  // What Output::object_id writes; kNoObject: the identifiers captured with the pictures.
+  // The identifier that Output::object_id writes. kNoObject: those captured with the pictures.
   std::uint32_t object = kNoObject;
   // Cross-fade range: drawn only where the pixel's hash lies in [from, to).
   float from = 0, to = 1;
-  // Index among the instances of the one of which all other pixels are drawn, if there is one.
+  // The index of the instance that is drawn at all other pixels, if there is one.
   std::optional<std::uint32_t> partner = {};
 };
 
-// How many pixels may an instance be off in a frame? Evaluated by a function of the kind over plain
+// An upper bound of an instance's error in a frame. The kind's own function evaluates it from plain
 // data, without allocation, in about a microsecond, on any thread.
 struct ErrorModel {
-  // Upper bound in pixels for the frame's camera; infinite where the instance must not be drawn.
+  // The bound in pixels of the frame; infinite if the instance must not be drawn.
   using Bound = double (*)(const ErrorModel&, const glm::dmat4& world_from_capture,
                            const Camera& frame);
   Bound bound = nullptr;
-  Box bounds;        // of what is shown, world at capture
-  double texel = 0;  // metres: the coarsest texel at the centre of the bounds
+  Box bounds;        // of what is shown, world space at capture
+  double texel = 0;  // the coarsest texel at the centre of the bounds, metres
 
+  // The bound; infinite for a model without a function.
   [[nodiscard]] double bound_px(const glm::dmat4& world_from_capture, const Camera& frame) const {
     return bound ? bound(*this, world_from_capture, frame)
                  : std::numeric_limits<double>::infinity();
   }
 
-  // The kind's own terms: any plain struct.
+  // Stores the kind's own terms, a trivially copyable struct.
   template <typename Terms>
   void store(const Terms& terms) {
     static_assert(std::is_trivially_copyable_v<Terms> && sizeof(Terms) <= sizeof(terms_));
     std::memcpy(terms_.data(), &terms, sizeof(Terms));
   }
+  // The terms stored; `Terms` must be the type that was stored.
   template <typename Terms>
   [[nodiscard]] Terms load() const {
     static_assert(std::is_trivially_copyable_v<Terms> && sizeof(Terms) <= sizeof(terms_));
@@ -76,34 +79,36 @@ struct ErrorModel {
   std::array<std::byte, 384> terms_{};
 };
 
-// What drawing an instance costs, in triangles: how many the renderer draws in the same time.
+// The cost of drawing an instance, in triangles: as many as the renderer draws in the same time.
 struct CostTerms {
   double fixed = 0;
-  double per_pixel = 0;  // of the rectangle around the instance
+  double per_pixel = 0;  // of the rectangle around the instance on the screen
 };
 
+// A representation, or a set of them, ready to be drawn.
 class Drawable {
  public:
   virtual ~Drawable() = default;
 
-  // The kind's name: statistics are kept by it.
+  // The kind's name; statistics are kept by name.
   [[nodiscard]] virtual std::string_view kind() const = 0;
 
-  // Draws all instances into the backend's current target, with depth.
+  // Draws all instances, with depth, into the backend's current target.
   virtual void draw(const Camera& frame, std::span<const Instance> instances, Output output) = 0;
-  // Draws lines around the instances, hidden behind what has been drawn before (S1.8).
+  // Draws outlines of the instances, with depth test (S1.8).
   virtual void draw_outlines(const Camera& frame, std::span<const Instance> instances) = 0;
 
+  // The error and the cost of an item.
   [[nodiscard]] virtual ErrorModel error_model(std::uint32_t item) const = 0;
   [[nodiscard]] virtual CostTerms cost_terms(std::uint32_t item) const = 0;
-  // Memory that it takes to draw.
+  // The memory that it takes to draw, bytes.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
 
-  // Appends how far from where they belong the instances show their samples, pixels; every
-  // `step`-th texel in x and y. Slow. A kind that cannot tell appends nothing.
+  // Appends the measured position errors of the instances' samples, in pixels, at every `step`-th
+  // texel in x and y. Slow. A kind that cannot measure them appends nothing.
   virtual void append_errors(const Camera& /*frame*/, std::span<const Instance> /*instances*/,
                              int /*step*/, std::vector<float>& /*errors_px*/) const {}
-  // The pictures that an instance is drawn from, if the kind keeps them.
+  // The pictures from which an instance is drawn, if the kind keeps them.
   [[nodiscard]] virtual std::vector<DepthImage> read_pictures(const Instance& /*instance*/) const {
     return {};
   }

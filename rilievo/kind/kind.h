@@ -1,8 +1,8 @@
 // What is a kind of representation?
 //
-// One row of the list of kinds (representation/kinds.h): its name, its options, and how it is
-// baked, kept in a file, described and made drawable. Everything outside a kind's folder knows it
-// only by this row.
+// A row in the list of kinds (representation/kinds.h): its name, its options, and the functions
+// that bake, load, save, describe and draw it. Code outside a kind's folder knows it only by this
+// row.
 #pragma once
 
 #include <filesystem>
@@ -24,97 +24,106 @@
 
 namespace rilievo {
 
-// What a kind keeps of a scene or of an object, without any way of drawing it.
+// The baked data of a scene or an object, without any means to draw it.
 class Representation {
  public:
   virtual ~Representation() = default;
-  // World at capture; where an eye looks by default.
+  // The bounds of what it shows, world space at capture; eyes look there by default.
   [[nodiscard]] virtual Box bounds() const = 0;
+  // Its memory, bytes.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
-  // What Output::object_id writes where the pictures show but one object.
+  // The identifier that Output::object_id writes if the pictures show only one object.
   [[nodiscard]] virtual std::uint32_t only_object() const { return 1; }
-  // Which way is up and from where it is best looked at, where the pictures tell.
+  // The direction that is up and the best viewpoint, if the pictures tell.
   [[nodiscard]] virtual Vantage vantage() const { return {}; }
-  // Where to walk by default; nothing: around the bounds.
+  // The default camera path; none: a path around the bounds.
   [[nodiscard]] virtual std::optional<CameraPath> walk() const { return {}; }
 };
 
-// One line of what `rilievo info` says.
+// One line of the output of `rilievo info`.
 struct Fact {
-  std::string key;    // of the JSON output
-  std::string json;   // its value, as JSON
-  std::string label;  // of the line of text, at most ten letters; empty: only in JSON
+  std::string key;    // in the JSON output
+  std::string json;   // the value as JSON
+  std::string label;  // in the text output, at most ten letters; empty: only in JSON
   std::string text;
 };
 
-// What a bake is made from, and of which part of it.
+// The source of a bake, and the part of it to bake.
 struct BakeInput {
   CaptureSource& source;
   std::vector<std::uint32_t> objects;  // indices into the scene's objects; empty: all
-  Box eyes = {};                       // where eyes will be; empty: not known
+  Box eyes = {};                       // the region of the eyes, world space; empty: unknown
 };
 
+// The result of a bake.
 struct Baked {
   std::unique_ptr<Representation> representation;
   std::vector<Fact> facts;  // about the bake itself, for its report
 };
 
+// Called during long work with the number of pictures that are done.
 using Progress = std::function<void(int done, int total)>;  // in pictures; may be empty
 
 // Another name for a kind drawn in one of its ways.
 struct Variant {
-  std::string_view name;           // as --method has it
-  std::string_view option, value;  // of draw_options; empty: none, a former name of the kind
+  std::string_view name;  // as a value of --method
+  std::string_view option,
+      value;  // an option of draw_options and its value; empty: a former name of the kind
 };
 
-// What does a representation stand for?
+// What a representation stands for.
 enum class StandsFor {
-  objects,       // one object or several, seen from outside
-  surroundings,  // all that is seen from within a region, the sky too
+  objects,       // one or several objects, seen from outside
+  surroundings,  // everything visible from within a region, including the sky
 };
 
-// Of what a representation exports.
+// What to export as a scene.
 struct SceneRequest {
-  int part = 0;        // one of its nodes, views ...
-  bool closed = true;  // gaps that no picture has seen are closed
+  int part = 0;        // index of a node, view, ...
+  bool closed = true;  // close gaps that no picture shows
 };
 
+// A kind of representation. Functions marked so may be null.
 struct Kind {
-  std::string_view name;     // "layered-impostor": as --as, --method and files have it
-  std::string_view summary;  // half a sentence, for --help
+  std::string_view
+      name;  // "layered-impostor": the value of --as and --method, and the name in files
+  std::string_view summary;  // a short phrase for --help
   std::span<const Variant> variants = {};
-  // Of bake; and of make_drawable, which changes no file.
+  // The options of bake, and those of make_drawable, which change no file.
   std::span<const Option> bake_options = {}, draw_options = {};
   StandsFor stands_for = StandsFor::objects;
 
-  // The error says what the source lacks.
+  // Bakes the input. Fails where the source lacks something; the error says what.
   Result<Baked> (*bake)(const BakeInput&, const OptionValues&, const Progress&) = nullptr;
-  // Options that do not go together; asked before time is spent. May be null.
+  // Checks, before time is spent, that the options go together. May be null.
   Result<> (*check_options)(const OptionValues&) = nullptr;
 
-  // Does a file with these attributes hold this kind?
+  // Does a file with these attributes contain this kind?
   bool (*says)(const FileAttributes&) = nullptr;
-  // Does load() read the planes of pictures itself, some at a time? Then it gets none.
+  // Does load() read the planes of pictures itself, some at a time? Then it gets pictures without
+  // planes.
   bool reads_later = false;
-  // The error names the file and what is wrong with it.
+  // Makes a representation of a file's pictures. The error names the file and the reason.
   Result<std::unique_ptr<Representation>> (*load)(PictureFile,
                                                   const std::filesystem::path&) = nullptr;
+  // Saves a representation. The file is replaced at once or not at all.
   Result<> (*save)(const Representation&, const std::filesystem::path&) = nullptr;
+  // What `rilievo info` prints.
   std::vector<Fact> (*describe)(const Representation&) = nullptr;
-  // The same as an ordinary textured mesh, for other programs; null where a kind is none.
+  // Makes an ordinary textured mesh for other programs. Null if the kind has none.
   Result<Scene> (*to_scene)(const Representation&, const SceneRequest&) = nullptr;
 };
 
-// One backend's way to draw a kind: what instances of it share (shaders) is made once. Must outlive
-// its drawables.
+// A backend's means to draw a kind; holds what its drawables share (shaders). Must outlive them.
 class DrawableFactory {
  public:
   virtual ~DrawableFactory() = default;
-  // Memory that drawing a bake with these options will take; an estimate for budgets.
+  // An estimate of the memory that drawing a bake with these options takes, in bytes; for budgets.
   [[nodiscard]] virtual std::size_t expected_bytes(const OptionValues& bake,
                                                    const OptionValues& draw) const = 0;
-  // Switches off what a bake need not do for this way of drawing alone.
+  // Switches off bake options whose results this way of drawing does not use.
   virtual void spare(OptionValues& /*bake*/, const OptionValues& /*draw*/) const {}
+  // Uploads a representation.
   [[nodiscard]] virtual Result<std::unique_ptr<Drawable>> make_drawable(
       std::unique_ptr<Representation> representation, const OptionValues& draw) = 0;
 };

@@ -13,7 +13,7 @@ Result<LayeredImpostor> bake_layered(CaptureSource& source, std::span<const std:
                                      const BakeOptions& options) {
   const std::string name(source.name());
   const Box bounds = source.bounds(objects);
-  if (bounds.empty()) return Error{name, "there is nothing opaque to take pictures of"};
+  if (bounds.empty()) return Error{name, "there is nothing opaque to capture"};
   const ViewSet set = make_view_set(options.views);
   const int total = int(set.directions.size());
   std::vector<DepthImage> pictures;

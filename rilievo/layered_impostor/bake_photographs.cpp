@@ -81,7 +81,7 @@ Result<PhotographBake> bake_photographs(std::span<const DepthImage> photographs,
                        [](float d) { return d == kNoDepth; });
   });
   if (made.pictures.empty())
-    return Error{"photographs", "none has samples in the box that a view would show"};
+    return Error{"photographs", "none has samples in the box that any view shows"};
   Result<LayeredImpostor> impostor =
       make_layered_impostor(std::move(made.pictures), options.slicing);
   if (!impostor) return impostor.error();

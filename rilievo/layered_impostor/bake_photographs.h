@@ -1,13 +1,13 @@
 // How is a layered impostor made of photographs with depth? (S2.7)
 //
-// By reprojecting all of them (warp/reproject.h) into each of its views: pictures at the
-// photographs' own places, each completed by what the others saw, or those of a ViewSet around the
-// box. Measured by leaving one photograph out (`rilievo bench rgbd`): from a place between the
-// others, pictures at the cameras are 6 dB better where the capture is exact, as good where it is
-// not, and leave fewer holes, with a quarter of the texels of 32 views of 512 x 512. So they are
-// the default; views around the box are for eyes far from where any camera was.
+// Reprojects all photographs (warp/reproject.h) into each of its views. The views are either the
+// photographs' own cameras, each picture completed by what the others saw, or those of a ViewSet
+// around the box. With one photograph left out (`rilievo bench rgbd`) and seen from between the
+// others, pictures at the cameras are 6 dB better where the capture is exact, equally good where it
+// is not, and leave fewer holes, with a quarter of the texels of 32 views of 512 x 512. So they are
+// the default; views around the box serve eyes far from all cameras.
 //
-// World space of the photographs. Same bytes for any number of threads.
+// World space of the photographs. The result does not depend on the number of threads.
 #pragma once
 
 #include <optional>
@@ -18,29 +18,32 @@
 
 namespace rilievo {
 
+// Where the views of the impostor are.
 enum class PhotographViews {
-  at_cameras,  // pictures from the photographs' own places
-  around,      // pictures around the box, back-perspective or as the options say
+  at_cameras,  // at the photographs' cameras
+  around,      // around the box, back-perspective or as the options say
 };
 
+// The region, the views and the slicing.
 struct PhotographBakeOptions {
-  ReprojectOptions reproject;  // its box: the region of interest
+  ReprojectOptions reproject;  // its box is the region of interest
   SliceOptions slicing;
   PhotographViews kind = PhotographViews::at_cameras;
-  std::optional<glm::dvec3> up;  // not zero; else estimated (capture/upright.h)
-  int most_views = 32;           // at_cameras: those that look most differently
-  ViewSetOptions views;          // around
-  ViewCameraOptions camera;      // around
+  std::optional<glm::dvec3> up;  // not zero; by default estimated (capture/upright.h)
+  int most_views = 32;           // for at_cameras: the most different ones are kept
+  ViewSetOptions views;          // for around
+  ViewCameraOptions camera;      // for around
 };
 
+// The impostor, and how complete its pictures are.
 struct PhotographBake {
   LayeredImpostor impostor;               // without fill slices
-  std::vector<ReprojectFigures> figures;  // one a view
+  std::vector<ReprojectFigures> figures;  // one for each view
   ReprojectFigures total;
 };
 
-// Views that show nothing are left out. Nothing if the box is empty or no photograph has samples in
-// it.
+// Bakes photographs. Views that show nothing are left out. Fails if the box is empty or no
+// photograph has samples in it.
 [[nodiscard]] Result<PhotographBake> bake_photographs(std::span<const DepthImage> photographs,
                                                       const PhotographBakeOptions& options);
 

@@ -5,23 +5,25 @@
 
 namespace rilievo {
 
-//   surfaces  every pixel's ray is marched through the surfaces of the nearest pictures: the depth
-//             is that of the surface, views fade into each other, and what one picture does not
-//             show is looked for in others; cost follows the pixels
+// The two ways of drawing.
+//   surfaces  height-field ray march: each pixel's ray is intersected with the surfaces of the
+//             nearest pictures. The depth is the surface's, views fade into each other, and what
+//             one picture does not show is looked up in others; the cost follows the pixels
 //   slices    the paper's way: the nearest picture's slices, and those of its neighbours that fill
-//             its holes (S2.6), in one instanced draw call; the depth is that of the slice
+//             its holes (S2.6), in one instanced draw call; the depth is the slice's
 enum class LayeredMethod { surfaces, slices };
 
-// The zone in which views fade into each other, in mean spacings of the views, whoever draws.
+// The zone in which views fade into each other, in mean spacings of the views; for all drawers.
 inline constexpr double kHandover = 0.25;
 
+// The way of drawing and its quality.
 struct LayeredOptions {
   LayeredMethod method = LayeredMethod::surfaces;
-  int max_views = 6;  // pictures asked for a pixel, or with 1 only the nearest: its holes stay
-  double handover = kHandover;  // blended (surfaces) or pixel by pixel (slices); 0: views switch
+  int max_views = 6;  // pictures looked up by a pixel; with 1 only the nearest, and holes stay open
+  double handover = kHandover;  // blended (surfaces) or cross-faded (slices); 0: views switch
 };
 
-// Bytes of texture memory for drawing so many views of one object, of this size.
+// The texture memory for drawing one object with this number and size of views, bytes.
 [[nodiscard]] std::size_t layered_texture_bytes(int views, int width, int height,
                                                 LayeredMethod method);
 

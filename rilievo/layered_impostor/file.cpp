@@ -165,7 +165,8 @@ bool says_layered_impostor(const FileAttributes& attributes) {
 Result<LayeredImpostor> layered_impostor_from(PictureFile file, const std::filesystem::path& path) {
   const auto refuse = [&](const std::string& reason) { return Error{path.string(), reason}; };
   if (!says_layered_impostor(file.attributes))
-    return refuse("it is not a layered impostor: it does not say that its pictures are views");
+    return refuse(
+        "it is not a layered impostor: rilievo.file.representation is missing or different");
   const auto text = file.attributes.file.find(kSlicing);
   if (text == file.attributes.file.end()) return refuse("it does not say how its views are sliced");
   const std::optional<SliceOptions> slicing = slicing_from(text->second);

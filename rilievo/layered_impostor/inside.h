@@ -1,12 +1,13 @@
-// Which space behind the surface do the pictures of an object not see?
+// Which space behind the surface do an object's pictures not see? Free-space carving.
 //
-// A picture sees the space between its viewers and its surface to be empty, and nothing of what is
-// behind. A point that no picture sees to be empty is inside the object, or so hidden that nobody
-// knows better: whatever is drawn there covers nothing that a picture holds. Slices are made solid
-// with it (layered_impostor.h): who looks into a crack, past the edges of everything that is
-// pictured, meets the inside of the object and not what stands behind it.
+// A picture shows that the space between its viewers and its surface is free; it tells nothing
+// about the space behind. A point that no picture carves lies in the object's visual hull: drawing
+// something there hides nothing that a picture shows. Slices extend into the hull and become solid
+// (layered_impostor.h), so that an eye that looks into a crack, past the edges of everything
+// captured, sees the inside of the object and not the background.
 //
-// Depths: eye_z of each picture's camera, metres. Same result for any number of threads.
+// Depths: eye_z of each picture's camera, metres. The result does not depend on the number of
+// threads.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,13 +17,12 @@
 
 namespace rilievo {
 
-// Does the picture see this point (world) to be empty? Not outside of its frustum.
+// Does the picture carve this point (world space)? Never outside of its frustum.
 [[nodiscard]] bool seen_empty(const TexelSurface& surface, const glm::dvec3& world);
 
-// Sets SurfaceTexel::inside of all texels: down to there, no picture sees the space behind the
-// texel's surface to be empty. For that some 64 x 64 lines of sight of every picture are followed,
-// whatever its size, in steps of a 64th of its frustum's depth; each stands for the texels around
-// it.
+// Sets SurfaceTexel::inside of all texels: the depth down to which no picture carves the space
+// behind the texel's surface. Follows 64 x 64 lines of sight of each picture, whatever its size, in
+// steps of 1/64 of its frustum's depth; each stands for the texels around it.
 void find_inside(std::span<TexelSurface> surfaces);
 
 }  // namespace rilievo

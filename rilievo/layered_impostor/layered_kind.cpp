@@ -17,7 +17,7 @@ const std::array kBakeOptions{
     Option{.name = "views",
            .type = OptionType::choice,
            .default_value = "32",
-           .help = "Views: faces of a dodecahedron, corners, or both",
+           .help = "Number of views: the faces of a dodecahedron, its vertices, or both",
            .choices = {"12", "20", "32"}},
     Option{.name = "hemisphere",
            .type = OptionType::flag,
@@ -26,58 +26,58 @@ const std::array kBakeOptions{
     Option{.name = "ring",
            .type = OptionType::integer,
            .default_value = "0",
-           .help = "Instead of --views: N views around the vertical, at the horizon; 0 for none",
+           .help = "N views on a horizontal circle, instead of --views; 0: off",
            .unit = "N",
            .least = 0,
            .most = 1024},
     Option{.name = "size",
            .type = OptionType::integer,
            .default_value = "256",
-           .help = "Texels a side of a view",
+           .help = "Size of a view in texels a side",
            .unit = "N",
            .least = 8,
            .most = 4096},
     Option{.name = "layers",
            .type = OptionType::integer,
            .default_value = "64",
-           .help = "Slices of a view",
+           .help = "Number of slices of a view",
            .unit = "N",
            .least = 1,
            .most = 4096},
     Option{.name = "overlap",
            .type = OptionType::number,
            .default_value = "0",
-           .help = "By how much of its thickness a slice reaches into its neighbours",
+           .help = "Overlap of neighbouring slices, as a multiple of their thickness",
            .unit = "X",
            .least = 0,
            .most = 4096},
     Option{.name = "no-fills",
            .type = OptionType::flag,
            .default_value = "off",
-           .help = "Do not look for the slices that fill each view's holes"},
+           .help = "Do not compute the slices that fill each view's holes"},
     Option{.name = "box",
            .type = OptionType::box,
            .default_value = "",
-           .help = "Of photographs: only what lies between two corners (default all)",
+           .help = "Photographs: the region to bake, as two corners (default everything)",
            .unit = "X0,Y0,Z0,X1,Y1,Z1"},
     Option{.name = "up",
            .type = OptionType::point,
            .default_value = "",
-           .help = "Of photographs: the direction that is up in their world (default from the "
-                   "poses)",
+           .help = "Photographs: the direction that is up in their world (default estimated "
+                   "from the poses)",
            .unit = "X,Y,Z"},
     Option{
         .name = "around",
         .type = OptionType::flag,
         .default_value = "off",
-        .help = "Of photographs: views around the box, as of a scene, instead of at their cameras"},
+        .help = "Photographs: views around the box, as for a scene, instead of at their cameras"},
 };
 
 const std::array kDrawOptions{
     Option{.name = "warp",
            .type = OptionType::choice,
            .default_value = "surfaces",
-           .help = "March rays through the pictures' surfaces, or draw their slices",
+           .help = "Draw by ray marching through the pictures' surfaces, or draw their slices",
            .choices = {"surfaces", "slices"}},
 };
 
@@ -94,7 +94,7 @@ std::optional<glm::dvec3> up_from(const OptionValues& values) {
 Result<> check_options(const OptionValues& values) {
   if (const std::optional<glm::dvec3> up = up_from(values);
       up && !(glm::length(*up) > 1e-6 && glm::length(*up) < 1e6))
-    return Error{"--up", "is no direction: its length must lie between 1e-6 and 1e6"};
+    return Error{"--up", "is not a direction: its length must be between 1e-6 and 1e6"};
   if (values.integer("ring") > 0 && values.integer("ring") < 3)
     return Error{"--ring", "takes at least 3 views"};
   if (values.integer("ring") > 0 && (values.given("views") || values.flag("hemisphere")))

@@ -1,4 +1,4 @@
-// The layered impostor as a row of the list of kinds.
+// How is the layered impostor a kind of representation? Its row in the list of kinds.
 #pragma once
 
 #include "rilievo/kind/kind.h"
@@ -8,8 +8,10 @@
 
 namespace rilievo {
 
+// The name of the kind.
 inline constexpr std::string_view kLayeredImpostorName = "layered-impostor";
 
+// A layered impostor as a Representation.
 struct LayeredRepresentation final : Representation {
   explicit LayeredRepresentation(LayeredImpostor made) : impostor(std::move(made)) {}
   [[nodiscard]] Box bounds() const override { return impostor.bounds; }
@@ -20,10 +22,11 @@ struct LayeredRepresentation final : Representation {
   LayeredImpostor impostor;
 };
 
-// From the values of the row's bake_options and draw_options.
+// Typed options from the values of the row's bake_options and draw_options.
 [[nodiscard]] BakeOptions layered_bake_options(const OptionValues& values);
 [[nodiscard]] LayeredOptions layered_draw_options(const OptionValues& values);
 
+// The row.
 [[nodiscard]] const Kind& layered_impostor_kind();
 
 }  // namespace rilievo

@@ -1,6 +1,6 @@
-// One pixel's ray through one picture of a layered impostor.
+// How does one pixel's ray meet one picture of a layered impostor? Internal to `warp`.
 //
-// Internal to `warp`. World space; rays start at the frame's eye.
+// World space; rays start at the frame's eye.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,17 @@
 
 namespace rilievo {
 
-// The stretch of a frame's ray that can meet the bounds: origin + t direction for t in
-// [begin, end], t in eye_z of the frame.
+// The segment of a frame's ray that can meet the bounds: origin + t direction for t in [begin,
+// end], t in eye_z of the frame.
 struct PixelRay {
   glm::dvec3 origin{0.0}, direction{0.0};
   double begin = 0, end = 0;
 };
+// The ray of a raster position; none if it misses the bounds.
 [[nodiscard]] std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
                                                 const glm::dvec2& raster);
 
+// The height-field ray march of a ray through a picture's surface.
 [[nodiscard]] SurfaceWalk walk_picture(const LayeredImpostor& impostor, int view,
                                        const PixelRay& ray);
 

@@ -1,8 +1,8 @@
-// Which rectangles of a slice hold texels? (S2.5)
+// Which rectangles of a slice contain texels? (S2.5)
 //
-// A slice's own rectangle is tight, but a slanted surface crosses it in a narrow band: most of what
-// is drawn of a large picture's slices would be empty. So a slice is covered by a few rectangles of
-// whole tiles, and drawn through these.
+// A slice's own rectangle is tight, but a slanted surface crosses it in a narrow band, so that most
+// of a large picture's slices would be empty. Therefore a slice is drawn as a few rectangles of
+// whole tiles.
 //
 // Pure.
 #pragma once
@@ -16,9 +16,8 @@ namespace rilievo {
 // Texels a side of a tile.
 inline constexpr int kSliceTile = 32;
 
-// For each of the view's slices, rectangles that are disjoint, lie within Slice::rect, and hold
-// each texel that the slice shows. The slice's rectangle alone where others would save less than
-// half of it.
+// For each of the view's slices, disjoint rectangles within Slice::rect that contain each texel
+// that the slice shows. The slice's rectangle alone if others would save less than half of it.
 [[nodiscard]] std::vector<std::vector<TexelRect>> slice_rects(const LayeredImpostor& impostor,
                                                               int view);
 

@@ -1,11 +1,11 @@
 // What does a layered impostor look like from a new eye?
 //
-// The two ways to draw it, on the CPU, pixel by pixel and by definition: what the OpenGL drawer is
-// tested against, and how holes are found without one. A frame shows the picture nearest to the
-// viewer's direction, and through its holes others, that see there what it does not (S2.6).
+// Both ways of drawing it, on the CPU and pixel by pixel: the reference for the OpenGL drawer, and
+// the means to find holes without one. A frame shows the picture nearest to the viewer's direction;
+// where that has holes, it shows other pictures (S2.6).
 //
-// Output: colour, eye_z, and in `object` the picture's objects where it has them, else 1. Same
-// bytes for any number of threads.
+// Output: colour, eye_z, and in `object` the pictures' identifiers if they have any, else 1. The
+// result does not depend on the number of threads.
 #pragma once
 
 #include <span>
@@ -16,57 +16,62 @@
 
 namespace rilievo {
 
-// Whichever slices of whichever pictures: no choice is made here.
+// A slice to draw, explicitly chosen.
 struct SliceDraw {
   int view = 0;
   int slice = 0;   // index into LayeredImpostor::slices[view]
-  TexelRect rect;  // the part of it to draw
+  TexelRect rect;  // the part to draw
 };
 
-// Draws slices with a depth buffer: a pixel shows, of the slices' quads under its centre that hold
-// a texel there, the nearest. For each pixel also which draw it shows, -1 for none, if `drawn` is
-// given. Requires a perspective camera.
+// Draws an explicit list of slices with a depth buffer: a pixel shows the nearest slice whose quad
+// has a texel under the pixel's centre. If `drawn` is given, it receives the index of the draw that
+// each pixel shows, or -1. Requires a perspective camera.
 [[nodiscard]] DepthImage warp_slices(const LayeredImpostor& impostor,
                                      std::span<const SliceDraw> draws, const Camera& camera,
                                      Image<int>* drawn = nullptr);
 
-// The slices that `view` takes to serve this eye, appended: all of its own, nearest to the eye
-// first where it looks as the picture's viewers do; with `fill` also those that fill its holes, of
-// the two others of the triangle around the direction (or all of theirs, if none have been found
-// yet).
+// Appends the slices of `view` for this eye: all of its own, nearest to the eye first if the eye is
+// on the side of the picture's viewers; with `fill`, also slices that fill its holes from the two
+// other views of the triangle around the direction (all of their slices, if fill slices have not
+// been computed).
 void slices_of_view(const LayeredImpostor& impostor, int view, const glm::dvec3& eye, bool fill,
                     std::vector<SliceDraw>& draws);
 
-// The same of the view nearest to the eye's direction.
+// The same for the view nearest to the eye's direction.
 [[nodiscard]] std::vector<SliceDraw> slices_for_eye(const LayeredImpostor& impostor,
                                                     const glm::dvec3& eye, bool fill);
 
+// How many pictures a pixel looks up, and how they fade.
 struct SurfaceWarpOptions {
-  int max_views = 6;            // pictures asked, 1 to 6; 1 shows the holes
+  int max_views = 6;            // pictures looked up, 1 to 6; with 1, holes stay open
   double handover = kHandover;  // 0: views switch
 };
 
-// The second way, which does not slice: every pixel's ray is intersected with the surfaces of the
-// nearest views. Those with a weight (handover_weights) are blended where they answer for certain:
-// with a hit, or with nothing (LayeredImpostor::complete), without having passed behind an edge;
-// where some see a surface and
-// others past it, the more weighty party wins. If none is certain, the next nearest views are asked
-// until one is. If none is, the hit nearest to the eye counts; if there is no hit, and the ray was
-// lost behind one part of the surface in front of another in more of them than behind an outline,
-// the pixel is within the object: it shows a skin between the two, in the colour of the farther.
+// Draws by height-field ray march, without slices: each pixel's ray is intersected with the
+// surfaces of the nearest views.
+//
+// A view's answer is certain if the ray did not pass behind an edge and the view either has a hit
+// or is complete there (LayeredImpostor::complete). Certain answers of the views with weight
+// (handover_weights) are blended; where some have a hit and others have none, the weighted majority
+// decides. If no answer is certain, the next nearest views are looked up until one is. If none is,
+// the hit nearest to the eye is shown. If there is no hit either, and in most views the ray passed
+// behind one part of the surface in front of another, and not behind an outline, the pixel lies
+// within the object: it shows a skin between the two parts, with the colour of the farther one.
+//
 // Requires a perspective camera.
 [[nodiscard]] DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
                                        const SurfaceWarpOptions& options = {});
 
+// The eyes that look for holes.
 struct FillOptions {
-  double distance = 4.0;  // of the eyes that look for holes, in radii of the bounds
+  double distance = 4.0;  // in radii of the bounds
   int size = 128;         // of their frames, pixels
 };
 
 // Finds the fill slices of every ordered pair of neighbouring views (S2.6). Eyes on the border of
 // the region that the view serves, where its holes are widest, draw the texels' identifiers:
 // between the two views, and between them and each third view of a triangle. Where the view's
-// surface does not answer for certain, the slices that hold the neighbour's texel are kept.
+// answer is not certain, the neighbour's slices that hold the visible texel are kept.
 void find_fill_slices(LayeredImpostor& impostor, const FillOptions& options = {});
 
 }  // namespace rilievo

@@ -1,9 +1,9 @@
-// Which samples may reach a tile of the result, and in which order must they be drawn? (S4.6)
+// Which samples can reach a tile of the result, and in which order must they be drawn? (S4.6)
 //
-// Internal to the folder. The epipole's row and column divide the source into up to four sheets;
-// each is drawn towards the epipole. Within a sheet the quad-tree is descended, children farther
-// from the epipole first: whatever hides something lies, in both u and v, at least as near to the
-// epipole as what it hides, and such an order (Z-order) never puts the farther one last.
+// Internal to the folder. The epipole's row and column divide the source into at most four sheets;
+// each is drawn towards the epipole. Within a sheet, the quad-tree is traversed with the children
+// farther from the epipole first. This is correct because whatever hides a sample is, in both u and
+// v, at least as near to the epipole, and this order (Z-order) never visits the farther one last.
 #pragma once
 
 #include <array>
@@ -18,23 +18,24 @@ struct Sheet {
   int u_from = 0, u_to = 0, v_from = 0, v_to = 0;
   unsigned order = 0;
 };
-// Those with texels in them.
+// The sheets that contain texels.
 [[nodiscard]] std::vector<Sheet> sheets_of(const LayeredRelief& relief, const ReliefWarp& warp);
 
-// A rectangle of the result in source texels, and how far samples reach beyond their texels'
-// centres, also in source texels.
+// A rectangle of the result and the reach of samples beyond their texels' centres, in source
+// texels.
 struct RunQuery {
   glm::dvec2 min{0.0}, max{0.0};
   double half_splat = 0.5;
-  double resolution = 1;  // of the result, to know how many texels a splat covers
+  double resolution = 1;  // of the result; decides how many texels a splat covers
   bool nearest = false;
 };
 
+// The range of codes of all runs; empty as in ReliefNode.
 struct RunRange {
   std::uint32_t nearest = kEmptyCode, farthest = 0;  // codes of all runs; empty as in ReliefNode
 };
 
-// Appends to `runs`, in drawing order.
+// Appends the runs that can reach the rectangle, in drawing order.
 RunRange find_runs(const LayeredRelief& relief, const ReliefWarp& warp,
                    const std::vector<Sheet>& sheets, const RunQuery& query,
                    std::vector<PrewarpRun>& runs);

@@ -65,7 +65,8 @@ Result<std::vector<glm::dvec3>> relief_directions(int count) {
     case 32:
       return make_view_set({.spread = ViewSpread::both_32}).directions;
     default:
-      return Error{"", "there are 1, 2, 6, 12, 20 or 32 directions, not " + std::to_string(count)};
+      return Error{"", "the number of directions must be 1, 2, 6, 12, 20 or 32, not " +
+                           std::to_string(count)};
   }
 }
 

@@ -1,7 +1,7 @@
-// A layered picture in perspective as one in parallel projection (S4.1).
+// How does a layered picture in perspective become one in parallel projection? (S4.1)
 //
-// Deep images are mostly perspective, and a relief is parallel. A perspective sample stands for a
-// small square across its line of sight; it becomes a sample of every parallel line of sight that
+// Most deep images are in perspective; a relief is parallel. A perspective sample stands for a
+// small square across its line of sight. It becomes a sample of every parallel line of sight that
 // meets the square, or of the nearest one if none does.
 #pragma once
 
@@ -9,21 +9,24 @@
 
 namespace rilievo {
 
+// The resolution and the range.
 struct ResampleOptions {
   int size = 512;  // texels of the longer side; texels are square
-  // Only samples that begin in front of this eye_z; what is far away is as large as it is vague.
+  // Samples that begin beyond this eye_z are dropped: distant samples stand for large, coarse
+  // squares.
   double max_z = 1e30;
 };
 
+// The result and its error.
 struct ResampledLayers {
-  LayeredDepthImage layers;  // eye_z
-  // No sample stands farther than this from where its surface was seen, across the line of sight;
-  // metres. Part of the bound (ReliefErrorOptions::source_error).
+  LayeredDepthImage layers;  // of eye_z
+  // The largest distance of a sample from the place where its surface was seen, across the line of
+  // sight; metres. Part of the bound (ReliefErrorOptions::source_error).
   double error = 0;
 };
 
-// Looks the same way as the camera of `layers`, through a window around all samples. Requires a
-// valid perspective picture; an empty one is an error.
+// The new camera looks in the same direction as that of `layers`, through a window around all
+// samples. Requires a valid perspective picture. Fails if it is empty.
 [[nodiscard]] Result<ResampledLayers> resample_layers(const LayeredDepthImage& layers,
                                                       const ResampleOptions& options = {});
 

@@ -1,6 +1,6 @@
-// Rectangles of texels in a stack of square layers: where pictures live on the GPU.
+// Where do pictures lie on the GPU? In rectangles of a stack of square layers.
 //
-// Every layer is a grid of cells; a rectangle takes whole cells, first fit. Pure and deterministic;
+// Each layer is a grid of cells. A rectangle takes whole cells, first fit. Pure and deterministic;
 // no OpenGL.
 #pragma once
 
@@ -10,25 +10,27 @@
 
 namespace rilievo {
 
+// A rectangle of an atlas.
 struct AtlasSlot {
   int layer = 0;
   int x = 0, y = 0;           // texels, a multiple of AtlasAllocator::kCell
-  int width = 0, height = 0;  // texels asked for
+  int width = 0, height = 0;  // texels, as requested
 
   friend bool operator==(const AtlasSlot&, const AtlasSlot&) = default;
 };
 
+// Allocates rectangles.
 class AtlasAllocator {
  public:
   static constexpr int kCell = 32;  // texels a side
   static constexpr int kLayerSize = 1024;
-  static constexpr int kCells = kLayerSize / kCell;  // a side; a row is one 32-bit word
+  static constexpr int kCells = kLayerSize / kCell;  // a side; a row of cells is one 32-bit word
 
   explicit AtlasAllocator(int layers) : rows_(std::size_t(layers) * kCells, 0u) {}
 
-  // Requires 1 <= width, height <= kLayerSize. Nothing when no layer has room.
+  // Allocates a rectangle; none if no layer has room. Requires 1 <= width, height <= kLayerSize.
   [[nodiscard]] std::optional<AtlasSlot> allocate(int width, int height);
-  // Requires a slot that allocate() gave and free() has not taken back.
+  // Frees a slot. Requires one that allocate() returned and that is not free.
   void free(const AtlasSlot& slot);
 
   [[nodiscard]] int layers() const { return int(rows_.size()) / kCells; }

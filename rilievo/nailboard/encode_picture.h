@@ -1,7 +1,7 @@
-// What an atlas keeps of a picture that was rasterised without OpenGL: Delta codes and blocks.
+// What does an atlas store of a picture that was rasterised without OpenGL? Delta codes and blocks.
 //
-// The same as picture_atlas.cpp's shaders make of a capture by OpenGL. Rows from the bottom. Fills
-// the caller's buffers; all cores. No OpenGL here.
+// The result equals what the shaders of picture_atlas.cpp make of an OpenGL capture. Rows from the
+// bottom. Fills the caller's buffers; uses all cores. No OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,17 @@
 
 namespace rilievo {
 
+// The encoded depth of a picture.
 struct AtlasPicture {
-  // A code a texel; the one that the bits ask for is filled. An empty texel beside others has the
-  // nearest one's depth, because their colours reach into it; else delta_steps() + 1.
+  // A code for each texel; delta_bits decides which of the two is filled. An empty texel with
+  // covered neighbours has the depth of the nearest one, because colours are interpolated into it;
+  // other empty texels have delta_steps() + 1.
   std::vector<std::uint8_t> codes8;
   std::vector<std::uint16_t> codes16;
-  std::vector<PictureBlock> blocks;  // rows of blocks_across(width), lowest first
+  std::vector<PictureBlock> blocks;  // rows of blocks_across(width), bottom row first
 };
 
-// `delta_bits`: 2 to 16, as PictureGeometry has them.
+// Encodes a picture with 2 to 16 bits of Delta.
 void encode_picture(const RasterPicture& picture, int delta_bits, AtlasPicture& encoded);
 
 }  // namespace rilievo

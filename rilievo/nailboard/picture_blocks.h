@@ -1,9 +1,8 @@
-// Which parts of a picture show anything, and which hide whatever lies behind them?
+// Which parts of a picture show anything, and which hide what lies behind them?
 //
-// Of every block of 4 x 4 texels of an atlas: its nearest and its farthest Delta, and which of its
-// texels have one (so that something may show there), which are opaque. Lets a drawer leave out
-// what is empty or hidden (visible_cells.h), and tells how deep a picture really is. Rows as OpenGL
-// has them, the lowest first. No OpenGL here.
+// For each block of 4 x 4 texels of an atlas: the nearest and the farthest Delta, and which texels
+// are covered or opaque. Drawers skip blocks that are empty or hidden (visible_cells.h), and the
+// range of Deltas tells how deep a picture is. Rows as in OpenGL, the bottom one first. No OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +16,14 @@
 
 namespace rilievo {
 
-inline constexpr int kBlockTexels = 4;  // a side
+inline constexpr int kBlockTexels = 4;  // texels a side
 
-// Deltas are in steps of 1 / 254, rounded away from the middle of the block.
+// A block. Deltas are in steps of 1 / 254, rounded outwards.
 struct PictureBlock {
-  std::uint8_t nearest = 255;  // of its texels; 255: none shows anything
+  std::uint8_t nearest = 255;  // 255: no texel is covered
   std::uint8_t farthest = 0;
-  std::uint16_t covered = 0;  // bit x + 4 y: has its texel (x, y) a Delta?
-  std::uint16_t opaque = 0;   // the same: does it hide what is behind?
+  std::uint16_t covered = 0;  // bit x + 4 y: texel (x, y) has a Delta
+  std::uint16_t opaque = 0;   // likewise: the texel hides what is behind it
 
   [[nodiscard]] bool empty() const { return covered == 0; }
   [[nodiscard]] double nearest_delta() const { return nearest / 254.0; }
@@ -33,13 +32,13 @@ struct PictureBlock {
 };
 static_assert(sizeof(PictureBlock) == 6, "three words, as they are read from a texture");
 
-// Looked at before their blocks.
+// Cells of blocks, which are tested before their blocks. Blocks and texels a side.
 inline constexpr int kCellBlocks = 4, kCellTexels = kCellBlocks * kBlockTexels;
 
-// Of one picture.
+// The blocks and cells of one picture.
 struct PictureBlocksView {
-  const PictureBlock* blocks = nullptr;     // lower left
-  const std::uint8_t* cells = nullptr;      // nearest of their blocks'
+  const PictureBlock* blocks = nullptr;     // bottom left block
+  const std::uint8_t* cells = nullptr;      // the nearest Delta of each cell's blocks
   std::size_t block_row = 0, cell_row = 0;  // entries from one row to the next
   int width = 0, height = 0;                // texels
 
@@ -51,8 +50,8 @@ struct PictureBlocksView {
   }
 };
 
-// The bits of a block's texels among those from `from` to `to`, both included: texels of the
-// block's picture, from its lower left corner; at least one of them is in the block.
+// The bits of those texels of a block that lie between `from` and `to` inclusive (texels of the
+// picture, from its bottom left corner). At least one must lie in the block.
 [[nodiscard]] inline std::uint16_t texels_of_block(const glm::ivec2& block, const glm::ivec2& from,
                                                    const glm::ivec2& to) {
   constexpr int kLast = kBlockTexels - 1;
@@ -63,6 +62,7 @@ struct PictureBlocksView {
   return std::uint16_t(columns * rows);
 }
 
+// The number of blocks, and of cells, across a picture.
 [[nodiscard]] inline int blocks_across(int texels) {
   return (texels + kBlockTexels - 1) / kBlockTexels;
 }
@@ -70,16 +70,17 @@ struct PictureBlocksView {
   return (texels + kCellTexels - 1) / kCellTexels;
 }
 
-// The nearest and the farthest Delta of a picture; nothing if it is empty.
+// The nearest and the farthest Delta of a picture; none if it is empty.
 [[nodiscard]] std::optional<DeltaRange> delta_range(const PictureBlocksView& blocks);
 
-// Of all pictures of an atlas.
+// The blocks of all pictures of an atlas.
 class PictureBlocks {
  public:
   explicit PictureBlocks(int layers);
 
-  // `blocks`: rows of blocks_across(slot.width), lowest first.
+  // Sets the blocks of a picture: rows of blocks_across(slot.width), bottom row first.
   void assign(const AtlasSlot& slot, std::span<const PictureBlock> blocks);
+  // The blocks of the picture in `slot`.
   [[nodiscard]] PictureBlocksView view(const AtlasSlot& slot) const;
 
   static constexpr int kLayerBlocks = AtlasAllocator::kLayerSize / kBlockTexels;  // a side

@@ -1,6 +1,7 @@
-// Which rays of a picture's capture does a frame see, in the capture's eye space?
+// Which rays of a picture's capture does a frame see, in the capture's eye space? Internal to
+// `nailboard`.
 //
-// Shared by what bounds a picture's errors. Internal to `nailboard`. Pure, no allocation.
+// Shared by the bounds of a picture's errors. Pure, no allocation.
 #pragma once
 
 #include <array>
@@ -12,27 +13,28 @@
 
 namespace rilievo {
 
-// The frame as seen from the picture: pixel rows and the eye, in the capture's eye space. A point A
-// is seen at the pixel (x.(A-eye), y.(A-eye)) / f.(A-eye).
+// The frame as seen from the picture: pixel rows and eye in the capture's eye space. A point A
+// appears at the pixel (x.(A-eye), y.(A-eye)) / f.(A-eye).
 struct PictureView {
   glm::dvec3 x, y, f, eye;
   double t = 0;  // f.eye
 };
 
+// The view of `frame`, with the object's motion since the capture.
 [[nodiscard]] PictureView view_of(const Camera& frame, const PictureGeometry& picture,
                                   const RigidMotion& motion);
 
-// Are the axes orthonormal (to 1e-4), and not mirrored?
+// Are the axes orthonormal (to 1e-4) and not mirrored?
 [[nodiscard]] bool is_rigid(const glm::dmat4& m);
 
-// A convex polygon of capture rays (x, y, -1). The window has 4 corners, each cut adds at most 1.
+// A convex polygon of capture rays (x, y, -1). The window has 4 corners; each cut adds at most 1.
 struct RayPolygon {
   std::array<glm::dvec2, 12> corner;
   int size = 0;
 };
 
-// The rays whose cell of half size `half` (tangents) has a point in the frame at any distance from
-// `front` to `back`; or somewhat more.
+// A polygon that contains all rays whose cell of half size `half` (tangents) has a point in the
+// frame at a distance in [front, back].
 [[nodiscard]] RayPolygon rays_in_frame(const PictureGeometry& picture, const Camera& frame,
                                        const PictureView& view, double front, double back,
                                        const glm::dvec2& half);

@@ -1,7 +1,7 @@
-// How far from where they belong does a frame show a picture's samples?
+// How far from their true places does a frame show a picture's samples?
 //
-// What bound_error() bounds from above, measured sample by sample: the slow truth that bounds are
-// tested against and that reports give.
+// Measures sample by sample what bound_error() bounds from above; slow. Tests compare bounds with
+// it, and reports contain it.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,11 @@
 
 namespace rilievo {
 
-// Appends, for every `step`-th covered texel in x and y, the distance in pixels between where the
-// polygon puts it and where the surface point that it shows projects to, if either of the two lies
-// in the frame; infinite if one of them is in the frame and the other nearer than its near plane.
-// The point's depth is Delta's, which is within half a step, 1 / (2^(bits+1) - 4) of the picture's
-// slab. `frame` is relative to the object as captured: for an object that has moved since, its
-// camera moved against it.
+// For every `step`-th covered texel in x and y, appends the distance in pixels between where the
+// polygon shows it and where its surface point projects, if either lies in the frame. Infinite if
+// one lies in the frame and the other is nearer than its near plane. The point's depth is decoded
+// from Delta, whose error is half a step, 1 / (2^(bits+1) - 4) of the picture's slab. For an object
+// that has moved since the capture, move `frame`'s camera the opposite way.
 void append_sample_errors(const Nailboard& picture, const Camera& frame, int step,
                           std::vector<float>& errors_px);
 

@@ -1,18 +1,18 @@
 // Which parts of the pictures of a frame need to be drawn?
 //
-// A picture is mostly nothing around a silhouette, and in a forest most of the rest is hidden by
-// the pictures before it; but a fragment that writes its depth cannot be rejected before it is
-// shaded. So pictures are drawn by cells of the frame. Left out are cells in which the picture is
-// empty (picture_blocks.h), and those of which every tile is closed by a picture before: one that
-// covers all of the tile with opaque texels nearer than this picture's nearest there; or two of
-// which one fades into the other and that both do.
+// Around a silhouette most of a picture is empty, and in a forest most of the rest is hidden by
+// nearer pictures; but a fragment that writes its depth cannot be rejected before it is shaded. So
+// pictures are drawn in cells of the frame. Cells in which the picture is empty (picture_blocks.h)
+// are skipped, and so are cells whose tiles are all fully occluded (occlusion culling): each tile
+// is covered by opaque texels of one picture, or of two that fade into each other, that are nearer
+// than this picture's nearest texel there.
 //
-// Cells are joined to rectangles of whole pixels, so that no sample falls between, and cut to the
-// tiles at their edges. Where it is cheaper they hold cells that could be left out, and may lie
-// over each other: what is drawn twice is the same twice.
+// Cells are merged into rectangles of whole pixels, so that no sample falls between them, and cut
+// to tiles at their edges. Where that is cheaper, rectangles include cells that could be skipped,
+// and overlap: the overlap draws the same fragments twice.
 //
-// What is left out changes no sample of the frame. Pure; frame raster here runs upwards, as
-// OpenGL's does. Keeps its buffers: a steady frame does not allocate.
+// Skipping changes no sample of the frame. Pure. Frame coordinates here point upwards, as in
+// OpenGL. Buffers are kept: a steady frame does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -25,25 +25,25 @@
 
 namespace rilievo {
 
-// Where a picture's polygon stands, relative to the frame's eye, metres, axes of the world.
+// A placed picture: its polygon relative to the frame's eye, metres, world axes.
 struct StandingPicture {
   glm::dvec3 origin;                          // lower left corner
   glm::dvec3 u_axis, v_axis;                  // edges from there
-  glm::dvec3 eye;                             // the capturing one
+  glm::dvec3 eye;                             // the capture eye
   double z_near = 0, z_far = 0, plane_z = 0;  // of the capturing camera
-  // Do texels stand where their Delta says (else on the polygon)?
+  // Are texels drawn at the depth of their Delta (otherwise at the polygon's)?
   bool relief = true;
-  // May it hide others: does it have depths between those that Delta says?
+  // May it occlude others? Requires depths between those of its Deltas.
   bool hides = true;
-  // Is only a share of its pixels drawn? Those that it leaves out are drawn of `partner`, another
-  // of the pictures: they hide what both of them would.
+  // Has it a cross-fade range? The other pixels show `partner`, another of the pictures; both hide
+  // what each of them would.
   bool share = false;
   std::optional<std::uint32_t> partner;
   PictureBlocksView blocks;
 };
 
-// Of a picture, what it shows of the frame's pixels x0 <= x < x1, y0 <= y < y1. No pixels at all:
-// the whole polygon, wherever it reaches.
+// A rectangle to draw: what a picture shows of the frame's pixels x0 <= x < x1, y0 <= y < y1. A
+// rectangle without pixels means the whole polygon.
 struct DrawnCells {
   std::uint32_t picture = 0;
   std::uint16_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -52,6 +52,7 @@ struct DrawnCells {
   friend bool operator==(const DrawnCells&, const DrawnCells&) = default;
 };
 
+// Finds the rectangles of a frame.
 class VisibleCells {
  public:
   VisibleCells();
@@ -59,16 +60,17 @@ class VisibleCells {
   VisibleCells& operator=(VisibleCells&&) noexcept;
   ~VisibleCells();
 
-  // Finds the rectangles of the frame in which `pictures` may be seen: those of pictures of which
-  // all pixels are drawn, then those of shares. Most is hidden if pictures come front to back.
-  // clip_from_relative: from axes of the world around the frame's eye. The same for any number of
-  // threads.
+  // Finds the rectangles in which `pictures` can be visible, first those of pictures drawn at all
+  // pixels, then those with a cross-fade range. Pictures in front-to-back order hide the most.
+  // `clip_from_relative` transforms from world axes around the frame's eye. The result does not
+  // depend on the number of threads.
   void find(const glm::dmat4& clip_from_relative, int width, int height, double z_near,
             double z_far, std::span<const StandingPicture> pictures);
 
   [[nodiscard]] std::span<const DrawnCells> drawn() const { return drawn_; }
+  // The number of rectangles of pictures without a cross-fade range.
   [[nodiscard]] std::size_t drawn_before_shares() const { return before_shares_; }
-  // Takes (x, y, 1), pixels, to the texels there (homogeneous); meaningless if the picture is to be
+  // Maps (x, y, 1) in pixels to the picture's texels (homogeneous); undefined for a picture that is
   // drawn whole.
   [[nodiscard]] const glm::dmat3& texel_from_raster(std::size_t picture) const;
 

@@ -1,6 +1,6 @@
-// The one list of kinds of representation.
+// Which kinds of representation are there?
 //
-// To add a kind: its folder, and a line in kinds.cpp and in gl/factories.cpp.
+// To add a kind, add its folder and a line in kinds.cpp and gl/factories.cpp.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,13 @@
 
 namespace rilievo {
 
+// All kinds.
 [[nodiscard]] std::span<const Kind* const> kinds();
 
-// Of a list of kinds; null if it has none of that name.
+// The kind of that name in `kinds`; null if there is none.
 [[nodiscard]] const Kind* find_kind(std::span<const Kind* const> kinds, std::string_view name);
 
-// The kind that a file with these attributes says it holds; null if it holds plain pictures.
+// The kind that a file with these attributes contains; null for a file of plain pictures.
 [[nodiscard]] const Kind* kind_of_file(std::span<const Kind* const> kinds,
                                        const FileAttributes& attributes);
 

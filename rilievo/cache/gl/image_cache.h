@@ -1,9 +1,10 @@
-// A scene drawn from pictures within an error that the user sets in pixels (S1.5, S1.7).
+// How is a scene drawn from pictures within an error that the user sets in pixels? (S1.5, S1.7)
 //
-// The static parts hang in a spatial hierarchy whose nodes keep pictures of everything below them;
-// each moving object is a nailboard or polygons, by its cost and its picture's expected life. What
-// was baked before, of any kind, may stand for objects too. What is done is decided by policy.h;
-// here it is carried out with OpenGL, inside somebody else's frame if need be (scene_frames.h).
+// Static objects are in a spatial hierarchy, whose nodes keep pictures of everything below them.
+// Each moving object is a nailboard or polygons, depending on its cost and its picture's expected
+// life. Baked representations of any kind can stand for objects too. policy.h decides; this class
+// carries the decisions out with OpenGL, within another program's frame if necessary
+// (scene_frames.h).
 #pragma once
 
 #include <cstdint>
@@ -21,12 +22,13 @@
 
 namespace rilievo {
 
+// The error, the memory and the time that the cache may use.
 struct ImageCacheOptions {
-  double error_px = 1;
-  double gap_px = 0;                               // as CacheOptions::gap_px
-  std::size_t max_bytes = std::size_t(256) << 20;  // all texture memory that pictures take
-  // Time for captures in a frame, by the clock; 0: by CacheOptions::capture_triangles, which makes
-  // a run reproducible.
+  double error_px = 1;  // the largest error bound of a picture that is drawn
+  double gap_px = 0;    // as CacheOptions::gap_px
+  std::size_t max_bytes = std::size_t(256) << 20;  // of textures of pictures
+  // Time for captures per frame, by the clock. 0: limited by CacheOptions::capture_triangles, which
+  // makes runs reproducible.
   double capture_ms = 0;
   int fade_frames = CacheOptions{}.fade_frames;  // 1: a new picture replaces the old one at once
   int delta_bits = 8;
@@ -34,30 +36,31 @@ struct ImageCacheOptions {
   int samples = 4;  // of the framebuffer that is drawn into
   CaptureBy capture_by = CaptureBy::automatic;
   bool outlines = false;
-  bool sky = true;  // draw the scene's sky where nothing else is
+  bool sky = true;  // draw the scene's sky behind everything
 };
 
+// A frame source that captures pictures and reuses them.
 class ImageCache final : public SceneFrames {
  public:
-  // `renderer` must outlive it.
+  // `renderer` must outlive the cache. Fails where the atlas cannot be allocated.
   [[nodiscard]] static Result<ImageCache> create(SceneRenderer& renderer,
                                                  const ImageCacheOptions& options);
 
-  // What may be drawn instead of objects' polygons and pictures, within error_px and where it costs
-  // less. It takes memory besides max_bytes, counts among picture_bytes, and is given up when the
-  // light changes. Several calls add several alternatives.
+  // Adds baked representations. The cache draws them where they stay within error_px and cost less
+  // than polygons and pictures. They use memory beyond max_bytes, count in picture_bytes, and are
+  // dropped by invalidate(). Can be called several times.
   void add_alternatives(std::vector<ObjectDrawable> drawables,
                         std::unique_ptr<DrawableFactory> factory);
 
-  // Forgets every picture, and what is baked: the light has changed.
+  // Drops all pictures and baked representations, because the light has changed.
   void invalidate();
-  // Forgets the pictures that show this object (index into Scene::objects), and what it has baked.
+  // Drops the pictures and baked representations of one object (index into Scene::objects).
   void invalidate_object(std::uint32_t object);
 
-  // May be changed between frames: error_px, gap_px, capture_ms, fade_frames, outlines.
+  // error_px, gap_px, capture_ms, fade_frames and outlines can be changed between frames.
   [[nodiscard]] ImageCacheOptions& options() { return options_; }
 
-  // What the last frame drew from pictures, for measures and for saving.
+  // A picture that the last frame drew, for measures and for saving.
   struct Shown {
     PictureGeometry geometry;
     glm::dmat4 world_now_from_capture{1.0};

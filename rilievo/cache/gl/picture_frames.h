@@ -1,7 +1,8 @@
-// Every heavy object as a picture of its own, captured again whenever the eye has moved too far:
-// the plain way to use flat impostors and nailboards (S1.5 with an angle for a threshold).
+// How are flat impostors and nailboards used in the plain way (S1.5)? One picture for each heavy
+// object, captured again when the eye has moved by an angle.
 //
-// image_cache.h does better: it holds a bound in pixels, and lets one picture show many objects.
+// image_cache.h does better: its threshold is an error bound in pixels, and a picture can show many
+// objects.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +17,11 @@
 
 namespace rilievo {
 
+// When to capture, and how.
 struct PictureFramesOptions {
   DepthMode mode = DepthMode::exact;
   int delta_bits = 8;
-  // The way of the eye since the capture, relative to the object, over its distance; radians.
+  // The eye's motion since the capture, relative to the object, divided by the distance; radians.
   double max_angle = 0.012;
   std::uint64_t min_triangles = 300;  // lighter objects are drawn as polygons
   double texels_per_pixel = 1.0;
@@ -29,14 +31,15 @@ struct PictureFramesOptions {
   int samples = 4;
 };
 
+// A frame source with one picture for each heavy object.
 class PictureFrames final : public SceneFrames {
  public:
-  // `renderer` must outlive it.
+  // `renderer` must outlive the source. Fails where the atlas cannot be allocated.
   [[nodiscard]] static Result<PictureFrames> create(SceneRenderer& renderer,
                                                     const PictureFramesOptions& options);
 
-  // The pictures that the last frame drew, named after their objects. The camera of an object that
-  // has moved since its capture has moved along.
+  // The pictures that the last frame drew, named after their objects. If an object has moved since
+  // its capture, the picture's camera has moved along.
   [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
 
  private:

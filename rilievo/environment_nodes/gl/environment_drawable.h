@@ -1,8 +1,8 @@
-// Environment nodes as a drawable: those that an eye needs, kept in memory while it needs them.
+// How are environment nodes a drawable? The nodes that an eye needs are kept in memory.
 //
-// Which nodes are drawn follows from the eye alone, so that frames repeat: a node that is drawn and
-// not in memory is waited for; the next ones are loaded meanwhile (working_set.h). Needs a current
-// OpenGL context.
+// The nodes that are drawn depend only on the eye, so that frames are reproducible. A frame waits
+// for a node that it draws; the nodes that are likely next are loaded meanwhile (working_set.h).
+// Needs a current OpenGL context.
 #pragma once
 
 #include <memory>
@@ -13,32 +13,37 @@
 
 namespace rilievo {
 
+// How nodes are drawn, and how many.
 struct EnvironmentDrawOptions {
   NodeDrawOptions draw{.skin = true};
   std::size_t nodes = 2;     // drawn at a time
   std::size_t resident = 4;  // in memory at a time
 };
+// Typed options from the values of the kind's draw_options.
 [[nodiscard]] Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& values);
 
+// Compiles the shaders.
 [[nodiscard]] Result<std::unique_ptr<DrawableFactory>> make_environment_drawable_factory();
 
+// Environment nodes, ready to be drawn.
 class EnvironmentDrawable final : public Drawable {
  public:
-  // `drawer` must outlive it.
+  // `drawer` must outlive the object.
   EnvironmentDrawable(EnvironmentNodes nodes, NodeDrawer& drawer,
                       const EnvironmentDrawOptions& options);
   ~EnvironmentDrawable() override;
 
   [[nodiscard]] std::string_view kind() const override;
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
-  // There is nothing around surroundings.
+  // Draws nothing: surroundings have no outline.
   void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
-  // Of the nodes that an eye needs: the first time, measuring one takes as long as loading it.
+  // Infinite for eyes whose nodes have not been drawn yet.
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
   [[nodiscard]] std::size_t bytes() const override;
 
-  // Nodes held and being loaded, at most ever; and what went wrong, if anything did.
+  // The largest number of nodes that were in memory or being loaded at a time; and the first error,
+  // if there was one.
   [[nodiscard]] std::size_t most_in_memory() const;
   [[nodiscard]] std::optional<Error> error() const;
 

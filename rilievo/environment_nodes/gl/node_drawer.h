@@ -1,10 +1,9 @@
-// Draws environment nodes, and merges them where several show the same surface (S3.3 to S3.7).
+// How are environment nodes drawn, and merged where several show the same surface? (S3.3 to S3.8)
 //
-// A frame's depth is written, so that polygons and other pictures mix with nodes; what lies beyond
-// the frame's far plane, as the sky does, is drawn just before it, so that whoever draws a sky
-// where the frame is empty draws it into the gaps alone. Needs a current OpenGL context; draws into
-// the bound framebuffer, whose colours are sRGB-encoded, and the viewport, which has the frame's
-// size.
+// Writes depth, so that polygons and other pictures mix with nodes. What lies beyond the frame's
+// far plane, such as the sky, is drawn just before it, so that a sky drawn later fills only the
+// gaps. Needs a current OpenGL context; draws into the bound framebuffer, whose colours are
+// sRGB-encoded, and the viewport, which has the frame's size.
 #pragma once
 
 #include <array>
@@ -22,7 +21,7 @@ namespace rilievo {
 // A node on the GPU.
 class StoredNode {
  public:
-  // Requires a valid environment, and a mesh of it.
+  // Uploads a node. Requires a valid environment, and a mesh of it.
   [[nodiscard]] static StoredNode create(const EnvironmentMap& map, const NodeMesh& mesh);
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(shape_.world_from_node[3]); }
@@ -41,49 +40,54 @@ class StoredNode {
   std::size_t bytes_ = 0, triangles_ = 0;
 };
 
+// How pixels covered by several nodes are merged.
 enum class NodeMerge {
-  layering,    // all into one z-buffer
-  binary,      // of what is about as near, the triangle of the best quality
-  weighted,    // ... their mean by quality
-  positional,  // ... by quality and by how near the eye is to the node
-  first,       // the first node; the others only where it has gaps (S3.8)
+  layering,    // one z-buffer for all nodes
+  binary,      // of surfaces at about the same depth, the triangle with the best quality
+  weighted,    // ... the mean, weighted by quality
+  positional,  // ... the mean, weighted by quality and by nearness of the eye to the node
+  first,       // the first node; others only in its gaps (S3.8)
 };
 
+// How nodes are merged and gaps are filled.
 struct NodeDrawOptions {
   NodeMerge merge = NodeMerge::positional;
-  // Gaps are filled by skins of the first node where no node shows a surface; else they stay open,
-  // up to a crack's width.
+  // Fills gaps with skins of the first node where no node shows a surface. Otherwise gaps stay
+  // open, except for cracks.
   bool skin = false;
-  // Surfaces are the same if their distances differ by no more, relative.
+  // Surfaces are equal if their distances differ by at most this share.
   float tolerance = 0.03f;
 };
 
+// The programs and buffers that draw nodes.
 class NodeDrawer {
  public:
   static constexpr std::size_t kMostNodes = 8;
 
+  // Compiles the shaders.
   [[nodiscard]] static Result<NodeDrawer> create();
 
-  // One to kMostNodes nodes, the nearest to the eye first. If the eye is at the first node's own
-  // place, only that one is drawn: it shows all that is to be seen from there.
+  // Draws one to kMostNodes nodes, the nearest to the eye first. If the eye is at the first node's
+  // own place, only that node is drawn, because it shows everything visible from there. Fails where
+  // buffers cannot be allocated.
   Result<> draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                 const NodeDrawOptions& options);
 
-  // Object identifiers, for probes: those of the pictures, or `object` if it is not kNoObject. One
-  // z-buffer for all nodes.
+  // Draws object identifiers into a ProbeTarget: those of the pictures, or `object` unless it is
+  // kNoObject. One z-buffer for all nodes.
   void draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
                     std::uint32_t object, const NodeDrawOptions& options);
 
-  // For tests and measures: the direction, in the node's own space, that each pixel shows, into a
+  // For tests and measures: draws the direction in node space that each pixel shows, into a
   // framebuffer of floats.
   void draw_directions(const Camera& frame, const StoredNode& node, bool skin);
-  // With S3.3 switched off: what figure 10 (a) shows.
+  // Draws without S3.3, as in figure 10 (a).
   void draw_twice_corrected(const Camera& frame, const StoredNode& node);
 
-  // The node's picture as a plain cube map: what its mesh must look like from its own eye.
+  // Draws the node's picture as a plain cube map: the reference for the mesh seen from its own eye.
   void draw_cube_map(const Camera& frame, const StoredNode& node);
 
-  // What the last draw() drew.
+  // The number of triangles that the last draw() drew.
   [[nodiscard]] std::size_t triangles_drawn() const { return triangles_drawn_; }
 
  private:

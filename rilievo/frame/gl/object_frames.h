@@ -1,8 +1,8 @@
-// Every heavy object of a scene drawn from a representation that was baked once, before the first
-// frame. Which objects share one: representation/gl/object_drawables.h.
+// How are frames drawn from representations that were baked once, one for each heavy object?
 //
-// Polygons are what is light, what the memory has no room for, what blends, what stretches as it
-// moves, and what the eye is too near to.
+// Objects can share one (representation/gl/object_drawables.h). Drawn as polygons: light objects,
+// objects beyond the memory limit, blended parts, objects that deform as they move, and objects too
+// near to the eye.
 #pragma once
 
 #include <memory>
@@ -14,15 +14,17 @@
 
 namespace rilievo {
 
+// What to bake, and when to use it.
 struct ObjectFramesOptions {
   ObjectDrawablesOptions objects;
-  double max_texel_px = 4;  // an object whose texels would appear larger is drawn as polygons
+  double max_texel_px = 4;  // objects with larger texels on the screen are drawn as polygons
   bool outlines = false;
 };
 
+// A frame source for baked objects.
 class ObjectFrames final : public SceneFrames {
  public:
-  // Bakes at the renderer's time. `renderer` must outlive it.
+  // Bakes at the renderer's time. `renderer` must outlive the source. Fails where a bake fails.
   [[nodiscard]] static Result<std::unique_ptr<ObjectFrames>> create(
       SceneRenderer& renderer, const Kind& kind, std::unique_ptr<DrawableFactory> factory,
       const ObjectFramesOptions& options);

@@ -1,8 +1,8 @@
-// One frame of a scene: opaque things, the sky, what blends, outlines, object identifiers.
+// In which order is a frame drawn? Opaque parts, sky, blended parts, outlines; and identifiers.
 //
-// The same for all: who derives from it only chooses what each object is drawn from. Draws into the
-// bound framebuffer. Needs a current OpenGL context; leaves the OpenGL state as it was found, so
-// that it can be used inside somebody else's frame, in his z-buffer.
+// The order is the same for all sources: a derived class only chooses what each object is drawn
+// from. Draws into the bound framebuffer. Needs a current OpenGL context. Leaves the OpenGL state
+// as it was, so that it can draw within another program's frame, into its z-buffer.
 #pragma once
 
 #include <cstdint>
@@ -13,29 +13,32 @@
 
 namespace rilievo {
 
+// A frame source that draws polygons and drawables with OpenGL.
 class SceneFrames : public FrameSource {
  public:
-  // Draws polygons and the sky of `renderer`'s scene, which may be empty; it must outlive this.
+  // Draws the polygons and the sky of `renderer`'s scene, which can be empty. `renderer` must
+  // outlive the source.
   explicit SceneFrames(SceneRenderer& renderer);
 
+  // See FrameSource. Fail where OpenGL or a capture does.
   Result<> draw(const Camera& camera, double time) final;
   Result<> draw_objects() final;
   [[nodiscard]] const FrameStats& stats() const final { return stats_; }
   void append_errors(int step, std::vector<float>& errors_px) const final;
 
  protected:
-  // Fills `content` and what `stats` says of captures, memory and the bound. The renderer's time is
-  // set. May change the bound framebuffer, viewport and scissor test.
+  // Fills `content`, and in `stats` the captures, memory and bound. The renderer is already at the
+  // frame's time. May change the bound framebuffer, viewport and scissor test.
   virtual Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) = 0;
-  // Before identifiers are drawn: captures those that are missing.
+  // Called before identifiers are drawn: captures those that are missing.
   virtual void prepare_objects() {}
 
   [[nodiscard]] SceneRenderer& renderer() const { return *renderer_; }
   [[nodiscard]] const FrameContent& content() const { return content_; }
   [[nodiscard]] FrameContent& content() { return content_; }
 
-  bool outlines_ = false;  // draw outlines around what is drawn from pictures (S1.8)
-  bool sky_ = true;        // draw the scene's sky where nothing else is
+  bool outlines_ = false;  // draw outlines around pictures (S1.8)
+  bool sky_ = true;        // draw the scene's sky behind everything
 
  private:
   void draw_opaque(Output output);
@@ -50,7 +53,7 @@ class SceneFrames : public FrameSource {
   double time_ = 0;
 };
 
-// Direct drawing of every object as polygons: the true frame, and the baseline.
+// Draws every object as polygons: the true frame, and the baseline.
 class DirectFrames final : public SceneFrames {
  public:
   using SceneFrames::SceneFrames;

@@ -1,4 +1,4 @@
-// Draws what was baked or captured earlier, or elsewhere, without the scene that it shows.
+// How is a stored representation drawn without the scene that it shows?
 #pragma once
 
 #include <memory>
@@ -11,11 +11,11 @@
 
 namespace rilievo {
 
-// One drawable, where it was baked.
+// Draws instances of one drawable.
 class StoredFrames final : public SceneFrames {
  public:
-  // The sky is that of `renderer`'s scene, which may be empty; it and `factory` (if the drawable
-  // has one) must outlive it. `object` is what Output::object_id writes.
+  // The sky is that of `renderer`'s scene, which can be empty. The renderer, and the drawable's
+  // factory if it has one, must outlive the source.
   StoredFrames(SceneRenderer& renderer, std::unique_ptr<Drawable> drawable,
                std::vector<Instance> instances, bool outlines, bool sky = true);
 
@@ -29,9 +29,9 @@ class StoredFrames final : public SceneFrames {
 // Pictures with depth as nailboards.
 struct StoredPictures {
   std::unique_ptr<NailboardSet> set;
-  std::vector<Instance> instances;  // one a picture
+  std::vector<Instance> instances;  // one for each picture
 };
-// Takes perspective pictures of at most 1024 texels a side; the error names the one that is not.
+// Accepts perspective pictures of at most 1024 texels a side; the error names the first other one.
 [[nodiscard]] Result<StoredPictures> make_stored_pictures(std::span<const DepthImage> pictures,
                                                           DepthMode mode = DepthMode::exact,
                                                           int delta_bits = 8);

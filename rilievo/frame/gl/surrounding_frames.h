@@ -1,5 +1,6 @@
-// Draws a scene from within what was baked of all of it that stands still; what moves is drawn as
-// polygons, in the same z-buffer.
+// How is a scene drawn from a baked representation of its static parts, seen from within?
+//
+// Moving objects are drawn as polygons into the same z-buffer.
 #pragma once
 
 #include <memory>
@@ -10,16 +11,18 @@
 
 namespace rilievo {
 
+// What to bake.
 struct SurroundingFramesOptions {
   OptionValues bake, draw;  // of the kind
-  Box eyes = {};            // where eyes will be; empty: not known
+  Box eyes = {};            // the region of the eyes; empty: unknown
   Progress progress;
 };
 
+// A frame source for baked surroundings.
 class SurroundingFrames final : public SceneFrames {
  public:
   // Bakes at the renderer's time. Requires a kind that stands for surroundings. `renderer` must
-  // outlive it.
+  // outlive the source. Fails where a bake fails.
   [[nodiscard]] static Result<std::unique_ptr<SurroundingFrames>> create(
       SceneRenderer& renderer, const Kind& kind, std::unique_ptr<DrawableFactory> factory,
       const SurroundingFramesOptions& options);

@@ -1,4 +1,4 @@
-// Layered impostors as drawables: shaders once for all of them, pictures for each.
+// How are layered impostors drawables? They share the shaders; each has its own pictures.
 //
 // Needs a current OpenGL context.
 #pragma once
@@ -10,9 +10,10 @@
 
 namespace rilievo {
 
+// Compiles the shaders.
 [[nodiscard]] Result<std::unique_ptr<DrawableFactory>> make_layered_drawable_factory();
 
-// The same from an impostor and the options as a struct. `drawer` must outlive the drawable.
+// A drawable from an impostor and typed options. `drawer` must outlive the drawable.
 [[nodiscard]] Result<std::unique_ptr<Drawable>> make_layered_drawable(
     LayeredImpostor impostor, LayeredDrawer& drawer, const LayeredOptions& options);
 

@@ -1,7 +1,8 @@
-// Draws layered impostors, in two ways (draw_options.h), with the depth of what they show (S2.3).
+// How are layered impostors drawn by OpenGL, with the depth of what they show (S2.3)?
 //
-// Both are opaque and mix with whatever else is in the z-buffer. No antialiasing but at the edges
-// of the quads and boxes: a pixel's samples are all of the impostor's, or none.
+// In two ways (draw_options.h). Both are opaque and mix with everything else in the z-buffer. Only
+// the edges of quads and boxes are antialiased: the samples of a pixel are either all the
+// impostor's or none.
 //
 // Needs a current OpenGL context; draws into the bound framebuffer and viewport.
 #pragma once
@@ -18,25 +19,28 @@
 
 namespace rilievo {
 
+// A placed impostor.
 struct LayeredInstance {
-  // The rigid motion, or uniform scale, from the world in which the pictures were taken.
+  // Placement relative to the world at capture: a rigid motion, or a uniform scale.
   glm::dmat4 world_from_impostor{1.0};
-  // What a probe sees, if the pictures show but one object.
+  // The identifier that draw_objects writes if the pictures show only one object.
   std::uint32_t object = 1;
 };
 
+// The programs and buffers that draw layered impostors.
 class LayeredDrawer {
  public:
+  // Compiles the shaders.
   [[nodiscard]] static Result<LayeredDrawer> create();
 
-  // Colours, sRGB-encoded. `frame` is a perspective camera.
+  // Draws sRGB-encoded colours. `frame` is a perspective camera.
   void draw(LayeredPictures& pictures, const Camera& frame,
             std::span<const LayeredInstance> instances, const LayeredOptions& options = {});
-  // Object identifiers, for probes.
+  // Draws object identifiers into a ProbeTarget.
   void draw_objects(LayeredPictures& pictures, const Camera& frame,
                     std::span<const LayeredInstance> instances, const LayeredOptions& options = {});
 
-  // The edges of the boxes around impostors, hidden behind what has been drawn before (S1.8).
+  // Draws the edges of the impostors' boxes with depth test (S1.8).
   void draw_outlines(const LayeredPictures& pictures, const Camera& frame,
                      std::span<const LayeredInstance> instances);
 

@@ -1,8 +1,8 @@
-// A layered impostor on the GPU: its pictures in texture arrays, one layer a view.
+// How is a layered impostor stored on the GPU? Pictures in texture arrays, one layer for each view.
 //
-// What drawing takes: colours, and for the walk through the pictures' surfaces (LayeredMethod::
-// surfaces) disparities, slopes and links, or for slices the interval of each texel. The second
-// kind is uploaded by whoever needs it first. Needs a current OpenGL context.
+// Drawing needs colours, and either disparities, slopes and links (LayeredMethod::surfaces) or the
+// interval of each texel (slices). These are uploaded when a way of drawing first needs them. Needs
+// a current OpenGL context.
 #pragma once
 
 #include <array>
@@ -16,35 +16,38 @@
 
 namespace rilievo {
 
+// An impostor and its textures.
 class LayeredPictures {
  public:
-  // Keeps what it needs of the impostor. Fails if the driver's textures do not reach as far.
+  // Takes the impostor and uploads its colours. Fails if it exceeds the driver's texture limits.
   [[nodiscard]] static Result<LayeredPictures> create(LayeredImpostor impostor);
 
-  // The impostor: views, slices, cameras, and the pictures themselves.
+  // The impostor: views, slices, cameras and pictures.
   [[nodiscard]] const LayeredImpostor& impostor() const { return impostor_; }
-  // Bytes of texture memory taken so far.
+  // The texture memory allocated so far, bytes.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
-  // Identifiers within the pictures, if they show more than one object; else 0.
+  // Object identifiers within the pictures, if they show more than one object; else 0.
   [[nodiscard]] GLuint object_texture() const { return object_; }
-  // sRGB-encoded, premultiplied.
+  // sRGB-encoded, premultiplied colours.
   [[nodiscard]] GLuint color_texture() const { return color_; }
 
+  // The textures of LayeredMethod::surfaces.
   struct SurfaceTextures {
     GLuint q, slope, links, cells;
     // The columns at which the levels of the pyramid (warp/surface_pyramid.h) begin.
     std::array<int, SurfacePyramid::kLevels> level_at;
   };
   [[nodiscard]] SurfaceTextures surface_textures();
+  // The texture of LayeredMethod::slices.
   [[nodiscard]] GLuint interval_texture();
-  // What of a slice is drawn (layered_impostor/slice_rects.h), by view and slice; from
-  // interval_texture() on.
+  // The rectangles of a slice that are drawn (layered_impostor/slice_rects.h). Known after
+  // interval_texture() was called.
   [[nodiscard]] const std::vector<TexelRect>& rects_of(int view, int slice) const {
     return slice_rects_[std::size_t(view)][std::size_t(slice)];
   }
-  // Uploads what this way of drawing takes and lets go of the texels in main memory: from now on
-  // there is no other way, and impostor() is without its pictures' and surfaces' texels.
+  // Uploads what this way of drawing needs and frees the texels in main memory. Afterwards there is
+  // no other way, and impostor() has no texels of pictures and surfaces.
   void keep_only(LayeredMethod method);
 
  private:
@@ -57,12 +60,13 @@ class LayeredPictures {
   [[nodiscard]] gl::Texture make_array(GLenum format, int width, int height, int texel_bytes);
 };
 
-// Interval of a texel, in 16 bits each of the view's own range of depths, rounded outwards; the
-// slices' ends are scaled alike. Empty texels have front > back.
+// Intervals of texels have 16 bits for each end within the view's range of depths and are rounded
+// outwards; the ends of slices are scaled alike. Empty texels have front > back.
 struct IntervalScale {
   float nearest = 0, per_metre = 0;
   [[nodiscard]] float operator()(float eye_z) const { return (eye_z - nearest) * per_metre; }
 };
+// The scale of a view's intervals.
 [[nodiscard]] IntervalScale interval_scale(const LayeredImpostor& impostor, int view);
 
 }  // namespace rilievo

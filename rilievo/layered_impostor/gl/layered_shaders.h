@@ -1,7 +1,7 @@
-// The shaders that draw layered impostors, and what they read.
+// Which shaders draw layered impostors, and what do they read?
 //
-// Positions are local: axes of the impostor's own world, origin at the eye. Raster positions are a
-// picture's, y down; textures are fetched by them.
+// Positions are local: world axes of the impostor, origin at the eye. Raster positions are a
+// picture's, y down, and index its textures.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,13 +10,14 @@
 
 namespace rilievo::shader {
 
+// The largest number of pictures in which a pixel looks up its surface.
 inline constexpr int kMaxWalkedViews = 6;
-// Impostors in one draw call of the surface program, whose blocks have room for so many.
+// The largest number of impostors in one draw call of the surface program, the size of its blocks.
 inline constexpr int kMaxInstances = 16;
 
-// One picture as seen by one instance (std140, std430). Homogeneous raster position of a local
-// point P: (u w, v w, w) = (dot(u_row, (P, 1)), ...), w = eye_z; and back: P = apex + (base + u du
-// + v dv) / q.
+// A picture as seen by an instance (std140, std430). The homogeneous raster position of a local
+// point P is (u w, v w, w) = (dot(u_row, (P, 1)), ...), with w = eye_z; the inverse is P = apex +
+// (base + u du + v dv) / q.
 struct LayeredView {
   glm::vec4 u_row, v_row, w_row;
   glm::vec4 apex;    // w: +1 ordinary, -1 back-perspective
@@ -25,7 +26,7 @@ struct LayeredView {
   glm::vec4 depths;  // z_near, z_far; 1 if the picture is complete, else 0
 };
 
-// One impostor to draw by walking (std140).
+// An impostor drawn by ray marching (std140).
 struct LayeredInstanceBlock {
   glm::mat4 clip_from_local;
   glm::vec4 box_min, box_max;
@@ -33,18 +34,21 @@ struct LayeredInstanceBlock {
   glm::ivec4 views;      // first, count, how many have weight; object identifier
 };
 
-// One slice to draw (vertex attributes).
+// A slice to draw (vertex attributes).
 struct LayeredSlice {
   glm::vec4 rect;    // x0 y0 x1 y1
   glm::vec4 depths;  // eye_z; front, back in the units of the interval texture; -
-  glm::vec4 share;   // of the pixels [x, y); index of the view; identifier's bits
+  glm::vec4 share;   // cross-fade range [x, y); index of the view; identifier's bits
 };
 
+// What a program writes.
 enum class LayeredOutput { color, objects };
 
+// Compile the programs of the two ways of drawing.
 [[nodiscard]] Result<gl::Program> make_surface_program(LayeredOutput output);
 [[nodiscard]] Result<gl::Program> make_slice_program(LayeredOutput output);
-// The 12 edges of a box, 24 vertices. Uniforms: 0 clip_from_local, 1 and 2 the box.
+// Compiles the program of the 12 edges of a box, 24 vertices. Uniforms: 0 clip_from_local, 1 and 2
+// the box.
 [[nodiscard]] Result<gl::Program> make_box_program();
 
 }  // namespace rilievo::shader

@@ -1,4 +1,4 @@
-// How much may a picture lack of what was hidden when it was captured?
+// How wide is the strip that a picture is missing because it was hidden at capture?
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace rilievo {
 
-// Of the picture of `objects` that `capturer` has just made; null: that OpenGL has made. Changes
-// the bound framebuffer and viewport.
+// The gap table of the picture of `objects` that `capturer` has just made (null: OpenGL has).
+// Changes the bound framebuffer and viewport.
 [[nodiscard]] GapTable capture_gaps(SceneRenderer& renderer, CaptureWithoutOpenGL* capturer,
                                     const Camera& camera, std::span<const std::uint32_t> objects);
 

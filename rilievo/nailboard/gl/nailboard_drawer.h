@@ -1,12 +1,13 @@
-// Draws thousands of nailboards in one draw call, front to back, with the depth of what they show
-// (S1.2, S1.3), or flat, as the thing to beat (S1.6). Cells of them that are empty, or hidden by
-// other nailboards, are left out (visible_cells.h).
+// How are thousands of nailboards drawn in one draw call, with the depth of what they show?
+//
+// Front to back, with exact or linear depth (S1.2, S1.3), or flat, as the baseline (S1.6). Cells
+// that are empty or hidden by other nailboards are not drawn (visible_cells.h).
 //
 // Edges: a texel's alpha is the share of its samples that the object covered at capture. It is
-// interpolated between texels and becomes a coverage mask (alpha to coverage), so that in a frame
-// of n samples a pixel the silhouette takes n + 1 steps, whatever the order of drawing; each sample
-// is still either drawn or not, as the z-buffer needs it. In a frame of one sample the edge is
-// where alpha passes one half.
+// interpolated between texels and becomes a coverage mask (alpha to coverage). In a frame with n
+// samples per pixel, the silhouette has n + 1 steps, whatever the drawing order, and each sample is
+// still either drawn or not, as the z-buffer requires. In a frame with one sample per pixel, the
+// edge lies where alpha is one half.
 //
 // Needs a current OpenGL context; draws into the bound framebuffer and viewport.
 #pragma once
@@ -23,30 +24,34 @@
 
 namespace rilievo {
 
+// A picture of the atlas, placed.
 struct NailboardInstance {
   AtlasSlot slot;
   PictureGeometry geometry;
-  // The rigid motion of the object since the capture; identity if it stood still.
+  // The rigid motion of the object since the capture.
   glm::dmat4 world_now_from_capture{1.0};
-  // What the probe sees: this object, or, if kNoObject, the identifiers captured with the picture.
+  // The object identifier to write; kNoObject: those captured with the picture.
   std::uint32_t object = kNoObject;
-  // Drawn only where the pixel's hash is in [from, to): what fades in or out (shader::kPixelHash).
+  // The cross-fade range: drawn only at pixels whose hash (shader::kPixelHash) lies in
+  // [share_from, share_to).
   float share_from = 0, share_to = 1;
-  // Index of the instance of which all other pixels are drawn, if there is one.
+  // The index of the instance that is drawn at all other pixels, if there is one.
   std::optional<std::uint32_t> partner;
 };
 
+// The programs and buffers that draw nailboards.
 class NailboardDrawer {
  public:
+  // Compiles the shaders.
   [[nodiscard]] static Result<NailboardDrawer> create();
 
-  // Colours, sRGB-encoded.
+  // Draws sRGB-encoded colours.
   void draw(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
             std::span<const NailboardInstance> instances);
-  // Object identifiers, for probes.
+  // Draws object identifiers into a ProbeTarget.
   void draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
                     std::span<const NailboardInstance> instances);
-  // The polygons' outlines, hidden where they lie behind what has been drawn (S1.8).
+  // Draws the polygons' outlines with depth test (S1.8).
   void draw_outlines(const Camera& frame, std::span<const NailboardInstance> instances);
 
  private:

@@ -1,7 +1,7 @@
-// Nailboards as a drawable: an atlas of thousands of pictures with depth, one draw call.
+// How are nailboards a drawable? As an atlas of thousands of pictures, drawn in one call.
 //
-// An item is a picture in a slot of the atlas. Whoever captures says which picture an item is; the
-// atlas and its memory are the set's. Needs a current OpenGL context.
+// An item is a picture in a slot of the atlas. The code that captures assigns items to slots; the
+// set owns the atlas and its memory. Needs a current OpenGL context.
 #pragma once
 
 #include <memory>
@@ -13,19 +13,20 @@
 
 namespace rilievo {
 
-// PictureGeometry as an ErrorModel: bound_total_px of the picture, infinite for a motion that is
-// not rigid.
+// The error model of a picture: bound_total_px, infinite for a motion that is not rigid.
 [[nodiscard]] ErrorModel nailboard_error_model(const PictureGeometry& geometry);
 
+// An atlas of nailboards.
 class NailboardSet final : public Drawable {
  public:
+  // Allocates the atlas. Fails if the driver cannot.
   [[nodiscard]] static Result<std::unique_ptr<NailboardSet>> create(const AtlasOptions& options,
                                                                     DepthMode mode);
 
   [[nodiscard]] PictureAtlas& atlas() { return atlas_; }
   [[nodiscard]] const PictureAtlas& atlas() const { return atlas_; }
 
-  // From now on item `item` is the picture in `slot`.
+  // Makes `item` the picture in `slot`.
   void set_item(std::uint32_t item, const AtlasSlot& slot, const PictureGeometry& geometry);
 
   [[nodiscard]] std::string_view kind() const override { return "nailboard"; }
@@ -36,7 +37,7 @@ class NailboardSet final : public Drawable {
   [[nodiscard]] std::size_t bytes() const override { return atlas_.bytes(); }
   void append_errors(const Camera& frame, std::span<const Instance> instances, int step,
                      std::vector<float>& errors_px) const override;
-  // One picture; its camera has moved along with the object.
+  // One picture, with its camera moved along with the object.
   [[nodiscard]] std::vector<DepthImage> read_pictures(const Instance& instance) const override;
 
  private:

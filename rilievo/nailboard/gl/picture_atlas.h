@@ -1,9 +1,7 @@
-// Pictures on the GPU: colour and Delta of many nailboards in a few texture arrays, so that one
-// draw call reaches them all; filled by a capture that never leaves the GPU, or with pictures that
-// others captured.
+// How are many pictures kept on the GPU? Colour and Delta in a few texture arrays.
 //
-// All memory is taken at once: a budget, once granted, is never passed. Needs a current OpenGL
-// context.
+// One draw call reaches all of them. Captures fill them without leaving the GPU. All memory is
+// allocated at creation, so that the budget is never exceeded. Needs a current OpenGL context.
 #pragma once
 
 #include <cstddef>
@@ -20,49 +18,52 @@
 
 namespace rilievo {
 
+// The size of an atlas and the encoding of its pictures.
 struct AtlasOptions {
   std::size_t max_bytes = 256u << 20;  // capture buffers included
   int delta_bits = 8;                  // 2, 4, 6, 8 or 16
-  int samples = 4;                     // samples a texel at capture: the frame's antialiasing
+  int samples = 4;                     // per texel at capture: the antialiasing of frames
   // What who captures without OpenGL takes of the budget, for pictures of up to `size` texels a
   // side; null: the atlas captures, and has the buffers for it.
   std::size_t (*capture_bytes)(int size, int samples) = nullptr;
 };
 
+// Pictures in texture arrays.
 class PictureAtlas {
  public:
+  // Allocates all memory. Fails if the budget does not suffice for one picture or the driver
+  // refuses.
   [[nodiscard]] static Result<PictureAtlas> create(const AtlasOptions& options);
 
-  // Room for a picture; nothing when the budget is full.
+  // Allocates a slot; none if the budget is used up.
   [[nodiscard]] std::optional<AtlasSlot> allocate(int width, int height) {
     return allocator_.allocate(width, height);
   }
   void free(const AtlasSlot& slot) { allocator_.free(slot); }
 
   // Captures `objects` (opaque parts) into the slot, whose size is the camera's. Coverage becomes
-  // alpha; depth is the nearest sample's. Changes the bound framebuffer and viewport. Requires an
-  // atlas without AtlasOptions::capture_bytes.
+  // alpha; depth is that of the nearest sample. Changes the bound framebuffer and viewport.
   void capture(SceneRenderer& renderer, const Camera& camera,
                std::span<const std::uint32_t> objects, const AtlasSlot& slot);
-  // Object identifiers of the same picture, for probes. Allocates their texture at the first call.
+  // Captures the object identifiers of the same picture. The first call allocates their texture.
   void capture_objects(SceneRenderer& renderer, const Camera& camera,
                        std::span<const std::uint32_t> objects, const AtlasSlot& slot);
 
-  // Between the GPU and memory, bit for bit.
+  // Copies a picture from or to the GPU, bit for bit.
   [[nodiscard]] Nailboard read(const AtlasSlot& slot, const PictureGeometry& geometry) const;
   void write(const AtlasSlot& slot, const Nailboard& nailboard);
   // A picture captured elsewhere, of the slot's size; perspective.
   void write(const AtlasSlot& slot, const RasterPicture& picture);
 
-  // What the slot's picture shows, block by block. Waits for the GPU the first time after a capture
-  // or a write.
+  // The blocks of the slot's picture (picture_blocks.h). The first call after a capture or a write
+  // waits for the GPU.
   [[nodiscard]] PictureBlocksView blocks(const AtlasSlot& slot);
-  // Narrows the geometry's slab to what the slot's picture shows; an empty one keeps it.
+  // Narrows the geometry's slab to the samples of the slot's picture, unless it is empty.
   void narrow(const AtlasSlot& slot, PictureGeometry& geometry);
 
   [[nodiscard]] int delta_bits() const { return options_.delta_bits; }
-  // What a shader makes of the Delta texture's values: times delta_scale() they are Delta; above
-  // largest_delta(), half a step above 1, is the reserved code, a whole step above.
+  // How shaders decode a value v of the Delta texture: v * delta_scale() is Delta. Values above
+  // largest_delta(), which is half a step above 1, are the code for "transparent".
   [[nodiscard]] float largest_code() const { return options_.delta_bits > 8 ? 65535.0f : 255.0f; }
   [[nodiscard]] float delta_scale() const {
     return largest_code() / float(delta_steps(options_.delta_bits));
@@ -70,10 +71,10 @@ class PictureAtlas {
   [[nodiscard]] float largest_delta() const {
     return 1.0f + 0.5f / float(delta_steps(options_.delta_bits));
   }
-  // Texels a side of the largest picture; smaller under a small budget.
+  // Texels a side of the largest picture; smaller with a small budget.
   [[nodiscard]] int max_picture_size() const { return capture_size_; }
   [[nodiscard]] const AtlasAllocator& allocator() const { return allocator_; }
-  // Memory taken: of textures, and of what is known of their blocks.
+  // The memory allocated for textures and blocks, bytes.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] GLuint color_texture() const { return color_; }
   [[nodiscard]] GLuint delta_texture() const { return delta_; }

@@ -1,4 +1,4 @@
-// How OpenGL draws each kind of representation.
+// How does OpenGL draw each kind of representation?
 #pragma once
 
 #include <memory>
@@ -9,15 +9,17 @@
 
 namespace rilievo {
 
+// A kind and the OpenGL backend that draws it.
 struct DrawableRow {
   std::string_view kind;  // Kind::name
   // Compiles the kind's shaders. Needs a current OpenGL context.
   Result<std::unique_ptr<DrawableFactory>> (*make_factory)() = nullptr;
 };
 
+// The backends of all kinds.
 [[nodiscard]] std::span<const DrawableRow> drawable_rows();
 
-// Of the kind of that name in `rows`, which must have it.
+// Compiles the shaders of the kind of that name, which must be in `rows`.
 [[nodiscard]] Result<std::unique_ptr<DrawableFactory>> make_factory(
     std::span<const DrawableRow> rows, std::string_view kind);
 

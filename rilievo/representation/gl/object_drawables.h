@@ -1,9 +1,9 @@
-// Representations that stand for single objects of a scene, wherever those are.
+// How does a baked representation stand for single objects of a scene, wherever they are?
 //
-// Objects of one model whose poses differ by a translation share one: light is baked into it, and
-// only a translation leaves the light where it was (the sun's, that is: lamps and their falloff
-// move along). An object that is turned against another needs one of its own. An object that moves
-// carries its representation along, and with it the light that it was baked in.
+// Objects of one model whose poses differ by a translation share a representation. Light is baked
+// into it, and only translations preserve sunlight; light from lamps and its falloff move along. An
+// object with another orientation gets its own. A moving object carries its representation along,
+// with the light at the time of the bake.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,30 @@
 
 namespace rilievo {
 
+// A baked representation with the objects that it stands for.
 struct ObjectDrawable {
   std::unique_ptr<Drawable> drawable;
   std::vector<std::uint32_t> objects;   // indices into Scene::objects, ascending
-  glm::dmat4 object_from_capture{1.0};  // the inverse of the pose at which it was baked
+  glm::dmat4 object_from_capture{1.0};  // the inverse of the pose at the bake
 };
 
-// The motion from the world of the bake to where an object with this pose is; nothing if it
-// stretches.
+// The motion from the world at the bake to an object with this pose; none unless it is rigid or a
+// uniform scale.
 [[nodiscard]] std::optional<glm::dmat4> motion_of(const ObjectDrawable& drawable,
                                                   const glm::mat4& pose);
 
+// Which objects to bake, and how.
 struct ObjectDrawablesOptions {
-  OptionValues bake, draw;                         // of the kind
-  std::uint64_t min_triangles = 300;               // lighter objects get none
-  std::size_t max_bytes = std::size_t(256) << 20;  // by DrawableFactory::expected_bytes; those that
-                                                   // stand for most triangles come first
-  Progress progress;                               // of all objects together
+  OptionValues bake, draw;            // of the kind
+  std::uint64_t min_triangles = 300;  // lighter objects get none
+  // Limit on the sum of DrawableFactory::expected_bytes; objects with the most triangles come
+  // first.
+  std::size_t max_bytes = std::size_t(256) << 20;
+  Progress progress;  // of all objects together
 };
 
-// Bakes at the renderer's time. An object that has nothing to take pictures of, or for which there
-// is no memory left, gets none. `factory` must outlive them.
+// Bakes at the renderer's time. Objects that nothing can be captured of, and those beyond the
+// memory limit, get no representation. `factory` must outlive the drawables.
 [[nodiscard]] Result<std::vector<ObjectDrawable>> bake_object_drawables(
     SceneRenderer& renderer, const Kind& kind, DrawableFactory& factory,
     const ObjectDrawablesOptions& options);
