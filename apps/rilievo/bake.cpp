@@ -141,14 +141,14 @@ void print_made(const Options& options, const Kind& kind, const Baked& baked, co
 
 Result<> run(const Options& options) {
   if (!is_picture_file(options.output))
-    return Error{options.output, "pictures are written as OpenEXR: the name must end in .exr"};
+    return Error{options.output, "the output is an OpenEXR file: the name must end in .exr"};
   // Before the time is spent.
   const Kind& kind = *find_kind(kinds(), options.as);
   if (Result<> good = expect_options_of(kind, options.kinds); !good) return good;
   const Result<OptionValues> values = bake_values(kind, options.kinds);
   if (!values) return values.error();
   if (holds_pictures(options.scene))
-    return Error{options.scene, "holds pictures already: a scene is baked"};
+    return Error{options.scene, "contains pictures, not a scene to bake"};
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   Times times;
@@ -186,8 +186,8 @@ Result<> run(const Options& options) {
 
 Command bake_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("bake", "Take pictures of a scene from all around, into one file");
+  CLI::App* command = app.add_subcommand(
+      "bake", "Bake a representation of a scene or of photographs into one file");
   command
       ->add_option(
           "SCENE", options->scene,
@@ -195,7 +195,7 @@ Command bake_command(CLI::App& app) {
               ", or a capture: a folder of photographs with depth and their poses, or a manifest "
               "of Google's Seurat")
       ->required();
-  command->add_option("--as", options->as, "What is made of it (default layered-impostor)")
+  command->add_option("--as", options->as, "The kind of representation (default layered-impostor)")
       ->check(CLI::IsMember(kind_names()));
   add_kind_options(*command, KindOptionsOf::bake, options->kinds);
   command->add_option("-o,--output", options->output, "The file to write")

@@ -88,7 +88,8 @@ Command bench_command(CLI::App& app) {
       ->type_name("DIR");
   command->add_option("--scene", options->scenes, "For node-places: scenes besides stonehenge")
       ->type_name("FILE ...");
-  command->add_flag("--quick", options->quick, "Far fewer cases: only shows that the bench runs");
+  command->add_flag("--quick", options->quick,
+                    "Few cases only: a test that the benchmark runs, not a measurement");
   command->footer("Benches:\n" + known_benches() +
                   "Example: rilievo bench nailboard-error --json -");
   return {command, [options](const std::string&) { return run(*options); }};

@@ -1,4 +1,4 @@
-// Captures of photographs with depth (io/rgbd.h) on the command line.
+// How are captures of photographs with depth (io/rgbd.h) used on the command line?
 #pragma once
 
 #include <string>

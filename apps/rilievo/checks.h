@@ -1,5 +1,5 @@
-// What options accept. Every number goes through in_range() or finite(), since CLI::Range lets NaN
-// pass; main() makes all options refuse_empty().
+// Which values do options accept? Every number is checked by in_range() or finite(), because
+// CLI::Range accepts NaN; main() makes all options refuse_empty().
 #pragma once
 
 #include <fmt/format.h>

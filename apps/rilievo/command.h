@@ -1,7 +1,7 @@
-// The sub-commands: each adds its options to the parser and runs if it was chosen.
+// Which sub-commands are there? Each adds its options to the parser and runs if it was chosen.
 //
-// Exit codes: 0 done; 2 bad usage, bad input or lost output, with one line `rilievo: WHERE: reason`
-// on the error output; 1 a fault of the program's own.
+// Exit codes: 0 success; 2 bad usage, bad input or lost output, with one line
+// `rilievo: WHERE: reason` on the error output; 1 an error of the program itself.
 #pragma once
 
 #include <CLI/CLI.hpp>

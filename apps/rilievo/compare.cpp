@@ -136,9 +136,10 @@ Result<> run(Options options) {
 Result<> settle(Options& options, const std::string& given, const std::string& truth) {
   const bool is_file = holds_pictures(given);
   if (is_file && truth.empty())
-    return Error{given,
-                 "there are no true frames to compare it with: say --scene SCENE, the scene "
-                 "that it was baked of"};
+    return Error{
+        given,
+        "there are no true frames to compare it with: name the scene with --scene SCENE, the scene "
+        "from which it was baked"};
   if (!is_file && !truth.empty())
     return Error{"--scene", "goes with the OpenEXR file of what was baked, not with a scene"};
   if (holds_pictures(truth)) return Error{truth, "is not a scene: it draws no true frames"};
@@ -167,9 +168,11 @@ Command compare_command(CLI::App& app) {
       "compare", "Measure methods along a camera path against direct drawing; write a report");
   command
       ->add_option("SCENE", *given,
-                   std::string(kSceneHelp) + "; or the OpenEXR file of what was baked")
+                   std::string(kSceneHelp) + "; or the OpenEXR file of a baked representation")
       ->required();
-  command->add_option("--scene", *truth, "The scene that the file was baked of")
+  command
+      ->add_option("--scene", *truth,
+                   "The scene from which FILE was baked; required to compare a file")
       ->type_name("SCENE");
   command
       ->add_option("--methods", options->methods,
@@ -181,8 +184,9 @@ Command compare_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "Folder for report.html and report.json")
       ->required()
       ->type_name("DIR");
-  command->add_flag("--pop", options->pop,
-                    "Also measure how much more than the true ones frames change (takes longer)");
+  command->add_flag(
+      "--pop", options->pop,
+      "Also measure popping: how much more frames change than the true frames (slower)");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

@@ -36,28 +36,30 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
       .add_option_function<std::string>(
           "--size",
           [&options](const std::string& text) { parse_size(text, options.width, options.height); },
-          "Pixels of a frame (default 1280x720)")
+          "Size of a frame in pixels (default 1280x720)")
       ->type_name("WxH");
   command
-      .add_option("--frames", options.frames, "Frames to draw (default: those of the path, or 120)")
+      .add_option("--frames", options.frames,
+                  "Number of frames (default: that of the path, or 120)")
       ->check(in_range(1, kMaxFrames))
       ->type_name("N");
   auto* path =
       command.add_option("--path", options.path_file, "Camera path, JSON (rilievo-path-1)")
           ->type_name("FILE.json");
-  auto* orbit =
-      command.add_option("--orbit", options.orbit, "Circle around the scene for N frames")
+  auto* orbit = command
+                    .add_option("--orbit", options.orbit,
+                                "Camera path: N frames of a circle around the scene")
+                    ->check(in_range(1, kMaxFrames))
+                    ->type_name("N");
+  auto* walk =
+      command.add_option("--walk", options.walk, "Camera path: N frames of a walk past the scene")
           ->check(in_range(1, kMaxFrames))
           ->type_name("N");
-  auto* walk = command.add_option("--walk", options.walk, "Walk past the scene for N frames")
-                   ->check(in_range(1, kMaxFrames))
-                   ->type_name("N");
   path->excludes(orbit)->excludes(walk);
   orbit->excludes(walk);
   command
-      .add_option(
-          "--samples", options.samples,
-          "Antialiasing of every method and of the true frames: samples a pixel (default 4)")
+      .add_option("--samples", options.samples,
+                  "Samples per pixel, for all methods and for the true frames (default 4)")
       ->check(CLI::IsMember({1, 4}));
 }
 

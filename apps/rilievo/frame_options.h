@@ -1,4 +1,4 @@
-// The options that say which frames are drawn: the path of the camera, the size, the number.
+// Which options choose the frames that are drawn? The camera path, the size, the number.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -134,7 +134,8 @@ Result<> describe_pictures(const Options& options) {
 
 Command info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("info", "Say what a scene or a file of pictures holds");
+  CLI::App* command =
+      app.add_subcommand("info", "Show what a scene or a file of pictures contains");
   command
       ->add_option(
           "FILE", options->file,

@@ -1,7 +1,7 @@
-// The options of the kinds of representation, made from the list of kinds.
+// Which options do the kinds of representation have? They are made from the list of kinds.
 //
-// Kinds may share an option's name; it is added to a command once. Where a command has an option of
-// that name itself, the kinds' is called --view-NAME.
+// Kinds can share an option's name; it is added to a command once. Where a command has an option of
+// that name itself, the kinds' option is called --view-NAME.
 #pragma once
 
 #include <CLI/CLI.hpp>

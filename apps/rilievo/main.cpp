@@ -41,13 +41,13 @@ std::string command_line(int argc, char** argv) {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Draws heavy 3D scenes as pictures with depth, and measures them against the truth."};
+      "Draws heavy 3D scenes as pictures with depth, and measures them against direct drawing."};
   app.set_help_all_flag("--help-all", "Show the options of every command");
   app.require_subcommand(1);
   app.get_formatter()->column_width(36);
   app.footer(
       "Example: rilievo compare 'builtin:bridge?triangles=500000' --methods flat,nailboard -o "
-      "report\nEvery command says more with --help.");
+      "report\nrilievo COMMAND --help shows the options of a command.");
   using namespace rilievo::app;
   const std::vector<Command> commands{
       info_command(app),   scene_command(app),   bake_command(app),  export_command(app),

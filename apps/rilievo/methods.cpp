@@ -63,7 +63,7 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
   cache.error_px = options.error_px;
   cache.gap_px = options.gap_px;
   if (options.bake_mb >= options.memory_mb)
-    return Error{"--bake-mb", "must leave some of --memory-mb for pictures"};
+    return Error{"--bake-mb", "must be less than --memory-mb, so that pictures get memory, too"};
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
   cache.capture_ms = options.capture_ms;
   if (!options.fade) cache.fade_frames = 1;
@@ -179,54 +179,60 @@ class StoredSource final : public FrameSource {
 void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--delta-bits", options.delta_bits,
-                  "Bits of Delta, the pictures' depth (default 8)")
+                  "Bits of a picture's depth (Delta) per texel (default 8)")
       ->check(CLI::IsMember({2, 4, 6, 8, 16}));
   command.add_option("--depth", options.depth, "How nailboards write depth (default exact)")
       ->check(CLI::IsMember({"exact", "linear"}));
-  command.add_flag("--outlines", options.outlines, "Outline what is drawn from a picture");
+  command.add_flag("--outlines", options.outlines,
+                   "Outline everything that is drawn from a picture");
   command
       .add_option(
           "--angle", options.angle_degrees,
-          "A picture is captured again when its object has moved by this angle (default 0.7)")
+          "flat, nailboard: capture a picture again after its object has moved by this angle, as "
+          "seen from the eye (default 0.7)")
       ->check(in_range(0.0, 90.0))
       ->type_name("DEGREES");
-  command.add_option("--memory-mb", options.memory_mb, "Memory for pictures (default 256)")
+  command
+      .add_option("--memory-mb", options.memory_mb,
+                  "Limit on the memory for pictures (default 256)")
       ->check(in_range(1, 65536))
       ->type_name("MB");
   command
       .add_option("--error-px", options.error_px,
-                  "cache: no sample is drawn farther from its place, pixels (default 1)")
+                  "cache: the largest position error of a picture, in pixels (default 1)")
       ->check(in_range(0.01, 100.0))
       ->type_name("E");
   command
-      .add_option("--gap-px", options.gap_px,
-                  "cache: no strip wider than this lacks what was hidden when a picture was "
-                  "captured, pixels (default twice --error-px)")
+      .add_option(
+          "--gap-px", options.gap_px,
+          "cache: the largest width of a gap where a surface was hidden at capture, in pixels "
+          "(default twice --error-px)")
       ->check(in_range(0.01, 1e6))
       ->type_name("E");
   command
-      .add_option("--capture-ms", options.capture_ms,
-                  "cache: time for captures in a frame (default: a budget of triangles instead, "
-                  "which makes runs repeatable)")
+      .add_option(
+          "--capture-ms", options.capture_ms,
+          "cache: time for captures per frame, in ms (default: a budget of triangles instead, "
+          "which makes runs repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command
-      .add_option("--bake-mb", options.bake_mb,
-                  "cache: of its memory, so much is for what is baked of heavy objects (--bake-as) "
-                  "before the first frame; the light on what spins turns with it (default 0)")
+      .add_option(
+          "--bake-mb", options.bake_mb,
+          "cache: the part of --memory-mb for representations of heavy objects (--bake-as), baked "
+          "before the first frame; they carry the light of the bake along (default 0)")
       ->check(in_range(0, 65536))
       ->type_name("MB");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
   command
-      .add_option(
-          "--texel-px", options.texel_px,
-          "Kinds baked for objects: those whose texels would be larger are drawn as polygons "
-          "(default 4)")
+      .add_option("--texel-px", options.texel_px,
+                  "Baked kinds: draw an object as polygons if its texels would be larger than this "
+                  "(default 4)")
       ->check(in_range(0.01, 10000.0))
       ->type_name("PIXELS");
   command
       .add_option("--bake-as", options.bake_as,
-                  "cache: kinds that share --bake-mb (default layered-impostor)")
+                  "cache: the kinds to bake into --bake-mb (default layered-impostor)")
       ->delimiter(',')
       ->check(CLI::Validator(
           [](std::string& name) {
@@ -269,8 +275,9 @@ CLI::Validator known_method() {
 
 Result<> expect_method_of(const Kind& kind, const std::string& method, const std::string& option) {
   if (kind_method(method).kind == &kind) return Done{};
-  return Error{option, fmt::format("the file holds a {}, which is not drawn as {}, but as {}",
-                                   kind.name, method, fmt::join(kind_method_names(kind), " or "))};
+  return Error{option,
+               fmt::format("the file contains a {}, which cannot be drawn as {}, only as {}",
+                           kind.name, method, fmt::join(kind_method_names(kind), " or "))};
 }
 
 DepthMode depth_mode(const MethodOptions& options) {

@@ -1,4 +1,5 @@
-// The ways to draw a scene, or what a file holds, by the names they have on the command line.
+// Which methods draw a scene, or the contents of a file, and what are they called on the command
+// line?
 #pragma once
 
 #include <CLI/CLI.hpp>

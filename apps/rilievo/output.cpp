@@ -42,7 +42,7 @@ void complain(std::string message) {
 }
 
 void add_json_option(CLI::App& command, std::string& file) {
-  command.add_option("--json", file, "Write the figures as JSON; - is the standard output")
+  command.add_option("--json", file, "Write the results as JSON; - is the standard output")
       ->type_name("FILE");
 }
 

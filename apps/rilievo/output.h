@@ -1,5 +1,5 @@
-// Where results go: the standard output, whose faults are kept until the end, and files that are
-// there whole or not at all, in folders that are made when they are missing.
+// Where do results go? To the standard output, whose errors are reported at the end, and to files
+// that are complete or absent, in folders that are created if they are missing.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Files of pictures with depth: those that a frame was drawn from, with what it takes to draw that
-// frame again, and what the kinds of representation write.
+// What does a file of pictures with depth contain? Either the pictures of a frame, with the data to
+// draw the frame again, or a baked representation.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
-// How are names of strangers' files shown on a terminal, which takes some characters for orders?
+// How are names from untrusted files shown on a terminal, which obeys some characters?
 //
-// Control characters (C0, DEL, C1), characters that turn the direction of writing, and bytes that
-// are not UTF-8 come out as \xNN, byte by byte; all else as it is.
+// Control characters (C0, DEL, C1), characters that change the direction of writing, and bytes that
+// are not UTF-8 become \xNN, byte by byte; everything else is unchanged.
 #pragma once
 
 #include <string>

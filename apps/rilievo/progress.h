@@ -1,4 +1,4 @@
-// How far along is it? One line that is rewritten, on a terminal only: silent in a pipe.
+// How is progress shown? In one line that is rewritten, on a terminal only; silent in a pipe.
 #pragma once
 
 #include <string>

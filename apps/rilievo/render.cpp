@@ -260,25 +260,26 @@ Command render_command(CLI::App& app) {
   command
       ->add_option("SCENE", options->scene,
                    std::string(kSceneHelp) +
-                       "; or an OpenEXR file of pictures with depth, or of what was baked")
+                       "; or an OpenEXR file of pictures with depth or of a baked representation")
       ->required();
   auto* output =
       command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
           ->type_name("DIR");
   auto* loop_seconds =
       command
-          ->add_option("--loop-seconds", options->loop_seconds,
-                       "Instead: draw the path over and over for so long, and watch the memory")
+          ->add_option(
+              "--loop-seconds", options->loop_seconds,
+              "Instead of writing frames, repeat the path for this time and report the memory used")
           ->check(in_range(0.1, 1e6))
           ->type_name("S");
   output->excludes(loop_seconds);
   command
       ->add_option("--method", options->method,
-                   "How the frames are drawn (default nailboard, or as the file was baked)")
+                   "The drawing method (default nailboard; for a file, its kind)")
       ->check(known_method());
   command
       ->add_option("--save-pictures", options->pictures,
-                   "Folder for the pictures that each frame was drawn from, pictures_00000.exr ...")
+                   "Folder for the pictures from which each frame is drawn, pictures_00000.exr ...")
       ->type_name("DIR");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);

@@ -47,7 +47,8 @@ Command scene_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("scene", "Write a built-in scene as a GLB file");
   command
       ->add_option("NAME", options->scene,
-                   "bridge, forest, teapots or teapot, with ?triangles=N&seed=S; or a scene file")
+                   "bridge, forest, teapots, stonehenge, teapot, fern, fish or cube, with "
+                   "?triangles=N&seed=S; or a scene file")
       ->required();
   command->add_option("-o,--output", options->output, "The file to write")
       ->required()

@@ -9,11 +9,11 @@ namespace rilievo::app {
 void add_file_limits(CLI::App& command, FileLimits& limits) {
   command
       .add_option("--memory-limit-mb", limits.memory_mb,
-                  "The most that reading a scene's files may take (default 4096)")
+                  "Limit on the memory for reading a scene's files (default 4096)")
       ->check(CLI::Range(1, 1 << 20))
       ->type_name("MB");
   command.add_flag("--allow-outside", limits.allow_outside,
-                   "A scene may refer to files outside of its own folder");
+                   "Permit a scene to refer to files outside of its folder");
 }
 
 Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits) {

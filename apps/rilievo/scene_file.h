@@ -1,4 +1,4 @@
-// A scene as it is named on the command line: a file, or builtin:NAME[?triangles=N&seed=S].
+// How is a scene named on the command line? As a file, or as builtin:NAME[?triangles=N&seed=S].
 #pragma once
 
 #include <CLI/CLI.hpp>

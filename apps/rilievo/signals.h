@@ -1,4 +1,4 @@
-// What a signal that ends the program leaves behind: no half-written files.
+// What does a signal leave behind that ends the program? No half-written files.
 #pragma once
 
 namespace rilievo::app {

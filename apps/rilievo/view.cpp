@@ -316,16 +316,17 @@ Command view_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command
       ->add_option("SCENE", options->scene,
-                   std::string(kSceneHelp) + "; or the OpenEXR file of what was baked")
+                   std::string(kSceneHelp) + "; or the OpenEXR file of a baked representation")
       ->required();
   command
       ->add_option("--method", options->method,
-                   "How the frames are drawn (default cache, or as the file was baked)")
+                   "The drawing method (default cache; for a file, its kind)")
       ->check(known_method());
-  command->add_flag("--split", options->split, "Direct drawing in the right half");
+  command->add_flag("--split", options->split,
+                    "Show direct drawing in the right half of the window");
   command
       ->add_option("--screenshot", options->screenshot,
-                   "Play the path once, save the window as PNG, and quit")
+                   "Play the path once, save the window as a PNG file, and quit")
       ->type_name("FILE");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);

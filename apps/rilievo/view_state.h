@@ -1,4 +1,4 @@
-// What the window shows, and what its panel can change.
+// What does the window show, and what can its panel change?
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// A window with an OpenGL 4.5 core context and a Dear ImGui panel in it.
+// How is a window opened? With an OpenGL 4.5 core context and a Dear ImGui panel.
 #pragma once
 
 #include <memory>
