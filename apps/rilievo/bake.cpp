@@ -72,12 +72,20 @@ struct Times {
   }
 };
 
+// Where a built-in scene is walked through: around its own path; else empty, not known.
+Box eyes_of(const std::optional<CameraPath>& walk) {
+  Box eyes;
+  for (int frame = 0; walk && frame < frame_count(*walk); ++frame)
+    eyes.add(glm::vec3(camera_at(*walk, frame_time(*walk, frame), 1, 1).position()));
+  return eyes;
+}
+
 // Bakes and saves.
 Result<Baked> bake(const Options& options, const Kind& kind, const OptionValues& values,
-                   CaptureSource& source, Times& times) {
+                   CaptureSource& source, const Box& eyes, Times& times) {
   app::Progress progress("view");
   const Clock::time_point start = Clock::now();
-  Result<Baked> baked = kind.bake({source, {}}, values, [&](int done, int total) {
+  Result<Baked> baked = kind.bake({source, {}, eyes}, values, [&](int done, int total) {
     progress.show(done, total);
     times.capture_s = seconds_since(start);
     times.pictures = total;
@@ -156,7 +164,7 @@ Result<> run(const Options& options) {
     Result<PhotographSource> source = open_photographs(options.scene, options.limits);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;
-    const Result<Baked> baked = bake(options, kind, *values, *source, times);
+    const Result<Baked> baked = bake(options, kind, *values, *source, {}, times);
     if (!baked) return baked.error();
     if (!options.json.empty())
       return write_json(options.json, report_of(options, kind, *values, *baked, times));
@@ -171,7 +179,7 @@ Result<> run(const Options& options) {
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
   OpenGLSource source(*renderer);
-  const Result<Baked> baked = bake(options, kind, *values, source, times);
+  const Result<Baked> baked = bake(options, kind, *values, source, eyes_of(opened->walk), times);
   if (!baked) return baked.error();
   if (options.json.empty()) {
     print_made(options, kind, *baked, times);
