@@ -59,6 +59,17 @@ char* at_origin(void* first, const Imath::Box2i& window, std::size_t stride, std
   return reinterpret_cast<char*>(std::intptr_t(first) - offset);
 }
 
+// OpenEXR reserves what a chunk says of its own size before it reads it: of one flipped bit, 1 GiB.
+bool chunks_fit(Imf::DeepScanLineInputPart& part, double file_bytes) {
+  const Imath::Box2i window = part.header().dataWindow();
+  for (int y = window.min.y; y <= window.max.y; y = part.lastScanLineInChunk(y) + 1) {
+    std::uint64_t bytes = 0;  // too few for any chunk: nothing is read but the size
+    part.rawPixelData(y, nullptr, bytes);
+    if (double(bytes) > file_bytes) return false;
+  }
+  return true;
+}
+
 Result<> read_samples(Imf::DeepScanLineInputPart& part, double file_bytes,
                       LayeredDepthImage& layers) {
   const Imath::Box2i window = part.header().dataWindow();
@@ -165,6 +176,7 @@ Result<LayeredDepthImage> read_layers(Imf::MultiPartInputFile& file, double file
   layers.name = attribute<std::string>(header, kName)
                     .value_or(header.hasName() ? header.name() : std::string());
   Imf::DeepScanLineInputPart part(file, 0);
+  if (!chunks_fit(part, file_bytes)) return because("has a chunk that is larger than the file");
   if (Result<> read = read_samples(part, file_bytes, layers); !read) return read.error();
   if (!ours)
     if (Result<> adopted = adopt_foreign_samples(layers); !adopted) return adopted.error();
