@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bench/random.h"
+#include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/error.h"
 
 namespace rilievo::bench {
@@ -202,21 +203,14 @@ double measure(const Captured& captured, const Frame& frame) {
   return worst;
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
-BoundFigures run_bound_benchmark(const BoundOptions& options) {
-  BoundFigures figures;
+BoundStats run_bound_benchmark(const BoundOptions& options) {
+  BoundStats stats;
   Random random{options.seed};
   const std::vector<Solid> all = solids();
   std::vector<std::vector<double>> tightness(all.size());
-  for (const Solid& solid : all) figures.objects.push_back({solid.name});
+  for (const Solid& solid : all) stats.objects.push_back({solid.name});
 
   Captured captured;
   for (int i = 0; i < options.cases; ++i) {
@@ -226,20 +220,20 @@ BoundFigures run_bound_benchmark(const BoundOptions& options) {
     const double bound =
         options.scale * bound_error(captured.picture, frame.camera, frame.motion).total_px;
     const double measured = measure(captured, frame);
-    BoundFigures::OfObject& object = figures.objects[which];
-    ++figures.cases, ++object.cases;
+    BoundStats::OfObject& object = stats.objects[which];
+    ++stats.cases, ++object.cases;
     // 1e-6 px: rounding of doubles.
-    if (measured > bound + 1e-6) ++figures.violations, ++object.violations;
+    if (measured > bound + 1e-6) ++stats.violations, ++object.violations;
     if (measured > 0.25) tightness[which].push_back(bound / measured);
   }
 
   std::vector<double> together;
   for (std::size_t i = 0; i < all.size(); ++i) {
     together.insert(together.end(), tightness[i].begin(), tightness[i].end());
-    figures.objects[i].tightness_median = median(tightness[i]);
+    stats.objects[i].tightness_median = median_of(tightness[i]);
   }
-  figures.tightness_median = median(together);
-  return figures;
+  stats.tightness_median = median_of(together);
+  return stats;
 }
 
 }  // namespace rilievo::bench

@@ -19,7 +19,7 @@ struct BoundOptions {
   double scale = 1;  // of the bound: 0.5 must make violations, or the comparison proves nothing
 };
 
-struct BoundFigures {
+struct BoundStats {
   int cases = 0;
   int violations = 0;           // measured error above the scaled bound
   double tightness_median = 0;  // bound / measured, where measured > 0.25 px
@@ -32,7 +32,7 @@ struct BoundFigures {
 };
 
 // The same figures for the same options, everywhere.
-[[nodiscard]] BoundFigures run_bound_benchmark(const BoundOptions& options);
+[[nodiscard]] BoundStats run_bound_benchmark(const BoundOptions& options);
 
 // As `rilievo bench bound` reports it.
 [[nodiscard]] Result<BenchReport> bound(const BenchOptions& options);

@@ -9,12 +9,12 @@ Result<BenchReport> bound(const BenchOptions& options) {
   BoundOptions bound_options;
   GapOptions gap_options;
   if (options.quick) bound_options.cases = gap_options.cases = 100;
-  const BoundFigures measured = run_bound_benchmark(bound_options);
+  const BoundStats measured = run_bound_benchmark(bound_options);
   bound_options.scale = 0.5;
-  const BoundFigures halved = run_bound_benchmark(bound_options);
-  const GapFigures gap = run_gap_benchmark(gap_options);
+  const BoundStats halved = run_bound_benchmark(bound_options);
+  const GapStats gap = run_gap_benchmark(gap_options);
   gap_options.scale = 0.5;
-  const GapFigures gap_halved = run_gap_benchmark(gap_options);
+  const GapStats gap_halved = run_gap_benchmark(gap_options);
   BenchReport report;
   report.figures = {{"cases", measured.cases},
                     {"violations", measured.violations},
@@ -28,7 +28,7 @@ Result<BenchReport> bound(const BenchOptions& options) {
   Table table{"The error bound against what is measured, by object",
               {"object", "cases", "violations", "median of bound / measured"},
               {}};
-  for (const BoundFigures::OfObject& object : measured.objects)
+  for (const BoundStats::OfObject& object : measured.objects)
     table.rows.push_back({object.name, std::to_string(object.cases),
                           std::to_string(object.violations),
                           fmt::format("{:.2f}", object.tightness_median)});
@@ -36,7 +36,7 @@ Result<BenchReport> bound(const BenchOptions& options) {
              {"scene", "cases", "strips of 1 px or more", "violations", "of the seen slab",
               "median of bound / measured"},
              {}};
-  for (const GapFigures::OfScene& scene : gap.scenes)
+  for (const GapStats::OfScene& scene : gap.scenes)
     gaps.rows.push_back({scene.name, std::to_string(scene.cases), std::to_string(scene.seen),
                          std::to_string(scene.violations), std::to_string(scene.slab_violations),
                          fmt::format("{:.2f}", scene.tightness_median)});

@@ -14,7 +14,7 @@
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/nailboard/gl/picture_atlas.h"
+#include "rilievo/nailboard/gl/nailboard_atlas.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
@@ -75,7 +75,7 @@ Result<Measured> measure(const Scene& scene, int runs) {
         rasterized ? CaptureWithoutOpenGL::create(CaptureBy::rasterizer, scene, options.samples)
                    : nullptr;
     options.capture_bytes = rasterized ? &CaptureWithoutOpenGL::bytes : nullptr;
-    Result<PictureAtlas> atlas = PictureAtlas::create(options);
+    Result<NailboardAtlas> atlas = NailboardAtlas::create(options);
     if (!atlas) return atlas.error();
     const auto slot = atlas->allocate(kSize, kSize);
     if (!slot) return Error{"bench", "no room for one picture"};

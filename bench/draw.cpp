@@ -10,8 +10,8 @@
 
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/nailboard/gl/nailboard_atlas.h"
 #include "rilievo/nailboard/gl/nailboard_drawer.h"
-#include "rilievo/nailboard/gl/picture_atlas.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo::bench {
@@ -92,7 +92,7 @@ struct Fill {
 Result<Fill> measure_fill(DepthMode mode, int samples, int runs) {
   Result<FrameTarget> target = FrameTarget::create(kFill, kFill, samples);
   if (!target) return target.error();
-  Result<PictureAtlas> atlas = PictureAtlas::create({std::size_t(128) << 20, 8, 1});
+  Result<NailboardAtlas> atlas = NailboardAtlas::create({std::size_t(128) << 20, 8, 1});
   if (!atlas) return atlas.error();
   Result<NailboardDrawer> drawer = NailboardDrawer::create();
   if (!drawer) return drawer.error();
@@ -128,7 +128,7 @@ Result<Fill> measure_fill(DepthMode mode, int samples, int runs) {
 Result<double> measure_many(DepthMode mode, int samples, int count, int runs) {
   Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, samples);
   if (!target) return target.error();
-  Result<PictureAtlas> atlas = PictureAtlas::create({std::size_t(192) << 20, 8, 1});
+  Result<NailboardAtlas> atlas = NailboardAtlas::create({std::size_t(192) << 20, 8, 1});
   if (!atlas) return atlas.error();
   Result<NailboardDrawer> drawer = NailboardDrawer::create();
   if (!drawer) return drawer.error();

@@ -7,22 +7,23 @@
 #include "bench/gap_scenes.h"
 #include "bench/random.h"
 #include "rilievo/core/depth.h"
+#include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/gap_table.h"
 
 namespace rilievo::bench {
 namespace {
 
-constexpr int kFramesPerScene = 8, kRays = 1500, kRuns = 12;
+constexpr int kFramesPerScene = 8, kGapRays = 1500, kRuns = 12;
 constexpr double kStep = 0.05, kLongest = 200;  // pixels
 
-struct Captured {
+struct GapCapture {
   GapScene scene;
   PictureGeometry picture;
   GapTable table;
 };
 
-Captured capture(std::size_t kind, Random& random) {
-  Captured made;
+GapCapture capture(std::size_t kind, Random& random) {
+  GapCapture made;
   made.scene = make_gap_scene(kind, random);
   const double reach = made.scene.reach();
   Box box;
@@ -51,18 +52,18 @@ Captured capture(std::size_t kind, Random& random) {
   return made;
 }
 
-struct Frame {
+struct GapFrame {
   Camera camera;
   RigidMotion motion;
   Camera camera_then;  // the frame's, moved against the object
 };
 
-Frame new_frame(const Captured& captured, Random& random) {
+GapFrame new_frame(const GapCapture& captured, Random& random) {
   const glm::dvec3 old_eye = captured.picture.capture.position();
   const double distance = glm::length(old_eye);
   glm::dvec3 step = distance * random.power(0.01, 0.1) * random.direction();
   if (random.next() < 0.4) step -= 0.9 * glm::dot(step, old_eye) / (distance * distance) * old_eye;
-  Frame frame;
+  GapFrame frame;
   const glm::dvec3 target = distance * random.between(0, 0.15) * random.direction();
   frame.camera = look_at(old_eye + step, target,
                          random.next() < 0.5 ? glm::dvec3(0, 1, 0) : random.direction(),
@@ -118,11 +119,11 @@ class Missing {
   const Camera& frame_;
 };
 
-double widest(const Captured& captured, const Frame& frame, Random& random) {
+double widest(const GapCapture& captured, const GapFrame& frame, Random& random) {
   const Missing missing(captured.scene, captured.picture.capture.position(), frame.camera_then);
   double widest = 0;
   int runs = 0;
-  for (int i = 0; i < kRays && runs < kRuns; ++i) {
+  for (int i = 0; i < kGapRays && runs < kRuns; ++i) {
     const glm::dvec2 raster(random.next() * frame.camera.width,
                             random.next() * frame.camera.height);
     glm::dvec3 point;
@@ -133,46 +134,39 @@ double widest(const Captured& captured, const Frame& frame, Random& random) {
   return widest;
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
-GapFigures run_gap_benchmark(const GapOptions& options) {
-  GapFigures figures;
+GapStats run_gap_benchmark(const GapOptions& options) {
+  GapStats stats;
   std::vector<double> ratios;
   std::vector<std::vector<double>> ratios_of(std::size(kGapScenes));
   for (const std::string_view name : kGapScenes)
-    figures.scenes.push_back({std::string(name), 0, 0, 0, 0, 0});
+    stats.scenes.push_back({std::string(name), 0, 0, 0, 0, 0});
   Random random{options.seed};
-  Captured captured;
+  GapCapture captured;
   for (int i = 0; i < options.cases; ++i) {
     const std::size_t kind = std::size_t(i / kFramesPerScene) % std::size(kGapScenes);
     if (i % kFramesPerScene == 0) captured = capture(kind, random);
-    const Frame frame = new_frame(captured, random);
+    const GapFrame frame = new_frame(captured, random);
     const double truth = widest(captured, frame, random);
     const double bound =
         options.scale * bound_gap_px(captured.picture, captured.table, frame.camera, frame.motion);
     const double slab = bound_error(captured.picture, frame.camera, frame.motion).disocclusion_px;
-    GapFigures::OfScene& of = figures.scenes[kind];
-    ++of.cases, ++figures.cases;
+    GapStats::OfScene& of = stats.scenes[kind];
+    ++of.cases, ++stats.cases;
     if (truth > bound + kGapMeasuredTo) {
-      ++of.violations, ++figures.violations;
-      figures.worst_excess_px = std::max(figures.worst_excess_px, truth - bound);
+      ++of.violations, ++stats.violations;
+      stats.worst_excess_px = std::max(stats.worst_excess_px, truth - bound);
     }
-    if (truth > slab + kGapMeasuredTo) ++of.slab_violations, ++figures.slab_violations;
+    if (truth > slab + kGapMeasuredTo) ++of.slab_violations, ++stats.slab_violations;
     if (truth < 1) continue;
-    ++of.seen, ++figures.seen;
+    ++of.seen, ++stats.seen;
     ratios.push_back(bound / truth), ratios_of[kind].push_back(bound / truth);
   }
-  figures.tightness_median = median(ratios);
-  for (std::size_t kind = 0; kind < figures.scenes.size(); ++kind)
-    figures.scenes[kind].tightness_median = median(ratios_of[kind]);
-  return figures;
+  stats.tightness_median = median_of(ratios);
+  for (std::size_t kind = 0; kind < stats.scenes.size(); ++kind)
+    stats.scenes[kind].tightness_median = median_of(ratios_of[kind]);
+  return stats;
 }
 
 }  // namespace rilievo::bench

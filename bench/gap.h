@@ -16,7 +16,7 @@ struct GapOptions {
   double scale = 1;  // of the bound: 0.5 must make violations, or the comparison proves nothing
 };
 
-struct GapFigures {
+struct GapStats {
   int cases = 0;
   int violations = 0;           // a strip wider than the scaled bound and kGapMeasuredTo
   double worst_excess_px = 0;   // of those
@@ -36,6 +36,6 @@ struct GapFigures {
 inline constexpr double kGapMeasuredTo = 0.1;  // pixels: two steps along an epipolar line
 
 // The same figures for the same options, everywhere.
-[[nodiscard]] GapFigures run_gap_benchmark(const GapOptions& options);
+[[nodiscard]] GapStats run_gap_benchmark(const GapOptions& options);
 
 }  // namespace rilievo::bench

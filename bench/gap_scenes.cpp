@@ -7,7 +7,7 @@
 namespace rilievo::bench {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
 bool cast_ball(const GapSolid& s, const glm::dvec3& m, const glm::dvec3& d, double& in,
                double& out) {
@@ -20,7 +20,7 @@ bool cast_ball(const GapSolid& s, const glm::dvec3& m, const glm::dvec3& d, doub
 
 bool cast_box(const GapSolid& s, const glm::dvec3& m, const glm::dvec3& d, double& in,
               double& out) {
-  in = -kInfinity, out = kInfinity;
+  in = -kNowhere, out = kNowhere;
   for (int i = 0; i < 3; ++i) {
     const double p = glm::dot(m, s.axes[i]), q = glm::dot(d, s.axes[i]);
     if (q == 0) {
@@ -53,8 +53,8 @@ GapSolid ball(const glm::dvec3& center, double radius) {
   return s;
 }
 
-GapSolid box(const glm::dvec3& center, const glm::dvec3& half,
-             const glm::dmat3& axes = glm::dmat3(1.0)) {
+GapSolid box_of(const glm::dvec3& center, const glm::dvec3& half,
+                const glm::dmat3& axes = glm::dmat3(1.0)) {
   GapSolid s;
   s.kind = GapSolid::Kind::box, s.center = center, s.half = half, s.axes = axes;
   return s;
@@ -80,7 +80,7 @@ void add_leaves(GapScene& scene, int count, double size, const glm::dvec3& cente
 
 bool GapScene::cast(const glm::dvec3& origin, const glm::dvec3& direction, double& first,
                     double& last) const {
-  first = kInfinity, last = -kInfinity;
+  first = kNowhere, last = -kNowhere;
   for (const GapSolid& s : solids) {
     const glm::dvec3 m = origin - s.center;
     double in = 0, out = 0;
@@ -89,7 +89,7 @@ bool GapScene::cast(const glm::dvec3& origin, const glm::dvec3& direction, doubl
                                                      : cast_disc(s, m, direction, in, out);
     if (hit && in > 0) first = std::min(first, in), last = std::max(last, out);
   }
-  return first < kInfinity;
+  return first < kNowhere;
 }
 
 double GapScene::reach() const {
@@ -114,29 +114,29 @@ GapScene make_gap_scene(std::size_t kind, Random& random) {
       add(ball({0, 0, 0}, in(0.5, 2)));
       break;
     case 1:
-      add(box({0, 0, 0}, {in(0.4, 1.2), in(0.4, 1.2), in(0.4, 1.2)},
-              axes_of(random.direction(), random.direction())));
+      add(box_of({0, 0, 0}, {in(0.4, 1.2), in(0.4, 1.2), in(0.4, 1.2)},
+                 axes_of(random.direction(), random.direction())));
       break;
     case 2:
-      add(box({in(-0.5, 0.5), in(-0.5, 0.5), 0}, {1, 1, in(0.3, 2)}));
+      add(box_of({in(-0.5, 0.5), in(-0.5, 0.5), 0}, {1, 1, in(0.3, 2)}));
       break;
     case 3:
-      add(box({0, 0, 1}, {1, 1, 0.03}));
+      add(box_of({0, 0, 1}, {1, 1, 0.03}));
       for (int i = 0; i < 4; ++i)
-        add(box({in(0.2, 1.6), in(-0.8, 0.8), in(-1.5, 0.5)}, {1, in(0.05, 0.2), 0.05}));
+        add(box_of({in(0.2, 1.6), in(-0.8, 0.8), in(-1.5, 0.5)}, {1, in(0.05, 0.2), 0.05}));
       break;
     case 4:  // bars wholly behind the plate, for an eye some ten metres away
-      add(box({0, 0, 1}, {1, 1, 0.03}));
+      add(box_of({0, 0, 1}, {1, 1, 0.03}));
       for (int i = 0; i < 3; ++i) {
         const double side = random.next() < 0.5 ? -1 : 1;
-        add(box({side * in(0.7, 0.8), 0, in(-1.5, 0.5)}, {0.15, 0.7, 0.05}));
+        add(box_of({side * in(0.7, 0.8), 0, in(-1.5, 0.5)}, {0.15, 0.7, 0.05}));
       }
       break;
     case 5: {
       const double depth = in(0.2, 1.2), width = in(0.03, 0.07);
-      for (int i = 0; i < 12; ++i) add(box({-1.4 + 2.8 * i / 11, 0, 0}, {width, 1, depth}));
-      add(box({0, 1, 0}, {1.5, 0.1, depth}));
-      if (random.next() < 0.5) add(box({0, 0, -depth - 0.2}, {1.5, 1, 0.05}));
+      for (int i = 0; i < 12; ++i) add(box_of({-1.4 + 2.8 * i / 11, 0, 0}, {width, 1, depth}));
+      add(box_of({0, 1, 0}, {1.5, 0.1, depth}));
+      if (random.next() < 0.5) add(box_of({0, 0, -depth - 0.2}, {1.5, 1, 0.05}));
       break;
     }
     case 6: {
@@ -144,22 +144,22 @@ GapScene make_gap_scene(std::size_t kind, Random& random) {
       for (int layer = 0; layer < 3; ++layer) {
         const double width = in(0.03, 0.08), apart = in(0.18, 0.4);
         for (double x = -1.5 + in(0, 0.3); x < 1.5; x += apart)
-          add(box({x, 0, z}, {width, 1, 0.03}));
+          add(box_of({x, 0, z}, {width, 1, 0.03}));
         z -= in(0.3, 1);
       }
-      if (random.next() < 0.5) add(box({0, 0, z}, {1.6, 1.1, 0.03}));
+      if (random.next() < 0.5) add(box_of({0, 0, z}, {1.6, 1.1, 0.03}));
       break;
     }
     case 7:
       add_leaves(scene, random.next() < 0.5 ? 50 : 160, 0.3, {0, 0, 0}, 1.5, random);
       break;
     case 8:
-      add(box({0, -0.8, 0}, {0.12, 1.2, 0.12}));
+      add(box_of({0, -0.8, 0}, {0.12, 1.2, 0.12}));
       add_leaves(scene, 90, 0.22, {0, 0.7, 0}, 1.1, random);
-      add(box({0, -2, 0}, {1.8, 0.05, 1.8}));
+      add(box_of({0, -2, 0}, {1.8, 0.05, 1.8}));
       break;
     case 9:
-      add(box({0, -0.8, 0}, {2, 0.05, 3}));
+      add(box_of({0, -0.8, 0}, {2, 0.05, 3}));
       for (int i = 0; i < 14; ++i) {
         const double radius = in(0.1, 0.4);
         add(ball({in(-1.5, 1.5), i % 2 ? in(-0.3, 1.2) : radius - 0.75, in(-2, 2)}, radius));
@@ -168,14 +168,14 @@ GapScene make_gap_scene(std::size_t kind, Random& random) {
     case 10:
       for (int i = 0; i < 18; ++i) {
         const double width = in(0.04, 0.2);
-        add(box({in(-1.5, 1.5), 0, in(-3, 2)}, {width, 1, width},
-                axes_of({1, in(-0.2, 0.2), in(-1, 1)}, {in(-0.2, 0.2), 1, 0})));
+        add(box_of({in(-1.5, 1.5), 0, in(-3, 2)}, {width, 1, width},
+                   axes_of({1, in(-0.2, 0.2), in(-1, 1)}, {in(-0.2, 0.2), 1, 0})));
       }
       break;
     default:
       for (int i = 0; i < 9; ++i)
-        add(box({in(-1.2, 1.2), in(-1, 1), in(-2.5, 1.5)}, {in(0.1, 0.6), in(0.1, 0.6), 0.02},
-                axes_of({1, 0, in(-0.3, 0.3)}, {in(-0.3, 0.3), 1, in(-0.3, 0.3)})));
+        add(box_of({in(-1.2, 1.2), in(-1, 1), in(-2.5, 1.5)}, {in(0.1, 0.6), in(0.1, 0.6), 0.02},
+                   axes_of({1, 0, in(-0.3, 0.3)}, {in(-0.3, 0.3), 1, in(-0.3, 0.3)})));
   }
   return scene;
 }

@@ -6,19 +6,19 @@ namespace rilievo::bench {
 namespace {
 
 TEST(GapBenchmark, no_strip_is_wider_than_bound_and_half_of_the_bound_is_too_little) {
-  const GapFigures figures = run_gap_benchmark({480, 7, 1});
-  EXPECT_EQ(figures.cases, 480);
-  EXPECT_EQ(figures.violations, 0) << figures.worst_excess_px;
-  EXPECT_GT(figures.seen, 100);
-  EXPECT_GE(figures.tightness_median, 1);
-  EXPECT_LE(figures.tightness_median, 3);  // what the project promises
+  const GapStats stats = run_gap_benchmark({480, 7, 1});
+  EXPECT_EQ(stats.cases, 480);
+  EXPECT_EQ(stats.violations, 0) << stats.worst_excess_px;
+  EXPECT_GT(stats.seen, 100);
+  EXPECT_GE(stats.tightness_median, 1);
+  EXPECT_LE(stats.tightness_median, 3);  // what the project promises
   // The slab of what the capture saw is no bound: hidden bars are not in it.
-  EXPECT_GT(figures.slab_violations, 0);
+  EXPECT_GT(stats.slab_violations, 0);
   EXPECT_GT(run_gap_benchmark({480, 7, 0.5}).violations, 0);
 }
 
 TEST(GapBenchmark, the_seed_decides) {
-  const GapFigures a = run_gap_benchmark({96, 1, 1}), b = run_gap_benchmark({96, 1, 1});
+  const GapStats a = run_gap_benchmark({96, 1, 1}), b = run_gap_benchmark({96, 1, 1});
   EXPECT_EQ(a.tightness_median, b.tightness_median);
   EXPECT_NE(a.tightness_median, run_gap_benchmark({96, 2, 1}).tightness_median);
 }

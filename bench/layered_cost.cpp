@@ -103,7 +103,7 @@ Result<> add_slices(const std::vector<BenchObject>& objects, bool quick, BenchRe
       const Result<LayeredImpostor> impostor =
           bake(*renderer, ViewSpread::both_32, quick ? size / 8 : size, layers, true);
       if (!impostor) return impostor.error();
-      const LayeredFigures f = analyze_layered_impostor(*impostor);
+      const LayeredStats f = analyze_layered_impostor(*impostor);
       const double views = double(impostor->pictures.size());
       table.rows.push_back({object.name, std::to_string(size), std::to_string(layers),
                             fmt::format("{:.1f}", double(f.slices) / views),

@@ -86,12 +86,12 @@ void add_row(const Measured& m, Table& table, BenchReport& report) {
                         fmt::format("{:.4f}", q.ssim.mean), fmt::format("{:.4f}", q.flip.mean),
                         fmt::format("{:.4f}", 100 * q.uncovered),
                         fmt::format("{:.4f}", 100 * q.wrong), fmt::format("{:.1f}", q.frame_ms)});
-  const std::pair<const char*, double> figures[] = {
+  const std::pair<const char*, double> stats[] = {
       {"psnr_db", q.psnr_db.mean}, {"object_psnr_db", q.object_psnr_db.mean},
       {"ssim", q.ssim.mean},       {"flip", q.flip.mean},
       {"uncovered", q.uncovered},  {"wrong_visibility", q.wrong},
       {"frame_ms_p50", q.frame_ms}};
-  for (const auto& [name, value] : figures)
+  for (const auto& [name, value] : stats)
     report.figures.emplace_back(
         fmt::format("{}_{}_{}{}", name, m.object, m.setting, m.fill ? "" : "_unfilled"), value);
 }
@@ -139,16 +139,16 @@ class Sweep {
   // What the bound claims for an eye at 4 radii.
   void add_bounds(const Subject& subject, const LayeredImpostor& impostor) {
     const Camera camera = camera_on(world_bounds(subject.object.scene), {0, 0, 4}, plan_.frame);
-    const LayeredErrorFigures figures = layered_error_figures(impostor);
+    const LayeredErrorStats stats = layered_error_stats(impostor);
     const LayeredError slices =
-        bound_layered_error(figures, true, impostor.bounds, glm::dmat4(1), camera);
+        bound_layered_error(stats, true, impostor.bounds, glm::dmat4(1), camera);
     const LayeredError walk =
-        bound_layered_error(figures, false, impostor.bounds, glm::dmat4(1), camera);
+        bound_layered_error(stats, false, impostor.bounds, glm::dmat4(1), camera);
     const auto of_radius = [&](double metres) {
       return fmt::format("{:.2f}", 100 * metres / double(impostor.bounds.radius()));
     };
-    bounds_.rows.push_back({subject.object.name, of_radius(figures.slice), of_radius(figures.reach),
-                            of_radius(figures.texel), fmt::format("{:.2f}", slices.surface_px),
+    bounds_.rows.push_back({subject.object.name, of_radius(stats.slice), of_radius(stats.reach),
+                            of_radius(stats.texel), fmt::format("{:.2f}", slices.surface_px),
                             fmt::format("{:.2f}", slices.sample_px),
                             fmt::format("{:.2f}", walk.sample_px)});
     report_.figures.emplace_back("bound_px_slices_" + subject.object.name, slices.sample_px);

@@ -20,17 +20,17 @@
 namespace rilievo::bench {
 namespace {
 
-constexpr double kDistance = 4;                                  // of the eyes, radii
-constexpr int kStep = 2, kMost = 30, kFigure = 20, kShown = 20;  // degrees
+constexpr double kTearsDistance = 4;                                        // of the eyes, radii
+constexpr int kTearsStep = 2, kMaxDegrees = 30, kFigure = 20, kShown = 20;  // degrees
 
-struct Way {
+struct TearsWay {
   const char* figure;
   const char* name;
   LayeredMethod method = LayeredMethod::slices;
   float overlap = 0;
   bool pieces = false, solid = false;
 };
-constexpr Way kWays[] = {
+constexpr TearsWay kTearsWays[] = {
     {"overlap_0", "samples, no overlap"},
     {"overlap_0.25", "samples, overlap 0.25", LayeredMethod::slices, 0.25f},
     {"overlap_0.5", "samples, overlap 0.5", LayeredMethod::slices, 0.5f},
@@ -49,7 +49,7 @@ glm::dvec3 beside(const glm::dvec3& direction, double offset, double azimuth) {
 }
 
 // One picture of the impostor, as an impostor; solid if it knows the others' inside.
-LayeredImpostor alone(const LayeredImpostor& impostor, std::size_t view, const Way& way) {
+LayeredImpostor alone(const LayeredImpostor& impostor, std::size_t view, const TearsWay& way) {
   LayeredImpostor one;
   one.name = impostor.name;
   one.bounds = impostor.bounds;
@@ -92,27 +92,28 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   const Result<LayeredImpostor> impostor = bake_layered(scene_source, {}, bake);
   if (!impostor) return impostor.error();
 
-  constexpr std::size_t kOffsets = kMost / kStep + 1;
-  std::vector<std::vector<Visibility>> found(std::size(kWays), std::vector<Visibility>(kOffsets));
+  constexpr std::size_t kOffsets = kMaxDegrees / kTearsStep + 1;
+  std::vector<std::vector<Visibility>> found(std::size(kTearsWays),
+                                             std::vector<Visibility>(kOffsets));
   DirectFrames direct(*renderer);
   for (std::size_t view = 0; view < impostor->pictures.size(); view += every) {
     std::vector<std::vector<Eye>> eyes(kOffsets);
     for (std::size_t o = 0; o < kOffsets; ++o)
       for (int a = 0; a < (o == 0 ? 1 : azimuths); ++a) {
         const glm::dvec3 direction =
-            beside(impostor->views.directions[view], glm::radians(double(o) * kStep),
+            beside(impostor->views.directions[view], glm::radians(double(o) * kTearsStep),
                    2 * glm::pi<double>() * (a + 0.25) / azimuths);
-        const Camera camera = camera_on(box, kDistance * direction, size);
+        const Camera camera = camera_on(box, kTearsDistance * direction, size);
         Result<ShownFrame> truth = frames->draw(direct, camera);
         if (!truth) return truth.error();
         eyes[o].push_back({camera, std::move(*truth)});
       }
-    for (std::size_t w = 0; w < std::size(kWays); ++w) {
+    for (std::size_t w = 0; w < std::size(kTearsWays); ++w) {
       LayeredOptions layered_options;
-      layered_options.method = kWays[w].method;
+      layered_options.method = kTearsWays[w].method;
       layered_options.max_views = 1;
-      const auto source =
-          impostor_source(*renderer, *drawer, alone(*impostor, view, kWays[w]), layered_options);
+      const auto source = impostor_source(*renderer, *drawer, alone(*impostor, view, kTearsWays[w]),
+                                          layered_options);
       if (!source) return source.error();
       for (std::size_t o = 0; o < kOffsets; ++o)
         for (const Eye& eye : eyes[o]) {
@@ -121,10 +122,10 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
           const Visibility one = compare_visibility(eye.truth.objects, shown->objects);
           found[w][o].counted_objects += one.counted_objects;
           found[w][o].uncovered += one.uncovered;
-          if (view == 4 && o == kShown / kStep && &eye == &eyes[o][0])
+          if (view == 4 && o == kShown / kTearsStep && &eye == &eyes[o][0])
             report.pictures.push_back(
                 {fmt::format("Tears, figure 4: one picture from {} degrees beside: {}", kShown,
-                             kWays[w].name),
+                             kTearsWays[w].name),
                  {"image/png", encode_png(shown->color)}});
         }
     }
@@ -137,17 +138,17 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
       {"texels and overlap", "0 deg", "10 deg", "20 deg", "30 deg"},
       {}};
   Plot plot{"Tears (figure 4)", "eye beside the picture's direction, degrees", "% uncovered", {}};
-  for (std::size_t w = 0; w < std::size(kWays); ++w) {
-    Curve curve{kWays[w].name, {}, {}};
-    std::vector<std::string> row{kWays[w].name};
+  for (std::size_t w = 0; w < std::size(kTearsWays); ++w) {
+    Curve curve{kTearsWays[w].name, {}, {}};
+    std::vector<std::string> row{kTearsWays[w].name};
     for (std::size_t o = 0; o < kOffsets; ++o) {
       const double share = found[w][o].uncovered_share();
-      const int degrees = int(o) * kStep;
+      const int degrees = int(o) * kTearsStep;
       curve.x.push_back(degrees);
       curve.y.push_back(100 * share);
       if (degrees % 10 == 0) row.push_back(fmt::format("{:.3f}", 100 * share));
       if (degrees == kFigure)
-        report.figures.emplace_back(fmt::format("tears_{}_at_{}deg", kWays[w].figure, kFigure),
+        report.figures.emplace_back(fmt::format("tears_{}_at_{}deg", kTearsWays[w].figure, kFigure),
                                     share);
     }
     table.rows.push_back(std::move(row));

@@ -34,8 +34,8 @@ namespace {
 
 constexpr double kNear = 10, kFar = 1000;
 constexpr double kBehindTheImagePlane = kNear, kModerate = 150;
-constexpr double kTurn = 30, kStep = 0.05;
-constexpr std::array kWays = {0.01, 0.02, 0.05, 0.10, 0.20};
+constexpr double kTurn = 30, kErrorStep = 0.05;
+constexpr std::array kErrorWays = {0.01, 0.02, 0.05, 0.10, 0.20};
 
 struct NamedMotion {
   const char* name;
@@ -57,7 +57,7 @@ EyeMotion scaled(const EyeMotion& motion, double way) {
 Table motions_table() {
   Table table{"Largest error, percent", {"way, % of distance"}, {}};
   for (const NamedMotion& motion : kMotions) table.columns.push_back(motion.name);
-  for (const double way : kWays) {
+  for (const double way : kErrorWays) {
     table.rows.push_back({fmt::format("{:.0f}", 100 * way)});
     for (const NamedMotion& motion : kMotions)
       table.rows.back().push_back(fmt::format(
@@ -72,7 +72,7 @@ Plot over_the_motion() {
   plot.points = true;
   for (const NamedMotion& motion : kMotions) {
     Curve curve{motion.name, {}, {}};
-    for (const double way : kWays) {
+    for (const double way : kErrorWays) {
       curve.x.push_back(100 * way);
       curve.y.push_back(max_depth_error_percent(scaled(motion.of_one, way), kBehindTheImagePlane));
     }
@@ -86,9 +86,9 @@ Plot over_the_interval(double d, const char* title) {
   Plot plot{title, "Delta", "percent", {}};
   const std::array motions = {
       NamedMotion{"turned by 30 degrees", {0, 0, kTurn}},
-      NamedMotion{"5 % towards", {kStep, 0, 0}},
-      NamedMotion{"5 % away", {-kStep, 0, 0}},
-      NamedMotion{"5 % across", {0, kStep, 0}},
+      NamedMotion{"5 % towards", {kErrorStep, 0, 0}},
+      NamedMotion{"5 % away", {-kErrorStep, 0, 0}},
+      NamedMotion{"5 % across", {0, kErrorStep, 0}},
   };
   for (const NamedMotion& motion : motions) {
     Curve curve{motion.name, {}, {}};
@@ -137,13 +137,14 @@ Result<BenchReport> nailboard_error(const BenchOptions&) {
   for (const double d : {kBehindTheImagePlane, kModerate}) {
     for (const double degrees : {-kTurn, kTurn})
       turned = std::max(turned, max_depth_error_percent({0, 0, degrees}, d));
-    for (const EyeMotion& motion : {EyeMotion{kStep}, {-kStep}, {0, kStep}, {0, -kStep}})
+    for (const EyeMotion& motion :
+         {EyeMotion{kErrorStep}, {-kErrorStep}, {0, kErrorStep}, {0, -kErrorStep}})
       moved = std::max(moved, max_depth_error_percent(motion, d));
   }
   report.figures = {{"max_error_percent_rotation_30", turned},
                     {"max_error_percent_translation_5", moved},
                     {"max_error_percent_translation_5_rotation_30",
-                     max_depth_error_percent({0, kStep, -kTurn}, kBehindTheImagePlane)}};
+                     max_depth_error_percent({0, kErrorStep, -kTurn}, kBehindTheImagePlane)}};
   report.tables = {motions_table()};
   report.plots = {over_the_interval(kBehindTheImagePlane, "Figure 8 (a): behind the image plane"),
                   over_the_interval(kModerate, "Figure 8 (b): at d = 150"), over_the_motion()};

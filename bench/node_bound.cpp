@@ -20,7 +20,7 @@ constexpr int kWidth = 160, kHeight = 90;
 // What the rasteriser rounds, pixels.
 constexpr double kRounding = 0.01;
 // A pixel shows a texel if it is no farther from the texel's centre, texels.
-constexpr double kNear = 0.1;
+constexpr double kNodeNear = 0.1;
 
 // A framebuffer of floats: which direction each pixel shows.
 class Directions {
@@ -64,15 +64,15 @@ Node make(const EnvironmentMap& map, std::size_t triangles) {
   return node;
 }
 
-struct Measured {
+struct MeasuredBound {
   std::size_t pixels = 0, violations = 0;
   double worst = 0;  // pixels
 };
 
 // Each pixel that shows a sample's own centre: how far is it from where the sample belongs?
-Measured measure(const Node& node, const Camera& frame, double limit,
-                 const Image<glm::vec4>& shown) {
-  Measured m;
+MeasuredBound measure(const Node& node, const Camera& frame, double limit,
+                      const Image<glm::vec4>& shown) {
+  MeasuredBound m;
   const int n = node.grid.size();
   const glm::dmat4 world = node.model.world_from_node;
   const auto raster_of = [&](const glm::dvec3& c, double disparity) {
@@ -92,7 +92,7 @@ Measured measure(const Node& node, const Camera& frame, double limit,
           glm::dvec2(1 + glm::dot(c, glm::dvec3(axes.right)), 1 - glm::dot(c, glm::dvec3(axes.up)));
       const glm::ivec2 texel = glm::clamp(glm::ivec2(raster), 0, n - 1);
       const glm::dvec2 off = raster - glm::dvec2(texel) - 0.5;
-      if (std::max(std::abs(off.x), std::abs(off.y)) > kNear) continue;
+      if (std::max(std::abs(off.x), std::abs(off.y)) > kNodeNear) continue;
       const glm::dvec3 center = glm::dvec3(node.grid.key(int(f), 2 * texel + 1)) / double(n);
       const double sample = node.grid.at(int(f), texel), drawn = node.seen[f](texel.x, texel.y);
       if (sample <= 0 || drawn <= 0) continue;
@@ -137,7 +137,8 @@ Result<BenchReport> node_bound(const BenchOptions& options) {
       const glm::dvec3 eye = eye_beside(*rays, place, glm::dvec3(reach), random);
       const Camera frame = any_frame(eye, kWidth, kHeight, random);
       const double limit = bound_px(node.model, frame).error;
-      const Measured m = measure(node, frame, limit, directions.draw(*drawer, frame, node.stored));
+      const MeasuredBound m =
+          measure(node, frame, limit, directions.draw(*drawer, frame, node.stored));
       violations += m.violations;
       pixels += m.pixels;
       // Half a right angle tells nobody anything.
@@ -169,7 +170,7 @@ Result<BenchReport> node_bound(const BenchOptions& options) {
       "The built-in teapots in a closed room, ten nodes of 500, 2 000 and 8 000 triangles. Half of "
       "the eyes lie within 0.25 m of their node along each axis, half within 2 m; they look "
       "anywhere.",
-      "Measured: pixels that show a sample's centre to a tenth of a texel, against where the "
+      "MeasuredBound: pixels that show a sample's centre to a tenth of a texel, against where the "
       "sample "
       "belongs. The bound holds for all directions, a frame shows some of them."};
   return report;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "bench/relief_objects.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_relief/relief_set.h"
 #include "rilievo/layered_relief/splat_layers.h"
@@ -17,11 +17,6 @@
 
 namespace rilievo::bench {
 namespace {
-
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 // From where the object is seen at each step: turned by 1.2 degrees about an axis that wanders;
 // every 30th time by 40 more.
@@ -62,16 +57,16 @@ Run run_over(const ReliefSet& set, const Box& box, int steps, int size, double r
     const glm::dvec3 up = std::abs(direction.y) > 0.95 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     const Camera camera =
         look_at(eye, glm::dvec3(box.center()), up, 0.62, size, size, 0.1 * away, 10 * away);
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const int picked = pick_relief(set, eye, current);
     run.switches += picked != current;
     current = picked;
     if (picked < 0) continue;
     const auto stats = prewarps[std::size_t(picked)]->warp(eye, &camera, picture);
-    run.warp_ms.push_back(ms_since(start));
+    run.warp_ms.push_back(watch.ms());
     last = empty_frame(camera);
     map_picture(picture, last);
-    run.frame_ms.push_back(ms_since(start));
+    run.frame_ms.push_back(watch.ms());
     if (!stats) continue;
     run.warped += double(stats->samples_warped), run.drawn += double(stats->samples_drawn);
     run.tiles += stats->tiles, run.reused += stats->tiles - stats->warped;

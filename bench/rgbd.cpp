@@ -45,10 +45,10 @@ Result<std::vector<DepthImage>> made_up(bool quick) {
 Result<std::vector<DepthImage>> photographs_of(const std::string& path) {
   const Result<RgbdCapture> capture = open_rgbd_capture(path);
   if (!capture) return capture.error();
-  constexpr std::size_t kMost = 64;  // a minute each is long enough
-  if (capture->frames.size() < 3 || capture->frames.size() > kMost)
+  constexpr std::size_t kMaxCount = 64;  // a minute each is long enough
+  if (capture->frames.size() < 3 || capture->frames.size() > kMaxCount)
     return Error{path, fmt::format("has {} frames; leaving out each in turn takes 3 to {}",
-                                   capture->frames.size(), kMost)};
+                                   capture->frames.size(), kMaxCount)};
   std::vector<DepthImage> photographs;
   for (const RgbdFrame& frame : capture->frames) {
     Result<DepthImage> read = load_rgbd_frame(frame);
@@ -78,11 +78,12 @@ Image<std::uint8_t> seen_by_others(const DepthImage& left_out, std::span<const D
   return seen;
 }
 
-struct Quality {
+struct RgbdQuality {
   double psnr = 0, uncovered = 0, uncovered_seen = 0, holes = 0;
 };
 
-Quality compare(const DepthImage& truth, const DepthImage& frame, const Image<std::uint8_t>& seen) {
+RgbdQuality compare(const DepthImage& truth, const DepthImage& frame,
+                    const Image<std::uint8_t>& seen) {
   const Rgba8Image a = srgb8_from_linear(truth.color), b = srgb8_from_linear(frame.color);
   double squares = 0;
   std::size_t drawn = 0, photographed = 0, known = 0, missed = 0, missed_known = 0;
@@ -99,7 +100,7 @@ Quality compare(const DepthImage& truth, const DepthImage& frame, const Image<st
       ++drawn;
       for (int c = 0; c < 3; ++c) squares += std::pow(double(a(x, y)[c]) - b(x, y)[c], 2);
     }
-  Quality q;
+  RgbdQuality q;
   q.psnr =
       drawn == 0 ? 0 : std::min(100.0, 10 * std::log10(255 * 255 * 3 * double(drawn) / squares));
   q.uncovered = double(missed) / double(std::max<std::size_t>(photographed, 1));
@@ -145,7 +146,7 @@ Result<BenchReport> rgbd(const BenchOptions& options) {
               {"left out", "way", "PSNR dB", "uncovered %", "uncovered of what others see %",
                "holes in the views %"},
               {}};
-  std::array<Quality, 3> mean{};
+  std::array<RgbdQuality, 3> mean{};
   PhotographBakeOptions bake;
   bake.reproject.box = measured_bounds(photographs, 0.0);
   bake.camera.size = options.quick ? 48 : 512;
@@ -158,7 +159,7 @@ Result<BenchReport> rgbd(const BenchOptions& options) {
     const Image<std::uint8_t> seen = seen_by_others(truth, others, bake.reproject.depth_error);
     for (std::size_t way = 0; way < kWays.size(); ++way) {
       DepthImage frame;
-      ReprojectFigures holes;
+      ReprojectStats holes;
       if (way == 2) {
         Reprojection made = reproject(others, std::span(&truth.camera, 1), bake.reproject);
         holes = made.total;
@@ -170,7 +171,7 @@ Result<BenchReport> rgbd(const BenchOptions& options) {
         holes = made->total;
         frame = warp_surfaces(made->impostor, truth.camera);
       }
-      Quality q = compare(truth, frame, seen);
+      RgbdQuality q = compare(truth, frame, seen);
       q.holes = holes.hole_share();
       table.rows.push_back({truth.name, kWays[way], fmt::format("{:.2f}", q.psnr),
                             fmt::format("{:.2f}", 100 * q.uncovered),

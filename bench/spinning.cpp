@@ -125,7 +125,7 @@ Result<BenchReport> spinning(const BenchOptions& options) {
     double psnr = 0, flip = 0, wrong = 0;
     for (const FrameResult& frame : method.frames) {
       ms.push_back(frame.frame_ms);
-      psnr += std::min(frame.psnr_db, kMostPsnrDb), flip += frame.flip,
+      psnr += std::min(frame.psnr_db, kMaxPsnrDb), flip += frame.flip,
           wrong += frame.wrong_visibility;
     }
     const double frames = double(method.frames.size());

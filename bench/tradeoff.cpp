@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
 
 #include "bench/cached_walk.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo::bench {
@@ -20,11 +20,9 @@ Result<double> embree_ms(const BuiltinScene& builtin, const CachedWalkOptions& o
   const Camera camera = camera_at(builtin.path, 0, options.width, options.height);
   std::vector<double> times;
   for (int i = 0; i < 5; ++i) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const DepthImage picture = cast_picture(*rays, camera);
-    times.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-            .count());
+    times.push_back(watch.ms());
   }
   return percentile(times, 0.5);
 }

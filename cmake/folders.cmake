@@ -42,6 +42,13 @@ function(rilievo_library name with_gl)
     list(APPEND sources ${found})
   endforeach()
   add_library(${target} STATIC ${sources})
+  # Highway compiles these once for each instruction set: each must be the file that is compiled.
+  foreach(source ${sources})
+    file(STRINGS ${source} several REGEX "foreach_target" LIMIT_COUNT 1)
+    if(several)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
+  endforeach()
   add_library(rilievo::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>

@@ -13,6 +13,7 @@
 
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/command.h"
+#include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/kinds.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
@@ -28,7 +29,7 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct BakeCommand {
   std::string scene, output, json, as = "layered-impostor";
   KindOptions kinds;
   FileLimits limits;
@@ -72,16 +73,8 @@ struct Times {
   }
 };
 
-// Where a built-in scene is walked through: around its own path; else empty, not known.
-Box eyes_of(const std::optional<CameraPath>& walk) {
-  Box eyes;
-  for (int frame = 0; walk && frame < frame_count(*walk); ++frame)
-    eyes.add(glm::vec3(camera_at(*walk, frame_time(*walk, frame), 1, 1).position()));
-  return eyes;
-}
-
 // Bakes and saves.
-Result<Baked> bake(const Options& options, const Kind& kind, const OptionValues& values,
+Result<Baked> bake(const BakeCommand& options, const Kind& kind, const OptionValues& values,
                    CaptureSource& source, const Box& eyes, Times& times) {
   app::Progress progress("view");
   const Clock::time_point start = Clock::now();
@@ -105,7 +98,7 @@ Result<Baked> bake(const Options& options, const Kind& kind, const OptionValues&
 }
 
 // What the bake and the kind say of what was made.
-nlohmann::json report_of(const Options& options, const Kind& kind, const OptionValues& values,
+nlohmann::json report_of(const BakeCommand& options, const Kind& kind, const OptionValues& values,
                          const Baked& baked, const Times& times) {
   nlohmann::json json{{"schema", "rilievo-bake-1"}, {"scene", options.scene}, {"as", kind.name}};
   for (const Fact& fact : kind.describe(*baked.representation))
@@ -138,7 +131,8 @@ Result<> add_direct(const OptionValues& values, const Times& times, SceneRendere
   return Done{};
 }
 
-void print_made(const Options& options, const Kind& kind, const Baked& baked, const Times& times) {
+void print_made(const BakeCommand& options, const Kind& kind, const Baked& baked,
+                const Times& times) {
   print("{}: a {}, {:.1f} MB, {:.1f} s\n", options.output, kind.name,
         1e-6 * double(times.file_bytes), times.seconds());
   std::vector<Fact> facts = kind.describe(*baked.representation);
@@ -147,7 +141,7 @@ void print_made(const Options& options, const Kind& kind, const Baked& baked, co
     if (!fact.label.empty()) print("  {:<10} {}\n", fact.label, fact.text);
 }
 
-Result<> run(const Options& options) {
+Result<> run_bake(const BakeCommand& options) {
   if (!is_picture_file(options.output))
     return Error{options.output, "the output is an OpenEXR file: the name must end in .exr"};
   // Before the time is spent.
@@ -179,7 +173,9 @@ Result<> run(const Options& options) {
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
   OpenGLSource source(*renderer);
-  const Result<Baked> baked = bake(options, kind, *values, source, eyes_of(opened->walk), times);
+  // Where a built-in scene is walked through: around its own path; else not known.
+  const Box eyes = opened->walk ? eyes_of(*opened->walk, frame_count(*opened->walk)) : Box{};
+  const Result<Baked> baked = bake(options, kind, *values, source, eyes, times);
   if (!baked) return baked.error();
   if (options.json.empty()) {
     print_made(options, kind, *baked, times);
@@ -193,7 +189,7 @@ Result<> run(const Options& options) {
 }  // namespace
 
 Command bake_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BakeCommand>();
   CLI::App* command = app.add_subcommand(
       "bake", "Bake a representation of a scene or of photographs into one file");
   command
@@ -215,7 +211,7 @@ Command bake_command(CLI::App& app) {
       "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
       "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"
       "         rilievo render model.exr --orbit 60 -o frames");
-  return {command, [options](const std::string&) { return run(*options); }};
+  return {command, [options](const std::string&) { return run_bake(*options); }};
 }
 
 }  // namespace rilievo::app

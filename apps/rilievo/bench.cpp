@@ -17,7 +17,7 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct BenchCommand {
   std::string name, json, html, capture;
   std::vector<std::string> scenes;
   bool quick = false;
@@ -36,7 +36,7 @@ std::string known_benches() {
   return text;
 }
 
-Result<> run(const Options& options) {
+Result<> run_bench(const BenchCommand& options) {
   if (Result<> good = expect_outputs({options.json, options.html}); !good) return good;
   const bench::Bench& bench = *find(options.name);
   std::unique_ptr<gl::Context> context;
@@ -70,7 +70,7 @@ Result<> run(const Options& options) {
 }  // namespace
 
 Command bench_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchCommand>();
   CLI::App* command = app.add_subcommand("bench", "Measure one thing");
   command->add_option("NAME", options->name, "What to measure")
       ->required()
@@ -92,7 +92,7 @@ Command bench_command(CLI::App& app) {
                     "Few cases only: a test that the benchmark runs, not a measurement");
   command->footer("Benches:\n" + known_benches() +
                   "Example: rilievo bench nailboard-error --json -");
-  return {command, [options](const std::string&) { return run(*options); }};
+  return {command, [options](const std::string&) { return run_bench(*options); }};
 }
 
 }  // namespace rilievo::app

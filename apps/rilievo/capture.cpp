@@ -17,7 +17,7 @@ namespace {
 
 // What all of a capture's photographs may take: a picture has 20 bytes a texel, and as much again
 // while it is taken apart.
-constexpr double kMostBytes = 8e9;
+constexpr double kMaxBytes = 8e9;
 
 const char* name_of(RgbdFormat format) {
   switch (format) {
@@ -33,12 +33,12 @@ const char* name_of(RgbdFormat format) {
 
 // The first bytes tell: a manifest names its groups of views within them, or is refused as a scene.
 bool is_seurat_capture(const std::filesystem::path& path) {
-  constexpr std::uint64_t kMostManifest = std::uint64_t(1) << 26;
+  constexpr std::uint64_t kMaxManifest = std::uint64_t(1) << 26;
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(path, ignored);
   const std::filesystem::path file = folder ? path / "manifest.json" : path;
   if (file.extension() != ".json" || !std::filesystem::is_regular_file(file, ignored)) return false;
-  const Result<std::string> text = read_file(file, kMostManifest);
+  const Result<std::string> text = read_file(file, kMaxManifest);
   return text && text->find("\"view_groups\"") != std::string::npos;
 }
 
@@ -66,11 +66,11 @@ Result<std::vector<DepthImage>> photographs_of(const std::string& path, const Rg
     Result<DepthImage> read = load_rgbd_frame(frame, limits.bytes());
     if (!read) return read.error();
     const double bytes = 40.0 * double(read->depth.texels().size()) * double(capture.frames.size());
-    if (bytes > kMostBytes)
+    if (bytes > kMaxBytes)
       return Error{path, fmt::format("{} photographs of {} x {} texels need {:.0f} GB, more than "
                                      "the {:.0f} allowed",
                                      capture.frames.size(), read->camera.width, read->camera.height,
-                                     1e-9 * bytes, 1e-9 * kMostBytes)};
+                                     1e-9 * bytes, 1e-9 * kMaxBytes)};
     photographs.push_back(*std::move(read));
   }
   return photographs;

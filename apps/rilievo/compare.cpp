@@ -26,7 +26,7 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct CompareCommand {
   // `file`: what was baked, if it is not the scene itself that is drawn.
   std::string scene, file, output, json, command_line;
   FileLimits limits;
@@ -50,7 +50,7 @@ void print_summary(const Report& report) {
   for (const MethodResult& method : report.methods) {
     const auto mean_of = [&](double FrameResult::*figure) {
       double sum = 0;
-      for (const FrameResult& frame : method.frames) sum += std::min(frame.*figure, kMostPsnrDb);
+      for (const FrameResult& frame : method.frames) sum += std::min(frame.*figure, kMaxPsnrDb);
       return sum / double(method.frames.size());
     };
     std::vector<double> ms;
@@ -64,7 +64,8 @@ void print_summary(const Report& report) {
 }
 
 // What draws each method; what the file holds, if there is one, is what they draw.
-Result<std::unique_ptr<FrameSource>> source_of(const std::string& method, const Options& options,
+Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
+                                               const CompareCommand& options,
                                                SceneRenderer& renderer) {
   if (options.file.empty() || method == "direct")
     return make_source(method, options.method_options, options.frames.samples, renderer);
@@ -74,10 +75,10 @@ Result<std::unique_ptr<FrameSource>> source_of(const std::string& method, const 
                             renderer);
 }
 
-Result<> run(Options options) {
-  if (std::min(options.frames.width, options.frames.height) < kLeastCompareSize)
+Result<> run_compare(CompareCommand options) {
+  if (std::min(options.frames.width, options.frames.height) < kMinCompareSize)
     return Error{"--size",
-                 fmt::format("frames to compare have at least {0}x{0} pixels", kLeastCompareSize)};
+                 fmt::format("frames to compare have at least {0}x{0} pixels", kMinCompareSize)};
   const std::filesystem::path folder = options.output;
   const std::filesystem::path report_file = folder / "report.json",
                               page_file = folder / "report.html";
@@ -86,7 +87,7 @@ Result<> run(Options options) {
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
-  options.method_options.eyes = eyes_of(*plan);
+  options.method_options.eyes = eyes_of(plan->path, plan->frames);
   const auto context = gl::Context::create();
   if (!context) return context.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
@@ -133,7 +134,7 @@ Result<> run(Options options) {
 }
 
 // Which is the scene, which the file, and which methods there are.
-Result<> settle(Options& options, const std::string& given, const std::string& truth) {
+Result<> settle(CompareCommand& options, const std::string& given, const std::string& truth) {
   const bool is_file = holds_pictures(given);
   if (is_file && truth.empty())
     return Error{
@@ -162,7 +163,7 @@ Result<> settle(Options& options, const std::string& given, const std::string& t
 }  // namespace
 
 Command compare_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareCommand>();
   auto given = std::make_shared<std::string>(), truth = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand(
       "compare", "Measure methods along a camera path against direct drawing; write a report");
@@ -196,7 +197,7 @@ Command compare_command(CLI::App& app) {
   return {command, [options, given, truth](const std::string& command_line) -> Result<> {
             options->command_line = command_line;
             if (Result<> settled = settle(*options, *given, *truth); !settled) return settled;
-            return run(*options);
+            return run_compare(*options);
           }};
 }
 

@@ -15,13 +15,13 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct ExportCommand {
   std::string file, output;
   int part = 0;
   bool gaps = false;
 };
 
-Result<> run(const Options& options) {
+Result<> run_export(const ExportCommand& options) {
   const std::filesystem::path file = options.output;
   if (file.extension() != ".glb")
     return Error{options.output, "meshes are written as binary glTF: the name must end in .glb"};
@@ -43,7 +43,7 @@ Result<> run(const Options& options) {
 }  // namespace
 
 Command export_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportCommand>();
   CLI::App* command =
       app.add_subcommand("export", "Write the mesh of what was baked as a GLB file");
   command->add_option("FILE", options->file, "The OpenEXR file of environment nodes")->required();
@@ -55,7 +55,7 @@ Command export_command(CLI::App& app) {
       ->type_name("N");
   command->add_flag("--gaps", options->gaps, "Without skins: gaps between surfaces stay open");
   command->footer("Example: rilievo export room.exr -o room.glb");
-  return {command, [options](const std::string&) { return run(*options); }};
+  return {command, [options](const std::string&) { return run_export(*options); }};
 }
 
 }  // namespace rilievo::app

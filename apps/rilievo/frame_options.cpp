@@ -93,10 +93,10 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Representation&
   return plan;
 }
 
-Box eyes_of(const FramePlan& plan) {
+Box eyes_of(const CameraPath& path, int frames) {
   Box eyes;
-  for (int frame = 0; frame < plan.frames; ++frame)
-    eyes.add(glm::vec3(camera_at(plan.path, frame_time(plan.path, frame), 1, 1).position()));
+  for (int frame = 0; frame < frames; ++frame)
+    eyes.add(glm::vec3(camera_at(path, frame_time(path, frame), 1, 1).position()));
   return eyes;
 }
 

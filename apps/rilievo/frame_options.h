@@ -33,8 +33,8 @@ struct FramePlan {
 // The path asked for; or the representation's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options,
                                             const Representation& representation);
-// Around all eyes of a plan.
-[[nodiscard]] Box eyes_of(const FramePlan& plan);
+// Around the eyes of a path, each at its frame.
+[[nodiscard]] Box eyes_of(const CameraPath& path, int frames);
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
 

@@ -17,12 +17,12 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct InfoCommand {
   std::string file, json;
   FileLimits limits;
 };
 
-std::string text_of(const glm::vec3& v) {
+std::string text_of_point(const glm::vec3& v) {
   return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
 }
 
@@ -40,7 +40,7 @@ const char* name_of(Projection projection) {
   return "";
 }
 
-Result<> describe_scene(const Options& options) {
+Result<> describe_scene(const InfoCommand& options) {
   const Result<OpenedScene> opened = open_scene(options.file, options.limits);
   if (!opened) return opened.error();
   const Scene& scene = opened->scene;
@@ -78,11 +78,12 @@ Result<> describe_scene(const Options& options) {
         scene.textures.size(), 1e-6 * double(texels));
   print("  lights     {}, cameras {}\n", scene.lights.size(), scene.cameras.size());
   if (scene.duration > 0) print("  animation  {:.3g} s\n", scene.duration);
-  if (!bounds.empty()) print("  bounds     {} to {} m\n", text_of(bounds.min), text_of(bounds.max));
+  if (!bounds.empty())
+    print("  bounds     {} to {} m\n", text_of_point(bounds.min), text_of_point(bounds.max));
   return Done{};
 }
 
-Result<> describe_representation(const Options& options, const Kind& kind,
+Result<> describe_representation(const InfoCommand& options, const Kind& kind,
                                  const Representation& representation) {
   std::error_code none;
   const std::size_t file_bytes = std::filesystem::file_size(options.file, none);
@@ -99,7 +100,7 @@ Result<> describe_representation(const Options& options, const Kind& kind,
   return Done{};
 }
 
-Result<> describe_pictures(const Options& options) {
+Result<> describe_pictures(const InfoCommand& options) {
   const Result<PictureFileContent> content = open_pictures(options.file);
   if (!content) return content.error();
   if (content->kind)
@@ -116,8 +117,8 @@ Result<> describe_pictures(const Options& options) {
     if (options.json.empty())
       print("  {:<24} {}x{} {} from {}, depth {:.4g} to {:.4g} m, {:.1f} % covered\n",
             picture.name.empty() ? "(no name)" : picture.name, camera.width, camera.height,
-            name_of(camera.projection), text_of(camera.position()), camera.z_near, camera.z_far,
-            100 * share);
+            name_of(camera.projection), text_of_point(camera.position()), camera.z_near,
+            camera.z_far, 100 * share);
     list.push_back({{"name", picture.name},
                     {"size", {camera.width, camera.height}},
                     {"projection", name_of(camera.projection)},
@@ -133,7 +134,7 @@ Result<> describe_pictures(const Options& options) {
 }  // namespace
 
 Command info_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoCommand>();
   CLI::App* command =
       app.add_subcommand("info", "Show what a scene or a file of pictures contains");
   command

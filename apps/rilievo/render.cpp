@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -20,6 +19,7 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
@@ -31,7 +31,7 @@ namespace {
 
 constexpr char kDefaultMethod[] = "nailboard";
 
-struct Options {
+struct RenderCommand {
   std::string scene, output, pictures, json, method;
   FileLimits limits;
   double loop_seconds = 0;
@@ -57,8 +57,8 @@ std::string numbered(const std::string& folder, const char* stem, int frame,
       .string();
 }
 
-Result<> save_pictures_of(const FrameSource& source, const Options& options, const Camera& camera,
-                          int frame) {
+Result<> save_pictures_of(const FrameSource& source, const RenderCommand& options,
+                          const Camera& camera, int frame) {
   const FramePictures saved{source.read_pictures(), camera, options.methods.delta_bits};
   // A frame of nothing but light objects has none.
   if (saved.pictures.empty()) return Done{};
@@ -66,14 +66,14 @@ Result<> save_pictures_of(const FrameSource& source, const Options& options, con
 }
 
 // Before the time is spent.
-Result<> expect_places(const Options& options) {
+Result<> expect_places(const RenderCommand& options) {
   std::filesystem::path frames, pictures;
   if (!options.output.empty()) frames = numbered(options.output, "frame", 0, ".png");
   if (!options.pictures.empty()) pictures = numbered(options.pictures, "pictures", 0, ".exr");
   return expect_outputs({frames, pictures, options.json});
 }
 
-Result<> draw_frames(const Options& options, const Walk& walk, int width, int height,
+Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, int height,
                      FrameSource& source) {
   Result<FrameTarget> target = FrameTarget::create(width, height, options.frames.samples);
   if (!target) return target.error();
@@ -85,14 +85,12 @@ Result<> draw_frames(const Options& options, const Walk& walk, int width, int he
   for (int frame = 0; frame < walk.frames(); ++frame) {
     progress.show(frame, walk.frames());
     const Camera camera = walk.camera(frame, width, height);
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     target->begin();
     if (Result<> drawn = source.draw(camera, walk.time(frame)); !drawn) return drawn;
     target->resolve();
     gl::finish();
-    frame_ms.push_back(
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-            .count());
+    frame_ms.push_back(watch.ms());
     captures += source.stats().captures;
     const std::string file = numbered(options.output, "frame", frame, ".png");
     if (Result<> saved = save_png(file, target->read()); !saved) return saved;
@@ -120,22 +118,18 @@ double resident_mb() {
   return resident * double(sysconf(_SC_PAGESIZE)) / double(1 << 20);
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 // Draws the path over and over, writes no frames, and watches the memory: a cache must not grow.
-Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
+Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& source) {
   Result<FrameTarget> target =
       FrameTarget::create(options.frames.width, options.frames.height, options.frames.samples);
   if (!target) return target.error();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   double after_warm_up_mb = 0, most_mb = 0;
   // The first minute fills pools and caches; of a short loop, the first tenth.
   const double warm_up = std::min(60.0, 0.1 * options.loop_seconds);
   std::int64_t frames = 0, captures = 0;
   Progress progress("second");
-  for (double now = 0; now < options.loop_seconds; now = seconds_since(start), ++frames) {
+  for (double now = 0; now < options.loop_seconds; now = 1e-3 * watch.ms(), ++frames) {
     const int frame = int(frames % walk.frames());
     target->begin();
     if (Result<> drawn = source.draw(
@@ -153,7 +147,7 @@ Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
   progress.clear();
   const nlohmann::json json{
       {"schema", "rilievo-loop-1"}, {"scene", options.scene},
-      {"method", options.method},   {"seconds", seconds_since(start)},
+      {"method", options.method},   {"seconds", 1e-3 * watch.ms()},
       {"frames", frames},           {"captures", captures},
       {"warm_up_seconds", warm_up}, {"memory_mb_after_warm_up", after_warm_up_mb},
       {"memory_mb_most", most_mb},  {"memory_mb_at_the_end", resident_mb()}};
@@ -161,13 +155,13 @@ Result<> loop(const Options& options, const Walk& walk, FrameSource& source) {
     print(
         "{} frames in {:.0f} s; memory {:.0f} MB after {:.0f} s, {:.0f} MB at the end, at "
         "most {:.0f} MB\n",
-        frames, seconds_since(start), after_warm_up_mb, warm_up, resident_mb(), most_mb);
+        frames, 1e-3 * watch.ms(), after_warm_up_mb, warm_up, resident_mb(), most_mb);
     return Done{};
   }
   return write_json(options.json, json);
 }
 
-Result<> render_scene(const Options& options) {
+Result<> render_scene(const RenderCommand& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
   if (!options.pictures.empty() && kind_method(options.method).kind)
@@ -182,7 +176,7 @@ Result<> render_scene(const Options& options) {
   Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
   if (!renderer) return renderer.error();
   MethodOptions methods = options.methods;
-  methods.eyes = eyes_of(*plan);
+  methods.eyes = eyes_of(plan->path, plan->frames);
   const Result<std::unique_ptr<FrameSource>> source =
       make_source(options.method, methods, options.frames.samples, *renderer);
   if (!source) return source.error();
@@ -192,7 +186,7 @@ Result<> render_scene(const Options& options) {
 }
 
 // The eye of the frame that the pictures were saved from; else that of the first picture.
-Result<Walk> walk_of(const Options& options, const FramePictures& stored) {
+Result<Walk> walk_of(const RenderCommand& options, const FramePictures& stored) {
   Walk walk;
   if (!options.frames.path_file.empty()) {
     const Result<FramePlan> plan = plan_frames(options.frames, Box{});
@@ -204,7 +198,8 @@ Result<Walk> walk_of(const Options& options, const FramePictures& stored) {
   return walk;
 }
 
-Result<> render_pictures(const Options& options, const FramePictures& stored, SceneRenderer& sky) {
+Result<> render_pictures(const RenderCommand& options, const FramePictures& stored,
+                         SceneRenderer& sky) {
   const Result<Walk> walk = walk_of(options, stored);
   if (!walk) return walk.error();
   Result<StoredPictures> pictures =
@@ -219,7 +214,7 @@ Result<> render_pictures(const Options& options, const FramePictures& stored, Sc
                      saved_size ? walk->only->height : options.frames.height, source);
 }
 
-Result<> render_representation(const Options& options, PictureFileContent content,
+Result<> render_representation(const RenderCommand& options, PictureFileContent content,
                                SceneRenderer& sky) {
   const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
@@ -233,7 +228,7 @@ Result<> render_representation(const Options& options, PictureFileContent conten
   return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
 }
 
-Result<> render_file(Options options) {
+Result<> render_file(RenderCommand options) {
   Result<PictureFileContent> content = open_pictures(options.scene);
   if (!content) return content.error();
   if (options.method.empty())
@@ -255,7 +250,7 @@ Result<> render_file(Options options) {
 }  // namespace
 
 Command render_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderCommand>();
   CLI::App* command = app.add_subcommand("render", "Draw the frames of a camera path");
   command
       ->add_option("SCENE", options->scene,

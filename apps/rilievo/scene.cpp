@@ -15,12 +15,12 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct SceneCommand {
   std::string scene, output, path;
   FileLimits limits;
 };
 
-Result<> run(const Options& options) {
+Result<> run_scene(const SceneCommand& options) {
   const std::filesystem::path file = options.output;
   if (file.extension() != ".glb")
     return Error{options.output, "scenes are written as binary glTF: the name must end in .glb"};
@@ -43,7 +43,7 @@ Result<> run(const Options& options) {
 }  // namespace
 
 Command scene_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SceneCommand>();
   CLI::App* command = app.add_subcommand("scene", "Write a built-in scene as a GLB file");
   command
       ->add_option("NAME", options->scene,
@@ -57,7 +57,7 @@ Command scene_command(CLI::App& app) {
       ->type_name("FILE.json");
   add_file_limits(*command, options->limits);
   command->footer("Example: rilievo scene 'bridge?triangles=100000' -o bridge.glb");
-  return {command, [options](const std::string&) { return run(*options); }};
+  return {command, [options](const std::string&) { return run_scene(*options); }};
 }
 
 }  // namespace rilievo::app

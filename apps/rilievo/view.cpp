@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,6 +19,7 @@
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
@@ -28,7 +28,7 @@
 namespace rilievo::app {
 namespace {
 
-struct Options {
+struct ViewCommand {
   std::string scene, screenshot, method;
   FileLimits limits;
   bool split = false;
@@ -36,21 +36,15 @@ struct Options {
   MethodOptions methods;
 };
 
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 // Draws a frame into `target`; milliseconds.
 Result<double> draw(FrameSource& source, FrameTarget& target, const Camera& camera, double time) {
   gl::finish();
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   target.begin();
   if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
   target.resolve();
   gl::finish();
-  return ms_since(start);
+  return watch.ms();
 }
 
 // Columns [left, right) of the resolved frame onto the window.
@@ -134,7 +128,7 @@ glm::dvec3 center_of(const Subject& subject) {
 
 class Viewer {
  public:
-  Viewer(const Options& options, const Subject& subject, Window& window)
+  Viewer(const ViewCommand& options, const Subject& subject, Window& window)
       : options_(options),
         subject_(subject),
         window_(window),
@@ -244,7 +238,7 @@ class Viewer {
     state_.save_screenshot = state_.save_path = false;
   }
 
-  const Options& options_;
+  const ViewCommand& options_;
   const Subject& subject_;
   Window& window_;
   glm::dvec3 center_;
@@ -255,12 +249,12 @@ class Viewer {
   int width_ = 0, height_ = 0;
 };
 
-Result<std::unique_ptr<Window>> open_window(const Options& options) {
+Result<std::unique_ptr<Window>> open_window(const ViewCommand& options) {
   return Window::create("Rilievo - " + options.scene, options.frames.width, options.frames.height,
                         true);
 }
 
-Result<> view_scene(const Options& options) {
+Result<> view_scene(const ViewCommand& options) {
   const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
@@ -274,13 +268,13 @@ Result<> view_scene(const Options& options) {
   for (const std::string& name : method_names())
     if (name != "cache") subject.methods.push_back(name);
   subject.make_source = [&](const std::string& method, MethodOptions methods) {
-    methods.eyes = eyes_of(*plan);
+    methods.eyes = eyes_of(plan->path, plan->frames);
     return make_source(method, methods, options.frames.samples, *renderer);
   };
   return Viewer(options, subject, **window).run();
 }
 
-Result<> view_file(const Options& options) {
+Result<> view_file(const ViewCommand& options) {
   Result<PictureFileContent> content = open_representation(options.scene);
   if (!content) return content.error();
   const Kind& kind = *content->kind;
@@ -312,7 +306,7 @@ Result<> view_file(const Options& options) {
 }  // namespace
 
 Command view_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ViewCommand>();
   CLI::App* command = app.add_subcommand("view", "Show a scene in a window");
   command
       ->add_option("SCENE", options->scene,

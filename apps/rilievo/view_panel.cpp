@@ -86,12 +86,12 @@ bool option_controls(std::span<const Option> options, KindOptions& values) {
       int value = std::atoi(now.c_str());
       ImGui::InputInt(name.c_str(), &value);
       if (ImGui::IsItemDeactivatedAfterEdit())
-        set(std::to_string(std::clamp(value, int(option.least), int(option.most))));
+        set(std::to_string(std::clamp(value, int(option.min), int(option.max))));
     } else if (option.type == OptionType::number) {
       double value = std::atof(now.c_str());
       ImGui::InputDouble(name.c_str(), &value);
       if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(value))
-        set(fmt::format("{}", std::clamp(value, option.least, option.most)));
+        set(fmt::format("{}", std::clamp(value, option.min, option.max)));
     }
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%.*s", int(option.help.size()), option.help.data());

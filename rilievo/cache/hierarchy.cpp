@@ -13,7 +13,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kMostBins = 16;
+constexpr int kMaxBins = 16;
 // Beyond this depth a node is cut into halves by number: bounds the depth for any input.
 constexpr int kHeuristicDepth = 40;
 
@@ -38,7 +38,7 @@ struct Builder {
     Box places;
     for (std::uint32_t i = first; i < last; ++i) places.add(place(tree.order[i]));
     // A bin for each of few objects: most nodes of a tree are small.
-    const int bins = std::clamp(int(last - first), 2, kMostBins);
+    const int bins = std::clamp(int(last - first), 2, kMaxBins);
     const glm::vec3 extent = places.extent(), scale = float(bins) / extent;
 
     double least = std::numeric_limits<double>::infinity();
@@ -48,15 +48,15 @@ struct Builder {
     };
     for (int axis = 0; axis < 3; ++axis) {
       if (!(extent[axis] > 0) || !std::isfinite(scale[axis])) continue;
-      std::array<Box, kMostBins> box;
-      std::array<std::uint32_t, kMostBins> count{};
+      std::array<Box, kMaxBins> box;
+      std::array<std::uint32_t, kMaxBins> count{};
       for (std::uint32_t i = first; i < last; ++i) {
         const auto bin = std::size_t(bin_of(tree.order[i], axis));
         box[bin].add(boxes[tree.order[i]]);
         ++count[bin];
       }
       // Cost of everything from bin i on, then of everything before it.
-      std::array<double, kMostBins> right{};
+      std::array<double, kMaxBins> right{};
       Box grown;
       std::uint32_t objects = 0;
       for (int i = bins - 1; i > 0; --i) {

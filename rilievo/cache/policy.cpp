@@ -71,11 +71,11 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.captured.resize(entities, 0);
   scratch.requests.clear(), scratch.idle.clear();
 
-  Cut cut(hierarchy, moving, alternatives, state, view, options, scratch, plan);
-  cut.evict_finished();
-  cut.choose();
-  schedule_captures(cut);
-  cut.draw();
+  FramePlanner planner(hierarchy, moving, alternatives, state, view, options, scratch, plan);
+  planner.evict_finished();
+  planner.choose();
+  schedule_captures(planner);
+  planner.draw();
   for (const Capture& capture : plan.captures) scratch.captured[capture.entity] = 0;
 }
 

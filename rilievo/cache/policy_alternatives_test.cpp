@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "rilievo/cache/estimate.h"
+#include "rilievo/cache/capture_cost.h"
 #include "rilievo/cache/policy.h"
 
 namespace rilievo {
@@ -54,7 +54,7 @@ FrameView eye_at(double distance) {
                   720, 0.1, 5000)};
 }
 
-struct Loop {
+struct AlternativesLoop {
   CacheState state;
   PlanScratch scratch;
   Plan plan;
@@ -78,7 +78,7 @@ TEST(PolicyAlternatives, are_drawn_where_they_are_within_the_bound_and_cheaper) 
     CacheOptions options;
     options.error_px = 0.25 * std::pow(16, u(rng));
     const FrameView view = eye_at(1.8 * std::pow(100, u(rng)));
-    Loop run;
+    AlternativesLoop run;
     run.frame(object, alternatives, view, options);
 
     const double error_px =
@@ -107,13 +107,13 @@ TEST(PolicyAlternatives, the_cheapest_of_several_is_drawn_and_none_that_is_absen
   alternatives.list[2].cost = {2000, 0};
   alternatives.of_entity = {{0, 1, 2}};
   for (const std::uint32_t expected : {1u, 2u, 0u}) {
-    Loop run;
+    AlternativesLoop run;
     run.frame(object, alternatives, eye_at(10));
     ASSERT_EQ(run.plan.alternatives.size(), 1u);
     EXPECT_EQ(run.plan.alternatives[0].alternative, expected);
     alternatives.list[expected].present = false;
   }
-  Loop run;
+  AlternativesLoop run;
   run.frame(object, alternatives, eye_at(10));
   EXPECT_TRUE(run.plan.alternatives.empty());
   EXPECT_EQ(run.plan.moving_polygons.size(), 1u);
@@ -121,7 +121,7 @@ TEST(PolicyAlternatives, the_cheapest_of_several_is_drawn_and_none_that_is_absen
 
 TEST(PolicyAlternatives, what_spins_is_drawn_from_one_and_what_rests_from_a_picture) {
   for (const double spin : {0.3, 0.0}) {
-    Loop run;
+    AlternativesLoop run;
     std::uint64_t captured = 0, polygons = 0;
     std::size_t alternatives_drawn = 0, pictures = 0;
     for (int f = 0; f < 40; ++f) {

@@ -17,7 +17,7 @@ namespace {
 // Of the memory, this much is planned for; the rest holds pictures that fade out.
 constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
-constexpr std::uint64_t kMostFadedTriangles = 10'000;  // begun in one frame
+constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
 double capture_budget(const CacheOptions& options) {
@@ -26,132 +26,138 @@ double capture_budget(const CacheOptions& options) {
 
 // Makes room for `bytes` by dropping pictures that this frame does not need, the longest unused
 // first; in the end the picture that the new one replaces.
-bool make_room(Cut& cut, std::uint64_t bytes, Entity e) {
-  const auto fits = [&] { return cut.plan.bytes + bytes <= cut.options.memory_bytes; };
+bool make_room(FramePlanner& planner, std::uint64_t bytes, Entity e) {
+  const auto fits = [&] { return planner.plan.bytes + bytes <= planner.options.memory_bytes; };
   if (fits()) return true;
-  std::vector<std::uint32_t>& idle = cut.scratch.idle;
+  std::vector<std::uint32_t>& idle = planner.scratch.idle;
   if (idle.empty()) {
     // Gathered once a frame, the first to go last.
-    for (std::uint32_t slot = 0; slot < cut.state.slots.size(); ++slot) {
-      const PlanScratch::Checked& checked = cut.scratch.checked[slot];
-      const bool needed = checked.frame == cut.state.frame &&
-                          checked.now_px <= limit_px(cut.state.slots[slot], cut.options);
-      if (cut.state.slots[slot].held && !needed && !cut.scratch.dropped[slot]) idle.push_back(slot);
+    for (std::uint32_t slot = 0; slot < planner.state.slots.size(); ++slot) {
+      const PlanScratch::Checked& checked = planner.scratch.checked[slot];
+      const bool needed = checked.frame == planner.state.frame &&
+                          checked.now_px <= limit_px(planner.state.slots[slot], planner.options);
+      if (planner.state.slots[slot].held && !needed && !planner.scratch.dropped[slot])
+        idle.push_back(slot);
     }
     std::sort(idle.begin(), idle.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const std::uint32_t used_a = cut.state.slots[a].used, used_b = cut.state.slots[b].used;
+      const std::uint32_t used_a = planner.state.slots[a].used,
+                          used_b = planner.state.slots[b].used;
       return used_a != used_b ? used_a > used_b : a > b;
     });
     idle.insert(idle.begin(), 0xFFFFFFFFu);  // a sentinel: gathered, if nothing else
   }
   while (!fits() && idle.size() > 1) {
-    if (!cut.scratch.dropped[idle.back()]) cut.drop(idle.back());
+    if (!planner.scratch.dropped[idle.back()]) planner.drop(idle.back());
     idle.pop_back();
   }
   if (!fits())
-    if (const Picture* old = cut.picture_of(cut.state.current, e)) cut.drop(cut.slot_of(old));
+    if (const Picture* old = planner.picture_of(planner.state.current, e))
+      planner.drop(planner.slot_of(old));
   return fits();
 }
 
-std::uint32_t new_slot(const Cut& cut) {
+std::uint32_t new_slot(const FramePlanner& planner) {
   // Freed in this frame, free before, or new: as commit() will find them.
-  const std::size_t taken = cut.plan.captures.size();
-  if (taken < cut.state.free_slots.size())
-    return cut.state.free_slots[cut.state.free_slots.size() - 1 - taken];
-  return std::uint32_t(cut.state.slots.size() + taken - cut.state.free_slots.size());
+  const std::size_t taken = planner.plan.captures.size();
+  if (taken < planner.state.free_slots.size())
+    return planner.state.free_slots[planner.state.free_slots.size() - 1 - taken];
+  return std::uint32_t(planner.state.slots.size() + taken - planner.state.free_slots.size());
 }
 
-bool capture(Cut& cut, Entity e, double cost) {
-  const CacheOptions& options = cut.options;
-  const PictureEstimate estimated = cut.estimate(e);
-  const glm::dvec3 drift = cut.drift_of(e);
-  const PlacedPicture placed = place_picture(cut.view, cut.box_of(e), estimated, drift,
-                                             cut.plan.texel_scale, options, cut.expected_range(e));
+bool capture(FramePlanner& planner, Entity e, double cost) {
+  const CacheOptions& options = planner.options;
+  const CaptureCost estimated = planner.estimate(e);
+  const glm::dvec3 drift = planner.drift_of(e);
+  const PlacedPicture placed =
+      place_picture(planner.view, planner.box_of(e), estimated, drift, planner.plan.texel_scale,
+                    options, planner.expected_range(e));
   if (!placed.good) return false;
   const std::uint64_t bytes = picture_bytes(placed.geometry.capture, options);
-  if (!make_room(cut, bytes, e)) {
-    ++cut.plan.starved;
+  if (!make_room(planner, bytes, e)) {
+    ++planner.plan.starved;
     return false;
   }
   // Captured again before its last fade was over: the eldest goes.
-  if (const Picture* eldest = cut.picture_of(cut.state.previous, e)) cut.drop(cut.slot_of(eldest));
+  if (const Picture* eldest = planner.picture_of(planner.state.previous, e))
+    planner.drop(planner.slot_of(eldest));
   Capture made;
-  made.slot = new_slot(cut);
+  made.slot = new_slot(planner);
   made.entity = e;
   made.geometry = placed.geometry;
-  made.triangles = cut.triangles_of(e);
+  made.triangles = planner.triangles_of(e);
   made.cost = cost;
-  made.several = cut.several(e);
+  made.several = planner.several(e);
 
   Picture& picture = made.picture;
   picture.entity = e;
   picture.geometry = placed.geometry;
-  if (cut.is_moving(e)) picture.world_from_object = cut.moving[e - cut.nodes()].world_from_object;
+  if (planner.is_moving(e))
+    picture.world_from_object = planner.moving[e - planner.nodes()].world_from_object;
   picture.coarse_px = placed.coarse_px;
   picture.draw_cost = estimated.draw;
   picture.rate = picture_rate(estimated, options);
   picture.bytes = bytes;
-  picture.texel_scale = cut.plan.texel_scale;
-  picture.used = picture.fade_start = cut.state.frame;
+  picture.texel_scale = planner.plan.texel_scale;
+  picture.used = picture.fade_start = planner.state.frame;
   // A short life has little time to be replaced in.
   const double life = (1 + options.anticipation) * estimated.life;
   picture.lead =
       std::uint16_t(std::clamp(life / 3, 1.0, double(options.fade_frames + options.spread_frames)));
   // Of a frame that begins with polygons all over, only some fade.
-  const bool over_pictures =
-      cut.valid(cut.picture_of(cut.state.current, e)) || cut.pictures_cover_below(e);
+  const bool over_pictures = planner.valid(planner.picture_of(planner.state.current, e)) ||
+                             planner.pictures_cover_below(e);
   const bool over_polygons = !over_pictures && made.triangles <= kFadedTriangles;
-  if (over_polygons) cut.faded_triangles += made.triangles;
-  if (over_pictures || (over_polygons && cut.faded_triangles <= kMostFadedTriangles))
+  if (over_polygons) planner.faded_triangles += made.triangles;
+  if (over_pictures || (over_polygons && planner.faded_triangles <= kMaxFadedTriangles))
     picture.fade_length = std::uint16_t(fade_length(picture.lead, options));
   picture.held = true;
 
-  cut.plan.bytes += bytes;
-  cut.plan.captured_triangles += made.triangles;
-  cut.plan.captures.push_back(made);
-  cut.scratch.captured[e] = std::uint32_t(cut.plan.captures.size());
+  planner.plan.bytes += bytes;
+  planner.plan.captured_triangles += made.triangles;
+  planner.plan.captures.push_back(made);
+  planner.scratch.captured[e] = std::uint32_t(planner.plan.captures.size());
   return true;
 }
 
 // How coarse must pictures be for all to find room?
-double fitting_scale(const Cut& cut) {
-  const double room = kPlannedMemory * double(cut.options.memory_bytes);
-  if (cut.full_bytes <= room) return 1;
-  return std::max(kCoarsest, std::sqrt(room / cut.full_bytes));
+double fitting_scale(const FramePlanner& planner) {
+  const double room = kPlannedMemory * double(planner.options.memory_bytes);
+  if (planner.full_bytes <= room) return 1;
+  return std::max(kCoarsest, std::sqrt(room / planner.full_bytes));
 }
 
 }  // namespace
 
-void schedule_captures(Cut& cut) {
-  std::vector<PlanScratch::Request>& requests = cut.scratch.requests;
+void schedule_captures(FramePlanner& planner) {
+  std::vector<PlanScratch::Request>& requests = planner.scratch.requests;
   std::sort(requests.begin(), requests.end(), [](const auto& a, const auto& b) {
     if (a.deadline != b.deadline) return a.deadline < b.deadline;
     return a.worth != b.worth ? a.worth > b.worth : a.entity < b.entity;
   });
-  cut.plan.texel_scale = fitting_scale(cut);
+  planner.plan.texel_scale = fitting_scale(planner);
 
   double sum = 0, pace = 0;
   for (const auto& request : requests) {
     sum += double(request.cost);
     pace = std::max(pace, sum / std::max(1.0, double(request.deadline)));
   }
-  const double budget = capture_budget(cut.options);
-  double credit = requests.empty() ? 0 : cut.state.credit + pace, spent = 0;
+  const double budget = capture_budget(planner.options);
+  double credit = requests.empty() ? 0 : planner.state.credit + pace, spent = 0;
   for (const auto& request : requests) {
     const double cost = request.cost;
     if (request.deadline > 0 && credit < cost) break;
     // What is captured need not be drawn by other means: in a frame that would draw it as polygons
     // its capture costs next to nothing.
-    const double extra = std::max(0.0, cost - double(cut.scratch.now_cost[request.entity]));
-    if (!cut.plan.captures.empty() &&
-        (int(cut.plan.captures.size()) >= cut.options.captures || spent + extra > budget))
+    const double extra = std::max(0.0, cost - double(planner.scratch.now_cost[request.entity]));
+    if (!planner.plan.captures.empty() &&
+        (int(planner.plan.captures.size()) >= planner.options.captures || spent + extra > budget))
       break;
-    if (!capture(cut, request.entity, cost)) continue;
+    if (!capture(planner, request.entity, cost)) continue;
     credit = std::max(0.0, credit - cost);
     spent += extra;
   }
   // Nothing to save for beyond what one frame may spend.
-  cut.plan.credit = std::min(credit, budget);
+  planner.plan.credit = std::min(credit, budget);
 }
 
 }  // namespace rilievo

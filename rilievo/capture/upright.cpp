@@ -23,7 +23,7 @@ namespace {
 constexpr double kRoll = 0.05, kNod = 0.44;  // radians: 3 and 25 degrees
 constexpr int kRounds = 20;
 // All pairs are compared: of longer captures every n-th camera.
-constexpr std::size_t kMostCompared = 512;
+constexpr std::size_t kMaxCompared = 512;
 
 struct Axes {
   glm::dvec3 x, y, z;
@@ -38,7 +38,7 @@ template <class Distance>
 std::size_t medoid(std::size_t count, const Distance& distance) {
   std::size_t best = 0;
   double least = 1e300;
-  const std::size_t stride = (count + kMostCompared - 1) / kMostCompared;
+  const std::size_t stride = (count + kMaxCompared - 1) / kMaxCompared;
   for (std::size_t i = 0; i < count; i += stride) {
     double sum = 0;
     for (std::size_t k = 0; k < count; k += stride) sum += distance(i, k);

@@ -108,7 +108,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
                        const CompareOptions& options) {
   RILIEVO_EXPECTS(!sources.empty());
   RILIEVO_EXPECTS_GE(options.frames, 1);
-  RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kLeastCompareSize);
+  RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kMinCompareSize);
   Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
   if (!target) return target.error();
   Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);

@@ -47,7 +47,7 @@ struct CompareOptions {
 };
 
 // The smallest width and height that can be measured, pixels.
-inline constexpr int kLeastCompareSize = 16;
+inline constexpr int kMinCompareSize = 16;
 
 // Draws and measures all frames. Fills the parts of the report that drawing determines: machine,
 // size, antialiasing, methods, pictures. Requires at least one source and one frame.

@@ -1,20 +1,18 @@
 #include "rilievo/compare/drawn_frame.h"
 
-#include <chrono>
-
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 
 namespace rilievo {
 
 Result<double> time_frame(FrameSource& source, FrameTarget& target, const WalkFrame& frame) {
   gl::finish();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   target.begin();
   if (Result<> drawn = source.draw(frame.camera, frame.time); !drawn) return drawn.error();
   target.resolve();
   gl::finish();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
+  return watch.ms();
 }
 
 Result<DrawnFrame> draw_frame(FrameSource& source, FrameTarget& target, ProbeTarget& probe,

@@ -9,7 +9,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kMostSize = 4096;
+constexpr int kMaxSize = 4096;
 
 // Four disparities along a line of texels, outer ones absent (kNothing) where there is no neighbour
 // on the line; is there a jump between the middle ones? `texel` is 2 / n, a texel's width at depth
@@ -49,9 +49,9 @@ const std::array<FaceAxes, 6>& face_axes() {
 Result<> validate_environment(const EnvironmentMap& map) {
   const Camera& first = map.faces[0].camera;
   const int n = first.width;
-  if (n < 2 || n > kMostSize)
+  if (n < 2 || n > kMaxSize)
     return Error{"node", "its faces are " + std::to_string(n) + " texels wide, not 2 to " +
-                             std::to_string(kMostSize)};
+                             std::to_string(kMaxSize)};
   const glm::dmat4 pose = world_from_node(map);
   for (int f = 0; f < 6; ++f) {
     const DepthImage& face = map.faces[std::size_t(f)];

@@ -20,7 +20,7 @@ std::int64_t in_circle(const glm::ivec2& a, const glm::ivec2& b, const glm::ivec
 }
 
 Delaunay::Delaunay(int size) {
-  RILIEVO_EXPECTS(size >= 1 && size <= kMostSize);
+  RILIEVO_EXPECTS(size >= 1 && size <= kMaxSize);
   points_ = {{0, 0}, {size, 0}, {size, size}, {0, size}};
   at_ = {0, 0, 0, 1};
   triangles_.resize(2);

@@ -28,7 +28,7 @@ namespace rilievo {
 class Delaunay {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-  static constexpr int kMostSize = 16384;  // in_circle fits into 64 bits
+  static constexpr int kMaxSize = 16384;  // in_circle fits into 64 bits
 
   // A triangle and its neighbours.
   struct Triangle {
@@ -43,7 +43,7 @@ class Delaunay {
   };
 
   // The square [0, size]^2 as two triangles. Its corners are points 0 (0, 0), 1 (size, 0),
-  // 2 (size, size), 3 (0, size). Requires 1 <= size <= kMostSize.
+  // 2 (size, size), 3 (0, size). Requires 1 <= size <= kMaxSize.
   explicit Delaunay(int size);
 
   // Inserts a point and returns its index; returns the existing index if it is there already.

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kRepresentation = "representation";
 constexpr const char* kEnvironmentNodes = "environment-nodes";
 constexpr const char* kMesh = "mesh";
-constexpr double kMostTriangles = 1e9;
+constexpr double kMaxTriangles = 1e9;
 
 std::string mesh_text(const TriangulateOptions& mesh) {
   return fmt::format("{} {} {}", mesh.triangles, mesh.error_px, mesh.reach);
@@ -30,7 +30,7 @@ std::optional<TriangulateOptions> mesh_from(std::string_view text) {
       return std::nullopt;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
-  if (!text.empty() || n[0] > kMostTriangles || n[0] != std::floor(n[0])) return std::nullopt;
+  if (!text.empty() || n[0] > kMaxTriangles || n[0] != std::floor(n[0])) return std::nullopt;
   // Something must end the triangulation.
   if (n[0] == 0 && n[1] == 0) return std::nullopt;
   TriangulateOptions mesh;
@@ -50,7 +50,7 @@ Result<> save_environment_nodes(const std::filesystem::path& path, const Environ
   return save_pictures(path, *pictures, attributes);
 }
 
-bool says_environment_nodes(const FileAttributes& attributes) {
+bool matches_environment_nodes(const FileAttributes& attributes) {
   const auto found = attributes.file.find(kRepresentation);
   return found != attributes.file.end() && found->second == kEnvironmentNodes;
 }
@@ -59,7 +59,7 @@ Result<EnvironmentNodes> open_environment_nodes(const std::filesystem::path& pat
   const auto refuse = [&](const std::string& reason) { return Error{path.string(), reason}; };
   const Result<PictureFile> file = load_picture_file(path, {0, 0});
   if (!file) return file.error();
-  if (!says_environment_nodes(file->attributes))
+  if (!matches_environment_nodes(file->attributes))
     return refuse("holds no environment nodes: it does not say that its pictures are faces");
   const auto text = file->attributes.file.find(kMesh);
   if (text == file->attributes.file.end())

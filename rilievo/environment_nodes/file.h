@@ -19,7 +19,7 @@ namespace rilievo {
                                               const EnvironmentNodes& nodes);
 
 // Do the attributes say that the pictures are environment nodes?
-[[nodiscard]] bool says_environment_nodes(const FileAttributes& attributes);
+[[nodiscard]] bool matches_environment_nodes(const FileAttributes& attributes);
 
 // Opens a file. Reads every face once to find damage, one node at a time; the pictures stay in the
 // file. The error names the file, the face and the reason.

@@ -71,7 +71,7 @@ struct TriangulateOptions {
 };
 
 // The results of a triangulation.
-struct TriangulateFigures {
+struct TriangulateStats {
   double reach = 0;       // metres, as used
   float worst_error = 0;  // 1/m, of any texel
   double worst_error_px = 0;
@@ -82,7 +82,7 @@ struct TriangulateFigures {
 // Triangulates a node. Requires a valid environment (validate_environment). Faces run in parallel;
 // the mesh does not depend on the number of threads.
 [[nodiscard]] NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& options,
-                                   TriangulateFigures* figures = nullptr);
+                                   TriangulateStats* stats = nullptr);
 
 // |cos| of the angle between a triangle's normal and the line of sight to its middle (S3.4).
 [[nodiscard]] float triangle_quality(const NodeVertex& a, const NodeVertex& b, const NodeVertex& c);

@@ -9,6 +9,7 @@
 
 #include "rilievo/core/depth_image.h"
 #include "rilievo/environment_nodes/cube_grid.h"
+#include "rilievo/environment_nodes/delaunay.h"
 #include "rilievo/environment_nodes/node_mesh.h"
 
 namespace rilievo {
@@ -107,6 +108,14 @@ inline Image<float> drawn_disparity(const NodeMesh& mesh, int f) {
       }
   }
   return drawn;
+}
+
+// Do the open segments a-b and c-d cross?
+[[nodiscard]] inline bool cross_properly(const glm::ivec2& a, const glm::ivec2& b,
+                                         const glm::ivec2& c, const glm::ivec2& d) {
+  const auto side = [](std::int64_t v) { return (v > 0) - (v < 0); };
+  return side(orientation(a, b, c)) * side(orientation(a, b, d)) < 0 &&
+         side(orientation(c, d, a)) * side(orientation(c, d, b)) < 0;
 }
 
 }  // namespace rilievo

@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr std::uint64_t kMostText = 64u << 20;
-constexpr std::size_t kMostViews = 4096;
+constexpr std::uint64_t kMaxText = 64u << 20;
+constexpr std::size_t kMaxViews = 4096;
 constexpr char kConstantOne[] = "CONSTANT_ONE", kConstantZero[] = "CONSTANT_ZERO";
 
 Error because(const std::string& reason) { return Error{"", reason}; }
@@ -233,7 +233,7 @@ Result<SeuratCapture> load_seurat_capture(const fs::path& path) {
   std::error_code ignored;
   const fs::path file = fs::is_directory(path, ignored) ? path / "manifest.json" : path;
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
-  const Result<std::string> text = read_file(file, kMostText);
+  const Result<std::string> text = read_file(file, kMaxText);
   if (!text) return text.error();
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object()) return error("is not valid JSON");
@@ -256,7 +256,7 @@ Result<SeuratCapture> load_seurat_capture(const fs::path& path) {
       return error("view group " + std::to_string(g) + " has no \"views\"");
     capture.groups.emplace_back();
     for (std::size_t v = 0; v < views->size(); ++v) {
-      if (++count > kMostViews) return error("has too many views");
+      if (++count > kMaxViews) return error("has too many views");
       Result<DepthImage> picture = read_view((*views)[v], file.parent_path());
       const std::string where = "view " + std::to_string(v) + " of group " + std::to_string(g);
       if (!picture)

@@ -9,13 +9,6 @@
 namespace rilievo {
 namespace {
 
-bool cross_properly(const glm::ivec2& a, const glm::ivec2& b, const glm::ivec2& c,
-                    const glm::ivec2& d) {
-  const auto side = [](std::int64_t v) { return (v > 0) - (v < 0); };
-  return side(orientation(a, b, c)) * side(orientation(a, b, d)) < 0 &&
-         side(orientation(c, d, a)) * side(orientation(c, d, b)) < 0;
-}
-
 // Balls in front of a wall, of all sizes down to single texels, and noise for the smallest.
 EnvironmentMap crowded_node(int size, std::uint64_t seed) {
   Random random(seed);

@@ -155,7 +155,7 @@ void refine(Faces& faces, CubeEdges& edges, float error, std::size_t budget) {
 }  // namespace
 
 NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& options,
-                     TriangulateFigures* figures) {
+                     TriangulateStats* stats) {
   RILIEVO_EXPECTS(validate_environment(map).ok());
   const double reach = options.reach > 0 ? options.reach : usual_reach(map);
   const double px_per_disparity = reach * 0.5 * map.faces[0].camera.width;
@@ -164,7 +164,7 @@ NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& option
   cuts.least_step = error;
   CubeGrid grid(map, cuts);
   Silhouettes silhouettes = trace(grid);
-  TriangulateFigures done;
+  TriangulateStats done;
   if (options.triangles) {
     const std::size_t most = std::size_t(options.silhouette_share * double(options.triangles));
     // What is left is joined to longer lines, which may cost a little more or less.
@@ -183,11 +183,11 @@ NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& option
         std::make_unique<FaceMesh>(grid, f, silhouettes[std::size_t(f)], edges.required(f));
   });
   refine(faces, edges, error, options.triangles);
-  if (figures) {
+  if (stats) {
     done.reach = reach;
     done.worst_error = worst_error(faces);
     done.worst_error_px = done.worst_error * px_per_disparity;
-    *figures = done;
+    *stats = done;
   }
   std::array<const FaceMesh*, 6> pointers;
   for (std::size_t f = 0; f < 6; ++f) pointers[f] = faces[f].get();

@@ -31,12 +31,12 @@ TEST(Triangulate, no_texel_is_wrong_by_more_than_was_allowed) {
     TriangulateOptions options;
     options.error_px = error_px;
     options.reach = 0.5;
-    TriangulateFigures figures;
-    const NodeMesh mesh = triangulate(map, options, &figures);
+    TriangulateStats stats;
+    const NodeMesh mesh = triangulate(map, options, &stats);
     const double allowed = error_px / (0.5 * 24);
     // Interpolation in floats.
     EXPECT_LE(largest_error(map, mesh), allowed + 1e-5);
-    EXPECT_LE(figures.worst_error_px, error_px);
+    EXPECT_LE(stats.worst_error_px, error_px);
     EXPECT_GT(mesh.surface_triangles(), last);
     last = mesh.surface_triangles();
   }

@@ -113,10 +113,10 @@ Result<Program> make_program(std::string_view name, std::string_view vertex,
 
 void StreamBuffer::upload_and_bind(GLenum target, GLuint index, std::span<const std::byte> bytes) {
   // Enough for any driver's alignment of offsets.
-  constexpr std::size_t kAlignment = 256, kLeastCapacity = std::size_t(1) << 20;
+  constexpr std::size_t kAlignment = 256, kMinCapacity = std::size_t(1) << 20;
   const std::size_t size = (bytes.size() / kAlignment + 1) * kAlignment;
   if (size > capacity_) {
-    capacity_ = std::max(kLeastCapacity, 4 * size);
+    capacity_ = std::max(kMinCapacity, 4 * size);
     glFinish();
     buffer_ = make_buffer(capacity_, nullptr, GL_DYNAMIC_STORAGE_BIT);
     used_ = 0;

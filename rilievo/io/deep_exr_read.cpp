@@ -23,7 +23,7 @@ namespace {
 // From here on a foreign depth is "nothing there".
 constexpr float kForeignFar = 1e30f;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 34;
+constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 34;
 
 Result<> check_deep(const Imf::MultiPartInputFile& file) {
   if (file.parts() != 1) return because("has several parts; a deep picture is one");
@@ -211,7 +211,7 @@ Result<LayeredDepthImage> load_layers(std::string_view bytes, const std::string&
 
 Result<LayeredDepthImage> load_layers(const std::filesystem::path& path,
                                       const DeepLoadOptions& options) {
-  const Result<std::string> bytes = read_file(path, kMostBytes);
+  const Result<std::string> bytes = read_file(path, kMaxBytes);
   if (!bytes) return bytes.error();
   return load_layers(*bytes, path.string(), options);
 }

@@ -19,14 +19,14 @@
 namespace rilievo {
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 32;
+constexpr std::uint64_t kMaxPictureBytes = std::uint64_t(1) << 32;
 
 }  // namespace
 
 Result<std::vector<Image<float>>> load_exr_channels(const std::filesystem::path& path,
                                                     std::span<const std::string> names) {
   const auto error = [&](const std::string& reason) { return Error{path.string(), reason}; };
-  const Result<std::string> bytes = read_file(path, kMostBytes);
+  const Result<std::string> bytes = read_file(path, kMaxPictureBytes);
   if (!bytes) return bytes.error();
   if (Result<> sizes = check_exr_sizes(*bytes); !sizes) return error(sizes.error().reason);
   try {

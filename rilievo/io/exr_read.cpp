@@ -22,7 +22,7 @@ namespace {
 // From here on a foreign depth is "nothing there": renderers write 1e30, 1e32, 1e38.
 constexpr float kForeignFar = 1e30f;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 34;
+constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 34;
 
 Result<> check_channels(const Imf::Header& header) {
   if (header.hasType() && Imf::isDeepData(header.type()))
@@ -148,7 +148,7 @@ Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes,
 
 Result<PictureFile> load_picture_file(const std::filesystem::path& path,
                                       const PictureRange& range) {
-  const Result<std::string> bytes = read_file(path, kMostBytes);
+  const Result<std::string> bytes = read_file(path, kMaxBytes);
   if (!bytes) return bytes.error();
   if (Result<> sizes = check_exr_sizes(*bytes); !sizes)
     return Error{path.string(), sizes.error().reason};

@@ -14,28 +14,28 @@ namespace {
 
 // libjpeg reports a fault by calling error_exit, which must not return: it jumps back to where
 // encoding began. Nothing with a destructor may be made between the two.
-struct Encoder {
+struct JpegEncoder {
   jpeg_compress_struct info{};
   jpeg_error_mgr errors{};
   std::jmp_buf back{};
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
 
-  Encoder() = default;
-  Encoder(const Encoder&) = delete;
-  Encoder& operator=(const Encoder&) = delete;
-  ~Encoder() {
+  JpegEncoder() = default;
+  JpegEncoder(const JpegEncoder&) = delete;
+  JpegEncoder& operator=(const JpegEncoder&) = delete;
+  ~JpegEncoder() {
     jpeg_destroy_compress(&info);
     std::free(bytes);
   }
 };
 
-[[noreturn]] void give_up(j_common_ptr info) {
-  std::longjmp(static_cast<Encoder*>(info->client_data)->back, 1);
+[[noreturn]] void give_up_writing_jpeg(j_common_ptr info) {
+  std::longjmp(static_cast<JpegEncoder*>(info->client_data)->back, 1);
 }
 
 // False if memory runs out, the only fault there can be.
-bool encode(Encoder& encoder, const Rgba8Image& picture, int quality) {
+bool encode(JpegEncoder& encoder, const Rgba8Image& picture, int quality) {
   jpeg_compress_struct& info = encoder.info;
   if (setjmp(encoder.back)) return false;
   jpeg_create_compress(&info);
@@ -65,9 +65,9 @@ std::vector<std::uint8_t> encode_jpeg(const Rgba8Image& picture, int quality) {
   RILIEVO_EXPECTS(!picture.empty());
   RILIEVO_EXPECTS(picture.width() <= JPEG_MAX_DIMENSION && picture.height() <= JPEG_MAX_DIMENSION);
   RILIEVO_EXPECTS(1 <= quality && quality <= 100);
-  Encoder encoder;
+  JpegEncoder encoder;
   encoder.info.err = jpeg_std_error(&encoder.errors);
-  encoder.errors.error_exit = give_up;
+  encoder.errors.error_exit = give_up_writing_jpeg;
   // jpeg_create_compress clears all but these two.
   encoder.info.client_data = &encoder;
   if (!encode(encoder, picture, quality)) throw std::bad_alloc();

@@ -11,18 +11,18 @@ namespace {
 
 // libjpeg reports a fault by calling error_exit, which must not return: it jumps back to where
 // decoding began. Nothing with a destructor may be made between the two.
-struct Decoder {
+struct JpegDecoder {
   jpeg_decompress_struct info{};
   jpeg_error_mgr errors{};
   jpeg_progress_mgr progress{};
   std::jmp_buf back{};
   char reason[JMSG_LENGTH_MAX] = "";
 
-  ~Decoder() { jpeg_destroy_decompress(&info); }
+  ~JpegDecoder() { jpeg_destroy_decompress(&info); }
 };
 
-[[noreturn]] void give_up(j_common_ptr info) {
-  Decoder& decoder = *static_cast<Decoder*>(info->client_data);
+[[noreturn]] void give_up_reading_jpeg(j_common_ptr info) {
+  JpegDecoder& decoder = *static_cast<JpegDecoder*>(info->client_data);
   info->err->format_message(info, decoder.reason);
   std::longjmp(decoder.back, 1);
 }
@@ -30,15 +30,15 @@ struct Decoder {
 // A few kilobytes can hold thousands of scans, each of which goes over the whole picture; pictures
 // have about ten.
 void limit_scans(j_common_ptr info) {
-  constexpr int kMostScans = 100;
-  Decoder& decoder = *static_cast<Decoder*>(info->client_data);
-  if (decoder.info.input_scan_number > kMostScans) {
+  constexpr int kMaxScans = 100;
+  JpegDecoder& decoder = *static_cast<JpegDecoder*>(info->client_data);
+  if (decoder.info.input_scan_number > kMaxScans) {
     std::snprintf(decoder.reason, sizeof decoder.reason, "it has too many scans");
     std::longjmp(decoder.back, 1);
   }
 }
 
-bool begin(Decoder& decoder, Bytes encoded) {
+bool begin(JpegDecoder& decoder, Bytes encoded) {
   if (setjmp(decoder.back)) return false;
   jpeg_create_decompress(&decoder.info);
   decoder.info.progress = &decoder.progress;
@@ -73,7 +73,7 @@ std::uint64_t working_bytes(jpeg_decompress_struct& info) {
 }
 
 // Rows of four bytes a texel into `texels`.
-bool read_rows(Decoder& decoder, std::uint8_t* texels, std::size_t row_bytes) {
+bool read_rows(JpegDecoder& decoder, std::uint8_t* texels, std::size_t row_bytes) {
   if (setjmp(decoder.back)) return false;
   jpeg_start_decompress(&decoder.info);
   while (decoder.info.output_scanline < decoder.info.output_height) {
@@ -87,9 +87,9 @@ bool read_rows(Decoder& decoder, std::uint8_t* texels, std::size_t row_bytes) {
 
 Rgba8Image decode_jpeg(Bytes encoded, MemoryBudget& budget,
                        Rgba8Image (*make)(int width, int height, MemoryBudget&)) {
-  Decoder decoder;
+  JpegDecoder decoder;
   decoder.info.err = jpeg_std_error(&decoder.errors);
-  decoder.errors.error_exit = give_up;
+  decoder.errors.error_exit = give_up_reading_jpeg;
   // Warnings (a picture that is cut short is grey at its end) are not worth a word.
   decoder.errors.emit_message = [](j_common_ptr, int) {};
   decoder.progress.progress_monitor = limit_scans;

@@ -1,4 +1,4 @@
-// How is a JPEG file decoded? By libjpeg. Internal to loading; throws LoadFault.
+// How is a JPEG file decoded? By libjpeg. Internal to loading; throws LoadError.
 #pragma once
 
 #include "rilievo/core/color.h"

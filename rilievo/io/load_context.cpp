@@ -56,10 +56,10 @@ void MemoryBudget::take_pixels(std::uint64_t count, std::uint64_t each) {
 }
 
 void LoadContext::warn(const std::string& what) {
-  constexpr std::size_t kMost = 100;
-  if (warnings.size() > kMost) return;
+  constexpr std::size_t kMaxCount = 100;
+  if (warnings.size() > kMaxCount) return;
   if (std::find(warnings.begin(), warnings.end(), what) != warnings.end()) return;
-  warnings.push_back(warnings.size() < kMost ? what : "more warnings follow and are left out");
+  warnings.push_back(warnings.size() < kMaxCount ? what : "more warnings follow and are left out");
 }
 
 void LoadContext::skip_points_or_lines() {

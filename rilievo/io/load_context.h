@@ -1,6 +1,6 @@
 // What do the readers of all formats share? Errors, warnings, memory limits, access to other files.
 //
-// Internal to loading. Inside, an error is thrown as LoadFault; load_scene returns it as an Error.
+// Internal to loading. Inside, an error is thrown as LoadError; load_scene returns it as an Error.
 #pragma once
 
 #include <cstddef>
@@ -22,12 +22,12 @@ using Bytes = std::span<const std::uint8_t>;
 }
 
 // The exception for bad input.
-struct LoadFault {
+struct LoadError {
   std::string reason;  // one clause, as Error::reason
 };
 
-// Throws a LoadFault.
-[[noreturn]] inline void refuse(std::string reason) { throw LoadFault{std::move(reason)}; }
+// Throws a LoadError.
+[[noreturn]] inline void refuse(std::string reason) { throw LoadError{std::move(reason)}; }
 
 // ", but there are only 7": ends a sentence about a number that is too large.
 [[nodiscard]] std::string but_there_are(std::uint64_t count);

@@ -1,4 +1,4 @@
-// How are the texels of an encoded picture decoded? Internal to loading; throws LoadFault.
+// How are the texels of an encoded picture decoded? Internal to loading; throws LoadError.
 //
 // PNG by libpng, JPEG by libjpeg, WebP by libwebp, BMP and TGA by stb_image; the first bytes
 // decide. stb_image reads no compressed formats here: version 2.27 writes past its tables on a

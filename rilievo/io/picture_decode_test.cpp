@@ -31,7 +31,7 @@ std::string reason(const std::string& bytes, std::uint64_t memory = 1 << 24) {
   try {
     (void)decode_picture(bytes_of(bytes), budget);
     return "ok";
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     return fault.reason;
   }
 }

@@ -14,28 +14,28 @@
 namespace rilievo {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 1u << 30;
+constexpr std::uint64_t kMaxPngBytes = 1u << 30;
 
 // libpng reports a fault by calling error_fn, which must not return: it jumps back to where
 // encoding began. Nothing with a destructor may be made between the two.
-struct Encoder {
+struct PngEncoder {
   png_structp png = nullptr;
   png_infop info = nullptr;
   std::vector<std::uint8_t> out;
   std::jmp_buf back{};
 
-  Encoder() = default;
-  Encoder(const Encoder&) = delete;
-  Encoder& operator=(const Encoder&) = delete;
-  ~Encoder() { png_destroy_write_struct(&png, &info); }
+  PngEncoder() = default;
+  PngEncoder(const PngEncoder&) = delete;
+  PngEncoder& operator=(const PngEncoder&) = delete;
+  ~PngEncoder() { png_destroy_write_struct(&png, &info); }
 };
 
-[[noreturn]] void give_up(png_structp png, png_const_charp) {
-  std::longjmp(static_cast<Encoder*>(png_get_error_ptr(png))->back, 1);
+[[noreturn]] void give_up_writing_png(png_structp png, png_const_charp) {
+  std::longjmp(static_cast<PngEncoder*>(png_get_error_ptr(png))->back, 1);
 }
 
 void append(png_structp png, png_bytep bytes, std::size_t size) {
-  Encoder& encoder = *static_cast<Encoder*>(png_get_io_ptr(png));
+  PngEncoder& encoder = *static_cast<PngEncoder*>(png_get_io_ptr(png));
   try {
     encoder.out.insert(encoder.out.end(), bytes, bytes + size);
     return;
@@ -45,9 +45,9 @@ void append(png_structp png, png_bytep bytes, std::size_t size) {
 }
 
 // False if memory runs out, the only fault there can be.
-bool encode(Encoder& encoder, const Rgba8Image& picture, bool opaque) {
+bool encode(PngEncoder& encoder, const Rgba8Image& picture, bool opaque) {
   if (setjmp(encoder.back)) return false;
-  encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, give_up,
+  encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoder, give_up_writing_png,
                                         [](png_structp, png_const_charp) {});
   if (encoder.png) encoder.info = png_create_info_struct(encoder.png);
   if (!encoder.info) return false;
@@ -75,7 +75,7 @@ std::vector<std::uint8_t> encode_png(const Rgba8Image& picture) {
   RILIEVO_EXPECTS(!picture.empty());
   const bool opaque = std::all_of(picture.texels().begin(), picture.texels().end(),
                                   [](const glm::u8vec4& c) { return c.a == 255; });
-  Encoder encoder;
+  PngEncoder encoder;
   if (!encode(encoder, picture, opaque)) throw std::bad_alloc();
   return std::move(encoder.out);
 }
@@ -87,14 +87,14 @@ Result<> save_png(const std::filesystem::path& path, const Rgba8Image& picture) 
 }
 
 Result<Rgba8Image> load_png(const std::filesystem::path& path) {
-  const Result<std::string> file = read_file(path, kMostBytes);
+  const Result<std::string> file = read_file(path, kMaxPngBytes);
   if (!file) return file.error();
   if (!is_png(bytes_of(*file))) return Error{path.string(), "is not a PNG picture"};
-  MemoryBudget budget(3 * kMostBytes);
+  MemoryBudget budget(3 * kMaxPngBytes);
   try {
     budget.earn(file->size());
     return decode_picture(bytes_of(*file), budget);
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     return Error{path.string(), fault.reason};
   }
 }

@@ -47,7 +47,7 @@ void check_plausible(const Head& head, std::size_t encoded_bytes) {
 
 // libpng reports a fault by calling error_fn, which must not return: it jumps back to where
 // decoding began. Nothing with a destructor may be made between the two.
-struct Decoder {
+struct PngDecoder {
   png_structp png = nullptr;
   png_infop info = nullptr;
   Bytes left;
@@ -55,14 +55,14 @@ struct Decoder {
   std::jmp_buf back{};
   char reason[128] = "";
 
-  Decoder() = default;
-  Decoder(const Decoder&) = delete;
-  Decoder& operator=(const Decoder&) = delete;
-  ~Decoder() { png_destroy_read_struct(&png, &info, nullptr); }
+  PngDecoder() = default;
+  PngDecoder(const PngDecoder&) = delete;
+  PngDecoder& operator=(const PngDecoder&) = delete;
+  ~PngDecoder() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
-[[noreturn]] void give_up(png_structp png, png_const_charp message) {
-  Decoder& decoder = *static_cast<Decoder*>(png_get_error_ptr(png));
+[[noreturn]] void give_up_reading_png(png_structp png, png_const_charp message) {
+  PngDecoder& decoder = *static_cast<PngDecoder*>(png_get_error_ptr(png));
   std::snprintf(decoder.reason, sizeof decoder.reason, "%s", message);
   std::longjmp(decoder.back, 1);
 }
@@ -71,7 +71,7 @@ struct Decoder {
 constexpr std::size_t kBlockHead = alignof(std::max_align_t);
 
 png_voidp allocate(png_structp png, png_alloc_size_t size) {
-  Decoder& decoder = *static_cast<Decoder*>(png_get_mem_ptr(png));
+  PngDecoder& decoder = *static_cast<PngDecoder*>(png_get_mem_ptr(png));
   if (size > kWorkingBytes || decoder.held + size > kWorkingBytes) return nullptr;
   auto* const block = static_cast<std::uint8_t*>(std::malloc(kBlockHead + size));
   if (!block) return nullptr;
@@ -82,7 +82,7 @@ png_voidp allocate(png_structp png, png_alloc_size_t size) {
 
 void release(png_structp png, png_voidp at) {
   if (!at) return;
-  Decoder& decoder = *static_cast<Decoder*>(png_get_mem_ptr(png));
+  PngDecoder& decoder = *static_cast<PngDecoder*>(png_get_mem_ptr(png));
   auto* const block = static_cast<std::uint8_t*>(at) - kBlockHead;
   png_alloc_size_t size = 0;
   std::memcpy(&size, block, sizeof size);
@@ -91,19 +91,19 @@ void release(png_structp png, png_voidp at) {
 }
 
 void read_bytes(png_structp png, png_bytep to, std::size_t size) {
-  Decoder& decoder = *static_cast<Decoder*>(png_get_io_ptr(png));
+  PngDecoder& decoder = *static_cast<PngDecoder*>(png_get_io_ptr(png));
   if (size > decoder.left.size()) png_error(png, "it is cut short");
   std::memcpy(to, decoder.left.data(), size);
   decoder.left = decoder.left.subspan(size);
 }
 
 // Up to the first texel; false with a reason if that fails.
-bool begin(Decoder& decoder) {
+bool begin(PngDecoder& decoder) {
   if (setjmp(decoder.back)) return false;
   // Warnings are about chunks that do not matter.
   decoder.png = png_create_read_struct_2(
-      PNG_LIBPNG_VER_STRING, &decoder, give_up, [](png_structp, png_const_charp) {}, &decoder,
-      allocate, release);
+      PNG_LIBPNG_VER_STRING, &decoder, give_up_reading_png, [](png_structp, png_const_charp) {},
+      &decoder, allocate, release);
   if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
   if (!decoder.info) return false;
   png_set_read_fn(decoder.png, &decoder, read_bytes);
@@ -131,7 +131,7 @@ void to_native16(png_structp png) {
 }
 
 // Rows of `row_bytes` into `texels`, in as many passes as the picture has.
-bool read_rows(Decoder& decoder, void (*transform)(png_structp), std::uint8_t* texels,
+bool read_rows(PngDecoder& decoder, void (*transform)(png_structp), std::uint8_t* texels,
                std::size_t row_bytes, std::size_t rows) {
   if (setjmp(decoder.back)) return false;
   transform(decoder.png);
@@ -146,7 +146,7 @@ bool read_rows(Decoder& decoder, void (*transform)(png_structp), std::uint8_t* t
   return true;
 }
 
-[[noreturn]] void fail(const Decoder& decoder) {
+[[noreturn]] void fail(const PngDecoder& decoder) {
   refuse(std::string("is a PNG picture that cannot be decoded: ") +
          (decoder.reason[0] ? decoder.reason : "there is not enough memory"));
 }
@@ -156,7 +156,7 @@ Picture decode(Bytes encoded, MemoryBudget& budget, Picture (*make)(int, int, Me
                void (*transform)(png_structp)) {
   const Head head = read_head(encoded);
   check_plausible(head, encoded.size());
-  Decoder decoder;
+  PngDecoder decoder;
   decoder.left = encoded;
   if (!begin(decoder)) fail(decoder);
   Picture out = make(int(head.width), int(head.height), budget);

@@ -1,4 +1,4 @@
-// How is a PNG file decoded? By libpng. Internal to loading; throws LoadFault.
+// How is a PNG file decoded? By libpng. Internal to loading; throws LoadError.
 //
 // Memory is bounded before libpng starts: the first 26 bytes hold the picture's size and format, a
 // size that the compressed bytes cannot hold is refused, and libpng works row by row with at most

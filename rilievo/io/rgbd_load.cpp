@@ -18,7 +18,7 @@ auto decoded(const std::filesystem::path& path, MemoryBudget& budget, Decode dec
   try {
     budget.earn(bytes->size());
     return decode(bytes_of(*bytes), budget);
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     return Error{path.string(), fault.reason};
   }
 }

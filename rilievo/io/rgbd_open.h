@@ -9,8 +9,8 @@
 namespace rilievo::rgbd {
 
 // The sizes beyond which a capture is refused:
-inline constexpr std::size_t kMostFrames = 100000;
-inline constexpr std::uint64_t kMostTextBytes = 256u << 20;
+inline constexpr std::size_t kMaxFrames = 100000;
+inline constexpr std::uint64_t kMaxTextBytes = 256u << 20;
 
 // The rigid motion nearest to a camera-to-world matrix. Fails with a clause that says what is wrong
 // if they differ by more than 1 %.

@@ -57,7 +57,7 @@ fs::path color_folder(const fs::path& folder) {
 // {"width", "height", "intrinsic_matrix": column by column}
 Result<RgbdIntrinsics> read_intrinsic_json(const fs::path& file) {
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
-  const Result<std::string> text = read_file(file, kMostTextBytes);
+  const Result<std::string> text = read_file(file, kMaxTextBytes);
   if (!text) return text.error();
   const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object()) return error("is not valid JSON");
@@ -86,7 +86,7 @@ Result<RgbdIntrinsics> read_intrinsic_json(const fs::path& file) {
 Result<RgbdCapture> open_trajectory(const fs::path& file) {
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
   const fs::path folder = file.parent_path();
-  const Result<std::string> text = read_file(file, kMostTextBytes);
+  const Result<std::string> text = read_file(file, kMaxTextBytes);
   if (!text) return text.error();
   const Result<std::vector<fs::path>> colors = images_in(color_folder(folder));
   if (!colors) return colors.error();
@@ -125,7 +125,7 @@ Result<RgbdCapture> open_trajectory(const fs::path& file) {
                    " are there");
     const Result<glm::dmat4> pose = pose_of(std::span(*values).subspan(3));
     if (!pose) return error(entry + pose.error().reason);
-    if (capture.frames.size() == kMostFrames) return error("has too many frames");
+    if (capture.frames.size() == kMaxFrames) return error("has too many frames");
     const std::size_t i = std::size_t(index);
     capture.frames.push_back(
         {(*colors)[i].stem().string(), (*colors)[i], (*depths)[i], *pose, lens, 0.001});
@@ -135,7 +135,7 @@ Result<RgbdCapture> open_trajectory(const fs::path& file) {
 
 Result<RgbdCapture> open_pose_files(const fs::path& folder) {
   const fs::path lens_file = folder / "camera-intrinsics.txt";
-  const Result<std::string> lens_text = read_file(lens_file, kMostTextBytes);
+  const Result<std::string> lens_text = read_file(lens_file, kMaxTextBytes);
   if (!lens_text) return lens_text.error();
   const Result<std::vector<double>> lens_values = numbers(*lens_text, 9);
   if (!lens_values) return Error{lens_file.string(), lens_values.error().reason};
@@ -148,7 +148,7 @@ Result<RgbdCapture> open_pose_files(const fs::path& folder) {
   for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed)) {
     const std::string file = it->path().filename().string();
     if (file.ends_with(kPose)) names.push_back(file.substr(0, file.size() - kPose.size()));
-    if (names.size() > kMostFrames) return Error{folder.string(), "has too many frames"};
+    if (names.size() > kMaxFrames) return Error{folder.string(), "has too many frames"};
   }
   if (failed) return Error{folder.string(), failed.message()};
   std::sort(names.begin(), names.end());
@@ -156,7 +156,7 @@ Result<RgbdCapture> open_pose_files(const fs::path& folder) {
   RgbdCapture capture{RgbdFormat::pose_files, {}};
   for (const std::string& name : names) {
     const fs::path file = folder / (name + std::string(kPose));
-    const Result<std::string> text = read_file(file, kMostTextBytes);
+    const Result<std::string> text = read_file(file, kMaxTextBytes);
     if (!text) return text.error();
     const Result<std::vector<double>> values = numbers(*text, 16);
     if (!values) return Error{file.string(), values.error().reason};

@@ -124,13 +124,13 @@ std::string read_frame(const Json& file, const Json& json, const fs::path& folde
 
 Result<RgbdCapture> open_transforms(const fs::path& file, bool allow_outside) {
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
-  const Result<std::string> text = read_file(file, kMostTextBytes);
+  const Result<std::string> text = read_file(file, kMaxTextBytes);
   if (!text) return text.error();
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object()) return error("is not valid JSON");
   const auto frames = json.find("frames");
   if (frames == json.end() || !frames->is_array()) return error("has no list \"frames\"");
-  if (frames->size() > kMostFrames) return error("has too many frames");
+  if (frames->size() > kMaxFrames) return error("has too many frames");
   RgbdCapture capture{RgbdFormat::nerfstudio, {}};
   for (const Json& each : *frames) {
     RgbdFrame frame;

@@ -99,7 +99,7 @@ struct Kind {
   Result<> (*check_options)(const OptionValues&) = nullptr;
 
   // Does a file with these attributes contain this kind?
-  bool (*says)(const FileAttributes&) = nullptr;
+  bool (*matches)(const FileAttributes&) = nullptr;
   // Does load() read the planes of pictures itself, some at a time? Then it gets pictures without
   // planes.
   bool reads_later = false;

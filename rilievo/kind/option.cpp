@@ -58,7 +58,7 @@ bool accepts(const Option& option, std::string_view value) {
     case OptionType::integer:
     case OptionType::number: {
       const std::optional<double> number = number_from(value);
-      return number && *number >= option.least && *number <= option.most &&
+      return number && *number >= option.min && *number <= option.max &&
              (option.type == OptionType::number || *number == std::floor(*number));
     }
     case OptionType::choice:
@@ -82,9 +82,9 @@ std::string expected_text(const Option& option) {
     case OptionType::flag:
       return "on or off";
     case OptionType::integer:
-      return fmt::format("a whole number from {} to {}", option.least, option.most);
+      return fmt::format("a whole number from {} to {}", option.min, option.max);
     case OptionType::number:
-      return fmt::format("a number from {} to {}", option.least, option.most);
+      return fmt::format("a number from {} to {}", option.min, option.max);
     case OptionType::choice:
       return fmt::format("{}", fmt::join(option.choices, ", "));
     case OptionType::point:

@@ -17,8 +17,8 @@ namespace rilievo {
 // The type of an option's value.
 enum class OptionType {
   flag,     // "on" or "off"
-  integer,  // within [least, most]
-  number,   // within [least, most], finite
+  integer,  // within [min, max]
+  number,   // within [min, max], finite
   choice,   // one of `choices`
   point,    // three finite numbers "X,Y,Z", or empty
   points,   // several points, separated by spaces, or empty
@@ -33,7 +33,7 @@ struct Option {
   std::string_view default_value;
   std::string_view help;
   std::string_view unit = {};  // "N", "PIXELS", "DEGREES"
-  double least = std::numeric_limits<double>::lowest(), most = std::numeric_limits<double>::max();
+  double min = std::numeric_limits<double>::lowest(), max = std::numeric_limits<double>::max();
   std::vector<std::string_view> choices = {};  // numbers too, if only some are allowed
 };
 

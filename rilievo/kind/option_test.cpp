@@ -14,10 +14,9 @@ const std::array kOptions{
            .type = OptionType::integer,
            .default_value = "3",
            .help = "How many",
-           .least = 1,
-           .most = 10},
-    Option{
-        .name = "share", .type = OptionType::number, .default_value = "0.5", .least = 0, .most = 1},
+           .min = 1,
+           .max = 10},
+    Option{.name = "share", .type = OptionType::number, .default_value = "0.5", .min = 0, .max = 1},
     Option{.name = "fast", .type = OptionType::flag, .default_value = "off"},
     Option{.name = "way",
            .type = OptionType::choice,

@@ -74,7 +74,7 @@ Result<PhotographBake> bake_photographs(std::span<const DepthImage> photographs,
   }
   Reprojection made = reproject(photographs, cameras, options.reproject);
   PhotographBake bake;
-  bake.figures = std::move(made.figures);
+  bake.stats = std::move(made.stats);
   bake.total = made.total;
   std::erase_if(made.pictures, [](const DepthImage& picture) {
     return std::all_of(picture.depth.texels().begin(), picture.depth.texels().end(),

@@ -37,9 +37,9 @@ struct PhotographBakeOptions {
 
 // The impostor, and how complete its pictures are.
 struct PhotographBake {
-  LayeredImpostor impostor;               // without fill slices
-  std::vector<ReprojectFigures> figures;  // one for each view
-  ReprojectFigures total;
+  LayeredImpostor impostor;           // without fill slices
+  std::vector<ReprojectStats> stats;  // one for each view
+  ReprojectStats total;
 };
 
 // Bakes photographs. Views that show nothing are left out. Fails if the box is empty or no

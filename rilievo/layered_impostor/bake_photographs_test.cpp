@@ -64,7 +64,7 @@ TEST(BakePhotographs, a_camera_between_the_others_sees_what_it_would) {
     options.camera.size = 160;
     const Result<PhotographBake> bake = bake_photographs(photographs, options);
     ASSERT_TRUE(bake) << bake.error().message();
-    EXPECT_EQ(bake->figures.size(), kind == PhotographViews::around ? 32u : 8u);
+    EXPECT_EQ(bake->stats.size(), kind == PhotographViews::around ? 32u : 8u);
     const Shown shown = compare(truth, warp_surfaces(bake->impostor, truth.camera));
     EXPECT_GT(shown.inside, 2000);
     // Half a texel is lost at every outline, and what the handle hides of the body.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/layered_impostor/pixel_walk.h"
+#include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/layered_impostor/warp.h"
 
@@ -130,11 +130,11 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
   double worst_aside = 0;  // over the bound
   for (int object = 0; object < 24; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
-    const LayeredErrorFigures figures = layered_error_figures(impostor);
+    const LayeredErrorStats stats = layered_error_stats(impostor);
     for (int eye = 0; eye < 100; ++eye) {
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound =
-          bound_layered_error(figures, true, impostor.bounds, glm::dmat4(1), camera);
+          bound_layered_error(stats, true, impostor.bounds, glm::dmat4(1), camera);
       const std::vector<SliceDraw> draws = slices_for_eye(impostor, camera.position(), eye % 2);
       Image<int> drawn;
       const DepthImage frame = warp_slices(impostor, draws, camera, &drawn);
@@ -191,11 +191,11 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
   Tally tally, placed;  // of all points, and of texels' corners as deep as their samples
   for (int object = 0; object < 24; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
-    const LayeredErrorFigures figures = layered_error_figures(impostor);
+    const LayeredErrorStats stats = layered_error_stats(impostor);
     for (int eye = 0; eye < 100; ++eye) {
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound =
-          bound_layered_error(figures, false, impostor.bounds, glm::dmat4(1), camera);
+          bound_layered_error(stats, false, impostor.bounds, glm::dmat4(1), camera);
       EXPECT_EQ(bound.surface_px, 0);
       const int view = int(rng() % impostor.pictures.size());
       double worst_px = 0, worst_placed_px = 0;
@@ -204,12 +204,12 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
         for (int x = 0; x < kFrame; ++x) {
           const auto ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
           if (!ray) continue;
-          const SurfaceWalk walk = walk_picture(impostor, view, *ray);
-          if (!walk.hit) continue;
+          const SurfaceHit march = march_picture(impostor, view, *ray);
+          if (!march.hit) continue;
           const TexelSurface& surface = impostor.surfaces[view];
           const glm::dvec3 point =
-              world_from_raster(surface.camera, glm::dvec2(walk.at), 1 / walk.at.z);
-          const glm::dvec3 sample = sample_of(surface, walk.texel);
+              world_from_raster(surface.camera, glm::dvec2(march.at), 1 / march.at.z);
+          const glm::dvec3 sample = sample_of(surface, march.texel);
           const double px = pixels_between(camera, point, sample);
           ++points;
           worst_px = std::max(worst_px, px);
@@ -219,8 +219,8 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
             const double off = pixels_between(
                 camera, sample,
                 world_from_raster(surface.camera,
-                                  glm::dvec2(walk.texel + glm::ivec2(corner % 2, corner / 2)),
-                                  1 / double(surface.texels(walk.texel.x, walk.texel.y).q)));
+                                  glm::dvec2(march.texel + glm::ivec2(corner % 2, corner / 2)),
+                                  1 / double(surface.texels(march.texel.x, march.texel.y).q)));
             worst_placed_px = std::max(worst_placed_px, off);
             placed.violations += off > (bound.total_px + std::sqrt(0.5)) * (1 + kRounding);
           }
@@ -235,15 +235,15 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
 TEST(LayeredError, scales_with_the_instance_and_knows_the_distance) {
   std::mt19937 rng(13);
   const LayeredImpostor impostor = impostor_of(scene_of(0), rng, 32);
-  const LayeredErrorFigures figures = layered_error_figures(impostor);
+  const LayeredErrorStats stats = layered_error_stats(impostor);
   Camera camera = look_at({0, 0, 8}, {0, 0, 0}, {0, 1, 0}, 0.7, 64, 64, 0.1, 100);
   const glm::dmat4 one(1);
-  const LayeredError here = bound_layered_error(figures, true, impostor.bounds, one, camera);
+  const LayeredError here = bound_layered_error(stats, true, impostor.bounds, one, camera);
   EXPECT_GT(here.sample_px, 0);
   EXPECT_GT(here.surface_px, 0);
   // The box is nearer to the axis than the frame's corner is.
   const LayeredError anywhere =
-      bound_layered_error_from(figures, true, camera, 8 - double(impostor.bounds.max.z));
+      bound_layered_error_from(stats, true, camera, 8 - double(impostor.bounds.max.z));
   EXPECT_LT(here.sample_px, anywhere.sample_px);
   EXPECT_GT(here.sample_px, 0.8 * anywhere.sample_px);
   EXPECT_EQ(here.sample_m, anywhere.sample_m);
@@ -253,13 +253,12 @@ TEST(LayeredError, scales_with_the_instance_and_knows_the_distance) {
   Camera moved = camera;
   moved.world_from_eye = motion * camera.world_from_eye;
   for (int k = 0; k < 3; ++k) moved.world_from_eye[k] /= 3.0;
-  const LayeredError there = bound_layered_error(figures, true, impostor.bounds, motion, moved);
+  const LayeredError there = bound_layered_error(stats, true, impostor.bounds, motion, moved);
   EXPECT_NEAR(there.sample_px, here.sample_px, 1e-9);
   EXPECT_NEAR(there.sample_m, 3 * here.sample_m, 1e-9);
   // In the box nothing is known.
   camera.world_from_eye[3] = glm::dvec4(0, 0, 0, 1);
-  EXPECT_TRUE(
-      std::isinf(bound_layered_error(figures, true, impostor.bounds, one, camera).sample_px));
+  EXPECT_TRUE(std::isinf(bound_layered_error(stats, true, impostor.bounds, one, camera).sample_px));
 }
 
 // A wall of polygons through the object. Where another of the two shows than in truth, the bound
@@ -275,12 +274,12 @@ TEST(LayeredError, through_a_wall_it_cuts_within_the_bound) {
     const Scene scene = scene_of(object % 4);
     const Result<RayScene> rays = RayScene::create(scene);
     const LayeredImpostor impostor = impostor_of(scene, rng, 64);
-    const LayeredErrorFigures figures = layered_error_figures(impostor);
+    const LayeredErrorStats stats = layered_error_stats(impostor);
     for (int eye = 0; eye < 8; ++eye) {
       const bool sliced = eye % 2;
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound =
-          bound_layered_error(figures, sliced, impostor.bounds, glm::dmat4(1), camera);
+          bound_layered_error(stats, sliced, impostor.bounds, glm::dmat4(1), camera);
       // Through a point within the object, any way round.
       const glm::dvec3 normal = glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
       const double offset = 0.2 * n(rng);

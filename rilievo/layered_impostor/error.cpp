@@ -46,12 +46,12 @@ double off_axis_tan(const Box& bounds, const glm::dmat4& world_from_impostor, co
 }
 
 // For samples at least `distance` metres from the eye and within `off_axis_tan` of the axis.
-LayeredError bound_at(const LayeredErrorFigures& figures, bool sliced, const Camera& frame,
+LayeredError bound_at(const LayeredErrorStats& stats, bool sliced, const Camera& frame,
                       double distance, double off_axis_tan) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   LayeredError error;
-  error.surface_m = sliced ? figures.slice + 2 * figures.texel : 0;
-  error.sample_m = (sliced ? figures.slice : 0) + figures.reach + figures.texel;
+  error.surface_m = sliced ? stats.slice + 2 * stats.texel : 0;
+  error.sample_m = (sliced ? stats.slice : 0) + stats.reach + stats.texel;
   const auto pixels = [&](double metres) {
     if (metres == 0) return 0.0;
     if (!(metres < distance)) return kNever;
@@ -59,7 +59,7 @@ LayeredError bound_at(const LayeredErrorFigures& figures, bool sliced, const Cam
   };
   error.surface_px = pixels(error.surface_m);
   error.sample_px = pixels(error.sample_m);
-  const double placed_m = (sliced ? figures.slice : 0) + figures.texel;
+  const double placed_m = (sliced ? stats.slice : 0) + stats.texel;
   // Polygons are off by half a pixel's diagonal too.
   error.total_px = std::max(0.0, pixels(placed_m) - std::sqrt(0.5));
   return error;
@@ -67,8 +67,8 @@ LayeredError bound_at(const LayeredErrorFigures& figures, bool sliced, const Cam
 
 }  // namespace
 
-LayeredErrorFigures layered_error_figures(const LayeredImpostor& impostor) {
-  LayeredErrorFigures figures;
+LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor) {
+  LayeredErrorStats stats;
   for (std::size_t v = 0; v < impostor.pictures.size(); ++v) {
     const TexelSurface& surface = impostor.surfaces[v];
     const Camera& camera = surface.camera;
@@ -98,12 +98,12 @@ LayeredErrorFigures layered_error_figures(const LayeredImpostor& impostor) {
                                        z - double(walked.front), double(walked.back) - z});
         farthest = std::max(farthest, double(walked.back));
         steepest = std::max(steepest, stretch);
-        figures.reach = std::max(figures.reach, reach * stretch);
+        stats.reach = std::max(stats.reach, reach * stretch);
       }
-    figures.slice = std::max(figures.slice, half * steepest);
-    figures.texel = std::max(figures.texel, 0.5 * farthest * std::hypot(dx, dy));
+    stats.slice = std::max(stats.slice, half * steepest);
+    stats.texel = std::max(stats.texel, 0.5 * farthest * std::hypot(dx, dy));
   }
-  return figures;
+  return stats;
 }
 
 bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor, const Camera& frame) {
@@ -111,20 +111,19 @@ bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor, const C
   return glm::length(eye - glm::dvec3(bounds.center())) >= kServedRadii * double(bounds.radius());
 }
 
-LayeredError bound_layered_error_from(const LayeredErrorFigures& figures, bool sliced,
+LayeredError bound_layered_error_from(const LayeredErrorStats& stats, bool sliced,
                                       const Camera& frame, double distance) {
-  return bound_at(figures, sliced, frame, distance, corner_tan(frame));
+  return bound_at(stats, sliced, frame, distance, corner_tan(frame));
 }
 
-LayeredError bound_layered_error(const LayeredErrorFigures& figures, bool sliced, const Box& bounds,
+LayeredError bound_layered_error(const LayeredErrorStats& stats, bool sliced, const Box& bounds,
                                  const glm::dmat4& world_from_impostor, const Camera& frame) {
   const double scale = glm::length(glm::dvec3(world_from_impostor[0]));
   const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
   const glm::dvec3 outside = glm::max(
       glm::max(glm::dvec3(bounds.min) - eye, eye - glm::dvec3(bounds.max)), glm::dvec3(0.0));
-  return bound_at({figures.slice * scale, figures.reach * scale, figures.texel * scale}, sliced,
-                  frame, scale * glm::length(outside),
-                  off_axis_tan(bounds, world_from_impostor, frame));
+  return bound_at({stats.slice * scale, stats.reach * scale, stats.texel * scale}, sliced, frame,
+                  scale * glm::length(outside), off_axis_tan(bounds, world_from_impostor, frame));
 }
 
 }  // namespace rilievo

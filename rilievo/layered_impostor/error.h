@@ -26,13 +26,13 @@
 namespace rilievo {
 
 // The largest values over an impostor's texels, metres of the world at capture.
-struct LayeredErrorFigures {
+struct LayeredErrorStats {
   double slice = 0;  // from a slice to an end of its interval, along the line of sight
   double reach = 0;  // from a sample to an end of its patch, along the line of sight
   double texel = 0;  // from the centre of a texel to its corner
 };
 // Computes them. Looks at each texel: call it once for an impostor, not in each frame.
-[[nodiscard]] LayeredErrorFigures layered_error_figures(const LayeredImpostor& impostor);
+[[nodiscard]] LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor);
 
 // Upper bounds over everything that the impostor draws into the frame. Pixels are infinite for eyes
 // too near for a bound.
@@ -47,7 +47,7 @@ struct LayeredError {
 
 // The bounds in a frame; O(1). `bounds` are the impostor's; `world_from_impostor` is a rigid motion
 // or uniform scale, as in drawing. Requires a perspective camera.
-[[nodiscard]] LayeredError bound_layered_error(const LayeredErrorFigures& figures, bool sliced,
+[[nodiscard]] LayeredError bound_layered_error(const LayeredErrorStats& stats, bool sliced,
                                                const Box& bounds,
                                                const glm::dmat4& world_from_impostor,
                                                const Camera& frame);
@@ -59,7 +59,7 @@ struct LayeredError {
 
 // The bounds over all frames of `frame`'s size and field of view whose eye is at least `distance`
 // metres from the box.
-[[nodiscard]] LayeredError bound_layered_error_from(const LayeredErrorFigures& figures, bool sliced,
+[[nodiscard]] LayeredError bound_layered_error_from(const LayeredErrorStats& stats, bool sliced,
                                                     const Camera& frame, double distance);
 
 }  // namespace rilievo

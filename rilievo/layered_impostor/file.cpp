@@ -157,14 +157,14 @@ Result<> save_layered_impostor(const std::filesystem::path& path, const LayeredI
   return save_pictures(path, impostor.pictures, attributes);
 }
 
-bool says_layered_impostor(const FileAttributes& attributes) {
+bool matches_layered_impostor(const FileAttributes& attributes) {
   const auto found = attributes.file.find(kRepresentation);
   return found != attributes.file.end() && found->second == kLayeredImpostor;
 }
 
 Result<LayeredImpostor> layered_impostor_from(PictureFile file, const std::filesystem::path& path) {
   const auto refuse = [&](const std::string& reason) { return Error{path.string(), reason}; };
-  if (!says_layered_impostor(file.attributes))
+  if (!matches_layered_impostor(file.attributes))
     return refuse(
         "it is not a layered impostor: rilievo.file.representation is missing or different");
   const auto text = file.attributes.file.find(kSlicing);

@@ -28,7 +28,7 @@ namespace rilievo {
 
 // Do the attributes say that the pictures are the views of a layered impostor? For files that can
 // contain something else.
-[[nodiscard]] bool says_layered_impostor(const FileAttributes& attributes);
+[[nodiscard]] bool matches_layered_impostor(const FileAttributes& attributes);
 // The impostor of a file's pictures; errors name `path`.
 [[nodiscard]] Result<LayeredImpostor> layered_impostor_from(PictureFile file,
                                                             const std::filesystem::path& path);

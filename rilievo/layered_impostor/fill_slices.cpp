@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "rilievo/core/parallel_for.h"
-#include "rilievo/layered_impostor/pixel_walk.h"
+#include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
@@ -40,8 +40,8 @@ void find_from(const LayeredImpostor& impostor, const Camera& camera, int view, 
     for (int x = 0; x < camera.width; ++x) {
       const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
       if (!ray) continue;
-      if (!walk_picture(impostor, view, *ray).passed_behind) continue;
-      const SurfaceWalk seen = walk_picture(impostor, neighbor, *ray);
+      if (!march_picture(impostor, view, *ray).passed_behind) continue;
+      const SurfaceHit seen = march_picture(impostor, neighbor, *ray);
       if (!seen.hit) continue;
       const SurfaceTexel& texel = impostor.surfaces[neighbor].texels(seen.texel.x, seen.texel.y);
       const DepthInterval interval = piece_interval(texel, impostor.slicing);

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rilievo/layered_impostor/inside.h"
+#include "rilievo/layered_impostor/visual_hull.h"
 #include "rilievo/warp/texel_links.h"
 
 namespace rilievo {
@@ -165,7 +165,7 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
   if (options.pieces && impostor.surfaces.size() >= 4 &&
       std::find(impostor.complete.begin(), impostor.complete.end(), false) ==
           impostor.complete.end())
-    find_inside(impostor.surfaces);
+    find_visual_hulls(impostor.surfaces);
   for (const TexelSurface& surface : impostor.surfaces)
     impostor.slices.push_back(slice_surface(surface, options));
   impostor.views = view_set_from_directions(std::move(directions));
@@ -185,30 +185,30 @@ std::vector<FillSlices> neighbor_pairs(const ViewSet& views) {
   return pairs;
 }
 
-LayeredFigures analyze_layered_impostor(const LayeredImpostor& impostor) {
-  LayeredFigures figures;
+LayeredStats analyze_layered_impostor(const LayeredImpostor& impostor) {
+  LayeredStats stats;
   double full = 0, kept = 0;
   for (std::size_t v = 0; v < impostor.pictures.size(); ++v) {
     const DepthImage& picture = impostor.pictures[v];
     const std::size_t texels = picture.depth.texels().size();
-    for (float d : picture.depth.texels()) figures.covered_texels += d != kNoDepth;
-    figures.slices += impostor.slices[v].size();
+    for (float d : picture.depth.texels()) stats.covered_texels += d != kNoDepth;
+    stats.slices += impostor.slices[v].size();
     full += double(texels) * impostor.slicing.layers;
     for (const Slice& slice : impostor.slices[v]) kept += double(slice.rect.area());
-    figures.paper_bytes += 4 * texels;
+    stats.paper_bytes += 4 * texels;
   }
-  figures.empty_slices =
-      std::size_t(impostor.slicing.layers) * impostor.pictures.size() - figures.slices;
-  figures.fill_share = kept / full;
-  figures.fill_saved = 1 - figures.fill_share;
+  stats.empty_slices =
+      std::size_t(impostor.slicing.layers) * impostor.pictures.size() - stats.slices;
+  stats.fill_share = kept / full;
+  stats.fill_saved = 1 - stats.fill_share;
   for (const FillSlices& fill : impostor.fills) {
     double texels = 0, all = 0;
     for (const FillSlice& slice : fill.slices) texels += double(slice.rect.area());
     for (const Slice& slice : impostor.slices[fill.neighbor]) all += double(slice.rect.area());
-    figures.hole_slices += double(fill.slices.size()) / double(impostor.fills.size());
-    if (all > 0) figures.hole_fill_share += texels / all / double(impostor.fills.size());
+    stats.hole_slices += double(fill.slices.size()) / double(impostor.fills.size());
+    if (all > 0) stats.hole_fill_share += texels / all / double(impostor.fills.size());
   }
-  return figures;
+  return stats;
 }
 
 }  // namespace rilievo

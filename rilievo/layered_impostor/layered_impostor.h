@@ -119,7 +119,7 @@ struct LayeredImpostor {
 [[nodiscard]] glm::dvec3 view_direction(const Camera& camera);
 
 // The sizes of an impostor, and what the rectangles save.
-struct LayeredFigures {
+struct LayeredStats {
   std::size_t covered_texels = 0;  // texels that show something, over all pictures
   std::size_t slices = 0;          // without empty ones
   std::size_t empty_slices = 0;
@@ -130,6 +130,6 @@ struct LayeredFigures {
   double hole_fill_share = 0;   // their texels / those of all of the neighbour's slices; mean
 };
 // Computes them.
-[[nodiscard]] LayeredFigures analyze_layered_impostor(const LayeredImpostor& impostor);
+[[nodiscard]] LayeredStats analyze_layered_impostor(const LayeredImpostor& impostor);
 
 }  // namespace rilievo

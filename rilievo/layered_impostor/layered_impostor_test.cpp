@@ -75,16 +75,16 @@ TEST(LayeredImpostor, slices_stand_evenly_in_the_depth_that_was_asked_for) {
 TEST(LayeredImpostor, figures_count_what_is_there) {
   const Result<LayeredImpostor> impostor =
       make_layered_impostor(jug_pictures(64, ViewSpread::both_32), {.layers = 64});
-  const LayeredFigures figures = analyze_layered_impostor(*impostor);
+  const LayeredStats stats = analyze_layered_impostor(*impostor);
   // Table 2: 32 images of 64 x 64.
-  EXPECT_EQ(figures.paper_bytes, 524288u);
-  EXPECT_EQ(figures.slices + figures.empty_slices, 32u * 64u);
+  EXPECT_EQ(stats.paper_bytes, 524288u);
+  EXPECT_EQ(stats.slices + stats.empty_slices, 32u * 64u);
   std::size_t texels = 0, slices = 0;
   for (const auto& list : impostor->slices)
     for (const Slice& s : list) texels += s.rect.area(), ++slices;
-  EXPECT_EQ(figures.slices, slices);
-  EXPECT_NEAR(figures.fill_saved, 1 - double(texels) / (32.0 * 64 * 64 * 64), 1e-12);
-  EXPECT_GT(figures.fill_saved, 0.3);  // a round thing leaves much of each slice empty
+  EXPECT_EQ(stats.slices, slices);
+  EXPECT_NEAR(stats.fill_saved, 1 - double(texels) / (32.0 * 64 * 64 * 64), 1e-12);
+  EXPECT_GT(stats.fill_saved, 0.3);  // a round thing leaves much of each slice empty
 }
 
 TEST(LayeredImpostor, views_are_those_of_the_cameras) {

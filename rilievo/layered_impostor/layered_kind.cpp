@@ -28,29 +28,29 @@ const std::array kBakeOptions{
            .default_value = "0",
            .help = "N views on a horizontal circle, instead of --views; 0: off",
            .unit = "N",
-           .least = 0,
-           .most = 1024},
+           .min = 0,
+           .max = 1024},
     Option{.name = "size",
            .type = OptionType::integer,
            .default_value = "256",
            .help = "Size of a view in texels a side",
            .unit = "N",
-           .least = 8,
-           .most = 4096},
+           .min = 8,
+           .max = 4096},
     Option{.name = "layers",
            .type = OptionType::integer,
            .default_value = "64",
            .help = "Number of slices of a view",
            .unit = "N",
-           .least = 1,
-           .most = 4096},
+           .min = 1,
+           .max = 4096},
     Option{.name = "overlap",
            .type = OptionType::number,
            .default_value = "0",
            .help = "Overlap of neighbouring slices, as a multiple of their thickness",
            .unit = "X",
-           .least = 0,
-           .most = 4096},
+           .min = 0,
+           .max = 4096},
     Option{.name = "no-fills",
            .type = OptionType::flag,
            .default_value = "off",
@@ -132,7 +132,7 @@ Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& v
   if (!made) return Error{std::string(source.name()), made.error().reason};
   made->impostor.name = source.name();
   nlohmann::json holes = nlohmann::json::array();
-  for (const ReprojectFigures& view : made->figures) holes.push_back(view.hole_share());
+  for (const ReprojectStats& view : made->stats) holes.push_back(view.hole_share());
   Baked baked;
   baked.facts = {
       {"photographs", std::to_string(photographs.size()), "photos",
@@ -197,12 +197,12 @@ std::size_t texture_bytes(const LayeredImpostor& impostor, LayeredMethod method)
 
 std::vector<Fact> describe(const Representation& representation) {
   const LayeredImpostor& impostor = impostor_of(representation);
-  const LayeredFigures figures = analyze_layered_impostor(impostor);
+  const LayeredStats stats = analyze_layered_impostor(impostor);
   const DepthImage& first = impostor.pictures.front();
   const std::size_t views = impostor.pictures.size();
   std::size_t texels = 0;
   for (const DepthImage& picture : impostor.pictures) texels += picture.depth.texels().size();
-  const double coverage = double(figures.covered_texels) / double(texels);
+  const double coverage = double(stats.covered_texels) / double(texels);
   const auto json = [](const auto& value) { return nlohmann::json(value).dump(); };
   const std::size_t surfaces = texture_bytes(impostor, LayeredMethod::surfaces);
   const std::size_t slices = texture_bytes(impostor, LayeredMethod::slices);
@@ -213,30 +213,30 @@ std::vector<Fact> describe(const Representation& representation) {
                    camera.height)},
       {"size", nlohmann::json{camera.width, camera.height}.dump(), "", ""},
       {"projection", json(name_of(camera.projection)), "", ""},
-      {"paper_bytes", json(figures.paper_bytes), "memory",
+      {"paper_bytes", json(stats.paper_bytes), "memory",
        fmt::format("{:.1f} MB as 4 bytes a texel; textures {:.1f} MB for surfaces, {:.1f} MB for "
                    "slices",
-                   1e-6 * double(figures.paper_bytes), 1e-6 * double(surfaces),
+                   1e-6 * double(stats.paper_bytes), 1e-6 * double(surfaces),
                    1e-6 * double(slices))},
       {"texture_bytes", nlohmann::json{{"surfaces", surfaces}, {"slices", slices}}.dump(), "", ""},
       {"coverage", json(coverage), "coverage",
        fmt::format("{:.1f} % of the texels show something", 100 * coverage)},
       {"layers", json(impostor.slicing.layers), "slices",
-       fmt::format("{} of {} layers a view, overlap {}; {} empty ones dropped", figures.slices,
-                   impostor.slicing.layers, impostor.slicing.overlap, figures.empty_slices)},
+       fmt::format("{} of {} layers a view, overlap {}; {} empty ones dropped", stats.slices,
+                   impostor.slicing.layers, impostor.slicing.overlap, stats.empty_slices)},
       {"overlap", json(impostor.slicing.overlap), "", ""},
-      {"slices", json(figures.slices), "", ""},
-      {"empty_slices", json(figures.empty_slices), "", ""},
-      {"fill_share", json(figures.fill_share), "fill",
-       fmt::format("{:.1f} % of the texels of full slices are drawn", 100 * figures.fill_share)},
-      {"fill_saved", json(figures.fill_saved), "", ""},
+      {"slices", json(stats.slices), "", ""},
+      {"empty_slices", json(stats.empty_slices), "", ""},
+      {"fill_share", json(stats.fill_share), "fill",
+       fmt::format("{:.1f} % of the texels of full slices are drawn", 100 * stats.fill_share)},
+      {"fill_saved", json(stats.fill_saved), "", ""},
       {"holes_looked_for", json(!impostor.fills.empty()), "holes",
        impostor.fills.empty()
            ? std::string("not looked for")
            : fmt::format("of a view filled by {:.1f} slices of a neighbour, {:.1f} % of its fill",
-                         figures.hole_slices, 100 * figures.hole_fill_share)},
-      {"hole_slices", json(figures.hole_slices), "", ""},
-      {"hole_fill_share", json(figures.hole_fill_share), "", ""},
+                         stats.hole_slices, 100 * stats.hole_fill_share)},
+      {"hole_slices", json(stats.hole_slices), "", ""},
+      {"hole_fill_share", json(stats.hole_fill_share), "", ""},
       {"up",
        nlohmann::json{impostor.vantage.up.x, impostor.vantage.up.y, impostor.vantage.up.z}.dump(),
        "", ""},
@@ -292,7 +292,7 @@ const Kind& layered_impostor_kind() {
       .draw_options = kDrawOptions,
       .bake = bake,
       .check_options = check_options,
-      .says = says_layered_impostor,
+      .matches = matches_layered_impostor,
       .load = load,
       .save = save,
       .describe = describe,

@@ -5,14 +5,14 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
-#include "rilievo/layered_impostor/pixel_walk.h"
+#include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
 namespace {
 
 // Colour between the texels that are linked to the one that was hit.
-glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const SurfaceWalk& hit) {
+glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const SurfaceHit& hit) {
   const glm::dvec2 offset = glm::dvec2(hit.at) - (glm::dvec2(hit.texel) + 0.5);
   const std::uint8_t links = surface.texels(hit.texel.x, hit.texel.y).links;
   glm::vec4 sum(0.0f);
@@ -35,7 +35,7 @@ glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const
   return sum / total;
 }
 
-constexpr int kMaxViews = 6;
+constexpr int kMaxMarchedViews = 6;
 
 struct Seen {
   float eye_z = kNoDepth;
@@ -44,13 +44,13 @@ struct Seen {
 };
 
 Seen what_is_seen(const LayeredImpostor& impostor, int view, const PixelRay& ray,
-                  const SurfaceWalk& walk) {
+                  const SurfaceHit& march) {
   const DepthImage& picture = impostor.pictures[view];
-  const glm::dvec3 world = world_from_raster(picture.camera, glm::dvec2(walk.at), 1 / walk.at.z);
+  const glm::dvec3 world = world_from_raster(picture.camera, glm::dvec2(march.at), 1 / march.at.z);
   return {
       float(glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction)),
-      color_at(picture, impostor.surfaces[view], walk),
-      picture.object.empty() ? 1 : picture.object(walk.texel.x, walk.texel.y)};
+      color_at(picture, impostor.surfaces[view], march),
+      picture.object.empty() ? 1 : picture.object(march.texel.x, march.texel.y)};
 }
 
 }  // namespace
@@ -76,20 +76,20 @@ std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
   return ray;
 }
 
-SurfaceWalk walk_picture(const LayeredImpostor& impostor, int view, const PixelRay& ray) {
+SurfaceHit march_picture(const LayeredImpostor& impostor, int view, const PixelRay& ray) {
   const std::optional<DisparitySegment> segment =
       disparity_segment(impostor.pictures[view].camera, ray.origin + ray.begin * ray.direction,
                         ray.origin + ray.end * ray.direction);
-  return segment ? intersect(impostor.surfaces[view], *segment) : SurfaceWalk{};
+  return segment ? intersect(impostor.surfaces[view], *segment) : SurfaceHit{};
 }
 
 DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
                          const SurfaceWarpOptions& options) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  RILIEVO_EXPECTS(options.max_views >= 1 && options.max_views <= kMaxViews);
+  RILIEVO_EXPECTS(options.max_views >= 1 && options.max_views <= kMaxMarchedViews);
   const glm::dvec3 towards = camera.position() - glm::dvec3(impostor.bounds.center());
-  std::array<int, kMaxViews> nearest;
-  std::array<float, kMaxViews> weights{};
+  std::array<int, kMaxMarchedViews> nearest;
+  std::array<float, kMaxMarchedViews> weights{};
   const int count = nearest_views(impostor.views, towards,
                                   std::span(nearest).first(std::size_t(options.max_views)));
   const std::span<const int> views(nearest.data(), std::size_t(count));
@@ -112,20 +112,20 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
       for (std::size_t i = 0; i < views.size(); ++i) {
         if (weights[i] == 0 && surface + nothing > 0) break;
         const float weight = weights[i] > 0 ? weights[i] : 1.0f;
-        const SurfaceWalk walk = walk_picture(impostor, views[i], *ray);
-        if (walk.hit) {
-          const Seen seen = what_is_seen(impostor, views[i], *ray, walk);
+        const SurfaceHit march = march_picture(impostor, views[i], *ray);
+        if (march.hit) {
+          const Seen seen = what_is_seen(impostor, views[i], *ray, march);
           if (seen.eye_z < doubtful.eye_z) doubtful = seen;
-          if (walk.passed_behind) continue;
+          if (march.passed_behind) continue;
           surface += weight;
           blended += weight * seen.color;
           if (weight > heaviest) heaviest = weight, certain = seen;
-        } else if (!walk.passed_behind) {
+        } else if (!march.passed_behind) {
           if (impostor.complete[std::size_t(views[i])]) nothing += weight;
         } else {
-          inside += walk.passed_outline ? -1 : 1;
-          if (!walk.passed_outline && skin.eye_z == kNoDepth)
-            skin = what_is_seen(impostor, views[i], *ray, walk);
+          inside += march.passed_outline ? -1 : 1;
+          if (!march.passed_outline && skin.eye_z == kNoDepth)
+            skin = what_is_seen(impostor, views[i], *ray, march);
         }
       }
       if (nothing > surface) continue;

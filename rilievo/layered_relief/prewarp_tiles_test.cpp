@@ -9,7 +9,7 @@
 namespace rilievo {
 namespace {
 
-LayeredRelief random_relief(std::mt19937& rng, int width, int height, int tile_size = 8) {
+LayeredRelief tiled_relief(std::mt19937& rng, int width, int height, int tile_size = 8) {
   return *build_layered_relief(random_layers(rng, width, height),
                                {.tile_size = tile_size, .merge = 1e-3});
 }
@@ -17,7 +17,7 @@ LayeredRelief random_relief(std::mt19937& rng, int width, int height, int tile_s
 TEST(LayeredRelief, its_four_streams_hold_the_same_samples_each_in_its_order) {
   std::mt19937 rng(1);
   for (const int tile_size : {1, 4, 32, 128}) {
-    const LayeredRelief relief = random_relief(rng, 37, 29, tile_size);
+    const LayeredRelief relief = tiled_relief(rng, 37, 29, tile_size);
     ASSERT_TRUE(validate(relief));
     for (unsigned order = 0; order < 4; ++order)
       for (std::size_t t = 0; t + 1 < relief.first.size(); ++t) {
@@ -43,7 +43,7 @@ TEST(LayeredRelief, its_four_streams_hold_the_same_samples_each_in_its_order) {
 
 TEST(LayeredRelief, sheets_meet_at_the_epipole_and_run_towards_it) {
   std::mt19937 rng(2);
-  const LayeredRelief relief = random_relief(rng, 20, 10);
+  const LayeredRelief relief = tiled_relief(rng, 20, 10);
   // k3 = 0.1 puts an eye 10 m in front of texel (k1, k2) * 10.
   const auto sheets_at = [&](double u, double v) {
     return sheets_of(relief, {0.1 * u, 0.1 * v, 0.1});
@@ -66,7 +66,7 @@ TEST(LayeredRelief, sheets_meet_at_the_epipole_and_run_towards_it) {
 TEST(LayeredRelief, runs_draw_what_hides_something_after_it_and_everything_once) {
   std::mt19937 rng(3);
   for (int i = 0; i < 40; ++i) {
-    LayeredRelief relief = random_relief(rng, 30, 26, i % 2 ? 4 : 16);
+    LayeredRelief relief = tiled_relief(rng, 30, 26, i % 2 ? 4 : 16);
     const std::vector<PlacedSample> samples = label_samples(relief);
     const auto warp = relief_warp(relief.frame(), random_eye(rng, relief));
     const glm::dvec2 epipole = warp->epipole();
@@ -110,7 +110,7 @@ TEST(Prewarp, tiles_that_stay_show_their_samples_within_the_error_allowed) {
   std::uniform_real_distribution<double> unit(-1, 1);
   int stayed = 0, warped = 0;
   for (int i = 0; i < 20; ++i) {
-    LayeredRelief relief = random_relief(rng, 60, 50);
+    LayeredRelief relief = tiled_relief(rng, 60, 50);
     const std::vector<PlacedSample> samples = label_samples(relief);
     PrewarpOptions options;
     options.tile_size = 16;
@@ -146,7 +146,7 @@ TEST(Prewarp, tiles_that_stay_show_their_samples_within_the_error_allowed) {
 
 TEST(Prewarp, without_time_every_tile_that_exists_stays) {
   std::mt19937 rng(5);
-  const LayeredRelief relief = random_relief(rng, 60, 50);
+  const LayeredRelief relief = tiled_relief(rng, 60, 50);
   Prewarp prewarp(relief, {.tile_size = 16});
   const glm::dvec3 eye = relief.frame().world(30, 25, -3), there = eye + 0.01 * relief.frame().f;
   Prewarped result;
@@ -170,7 +170,7 @@ TEST(Prewarp, what_is_in_view_is_the_same_whether_the_rest_is_clipped_or_not) {
   std::uniform_real_distribution<double> unit(-1, 1);
   int clipped = 0;
   for (int i = 0; i < 40; ++i) {
-    LayeredRelief relief = random_relief(rng, 60, 50);
+    LayeredRelief relief = tiled_relief(rng, 60, 50);
     label_samples(relief);
     const glm::dvec3 eye = random_eye(rng, relief);
     const glm::dvec3 target = relief.frame().world(30 + 40 * unit(rng), 25 + 40 * unit(rng), 0);

@@ -28,7 +28,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kRows = 48;  // output rows of a strip
+constexpr int kFlipRows = 48;  // output rows of a strip
 constexpr double kColorExponent = 0.7, kBend = 0.4, kBent = 0.95;
 
 // Linear sRGB to X Y Z (D65), over the white's: rows sum to 1.
@@ -110,7 +110,7 @@ class Strip {
   void filter_columns(int y, float* out) const {
     std::fill_n(out, std::size_t(kFiltered) * width_, 0.0f);
     const auto down = [&](const FlipKernel& kernel, AlongRows from, Filtered to) {
-      std::array<const float*, kMostTaps> rows;
+      std::array<const float*, kMaxTaps> rows;
       const int radius = int(kernel.size() / 2);
       for (int k = 0; k < int(kernel.size()); ++k)
         rows[k] = plane_row(y - first_ - radius + k, from);
@@ -126,7 +126,7 @@ class Strip {
     down(kernels_.curve, kSmooth, kPointY);
   }
 
-  static constexpr int kMostTaps = 256;  // at 500 pixels a degree the radius is 68
+  static constexpr int kMaxTaps = 256;  // at 500 pixels a degree the radius is 68
 
  private:
   [[nodiscard]] int padded_width() const { return width_ + 2 * kernels_.radius; }
@@ -151,7 +151,7 @@ class Strip {
 
   void filter_row(const float* padded, int row) {
     const auto along = [&](const FlipKernel& kernel, int from, AlongRows to) {
-      std::array<const float*, kMostTaps> shifted;
+      std::array<const float*, kMaxTaps> shifted;
       const int radius = int(kernel.size() / 2);
       for (int k = 0; k < int(kernel.size()); ++k)
         shifted[k] = padded + from * padded_width() + kernels_.radius - radius + k;
@@ -219,8 +219,8 @@ Image<float> flip_map(const Rgba8Image& truth, const Rgba8Image& frame,
   const FlipKernels kernels = make_flip_kernels(options.pixels_per_degree);
   const int w = truth.width(), h = truth.height();
   Image<float> out(w, h);
-  parallel_for(0, (h + kRows - 1) / kRows, [&](int i) {
-    const int first = i * kRows, rows = std::min(kRows, h - first);
+  parallel_for(0, (h + kFlipRows - 1) / kFlipRows, [&](int i) {
+    const int first = i * kFlipRows, rows = std::min(kFlipRows, h - first);
     const Strip truth_strip(truth, colors, kernels, first, rows);
     const Strip frame_strip(frame, colors, kernels, first, rows);
     std::vector<float> a(std::size_t(kFiltered) * w), b(a.size());

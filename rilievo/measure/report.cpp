@@ -53,7 +53,7 @@ std::vector<double> series(const MethodResult& method, double FrameResult::*figu
   std::vector<double> out;
   for (const FrameResult& frame : method.frames) out.push_back(frame.*figure);
   if (figure == &FrameResult::psnr_db)
-    for (double& v : out) v = std::min(v, kMostPsnrDb);
+    for (double& v : out) v = std::min(v, kMaxPsnrDb);
   return out;
 }
 

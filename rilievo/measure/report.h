@@ -4,7 +4,7 @@
 // without external files.
 //
 // The PSNR of identical frames is infinite, which JSON cannot express and a mean cannot use. Values
-// above kMostPsnrDb count as kMostPsnrDb.
+// above kMaxPsnrDb count as kMaxPsnrDb.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace rilievo {
 
 // The largest PSNR in a report. One channel off by one step in one pixel of a 1280 x 720 frame is
 // already 112 dB.
-inline constexpr double kMostPsnrDb = 100;
+inline constexpr double kMaxPsnrDb = 100;
 
 // The measures of one frame against the true frame.
 struct FrameResult {

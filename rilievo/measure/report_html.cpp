@@ -17,7 +17,7 @@ std::string ms(double v) {
   return v < 1000 ? fmt::format("{:.3g} ms", v) : fmt::format("{:.2f} s", v / 1000);
 }
 std::string decibel(double v) {
-  return v >= kMostPsnrDb ? std::string("identical") : fmt::format("{:.2f} dB", v);
+  return v >= kMaxPsnrDb ? std::string("identical") : fmt::format("{:.2f} dB", v);
 }
 
 // A row of the table of figures: its name, and how a method fills it.
@@ -26,7 +26,7 @@ struct Row {
   std::string (*figure)(const MethodResult&, const MethodSummary&);
 };
 
-const std::array kRows = {
+const std::array kReportRows = {
     Row{"Frame time, median", "Half of the frames take no longer.",
         [](const MethodResult&, const MethodSummary& s) { return ms(s.frame_ms.p50); }},
     Row{"Frame time, 99 %", "99 of 100 frames take no longer.",
@@ -115,7 +115,7 @@ std::string figures_table(const Report& report) {
     for (const std::string& cell : cells) body += "<td>" + html_text(cell) + "</td>";
     body += "</tr>\n";
   };
-  for (const Row& row : kRows) {
+  for (const Row& row : kReportRows) {
     std::vector<std::string> cells;
     bool filled = false;
     for (std::size_t i = 0; i < summaries.size(); ++i) {
@@ -123,7 +123,7 @@ std::string figures_table(const Report& report) {
       filled = filled || !cells.back().empty();
     }
     if (filled) add_row(row, cells);
-    if (&row != &kRows[2] || direct_ms <= 0) continue;
+    if (&row != &kReportRows[2] || direct_ms <= 0) continue;
     for (std::size_t i = 0; i < summaries.size(); ++i)
       cells[i] = fmt::format("{:.2f} x", direct_ms / summaries[i].frame_ms.p50);
     add_row({"Speed-up of the median", "Over direct drawing.", nullptr}, cells);
@@ -153,7 +153,7 @@ std::string plots(const Report& report) {
   Plot psnr = path_plot(report, "PSNR (identical frames left out)", "dB", &FrameResult::psnr_db, 1);
   for (Curve& curve : psnr.curves)
     for (double& v : curve.y)
-      if (v >= kMostPsnrDb) v = std::numeric_limits<double>::quiet_NaN();
+      if (v >= kMaxPsnrDb) v = std::numeric_limits<double>::quiet_NaN();
   return svg_plot(time) + svg_plot(psnr) +
          svg_plot(path_plot(report, "Wrong visibility", "% of pixels",
                             &FrameResult::wrong_visibility, 100)) +

@@ -11,7 +11,7 @@ struct MethodSummary {
   Summary frame_ms, psnr_db, ssim, flip, wrong_visibility, uncovered;
 };
 
-// One measure of all frames, in order; PSNR is limited to kMostPsnrDb.
+// One measure of all frames, in order; PSNR is limited to kMaxPsnrDb.
 [[nodiscard]] std::vector<double> series(const MethodResult& method, double FrameResult::*figure);
 // The statistics of a method's frames.
 [[nodiscard]] MethodSummary summarize(const MethodResult& method);

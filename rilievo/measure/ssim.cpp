@@ -21,7 +21,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kRows = 32;  // output rows of a strip
+constexpr int kSsimRows = 32;  // output rows of a strip
 constexpr int kPlanes = 4;
 constexpr float kMiddle = 128.0f;
 constexpr float kC1 = 0.01f * 255 * 0.01f * 255, kC2 = 0.03f * 255 * 0.03f * 255;
@@ -97,10 +97,11 @@ double ssim(const Rgba8Image& a, const Rgba8Image& b) {
   const Window window = gaussian();
   const int rows = a.height() - kSsimWindow + 1;
   std::vector<double> sums(std::size_t(rows), 0.0);
-  parallel_for(0, (rows + kRows - 1) / kRows, [&](int i) {
-    const int first = i * kRows;
+  parallel_for(0, (rows + kSsimRows - 1) / kSsimRows, [&](int i) {
+    const int first = i * kSsimRows;
     strip(a, b, window, first,
-          std::span(sums).subspan(std::size_t(first), std::size_t(std::min(kRows, rows - first))));
+          std::span(sums).subspan(std::size_t(first),
+                                  std::size_t(std::min(kSsimRows, rows - first))));
   });
   double sum = 0;
   for (double row : sums) sum += row;

@@ -17,6 +17,10 @@ struct Summary {
 
 // The value below which `share` of the values lie, 0 <= share <= 1. Requires at least one value.
 [[nodiscard]] double percentile(std::span<const double> values, double share);
+// The median; of no values, 0.
+[[nodiscard]] inline double median_of(std::span<const double> values) {
+  return values.empty() ? 0 : percentile(values, 0.5);
+}
 // Mean, range and percentiles of `values`. Requires at least one value.
 [[nodiscard]] Summary summarize(std::span<const double> values);
 

@@ -25,7 +25,7 @@ void nearest_around(const RasterPicture& picture, int y, std::vector<float>& nea
 // One row of blocks, and the codes of its texels.
 template <class Code>
 void encode_rows(const RasterPicture& picture, std::uint32_t steps, int row, Code* codes,
-                 PictureBlock* blocks) {
+                 OcclusionTile* blocks) {
   const std::size_t width = std::size_t(picture.width);
   const int end = std::min(picture.height, (row + 1) * kBlockTexels);
   static thread_local std::vector<float> nearest_depth;  // kept: a steady frame allocates nothing
@@ -51,7 +51,7 @@ void encode_rows(const RasterPicture& picture, std::uint32_t steps, int row, Cod
         covered |= bit;
         if (picture.color[i].a == 255) opaque |= bit;
       }
-    PictureBlock block;
+    OcclusionTile block;
     if (covered) {
       block.nearest = std::uint8_t(nearest * 254 / steps);
       block.farthest = std::uint8_t((farthest * 254 + steps - 1) / steps);
@@ -74,7 +74,7 @@ void encode_picture(const RasterPicture& picture, int delta_bits, AtlasPicture& 
   else
     encoded.codes8.resize(texels);
   parallel_for(0, rows, [&](int row) {
-    PictureBlock* blocks = &encoded.blocks[std::size_t(row) * std::size_t(columns)];
+    OcclusionTile* blocks = &encoded.blocks[std::size_t(row) * std::size_t(columns)];
     if (delta_bits > 8)
       encode_rows(picture, steps, row, encoded.codes16.data(), blocks);
     else

@@ -1,13 +1,13 @@
 // What does an atlas store of a picture that was rasterised without OpenGL? Delta codes and blocks.
 //
-// The result equals what the shaders of picture_atlas.cpp make of an OpenGL capture. Rows from the
-// bottom. Fills the caller's buffers; uses all cores. No OpenGL.
+// The result equals what the shaders of nailboard_atlas.cpp make of an OpenGL capture. Rows from
+// the bottom. Fills the caller's buffers; uses all cores. No OpenGL.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "rilievo/nailboard/picture_blocks.h"
+#include "rilievo/nailboard/occlusion_tiles.h"
 #include "rilievo/render/raster/raster_picture.h"
 
 namespace rilievo {
@@ -19,7 +19,7 @@ struct AtlasPicture {
   // other empty texels have delta_steps() + 1.
   std::vector<std::uint8_t> codes8;
   std::vector<std::uint16_t> codes16;
-  std::vector<PictureBlock> blocks;  // rows of blocks_across(width), bottom row first
+  std::vector<OcclusionTile> blocks;  // rows of blocks_across(width), bottom row first
 };
 
 // Encodes a picture with 2 to 16 bits of Delta.

@@ -30,7 +30,7 @@ TEST(EncodePicture, keeps_depths_as_codes_and_sums_blocks_up) {
     const int columns = blocks_across(picture.width), rows = blocks_across(picture.height);
     ASSERT_EQ(encoded.blocks.size(), std::size_t(columns * rows));
     const double steps = double(delta_steps(bits));
-    std::vector<PictureBlock> expected(encoded.blocks.size());
+    std::vector<OcclusionTile> expected(encoded.blocks.size());
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x) {
         const auto i = std::size_t(y * picture.width + x);
@@ -49,7 +49,7 @@ TEST(EncodePicture, keeps_depths_as_codes_and_sums_blocks_up) {
         // The nearest code: half a code to either side, but for a float's 2^-24 of 65534.
         ASSERT_NEAR(code, depth * steps, 0.505) << bits;
         ASSERT_LE(code, unsigned(steps));
-        PictureBlock& block = expected[std::size_t(y / 4 * columns + x / 4)];
+        OcclusionTile& block = expected[std::size_t(y / 4 * columns + x / 4)];
         block.covered = std::uint16_t(block.covered | 1u << (x % 4 + 4 * (y % 4)));
         if (picture.color[i].a == 255)
           block.opaque = std::uint16_t(block.opaque | 1u << (x % 4 + 4 * (y % 4)));

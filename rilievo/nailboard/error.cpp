@@ -41,10 +41,8 @@
 namespace rilievo {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Largest screen distance of the points `a` r and `b` r over the polygon's rays by (1), pixels.
-double largest_gap(const RayPolygon& polygon, const PictureView& view, double a, double b) {
+double largest_gap(const RayPolygon& polygon, const ViewOfPicture& view, double a, double b) {
   double over_a = 0, over_b = 0, least_a = kInfinity, least_b = kInfinity;
   for (int i = 0; i < polygon.size; ++i) {
     const glm::dvec3 ray(polygon.corner[std::size_t(i)], -1);
@@ -65,7 +63,7 @@ double largest_gap(const RayPolygon& polygon, const PictureView& view, double a,
 //   X.(A-e) / f.(A-e) - b_x = p (X.s - b_x f.s) / f.(A-e)
 //
 // convex in s and in b: the largest values are at corners.
-double half_texel_px(const RayPolygon& polygon, const PictureView& view, double p,
+double half_texel_px(const RayPolygon& polygon, const ViewOfPicture& view, double p,
                      const glm::dvec2& half) {
   double largest = 0, least_weight = kInfinity;
   for (int i = 0; i < polygon.size; ++i) {
@@ -88,7 +86,7 @@ double half_texel_px(const RayPolygon& polygon, const PictureView& view, double 
 // at most d^2 step / (1 - d step), and the sample's weight d g - t by |g| times that. d^2 / (d g -
 // t) is convex in d and g / (d g - t) monotone in g: the corners and the slab's ends are the worst.
 double exact_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                         const PictureView& view) {
+                         const ViewOfPicture& view) {
   if (picture.delta_bits == 0) return 0;
   const double n = picture.capture.z_near, f = picture.capture.z_far;
   const double step = 0.5 / delta_steps(picture.delta_bits) * (1 / n - 1 / f);
@@ -116,7 +114,7 @@ double exact_depth_error(const PictureGeometry& picture, const RayPolygon& polyg
 // For e = 0 this is 1: eq. (4) is exact under a rotation about the eye. (2) is monotone in g, and
 // stationary in d where d^2 = -t B / (A g). Half a step of Delta changes h by `eta`.
 double linear_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                          const PictureView& view) {
+                          const ViewOfPicture& view) {
   const double n = picture.capture.z_near, f = picture.capture.z_far, p = picture.plane_z;
   const double c = -view.eye.z;
   if (c >= n || c >= p) return kInfinity;
@@ -148,7 +146,7 @@ double linear_depth_error(const PictureGeometry& picture, const RayPolygon& poly
 // A flat impostor writes the weight p g - t of its rectangle. The difference grows as d leaves p
 // and is monotone in g.
 double flat_depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                        const PictureView& view) {
+                        const ViewOfPicture& view) {
   double worst = 0;
   for (int i = 0; i < polygon.size; ++i) {
     const double g = glm::dot(view.f, glm::dvec3(polygon.corner[std::size_t(i)], -1));
@@ -161,7 +159,7 @@ double flat_depth_error(const PictureGeometry& picture, const RayPolygon& polygo
 }
 
 double depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
-                   const PictureView& view) {
+                   const ViewOfPicture& view) {
   switch (picture.depth_mode) {
     case DepthMode::flat:
       return flat_depth_error(picture, polygon, view);
@@ -175,7 +173,7 @@ double depth_error(const PictureGeometry& picture, const RayPolygon& polygon,
 
 // The least weight of the rectangle's points on these rays: their distance from the frame's eye
 // along its line of sight.
-double least_weight(const RayPolygon& polygon, const PictureView& view, double p) {
+double least_weight(const RayPolygon& polygon, const ViewOfPicture& view, double p) {
   double least = kInfinity;
   for (int i = 0; i < polygon.size; ++i)
     least = std::min(least,
@@ -185,7 +183,7 @@ double least_weight(const RayPolygon& polygon, const PictureView& view, double p
 
 // Fills in what concerns the screen position; yields the rays that are drawn in the frame.
 RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame,
-                        const PictureView& view, PictureError& error) {
+                        const ViewOfPicture& view, PictureError& error) {
   const Camera& capture = picture.capture;
   RILIEVO_EXPECTS(capture.projection == Projection::perspective);
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
@@ -218,7 +216,7 @@ PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
                          const RigidMotion& motion) {
   if (!is_rigid(motion.now_from_then))
     return {true, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-  const PictureView view = view_of(frame, picture, motion);
+  const ViewOfPicture view = view_of(frame, picture, motion);
   PictureError error;
   // What is missing is missed where it truly is, not on the flat rectangle.
   const DepthSlab& slab = picture.slab;

@@ -42,7 +42,6 @@
 namespace rilievo {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSteps = kGapSteps;
 
 // Parallax of the level's entries: texels between the two ends of the depths.
@@ -50,8 +49,8 @@ constexpr double level_texels(int level) { return 0.5 * double(1 << level); }
 
 // The most that a texel is stretched to, in pixels, over the frame's image of these rays between
 // the depths `front` and `back`; infinite if any of it is behind the eye.
-double largest_stretch(const RayPolygon& polygon, const PictureView& view, const glm::dvec2& texel,
-                       double w_front, double w_back) {
+double largest_stretch(const RayPolygon& polygon, const ViewOfPicture& view,
+                       const glm::dvec2& texel, double w_front, double w_back) {
   double norm = 0, least_weight = kInfinity;
   for (int i = 0; i < polygon.size; ++i) {
     const glm::dvec2 ray = polygon.corner[std::size_t(i)];
@@ -125,7 +124,7 @@ double bound_gap_px(const PictureGeometry& picture, const GapTable& table, const
                     const RigidMotion& motion) {
   if (!(table.w_front > table.w_back)) return 0;
   if (!is_rigid(motion.now_from_then)) return kInfinity;
-  const PictureView view = view_of(frame, picture, motion);
+  const ViewOfPicture view = view_of(frame, picture, motion);
   // Edges up to a frame's size outside the frame.
   Camera around = frame;
   const ImageWindow& f = frame.window;

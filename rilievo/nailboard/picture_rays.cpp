@@ -40,13 +40,13 @@ void cut(RayPolygon& polygon, const glm::dvec3& n, double least) {
 
 }  // namespace
 
-PictureView view_of(const Camera& frame, const PictureGeometry& picture,
-                    const RigidMotion& motion) {
+ViewOfPicture view_of(const Camera& frame, const PictureGeometry& picture,
+                      const RigidMotion& motion) {
   // Rows of the frame's axes act on world now; pull them back to the capture's eye space.
   const glm::dmat4 now_from_capture = motion.now_from_then * picture.capture.world_from_eye;
   const glm::dmat3 to_rows = glm::transpose(glm::dmat3(now_from_capture));
   const ImageWindow& w = frame.window;
-  PictureView v;
+  ViewOfPicture v;
   v.x = to_rows * glm::dvec3(frame.world_from_eye[0]) * (frame.width / (w.right - w.left));
   v.y = to_rows * glm::dvec3(frame.world_from_eye[1]) * (frame.height / (w.top - w.bottom));
   v.f = to_rows * -glm::dvec3(frame.world_from_eye[2]);
@@ -66,7 +66,7 @@ bool is_rigid(const glm::dmat4& m) {
 }
 
 RayPolygon rays_in_frame(const PictureGeometry& picture, const Camera& frame,
-                         const PictureView& view, double front, double back,
+                         const ViewOfPicture& view, double front, double back,
                          const glm::dvec2& half) {
   RayPolygon polygon = all_rays(picture.capture.window);
   const ImageWindow& w = frame.window;

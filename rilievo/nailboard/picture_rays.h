@@ -6,6 +6,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <limits>
 
 #include "rilievo/core/camera.h"
 #include "rilievo/core/picture_geometry.h"
@@ -13,16 +14,19 @@
 
 namespace rilievo {
 
+// Of bounds: nothing can be promised.
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 // The frame as seen from the picture: pixel rows and eye in the capture's eye space. A point A
 // appears at the pixel (x.(A-eye), y.(A-eye)) / f.(A-eye).
-struct PictureView {
+struct ViewOfPicture {
   glm::dvec3 x, y, f, eye;
   double t = 0;  // f.eye
 };
 
 // The view of `frame`, with the object's motion since the capture.
-[[nodiscard]] PictureView view_of(const Camera& frame, const PictureGeometry& picture,
-                                  const RigidMotion& motion);
+[[nodiscard]] ViewOfPicture view_of(const Camera& frame, const PictureGeometry& picture,
+                                    const RigidMotion& motion);
 
 // Are the axes orthonormal (to 1e-4) and not mirrored?
 [[nodiscard]] bool is_rigid(const glm::dmat4& m);
@@ -36,7 +40,7 @@ struct RayPolygon {
 // A polygon that contains all rays whose cell of half size `half` (tangents) has a point in the
 // frame at a distance in [front, back].
 [[nodiscard]] RayPolygon rays_in_frame(const PictureGeometry& picture, const Camera& frame,
-                                       const PictureView& view, double front, double back,
+                                       const ViewOfPicture& view, double front, double back,
                                        const glm::dvec2& half);
 
 }  // namespace rilievo

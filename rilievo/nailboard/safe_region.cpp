@@ -7,13 +7,10 @@
 #include <limits>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/nailboard/picture_rays.h"
 
 namespace rilievo {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 double ball_error_px(const PictureGeometry& picture, const Camera& frame, double off_axis_tan,
                      double eye_offset) {

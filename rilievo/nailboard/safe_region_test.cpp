@@ -17,7 +17,7 @@ glm::dvec3 in_ball(std::mt19937& rng) {
   }
 }
 
-PictureGeometry random_picture(std::mt19937& rng) {
+PictureGeometry random_geometry(std::mt19937& rng) {
   std::uniform_real_distribution<double> u(0, 1);
   const double size = std::pow(10.0, 2 * u(rng) - 1), distance = size * (1 + 20 * u(rng));
   Box box;
@@ -34,7 +34,7 @@ TEST(SafeRegion, no_frame_in_the_ball_is_worse_than_allowed) {
   int checked = 0;
   double largest_share = 0;
   for (int i = 0; i < 3000; ++i) {
-    const PictureGeometry picture = random_picture(rng);
+    const PictureGeometry picture = random_geometry(rng);
     const Camera any = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.5 + u(rng), 640, 480,
                                0.1 * picture.slab.front, 100);
     const double allowed = 0.25 + 4 * u(rng);
@@ -68,7 +68,7 @@ TEST(SafeRegion, is_the_largest_ball_of_its_bound) {
   std::mt19937 rng(2);
   std::uniform_real_distribution<double> u(0, 1);
   for (int i = 0; i < 2000; ++i) {
-    const PictureGeometry picture = random_picture(rng);
+    const PictureGeometry picture = random_geometry(rng);
     const Camera frame = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1, 640, 480, 0.1, 100);
     const double tangent = u(rng), allowed = 4 * u(rng);
     const SafeRegion region = safe_region(picture, frame, tangent, allowed);

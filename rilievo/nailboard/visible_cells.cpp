@@ -64,7 +64,7 @@ struct VisibleCells::Placement {
   float nearest = 0;  // eye_z of all that the picture shows
   bool relief = true, hides = true, share = false, whole = false;
   const Placement* partner = nullptr;  // one that has been looked at before
-  PictureBlocksView blocks;
+  OcclusionTilesView blocks;
 
   [[nodiscard]] glm::dvec3 at(double x, double y) const { return origin + x * u + y * v; }
   // 1 / q.
@@ -99,13 +99,13 @@ struct VisibleCells::Placement {
     return glm::clamp(glm::ivec2(texel), glm::ivec2(0),
                       glm::ivec2(blocks.width - 1, blocks.height - 1));
   }
-  // Of what the picture shows of a tile with these bounds, in steps of PictureBlock; 255: nothing.
+  // Of what the picture shows of a tile with these bounds, in steps of OcclusionTile; 255: nothing.
   [[nodiscard]] std::uint8_t nearest_delta(const Bounds& fragments) const {
     const glm::ivec2 from = clamped(fragments.a), to = clamped(fragments.b);
     std::uint8_t nearest = 255;
     for (int y = from.y / kBlockTexels; y <= to.y / kBlockTexels; ++y)
       for (int x = from.x / kBlockTexels; x <= to.x / kBlockTexels; ++x) {
-        const PictureBlock& block = blocks.block(x, y);
+        const OcclusionTile& block = blocks.block(x, y);
         if (texels_of_block({x, y}, from, to) & block.covered)
           nearest = std::min(nearest, block.nearest);
       }
@@ -119,10 +119,10 @@ struct VisibleCells::Placement {
       return kNowhere;
     tile.shrink(inside_tile);
     const glm::ivec2 from = clamped(a - kFilterTexels), to = clamped(b + kFilterTexels);
-    PictureBlock all;
+    OcclusionTile all;
     for (int y = from.y / kBlockTexels; y <= to.y / kBlockTexels; ++y)
       for (int x = from.x / kBlockTexels; x <= to.x / kBlockTexels; ++x) {
-        const PictureBlock& block = blocks.block(x, y);
+        const OcclusionTile& block = blocks.block(x, y);
         if (texels_of_block({x, y}, from, to) & ~block.opaque) return kNowhere;
         all.farthest = std::max(all.farthest, block.farthest);
       }
@@ -164,7 +164,7 @@ const glm::dmat3& VisibleCells::texel_from_raster(std::size_t picture) const {
 }
 
 void VisibleCells::find(const glm::dmat4& clip_from_relative, int width, int height, double z_near,
-                        double z_far, std::span<const StandingPicture> pictures) {
+                        double z_far, std::span<const PlacedPolygon> pictures) {
   clip_from_relative_ = clip_from_relative;
   width_ = width, height_ = height;
   z_near_ = z_near, z_far_ = z_far;
@@ -196,8 +196,8 @@ void VisibleCells::find(const glm::dmat4& clip_from_relative, int width, int hei
   }
 }
 
-void VisibleCells::place(const StandingPicture& standing, Placement& p) const {
-  const PictureBlocksView& blocks = p.blocks = standing.blocks;
+void VisibleCells::place(const PlacedPolygon& standing, Placement& p) const {
+  const OcclusionTilesView& blocks = p.blocks = standing.blocks;
   const auto raster = [&](const glm::dvec4& clip) {
     return glm::dvec3(0.5 * width_ * (clip.x + clip.w), 0.5 * height_ * (clip.y + clip.w), clip.w);
   };

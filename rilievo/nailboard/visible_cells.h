@@ -2,7 +2,7 @@
 //
 // Around a silhouette most of a picture is empty, and in a forest most of the rest is hidden by
 // nearer pictures; but a fragment that writes its depth cannot be rejected before it is shaded. So
-// pictures are drawn in cells of the frame. Cells in which the picture is empty (picture_blocks.h)
+// pictures are drawn in cells of the frame. Cells in which the picture is empty (occlusion_tiles.h)
 // are skipped, and so are cells whose tiles are all fully occluded (occlusion culling): each tile
 // is covered by opaque texels of one picture, or of two that fade into each other, that are nearer
 // than this picture's nearest texel there.
@@ -21,12 +21,12 @@
 #include <span>
 #include <vector>
 
-#include "rilievo/nailboard/picture_blocks.h"
+#include "rilievo/nailboard/occlusion_tiles.h"
 
 namespace rilievo {
 
 // A placed picture: its polygon relative to the frame's eye, metres, world axes.
-struct StandingPicture {
+struct PlacedPolygon {
   glm::dvec3 origin;                          // lower left corner
   glm::dvec3 u_axis, v_axis;                  // edges from there
   glm::dvec3 eye;                             // the capture eye
@@ -39,7 +39,7 @@ struct StandingPicture {
   // what each of them would.
   bool share = false;
   std::optional<std::uint32_t> partner;
-  PictureBlocksView blocks;
+  OcclusionTilesView blocks;
 };
 
 // A rectangle to draw: what a picture shows of the frame's pixels x0 <= x < x1, y0 <= y < y1. A
@@ -65,7 +65,7 @@ class VisibleCells {
   // `clip_from_relative` transforms from world axes around the frame's eye. The result does not
   // depend on the number of threads.
   void find(const glm::dmat4& clip_from_relative, int width, int height, double z_near,
-            double z_far, std::span<const StandingPicture> pictures);
+            double z_far, std::span<const PlacedPolygon> pictures);
 
   [[nodiscard]] std::span<const DrawnCells> drawn() const { return drawn_; }
   // The number of rectangles of pictures without a cross-fade range.
@@ -77,7 +77,7 @@ class VisibleCells {
  private:
   struct Placement;
   struct Band;
-  void place(const StandingPicture& standing, Placement& placement) const;
+  void place(const PlacedPolygon& standing, Placement& placement) const;
   void look_at_band(Band& band);
   std::uint8_t look_at_cell(const Placement& placement, int column, int row);
 

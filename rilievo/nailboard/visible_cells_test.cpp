@@ -22,7 +22,7 @@ struct Texel {
 };
 
 struct Picture {
-  StandingPicture standing;
+  PlacedPolygon standing;
   Image<Texel> texels;  // row 0 at the bottom
   AtlasSlot slot;
 };
@@ -45,8 +45,8 @@ Image<Texel> random_texels(std::mt19937& rng, int width, int height) {
   return texels;
 }
 
-std::vector<PictureBlock> blocks_of(const Image<Texel>& texels) {
-  std::vector<PictureBlock> blocks;
+std::vector<OcclusionTile> blocks_of(const Image<Texel>& texels) {
+  std::vector<OcclusionTile> blocks;
   for (int y = 0; y < texels.height(); y += kBlockTexels)
     for (int x = 0; x < texels.width(); x += kBlockTexels) {
       double nearest = 2, farthest = 0;
@@ -73,7 +73,7 @@ Picture random_picture(std::mt19937& rng, AtlasAllocator& allocator) {
   const int width = 20 + int(rng() % 300), height = 20 + int(rng() % 240);
   p.texels = random_texels(rng, width, height);
   p.slot = *allocator.allocate(width, height);
-  StandingPicture& s = p.standing;
+  PlacedPolygon& s = p.standing;
   s.eye = 0.3 * glm::dvec3(u(rng), u(rng), u(rng));
   s.z_near = 4 + 6 * (1 + u(rng));
   s.z_far = s.z_near * (1.05 + 0.4 * (1 + u(rng)));
@@ -95,7 +95,7 @@ Picture random_picture(std::mt19937& rng, AtlasAllocator& allocator) {
 // Random pictures and their blocks, which the pictures refer to.
 struct Gallery {
   AtlasAllocator allocator{8};
-  PictureBlocks blocks{8};
+  OcclusionTiles blocks{8};
   std::vector<Picture> pictures;
 
   Gallery(std::mt19937& rng, int count) {
@@ -108,8 +108,8 @@ struct Gallery {
   Gallery(const Gallery&) = delete;
   Gallery& operator=(const Gallery&) = delete;
 
-  [[nodiscard]] std::vector<StandingPicture> standing() const {
-    std::vector<StandingPicture> all;
+  [[nodiscard]] std::vector<PlacedPolygon> standing() const {
+    std::vector<PlacedPolygon> all;
     for (const Picture& p : pictures) all.push_back(p.standing);
     return all;
   }
@@ -129,7 +129,7 @@ struct Frame {
 template <class Draw>
 void draw_into(Frame& frame, const Picture& p, int name, const glm::dmat4& clip_from_relative,
                Draw draw) {
-  const StandingPicture& s = p.standing;
+  const PlacedPolygon& s = p.standing;
   const glm::dmat4 inverse = glm::inverse(clip_from_relative);
   const glm::dvec3 normal = glm::cross(s.u_axis, s.v_axis);
   for (int y = 0; y < kHeight; ++y)
@@ -157,7 +157,7 @@ void draw_into(Frame& frame, const Picture& p, int name, const glm::dmat4& clip_
 // Points of the polygon go to the frame and come back as their texels.
 void check_map(const glm::dmat3& texel_from_raster, const Picture& p,
                const glm::dmat4& clip_from_relative) {
-  const StandingPicture& s = p.standing;
+  const PlacedPolygon& s = p.standing;
   for (const double u : {0.0, 0.3, 1.0})
     for (const double v : {0.0, 0.8, 1.0}) {
       const glm::dvec4 clip =
@@ -188,7 +188,7 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
     pictures[8].standing.eye.x += 0.05;
     pictures[8].standing.z_near *= 0.98;
     pictures[8].standing.blocks = gallery.blocks.view(pictures[8].slot);
-    std::vector<StandingPicture> standing = gallery.standing();
+    std::vector<PlacedPolygon> standing = gallery.standing();
     // Some fade, alone or each into the other.
     for (const std::size_t i : {1u, 4u, 8u}) standing[i].share = true;
     for (const auto& [i, k] : {std::pair{4u, 8u}, std::pair{8u, 4u}}) standing[i].partner = k;
@@ -255,7 +255,7 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
 TEST(VisibleCells, are_the_same_on_one_thread_and_on_many) {
   std::mt19937 rng(4);
   const Gallery gallery(rng, 12);
-  const std::vector<StandingPicture> standing = gallery.standing();
+  const std::vector<PlacedPolygon> standing = gallery.standing();
   const Camera camera = frame_camera();
   const auto find = [&] {
     VisibleCells visible;
@@ -271,7 +271,7 @@ TEST(VisibleCells, are_the_same_on_one_thread_and_on_many) {
 TEST(VisibleCells, rectangles_end_at_the_tiles_that_show_something) {
   const Camera camera = frame_camera();
   // A texel a pixel, the first at pixel (16, 16).
-  StandingPicture standing;
+  PlacedPolygon standing;
   const glm::dvec2 pixel(10 * (camera.window.right - camera.window.left) / kWidth,
                          10 * (camera.window.top - camera.window.bottom) / kHeight);
   constexpr int kSide = 40;
@@ -283,7 +283,7 @@ TEST(VisibleCells, rectangles_end_at_the_tiles_that_show_something) {
   for (int y = 5; y < 7; ++y)
     for (int x = 9; x < 15; ++x) texels(x, y) = {0.5, true};
   AtlasAllocator allocator(1);
-  PictureBlocks blocks(1);
+  OcclusionTiles blocks(1);
   const AtlasSlot slot = *allocator.allocate(kSide, kSide);
   blocks.assign(slot, blocks_of(texels));
   standing.blocks = blocks.view(slot);
@@ -297,7 +297,7 @@ TEST(VisibleCells, rectangles_end_at_the_tiles_that_show_something) {
 TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
   std::mt19937 rng(2);
   const Gallery gallery(rng, 1);
-  std::vector<StandingPicture> standing = gallery.standing();
+  std::vector<PlacedPolygon> standing = gallery.standing();
   standing[0].u_axis = {1, 0, 40};
   standing[0].origin = {-0.5, -1, -20};
   const Camera camera = frame_camera();
@@ -308,7 +308,7 @@ TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
   EXPECT_TRUE(visible.drawn()[0].whole());
 }
 
-TEST(PictureBlocks, know_the_range_of_their_picture_and_nothing_of_its_neighbours) {
+TEST(OcclusionTiles, know_the_range_of_their_picture_and_nothing_of_its_neighbours) {
   std::mt19937 rng(3);
   const Gallery gallery(rng, 20);
   for (const Picture& p : gallery.pictures) {

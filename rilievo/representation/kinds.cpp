@@ -23,8 +23,8 @@ const Kind* find_kind(std::span<const Kind* const> kinds, std::string_view name)
 }
 
 const Kind* kind_of_file(std::span<const Kind* const> kinds, const FileAttributes& attributes) {
-  const auto found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const Kind* k) { return k->says(attributes); });
+  const auto found = std::find_if(kinds.begin(), kinds.end(),
+                                  [&](const Kind* k) { return k->matches(attributes); });
   return found == kinds.end() ? nullptr : *found;
 }
 

@@ -209,7 +209,7 @@ void divide_by_weight(Target& target) {
 }
 
 // Does the photograph know that nothing is at this point?
-bool seen_empty(const Source& source, const glm::dvec3& world) {
+bool is_carved(const Source& source, const glm::dvec3& world) {
   const Camera& camera = source.picture->camera;
   const glm::dvec3 eye(source.eye_from_world * glm::dvec4(world, 1));
   if (!(-eye.z > 0)) return false;
@@ -240,26 +240,26 @@ bool is_hole(std::span<const Source> sources, const ReprojectOptions& options, c
   for (int i = 0; i < options.hole_steps; ++i) {
     const glm::dvec3 at = eye + ray * (begin + (end - begin) * (i + 0.5) / options.hole_steps);
     if (std::none_of(sources.begin(), sources.end(),
-                     [&](const Source& source) { return seen_empty(source, at); }))
+                     [&](const Source& source) { return is_carved(source, at); }))
       return true;
   }
   return false;
 }
 
 // Counts, and marks holes.
-ReprojectFigures count(std::span<const Source> sources, const ReprojectOptions& options,
-                       Target& target) {
-  ReprojectFigures figures;
+ReprojectStats count(std::span<const Source> sources, const ReprojectOptions& options,
+                     Target& target) {
+  ReprojectStats stats;
   for (int y = 0; y < target.camera.height; ++y)
     for (int x = 0; x < target.camera.width; ++x) {
       if (target.picture.covered(x, y)) {
-        ++figures.filled;
+        ++stats.filled;
       } else if (is_hole(sources, options, target, x, y)) {
-        ++figures.holes;
+        ++stats.holes;
         target.picture.color(x, y) = {0, 0, 0, 1};
       }
     }
-  return figures;
+  return stats;
 }
 
 }  // namespace
@@ -278,7 +278,7 @@ Reprojection reproject(std::span<const DepthImage> photographs, std::span<const 
 
   Reprojection result;
   result.pictures.resize(targets.size());
-  result.figures.resize(targets.size());
+  result.stats.resize(targets.size());
   parallel_for(std::size_t(0), targets.size(), [&](std::size_t i) {
     const Camera& camera = targets[i];
     RILIEVO_EXPECTS(camera.projection != Projection::parallel);
@@ -291,10 +291,10 @@ Reprojection reproject(std::span<const DepthImage> photographs, std::span<const 
     find_front(sources, options, target);
     add_samples(sources, options, target);
     divide_by_weight(target);
-    result.figures[i] = count(sources, options, target);
+    result.stats[i] = count(sources, options, target);
     result.pictures[i] = std::move(target.picture);
   });
-  for (const ReprojectFigures& each : result.figures) {
+  for (const ReprojectStats& each : result.stats) {
     result.total.filled += each.filled;
     result.total.holes += each.holes;
   }

@@ -35,7 +35,7 @@ struct ReprojectOptions {
 };
 
 // Numbers of texels of one target, or of all.
-struct ReprojectFigures {
+struct ReprojectStats {
   std::size_t filled = 0;
   // Texels that show nothing although something may be there: not every place on the texel's ray
   // within the box is known to be free. A photograph knows a place to be free if it measured a
@@ -52,8 +52,8 @@ struct Reprojection {
   // Of eye_z; a picture can be empty. A hole has no depth, but colour 0 0 0 1, so that a layered
   // impostor does not take it for free space.
   std::vector<DepthImage> pictures;
-  std::vector<ReprojectFigures> figures;  // one for each target
-  ReprojectFigures total;
+  std::vector<ReprojectStats> stats;  // one for each target
+  ReprojectStats total;
 };
 
 // Reprojects the photographs into all targets. Requires valid cameras of the kinds named above.

@@ -371,7 +371,7 @@ TEST(Reproject, same_bytes_for_any_number_of_threads) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     EXPECT_TRUE(many.pictures[i].color == single.pictures[i].color);
     EXPECT_TRUE(many.pictures[i].depth == single.pictures[i].depth);
-    EXPECT_EQ(many.figures[i].holes, single.figures[i].holes);
+    EXPECT_EQ(many.stats[i].holes, single.stats[i].holes);
   }
 }
 

@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rilievo/warp/texel_walk.h"
+#include "rilievo/warp/texel_march.h"
 
 namespace rilievo {
 namespace {
@@ -68,9 +68,9 @@ SurfacePyramid make_surface_pyramid(const TexelSurface& surface) {
   return pyramid;
 }
 
-SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
-                      const DisparitySegment& segment, WalkCost* cost) {
-  const TexelWalker walker{surface, segment, surface.camera.keeps_farthest() ? -1.0 : 1.0};
+SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
+                     const DisparitySegment& segment, WalkCost* cost) {
+  const TexelMarch walker{surface, segment, surface.camera.keeps_farthest() ? -1.0 : 1.0};
   const glm::dvec2 from(segment.from), step(segment.to - segment.from);
   const glm::ivec2 size{surface.texels.width(), surface.texels.height()};
   glm::ivec2 forward, ahead;
@@ -86,7 +86,7 @@ SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid
     return t;
   };
 
-  SurfaceWalk walk;
+  SurfaceHit march;
   WalkCost spent;
   glm::ivec2 texel = glm::clamp(glm::ivec2(glm::floor(from)), glm::ivec2(0), size - 1);
   glm::ivec2 moved{0};       // the step that led here
@@ -103,7 +103,7 @@ SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid
       const double z0 = walker.sigma * walker.at(t).z, z1 = walker.sigma * walker.at(end).z;
       const bool in_front = std::min(z0, z1) > double(cell.front);
       const bool behind = before <= 0 && std::max(z0, z1) < double(cell.back) &&
-                          (!cell.holes || walk.passed_outline);
+                          (!cell.holes || march.passed_outline);
       if (in_front || behind) {
         if (end >= 1) return;
         const int axis = ends.x <= ends.y ? 0 : 1;
@@ -133,20 +133,20 @@ SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid
           const bool from_outside = moved == glm::ivec2(0);
           const glm::ivec2 last = texel - moved;
           const bool hole = from_outside || surface.texels(last.x, last.y).q == 0;
-          walk.hit = !hole && surface.texels(last.x, last.y).links >> link_of(moved) & 1;
-          walk.t = t, walk.at = walker.at(t), walk.texel = walk.hit ? texel : last;
-          if (walk.hit) return;
-          walk.passed_behind = true;
-          walk.passed_outline = walk.passed_outline || hole;
+          march.hit = !hole && surface.texels(last.x, last.y).links >> link_of(moved) & 1;
+          march.t = t, march.at = walker.at(t), march.texel = march.hit ? texel : last;
+          if (march.hit) return;
+          march.passed_behind = true;
+          march.passed_outline = march.passed_outline || hole;
         }
         const glm::dvec2 borders = exits(texel, 1);
         const double leave = std::min({borders.x, borders.y, 1.0});
         const double leaves = walker.side(texel, leave);
         if (enters > 0 && leaves <= 0) {
-          walk.hit = true;
-          walk.t = walker.root(texel, t, leave);
-          walk.at = walker.at(walk.t);
-          walk.texel = texel;
+          march.hit = true;
+          march.t = walker.root(texel, t, leave);
+          march.at = walker.at(march.t);
+          march.texel = texel;
           return;
         }
         if (leave >= 1) return;
@@ -163,7 +163,7 @@ SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid
   };
   run();
   if (cost) cost->cells += spent.cells, cost->texels += spent.texels;
-  return walk;
+  return march;
 }
 
 }  // namespace rilievo

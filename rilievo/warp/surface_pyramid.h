@@ -44,7 +44,7 @@ struct WalkCost {
 
 // The result of intersect(surface, segment), except that after a miss behind an outline `t`, `at`
 // and `texel` are undefined. Adds the cost to `cost`.
-[[nodiscard]] SurfaceWalk intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
-                                    const DisparitySegment& segment, WalkCost* cost = nullptr);
+[[nodiscard]] SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
+                                   const DisparitySegment& segment, WalkCost* cost = nullptr);
 
 }  // namespace rilievo

@@ -63,8 +63,8 @@ TEST(SurfacePyramid, a_walk_over_cells_meets_what_the_walk_over_texels_meets) {
       const std::optional<DisparitySegment> segment =
           disparity_segment(picture.camera, eye, eye + 2.0 * (to - eye));
       if (!segment) continue;
-      const SurfaceWalk slow = intersect(surface, *segment);
-      const SurfaceWalk fast = intersect(surface, pyramid, *segment);
+      const SurfaceHit slow = intersect(surface, *segment);
+      const SurfaceHit fast = intersect(surface, pyramid, *segment);
       hits += slow.hit, lost += slow.passed_behind && !slow.hit, outlines += slow.passed_outline;
       bool agree = fast.hit == slow.hit && fast.passed_behind == slow.passed_behind &&
                    fast.passed_outline == slow.passed_outline;
@@ -128,9 +128,9 @@ TEST(SurfacePyramid, a_ray_far_from_the_surface_costs_cells_and_not_texels) {
         return glm::dvec3(at, 1 / (z + offset));
       };
       const DisparitySegment segment{beside({0, u(rng)}), beside({kSize, u(rng)})};
-      const SurfaceWalk walk = intersect(surface, pyramid, segment, &cost);
-      EXPECT_FALSE(walk.hit);
-      behind += walk.passed_behind;
+      const SurfaceHit march = intersect(surface, pyramid, segment, &cost);
+      EXPECT_FALSE(march.hit);
+      behind += march.passed_behind;
       ++rays;
     }
     EXPECT_EQ(behind, rays / 2);

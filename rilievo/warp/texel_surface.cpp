@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "rilievo/core/expects.h"
-#include "rilievo/warp/texel_walk.h"
+#include "rilievo/warp/texel_march.h"
 
 namespace rilievo {
 namespace {
@@ -95,8 +95,8 @@ std::optional<DisparitySegment> disparity_segment(const Camera& camera, const gl
   return DisparitySegment{{a.x / a.z, a.y / a.z, 1 / a.z}, {c.x / c.z, c.y / c.z, 1 / c.z}};
 }
 
-SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segment) {
-  const TexelWalker walker{surface, segment, surface.camera.keeps_farthest() ? -1.0 : 1.0};
+SurfaceHit intersect(const TexelSurface& surface, const DisparitySegment& segment) {
+  const TexelMarch walker{surface, segment, surface.camera.keeps_farthest() ? -1.0 : 1.0};
   const glm::dvec2 from(segment.from), step(segment.to - segment.from);
   const glm::ivec2 size{surface.texels.width(), surface.texels.height()};
   glm::ivec2 texel = glm::clamp(glm::ivec2(glm::floor(from)), glm::ivec2(0), size - 1);
@@ -111,37 +111,37 @@ SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segme
     next[a] = moves ? (texel[a] + (step[a] >= 0) - from[a]) / step[a] : 1e300;
   }
 
-  SurfaceWalk walk;
+  SurfaceHit march;
   double t = 0, side = walker.side(texel, 0);
-  walk.passed_behind = walk.passed_outline = side <= 0;
+  march.passed_behind = march.passed_outline = side <= 0;
   const auto stop = [&](const glm::ivec2& where, double when) {
-    walk.t = when;
-    walk.at = walker.at(when);
-    walk.texel = where;
+    march.t = when;
+    march.at = walker.at(when);
+    march.texel = where;
   };
   for (;;) {
     const double end = std::min({next.x, next.y, 1.0});
     const double side_end = walker.side(texel, end);
     if (side > 0 && side_end <= 0) {
-      walk.hit = true;
+      march.hit = true;
       stop(texel, walker.root(texel, t, end));
-      return walk;
+      return march;
     }
-    if (end >= 1) return walk;
+    if (end >= 1) return march;
     const glm::ivec2 before = texel;
     const int axis = next.x <= next.y ? 0 : 1;
     texel[axis] += forward[axis];
     next[axis] += spacing[axis];
     t = end;
-    if (texel[axis] < 0 || texel[axis] >= size[axis]) return walk;
+    if (texel[axis] < 0 || texel[axis] >= size[axis]) return march;
     side = walker.side(texel, t);
     if (side_end > 0 && side <= 0) {
       const SurfaceTexel& beyond = surface.texels(before.x, before.y);
-      walk.hit = beyond.links >> link_of(texel - before) & 1;
-      stop(walk.hit ? texel : before, t);
-      if (walk.hit) return walk;
-      walk.passed_behind = true;
-      walk.passed_outline = walk.passed_outline || beyond.q == 0;
+      march.hit = beyond.links >> link_of(texel - before) & 1;
+      stop(march.hit ? texel : before, t);
+      if (march.hit) return march;
+      march.passed_behind = true;
+      march.passed_outline = march.passed_outline || beyond.q == 0;
     }
   }
 }

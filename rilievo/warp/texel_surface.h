@@ -31,7 +31,7 @@ struct SurfaceTexel {
   // Change of q over one texel to the right, down, left, up (outwards).
   std::array<float, 4> slope{};
   // The eye_z down to which the space behind the patch is inside the visual hull, that is not
-  // carved by any picture (find_inside); 0: unknown, or none.
+  // carved by any picture (find_visual_hulls); 0: unknown, or none.
   float inside = 0;
 };
 
@@ -67,7 +67,7 @@ struct DisparitySegment {
 
 // The result of a height-field ray march. A ray that neither hit nor passed behind an edge crossed
 // only free space.
-struct SurfaceWalk {
+struct SurfaceHit {
   bool hit = false;
   bool passed_behind = false;   // passed behind an edge (before the hit)
   bool passed_outline = false;  // passed behind an edge next to which the picture shows nothing
@@ -77,6 +77,6 @@ struct SurfaceWalk {
 };
 
 // Marches through the texels along the segment to the first hit.
-[[nodiscard]] SurfaceWalk intersect(const TexelSurface& surface, const DisparitySegment& segment);
+[[nodiscard]] SurfaceHit intersect(const TexelSurface& surface, const DisparitySegment& segment);
 
 }  // namespace rilievo

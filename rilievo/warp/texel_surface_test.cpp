@@ -22,7 +22,7 @@ DepthImage jug_picture(Projection projection, const glm::dvec3& direction, int s
 
 // The walk by definition: every texel of the picture is asked for the stretch of the segment over
 // it, the stretches are sorted, and the side is looked up on either end of each.
-SurfaceWalk slow_intersect(const TexelSurface& surface, const DisparitySegment& segment) {
+SurfaceHit slow_intersect(const TexelSurface& surface, const DisparitySegment& segment) {
   struct Stretch {
     double begin, end;
     glm::ivec2 texel;
@@ -47,7 +47,7 @@ SurfaceWalk slow_intersect(const TexelSurface& surface, const DisparitySegment& 
     const double beyond = p.z - surface_q(piece, glm::dvec2(texel) + 0.5, glm::dvec2(p));
     return piece.q == 0 || (surface.camera.keeps_farthest() ? beyond < 0 : beyond > 0);
   };
-  SurfaceWalk walk;
+  SurfaceHit march;
   bool before = true;
   glm::ivec2 last{-1};
   for (const Stretch& s : stretches) {
@@ -59,13 +59,13 @@ SurfaceWalk slow_intersect(const TexelSurface& surface, const DisparitySegment& 
           linked |=
               kLinkSteps[k] == s.texel - last && surface.texels(last.x, last.y).links >> k & 1;
       if (linked) {
-        walk.hit = true, walk.t = s.begin, walk.texel = s.texel;
-        return walk;
+        march.hit = true, march.t = s.begin, march.texel = s.texel;
+        return march;
       }
-      walk.passed_behind = true;
-      walk.passed_outline =
-          walk.passed_outline || last.x < 0 || surface.texels(last.x, last.y).q == 0;
-      walk.t = s.begin, walk.texel = last;
+      march.passed_behind = true;
+      march.passed_outline =
+          march.passed_outline || last.x < 0 || surface.texels(last.x, last.y).q == 0;
+      march.t = s.begin, march.texel = last;
     }
     if (enters && !leaves) {
       // The first of many steps that is not in front, then bisection.
@@ -76,13 +76,13 @@ SurfaceWalk slow_intersect(const TexelSurface& surface, const DisparitySegment& 
         t0 = t1;
       }
       for (int i = 0; i < 60; ++i) (in_front(s.texel, 0.5 * (t0 + t1)) ? t0 : t1) = 0.5 * (t0 + t1);
-      walk.hit = true, walk.t = t1, walk.texel = s.texel;
-      return walk;
+      march.hit = true, march.t = t1, march.texel = s.texel;
+      return march;
     }
     before = leaves;
     last = s.texel;
   }
-  return walk;
+  return march;
 }
 
 TEST(TexelSurface, walk_meets_what_every_texel_asked_in_turn_meets) {
@@ -97,13 +97,13 @@ TEST(TexelSurface, walk_meets_what_every_texel_asked_in_turn_meets) {
       const std::optional<DisparitySegment> segment =
           disparity_segment(picture.camera, eye, eye + 2.0 * (to - eye));
       if (!segment) continue;
-      const SurfaceWalk walk = intersect(surface, *segment);
-      const SurfaceWalk slow = slow_intersect(surface, *segment);
+      const SurfaceHit march = intersect(surface, *segment);
+      const SurfaceHit slow = slow_intersect(surface, *segment);
       hits += slow.hit, holes += slow.passed_behind;
       // 1e-9: rounding of doubles along the segment.
       const bool agree =
-          walk.hit == slow.hit && walk.passed_behind == slow.passed_behind &&
-          (!walk.hit || (walk.texel == slow.texel && std::abs(walk.t - slow.t) < 1e-9));
+          march.hit == slow.hit && march.passed_behind == slow.passed_behind &&
+          (!march.hit || (march.texel == slow.texel && std::abs(march.t - slow.t) < 1e-9));
       wrong += !agree;
     }
   }
@@ -124,13 +124,13 @@ TEST(TexelSurface, the_pictures_own_rays_get_its_samples_back) {
         const std::optional<DisparitySegment> segment =
             disparity_segment(picture.camera, ray.origin, ray.origin + ray.direction);
         ASSERT_TRUE(segment);
-        const SurfaceWalk walk = intersect(surface, *segment);
-        EXPECT_EQ(walk.hit, picture.covered(x, y));
-        EXPECT_FALSE(walk.passed_behind);
-        if (!walk.hit) continue;
+        const SurfaceHit march = intersect(surface, *segment);
+        EXPECT_EQ(march.hit, picture.covered(x, y));
+        EXPECT_FALSE(march.passed_behind);
+        if (!march.hit) continue;
         ++covered;
         // Float depths of size 3 carry 2e-7.
-        EXPECT_NEAR(1 / walk.at.z, picture.depth(x, y), 1e-6);
+        EXPECT_NEAR(1 / march.at.z, picture.depth(x, y), 1e-6);
       }
     EXPECT_GT(covered, 500);
   }
@@ -161,9 +161,9 @@ TEST(TexelSurface, a_plane_is_met_where_it_is) {
       const glm::dvec3 end = eye + 2.0 * (to - eye);
       const std::optional<DisparitySegment> segment = disparity_segment(camera, eye, end);
       if (!segment) continue;
-      const SurfaceWalk walk = intersect(surface, *segment);
-      if (!walk.hit) continue;
-      const glm::dvec3 met = world_from_raster(camera, glm::dvec2(walk.at), 1 / walk.at.z);
+      const SurfaceHit march = intersect(surface, *segment);
+      if (!march.hit) continue;
+      const glm::dvec3 met = world_from_raster(camera, glm::dvec2(march.at), 1 / march.at.z);
       // Slopes are differences of floats of size 0.2: 1e-7 in q is 3e-6 at a distance of 5.
       EXPECT_NEAR(glm::dot(normal, met), 0, 1e-5);
     }

@@ -12,7 +12,7 @@ void decode(rilievo::Bytes bytes, Decode how) {
   try {
     budget.earn(bytes.size());
     (void)how(bytes, budget);
-  } catch (const rilievo::LoadFault& fault) {
+  } catch (const rilievo::LoadError& fault) {
     if (fault.reason.empty() || fault.reason.ends_with(": ")) std::abort();
   }
 }

@@ -1,23 +1,16 @@
 #include "rilievo/cache/gl/image_cache.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/nailboard/gl/capture_gaps.h"
 
 namespace rilievo {
 
-namespace {
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
-
-}  // namespace
+namespace {}  // namespace
 
 ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
                        std::unique_ptr<NailboardSet> pictures, const ImageCacheOptions& options)
@@ -172,7 +165,7 @@ void ImageCache::plan(const Camera& camera) {
 void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   for (std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   double cost = 0;
   gaps_.assign(plan_.captures.size(), {});
   const bool bounds_gaps = std::isfinite(gap_limit_px(policy_));
@@ -206,7 +199,7 @@ void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
           release(capture.slot);
         }
   gl::finish();
-  stats.capture_ms = milliseconds_since(start);
+  stats.capture_ms = watch.ms();
   if (cost > 0 && stats.capture_ms > 0) {
     const double now = cost / stats.capture_ms;
     // The first measurement includes the driver's warm-up; later ones smooth it away.

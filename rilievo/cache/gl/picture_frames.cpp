@@ -1,18 +1,13 @@
 #include "rilievo/cache/gl/picture_frames.h"
 
-#include <chrono>
 #include <cmath>
 
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 
 namespace rilievo {
 namespace {
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 // What an object did between two poses.
 glm::dmat4 motion_between(const glm::mat4& then, const glm::mat4& now) {
@@ -102,7 +97,7 @@ Result<> PictureFrames::choose(const Camera& camera, FrameContent& content, Fram
   ++frame_;
   visible_.clear();
   renderer().cull(camera, visible_);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Scene& scene = renderer().scene();
   for (std::uint32_t object : visible_) {
     const Model& model = scene.models[std::size_t(scene.objects[object].model)];
@@ -126,7 +121,7 @@ Result<> PictureFrames::choose(const Camera& camera, FrameContent& content, Fram
     content.sets[0].instances.push_back({motion, object, object + 1});
   }
   if (stats.captures) gl::finish();
-  stats.capture_ms = stats.captures ? milliseconds_since(start) : 0;
+  stats.capture_ms = stats.captures ? watch.ms() : 0;
   stats.picture_bytes = set_->bytes();
   return Done{};
 }

@@ -1,7 +1,7 @@
 // How is a scene captured by OpenGL as a picture with depth, for a camera of any kind?
 //
 // For pictures that leave the GPU, to files, warps and measures. Pictures that stay on the GPU are
-// captured by nailboard/gl/picture_atlas.h. Needs a current OpenGL context; changes the bound
+// captured by nailboard/gl/nailboard_atlas.h. Needs a current OpenGL context; changes the bound
 // framebuffer and viewport.
 #pragma once
 

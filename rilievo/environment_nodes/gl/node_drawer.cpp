@@ -239,7 +239,7 @@ void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* c
 
 Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                           const NodeDrawOptions& options) {
-  RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMostNodes);
+  RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMaxNodes);
   triangles_drawn_ = 0;
   const glm::dvec3 eye = frame.position();
   // Closer than a frame of a walk's motion by far.
@@ -258,7 +258,7 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   double sum = 0;
   for (const StoredNode* node : nodes) sum += 1 / std::max(1e-9, glm::distance(eye, node->eye()));
-  float nearness[kMostNodes] = {};
+  float nearness[kMaxNodes] = {};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nearness[i] =
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));

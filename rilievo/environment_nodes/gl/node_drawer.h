@@ -62,12 +62,12 @@ struct NodeDrawOptions {
 // The programs and buffers that draw nodes.
 class NodeDrawer {
  public:
-  static constexpr std::size_t kMostNodes = 8;
+  static constexpr std::size_t kMaxNodes = 8;
 
   // Compiles the shaders.
   [[nodiscard]] static Result<NodeDrawer> create();
 
-  // Draws one to kMostNodes nodes, the nearest to the eye first. If the eye is at the first node's
+  // Draws one to kMaxNodes nodes, the nearest to the eye first. If the eye is at the first node's
   // own place, only that node is drawn, because it shows everything visible from there. Fails where
   // buffers cannot be allocated.
   Result<> draw(const Camera& frame, std::span<const StoredNode* const> nodes,
@@ -102,7 +102,7 @@ class NodeDrawer {
   gl::Program color_, color_skin_, layer_, layer_skin_, direction_, direction_skin_, twice_,
       cube_map_, objects_, objects_skin_, covered_;
   // By merge - 1 and number of nodes; made when first needed, those of two at once.
-  std::array<std::array<gl::Program, kMostNodes + 1>, 3> merge_;
+  std::array<std::array<gl::Program, kMaxNodes + 1>, 3> merge_;
   gl::VertexArray no_vertices_;
   int width_ = 0, height_ = 0, count_ = 0;
   gl::Texture layer_colors_, layer_depths_;

@@ -14,7 +14,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 90;
+constexpr int kNodeWidth = 160, kNodeHeight = 90;
 
 // Colours that tell directions apart, smooth enough to be interpolated.
 glm::vec4 painted(const glm::dvec3& d, double) {
@@ -25,8 +25,8 @@ glm::vec4 painted(const glm::dvec3& d, double) {
 
 Camera random_frame(Random& random, const glm::dvec3& eye) {
   const auto in = [&] { return double(random.between(-1, 1)); };
-  return look_at(eye, eye + glm::dvec3(in(), in(), in()) + 1e-3, {0, 1, 0}, 0.9, kWidth, kHeight,
-                 0.01, 100);
+  return look_at(eye, eye + glm::dvec3(in(), in(), in()) + 1e-3, {0, 1, 0}, 0.9, kNodeWidth,
+                 kNodeHeight, 0.01, 100);
 }
 
 double psnr(const Rgba8Image& a, const std::function<glm::vec3(int, int)>& truth) {
@@ -49,11 +49,11 @@ class NodeDrawing : public gl::ContextTest {
     Result<NodeDrawer> drawer = NodeDrawer::create();
     ASSERT_TRUE(drawer.ok()) << drawer.error().message();
     drawer_.emplace(std::move(*drawer));
-    Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 1);
+    Result<FrameTarget> target = FrameTarget::create(kNodeWidth, kNodeHeight, 1);
     ASSERT_TRUE(target.ok());
     target_.emplace(std::move(*target));
-    directions_ = gl::make_texture_2d(GL_RGBA32F, kWidth, kHeight);
-    depth_ = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, kWidth, kHeight);
+    directions_ = gl::make_texture_2d(GL_RGBA32F, kNodeWidth, kNodeHeight);
+    depth_ = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, kNodeWidth, kNodeHeight);
     probe_ = gl::make_framebuffer();
     glNamedFramebufferTexture(probe_, GL_COLOR_ATTACHMENT0, directions_, 0);
     glNamedFramebufferTexture(probe_, GL_DEPTH_ATTACHMENT, depth_, 0);
@@ -79,16 +79,16 @@ class NodeDrawing : public gl::ContextTest {
   // Row 0 on top; w is 0 where nothing was drawn.
   Image<glm::vec4> directions(const Camera& frame, const StoredNode& node, bool skin) {
     glBindFramebuffer(GL_FRAMEBUFFER, probe_);
-    glViewport(0, 0, kWidth, kHeight);
+    glViewport(0, 0, kNodeWidth, kNodeHeight);
     const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
     glClearNamedFramebufferfv(probe_, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(probe_, GL_DEPTH, 0, &far);
     drawer_->draw_directions(frame, node, skin);
-    Image<glm::vec4> image(kWidth, kHeight);
-    glReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_FLOAT, image.texels().data());
-    for (int y = 0; y < kHeight / 2; ++y)
+    Image<glm::vec4> image(kNodeWidth, kNodeHeight);
+    glReadPixels(0, 0, kNodeWidth, kNodeHeight, GL_RGBA, GL_FLOAT, image.texels().data());
+    for (int y = 0; y < kNodeHeight / 2; ++y)
       std::swap_ranges(image.row(y).begin(), image.row(y).end(),
-                       image.row(kHeight - 1 - y).begin());
+                       image.row(kNodeHeight - 1 - y).begin());
     return image;
   }
 
@@ -147,11 +147,11 @@ TEST_F(NodeDrawing, each_pixel_shows_its_own_direction_and_not_without_the_corre
       });
   const StoredNode node = StoredNode::create(map, mesh_of(map, 100));
   const Camera frame =
-      look_at({0, 0, 0}, {0.3, -0.2, -1}, {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 99);
+      look_at({0, 0, 0}, {0.3, -0.2, -1}, {0, 1, 0}, 0.9, kNodeWidth, kNodeHeight, 0.1, 99);
   const Image<glm::vec4> shown = directions(frame, node, false);
   double worst = 0;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kNodeHeight; ++y)
+    for (int x = 0; x < kNodeWidth; ++x) {
       const glm::dvec3 raster = raster_from_world(frame, glm::dvec3(shown(x, y)));
       worst = std::max(worst, glm::distance(glm::dvec2(raster), glm::dvec2(x + 0.5, y + 0.5)));
     }
@@ -164,7 +164,7 @@ TEST_F(NodeDrawing, each_pixel_shows_its_own_direction_and_not_without_the_corre
   int differ = 0;
   for (std::size_t i = 0; i < right.texels().size(); ++i)
     differ += std::abs(int(right.texels()[i].r) - int(wrong.texels()[i].r)) > 60;
-  EXPECT_GT(differ, kWidth * kHeight / 20);
+  EXPECT_GT(differ, kNodeWidth * kNodeHeight / 20);
 }
 
 TEST_F(NodeDrawing, a_closed_room_has_no_cracks) {
@@ -196,7 +196,7 @@ TEST_F(NodeDrawing, without_skins_gaps_stay_open) {
   const EnvironmentMap map = make_node(64, furnished_room(), painted);
   const StoredNode node = StoredNode::create(map, mesh_of(map, 900));
   const Camera frame =
-      look_at({0.9, 0, 0.3}, {1.5, -0.6, -1.6}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.01, 100);
+      look_at({0.9, 0, 0.3}, {1.5, -0.6, -1.6}, {0, 1, 0}, 1.2, kNodeWidth, kNodeHeight, 0.01, 100);
   EXPECT_GT(count_magenta(draw(frame, {&node}, {})), 100);
   // Another node sees what lies behind the ball.
   const EnvironmentMap other =
@@ -231,7 +231,7 @@ TEST_F(NodeDrawing, first_takes_from_other_nodes_what_the_first_has_not_seen) {
       [](const glm::dvec3&, double) { return glm::vec4(1, 1, 0, 1); }, place);
   const StoredNode second = StoredNode::create(other, mesh_of(other, 900));
   const Camera frame =
-      look_at(place, {1.5, -0.6, -1.6}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.01, 100);
+      look_at(place, {1.5, -0.6, -1.6}, {0, 1, 0}, 1.2, kNodeWidth, kNodeHeight, 0.01, 100);
   const Rgba8Image alone = draw(frame, {&node}, {});
   NodeDrawOptions options;
   options.merge = NodeMerge::first;
@@ -248,7 +248,7 @@ TEST_F(NodeDrawing, first_takes_from_other_nodes_what_the_first_has_not_seen) {
   const int gaps = count_magenta(alone);
   EXPECT_GT(gaps, 100);
   EXPECT_GT(filled, 0.9 * gaps);
-  EXPECT_GT(kept, 0.97 * (kWidth * kHeight - gaps));
+  EXPECT_GT(kept, 0.97 * (kNodeWidth * kNodeHeight - gaps));
 }
 
 // Two nodes in front of one wall, one red, one blue.
@@ -263,12 +263,13 @@ TEST_F(NodeDrawing, merges_take_the_best_or_the_mean_as_they_are_named) {
   const StoredNode red = StoredNode::create(maps[0], mesh_of(maps[0], 60));
   const StoredNode blue = StoredNode::create(maps[1], mesh_of(maps[1], 60));
   const auto pixel = [&](double x, NodeMerge merge) {
-    const Camera frame = look_at({x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 50);
+    const Camera frame =
+        look_at({x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 0.9, kNodeWidth, kNodeHeight, 0.1, 50);
     NodeDrawOptions options;
     options.merge = merge;
     std::vector<const StoredNode*> nodes{&red, &blue};
     if (x > 0) std::swap(nodes[0], nodes[1]);
-    const glm::u8vec4 c = draw(frame, nodes, options)(kWidth / 2, kHeight / 2);
+    const glm::u8vec4 c = draw(frame, nodes, options)(kNodeWidth / 2, kNodeHeight / 2);
     EXPECT_EQ(c.g, 0);
     return glm::ivec2(c.r, c.b);
   };
@@ -299,15 +300,15 @@ TEST_F(NodeDrawing, depth_is_that_of_what_is_shown) {
   const StoredNode node = StoredNode::create(map, mesh_of(map, 300));
   const StoredNode second = StoredNode::create(other, mesh_of(other, 300));
   const Camera frame =
-      look_at({0.2, 0.1, 0}, {0.2, 0.1, -1}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.1, 50);
+      look_at({0.2, 0.1, 0}, {0.2, 0.1, -1}, {0, 1, 0}, 0.5, kNodeWidth, kNodeHeight, 0.1, 50);
   for (const NodeMerge merge : {NodeMerge::layering, NodeMerge::positional}) {
     NodeDrawOptions options;
     options.merge = merge;
     target_->begin();
     ASSERT_TRUE(drawer_->draw(frame, std::vector{&node, &second}, options).ok());
-    std::vector<float> depth(std::size_t(kWidth) * kHeight);
+    std::vector<float> depth(std::size_t(kNodeWidth) * kNodeHeight);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target_->framebuffer());
-    glReadPixels(0, 0, kWidth, kHeight, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
+    glReadPixels(0, 0, kNodeWidth, kNodeHeight, GL_DEPTH_COMPONENT, GL_FLOAT, depth.data());
     for (const float window_z : depth)
       // The wall is 4 m away everywhere along the axis; floats of window depth.
       EXPECT_NEAR(eye_z_from(DepthKind::window_z, window_z, frame, {0, 0}), 4, 0.02);
@@ -335,8 +336,8 @@ TEST_F(NodeDrawing, samples_are_drawn_within_the_bound) {
       const Camera frame = random_frame(random, eye);
       const double limit = bound_px(model, frame).error;
       const Image<glm::vec4> shown = directions(frame, node, false);
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+      for (int y = 0; y < kNodeHeight; ++y)
+        for (int x = 0; x < kNodeWidth; ++x) {
           if (shown(x, y).w == 0) continue;
           const glm::dvec3 c = glm::dvec3(shown(x, y)) /
                                double(std::max({std::abs(shown(x, y).x), std::abs(shown(x, y).y),

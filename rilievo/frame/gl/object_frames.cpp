@@ -1,9 +1,9 @@
 #include "rilievo/frame/gl/object_frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
+#include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
 
@@ -17,7 +17,7 @@ Result<std::unique_ptr<ObjectFrames>> ObjectFrames::create(SceneRenderer& render
   frames->outlines_ = options.outlines;
   frames->baked_of_.assign(renderer.scene().objects.size(), -1);
 
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ObjectDrawablesOptions bake = options.objects;
   bake.progress = [&](int done, int total) {
     frames->captures_ = std::max(frames->captures_, done);
@@ -34,8 +34,7 @@ Result<std::unique_ptr<ObjectFrames>> ObjectFrames::create(SceneRenderer& render
     const ErrorModel error = object.drawable->error_model(0);
     frames->baked_.push_back({std::move(object), error});
   }
-  frames->capture_ms_ =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  frames->capture_ms_ = watch.ms();
   return {std::move(frames)};
 }
 

@@ -54,7 +54,7 @@ Result<StoredPictures> make_stored_pictures(std::span<const DepthImage> pictures
   Result<std::unique_ptr<NailboardSet>> set = NailboardSet::create({bytes, delta_bits, 1}, mode);
   if (!set) return set.error();
   StoredPictures stored{std::move(*set), {}};
-  PictureAtlas& atlas = stored.set->atlas();
+  NailboardAtlas& atlas = stored.set->atlas();
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const Nailboard board = make_nailboard(pictures[i], delta_bits);
     const auto slot = atlas.allocate(board.color.width(), board.color.height());

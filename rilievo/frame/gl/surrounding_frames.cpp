@@ -1,11 +1,11 @@
 #include "rilievo/frame/gl/surrounding_frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
 
@@ -15,7 +15,7 @@ Result<std::unique_ptr<SurroundingFrames>> SurroundingFrames::create(
   RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
   std::unique_ptr<SurroundingFrames> frames(new SurroundingFrames(renderer));
   frames->factory_ = std::move(factory);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const std::vector<Object>& objects = renderer.scene().objects;
   std::vector<std::uint32_t> still;
   for (std::uint32_t object = 0; object < objects.size(); ++object)
@@ -36,8 +36,7 @@ Result<std::unique_ptr<SurroundingFrames>> SurroundingFrames::create(
   if (!drawable) return drawable.error();
   frames->drawable_ = std::move(*drawable);
   frames->content().sets.push_back({frames->drawable_.get(), {}});
-  frames->capture_ms_ =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  frames->capture_ms_ = watch.ms();
   return {std::move(frames)};
 }
 

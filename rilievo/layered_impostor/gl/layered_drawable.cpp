@@ -16,16 +16,16 @@ constexpr double kSilhouettePixel = 30;  // ... and this times the silhouette-ed
 constexpr double kSlicePixel = 0.02;     // for each slice of a view
 
 struct Terms {
-  LayeredErrorFigures figures;
+  LayeredErrorStats stats;
   bool sliced = false;
 };
 
-double bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
-                const Camera& frame) {
+double layered_bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
+                        const Camera& frame) {
   const Terms terms = model.load<Terms>();
   if (!is_served(model.bounds, world_from_capture, frame))
     return std::numeric_limits<double>::infinity();
-  return bound_layered_error(terms.figures, terms.sliced, model.bounds, world_from_capture, frame)
+  return bound_layered_error(terms.stats, terms.sliced, model.bounds, world_from_capture, frame)
       .total_px;
 }
 
@@ -135,11 +135,11 @@ Result<std::unique_ptr<Drawable>> make_layered_drawable(LayeredImpostor impostor
                                                         LayeredDrawer& drawer,
                                                         const LayeredOptions& options) {
   ErrorModel error;
-  error.bound = bound_px;
+  error.bound = layered_bound_px;
   error.bounds = impostor.bounds;
   error.texel = texel_of(impostor);
   const bool sliced = options.method == LayeredMethod::slices;
-  error.store(Terms{layered_error_figures(impostor), sliced});
+  error.store(Terms{layered_error_stats(impostor), sliced});
   const double per_pixel = sliced
                                ? slices_a_view(impostor) * kSlicePixel
                                : kMarchedPixel + silhouette_edge_ratio(impostor) * kSilhouettePixel;

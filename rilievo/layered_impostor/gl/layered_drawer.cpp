@@ -118,7 +118,7 @@ Result<LayeredDrawer> LayeredDrawer::create() {
 void LayeredDrawer::draw(LayeredPictures& pictures, const Camera& frame,
                          std::span<const LayeredInstance> instances,
                          const LayeredOptions& options) {
-  figures_ = {};
+  stats_ = {};
   const auto how = options.method == LayeredMethod::surfaces ? &LayeredDrawer::draw_surfaces
                                                              : &LayeredDrawer::draw_slices;
   (this->*how)(pictures, frame, instances, options, shader::LayeredOutput::color);
@@ -127,7 +127,7 @@ void LayeredDrawer::draw(LayeredPictures& pictures, const Camera& frame,
 void LayeredDrawer::draw_objects(LayeredPictures& pictures, const Camera& frame,
                                  std::span<const LayeredInstance> instances,
                                  const LayeredOptions& options) {
-  figures_ = {};
+  stats_ = {};
   const auto how = options.method == LayeredMethod::surfaces ? &LayeredDrawer::draw_surfaces
                                                              : &LayeredDrawer::draw_slices;
   (this->*how)(pictures, frame, instances, options, shader::LayeredOutput::objects);
@@ -196,7 +196,7 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
       for (int i = 0; i < served.count; ++i)
         views_.push_back(view_block(impostor, served.views[i], local.eye));
     }
-    figures_.views += int(views_.size());
+    stats_.views += int(views_.size());
     // A block must be there as a whole.
     views_.resize(kInstances * std::size_t(kMaxViews));
     blocks_.resize(kInstances);
@@ -237,17 +237,17 @@ void LayeredDrawer::draw_slices(LayeredPictures& pictures, const Camera& frame,
         for (const TexelRect& rect : pictures.rects_of(draw.view, draw.slice)) {
           const glm::vec4 quad = quad_of(rect, draw.rect);
           if (!(quad.x < quad.z && quad.y < quad.w)) continue;
-          figures_.texels += double(quad.z - quad.x) * double(quad.w - quad.y);
+          stats_.texels += double(quad.z - quad.x) * double(quad.w - quad.y);
           slices_.push_back({quad, glm::vec4(slice.eye_z, scale(slice.front), scale(slice.back), 0),
                              glm::vec4(from, to, float(views_.size() - 1),
                                        std::bit_cast<float>(instance.object))});
         }
       }
-      figures_.slices += chosen_.size();
+      stats_.slices += chosen_.size();
       from = to;
     }
-    figures_.views += int(views_.size());
-    figures_.quads += slices_.size();
+    stats_.views += int(views_.size());
+    stats_.quads += slices_.size();
     if (slices_.empty()) continue;
     const auto bytes = std::as_bytes(std::span(slices_));
     if (bytes.size() > slice_capacity_) {

@@ -45,13 +45,13 @@ class LayeredDrawer {
                      std::span<const LayeredInstance> instances);
 
   // What the last call drew.
-  struct Figures {
+  struct Stats {
     int views = 0;           // pictures bound, over all instances
     std::size_t slices = 0;  // of all views
     std::size_t quads = 0;   // that show them
     double texels = 0;       // in these
   };
-  [[nodiscard]] const Figures& figures() const { return figures_; }
+  [[nodiscard]] const Stats& stats() const { return stats_; }
 
  private:
   void draw_surfaces(LayeredPictures& pictures, const Camera& frame,
@@ -67,7 +67,7 @@ class LayeredDrawer {
   gl::StreamBuffer view_buffer_, instance_buffer_;
   gl::Buffer slice_buffer_;
   std::size_t slice_capacity_ = 0;
-  Figures figures_;
+  Stats stats_;
   // Kept between calls, so that drawing does not allocate.
   std::vector<shader::LayeredView> views_;
   std::vector<shader::LayeredInstanceBlock> blocks_;

@@ -197,7 +197,7 @@ TEST_F(LayeredDrawerTest, slices_are_what_the_slow_drawing_on_the_cpu_shows) {
     const LayeredOptions gpu{
         .method = LayeredMethod::slices, .max_views = fill ? 6 : 1, .handover = 0};
     const Drawn drawn = draw(*pictures, camera, gpu);
-    EXPECT_EQ(drawer_->figures().slices, draws.size());
+    EXPECT_EQ(drawer_->stats().slices, draws.size());
     compare(warp_slices(impostor, draws, camera), drawn, 1e-3, d);
   }
   EXPECT_GT(d.pixels, 10000);
@@ -252,12 +252,12 @@ TEST_F(LayeredDrawerTest, a_room_seen_from_within_and_from_behind_is_drawn_as_on
     const LayeredOptions by_slices{.method = LayeredMethod::slices, .handover = 0};
     const auto draws = slices_for_eye(impostor, camera.position(), true);
     compare(warp_slices(impostor, draws, camera), draw(*pictures, camera, by_slices), 5e-3, slices);
-    EXPECT_EQ(drawer_->figures().slices, draws.size());
+    EXPECT_EQ(drawer_->stats().slices, draws.size());
     // Part of the slices' rectangles is empty, and not drawn.
     double whole = 0;
     for (const SliceDraw& d : draws) whole += double(d.rect.area());
-    EXPECT_LT(drawer_->figures().texels, 0.8 * whole);
-    EXPECT_GT(drawer_->figures().quads, draws.size());
+    EXPECT_LT(drawer_->stats().texels, 0.8 * whole);
+    EXPECT_GT(drawer_->stats().quads, draws.size());
   }
   EXPECT_GT(surfaces.pixels, 10000);
   EXPECT_GT(slices.pixels, 10000);

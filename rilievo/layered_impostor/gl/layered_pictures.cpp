@@ -8,31 +8,11 @@
 #include <vector>
 
 #include "rilievo/core/color.h"
+#include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/slice_rects.h"
 
 namespace rilievo {
 namespace {
-
-// Of a texel, by texture.
-constexpr int kColorBytes = 4, kQBytes = 4, kSlopeBytes = 8, kLinksBytes = 1, kIntervalBytes = 4,
-              kCellBytes = 8;
-
-// The pyramid of a picture of this size, its levels side by side.
-struct CellTexture {
-  int columns = 0, rows = 0;
-  std::array<int, SurfacePyramid::kLevels> level_at{};
-};
-CellTexture cell_texture(int width, int height) {
-  CellTexture texture;
-  int side = SurfacePyramid::kBlock;
-  texture.rows = (height + side - 1) / side;
-  for (int& at : texture.level_at) {
-    at = texture.columns;
-    texture.columns += (width + side - 1) / side;
-    side *= SurfacePyramid::kFactor;
-  }
-  return texture;
-}
 
 // One layer of a texture array from an image, whose row 0 becomes the texture's row 0: shaders
 // fetch by raster position.
@@ -85,16 +65,6 @@ bool shows_several_objects(const LayeredImpostor& impostor) {
 }
 
 }  // namespace
-
-std::size_t layered_texture_bytes(int views, int width, int height, LayeredMethod method) {
-  const std::size_t texels = std::size_t(width) * std::size_t(height);
-  const CellTexture cells = cell_texture(width, height);
-  return std::size_t(views) *
-         (method == LayeredMethod::surfaces
-              ? texels * (kColorBytes + kQBytes + kSlopeBytes + kLinksBytes) +
-                    std::size_t(cells.columns) * std::size_t(cells.rows) * kCellBytes
-              : texels * (kColorBytes + kIntervalBytes));
-}
 
 IntervalScale interval_scale(const LayeredImpostor& impostor, int view) {
   const std::vector<Slice>& slices = impostor.slices[view];

@@ -1,4 +1,4 @@
-// The walk is that of warp/surface_pyramid.cpp: there are the rules and their reasons.
+// The march is that of warp/surface_pyramid.cpp: there are the rules and their reasons.
 //
 // Drivers for processors run both sides of every branch for some eight pixels together; loops alone
 // are left early, and only at their ends. So each loop holds one thing, steps over cells or steps
@@ -67,7 +67,7 @@ layout(binding = 4) uniform sampler2DArray cell_texture;
 layout(location = 2) uniform int level_at[LEVELS];  // columns
 
 // s: along the segment, of the hit; without one, of the edge passed last. The texel likewise.
-struct Walk { bool hit, behind, outline; float s; ivec2 texel; };
+struct March { bool hit, behind, outline; float s; ivec2 texel; };
 
 // The stretch of the ray, t in [t.x, t.y], that lies in the view's frustum, as (u, v, q); narrows t.
 bool frustum_segment(View view, vec3 ray, inout vec2 t, out vec3 from, out vec3 to) {
@@ -111,8 +111,8 @@ vec2 exits(ivec2 low, int side, vec2 from, vec2 inverse, vec2 ahead) {
   return (vec2(low) + ahead * float(side) - from) * inverse;
 }
 
-Walk walk_view(View view, vec3 from, vec3 to) {
-  Walk walk = Walk(false, false, false, 0.0, ivec2(0));
+March march_view(View view, vec3 from, vec3 to) {
+  March march = March(false, false, false, 0.0, ivec2(0));
   float sigma = view.apex.w;
   int layer = int(view.base.w);
   ivec2 size = ivec2(view.du.w, view.dv.w);
@@ -138,7 +138,7 @@ Walk walk_view(View view, vec3 from, vec3 to) {
       vec2 z = sigma * (from.z + delta.z * vec2(t, end));
       bool in_front = min(z.x, z.y) > cell.x;
       bool behind = before <= 0.0 && max(z.x, z.y) < sigma * abs(cell.y) &&
-                    (cell.y > 0.0 || walk.outline);
+                    (cell.y > 0.0 || march.outline);
       if (in_front || behind) {
         bool across = ends.x <= ends.y;
         ivec2 inside = clamp(ivec2(floor(from.xy + delta.xy * end)), low, low + (side - 1));
@@ -169,8 +169,8 @@ Walk walk_view(View view, vec3 from, vec3 to) {
       vec2 ends = exits(texel, 1, from.xy, inverse, ahead);
       leave = min(min(ends.x, ends.y), 1.0);
       float leaves = side_of(sigma, from + delta * leave, texel, q, slope);
-      walk.hit = enters > 0.0 && leaves <= 0.0;
-      done = walk.hit || (!edge && leave >= 1.0);
+      march.hit = enters > 0.0 && leaves <= 0.0;
+      done = march.hit || (!edge && leave >= 1.0);
       if (!edge && !done) {
         moved = ends.x <= ends.y ? ivec2(forward.x, 0) : ivec2(0, forward.y);
         texel += moved;
@@ -185,9 +185,9 @@ Walk walk_view(View view, vec3 from, vec3 to) {
       int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
       bool hole = moved == ivec2(0) || texelFetch(q_texture, beyond, 0).r == 0.0;
       bool linked = !hole && (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
-      walk.hit = linked, walk.s = t, walk.texel = linked ? texel : beyond.xy;
-      walk.behind = walk.behind || !linked;
-      walk.outline = walk.outline || hole;
+      march.hit = linked, march.s = t, march.texel = linked ? texel : beyond.xy;
+      march.behind = march.behind || !linked;
+      march.outline = march.outline || hole;
       done = linked;
       leave = t;
       before = -1.0;
@@ -197,7 +197,7 @@ Walk walk_view(View view, vec3 from, vec3 to) {
   } while (!done && ++steps < 16384);
   // Between t (in front) and leave (not) the piece is met: a line against a plane in each of the
   // stretches between the texel's middle lines.
-  if (walk.hit && leave > t) {
+  if (march.hit && leave > t) {
     float q = texelFetch(q_texture, ivec3(texel, layer), 0).r;
     vec4 slope = slope_of(ivec3(texel, layer));
     vec2 middle = clamp((vec2(texel) + 0.5 - from.xy) * inverse, t, leave);
@@ -207,29 +207,29 @@ Walk walk_view(View view, vec3 from, vec3 to) {
                   side_of(sigma, from + delta * at.w, texel, q, slope));
     vec4 piece = s.y <= 0.0 ? vec4(at.xy, s.xy)
                             : s.z <= 0.0 ? vec4(at.yz, s.yz) : vec4(at.zw, s.zw);
-    walk.s = piece.x + (piece.y - piece.x) * clamp(piece.z / (piece.z - piece.w), 0.0, 1.0);
-    walk.texel = texel;
+    march.s = piece.x + (piece.y - piece.x) * clamp(piece.z / (piece.z - piece.w), 0.0, 1.0);
+    march.texel = texel;
   }
-  return walk;
+  return march;
 }
 )";
 
 const char* const kSurfaceFragment = R"(
 // Between the texels that are linked to the one that was hit.
-vec4 color_at(int layer, Walk walk, vec2 at) {
-  vec2 offset = at - (vec2(walk.texel) + 0.5), f = min(abs(offset), 0.5);
+vec4 color_at(int layer, March march, vec2 at) {
+  vec2 offset = at - (vec2(march.texel) + 0.5), f = min(abs(offset), 0.5);
   ivec2 s = ivec2(offset.x >= 0.0 ? 1 : -1, offset.y >= 0.0 ? 1 : -1);
-  uint links = texelFetch(links_texture, ivec3(walk.texel, layer), 0).r;
+  uint links = texelFetch(links_texture, ivec3(march.texel, layer), 0).r;
   int x = s.x > 0 ? 0 : 4, y = s.y > 0 ? 2 : 6;
   int xy = s.x > 0 ? (s.y > 0 ? 1 : 7) : (s.y > 0 ? 3 : 5);
   float wx = (links >> x & 1u) != 0u ? f.x * (1.0 - f.y) : 0.0;
   float wy = (links >> y & 1u) != 0u ? (1.0 - f.x) * f.y : 0.0;
   float wxy = (links >> xy & 1u) != 0u ? f.x * f.y : 0.0;
   float w = (1.0 - f.x) * (1.0 - f.y);
-  vec4 sum = w * texelFetch(color_texture, ivec3(walk.texel, layer), 0);
-  if (wx > 0.0) sum += wx * texelFetch(color_texture, ivec3(walk.texel + ivec2(s.x, 0), layer), 0);
-  if (wy > 0.0) sum += wy * texelFetch(color_texture, ivec3(walk.texel + ivec2(0, s.y), layer), 0);
-  if (wxy > 0.0) sum += wxy * texelFetch(color_texture, ivec3(walk.texel + s, layer), 0);
+  vec4 sum = w * texelFetch(color_texture, ivec3(march.texel, layer), 0);
+  if (wx > 0.0) sum += wx * texelFetch(color_texture, ivec3(march.texel + ivec2(s.x, 0), layer), 0);
+  if (wy > 0.0) sum += wy * texelFetch(color_texture, ivec3(march.texel + ivec2(0, s.y), layer), 0);
+  if (wxy > 0.0) sum += wxy * texelFetch(color_texture, ivec3(march.texel + s, layer), 0);
   return sum / (w + wx + wy + wxy);
 }
 
@@ -256,31 +256,31 @@ void main() {
     View view = views[list.x + i];
     vec3 from, to;
     vec2 stretch = t;
-    Walk walk = Walk(false, false, false, 0.0, ivec2(0));
-    if (frustum_segment(view, v_ray, stretch, from, to)) walk = walk_view(view, from, to);
-    if (!walk.hit) {
-      if (!walk.behind) nothing += weight * view.depths.z;
-      if (walk.behind) inside += walk.outline ? -1 : 1;
-      if (!walk.behind || walk.outline) continue;
+    March march = March(false, false, false, 0.0, ivec2(0));
+    if (frustum_segment(view, v_ray, stretch, from, to)) march = march_view(view, from, to);
+    if (!march.hit) {
+      if (!march.behind) nothing += weight * view.depths.z;
+      if (march.behind) inside += march.outline ? -1 : 1;
+      if (!march.behind || march.outline) continue;
       if (doubtful_depth < 2.0 || skin) continue;
     }
     int layer = int(view.base.w);
     // t along the ray is linear in s where it is divided by eye_z, as 1 is.
-    float along = mix(stretch.x * from.z, stretch.y * to.z, walk.s) / mix(from.z, to.z, walk.s);
+    float along = mix(stretch.x * from.z, stretch.y * to.z, march.s) / mix(from.z, to.z, march.s);
     vec2 clip = along * clip_zw + clip_zw_eye;
     float z = 0.5 * clip.x / clip.y + 0.5;
     vec4 c = vec4(1.0);
     uint o = 0u;
 #ifdef OBJECT_IDS
-    o = several_objects ? texelFetch(object_texture, ivec3(walk.texel, layer), 0).r : uint(list.w);
+    o = several_objects ? texelFetch(object_texture, ivec3(march.texel, layer), 0).r : uint(list.w);
 #else
-    c = color_at(layer, walk, mix(from.xy, to.xy, walk.s));
+    c = color_at(layer, march, mix(from.xy, to.xy, march.s));
 #endif
-    if (!walk.hit || skin || z < doubtful_depth) {
+    if (!march.hit || skin || z < doubtful_depth) {
       doubtful_depth = z, doubtful_color = c, doubtful_object = o;
-      skin = !walk.hit;
+      skin = !march.hit;
     }
-    if (!walk.hit || walk.behind) continue;
+    if (!march.hit || march.behind) continue;
     surface += weight;
     blended += weight * c;
     if (weight > heaviest) heaviest = weight, depth = z, object = o;

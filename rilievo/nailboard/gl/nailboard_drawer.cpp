@@ -88,7 +88,7 @@ void NailboardDrawer::upload() {
   glBindVertexArray(vertex_array_);
 }
 
-void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+void NailboardDrawer::find_cells(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
                                  std::span<const NailboardInstance> instances) {
   GLint viewport[4];
   glGetIntegerv(GL_VIEWPORT, viewport);
@@ -97,7 +97,7 @@ void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, Depth
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const NailboardInstance& in = instances[order_[i].index];
     const Instance& placed = staging_[i];
-    StandingPicture standing;
+    PlacedPolygon standing;
     standing.origin = placed.origin_layer, standing.eye = placed.eye_slot_width;
     standing.u_axis = placed.u_axis_slot_x, standing.v_axis = placed.v_axis_slot_y;
     standing.z_near = in.geometry.capture.z_near, standing.z_far = in.geometry.capture.z_far;
@@ -129,7 +129,7 @@ void NailboardDrawer::find_cells(PictureAtlas& atlas, const Camera& frame, Depth
   glVertexArrayElementBuffer(vertex_array_, index_buffer_);
 }
 
-void NailboardDrawer::draw_cells(const PictureAtlas& atlas, DepthMode mode,
+void NailboardDrawer::draw_cells(const NailboardAtlas& atlas, DepthMode mode,
                                  shader::NailboardOutput output, std::size_t first,
                                  std::size_t count) {
   if (count == 0) return;
@@ -158,7 +158,7 @@ void NailboardDrawer::draw_cells(const PictureAtlas& atlas, DepthMode mode,
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
-void NailboardDrawer::draw(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+void NailboardDrawer::draw(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
                            std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   place(frame, instances);
@@ -170,7 +170,7 @@ void NailboardDrawer::draw(PictureAtlas& atlas, const Camera& frame, DepthMode m
              visible_.drawn().size() - shares);
 }
 
-void NailboardDrawer::draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+void NailboardDrawer::draw_objects(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
                                    std::span<const NailboardInstance> instances) {
   if (instances.empty()) return;
   place(frame, instances);

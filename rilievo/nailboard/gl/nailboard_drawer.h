@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "rilievo/core/depth_image.h"
+#include "rilievo/nailboard/gl/nailboard_atlas.h"
 #include "rilievo/nailboard/gl/nailboard_shaders.h"
-#include "rilievo/nailboard/gl/picture_atlas.h"
 #include "rilievo/nailboard/nailboard.h"
 #include "rilievo/nailboard/visible_cells.h"
 
@@ -46,10 +46,10 @@ class NailboardDrawer {
   [[nodiscard]] static Result<NailboardDrawer> create();
 
   // Draws sRGB-encoded colours.
-  void draw(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+  void draw(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
             std::span<const NailboardInstance> instances);
   // Draws object identifiers into a ProbeTarget.
-  void draw_objects(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+  void draw_objects(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
                     std::span<const NailboardInstance> instances);
   // Draws the polygons' outlines with depth test (S1.8).
   void draw_outlines(const Camera& frame, std::span<const NailboardInstance> instances);
@@ -62,9 +62,9 @@ class NailboardDrawer {
   };
   void place(const Camera& frame, std::span<const NailboardInstance> instances);
   void upload();
-  void find_cells(PictureAtlas& atlas, const Camera& frame, DepthMode mode,
+  void find_cells(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
                   std::span<const NailboardInstance> instances);
-  void draw_cells(const PictureAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
+  void draw_cells(const NailboardAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
                   std::size_t first, std::size_t count);
 
   gl::Program programs_[3][3];  // by DepthMode and output
@@ -81,7 +81,7 @@ class NailboardDrawer {
   std::vector<Key> order_;           // front to back
   std::vector<std::uint32_t> rank_;  // in it, by instance
   std::vector<Instance> staging_;
-  std::vector<StandingPicture> standing_;
+  std::vector<PlacedPolygon> standing_;
   VisibleCells visible_;
   glm::vec2 frame_size_{1.0f};  // pixels
 };

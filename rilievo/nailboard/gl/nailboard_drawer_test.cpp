@@ -68,7 +68,7 @@ TEST_F(NailboardDrawerTest, writes_the_depth_that_the_formulas_give) {
   std::mt19937 rng(1);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int bits : {2, 4, 6, 8, 16}) {
-    auto atlas = PictureAtlas::create({64u << 20, bits, 1});
+    auto atlas = NailboardAtlas::create({64u << 20, bits, 1});
     ASSERT_TRUE(atlas.ok()) << atlas.error().message();
     // Not the first layer: interpolated, its number must not round down.
     for (int layer = 0; layer < 3; ++layer) ASSERT_TRUE(atlas->allocate(1024, 1024));
@@ -111,7 +111,7 @@ TEST_F(NailboardDrawerTest, writes_the_depth_that_the_formulas_give) {
 }
 
 TEST_F(NailboardDrawerTest, writes_right_depths_where_the_polygon_reaches_behind_the_eye) {
-  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  auto atlas = NailboardAtlas::create({64u << 20, 8, 1});
   ASSERT_TRUE(atlas.ok());
   std::mt19937 rng(4);
   Nailboard board = random_board(rng, 8);
@@ -151,7 +151,7 @@ TEST_F(NailboardDrawerTest, writes_right_depths_where_the_polygon_reaches_behind
 }
 
 TEST_F(NailboardDrawerTest, an_object_that_moved_is_an_eye_that_moved_the_other_way) {
-  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  auto atlas = NailboardAtlas::create({64u << 20, 8, 1});
   ASSERT_TRUE(atlas.ok());
   std::mt19937 rng(2);
   const Nailboard board = random_board(rng, 8);
@@ -190,7 +190,7 @@ TEST_F(NailboardDrawerTest, shares_of_polygons_and_of_pictures_complement_each_o
   finish(scene);
   auto renderer = SceneRenderer::create(scene);
   ASSERT_TRUE(renderer.ok()) << renderer.error().message();
-  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  auto atlas = NailboardAtlas::create({64u << 20, 8, 1});
   auto target = FrameTarget::create(kWidth, kHeight, 1);
   ASSERT_TRUE(atlas.ok() && target.ok());
   const Camera frame = look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.5, kWidth, kHeight, 0.5, 20);
@@ -228,7 +228,7 @@ TEST_F(NailboardDrawerTest, shares_of_polygons_and_of_pictures_complement_each_o
 
 // A sample at the edge may be covered though the pixel's centre is not on the polygon.
 TEST_F(NailboardDrawerTest, shows_nothing_of_its_neighbours_in_the_atlas) {
-  auto atlas = PictureAtlas::create({64u << 20, 8, 1});
+  auto atlas = NailboardAtlas::create({64u << 20, 8, 1});
   ASSERT_TRUE(atlas.ok());
   auto target = FrameTarget::create(kWidth, kHeight, 4);
   ASSERT_TRUE(target.ok());

@@ -11,8 +11,8 @@ namespace {
 // picture 5 ns, a triangle 280 ns.
 constexpr CostTerms kCost{10, 0.02};
 
-double bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
-                const Camera& frame) {
+double nailboard_bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
+                          const Camera& frame) {
   return bound_total_px(model.load<PictureGeometry>(), frame, {world_from_capture});
 }
 
@@ -27,7 +27,7 @@ Camera moved_against(const Camera& frame, const glm::dmat4& world_from_capture) 
 
 ErrorModel nailboard_error_model(const PictureGeometry& geometry) {
   ErrorModel model;
-  model.bound = bound_px;
+  model.bound = nailboard_bound_px;
   model.texel = geometry.plane_z * (geometry.capture.window.right - geometry.capture.window.left) /
                 geometry.capture.width;
   model.store(geometry);
@@ -36,7 +36,7 @@ ErrorModel nailboard_error_model(const PictureGeometry& geometry) {
 
 Result<std::unique_ptr<NailboardSet>> NailboardSet::create(const AtlasOptions& options,
                                                            DepthMode mode) {
-  Result<PictureAtlas> atlas = PictureAtlas::create(options);
+  Result<NailboardAtlas> atlas = NailboardAtlas::create(options);
   if (!atlas) return atlas.error();
   Result<NailboardDrawer> drawer = NailboardDrawer::create();
   if (!drawer) return drawer.error();

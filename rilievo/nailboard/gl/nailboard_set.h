@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "rilievo/kind/drawable.h"
+#include "rilievo/nailboard/gl/nailboard_atlas.h"
 #include "rilievo/nailboard/gl/nailboard_drawer.h"
-#include "rilievo/nailboard/gl/picture_atlas.h"
 
 namespace rilievo {
 
@@ -23,8 +23,8 @@ class NailboardSet final : public Drawable {
   [[nodiscard]] static Result<std::unique_ptr<NailboardSet>> create(const AtlasOptions& options,
                                                                     DepthMode mode);
 
-  [[nodiscard]] PictureAtlas& atlas() { return atlas_; }
-  [[nodiscard]] const PictureAtlas& atlas() const { return atlas_; }
+  [[nodiscard]] NailboardAtlas& atlas() { return atlas_; }
+  [[nodiscard]] const NailboardAtlas& atlas() const { return atlas_; }
 
   // Makes `item` the picture in `slot`.
   void set_item(std::uint32_t item, const AtlasSlot& slot, const PictureGeometry& geometry);
@@ -45,11 +45,11 @@ class NailboardSet final : public Drawable {
     AtlasSlot slot;
     PictureGeometry geometry;
   };
-  NailboardSet(PictureAtlas atlas, NailboardDrawer drawer, DepthMode mode)
+  NailboardSet(NailboardAtlas atlas, NailboardDrawer drawer, DepthMode mode)
       : atlas_(std::move(atlas)), drawer_(std::move(drawer)), mode_(mode) {}
   void place(std::span<const Instance> instances);
 
-  PictureAtlas atlas_;
+  NailboardAtlas atlas_;
   NailboardDrawer drawer_;
   DepthMode mode_;
   std::vector<Item> items_;

@@ -77,7 +77,7 @@ struct SceneRenderer::State {
   void upload_view(const Camera& camera);
   void upload_lights(const Camera& camera);
   void upload_instances();
-  void draw_list(const Camera& camera, unsigned extra_features, bool hindmost = false);
+  void draw_list(const Camera& camera, unsigned extra_features, bool farthest = false);
 };
 
 // Compiled by create(); later only if the scene's lights have become others.
@@ -155,7 +155,7 @@ void SceneRenderer::State::upload_instances() {
 }
 
 // `hindmost`: the last surface instead of the first along each line of sight, back faces included.
-void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features, bool hindmost) {
+void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features, bool farthest) {
   if (list.batches().empty()) return;
   upload_view(camera);
   if (!(extra_features & shader::kObjectIds) && !lit_by_one_sun(*scene)) upload_lights(camera);
@@ -168,7 +168,7 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
   if (peel && !(extra_features & shader::kObjectIds))
     glDepthFunc(GL_EQUAL);
   else
-    glDepthFunc(camera.keeps_farthest() != hindmost ? GL_GREATER : GL_LESS);
+    glDepthFunc(camera.keeps_farthest() != farthest ? GL_GREATER : GL_LESS);
   glFrontFace(GL_CCW);
 
   int bound_material = -1;
@@ -193,7 +193,7 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
       if (peel)
         glUniform1i(glGetUniformLocation(**program_of_material, "double_sided"),
                     material.double_sided);
-      if (material.double_sided || hindmost || peel)
+      if (material.double_sided || farthest || peel)
         glDisable(GL_CULL_FACE);
       else
         glEnable(GL_CULL_FACE);

@@ -1,10 +1,10 @@
 // How are objects rasterised without OpenGL?
 //
-// Gives the picture that nailboard/gl/picture_atlas.h captures by OpenGL: nearest depth, coverage,
-// and the shading of render/opengl/scene_shaders.h for all materials. For machines whose OpenGL
-// runs on the CPU. First finds the visible triangles, then shades once for each pair of a texel and
-// a visible triangle, so that triangles smaller than texels cost little. Uses all cores; the result
-// does not depend on the number of threads.
+// Gives the picture that nailboard/gl/nailboard_atlas.h captures by OpenGL: nearest depth,
+// coverage, and the shading of render/opengl/scene_shaders.h for all materials. For machines whose
+// OpenGL runs on the CPU. First finds the visible triangles, then shades once for each pair of a
+// texel and a visible triangle, so that triangles smaller than texels cost little. Uses all cores;
+// the result does not depend on the number of threads.
 #pragma once
 
 #include <cstddef>

@@ -29,7 +29,7 @@ Mesh box_mesh(std::mt19937& rng) {
 }
 
 // Boxes of all kinds: mirrored, open, single- and double-sided, unlit, blended, of one colour each.
-Scene random_scene(std::mt19937& rng) {
+Scene scene_to_rasterize(std::mt19937& rng) {
   std::uniform_real_distribution<float> u(-1, 1);
   Scene scene;
   for (int m = 0; m < 5; ++m) {
@@ -108,7 +108,7 @@ TEST(PictureRasterizer, draws_what_rays_through_the_samples_meet) {
   std::uniform_real_distribution<double> u(-1, 1);
   int compared = 0, at_edges = 0, other_coverage = 0, other_color = 0;
   for (int round = 0; round < 12; ++round) {
-    const Scene scene = random_scene(rng);
+    const Scene scene = scene_to_rasterize(rng);
     const auto rays = RayScene::create(scene);
     ASSERT_TRUE(rays.ok());
     auto made = tight_camera(
@@ -158,7 +158,7 @@ TEST(PictureRasterizer, the_farthest_surface_is_the_last_that_rays_meet) {
   std::uniform_real_distribution<double> u(-1, 1);
   int compared = 0, behind = 0, differ = 0;
   for (int round = 0; round < 8; ++round) {
-    Scene scene = random_scene(rng);
+    Scene scene = scene_to_rasterize(rng);
     for (Material& material : scene.materials) material.alpha_mode = AlphaMode::opaque;
     const auto rays = RayScene::create(scene);
     ASSERT_TRUE(rays.ok());
@@ -217,7 +217,7 @@ TEST(PictureRasterizer, the_farthest_surface_is_the_last_that_rays_meet) {
 
 TEST(PictureRasterizer, draws_the_same_bytes_with_one_thread) {
   std::mt19937 rng(3);
-  const Scene scene = random_scene(rng);
+  const Scene scene = scene_to_rasterize(rng);
   std::vector<glm::mat4> poses;
   pose(scene, 0, poses);
   auto camera = tight_camera(Projection::perspective, {1000, 3, 9}, {0, 1, 0}, world_bounds(scene));

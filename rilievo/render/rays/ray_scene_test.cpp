@@ -21,7 +21,7 @@ Mesh box_mesh(const glm::vec3& lo, const glm::vec3& hi) {
 }
 
 // Boxes of all kinds: mirrored, single- and double-sided, blended, cut out by a texture.
-Scene random_scene(std::mt19937& rng) {
+Scene scene_to_trace(std::mt19937& rng) {
   std::uniform_real_distribution<float> u(-1, 1);
   Scene scene;
   scene.images.emplace_back(2, 2, glm::u8vec4(255));
@@ -109,7 +109,7 @@ TEST(RayScene, meets_what_every_triangle_tried_in_turn_meets) {
   std::uniform_real_distribution<float> u(-1, 1);
   int hits = 0, disagreements = 0;
   for (int s = 0; s < 10; ++s) {
-    const Scene scene = random_scene(rng);
+    const Scene scene = scene_to_trace(rng);
     const Result<RayScene> rays = RayScene::create(scene);
     ASSERT_TRUE(rays.ok()) << rays.error().message();
     for (int i = 0; i < 400; ++i) {

@@ -14,7 +14,7 @@
 namespace rilievo {
 namespace {
 
-struct Case {
+struct SurfaceCase {
   std::vector<Light> lights;
   SurfaceLights seen_by;
   Surfaces surfaces;
@@ -22,14 +22,14 @@ struct Case {
   glm::vec3 normal[Surfaces::kMaxCount], relative[Surfaces::kMaxCount];
 };
 
-std::unique_ptr<Case> random_case(unsigned seed, std::size_t count) {
+std::unique_ptr<SurfaceCase> random_case(unsigned seed, std::size_t count) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> u(0, 1);
   const auto direction = [&] {
     std::normal_distribution<float> n;
     return glm::normalize(glm::vec3(n(rng), n(rng), n(rng)));
   };
-  auto c = std::make_unique<Case>();
+  auto c = std::make_unique<SurfaceCase>();
   c->seen_by.eye = {100, -20, 7};
   for (unsigned i = 0; i < 1 + seed % 3; ++i) {
     Light light;

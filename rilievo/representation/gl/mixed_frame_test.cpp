@@ -88,7 +88,7 @@ class MixedFrame : public SceneTest {
         glm::translate(glm::dmat4(1), glm::dvec3(ahead, 0, 0)) * eye.world_from_eye;
     const auto capture = picture_camera(eye, renderer->object_bounds(part), {2.0, 1024, 0.25});
     ASSERT_TRUE(capture.has_value());
-    PictureAtlas& atlas = (*set)->atlas();
+    NailboardAtlas& atlas = (*set)->atlas();
     const auto slot = atlas.allocate(capture->width, capture->height);
     ASSERT_TRUE(slot.has_value());
     const std::uint32_t object = part;

@@ -45,8 +45,8 @@ const std::array kOptions{Option{.name = "size",
                                  .default_value = "32",
                                  .help = "Texels a side of the picture",
                                  .unit = "N",
-                                 .least = 4,
-                                 .most = 256}};
+                                 .min = 4,
+                                 .max = 256}};
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   auto toy = std::make_unique<ToyBox>();
@@ -99,7 +99,7 @@ const Kind& toy_kind() {
                          .summary = "a box of one colour",
                          .bake_options = kOptions,
                          .bake = bake,
-                         .says = says,
+                         .matches = says,
                          .load = load,
                          .save = save,
                          .describe = describe};

@@ -19,8 +19,7 @@
 namespace rilievo {
 namespace {
 
-constexpr double kSeconds = 16.0;
-constexpr float kVerticalFov = 0.87f;
+constexpr double kBridgeSeconds = 16.0;
 constexpr float kRoadHalfLength = 100.0f;
 
 // x of the river's middle: straight at the bridge, bent away behind it.
@@ -233,10 +232,10 @@ void add_traffic(Scene& scene, double triangles, Random& random) {
 CameraPath walk(const Land& land) {
   CameraPath path;
   const glm::dvec2 start{-33, 37}, way = glm::normalize(glm::dvec2(1, -5));
-  for (double time = 0; time <= kSeconds; time += 2) {
+  for (double time = 0; time <= kBridgeSeconds; time += 2) {
     const glm::dvec2 p = start + kWalkingSpeed * time * way;
     const glm::dvec3 eye{p.x, land.height(float(p.x), float(p.y)) + 1.7, p.y};
-    path.keys.push_back(look_key(time, eye, {4, 5.2, -2}, {0, 1, 0}, kVerticalFov));
+    path.keys.push_back(look_key(time, eye, {4, 5.2, -2}, {0, 1, 0}, kBuiltinFov));
   }
   path.z_near = 0.4, path.z_far = 400;
   return path;

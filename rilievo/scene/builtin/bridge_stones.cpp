@@ -14,7 +14,6 @@
 namespace rilievo {
 namespace {
 
-constexpr float kPi = 3.14159265f;
 constexpr float kSpring = 0.9f;  // height at which the arches begin
 constexpr float kRing = 0.7f;    // height of the arch stones
 constexpr float kPillarWidth = 2.4f;

@@ -11,7 +11,6 @@
 namespace rilievo {
 namespace {
 
-constexpr float kTwoPi = 6.2831853f;
 const glm::vec3 kGlass{0.03f, 0.04f, 0.05f};
 const glm::vec3 kRubber{0.025f, 0.025f, 0.027f};
 const glm::vec3 kMetal{0.45f, 0.46f, 0.48f};

@@ -19,13 +19,12 @@
 namespace rilievo {
 namespace {
 
-constexpr float kCell = 7.5f;          // metres; one tree each
-constexpr float kTile = 96.0f;         // metres; one ground object each
-constexpr int kTileCells = 8;          // 128 triangles
-constexpr float kLeastGround = 300;    // metres of ground ahead, however few trees there are
-constexpr float kBeyondTrees = 100;    // metres of ground beyond the last tree
-constexpr double kSeconds = 30.0;      // length of the walk
-constexpr float kVerticalFov = 0.87f;  // 50 degrees: 79 degrees wide at 16:9
+constexpr float kCell = 7.5f;            // metres; one tree each
+constexpr float kTile = 96.0f;           // metres; one ground object each
+constexpr int kTileCells = 8;            // 128 triangles
+constexpr float kMinGround = 300;        // metres of ground ahead, however few trees there are
+constexpr float kBeyondTrees = 100;      // metres of ground beyond the last tree
+constexpr double kForestSeconds = 30.0;  // length of the walk
 
 float height(float x, float z, std::uint64_t seed) {
   const float ahead = -z;
@@ -40,7 +39,7 @@ float height(float x, float z, std::uint64_t seed) {
 // Does the walk see (x, z), or come close to seeing it? A wedge of 2 x 40.5 degrees whose apex lies
 // behind the walk by as much as the wedge needs to hold the view from both of its ends.
 bool in_view(float x, float z, float margin) {
-  const float half_length = float(0.5 * kSeconds * kWalkingSpeed);
+  const float half_length = float(0.5 * kForestSeconds * kWalkingSpeed);
   constexpr float slope = 0.854f;
   return std::abs(x) < half_length + slope * -z + 1.32f * margin;  // 1 / cos(40.5 degrees)
 }
@@ -134,10 +133,10 @@ BuiltinScene make_forest(std::uint64_t triangles, std::uint64_t seed) {
   constexpr std::uint64_t kTileTriangles = 2 * kTileCells * kTileCells;
   for (float radius = 200.0f; total < triangles; radius *= 1.5f) {
     trees = trees_within(radius, seed);
-    tiles = tiles_within(std::max(radius, kLeastGround) + kBeyondTrees);
+    tiles = tiles_within(std::max(radius, kMinGround) + kBeyondTrees);
     tree_count = tile_count = 0, total = 0;
     for (; tree_count < trees.size() && total < triangles; ++tree_count) {
-      const float ground = std::max(trees[tree_count].distance, kLeastGround) + kBeyondTrees;
+      const float ground = std::max(trees[tree_count].distance, kMinGround) + kBeyondTrees;
       for (; tile_count < tiles.size() && tiles[tile_count].distance <= ground; ++tile_count)
         total += kTileTriangles;
       total += counts[specimen_of(trees[tree_count].key).kind];
@@ -170,11 +169,11 @@ BuiltinScene make_forest(std::uint64_t triangles, std::uint64_t seed) {
   finish(scene);
 
   // On foot along the ridge, eyes at 1.7 m, looking over the valley and a little down.
-  const double half = 0.5 * kSeconds * kWalkingSpeed;
+  const double half = 0.5 * kForestSeconds * kWalkingSpeed;
   for (const double end : {-1.0, 1.0}) {
     const glm::dvec3 eye{end * half, 1.7, 0};
-    built.path.keys.push_back(look_key((0.5 + 0.5 * end) * kSeconds, eye,
-                                       eye + glm::dvec3(0, -0.1, -1), {0, 1, 0}, kVerticalFov));
+    built.path.keys.push_back(look_key((0.5 + 0.5 * end) * kForestSeconds, eye,
+                                       eye + glm::dvec3(0, -0.1, -1), {0, 1, 0}, kBuiltinFov));
   }
   built.path.z_near = 0.5;
   built.path.z_far = 1.1 * farthest + 50;

@@ -10,8 +10,7 @@
 namespace rilievo {
 namespace {
 
-constexpr float kTwoPi = 6.2831853f;
-const glm::vec3 kTile{0.33f, 0.13f, 0.075f};
+const glm::vec3 kTileColor{0.33f, 0.13f, 0.075f};
 const glm::vec3 kTimber{0.16f, 0.11f, 0.07f};
 const glm::vec3 kPane{0.035f, 0.045f, 0.055f};
 
@@ -66,7 +65,7 @@ Mesh make_house(std::uint64_t seed, int triangles) {
   const float slope = std::hypot(1.0f, rise), reach = kHalfZ + kOverhang;
   roof.height = reach * slope;
   roof.course = 0.36f, roof.shortest = 0.25f, roof.longest = 0.3f;
-  roof.bulge = 0.07f, roof.joint = 0.004f, roof.color = kTile, roof.tints = 0.18f;
+  roof.bulge = 0.07f, roof.joint = 0.004f, roof.color = kTileColor, roof.tints = 0.18f;
   const double area =
       2.0 * (2 * kHalfX * kEaves + kHalfZ * (kEaves + kRidge)) + 2.0 * roof.length * roof.height;
   const double density = std::max(0.0, triangles - double(mesh.triangles())) / area;
@@ -123,7 +122,7 @@ Mesh make_tower(std::uint64_t seed, int triangles) {
   // Up to nine tenths of the cone; a ball on top.
   roof.length = kTwoPi * kRoofRadius, roof.height = 0.9f * std::hypot(kRoof, kRoofRadius);
   roof.course = 0.36f, roof.shortest = 0.25f, roof.longest = 0.3f, roof.bulge = 0.06f;
-  roof.joint = 0.004f, roof.color = kTile, roof.tints = 0.18f;
+  roof.joint = 0.004f, roof.color = kTileColor, roof.tints = 0.18f;
   const float slant = std::hypot(kRoof, kRoofRadius);
   roof.place = ring(roof.length, kRoofRadius, kRoofRadius / slant, kHeight + 0.2f, kRoof / slant);
 

@@ -12,7 +12,7 @@ namespace {
 // A face of 2 n^2 triangles and a rim of 8 n.
 constexpr double kFace = 2, kRim = 8;
 // A wall's stones have 2 x 2 cells or more on an average.
-constexpr double kLeastTriangles = kFace * 4 + kRim * 2;
+constexpr double kMinTriangles = kFace * 4 + kRim * 2;
 
 struct Stone {
   float s0, s1, t0, t1;
@@ -99,7 +99,7 @@ void add_bed(Mesh& mesh, const Wall& wall) {
 void add_wall(Mesh& mesh, const Wall& wall, double density, std::uint64_t seed,
               TriangleBudget& budget) {
   const double mean = 0.5 * (wall.shortest + wall.longest) * wall.course;
-  const double fit = std::sqrt(kLeastTriangles / std::max(density * mean, 1e-6));
+  const double fit = std::sqrt(kMinTriangles / std::max(density * mean, 1e-6));
   Random random(seed);
   const std::vector<Stone> stones = lay(wall, float(std::max(1.0, fit)), random);
   for (const Stone& stone : stones) {

@@ -12,6 +12,8 @@
 
 namespace rilievo {
 
+inline constexpr float kPi = 3.14159265f, kTwoPi = 6.2831853f;
+
 struct BuiltVertex {
   glm::vec3 position;
   glm::vec3 color{1.0f};  // linear; multiplies the material's

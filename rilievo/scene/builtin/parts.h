@@ -12,6 +12,9 @@
 
 namespace rilievo {
 
+// 50 degrees, 79 degrees wide at 16:9.
+inline constexpr float kBuiltinFov = 0.87f;
+
 enum class TreeKind { oak, poplar, fir, birch, bush };
 inline constexpr int kTreeKinds = 5;
 // Metres: oak 11, poplar 15, fir 14, birch 12, bush 3.

@@ -11,8 +11,6 @@
 namespace rilievo {
 namespace {
 
-constexpr float kPi = 3.14159265f;
-
 // One object of one mesh, and a slow circle around it.
 BuiltinScene one_object(Mesh mesh, Material material, const char* name) {
   BuiltinScene built;

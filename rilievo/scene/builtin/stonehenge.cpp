@@ -12,7 +12,6 @@
 namespace rilievo {
 namespace {
 
-constexpr float kTwoPi = 6.2831853f;
 constexpr int kRing = 12, kHorseshoe = 5, kSpheres = 9;
 constexpr float kRingRadius = 11.0f, kHorseshoeRadius = 6.2f;
 

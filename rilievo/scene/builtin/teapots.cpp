@@ -12,8 +12,7 @@
 namespace rilievo {
 namespace {
 
-constexpr float kTwoPi = 6.2831853f;
-constexpr float kVerticalFov = 0.75f;  // 43 degrees
+constexpr float kTeapotsFov = 0.75f;  // 43 degrees
 
 Mesh make_ring(float radius, float thickness, int triangles) {
   Mesh mesh;
@@ -63,8 +62,7 @@ CameraPath around(const glm::dvec3& target, double distance, double elevation, d
   for (int i = 0; i <= 60; ++i) {
     const double a = glm::radians(azimuth + 5.0 * i), e = glm::radians(elevation);
     const glm::dvec3 out{std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
-    path.keys.push_back(
-        look_key(0.5 * i, target + distance * out, target, {0, 1, 0}, kVerticalFov));
+    path.keys.push_back(look_key(0.5 * i, target + distance * out, target, {0, 1, 0}, kTeapotsFov));
   }
   path.z_near = 0.05 * distance, path.z_far = 6 * distance;
   return path;

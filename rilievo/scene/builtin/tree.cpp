@@ -13,8 +13,6 @@
 namespace rilievo {
 namespace {
 
-constexpr float kTwoPi = 6.2831853f;
-
 struct TreeShape {
   const char* name;
   float height, trunk_radius;

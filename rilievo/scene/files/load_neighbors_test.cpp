@@ -35,7 +35,7 @@ std::string gltf_with_buffer(const std::string& uri) {
   return j.dump();
 }
 
-std::string reason(const fs::path& file, bool allow_outside = false) {
+std::string reason_of_file(const fs::path& file, bool allow_outside = false) {
   LoadOptions options;
   options.allow_outside = allow_outside;
   const Result<LoadedScene> loaded = load_scene(file, options);
@@ -55,7 +55,7 @@ TEST(Neighbors, a_buffer_outside_of_the_folder_is_read_only_when_allowed) {
   fs::create_directory_symlink("..", f.model / "up");
   const auto why = [&](const std::string& uri, bool allowed = false) {
     f.write(f.model / "a.gltf", gltf_with_buffer(uri));
-    return reason(f.model / "a.gltf", allowed);
+    return reason_of_file(f.model / "a.gltf", allowed);
   };
   for (const std::string& inside : std::vector<std::string>{
            "in.bin", "./in.bin", "sub/deep.bin", "sub/../in.bin", "near.bin", "../model/in.bin"})
@@ -80,10 +80,10 @@ TEST(Neighbors, a_library_outside_of_the_folder_is_left_out) {
   f.write(f.top / "secret.mtl", "newmtl secret\nKd 1 0 0\n");
   f.write(f.model / "a.obj",
           "mtllib ../secret.mtl\n" + std::string(kCorners) + "usemtl secret\nf 1 2 3\n");
-  EXPECT_EQ(reason(f.model / "a.obj"),
+  EXPECT_EQ(reason_of_file(f.model / "a.obj"),
             "the material library is left out: refers to '../secret.mtl', which is outside of the "
             "scene's folder (--allow-outside reads it)");
-  EXPECT_EQ(reason(f.model / "a.obj", true), "ok");
+  EXPECT_EQ(reason_of_file(f.model / "a.obj", true), "ok");
 }
 
 // 60 textures of one picture: by its name, by other names of it, by a view, and as bytes of the
@@ -204,10 +204,11 @@ TEST(Neighbors, buffers_of_one_file_read_it_once) {
 
 TEST(LoadScene, a_folder_says_which_file_in_it_to_name) {
   const Folders f;
-  EXPECT_EQ(reason(f.model).find("is a folder without a scene"), 0u) << reason(f.model);
+  EXPECT_EQ(reason_of_file(f.model).find("is a folder without a scene"), 0u)
+      << reason_of_file(f.model);
   f.write(f.model / "b.obj", "");
   f.write(f.model / "a.GLB", "");
-  EXPECT_EQ(reason(f.model), "is a folder: name a file in it, as a.GLB");
+  EXPECT_EQ(reason_of_file(f.model), "is a folder: name a file in it, as a.GLB");
 }
 
 TEST(LoadScene, a_file_beyond_the_limit_is_not_read) {

@@ -92,7 +92,7 @@ Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, LoadC
   try {
     context.budget.earn(file.size());
     return read(file, lower_extension(path), context);
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     return Error{where, fault.reason};
   } catch (const std::bad_alloc&) {
     return Error{where, "needs more memory than is available"};

@@ -15,27 +15,28 @@ namespace {
 namespace fs = std::filesystem;
 using test::GltfBuilder;
 
-Result<LoadedScene> load(const std::string& bytes, const std::string& name = "test.glb",
-                         LoadOptions options = {}) {
+Result<LoadedScene> load_bytes(const std::string& bytes, const std::string& name = "test.glb",
+                               LoadOptions options = {}) {
   return load_scene({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, name,
                     options);
 }
 
-// What reason() makes of a refusal because a file costs far more than it holds.
+// What reason_of_bytes() makes of a refusal because a file costs far more than it holds.
 constexpr char kTooMuch[] = "too much for its bytes";
 
-std::string reason(const std::string& bytes, const std::string& name = "test.glb",
-                   LoadOptions options = {}) {
-  const Result<LoadedScene> loaded = load(bytes, name, options);
+std::string reason_of_bytes(const std::string& bytes, const std::string& name = "test.glb",
+                            LoadOptions options = {}) {
+  const Result<LoadedScene> loaded = load_bytes(bytes, name, options);
   if (loaded.ok()) return "ok";
-  const std::string& reason = loaded.error().reason;
-  const bool too_much = reason.starts_with("would take more memory than 64 MiB + 32 times its ") &&
-                        reason.find("--memory-limit-mb") != std::string::npos;
-  return too_much ? kTooMuch : reason;
+  const std::string& reason_of_bytes = loaded.error().reason;
+  const bool too_much =
+      reason_of_bytes.starts_with("would take more memory than 64 MiB + 32 times its ") &&
+      reason_of_bytes.find("--memory-limit-mb") != std::string::npos;
+  return too_much ? kTooMuch : reason_of_bytes;
 }
 
 TEST(LoadScene, a_triangle) {
-  const Result<LoadedScene> loaded = load(test::triangle().glb());
+  const Result<LoadedScene> loaded = load_bytes(test::triangle().glb());
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   const Scene& scene = loaded->scene;
   EXPECT_EQ(loaded->warnings.size(), 0u);
@@ -47,21 +48,23 @@ TEST(LoadScene, a_triangle) {
 }
 
 TEST(LoadScene, says_what_a_file_is_instead) {
-  EXPECT_EQ(reason(""), "is empty");
-  EXPECT_EQ(reason("\x89PNG\r\n", "a.gltf"), "is a PNG picture, not a scene");
-  EXPECT_EQ(reason("solid", "a.glb"), "is not a .glb file: it does not begin with 'glTF'");
-  EXPECT_EQ(reason("hello", "a.txt"),
+  EXPECT_EQ(reason_of_bytes(""), "is empty");
+  EXPECT_EQ(reason_of_bytes("\x89PNG\r\n", "a.gltf"), "is a PNG picture, not a scene");
+  EXPECT_EQ(reason_of_bytes("solid", "a.glb"), "is not a .glb file: it does not begin with 'glTF'");
+  EXPECT_EQ(reason_of_bytes("hello", "a.txt"),
             "is of no kind that can be read (.gltf, .glb, .obj, .ply, .stl)");
-  EXPECT_EQ(reason("{}", "a"), "is JSON, but not a glTF document: it has no 'asset'");
-  EXPECT_EQ(reason("hello", "a.ply"), "is not a PLY file: it does not begin with 'ply'");
-  EXPECT_EQ(reason(std::string("v 1 2\0 3", 8), "a.obj"),
+  EXPECT_EQ(reason_of_bytes("{}", "a"), "is JSON, but not a glTF document: it has no 'asset'");
+  EXPECT_EQ(reason_of_bytes("hello", "a.ply"), "is not a PLY file: it does not begin with 'ply'");
+  EXPECT_EQ(reason_of_bytes(std::string("v 1 2\0 3", 8), "a.obj"),
             "is not an OBJ file: it holds binary data");
-  EXPECT_EQ(reason("glTF\1\0\0\0\0\0\0\0", "a.glb"),
+  EXPECT_EQ(reason_of_bytes("glTF\1\0\0\0\0\0\0\0", "a.glb"),
             "is cut short: a .glb file has a header of 12 bytes");
-  EXPECT_EQ(reason(std::string("glTF\1\0\0\0\x0C\0\0\0", 12), "a.glb"),
+  EXPECT_EQ(reason_of_bytes(std::string("glTF\1\0\0\0\x0C\0\0\0", 12), "a.glb"),
             "is glTF 1.0; only 2.0 can be read");
-  EXPECT_EQ(reason("# nothing\n", "a.obj"), "is not an OBJ file: it has no statement of one");
-  EXPECT_EQ(reason("v 0 0 0\n", "a.obj"), "has points or lines only, no triangles to draw");
+  EXPECT_EQ(reason_of_bytes("# nothing\n", "a.obj"),
+            "is not an OBJ file: it has no statement of one");
+  EXPECT_EQ(reason_of_bytes("v 0 0 0\n", "a.obj"),
+            "has points or lines only, no triangles to draw");
 }
 
 TEST(LoadScene, a_missing_file_is_named) {
@@ -73,19 +76,20 @@ TEST(LoadScene, a_missing_file_is_named) {
 TEST(LoadScene, what_is_required_and_unsupported_is_an_error_what_is_used_a_warning) {
   GltfBuilder b = test::triangle();
   b.json["extensionsUsed"] = {"KHR_materials_sheen", "KHR_texture_transform"};
-  const Result<LoadedScene> loaded = load(b.glb());
+  const Result<LoadedScene> loaded = load_bytes(b.glb());
   ASSERT_TRUE(loaded.ok());
   ASSERT_EQ(loaded->warnings.size(), 1u);
   EXPECT_EQ(loaded->warnings[0], "the extension KHR_materials_sheen is not supported and left out");
   b.json["extensionsRequired"] = {"KHR_texture_basisu"};
-  EXPECT_EQ(reason(b.glb()), "requires the extension KHR_texture_basisu, which is not supported");
+  EXPECT_EQ(reason_of_bytes(b.glb()),
+            "requires the extension KHR_texture_basisu, which is not supported");
 }
 
 TEST(LoadScene, hostile_numbers_end_in_errors) {
   const auto damaged = [](auto&& damage) {
     GltfBuilder b = test::triangle();
     damage(b.json);
-    return reason(b.glb());
+    return reason_of_bytes(b.glb());
   };
   using nlohmann::json;
   EXPECT_EQ(damaged([](json& j) { j["accessors"][0]["count"] = 4; }),
@@ -128,7 +132,8 @@ TEST(LoadScene, positions_that_are_not_finite_are_refused) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const int positions = b.floats({0, 0, 0, 1, 0, 0, 0, nan, 0}, "VEC3");
   b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", positions}}}})}});
-  EXPECT_EQ(reason(b.glb()), "meshes[0].primitives[0] has a vertex whose position is not finite");
+  EXPECT_EQ(reason_of_bytes(b.glb()),
+            "meshes[0].primitives[0] has a vertex whose position is not finite");
 }
 
 TEST(LoadScene, memory_is_bounded) {
@@ -137,11 +142,11 @@ TEST(LoadScene, memory_is_bounded) {
   const int instances = b.accessor({{"componentType", 5126}, {"count", 1000000}, {"type", "VEC3"}});
   b.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
       instances;
-  EXPECT_EQ(reason(b.glb()), kTooMuch);
+  EXPECT_EQ(reason_of_bytes(b.glb()), kTooMuch);
   // 10^4 of them cost little.
   b.json["accessors"].back()["count"] = 10000;
-  EXPECT_EQ(reason(b.glb()), "ok");
-  EXPECT_EQ(reason(b.glb(), "a.glb", {0.0, 1u << 20}),
+  EXPECT_EQ(reason_of_bytes(b.glb()), "ok");
+  EXPECT_EQ(reason_of_bytes(b.glb(), "a.glb", {0.0, 1u << 20}),
             "needs more memory than the 1 MiB that --memory-limit-mb allows");
 }
 
@@ -155,16 +160,16 @@ TEST(LoadScene, keys_that_no_byte_stands_for_are_not_worth_a_gigabyte) {
   b.json["animations"] = {
       {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
        {"samplers", {{{"input", times}, {"output", values}}}}}};
-  EXPECT_EQ(reason(b.glb()), kTooMuch);
+  EXPECT_EQ(reason_of_bytes(b.glb()), kTooMuch);
 }
 
 // What a document of JSON takes, against what is allowed for it: a bracket is worth a hundred
 // bytes.
 TEST(LoadScene, brackets_are_counted_before_they_are_parsed) {
   const std::string deep = "{\"asset\": " + std::string(1 << 20, '[');
-  EXPECT_EQ(reason(deep, "a.gltf"), kTooMuch);
+  EXPECT_EQ(reason_of_bytes(deep, "a.gltf"), kTooMuch);
   const std::string flat = "{\"asset\": {}, \"a\": \"" + std::string(1 << 20, '[') + "\"}";
-  EXPECT_EQ(reason(flat, "a.gltf"), "asset.version is missing");
+  EXPECT_EQ(reason_of_bytes(flat, "a.gltf"), "asset.version is missing");
 }
 
 // Bytes changed at random, and cut: an Error or a valid scene, never anything else.
@@ -178,14 +183,14 @@ TEST(LoadScene, damaged_bytes_never_do_harm) {
           {"output", b.floats({0, 0, 0, 1, 1, 1}, "VEC3")}}}},
        {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
   const std::string good = b.glb();
-  ASSERT_EQ(reason(good), "ok");
+  ASSERT_EQ(reason_of_bytes(good), "ok");
   std::mt19937 rng(21);
   int loaded = 0;
   for (int i = 0; i < 3000; ++i) {
     std::string bad = good;
     for (unsigned k = 0; k < 1 + rng() % 4; ++k) bad[rng() % bad.size()] = char(rng());
     if (i % 5 == 0) bad.resize(rng() % bad.size());
-    const Result<LoadedScene> scene = load(bad, "a.glb", {0.5, 256u << 20});
+    const Result<LoadedScene> scene = load_bytes(bad, "a.glb", {0.5, 256u << 20});
     if (!scene) continue;
     ++loaded;
     EXPECT_TRUE(validate(scene->scene).ok());

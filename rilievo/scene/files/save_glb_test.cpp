@@ -27,7 +27,7 @@ Scene saved_and_loaded(const Scene& scene, const TemporaryFolder& folder) {
   return std::move(loaded->scene);
 }
 
-struct Corner {
+struct SavedCorner {
   glm::vec3 position, normal;
   glm::vec4 color, tangent;
   glm::vec2 uv[2];
@@ -35,12 +35,12 @@ struct Corner {
 
 // Where every corner of every triangle is at `time`, for objects in the order of their centres: all
 // that is drawn, whatever objects and meshes it is made of.
-std::vector<Corner> corners_of(const Scene& scene, double time) {
+std::vector<SavedCorner> corners_of(const Scene& scene, double time) {
   std::vector<glm::mat4> world_from_model;
   pose(scene, time, world_from_model);
-  std::vector<std::vector<Corner>> objects;
+  std::vector<std::vector<SavedCorner>> objects;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    std::vector<Corner> corners;
+    std::vector<SavedCorner> corners;
     for (const Part& part : scene.models[scene.objects[i].model].parts) {
       const Mesh& m = scene.meshes[part.mesh];
       const glm::mat4 world = world_from_model[i] * part.model_from_mesh;
@@ -50,7 +50,7 @@ std::vector<Corner> corners_of(const Scene& scene, double time) {
         // Seen from outside, corners run counter-clockwise, whichever way the mesh is placed.
         const std::size_t at = mirrored && k % 3 ? k + (k % 3 == 1 ? 1 : -1) : k;
         const std::uint32_t v = m.indices[at];
-        Corner c{};
+        SavedCorner c{};
         c.position = glm::vec3(world * glm::vec4(m.positions[v], 1));
         c.normal = glm::normalize(normals * m.normals[v]);
         if (!m.colors.empty()) c.color = m.colors[v];
@@ -66,23 +66,23 @@ std::vector<Corner> corners_of(const Scene& scene, double time) {
   }
   std::stable_sort(objects.begin(), objects.end(), [](const auto& a, const auto& b) {
     // Rounded: matrices come back with a few bits of noise, and equal centres must stay equal.
-    const auto key = [](const std::vector<Corner>& corners) {
+    const auto key = [](const std::vector<SavedCorner>& corners) {
       glm::dvec3 sum(0.0);
-      for (const Corner& c : corners) sum += glm::dvec3(c.position);
+      for (const SavedCorner& c : corners) sum += glm::dvec3(c.position);
       const glm::dvec3 mean =
           glm::round(sum / double(std::max<std::size_t>(1, corners.size())) * 1e2);
       return std::array{double(corners.size()), mean.x, mean.y, mean.z};
     };
     return key(a) < key(b);
   });
-  std::vector<Corner> all;
+  std::vector<SavedCorner> all;
   for (const auto& corners : objects) all.insert(all.end(), corners.begin(), corners.end());
   return all;
 }
 
 // `tolerance` in metres.
 void expect_same_geometry(const Scene& a, const Scene& b, double time, float tolerance) {
-  const std::vector<Corner> x = corners_of(a, time), y = corners_of(b, time);
+  const std::vector<SavedCorner> x = corners_of(a, time), y = corners_of(b, time);
   ASSERT_EQ(x.size(), y.size());
   float position = 0, direction = 0, rest = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -1,4 +1,4 @@
-// Numbers out of accessors: typed, strided, normalised, sparse. Internal; throws LoadFault.
+// Numbers out of accessors: typed, strided, normalised, sparse. Internal; throws LoadError.
 //
 // Everything that a file says about counts, offsets and strides is checked against the bytes that
 // are there before one of them is touched.

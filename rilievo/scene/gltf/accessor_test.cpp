@@ -171,7 +171,7 @@ TEST(GltfUri, refuses_what_is_not_beside_the_file) {
   const auto why = [&](const std::string& uri) {
     try {
       return read_uri(uri, context);
-    } catch (const LoadFault& fault) {
+    } catch (const LoadError& fault) {
       return fault.reason;
     }
   };

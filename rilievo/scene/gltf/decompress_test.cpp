@@ -131,7 +131,7 @@ TEST(GltfMeshopt, what_the_decoder_would_not_survive_is_refused) {
   const auto why = [](std::size_t count, std::size_t stride, const char* mode, const char* filter) {
     try {
       return decoded("xxxx", count, stride, mode, filter);
-    } catch (const LoadFault& fault) {
+    } catch (const LoadError& fault) {
       // Behind "bufferViews[0].extensions.EXT_meshopt_compression" and its dot or space.
       const std::size_t path = fault.reason.find("compression");
       return path == std::string::npos ? fault.reason : fault.reason.substr(path + 12);

@@ -147,7 +147,7 @@ Bytes whole_buffer(Document& document, int i) {
   if (buffer["uri"]) {
     try {
       bytes = read_once(document, buffer["uri"].text());
-    } catch (const LoadFault& fault) {
+    } catch (const LoadError& fault) {
       buffer.fail(fault.reason);
     }
   } else if (i == 0 && document.has_binary_chunk) {

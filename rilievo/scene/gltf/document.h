@@ -1,4 +1,4 @@
-// A glTF 2.0 document and the bytes behind it. Internal to loading; throws LoadFault.
+// A glTF 2.0 document and the bytes behind it. Internal to loading; throws LoadError.
 //
 // The document stays JSON: every reader takes from it what it understands, and checks it there.
 // Buffers are read, and compressed views decoded, when first asked for.

@@ -80,9 +80,9 @@ void check_announced_size(Bytes packed, MemoryBudget& budget) {
   const std::uint64_t seams =
       edge_breaker ? head.fixed(1) : 0;  // attributes with seams of their own
   // Three indices a face, and at least a position a vertex.
-  constexpr std::uint64_t kMost = std::uint64_t(1) << 40;
+  constexpr std::uint64_t kMaxCount = std::uint64_t(1) << 40;
   budget.earn_decompressed(packed.size(),
-                           12 * std::min(faces, kMost) + 12 * std::min(vertices, kMost));
+                           12 * std::min(faces, kMaxCount) + 12 * std::min(vertices, kMaxCount));
   // The decoder keeps a table of corners and neighbours, another for each kind of seams, and the
   // attributes in several forms. Measured: 58 bytes a face and kind of seams.
   budget.borrow(faces, 100 + 64 * seams);

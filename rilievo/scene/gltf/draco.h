@@ -1,4 +1,4 @@
-// KHR_draco_mesh_compression: a primitive's triangles and attributes. Internal; throws LoadFault.
+// KHR_draco_mesh_compression: a primitive's triangles and attributes. Internal; throws LoadError.
 #pragma once
 
 #include <map>

@@ -1,5 +1,5 @@
 // A value of a glTF document that knows where it stands, so that a fault can say so:
-// "accessors[3].count: must be a whole number". Internal to loading; throws LoadFault.
+// "accessors[3].count: must be a whole number". Internal to loading; throws LoadError.
 //
 // An absent value is a value, too: its members are absent, its size is 0, and reading it yields the
 // fallback or, where there is none, a fault.

@@ -1,4 +1,4 @@
-// Lights and cameras of a glTF document. Internal; throws LoadFault.
+// Lights and cameras of a glTF document. Internal; throws LoadError.
 #pragma once
 
 #include "rilievo/scene/gltf/nodes.h"

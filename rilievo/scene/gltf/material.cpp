@@ -69,7 +69,7 @@ int Materials::image(int i) {
   const JsonValue source = document_.root()["images"][std::size_t(i)];
   try {
     at->second = load_image(source);
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     document_.context->warn(source.path() + " is left out: " + fault.reason);
   }
   return at->second;

@@ -1,4 +1,4 @@
-// Materials, textures and samplers of a glTF document. Internal; throws LoadFault.
+// Materials, textures and samplers of a glTF document. Internal; throws LoadError.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// Triangles of one glTF primitive, morphed and skinned. Internal; throws LoadFault.
+// Triangles of one glTF primitive, morphed and skinned. Internal; throws LoadError.
 #pragma once
 
 #include <optional>

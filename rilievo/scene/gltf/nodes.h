@@ -1,5 +1,5 @@
 // The node hierarchy of a glTF document and what its first animation does to it. Internal; throws
-// LoadFault.
+// LoadError.
 #pragma once
 
 #include <vector>

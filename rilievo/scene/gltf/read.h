@@ -1,4 +1,4 @@
-// glTF 2.0 -> Scene. Internal to loading; throws LoadFault.
+// glTF 2.0 -> Scene. Internal to loading; throws LoadError.
 //
 // Read here and not by a library: Debian 12's assimp (5.2.5) reads quantised attributes as garbage
 // without an error and crashes on damaged files; tinygltf and cgltf leave the checks of indices,

@@ -14,7 +14,7 @@ namespace {
 
 using test::GltfBuilder;
 
-Result<LoadedScene> load(const GltfBuilder& b) {
+Result<LoadedScene> load_glb(const GltfBuilder& b) {
   const std::string file = b.glb();
   return load_scene({reinterpret_cast<const std::uint8_t*>(file.data()), file.size()}, "test.glb");
 }
@@ -77,7 +77,7 @@ TEST(GltfRead, objects_stand_where_their_ancestors_put_them) {
     if (!channels.empty())
       b.json["animations"] = {{{"channels", channels}, {"samplers", samplers}}};
 
-    const Result<LoadedScene> loaded = load(b);
+    const Result<LoadedScene> loaded = load_glb(b);
     if (!loaded.ok()) {
       EXPECT_EQ(loaded.error().reason, "has all its triangles in one point");
       continue;
@@ -115,7 +115,7 @@ TEST(GltfRead, every_instance_is_an_object) {
   attributes["ROTATION"] =
       b.packed(std::vector<std::int16_t>{0, 0, 0, 32767, 0, 0, 23170, 23170}, "VEC4", 5122, true);
   b.json["nodes"][0]["translation"] = {10, 0, 0};
-  const Result<LoadedScene> loaded = load(b);
+  const Result<LoadedScene> loaded = load_glb(b);
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   const Scene& scene = loaded->scene;
   ASSERT_EQ(scene.objects.size(), 2u);
@@ -132,7 +132,7 @@ TEST(GltfRead, only_the_default_scene_is_shown) {
   b.json["nodes"][0]["name"] = "root";
   b.json["nodes"][0]["children"] = {1};
   const auto names = [&] {
-    const Result<LoadedScene> loaded = load(b);
+    const Result<LoadedScene> loaded = load_glb(b);
     std::string all;
     for (const Object& object : loaded->scene.objects) all += object.name + " ";
     return all;
@@ -173,7 +173,7 @@ TEST(GltfRead, materials_and_texture_transforms) {
                            {{"KHR_materials_unlit", nlohmann::json::object()},
                             {"KHR_materials_emissive_strength", {{"emissiveStrength", 4}}}}}}};
   b.json["meshes"][0]["primitives"][0]["material"] = 0;
-  const Result<LoadedScene> loaded = load(b);
+  const Result<LoadedScene> loaded = load_glb(b);
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   EXPECT_EQ(loaded->warnings.size(), 0u);
   const Scene& scene = loaded->scene;
@@ -205,7 +205,7 @@ TEST(GltfRead, a_picture_that_cannot_be_read_is_left_out) {
   b.json["textures"] = {{{"source", 0}}};
   b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
   b.json["meshes"][0]["primitives"][0]["material"] = 0;
-  const Result<LoadedScene> loaded = load(b);
+  const Result<LoadedScene> loaded = load_glb(b);
   ASSERT_TRUE(loaded.ok());
   ASSERT_EQ(loaded->warnings.size(), 1u);
   EXPECT_EQ(loaded->warnings[0].find("images[0] is left out: "), 0u) << loaded->warnings[0];
@@ -220,7 +220,7 @@ TEST(GltfRead, lights_keep_their_proportions_and_light_like_the_default_sun) {
   for (int i = 0; i < 2; ++i)
     b.node({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}},
             {"rotation", {-std::numbers::sqrt2 / 2, 0, 0, std::numbers::sqrt2 / 2}}});
-  const Result<LoadedScene> loaded = load(b);
+  const Result<LoadedScene> loaded = load_glb(b);
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   const std::vector<Light>& lights = loaded->scene.lights;
   ASSERT_EQ(lights.size(), 2u);
@@ -241,7 +241,7 @@ TEST(GltfRead, cameras_see_what_the_file_says) {
        {"orthographic", {{"xmag", 3}, {"ymag", 1.5}, {"znear", 0}, {"zfar", 8}}}}};
   b.node({{"camera", 0}, {"translation", {1, 2, 3}}, {"scale", {5, 5, 5}}});
   b.node({{"camera", 1}});
-  const Result<LoadedScene> loaded = load(b);
+  const Result<LoadedScene> loaded = load_glb(b);
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
   ASSERT_EQ(loaded->scene.cameras.size(), 2u);
   const Camera& eye = loaded->scene.cameras[0];

@@ -1,4 +1,4 @@
-// Morph targets and skins, applied to vertices once. Internal; throws LoadFault.
+// Morph targets and skins, applied to vertices once. Internal; throws LoadError.
 #pragma once
 
 #include "rilievo/scene/gltf/attributes.h"

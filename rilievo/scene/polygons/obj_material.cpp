@@ -128,8 +128,8 @@ void ObjMaterials::parse(std::string_view text) {
 void ObjMaterials::read_library(const std::string& name) {
   if (!libraries_.insert(neighbor_path(context_, name)).second) return;
   // Looking for files takes time, and nobody has so many.
-  constexpr std::size_t kMost = 1000;
-  if (libraries_.size() > kMost) refuse("there are more than 1000");
+  constexpr std::size_t kMaxCount = 1000;
+  if (libraries_.size() > kMaxCount) refuse("there are more than 1000");
   const std::string file = read_neighbor(context_, name);
   std::string converted;
   parse(utf8_from(bytes_of(file), converted));
@@ -141,7 +141,7 @@ void ObjMaterials::read(const std::string& names) {
   std::string why;
   try {
     return read_library(names);
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     why = fault.reason;
   }
   std::string_view rest = names;
@@ -150,7 +150,7 @@ void ObjMaterials::read(const std::string& names) {
   rest = names;
   for (std::string_view name = first; !(name = take_word(rest)).empty();) try {
       read_library(std::string(name));
-    } catch (const LoadFault& fault) {
+    } catch (const LoadError& fault) {
       context_.warn("a material library is left out: " + fault.reason);
     }
 }
@@ -164,7 +164,7 @@ int ObjMaterials::image(const std::string& file) {
     const std::string encoded = read_neighbor(context_, file);
     images_.push_back(decode_picture(bytes_of(encoded), context_.budget));
     return known->second = int(images_.size()) - 1;
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     const bool named = fault.reason.find(file) != std::string::npos;
     context_.warn("a texture is left out: " + (named ? "" : "'" + file + "' ") + fault.reason);
     return -1;
@@ -180,7 +180,7 @@ int ObjMaterials::image_with_opacity(int image, int opacity) {
   const Rgba8Image& base = image < 0 ? mask : images_[std::size_t(image)];
   try {
     context_.budget.take(base.texels().size(), sizeof(glm::u8vec4));
-  } catch (const LoadFault& fault) {
+  } catch (const LoadError& fault) {
     context_.warn("an opacity picture is left out: " + fault.reason);
     return image;
   }

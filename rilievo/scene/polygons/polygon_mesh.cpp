@@ -84,7 +84,7 @@ void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget) {
   constexpr double kCrease = 0.70710678;
   // Places where more triangles meet than this (the tip of a fan) are smooth all around: comparing
   // all pairs there would take forever.
-  constexpr std::size_t kMost = 64;
+  constexpr std::size_t kMaxCount = 64;
   const std::vector<glm::dvec3> normal = area_normals(soup);
   const Around around = corners_around(soup, same_place(soup.positions));
   std::vector<std::pair<glm::vec3, std::uint32_t>> made;  // at one place
@@ -100,10 +100,11 @@ void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget) {
       for (std::uint32_t other : here) {
         const glm::dvec3& n = normal[other / 3];
         const bool near = glm::dot(n, own) >= kCrease * length * glm::length(n);
-        if (near || here.size() > kMost) sum += n;
-        if (here.size() > kMost && !made.empty()) break;  // it is known already
+        if (near || here.size() > kMaxCount) sum += n;
+        if (here.size() > kMaxCount && !made.empty()) break;  // it is known already
       }
-      const glm::vec3 mean = made.empty() || here.size() <= kMost ? unit_or_up(sum) : made[0].first;
+      const glm::vec3 mean =
+          made.empty() || here.size() <= kMaxCount ? unit_or_up(sum) : made[0].first;
       auto known =
           std::find_if(made.begin(), made.end(), [&](const auto& m) { return m.first == mean; });
       if (known == made.end()) {

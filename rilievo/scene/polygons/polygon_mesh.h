@@ -1,5 +1,5 @@
 // How do polygons become meshes whose corners refer to positions, texture coordinates and normals
-// separately? OBJ, PLY and STL store them so. Internal to loading; throws LoadFault.
+// separately? OBJ, PLY and STL store them so. Internal to loading; throws LoadError.
 #pragma once
 
 #include <limits>

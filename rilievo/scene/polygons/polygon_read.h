@@ -1,4 +1,4 @@
-// How do OBJ, PLY and STL files become scenes? Internal to loading; throws LoadFault.
+// How do OBJ, PLY and STL files become scenes? Internal to loading; throws LoadError.
 //
 // These readers are written by hand because the only library in Debian 12 that reads all three
 // (assimp 5.2.5) crashes on damaged files and has no limit on the memory that a small file can use.

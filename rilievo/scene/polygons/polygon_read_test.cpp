@@ -14,12 +14,12 @@
 namespace rilievo {
 namespace {
 
-Result<LoadedScene> load(const std::string& bytes, const std::string& name) {
+Result<LoadedScene> load_polygons(const std::string& bytes, const std::string& name) {
   return load_scene(bytes_of(bytes), name);
 }
 
-std::string reason(const std::string& bytes, const std::string& name) {
-  const Result<LoadedScene> loaded = load(bytes, name);
+std::string reason_of_polygons(const std::string& bytes, const std::string& name) {
+  const Result<LoadedScene> loaded = load_polygons(bytes, name);
   return loaded.ok() ? "ok" : loaded.error().reason;
 }
 
@@ -93,10 +93,10 @@ TEST(PolygonFiles, the_same_mesh_in_every_format_is_the_same) {
         for (int c = 0; c < 3; ++c) append(binary_stl, v[c]);
       binary_stl.append(2, '\0');
     }
-    EXPECT_EQ(triangles_of(load(obj, "a.obj")->scene), expected);
-    EXPECT_EQ(triangles_of(load(relative, "a.obj")->scene), expected);
-    EXPECT_EQ(triangles_of(load(stl + "endsolid\n", "a.stl")->scene), expected);
-    EXPECT_EQ(triangles_of(load(binary_stl, "a.stl")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons(obj, "a.obj")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons(relative, "a.obj")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons(stl + "endsolid\n", "a.stl")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons(binary_stl, "a.stl")->scene), expected);
 
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
       // An element and a property that nobody knows lie in between.
@@ -125,7 +125,7 @@ TEST(PolygonFiles, the_same_mesh_in_every_format_is_the_same) {
           for (std::uint32_t i : f) append(ply, std::int32_t(i), big);
         }
       }
-      const Result<LoadedScene> loaded = load(ply, "a.ply");
+      const Result<LoadedScene> loaded = load_polygons(ply, "a.ply");
       ASSERT_TRUE(loaded.ok()) << loaded.error().message();
       EXPECT_EQ(triangles_of(loaded->scene), expected) << format;
     }
@@ -165,7 +165,7 @@ TEST(Obj, groups_are_objects_and_materials_parts) {
 }
 
 TEST(Obj, attributes_are_kept_and_v_is_turned_round) {
-  const Result<LoadedScene> loaded = load(
+  const Result<LoadedScene> loaded = load_polygons(
       "v 0 0 0 1 0.5 0\nv 1 0 0 1 1 1\nv 0 1 0\nvt 0.25 0.25\nvn 0 0 -2\nf 1/1/1 2/1/1 3/1/1\n",
       "a.obj");
   ASSERT_TRUE(loaded.ok()) << loaded.error().message();
@@ -194,35 +194,40 @@ TEST(Obj, utf_16_is_read) {
     std::string bytes;
     append(bytes, std::uint16_t(0xFEFF), big);
     for (char16_t c : wide) append(bytes, std::uint16_t(c), big);
-    const Result<LoadedScene> loaded = load(bytes, "a.obj");
+    const Result<LoadedScene> loaded = load_polygons(bytes, "a.obj");
     ASSERT_TRUE(loaded.ok()) << loaded.error().message();
-    EXPECT_EQ(loaded->scene.objects[0].name, load(text, "a.obj")->scene.objects[0].name);
+    EXPECT_EQ(loaded->scene.objects[0].name, load_polygons(text, "a.obj")->scene.objects[0].name);
     EXPECT_EQ(loaded->scene.objects[0].name, "\xC3\xA9\xF0\x9F\x98\x80");
   }
 }
 
 TEST(PolygonFiles, faults_are_named) {
-  EXPECT_EQ(reason("v 0 0 0\nf 1 2 3\n", "a.obj"),
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1 2 3\n", "a.obj"),
             "line 2 refers to vertex 2, but there is only one");
-  EXPECT_EQ(reason("v 0 0 0\nf 1 1 0\n", "a.obj"),
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1 1 0\n", "a.obj"),
             "line 2 refers to vertex 0, but there is only one");
-  EXPECT_EQ(reason("v 0 0\n", "a.obj"), "line 1 has a vertex with fewer than three numbers");
-  EXPECT_EQ(reason("v 0 0 nan\n", "a.obj"), "line 1 has a vertex whose position is not finite");
-  EXPECT_EQ(reason("v 0 0 1e39\n", "a.obj"), "line 1 has a vertex whose position is not finite");
-  EXPECT_EQ(reason("v 0 x 0\n", "a.obj"), "line 1 has 'x' where a number belongs");
-  EXPECT_EQ(reason("ply\nformat ascii 1.0\nelement vertex 99999\n", "a.ply"),
+  EXPECT_EQ(reason_of_polygons("v 0 0\n", "a.obj"),
+            "line 1 has a vertex with fewer than three numbers");
+  EXPECT_EQ(reason_of_polygons("v 0 0 nan\n", "a.obj"),
+            "line 1 has a vertex whose position is not finite");
+  EXPECT_EQ(reason_of_polygons("v 0 0 1e39\n", "a.obj"),
+            "line 1 has a vertex whose position is not finite");
+  EXPECT_EQ(reason_of_polygons("v 0 x 0\n", "a.obj"), "line 1 has 'x' where a number belongs");
+  EXPECT_EQ(reason_of_polygons("ply\nformat ascii 1.0\nelement vertex 99999\n", "a.ply"),
             "is a PLY file that announces more elements than it can hold");
-  EXPECT_EQ(reason("ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\n", "a.ply"),
-            "is a PLY file with a property of the unknown type 'real'");
-  EXPECT_EQ(reason("ply\nformat ascii 1.0\n", "a.ply"), "is a PLY file whose header has no end");
-  EXPECT_EQ(reason("solid a\nvertex 0 0 x\n", "a.stl"), "has 'x' for a coordinate");
-  EXPECT_EQ(reason("solid a\n", "a.stl"), "is an STL file without facets");
-  EXPECT_EQ(reason("what\n", "a.stl"),
+  EXPECT_EQ(
+      reason_of_polygons("ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\n", "a.ply"),
+      "is a PLY file with a property of the unknown type 'real'");
+  EXPECT_EQ(reason_of_polygons("ply\nformat ascii 1.0\n", "a.ply"),
+            "is a PLY file whose header has no end");
+  EXPECT_EQ(reason_of_polygons("solid a\nvertex 0 0 x\n", "a.stl"), "has 'x' for a coordinate");
+  EXPECT_EQ(reason_of_polygons("solid a\n", "a.stl"), "is an STL file without facets");
+  EXPECT_EQ(reason_of_polygons("what\n", "a.stl"),
             "is not an STL file: it neither begins with 'solid' nor has the length it announces");
 }
 
 TEST(Ply, colours_of_scans_become_linear) {
-  const Result<LoadedScene> loaded = load(
+  const Result<LoadedScene> loaded = load_polygons(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face 1\nproperty list uchar int vertex_index\nend_header\n"

@@ -1,4 +1,4 @@
-#include "rilievo/nailboard/gl/picture_atlas.h"
+#include "rilievo/nailboard/gl/nailboard_atlas.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ class PictureAtlasTest : public gl::ContextTest {};
 TEST_F(PictureAtlasTest, gives_back_what_was_written) {
   std::mt19937 rng(3);
   for (int bits : {2, 8, 16}) {
-    auto atlas = PictureAtlas::create({64u << 20, bits, 4});
+    auto atlas = NailboardAtlas::create({64u << 20, bits, 4});
     ASSERT_TRUE(atlas.ok());
     EXPECT_LE(atlas->bytes(), 64u << 20);
     const Nailboard a = random_board(rng, bits), b = random_board(rng, bits);
@@ -33,7 +33,7 @@ TEST_F(PictureAtlasTest, gives_back_what_was_written) {
 TEST_F(PictureAtlasTest, sums_blocks_up) {
   std::mt19937 rng(5);
   for (int bits : {2, 8, 16}) {
-    auto atlas = PictureAtlas::create({64u << 20, bits, 4});
+    auto atlas = NailboardAtlas::create({64u << 20, bits, 4});
     ASSERT_TRUE(atlas.ok());
     for (int i = 0; i < 5; ++i) ASSERT_TRUE(atlas->allocate(33, 40));
     Nailboard board = random_board(rng, bits);
@@ -45,7 +45,7 @@ TEST_F(PictureAtlasTest, sums_blocks_up) {
     board.color(9, 9).a = 254;
     const auto slot = atlas->allocate(40, 33);
     atlas->write(*slot, board);
-    const PictureBlocksView blocks = atlas->blocks(*slot);
+    const OcclusionTilesView blocks = atlas->blocks(*slot);
     ASSERT_EQ(blocks.width, 40);
     ASSERT_EQ(blocks.height, 33);
     int opaque = 0;
@@ -62,7 +62,7 @@ TEST_F(PictureAtlasTest, sums_blocks_up) {
           nearest = std::min(nearest, double(decode_delta(board.delta(x, y), bits)));
           farthest = std::max(farthest, double(decode_delta(board.delta(x, y), bits)));
         }
-        const PictureBlock& block = blocks.block(bx, by);
+        const OcclusionTile& block = blocks.block(bx, by);
         ASSERT_EQ(block.empty(), nearest > 1) << bx << " " << by;
         ASSERT_EQ(block.covered, covered_texels);
         ASSERT_EQ(block.opaque, opaque_texels);
@@ -79,7 +79,7 @@ TEST_F(PictureAtlasTest, sums_blocks_up) {
 }
 
 TEST_F(PictureAtlasTest, refuses_a_budget_that_holds_no_picture) {
-  const auto atlas = PictureAtlas::create({1u << 20, 8, 4});
+  const auto atlas = NailboardAtlas::create({1u << 20, 8, 4});
   ASSERT_FALSE(atlas.ok());
   EXPECT_NE(atlas.error().message().find("too small"), std::string::npos);
 }
@@ -108,9 +108,9 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
     for (const int bits : {8, 16})
       for (const int samples : {1, 4}) {
         AtlasOptions options{64u << 20, bits, samples};
-        auto by_opengl = PictureAtlas::create(options);
+        auto by_opengl = NailboardAtlas::create(options);
         options.capture_bytes = &CaptureWithoutOpenGL::bytes;
-        auto by_rasterizer = PictureAtlas::create(options);
+        auto by_rasterizer = NailboardAtlas::create(options);
         const auto capturer = CaptureWithoutOpenGL::create(CaptureBy::rasterizer, scene, samples);
         ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok() && capturer);
         EXPECT_LE(by_rasterizer->bytes(), 64u << 20);
@@ -157,8 +157,8 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
           const auto again = by_rasterizer->allocate(150, 131);
           ASSERT_TRUE(again);
           by_rasterizer->write(*again, b);
-          const PictureBlocksView expected = by_rasterizer->blocks(*again);
-          const PictureBlocksView blocks = by_rasterizer->blocks(*slot_b);
+          const OcclusionTilesView expected = by_rasterizer->blocks(*again);
+          const OcclusionTilesView blocks = by_rasterizer->blocks(*slot_b);
           for (int y = 0; y < blocks_across(131); ++y)
             for (int x = 0; x < blocks_across(150); ++x)
               ASSERT_EQ(blocks.block(x, y), expected.block(x, y)) << x << " " << y;
@@ -183,7 +183,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   ASSERT_TRUE(renderer.ok());
   AtlasOptions options{64u << 20, 8, 4};
   options.capture_bytes = &CaptureWithoutOpenGL::bytes;
-  auto atlas = PictureAtlas::create(options);
+  auto atlas = NailboardAtlas::create(options);
   const auto capturer = CaptureWithoutOpenGL::create(CaptureBy::rasterizer, made->scene, 4);
   ASSERT_TRUE(atlas.ok() && capturer);
   std::mt19937 rng(2);
@@ -197,10 +197,10 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   const std::uint32_t object = 0;
   atlas->write(*slot, capturer->capture(*camera, {&object, 1}, renderer->poses()));
   const Nailboard board = atlas->read(*slot, picture_geometry(*camera));
-  const PictureBlocksView blocks = atlas->blocks(*slot);
+  const OcclusionTilesView blocks = atlas->blocks(*slot);
   for (int y = 0; y < 33; ++y)
     for (int x = 0; x < 40; ++x) {
-      const PictureBlock& block = blocks.block(x / 4, y / 4);
+      const OcclusionTile& block = blocks.block(x / 4, y / 4);
       const bool covered = board.delta(x, 32 - y) != delta_transparent(8);
       ASSERT_EQ((block.covered >> (x % 4 + 4 * (y % 4))) & 1, covered) << x << " " << y;
     }

@@ -2,7 +2,7 @@
 // is space carving [Kutulakos, Seitz 2000] with depth instead of colour, along the pictures' own
 // lines of sight.
 
-#include "rilievo/layered_impostor/inside.h"
+#include "rilievo/layered_impostor/visual_hull.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ Lines follow_lines(std::span<const TexelSurface> surfaces, std::size_t view) {
       const auto hidden = [&](double eye_z) {
         const glm::dvec3 world = world_from_raster(camera, {x + 0.5, y + 0.5}, eye_z);
         return std::none_of(surfaces.begin(), surfaces.end(), [&](const TexelSurface& other) {
-          return &other != &surface && seen_empty(other, world);
+          return &other != &surface && is_carved(other, world);
         });
       };
       int missed = 0;
@@ -61,7 +61,7 @@ Lines follow_lines(std::span<const TexelSurface> surfaces, std::size_t view) {
 
 }  // namespace
 
-bool seen_empty(const TexelSurface& surface, const glm::dvec3& world) {
+bool is_carved(const TexelSurface& surface, const glm::dvec3& world) {
   const glm::dvec3 at = raster_from_world(surface.camera, world);
   const int w = surface.texels.width(), h = surface.texels.height();
   if (!(at.z > 0 && at.x >= 0 && at.y >= 0 && at.x < w && at.y < h)) return false;
@@ -71,7 +71,7 @@ bool seen_empty(const TexelSurface& surface, const glm::dvec3& world) {
   return surface.camera.keeps_farthest() ? 1 / at.z < q : 1 / at.z > q;
 }
 
-void find_inside(std::span<TexelSurface> surfaces) {
+void find_visual_hulls(std::span<TexelSurface> surfaces) {
   std::vector<Lines> lines(surfaces.size());
   parallel_for(std::size_t(0), surfaces.size(),
                [&](std::size_t view) { lines[view] = follow_lines(surfaces, view); });

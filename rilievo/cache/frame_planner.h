@@ -13,7 +13,7 @@
 
 #include <algorithm>
 
-#include "rilievo/cache/estimate.h"
+#include "rilievo/cache/capture_cost.h"
 #include "rilievo/cache/policy.h"
 
 namespace rilievo {
@@ -30,7 +30,7 @@ inline constexpr std::uint64_t kFadedTriangles = 10'000;
 
 // The planning of one frame. Call in this order: evict_finished, choose, schedule_captures
 // (schedule.h), draw.
-struct Cut {
+struct FramePlanner {
   const Hierarchy& tree;
   std::span<const MovingObject> moving;
   const Alternatives& alternatives;
@@ -43,9 +43,9 @@ struct Cut {
   std::uint64_t faded_triangles = 0;  // of polygons behind pictures that fade in
   double full_bytes = 0;  // of all pictures kept or requested, if they were at full density
 
-  Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_,
-      const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
-      const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_);
+  FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
+               const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
+               const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_);
 
   void evict_finished();
   void choose();
@@ -59,7 +59,7 @@ struct Cut {
   [[nodiscard]] std::uint64_t triangles_of(Entity e) const;
   // The motion of the eye relative to the entity in a frame, world space.
   [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
-  [[nodiscard]] PictureEstimate estimate(Entity e) const;
+  [[nodiscard]] CaptureCost estimate(Entity e) const;
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 

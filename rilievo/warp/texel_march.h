@@ -19,7 +19,7 @@ inline int link_of(const glm::ivec2& step) {
 }
 
 // A ray over a surface.
-struct TexelWalker {
+struct TexelMarch {
   const TexelSurface& surface;
   const DisparitySegment& segment;
   double sigma;

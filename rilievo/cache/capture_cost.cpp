@@ -8,7 +8,7 @@
 //   px a frame = (1/front - 1/back)/2 |(px (x drift_z - drift_x), py (y drift_z - drift_y))|
 //
 // at the picture's ray (x, y): the depth's share of the optical flow. It is largest at a corner.
-#include "rilievo/cache/estimate.h"
+#include "rilievo/cache/capture_cost.h"
 
 #include <algorithm>
 #include <cmath>
@@ -123,10 +123,10 @@ double covered_pixels(const ViewAxes& view, const Box& box) {
   return view.px * view.py * area(seen.front > 0 ? intersection(seen.window, frame) : frame);
 }
 
-PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint64_t triangles,
-                                 const glm::dvec3& drift, const CacheOptions& options,
-                                 const DeltaRange& range, double life_share) {
-  PictureEstimate e;
+CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uint64_t triangles,
+                                  const glm::dvec3& drift, const CacheOptions& options,
+                                  const DeltaRange& range, double life_share) {
+  CaptureCost e;
   const Seen seen = see(view, box, view.eye);
   if (seen.front <= view.camera.z_near) return e;
   const ImageWindow& w = seen.window;
@@ -167,7 +167,7 @@ PictureEstimate estimate_picture(const ViewAxes& view, const Box& box, std::uint
   return e;
 }
 
-PlacedPicture place_picture(const ViewAxes& view, const Box& box, const PictureEstimate& estimate,
+PlacedPicture place_picture(const ViewAxes& view, const Box& box, const CaptureCost& estimate,
                             const glm::dvec3& drift, double texel_scale,
                             const CacheOptions& options, const DeltaRange& range) {
   PlacedPicture placed;

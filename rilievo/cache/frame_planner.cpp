@@ -1,4 +1,4 @@
-#include "rilievo/cache/cut.h"
+#include "rilievo/cache/frame_planner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,9 +29,10 @@ glm::dmat4 power(const glm::dmat4& m, int n) {
 
 }  // namespace
 
-Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_,
-         const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
-         const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_)
+FramePlanner::FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
+                           const Alternatives& alternatives_, const CacheState& state_,
+                           const FrameView& frame_, const CacheOptions& options_,
+                           PlanScratch& scratch_, Plan& plan_)
     : tree(tree_),
       moving(moving_),
       alternatives(alternatives_),
@@ -42,32 +43,32 @@ Cut::Cut(const Hierarchy& tree_, std::span<const MovingObject> moving_,
       plan(plan_),
       view(view_axes(frame_, options_.fade_frames + options_.spread_frames)) {}
 
-const Box& Cut::box_of(Entity e) const {
+const Box& FramePlanner::box_of(Entity e) const {
   return is_moving(e) ? moving[e - nodes()].box : tree.nodes[e].box;
 }
 
-std::uint64_t Cut::triangles_of(Entity e) const {
+std::uint64_t FramePlanner::triangles_of(Entity e) const {
   return is_moving(e) ? moving[e - nodes()].triangles : tree.nodes[e].triangles;
 }
 
-glm::dvec3 Cut::drift_of(Entity e) const {
+glm::dvec3 FramePlanner::drift_of(Entity e) const {
   if (!is_moving(e)) return view.velocity;
   // The eye's next place, carried back by what the object will have done.
   const glm::dmat4 last_from_now = glm::inverse(moving[e - nodes()].now_from_last);
   return glm::dvec3(last_from_now * glm::dvec4(view.eye + view.velocity, 1)) - view.eye;
 }
 
-PictureEstimate Cut::estimate(Entity e) const {
+CaptureCost FramePlanner::estimate(Entity e) const {
   const std::uint64_t triangles = triangles_of(e);
   if (is_moving(e) ? moving[e - nodes()].deforms
                    : !tree.nodes[e].leaf() && triangles > options.picture_triangles)
     return {};
-  return estimate_picture(view, box_of(e), triangles, drift_of(e), options, expected_range(e),
-                          expected_life_share(e));
+  return estimate_capture_cost(view, box_of(e), triangles, drift_of(e), options, expected_range(e),
+                               expected_life_share(e));
 }
 
 // What it showed last, or what pictures show on the whole; and somewhat more.
-DeltaRange Cut::expected_range(Entity e) const {
+DeltaRange FramePlanner::expected_range(Entity e) const {
   const DeltaRange& range = e < state.ranges.size() && state.ranges[e]
                                 ? *state.ranges[e]
                                 : state.usual_range[several(e) ? 1 : 0];
@@ -75,13 +76,14 @@ DeltaRange Cut::expected_range(Entity e) const {
   return {std::max(0.0, range.nearest - margin), std::min(1.0, range.farthest + margin)};
 }
 
-double Cut::expected_life_share(Entity e) const {
+double FramePlanner::expected_life_share(Entity e) const {
   return double(e < state.life_shares.size() && state.life_shares[e]
                     ? *state.life_shares[e]
                     : state.usual_life_share[several(e) ? 1 : 0]);
 }
 
-const Picture* Cut::picture_of(const std::vector<std::uint32_t>& by_entity, Entity e) const {
+const Picture* FramePlanner::picture_of(const std::vector<std::uint32_t>& by_entity,
+                                        Entity e) const {
   if (e >= by_entity.size() || by_entity[e] == 0) return nullptr;
   const std::uint32_t slot = by_entity[e] - 1;
   return scratch.dropped[slot] ? nullptr : &state.slots[slot];
@@ -89,7 +91,7 @@ const Picture* Cut::picture_of(const std::vector<std::uint32_t>& by_entity, Enti
 
 // The bound now and, as long as the motion goes on as it is, the frames until it passes the limit;
 // at most Picture::lead of them are looked into.
-const PlanScratch::Checked& Cut::check(std::uint32_t slot) {
+const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
   PlanScratch::Checked& checked = scratch.checked[slot];
   if (checked.frame == state.frame) return checked;
   const Picture& picture = state.slots[slot];
@@ -124,11 +126,11 @@ const PlanScratch::Checked& Cut::check(std::uint32_t slot) {
   return checked;
 }
 
-bool Cut::valid(const Picture* picture) {
+bool FramePlanner::valid(const Picture* picture) {
   return picture && check(slot_of(picture)).now_px <= limit_px(*picture, options);
 }
 
-void Cut::drop(std::uint32_t slot) {
+void FramePlanner::drop(std::uint32_t slot) {
   RILIEVO_EXPECTS(state.slots[slot].held && !scratch.dropped[slot]);
   scratch.dropped[slot] = 1;
   plan.evictions.push_back(slot);
@@ -136,7 +138,7 @@ void Cut::drop(std::uint32_t slot) {
 }
 
 // Pictures that have been faded out, and those whose successors have been faded in.
-void Cut::evict_finished() {
+void FramePlanner::evict_finished() {
   for (std::uint32_t slot = 0; slot < state.slots.size(); ++slot) {
     const Picture& picture = state.slots[slot];
     if (!picture.held) continue;
@@ -151,7 +153,7 @@ void Cut::evict_finished() {
   }
 }
 
-Cut::Standing Cut::stands_for(Entity e, double cost) const {
+FramePlanner::Standing FramePlanner::stands_for(Entity e, double cost) const {
   Standing standing{nullptr, 0, cost};
   if (alternatives.of_entity.empty()) return standing;
   const double pixels = covered_pixels(view, box_of(e));
@@ -166,12 +168,12 @@ Cut::Standing Cut::stands_for(Entity e, double cost) const {
 }
 
 // Of one object, static or moving.
-double Cut::polygon_cost(Entity e) const {
+double FramePlanner::polygon_cost(Entity e) const {
   return options.cost.object + double(triangles_of(e)) +
          options.cost.polygon_pixel * covered_pixels(view, box_of(e));
 }
 
-Cut::Costs Cut::evaluate_below(Entity e) {
+FramePlanner::Costs FramePlanner::evaluate_below(Entity e) {
   if (!is_moving(e) && !tree.nodes[e].leaf()) {
     const Costs a = evaluate(e + 1), b = evaluate(tree.nodes[e].second_child);
     return {a.best + b.best, a.now + b.now};
@@ -180,7 +182,7 @@ Cut::Costs Cut::evaluate_below(Entity e) {
   return {cost, may_see(view.now, box_of(e)) ? cost : 0};
 }
 
-Cut::Costs Cut::evaluate(Entity e) {
+FramePlanner::Costs FramePlanner::evaluate(Entity e) {
   scratch.now_cost[e] = 0;
   scratch.choice[e] = kNothing;
   if (!may_see(view.now, box_of(e)) && !may_see(view.ahead, box_of(e))) return {0, 0};
@@ -196,7 +198,7 @@ Cut::Costs Cut::evaluate(Entity e) {
   double own = INFINITY;
   const bool retiring = at_hand && picture->retire_length > 0;
   if (!retiring)
-    if (const PictureEstimate estimated = estimate(e); estimated.possible)
+    if (const CaptureCost estimated = estimate(e); estimated.possible)
       own = picture_rate(estimated, options);
   Costs below = evaluate_below(e);
   scratch.choice[e] = own < below.best ? kCapture : kBelow;
@@ -210,8 +212,8 @@ Cut::Costs Cut::evaluate(Entity e) {
   return {std::min(own, below.best), now};
 }
 
-void Cut::enqueue(Entity e, double deadline, bool covered) {
-  const PictureEstimate estimated = estimate(e);
+void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
+  const CaptureCost estimated = estimate(e);
   const double benefit = std::max(double(scratch.now_cost[e]) - estimated.draw, 1e-3);
   if (!covered && !may_see(view.now, box_of(e))) {
     deadline = options.spread_frames;  // it comes into view
@@ -226,7 +228,7 @@ void Cut::enqueue(Entity e, double deadline, bool covered) {
 
 // Asks for the captures that the choices need; `deadline`: frames until what covers this now ends,
 // if anything does. Is everything at hand?
-bool Cut::request(Entity e, double deadline, bool covered) {
+bool FramePlanner::request(Entity e, double deadline, bool covered) {
   if (scratch.choice[e] == kNothing) return true;
   const Picture* picture = picture_of(state.current, e);
   if (scratch.choice[e] == kKeep) {
@@ -253,7 +255,7 @@ bool Cut::request(Entity e, double deadline, bool covered) {
   return ready;
 }
 
-void Cut::choose() {
+void FramePlanner::choose() {
   if (nodes() > 0) {
     evaluate(0);
     request(0, 0, false);
@@ -264,22 +266,23 @@ void Cut::choose() {
   }
 }
 
-bool Cut::pictures_cover(Entity e) {
+bool FramePlanner::pictures_cover(Entity e) {
   if (!may_see(view.now, box_of(e))) return true;
   return scratch.captured[e] != 0 || valid(picture_of(state.current, e)) || pictures_cover_below(e);
 }
 
-bool Cut::pictures_cover_below(Entity e) {
+bool FramePlanner::pictures_cover_below(Entity e) {
   return !is_moving(e) && !tree.nodes[e].leaf() && pictures_cover(e + 1) &&
          pictures_cover(tree.nodes[e].second_child);
 }
 
-void Cut::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
-               float to) {
+void FramePlanner::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked,
+                        float from, float to) {
   emit(slot, e, float(checked.now_px), float(checked.gap_px), from, to);
 }
 
-void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float from, float to) {
+void FramePlanner::emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float from,
+                        float to) {
   if (!(from < to)) return;
   plan.pictures.push_back({slot, from, to, bound_px, gap_px});
   plan.bound_px = std::max(plan.bound_px, double(bound_px));
@@ -287,13 +290,13 @@ void Cut::emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float
   ++(is_moving(e) || tree.nodes[e].leaf() ? plan.single : plan.hierarchy);
 }
 
-void Cut::emit(const Standing& standing) {
+void FramePlanner::emit(const Standing& standing) {
   plan.alternatives.push_back(
       {std::uint32_t(standing.alternative - alternatives.list.data()), float(standing.bound_px)});
   plan.bound_px = std::max(plan.bound_px, standing.bound_px);
 }
 
-void Cut::draw_below(Entity e, float from, float to) {
+void FramePlanner::draw_below(Entity e, float from, float to) {
   if (several(e)) {
     if (scratch.choice[e] == kStandIn && from <= 0 && to >= 1)
       if (const Standing standing = stands_for(e, std::numeric_limits<double>::infinity());
@@ -314,14 +317,14 @@ void Cut::draw_below(Entity e, float from, float to) {
   plan.polygon_triangles += triangles_of(e);
 }
 
-bool Cut::may_fade_over_below(Entity e) {
+bool FramePlanner::may_fade_over_below(Entity e) {
   return triangles_of(e) <= kFadedTriangles || pictures_cover_below(e);
 }
 
 // A picture fades in over the one before it, or over what is below it, and out over what is below:
 // that gets the rest of the pixels. Not over many polygons: they would cost the time that the
 // picture saves.
-void Cut::draw(Entity e, float from, float to) {
+void FramePlanner::draw(Entity e, float from, float to) {
   if (!may_see(view.now, box_of(e))) return;
   const Capture* capture = scratch.captured[e] ? &plan.captures[scratch.captured[e] - 1] : nullptr;
   const Picture* old = picture_of(capture ? state.current : state.previous, e);
@@ -349,7 +352,7 @@ void Cut::draw(Entity e, float from, float to) {
     draw_below(e, middle, to);
 }
 
-void Cut::draw() {
+void FramePlanner::draw() {
   if (nodes() > 0) draw(0, 0, 1);
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
 }

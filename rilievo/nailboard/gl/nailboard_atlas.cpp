@@ -1,4 +1,4 @@
-#include "rilievo/nailboard/gl/picture_atlas.h"
+#include "rilievo/nailboard/gl/nailboard_atlas.h"
 
 #include <algorithm>
 #include <bit>
@@ -60,7 +60,7 @@ void main() {
 }
 )";
 
-// A block (picture_blocks.h) from its texels: red holds both Deltas, the nearest in its low byte.
+// A block (occlusion_tiles.h) from its texels: red holds both Deltas, the nearest in its low byte.
 const char* const kReduceFragment = R"(#version 450
 layout(binding = 0) uniform sampler2DArray color_texture;
 layout(binding = 1) uniform sampler2DArray delta_texture;
@@ -106,13 +106,13 @@ void flip_rows(Image<T>& image) {
 
 }  // namespace
 
-Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
+Result<NailboardAtlas> NailboardAtlas::create(const AtlasOptions& options) {
   RILIEVO_EXPECTS(2 <= options.delta_bits && options.delta_bits <= 16);
   const std::size_t texels = std::size_t(kSize) * kSize;
   constexpr std::size_t layer_blocks =
-      std::size_t(PictureBlocks::kLayerBlocks) * PictureBlocks::kLayerBlocks;
+      std::size_t(OcclusionTiles::kLayerBlocks) * OcclusionTiles::kLayerBlocks;
   const std::size_t a_layer =
-      texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + layer_blocks * sizeof(PictureBlock);
+      texels * (4 + (options.delta_bits > 8 ? 2 : 1)) + layer_blocks * sizeof(OcclusionTile);
   // Under a small budget a large capture buffer would leave no room for pictures.
   const bool small = options.max_bytes < (std::size_t(64) << 20);
   const int capture_size = !small ? kSize : options.capture_bytes ? kSize * 7 / 16 : kSize / 2;
@@ -123,7 +123,7 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
       (options.capture_bytes ? options.capture_bytes(capture_size, options.samples) +
                                    capture_texels * (options.delta_bits > 8 ? 2 : 1)
                              : capture_texels * 8 * std::size_t(options.samples)) +
-      std::size_t(PictureBlocks::kLayerBlocks) * std::size_t(block_rows) * 8;
+      std::size_t(OcclusionTiles::kLayerBlocks) * std::size_t(block_rows) * 8;
   GLint most_layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
   if (options.max_bytes < buffers + a_layer)
@@ -134,7 +134,7 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   const int layers =
       int(std::min((options.max_bytes - buffers) / a_layer, std::size_t(most_layers)));
 
-  PictureAtlas atlas(layers);
+  NailboardAtlas atlas(layers);
   atlas.options_ = options;
   atlas.capture_size_ = capture_size;
   atlas.bytes_ = buffers + std::size_t(layers) * a_layer;
@@ -144,7 +144,7 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
   atlas.delta_ =
       gl::make_texture_2d_array(options.delta_bits > 8 ? GL_R16 : GL_R8, kSize, kSize, layers);
   atlas.block_rows_ = block_rows;
-  atlas.block_texture_ = gl::make_texture_2d(GL_RGBA16UI, PictureBlocks::kLayerBlocks, block_rows);
+  atlas.block_texture_ = gl::make_texture_2d(GL_RGBA16UI, OcclusionTiles::kLayerBlocks, block_rows);
   // Codes next to each other have nothing to do with each other.
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(atlas.delta_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -164,7 +164,7 @@ Result<PictureAtlas> PictureAtlas::create(const AtlasOptions& options) {
 }
 
 // Where OpenGL captures, and what resolves that into a slot.
-Result<> PictureAtlas::make_capture_target() {
+Result<> NailboardAtlas::make_capture_target() {
   capture_color_ = make_capture_texture(GL_RGBA8, capture_size_, options_.samples);
   capture_depth_ = make_capture_texture(GL_DEPTH_COMPONENT32F, capture_size_, options_.samples);
   capture_framebuffer_ = gl::make_framebuffer();
@@ -181,8 +181,8 @@ Result<> PictureAtlas::make_capture_target() {
   return Done{};
 }
 
-void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
-                           std::span<const std::uint32_t> objects, const AtlasSlot& slot) {
+void NailboardAtlas::capture(SceneRenderer& renderer, const Camera& camera,
+                             std::span<const std::uint32_t> objects, const AtlasSlot& slot) {
   RILIEVO_EXPECTS_EQ(camera.width, slot.width);
   RILIEVO_EXPECTS_EQ(camera.height, slot.height);
   RILIEVO_EXPECTS(!camera.keeps_farthest());
@@ -221,7 +221,7 @@ void PictureAtlas::capture(SceneRenderer& renderer, const Camera& camera,
   reduce_to_blocks(slot);
 }
 
-void PictureAtlas::write(const AtlasSlot& slot, const RasterPicture& picture) {
+void NailboardAtlas::write(const AtlasSlot& slot, const RasterPicture& picture) {
   RILIEVO_EXPECTS_EQ(picture.width, slot.width);
   RILIEVO_EXPECTS_EQ(picture.height, slot.height);
   encode_picture(picture, options_.delta_bits, encoded_);
@@ -233,7 +233,7 @@ void PictureAtlas::write(const AtlasSlot& slot, const RasterPicture& picture) {
 }
 
 // Rows from the bottom; codes of 8 or, for more bits, 16 bits.
-void PictureAtlas::upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes) {
+void NailboardAtlas::upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   const auto send = [&](GLuint texture, GLenum format, GLenum type, const void* texels) {
     glTextureSubImage3D(texture, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1, format,
@@ -243,7 +243,7 @@ void PictureAtlas::upload(const AtlasSlot& slot, const glm::u8vec4* colors, cons
   send(delta_, GL_RED, options_.delta_bits > 8 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE, codes);
 }
 
-void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
+void NailboardAtlas::reduce_to_blocks(const AtlasSlot& slot) {
   const int rows = blocks_across(slot.height);
   if (next_block_row_ + rows > block_rows_) read_blocks();
   glBindFramebuffer(GL_FRAMEBUFFER, block_framebuffer_);
@@ -265,7 +265,7 @@ void PictureAtlas::reduce_to_blocks(const AtlasSlot& slot) {
   next_block_row_ += rows;
 }
 
-void PictureAtlas::read_blocks() {
+void NailboardAtlas::read_blocks() {
   // Red holds both Deltas, the nearest in its low byte.
   static_assert(std::endian::native == std::endian::little);
   for (const auto& [slot, row] : unread_) {
@@ -273,7 +273,7 @@ void PictureAtlas::read_blocks() {
     read_blocks_.resize(std::size_t(columns) * std::size_t(rows));
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glGetTextureSubImage(block_texture_, 0, 0, row, 0, columns, rows, 1, GL_RGB_INTEGER,
-                         GL_UNSIGNED_SHORT, GLsizei(read_blocks_.size() * sizeof(PictureBlock)),
+                         GL_UNSIGNED_SHORT, GLsizei(read_blocks_.size() * sizeof(OcclusionTile)),
                          read_blocks_.data());
     blocks_.assign(slot, read_blocks_);
   }
@@ -281,17 +281,18 @@ void PictureAtlas::read_blocks() {
   next_block_row_ = 0;
 }
 
-PictureBlocksView PictureAtlas::blocks(const AtlasSlot& slot) {
+OcclusionTilesView NailboardAtlas::blocks(const AtlasSlot& slot) {
   read_blocks();
   return blocks_.view(slot);
 }
 
-void PictureAtlas::narrow(const AtlasSlot& slot, PictureGeometry& geometry) {
+void NailboardAtlas::narrow(const AtlasSlot& slot, PictureGeometry& geometry) {
   if (const auto range = delta_range(blocks(slot))) narrow_slab(geometry, *range);
 }
 
-void PictureAtlas::capture_objects(SceneRenderer& renderer, const Camera& camera,
-                                   std::span<const std::uint32_t> objects, const AtlasSlot& slot) {
+void NailboardAtlas::capture_objects(SceneRenderer& renderer, const Camera& camera,
+                                     std::span<const std::uint32_t> objects,
+                                     const AtlasSlot& slot) {
   if (!object_) {
     object_ = gl::make_texture_2d_array(GL_R32UI, kSize, kSize, allocator_.layers());
     glTextureParameteri(object_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -314,7 +315,7 @@ void PictureAtlas::capture_objects(SceneRenderer& renderer, const Camera& camera
   renderer.draw_objects(camera, objects);
 }
 
-Nailboard PictureAtlas::read(const AtlasSlot& slot, const PictureGeometry& geometry) const {
+Nailboard NailboardAtlas::read(const AtlasSlot& slot, const PictureGeometry& geometry) const {
   Nailboard board;
   board.geometry = geometry;
   board.geometry.delta_bits = options_.delta_bits;
@@ -338,7 +339,7 @@ Nailboard PictureAtlas::read(const AtlasSlot& slot, const PictureGeometry& geome
   return board;
 }
 
-void PictureAtlas::write(const AtlasSlot& slot, const Nailboard& nailboard) {
+void NailboardAtlas::write(const AtlasSlot& slot, const Nailboard& nailboard) {
   RILIEVO_EXPECTS_EQ(nailboard.geometry.delta_bits, options_.delta_bits);
   RILIEVO_EXPECTS_EQ(nailboard.color.width(), slot.width);
   RILIEVO_EXPECTS_EQ(nailboard.color.height(), slot.height);

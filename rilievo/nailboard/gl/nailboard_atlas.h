@@ -12,7 +12,7 @@
 #include "rilievo/nailboard/atlas_allocator.h"
 #include "rilievo/nailboard/encode_picture.h"
 #include "rilievo/nailboard/nailboard.h"
-#include "rilievo/nailboard/picture_blocks.h"
+#include "rilievo/nailboard/occlusion_tiles.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 #include "rilievo/render/shading/picture_shader.h"
 
@@ -29,11 +29,11 @@ struct AtlasOptions {
 };
 
 // Pictures in texture arrays.
-class PictureAtlas {
+class NailboardAtlas {
  public:
   // Allocates all memory. Fails if the budget does not suffice for one picture or the driver
   // refuses.
-  [[nodiscard]] static Result<PictureAtlas> create(const AtlasOptions& options);
+  [[nodiscard]] static Result<NailboardAtlas> create(const AtlasOptions& options);
 
   // Allocates a slot; none if the budget is used up.
   [[nodiscard]] std::optional<AtlasSlot> allocate(int width, int height) {
@@ -55,9 +55,9 @@ class PictureAtlas {
   // A picture captured elsewhere, of the slot's size; perspective.
   void write(const AtlasSlot& slot, const RasterPicture& picture);
 
-  // The blocks of the slot's picture (picture_blocks.h). The first call after a capture or a write
+  // The blocks of the slot's picture (occlusion_tiles.h). The first call after a capture or a write
   // waits for the GPU.
-  [[nodiscard]] PictureBlocksView blocks(const AtlasSlot& slot);
+  [[nodiscard]] OcclusionTilesView blocks(const AtlasSlot& slot);
   // Narrows the geometry's slab to the samples of the slot's picture, unless it is empty.
   void narrow(const AtlasSlot& slot, PictureGeometry& geometry);
 
@@ -81,7 +81,7 @@ class PictureAtlas {
   [[nodiscard]] GLuint object_texture() const { return object_; }
 
  private:
-  explicit PictureAtlas(int layers) : allocator_(layers), blocks_(layers) {}
+  explicit NailboardAtlas(int layers) : allocator_(layers), blocks_(layers) {}
   [[nodiscard]] Result<> make_capture_target();
   void upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes);
   void reduce_to_blocks(const AtlasSlot& slot);
@@ -97,13 +97,13 @@ class PictureAtlas {
   int block_rows_ = 0, next_block_row_ = 0;  // of the texture; from here on nothing unread
   gl::Framebuffer capture_framebuffer_, layer_framebuffer_, object_framebuffer_, block_framebuffer_;
   gl::Program resolve_, reduce_;
-  PictureBlocks blocks_;
+  OcclusionTiles blocks_;
   struct Unread {
     AtlasSlot slot;
     int row;  // of block_texture_, its lowest
   };
   std::vector<Unread> unread_;  // whose blocks the GPU has and blocks_ has not
-  std::vector<PictureBlock> read_blocks_;
+  std::vector<OcclusionTile> read_blocks_;
   gl::VertexArray no_vertices_;
   AtlasPicture encoded_;
 };

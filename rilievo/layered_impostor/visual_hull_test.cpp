@@ -1,4 +1,4 @@
-#include "rilievo/layered_impostor/inside.h"
+#include "rilievo/layered_impostor/visual_hull.h"
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ TEST(Inside, a_point_is_seen_empty_exactly_if_the_picture_looks_through_it) {
         const double t = (at.z - ray.eye_z_start) / ray.eye_z_step;
         const bool hidden = rays->occluded(ray.origin, ray.direction, 0.0f, float(t));
         ++cases;
-        wrong += seen_empty(surface, glm::dvec3(p)) == hidden;
+        wrong += is_carved(surface, glm::dvec3(p)) == hidden;
       }
     }
     EXPECT_GT(cases, 4000);

@@ -34,7 +34,7 @@ struct ViewAxes {
 [[nodiscard]] bool may_see(const std::array<ViewAxes::Plane, 5>& frustum, const Box& box);
 
 // The estimate for one picture. Costs are in triangles.
-struct PictureEstimate {
+struct CaptureCost {
   bool possible = false;         // not too near, not too large, not too short-lived
   double life = 0;               // frames until the error exceeds the limit
   double draw = 0, capture = 0;  // triangles
@@ -47,13 +47,14 @@ struct PictureEstimate {
 // Estimates a picture of `box`. `drift`: the eye's motion relative to the object, metres per frame.
 // `range`: the part of the box's depths that the picture is expected to show. `life_share`: the
 // share of the life that flatness allows which gaps are expected to leave.
-[[nodiscard]] PictureEstimate estimate_picture(const ViewAxes& view, const Box& box,
-                                               std::uint64_t triangles, const glm::dvec3& drift,
-                                               const CacheOptions& options,
-                                               const DeltaRange& range = {}, double life_share = 1);
+[[nodiscard]] CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box,
+                                                std::uint64_t triangles, const glm::dvec3& drift,
+                                                const CacheOptions& options,
+                                                const DeltaRange& range = {},
+                                                double life_share = 1);
 
 // The cost per frame of a picture that is captured again and again, in triangles.
-[[nodiscard]] inline double picture_rate(const PictureEstimate& e, const CacheOptions& options) {
+[[nodiscard]] inline double picture_rate(const CaptureCost& e, const CacheOptions& options) {
   return e.draw + e.capture / ((1 + options.anticipation) * e.life);
 }
 
@@ -68,9 +69,9 @@ struct PlacedPicture {
   double coarse_px = 0;  // the excess over error_px that coarse texels cause
   bool good = false;     // within the limit now, if the picture shows the expected range
 };
-// Places a picture; see estimate_picture. `texel_scale` below 1 makes texels coarser.
+// Places a picture; see estimate_capture_cost. `texel_scale` below 1 makes texels coarser.
 [[nodiscard]] PlacedPicture place_picture(const ViewAxes& view, const Box& box,
-                                          const PictureEstimate& estimate, const glm::dvec3& drift,
+                                          const CaptureCost& estimate, const glm::dvec3& drift,
                                           double texel_scale, const CacheOptions& options,
                                           const DeltaRange& range = {});
 

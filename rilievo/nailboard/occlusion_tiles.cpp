@@ -1,4 +1,4 @@
-#include "rilievo/nailboard/picture_blocks.h"
+#include "rilievo/nailboard/occlusion_tiles.h"
 
 #include <algorithm>
 
@@ -8,11 +8,11 @@ namespace rilievo {
 
 static_assert(AtlasAllocator::kCell % kCellTexels == 0, "no cell reaches into two pictures");
 
-std::optional<DeltaRange> delta_range(const PictureBlocksView& blocks) {
+std::optional<DeltaRange> delta_range(const OcclusionTilesView& blocks) {
   DeltaRange range{2, -1};
   for (int y = 0; y < blocks_across(blocks.height); ++y)
     for (int x = 0; x < blocks_across(blocks.width); ++x) {
-      const PictureBlock& block = blocks.block(x, y);
+      const OcclusionTile& block = blocks.block(x, y);
       if (block.empty()) continue;
       range.nearest = std::min(range.nearest, block.nearest_delta());
       range.farthest = std::max(range.farthest, block.farthest_delta());
@@ -21,22 +21,22 @@ std::optional<DeltaRange> delta_range(const PictureBlocksView& blocks) {
   return range;
 }
 
-PictureBlocks::PictureBlocks(int layers)
+OcclusionTiles::OcclusionTiles(int layers)
     : blocks_(std::size_t(layers) * kLayerBlocks * kLayerBlocks),
       cells_(std::size_t(layers) * kLayerCells * kLayerCells, 255) {}
 
-std::size_t PictureBlocks::first_block(const AtlasSlot& slot) {
+std::size_t OcclusionTiles::first_block(const AtlasSlot& slot) {
   return (std::size_t(slot.layer) * kLayerBlocks + std::size_t(slot.y) / kBlockTexels) *
              kLayerBlocks +
          std::size_t(slot.x) / kBlockTexels;
 }
 
-std::size_t PictureBlocks::first_cell(const AtlasSlot& slot) {
+std::size_t OcclusionTiles::first_cell(const AtlasSlot& slot) {
   return (std::size_t(slot.layer) * kLayerCells + std::size_t(slot.y) / kCellTexels) * kLayerCells +
          std::size_t(slot.x) / kCellTexels;
 }
 
-void PictureBlocks::assign(const AtlasSlot& slot, std::span<const PictureBlock> blocks) {
+void OcclusionTiles::assign(const AtlasSlot& slot, std::span<const OcclusionTile> blocks) {
   const int columns = blocks_across(slot.width), rows = blocks_across(slot.height);
   RILIEVO_EXPECTS_EQ(blocks.size(), std::size_t(columns) * std::size_t(rows));
   for (int y = 0; y < rows; ++y)
@@ -54,7 +54,7 @@ void PictureBlocks::assign(const AtlasSlot& slot, std::span<const PictureBlock> 
     }
 }
 
-PictureBlocksView PictureBlocks::view(const AtlasSlot& slot) const {
+OcclusionTilesView OcclusionTiles::view(const AtlasSlot& slot) const {
   return {&blocks_[first_block(slot)],
           &cells_[first_cell(slot)],
           kLayerBlocks,

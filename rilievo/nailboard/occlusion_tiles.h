@@ -19,7 +19,7 @@ namespace rilievo {
 inline constexpr int kBlockTexels = 4;  // texels a side
 
 // A block. Deltas are in steps of 1 / 254, rounded outwards.
-struct PictureBlock {
+struct OcclusionTile {
   std::uint8_t nearest = 255;  // 255: no texel is covered
   std::uint8_t farthest = 0;
   std::uint16_t covered = 0;  // bit x + 4 y: texel (x, y) has a Delta
@@ -28,21 +28,21 @@ struct PictureBlock {
   [[nodiscard]] bool empty() const { return covered == 0; }
   [[nodiscard]] double nearest_delta() const { return nearest / 254.0; }
   [[nodiscard]] double farthest_delta() const { return farthest / 254.0; }
-  friend bool operator==(const PictureBlock&, const PictureBlock&) = default;
+  friend bool operator==(const OcclusionTile&, const OcclusionTile&) = default;
 };
-static_assert(sizeof(PictureBlock) == 6, "three words, as they are read from a texture");
+static_assert(sizeof(OcclusionTile) == 6, "three words, as they are read from a texture");
 
 // Cells of blocks, which are tested before their blocks. Blocks and texels a side.
 inline constexpr int kCellBlocks = 4, kCellTexels = kCellBlocks * kBlockTexels;
 
 // The blocks and cells of one picture.
-struct PictureBlocksView {
-  const PictureBlock* blocks = nullptr;     // bottom left block
+struct OcclusionTilesView {
+  const OcclusionTile* blocks = nullptr;    // bottom left block
   const std::uint8_t* cells = nullptr;      // the nearest Delta of each cell's blocks
   std::size_t block_row = 0, cell_row = 0;  // entries from one row to the next
   int width = 0, height = 0;                // texels
 
-  [[nodiscard]] const PictureBlock& block(int x, int y) const {
+  [[nodiscard]] const OcclusionTile& block(int x, int y) const {
     return blocks[std::size_t(y) * block_row + std::size_t(x)];
   }
   [[nodiscard]] std::uint8_t cell(int x, int y) const {
@@ -71,17 +71,17 @@ struct PictureBlocksView {
 }
 
 // The nearest and the farthest Delta of a picture; none if it is empty.
-[[nodiscard]] std::optional<DeltaRange> delta_range(const PictureBlocksView& blocks);
+[[nodiscard]] std::optional<DeltaRange> delta_range(const OcclusionTilesView& blocks);
 
 // The blocks of all pictures of an atlas.
-class PictureBlocks {
+class OcclusionTiles {
  public:
-  explicit PictureBlocks(int layers);
+  explicit OcclusionTiles(int layers);
 
   // Sets the blocks of a picture: rows of blocks_across(slot.width), bottom row first.
-  void assign(const AtlasSlot& slot, std::span<const PictureBlock> blocks);
+  void assign(const AtlasSlot& slot, std::span<const OcclusionTile> blocks);
   // The blocks of the picture in `slot`.
-  [[nodiscard]] PictureBlocksView view(const AtlasSlot& slot) const;
+  [[nodiscard]] OcclusionTilesView view(const AtlasSlot& slot) const;
 
   static constexpr int kLayerBlocks = AtlasAllocator::kLayerSize / kBlockTexels;  // a side
   static constexpr int kLayerCells = AtlasAllocator::kLayerSize / kCellTexels;
@@ -91,7 +91,7 @@ class PictureBlocks {
   [[nodiscard]] static std::size_t first_block(const AtlasSlot& slot);
   [[nodiscard]] static std::size_t first_cell(const AtlasSlot& slot);
 
-  std::vector<PictureBlock> blocks_;  // by layer, row, column
+  std::vector<OcclusionTile> blocks_;  // by layer, row, column
   std::vector<std::uint8_t> cells_;
 };
 

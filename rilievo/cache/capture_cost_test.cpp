@@ -1,4 +1,4 @@
-#include "rilievo/cache/estimate.h"
+#include "rilievo/cache/capture_cost.h"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(Estimate, a_placed_picture_is_good_now_and_lives_about_as_long_as_expected)
   for (int i = 0; i < 3000; ++i) {
     const Scene s = random_scene(rng);
     const ViewAxes axes = view_axes(s.view, 10);
-    const PictureEstimate e = estimate_picture(axes, s.box, 1000, s.view.velocity, options);
+    const CaptureCost e = estimate_capture_cost(axes, s.box, 1000, s.view.velocity, options);
     if (!e.possible || !may_see(axes.now, s.box)) continue;
     const PlacedPicture placed = place_picture(axes, s.box, e, s.view.velocity, 1, options);
     ASSERT_TRUE(placed.good) << i;
@@ -79,7 +79,7 @@ TEST(Estimate, anticipation_nearly_doubles_a_life) {
       options.max_texels = 4096;
       options.anticipation = anticipation;
       const ViewAxes axes = view_axes(s.view, 10);
-      const PictureEstimate e = estimate_picture(axes, s.box, 1000, s.view.velocity, options);
+      const CaptureCost e = estimate_capture_cost(axes, s.box, 1000, s.view.velocity, options);
       if (!e.possible || e.life < 10 || !may_see(axes.now, s.box)) return 0.0;
       const PlacedPicture placed = place_picture(axes, s.box, e, s.view.velocity, 1, options);
       double lived = 0;

@@ -20,7 +20,7 @@ struct PixelRay {
                                                 const glm::dvec2& raster);
 
 // The height-field ray march of a ray through a picture's surface.
-[[nodiscard]] SurfaceWalk walk_picture(const LayeredImpostor& impostor, int view,
+[[nodiscard]] SurfaceHit march_picture(const LayeredImpostor& impostor, int view,
                                        const PixelRay& ray);
 
 }  // namespace rilievo

@@ -18,11 +18,11 @@
 namespace rilievo {
 
 // Does the picture carve this point (world space)? Never outside of its frustum.
-[[nodiscard]] bool seen_empty(const TexelSurface& surface, const glm::dvec3& world);
+[[nodiscard]] bool is_carved(const TexelSurface& surface, const glm::dvec3& world);
 
 // Sets SurfaceTexel::inside of all texels: the depth down to which no picture carves the space
 // behind the texel's surface. Follows 64 x 64 lines of sight of each picture, whatever its size, in
 // steps of 1/64 of its frustum's depth; each stands for the texels around it.
-void find_inside(std::span<TexelSurface> surfaces);
+void find_visual_hulls(std::span<TexelSurface> surfaces);
 
 }  // namespace rilievo

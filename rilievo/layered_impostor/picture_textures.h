@@ -1,0 +1,26 @@
+// Which textures hold a picture of a layered impostor, and how large are they? Internal to
+// `layered_impostor`.
+#pragma once
+
+#include <array>
+
+#include "rilievo/warp/surface_pyramid.h"
+
+namespace rilievo {
+
+// Bytes of a texel, by texture.
+inline constexpr int kColorBytes = 4;     // colour, sRGB-encoded under its alpha
+inline constexpr int kQBytes = 4;         // 1 / eye_z
+inline constexpr int kSlopeBytes = 8;     // its slopes to the four sides
+inline constexpr int kLinksBytes = 1;     // which neighbours are the same surface
+inline constexpr int kIntervalBytes = 4;  // depths between which a slice shows the texel
+inline constexpr int kCellBytes = 8;      // of the pyramid: front and back of a cell
+
+// The pyramid of a picture of this size, its levels side by side.
+struct CellTexture {
+  int columns = 0, rows = 0;
+  std::array<int, SurfacePyramid::kLevels> level_at{};
+};
+[[nodiscard]] CellTexture cell_texture(int width, int height);
+
+}  // namespace rilievo
