@@ -35,12 +35,45 @@ Result<ObjectDrawablesOptions> object_options(const Kind& kind, const KindOption
   return objects;
 }
 
+// What lies far around the eyes, as one.
+Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const MethodOptions& options,
+                          SceneRenderer& renderer) {
+  KindOptions values = options.kinds;
+  apply(method, values);
+  Result<OptionValues> bake = bake_values(*method.kind, values);
+  if (!bake) return bake.error();
+  Result<OptionValues> draw = draw_values(*method.kind, values);
+  if (!draw) return draw.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(drawable_rows(), method.kind->name);
+  if (!factory) return factory.error();
+  Progress progress("view");
+  SurroundingsOptions surroundings{*bake, *draw, options.eyes};
+  surroundings.beyond =
+      options.bake_beyond.value_or(0.1 * double(world_bounds(renderer.scene()).radius()));
+  surroundings.progress = [&](int done, int total) { progress.show(done, total); };
+  Result<ObjectDrawable> made =
+      bake_surroundings_drawable(renderer, *method.kind, **factory, surroundings);
+  if (!made) return made.error();
+  cache.add_surroundings(std::move(made->drawable), std::move(*factory), std::move(made->objects));
+  return Done{};
+}
+
 // The kinds of --bake-as share --bake-mb evenly.
 Result<> add_alternatives(ImageCache& cache, const MethodOptions& options,
                           SceneRenderer& renderer) {
+  const auto surrounds = [](const std::string& name) {
+    return kind_method(name).kind->stands_for == StandsFor::surroundings;
+  };
+  if (std::count_if(options.bake_as.begin(), options.bake_as.end(), surrounds) > 1)
+    return Error{"--bake-as", "names more than one kind of surroundings"};
   const std::size_t each = std::size_t(options.bake_mb) * kMegabyte / options.bake_as.size();
   for (const std::string& name : options.bake_as) {
     const KindMethod method = kind_method(name);
+    if (surrounds(name)) {
+      if (Result<> added = add_surroundings(cache, method, options, renderer); !added) return added;
+      continue;
+    }
     KindOptions values = options.kinds;
     apply(method, values);
     Progress progress("view");
@@ -236,14 +269,18 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->delimiter(',')
       ->check(CLI::Validator(
           [](std::string& name) {
-            const Kind* kind = kind_method(name).kind;
-            if (kind && kind->stands_for != StandsFor::objects)
-              return fmt::format("'{}' stands for no objects", name);
-            return kind ? std::string()
-                        : fmt::format("'{}' is no kind: {}", name, fmt::join(kind_names(), ", "));
+            return kind_method(name).kind
+                       ? std::string()
+                       : fmt::format("'{}' is no kind: {}", name, fmt::join(kind_names(), ", "));
           },
           ""))
       ->type_name("A,B,...");
+  command
+      .add_option("--bake-beyond", options.bake_beyond,
+                  "cache: kinds of surroundings (environment-nodes) stand for what lies farther "
+                  "from the path than this (default a tenth of the scene's radius)")
+      ->check(in_range(0.0, 1e9))
+      ->type_name("METRES");
   add_kind_options(command, KindOptionsOf::draw, options.kinds);
   add_kind_options(command, KindOptionsOf::bake, options.kinds);
 }

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct MethodOptions {
   bool fade = true;                                      // cache
   int bake_mb = 0;                                       // cache; 0: bakes nothing
   std::vector<std::string> bake_as{"layered-impostor"};  // cache: kinds that are baked
+  std::optional<double> bake_beyond;                     // cache: metres
   double texel_px = 4;                                   // kinds drawn for objects
   KindOptions kinds;
   Box eyes = {};  // where eyes will be; empty: not known

@@ -92,6 +92,11 @@ struct Builder {
     }
     std::uint32_t middle = depth < kHeuristicDepth ? cut(first, last) : 0;
     if (middle == 0) middle = first + (last - first) / 2;
+    build_children(index, first, middle, last, depth);
+  }
+
+  void build_children(std::size_t index, std::uint32_t first, std::uint32_t middle,
+                      std::uint32_t last, int depth) {
     build(first, middle, depth + 1);
     const std::size_t second = tree.nodes.size();
     build(middle, last, depth + 1);
@@ -106,15 +111,34 @@ struct Builder {
 
 }  // namespace
 
-Hierarchy build_hierarchy(std::span<const Box> boxes, std::span<const std::uint64_t> triangles) {
+Hierarchy build_hierarchy(std::span<const Box> boxes, std::span<const std::uint64_t> triangles,
+                          std::span<const std::uint8_t> apart) {
   RILIEVO_EXPECTS_EQ(boxes.size(), triangles.size());
+  RILIEVO_EXPECTS(apart.empty() || apart.size() == boxes.size());
   Hierarchy tree;
   tree.order.reserve(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i)
     if (!boxes[i].empty()) tree.order.push_back(std::uint32_t(i));
   if (tree.order.empty()) return tree;
   tree.nodes.reserve(2 * tree.order.size() - 1);
-  Builder{boxes, triangles, tree}.build(0, std::uint32_t(tree.order.size()), 0);
+  Builder builder{boxes, triangles, tree};
+  const auto count = std::uint32_t(tree.order.size());
+  const auto begin = tree.order.begin();
+  const auto together =
+      apart.empty() ? count
+                    : std::uint32_t(std::stable_partition(
+                                        begin, tree.order.end(),
+                                        [&](std::uint32_t object) { return apart[object] == 0; }) -
+                                    begin);
+  if (together == 0 || together == count) {
+    builder.build(0, count, 0);
+    if (together == 0) tree.apart = 0;
+    return tree;
+  }
+  tree.nodes.emplace_back();
+  tree.nodes[0].count = count;
+  builder.build_children(0, 0, together, count, 0);
+  tree.apart = tree.nodes[0].second_child;
   return tree;
 }
 

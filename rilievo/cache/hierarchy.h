@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,14 +27,17 @@ struct HierarchyNode {
 
 // The tree.
 struct Hierarchy {
-  std::vector<HierarchyNode> nodes;  // depth first, parents before children; empty: no objects
-  std::vector<std::uint32_t> order;  // indices of the objects, grouped by node
+  std::vector<HierarchyNode> nodes;    // depth first, parents before children; empty: no objects
+  std::vector<std::uint32_t> order;    // indices of the objects, grouped by node
+  std::optional<std::uint32_t> apart;  // the node of the objects set apart, if any
 };
 
 // Builds the tree. `boxes[i]` bounds object i, which has `triangles[i]` triangles. Objects with an
-// empty box are left out. Requires equal sizes and finite boxes. O(n log n): 10^5 objects take
-// about a tenth of a second.
+// empty box are left out. Those with `apart` set (empty: none) are below a node of their own, which
+// holds no others. Requires equal sizes and finite boxes. O(n log n): 10^5 objects take about a
+// tenth of a second.
 [[nodiscard]] Hierarchy build_hierarchy(std::span<const Box> boxes,
-                                        std::span<const std::uint64_t> triangles);
+                                        std::span<const std::uint64_t> triangles,
+                                        std::span<const std::uint8_t> apart = {});
 
 }  // namespace rilievo

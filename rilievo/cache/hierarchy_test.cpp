@@ -52,6 +52,28 @@ void check(const Hierarchy& tree, const Objects& o) {
   }
 }
 
+TEST(Hierarchy, those_apart_hang_under_a_node_of_their_own) {
+  std::mt19937 rng(5);
+  for (int round = 0; round < 60; ++round) {
+    const int n = 1 + int(rng() % 40);
+    const Objects o = random_objects(rng, n);
+    std::vector<std::uint8_t> apart(std::size_t(n), 0);
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t i = 0; i < std::uint32_t(n); ++i)
+      if (round % 4 == 0 || rng() % 3 == 0) apart[i] = 1, expected.push_back(i);
+    if (round % 7 == 0) std::fill(apart.begin(), apart.end(), std::uint8_t(0)), expected.clear();
+    const Hierarchy tree = build_hierarchy(o.boxes, o.triangles, apart);
+    check(tree, o);
+    ASSERT_EQ(tree.apart.has_value(), !expected.empty());
+    if (expected.empty()) continue;
+    const HierarchyNode& node = tree.nodes[*tree.apart];
+    std::vector<std::uint32_t> found(tree.order.begin() + node.first,
+                                     tree.order.begin() + node.first + node.count);
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found, expected);
+  }
+}
+
 TEST(Hierarchy, every_node_holds_what_its_children_hold) {
   std::mt19937 rng(1);
   for (int n : {1, 2, 3, 17, 500}) {

@@ -72,6 +72,24 @@ class Nodes(command.Case):
                                  "--auto", "2", *FRAME, "-o", self.folder / name, "--json", "-")
             self.assertEqual(list(json.loads(done.stdout)["methods"]), methods)
 
+    def test_nodes_stand_for_what_is_far_in_the_cache(self):
+        def cache(*arguments):
+            done = self.succeeds("compare", "builtin:stonehenge", "--methods", "cache", *arguments,
+                                 "--frames", "3", "--size", "96x64", "-o", self.folder / "report",
+                                 "--json", "-")
+            return json.loads(done.stdout)["methods"]["cache"]
+
+        nodes = ("--bake-mb", "8", "--bake-as", "environment-nodes")
+        self.assertNotIn("environment-nodes", cache()["drawn_as"])
+        # Whether they are drawn is a matter of cost; pictures are cheaper where there are few.
+        drawn = cache(*nodes, "--bake-beyond", "8", "--face", "64", "--auto", "2")
+        self.assertIn("environment-nodes", drawn["drawn_as"])
+        self.assertLess(drawn["wrong_visibility"]["mean"], 0.01)
+        for wrong, named in ((("--bake-beyond", "1e6"), "environment-nodes"),
+                             (("--bake-beyond", "nan"), "--bake-beyond")):
+            self.refused(["compare", "builtin:stonehenge", "--methods", "cache", *nodes, *wrong,
+                          "-o", self.folder / "none"], named)
+
     def test_bad_input_ends_in_one_line_and_leaves_no_file(self):
         out = ("-o", self.folder / "out.exr")
         for arguments, named in (

@@ -35,8 +35,6 @@ Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheO
 
 void ImageCache::build() {
   const Scene& scene = renderer().scene();
-  std::vector<Box> boxes;
-  std::vector<std::uint64_t> triangles;
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
     if (!renderer().has_opaque_parts(i)) continue;
     const std::uint64_t count = scene.models[std::size_t(scene.objects[i].model)].triangles;
@@ -49,14 +47,9 @@ void ImageCache::build() {
       moving_.push_back(moving);
     } else {
       static_objects_.push_back(i);
-      boxes.push_back(renderer().object_bounds(i));
-      triangles.push_back(count);
     }
   }
-  hierarchy_ = build_hierarchy(boxes, triangles);
-  leaf_of_.assign(static_objects_.size(), 0);
-  for (Entity e = 0; e < hierarchy_.nodes.size(); ++e)
-    if (hierarchy_.nodes[e].leaf()) leaf_of_[hierarchy_.order[hierarchy_.nodes[e].first]] = e;
+  build_tree({});
 
   policy_ = capturer_ ? rasterized_cache_options() : CacheOptions{};
   policy_.max_texels = pictures_->atlas().max_picture_size();
@@ -69,6 +62,22 @@ void ImageCache::build() {
   policy_.memory_bytes = std::uint64_t(pictures_->atlas().allocator().layers()) *
                          AtlasAllocator::kLayerSize * AtlasAllocator::kLayerSize *
                          std::uint64_t(policy_.bytes_per_texel);
+}
+
+void ImageCache::build_tree(std::span<const std::uint32_t> apart) {
+  const Scene& scene = renderer().scene();
+  std::vector<Box> boxes;
+  std::vector<std::uint64_t> triangles;
+  std::vector<std::uint8_t> is_apart;
+  for (const std::uint32_t object : static_objects_) {
+    boxes.push_back(renderer().object_bounds(object));
+    triangles.push_back(scene.models[std::size_t(scene.objects[object].model)].triangles);
+    is_apart.push_back(std::binary_search(apart.begin(), apart.end(), object));
+  }
+  hierarchy_ = build_hierarchy(boxes, triangles, is_apart);
+  leaf_of_.assign(static_objects_.size(), 0);
+  for (Entity e = 0; e < hierarchy_.nodes.size(); ++e)
+    if (hierarchy_.nodes[e].leaf()) leaf_of_[hierarchy_.order[hierarchy_.nodes[e].first]] = e;
 }
 
 // Of an opaque object.
@@ -84,8 +93,28 @@ Entity ImageCache::entity_of(std::uint32_t object) const {
 void ImageCache::index_alternatives() {
   plan_.alternatives.clear();  // indices of before
   alternatives_.of_entity.assign(hierarchy_.nodes.size() + moving_.size(), {});
-  for (std::size_t i = 0; i < alternatives_.list.size(); ++i)
-    alternatives_.of_entity[entity_of(alternatives_.list[i].object)].push_back(std::uint32_t(i));
+  for (std::size_t i = 0; i < alternatives_.list.size(); ++i) {
+    const Alternative& one = alternatives_.list[i];
+    const Entity entity =
+        drawables_[one.drawable].together ? *hierarchy_.apart : entity_of(one.object);
+    alternatives_.of_entity[entity].push_back(std::uint32_t(i));
+  }
+}
+
+void ImageCache::add_surroundings(std::unique_ptr<Drawable> drawable,
+                                  std::unique_ptr<DrawableFactory> factory,
+                                  std::vector<std::uint32_t> objects) {
+  RILIEVO_EXPECTS(held_.empty() && !objects.empty());
+  build_tree(objects);
+  factories_.push_back(std::move(factory));
+  Alternative alternative{drawable->error_model(0), drawable->cost_terms(0)};
+  alternative.drawable = std::uint32_t(drawables_.size());
+  alternative.object = objects.front();
+  alternatives_.list.push_back(alternative);
+  alternative_bytes_ += drawable->bytes();
+  content().sets.push_back({drawable.get(), {}});
+  drawables_.push_back({std::move(drawable), std::move(objects), glm::dmat4(1.0), true});
+  index_alternatives();
 }
 
 void ImageCache::add_alternatives(std::vector<ObjectDrawable> drawables,
@@ -236,8 +265,9 @@ void ImageCache::collect(FrameContent& content) {
     add(moving_objects_[drawn.object], drawn.from, drawn.to);
   for (const DrawnAlternative& drawn : plan_.alternatives) {
     const Alternative& alternative = alternatives_.list[drawn.alternative];
+    const bool together = drawables_[alternative.drawable].together;
     content.sets[1 + alternative.drawable].instances.push_back(
-        {alternative.world_from_capture, 0, alternative.object + 1});
+        {alternative.world_from_capture, 0, together ? kNoObject : alternative.object + 1});
   }
 }
 
@@ -289,8 +319,12 @@ void ImageCache::invalidate_object(std::uint32_t object) {
   else if (const auto still = place_in(static_objects_))
     rilievo::invalidate(hierarchy_, *still, state_, evictions);
   for (std::uint32_t slot : evictions) release(slot);
-  if (std::erase_if(alternatives_.list,
-                    [&](const Alternative& one) { return one.object == object; }) > 0)
+  if (std::erase_if(alternatives_.list, [&](const Alternative& one) {
+        const ObjectDrawable& drawable = drawables_[one.drawable];
+        return one.object == object ||
+               (drawable.together &&
+                std::binary_search(drawable.objects.begin(), drawable.objects.end(), object));
+      }) > 0)
     index_alternatives();
 }
 

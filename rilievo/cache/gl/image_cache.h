@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,13 @@ class ImageCache final : public SceneFrames {
   void add_alternatives(std::vector<ObjectDrawable> drawables,
                         std::unique_ptr<DrawableFactory> factory);
 
+  // Adds an alternative that stands for all these objects at once where its bound allows it: the
+  // surroundings of the eyes. The objects stand still, have opaque parts, and were baked where they
+  // are; ascending. Before the first frame, once.
+  void add_surroundings(std::unique_ptr<Drawable> drawable,
+                        std::unique_ptr<DrawableFactory> factory,
+                        std::vector<std::uint32_t> objects);
+
   // Drops all pictures and baked representations, because the light has changed.
   void invalidate();
   // Drops the pictures and baked representations of one object (index into Scene::objects).
@@ -84,6 +92,7 @@ class ImageCache final : public SceneFrames {
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   void prepare_objects() override;
   void build();
+  void build_tree(std::span<const std::uint32_t> apart);
   void update_moving();
   void plan(const Camera& camera);
   void carry_out_captures(const Camera& camera, FrameStats& stats);

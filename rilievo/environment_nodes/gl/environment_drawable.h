@@ -37,7 +37,7 @@ class EnvironmentDrawable final : public Drawable {
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
   // Draws nothing: surroundings have no outline.
   void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
-  // Infinite for eyes whose nodes have not been drawn yet.
+  // Loads a node that it has not met before: the first bound near it takes tens of milliseconds.
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
   [[nodiscard]] std::size_t bytes() const override;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/core/expects.h"
 
 namespace rilievo {
 namespace {
@@ -24,6 +25,11 @@ GroupKey key_of(int model, const glm::mat4& pose) {
   for (int i = 0; i < 9; ++i) key[std::size_t(i)] = pose[i / 3][i % 3];
   key[9] = float(model);
   return key;
+}
+
+// Metres between the nearest points of two boxes; 0 where they overlap.
+double distance_between(const Box& a, const Box& b) {
+  return double(glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::vec3(0))));
 }
 
 bool is_invertible(const glm::mat4& pose) {
@@ -102,6 +108,32 @@ Result<std::vector<ObjectDrawable>> bake_object_drawables(SceneRenderer& rendere
                          glm::inverse(glm::dmat4(renderer.poses()[object]))});
   }
   return drawables;
+}
+
+Result<ObjectDrawable> bake_surroundings_drawable(SceneRenderer& renderer, const Kind& kind,
+                                                  DrawableFactory& factory,
+                                                  const SurroundingsOptions& options) {
+  RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
+  const std::vector<Object>& objects = renderer.scene().objects;
+  ObjectDrawable surroundings;
+  surroundings.together = true;
+  for (std::uint32_t object = 0; object < objects.size(); ++object) {
+    if (objects[object].moving || !renderer.has_opaque_parts(object)) continue;
+    if (distance_between(renderer.object_bounds(object), options.eyes) < options.beyond) continue;
+    surroundings.objects.push_back(object);
+  }
+  if (surroundings.objects.empty())
+    return Error{std::string(kind.name),
+                 "no object that stands still lies beyond the distance asked for"};
+  OpenGLSource source(renderer);
+  Result<Baked> baked =
+      kind.bake({source, surroundings.objects, options.eyes}, options.bake, options.progress);
+  if (!baked) return baked.error();
+  Result<std::unique_ptr<Drawable>> drawable =
+      factory.make_drawable(std::move(baked->representation), options.draw);
+  if (!drawable) return drawable.error();
+  surroundings.drawable = std::move(*drawable);
+  return surroundings;
 }
 
 }  // namespace rilievo

@@ -21,6 +21,7 @@ struct ObjectDrawable {
   std::unique_ptr<Drawable> drawable;
   std::vector<std::uint32_t> objects;   // indices into Scene::objects, ascending
   glm::dmat4 object_from_capture{1.0};  // the inverse of the pose at the bake
+  bool together = false;                // one instance shows all objects at once
 };
 
 // The motion from the world at the bake to an object with this pose; none unless it is rigid or a
@@ -43,5 +44,19 @@ struct ObjectDrawablesOptions {
 [[nodiscard]] Result<std::vector<ObjectDrawable>> bake_object_drawables(
     SceneRenderer& renderer, const Kind& kind, DrawableFactory& factory,
     const ObjectDrawablesOptions& options);
+
+// What to bake as surroundings, and how.
+struct SurroundingsOptions {
+  OptionValues bake, draw;  // of the kind
+  Box eyes = {};            // the region of the eyes, world space
+  double beyond = 0;        // metres from `eyes` to the nearest point of an object's bounds
+  Progress progress;
+};
+
+// Bakes all objects that stand still and lie beyond a distance as one. Fails if there are none.
+[[nodiscard]] Result<ObjectDrawable> bake_surroundings_drawable(SceneRenderer& renderer,
+                                                                const Kind& kind,
+                                                                DrawableFactory& factory,
+                                                                const SurroundingsOptions& options);
 
 }  // namespace rilievo
