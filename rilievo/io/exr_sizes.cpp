@@ -1,6 +1,9 @@
 #include "rilievo/io/exr_sizes.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <utility>
 
 namespace rilievo {
 namespace {
@@ -25,6 +28,60 @@ bool take_string(std::string_view& rest, std::string_view& out) {
   return true;
 }
 
+// OpenEXR reads these types without a look at the stated size: bytes of a value.
+constexpr std::array<std::pair<std::string_view, std::uint32_t>, 24> kFixedSizes = {
+    {{"box2f", 16},
+     {"box2i", 16},
+     {"chromaticities", 32},
+     {"compression", 1},
+     {"deepImageState", 1},
+     {"double", 8},
+     {"envmap", 1},
+     {"float", 4},
+     {"int", 4},
+     {"keycode", 28},
+     {"lineOrder", 1},
+     {"m33d", 72},
+     {"m33f", 36},
+     {"m44d", 128},
+     {"m44f", 64},
+     {"rational", 8},
+     {"tiledesc", 9},
+     {"timecode", 8},
+     {"v2d", 16},
+     {"v2f", 8},
+     {"v2i", 8},
+     {"v3d", 24},
+     {"v3f", 12},
+     {"v3i", 12}}};
+
+// The bytes of a list of channels: each a name and 16 bytes, up to an empty name. 0: has no end.
+std::size_t size_of_channels(std::string_view rest) {
+  const std::size_t all = rest.size();
+  for (std::string_view name; take_string(rest, name);) {
+    if (name.empty()) return all - rest.size();
+    if (rest.size() < 16) return 0;
+    rest.remove_prefix(16);
+  }
+  return 0;
+}
+
+// Will OpenEXR read as many bytes as the attribute states? Otherwise it takes what follows for
+// another attribute than we do.
+bool is_read_whole(std::string_view type, std::string_view value) {
+  const auto* fixed = std::find_if(kFixedSizes.begin(), kFixedSizes.end(),
+                                   [&](const auto& known) { return known.first == type; });
+  if (fixed != kFixedSizes.end()) return value.size() == fixed->second;
+  if (type == "chlist") return size_of_channels(value) == value.size();
+  if (type == "preview") {
+    if (value.size() < 8) return false;
+    const std::uint64_t pixels =
+        std::uint64_t(little_endian(value)) * little_endian(value.substr(4));
+    return pixels == (value.size() - 8) / 4 && value.size() % 4 == 0;
+  }
+  return true;
+}
+
 // Takes one part's attributes off the front of `rest`; `empty` if there were none.
 Result<> take_part(std::string_view& rest, bool& empty) {
   empty = true;
@@ -36,6 +93,8 @@ Result<> take_part(std::string_view& rest, bool& empty) {
     rest.remove_prefix(4);
     if (size > rest.size())
       return Error{"", "an attribute claims " + std::to_string(size) + " bytes, more than follow"};
+    if (!is_read_whole(type, rest.substr(0, size)))
+      return Error{"", "an attribute has another size than its type"};
     rest.remove_prefix(size);
   }
 }

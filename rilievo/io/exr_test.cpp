@@ -391,5 +391,32 @@ TEST(ExrForeign, a_claim_of_too_many_texels_is_refused_before_they_are_allocated
   ASSERT_FALSE(loaded.ok());
 }
 
+// OpenEXR reads as many bytes as the type has: it would take the byte too many for the next name.
+TEST(ExrForeign, an_attribute_of_another_size_than_its_type_is_refused) {
+  const TemporaryFolder folder;
+  Foreign(foreign_camera()).save(folder / "a.exr");
+  const std::string whole = *read_file(folder / "a.exr", 1 << 24);
+  ASSERT_TRUE(load_pictures(folder / "a.exr").ok());
+  for (const std::string_view name : {"channels", "compression", "dataWindow", "lineOrder",
+                                      "pixelAspectRatio", "screenWindowCenter"}) {
+    const std::size_t at = whole.find(std::string(name) + '\0');
+    ASSERT_NE(at, std::string::npos) << name;
+    const std::size_t size = whole.find('\0', at + name.size() + 1) + 1;
+    for (const int more : {-1, 1}) {
+      std::string bytes = whole;
+      bytes[size] = char(bytes[size] + more);
+      if (more > 0)
+        bytes.insert(size + 4, 1, '\0');
+      else
+        bytes.erase(size + 4, 1);
+      ASSERT_TRUE(write_file(folder / "b.exr", bytes).ok());
+      const Result<std::vector<DepthImage>> loaded = load_pictures(folder / "b.exr");
+      ASSERT_FALSE(loaded.ok()) << name << more;
+      EXPECT_NE(loaded.error().reason.find("another size than its type"), std::string::npos)
+          << loaded.error().message();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rilievo
