@@ -1,7 +1,7 @@
 // What would a picture of a box cost, and how long would it live?
 //
 // Estimates for choosing, a few dozen operations each. Whether a picture can be drawn is decided by
-// bound_total_px alone. World space, metres, frames.
+// bound_total_px and bound_gap_px (nailboard/error.h, gap_table.h). World space, metres, frames.
 #pragma once
 
 #include <array>

@@ -278,15 +278,10 @@ bool FramePlanner::pictures_cover_below(Entity e) {
 
 void FramePlanner::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked,
                         float from, float to) {
-  emit(slot, e, float(checked.now_px), float(checked.gap_px), from, to);
-}
-
-void FramePlanner::emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float from,
-                        float to) {
   if (!(from < to)) return;
-  plan.pictures.push_back({slot, from, to, bound_px, gap_px});
-  plan.bound_px = std::max(plan.bound_px, double(bound_px));
-  plan.gap_px = std::max(plan.gap_px, double(gap_px));
+  plan.pictures.push_back({slot, from, to, float(checked.now_px), float(checked.gap_px)});
+  plan.bound_px = std::max(plan.bound_px, double(plan.pictures.back().bound_px));
+  plan.gap_px = std::max(plan.gap_px, double(plan.pictures.back().gap_px));
   ++(is_moving(e) || tree.nodes[e].leaf() ? plan.single : plan.hierarchy);
 }
 
@@ -342,7 +337,7 @@ void FramePlanner::draw(Entity e, float from, float to) {
 
   const float middle = share < 1 ? from + (to - from) * share : to;
   if (capture)  // its gaps are known only when it is made
-    emit(slot, e, float(bound_total_px(picture->geometry, frame.camera)), 0, from, middle);
+    emit(slot, e, {.now_px = bound_total_px(picture->geometry, frame.camera)}, from, middle);
   else
     emit(slot, e, check(slot), from, middle);
   if (!(middle < to)) return;

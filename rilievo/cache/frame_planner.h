@@ -95,7 +95,6 @@ struct FramePlanner {
   void enqueue(Entity e, double deadline, bool covered);
   void draw(Entity e, float from, float to);
   void draw_below(Entity e, float from, float to);
-  void emit(std::uint32_t slot, Entity e, float bound_px, float gap_px, float from, float to);
   void emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
             float to);
 };

@@ -116,6 +116,7 @@ Result<> read_samples(Imf::DeepScanLineInputPart& part, double file_bytes,
   if (double(layers.first.back()) * 8 > 1100.0 * file_bytes + double(4 << 20))
     return because("claims " + std::to_string(layers.first.back()) +
                    " samples, more than its bytes can hold");
+  if (layers.first.back() == 0) return Done{};  // no sample anywhere
   LayerSample empty;
   empty.color.a = 1;
   layers.samples.assign(layers.first.back(), empty);

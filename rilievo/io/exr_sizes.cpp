@@ -55,15 +55,13 @@ constexpr std::array<std::pair<std::string_view, std::uint32_t>, 24> kFixedSizes
      {"v3f", 12},
      {"v3i", 12}}};
 
-// The bytes of a list of channels: each a name and 16 bytes, up to an empty name. 0: has no end.
-std::size_t size_of_channels(std::string_view rest) {
-  const std::size_t all = rest.size();
-  for (std::string_view name; take_string(rest, name);) {
-    if (name.empty()) return all - rest.size();
-    if (rest.size() < 16) return 0;
-    rest.remove_prefix(16);
+// Is this a list of channels, each a name and 16 bytes, that an empty name ends?
+bool is_channel_list(std::string_view value) {
+  for (std::string_view name; take_string(value, name); value.remove_prefix(16)) {
+    if (name.empty()) return value.empty();
+    if (value.size() < 16) return false;
   }
-  return 0;
+  return false;
 }
 
 // Will OpenEXR read as many bytes as the attribute states? Otherwise it takes what follows for
@@ -72,7 +70,7 @@ bool is_read_whole(std::string_view type, std::string_view value) {
   const auto* fixed = std::find_if(kFixedSizes.begin(), kFixedSizes.end(),
                                    [&](const auto& known) { return known.first == type; });
   if (fixed != kFixedSizes.end()) return value.size() == fixed->second;
-  if (type == "chlist") return size_of_channels(value) == value.size();
+  if (type == "chlist") return is_channel_list(value);
   if (type == "preview") {
     if (value.size() < 8) return false;
     const std::uint64_t pixels =

@@ -89,7 +89,7 @@ Result<Image<float>> capture_nearest(SceneRenderer& renderer, const Camera& came
   return probe->read_eye_z(camera);
 }
 
-Result<Image<float>> capture_hindmost(SceneRenderer& renderer, const Camera& camera,
+Result<Image<float>> capture_farthest(SceneRenderer& renderer, const Camera& camera,
                                       std::span<const std::uint32_t> objects) {
   if (Result<> ok = validate(camera); !ok) return ok.error();
   Result<ProbeTarget> probe = ProbeTarget::create(camera.width, camera.height);

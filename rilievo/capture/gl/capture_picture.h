@@ -37,7 +37,7 @@ struct CaptureOptions {
 
 // The eye_z of the farthest of all surfaces of `objects` along each texel's ray, including hidden
 // ones and back faces (for a back-perspective camera the nearest); kNoDepth if there is none.
-[[nodiscard]] Result<Image<float>> capture_hindmost(SceneRenderer& renderer, const Camera& camera,
+[[nodiscard]] Result<Image<float>> capture_farthest(SceneRenderer& renderer, const Camera& camera,
                                                     std::span<const std::uint32_t> objects);
 
 }  // namespace rilievo

@@ -27,7 +27,7 @@ Result<CapturedPicture> OpenGLSource::capture(const CaptureRequest& request) {
   if (!picture) return picture.error();
   CapturedPicture captured{std::move(*picture), {}};
   if (!request.farthest) return captured;
-  Result<Image<float>> farthest = capture_hindmost(renderer_, request.camera, objects);
+  Result<Image<float>> farthest = capture_farthest(renderer_, request.camera, objects);
   if (!farthest) return farthest.error();
   captured.farthest = std::move(*farthest);
   return captured;

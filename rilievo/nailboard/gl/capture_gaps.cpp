@@ -34,7 +34,7 @@ GapTable capture_gaps(SceneRenderer& renderer, CaptureWithoutOpenGL* capturer, c
         eye_z_of(capturer->capture_farthest(camera, objects, renderer.poses()), camera));
   }
   const Result<Image<float>> nearest = capture_nearest(renderer, camera, objects);
-  const Result<Image<float>> farthest = capture_hindmost(renderer, camera, objects);
+  const Result<Image<float>> farthest = capture_farthest(renderer, camera, objects);
   if (!nearest.ok() || !farthest.ok()) return unknown_gaps(camera);
   return make_gap_table(*nearest, *farthest);
 }

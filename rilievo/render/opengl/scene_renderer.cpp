@@ -154,7 +154,7 @@ void SceneRenderer::State::upload_instances() {
                        staging.data());
 }
 
-// `hindmost`: the last surface instead of the first along each line of sight, back faces included.
+// `farthest`: the last surface instead of the first along each line of sight, back faces included.
 void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_features, bool farthest) {
   if (list.batches().empty()) return;
   upload_view(camera);
