@@ -23,7 +23,7 @@ function(rilievo_install target name with_gl)
     # Behind load_scene.h and save_glb.h; they need the headers of what reads for it.
     list(FILTER headers EXCLUDE REGEX "/scene/gltf/")
     # What the readers and writers of OpenEXR share; it needs OpenEXR's headers.
-    list(FILTER headers EXCLUDE REGEX "/io/exr_header\\.h$")
+    list(FILTER headers EXCLUDE REGEX "/io/(exr_header|exr_parts|deep_exr_parts)\\.h$")
     # It needs Highway's headers.
     list(FILTER headers EXCLUDE REGEX "/render/shading/simd_numbers\\.inl$")
     # Behind builtin.h.

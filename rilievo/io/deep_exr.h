@@ -1,6 +1,6 @@
 // How are layered pictures with depth stored in files that any OpenEXR tool opens? (S4.1)
 //
-// One deep part of scan lines, ZIPS compression:
+// A picture is one deep part of scan lines, ZIPS compression:
 //   channels    R G B A half, linear and premultiplied; Z, ZBack float: front and back of a sample
 //               (equal for a surface); id uint
 //   attributes  as in exr.h: the camera exactly, and as worldToCamera and worldToNDC
@@ -17,9 +17,11 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "rilievo/core/depth_image.h"
+#include "rilievo/io/exr.h"
 
 namespace rilievo {
 
@@ -27,6 +29,8 @@ namespace rilievo {
 struct DeepLoadOptions {
   // The camera of the display window, of any resolution. Used only if the file has no camera.
   std::optional<Camera> camera;
+  // Instead: the horizontal field of view of a camera at the origin (deep_camera), radians.
+  std::optional<double> fov;
   // The meaning of a foreign file's Z: eye_z or ray.
   DepthKind depth_kind = DepthKind::eye_z;
 };
@@ -34,6 +38,10 @@ struct DeepLoadOptions {
 // Saves a valid picture (an invalid one is an error). The file is replaced at once or not at all.
 [[nodiscard]] Result<> save_layers(const std::filesystem::path& path,
                                    const LayeredDepthImage& layers);
+// Several in one file, with attributes of the caller's (exr.h); read back by load_picture_file.
+[[nodiscard]] Result<> save_layers(const std::filesystem::path& path,
+                                   std::span<const LayeredDepthImage> pictures,
+                                   const FileAttributes& attributes = {});
 
 // Loads a valid picture. The error names the file and the reason.
 [[nodiscard]] Result<LayeredDepthImage> load_layers(const std::filesystem::path& path,

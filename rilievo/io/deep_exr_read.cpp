@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rilievo/core/file.h"
-#include "rilievo/io/deep_exr.h"
+#include "rilievo/io/deep_exr_parts.h"
 #include "rilievo/io/exr_header.h"
 #include "rilievo/io/exr_names.h"
 #include "rilievo/io/exr_sizes.h"
@@ -25,9 +25,7 @@ constexpr float kForeignFar = 1e30f;
 
 constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 34;
 
-Result<> check_deep(const Imf::MultiPartInputFile& file) {
-  if (file.parts() != 1) return because("has several parts; a deep picture is one");
-  const Imf::Header& header = file.header(0);
+Result<> check_deep(const Imf::Header& header) {
   if (!header.hasType() || !Imf::isDeepData(header.type())) return because("is not a deep image");
   if (header.type() != Imf::DEEPSCANLINE)
     return because("is a deep image of tiles; only scan lines are read");
@@ -47,6 +45,11 @@ Result<Camera> camera_of(const Imf::Header& header, const DeepLoadOptions& optio
   if (header.find(kVersionName) != header.end()) return own_camera(header);
   if (header.find("worldToCamera") != header.end() || header.find("worldToNDC") != header.end())
     return standard_camera(header);
+  const Size display = size_of(header.displayWindow());
+  if (options.fov && display.width > 0 && display.height > 0)
+    return cropped_camera(
+        header, deep_camera(*options.fov, int(std::min<std::int64_t>(display.width, 1 << 24)),
+                            int(std::min<std::int64_t>(display.height, 1 << 24))));
   if (!options.camera)
     return because("has no camera: neither worldToCamera and worldToNDC, nor one given beside it");
   return cropped_camera(header, *options.camera);
@@ -158,10 +161,18 @@ Result<> adopt_foreign_samples(LayeredDepthImage& layers) {
   return Done{};
 }
 
-Result<LayeredDepthImage> read_layers(Imf::MultiPartInputFile& file, double file_bytes,
-                                      const DeepLoadOptions& options) {
-  if (Result<> deep = check_deep(file); !deep) return deep.error();
-  const Imf::Header& header = file.header(0);
+}  // namespace
+
+bool exr::is_own_deep_part(const Imf::Header& header) {
+  return header.hasType() && Imf::isDeepData(header.type()) &&
+         header.find(kVersionName) != header.end();
+}
+
+Result<LayeredDepthImage> exr::read_layers(Imf::MultiPartInputFile& file, int index,
+                                           double file_bytes, const DeepLoadOptions& options,
+                                           bool with_samples) {
+  const Imf::Header& header = file.header(index);
+  if (Result<> deep = check_deep(header); !deep) return deep.error();
   if (Result<> claims = check_claims(header, file_bytes); !claims) return claims.error();
   const bool ours = header.find(kVersionName) != header.end();
   const Result<Camera> camera = camera_of(header, options);
@@ -176,7 +187,8 @@ Result<LayeredDepthImage> read_layers(Imf::MultiPartInputFile& file, double file
   }
   layers.name = attribute<std::string>(header, kName)
                     .value_or(header.hasName() ? header.name() : std::string());
-  Imf::DeepScanLineInputPart part(file, 0);
+  if (!with_samples) return layers;
+  Imf::DeepScanLineInputPart part(file, index);
   if (!chunks_fit(part, file_bytes)) return because("has a chunk that is larger than the file");
   if (Result<> read = read_samples(part, file_bytes, layers); !read) return read.error();
   if (!ours)
@@ -184,8 +196,6 @@ Result<LayeredDepthImage> read_layers(Imf::MultiPartInputFile& file, double file
   if (Result<> valid = validate(layers); !valid) return because(valid.error().reason);
   return layers;
 }
-
-}  // namespace
 
 Camera deep_camera(double horizontal_fov, int width, int height) {
   const double right = std::tan(0.5 * horizontal_fov), top = right * height / width;
@@ -202,7 +212,8 @@ Result<LayeredDepthImage> load_layers(std::string_view bytes, const std::string&
   try {
     MemoryStream stream(bytes);
     Imf::MultiPartInputFile file(stream, 0);
-    Result<LayeredDepthImage> read = read_layers(file, double(bytes.size()), options);
+    if (file.parts() != 1) return Error{where, "has several parts; a deep picture is one"};
+    Result<LayeredDepthImage> read = read_layers(file, 0, double(bytes.size()), options);
     if (!read) return Error{where, read.error().reason};
     return read;
   } catch (const std::exception& failed) {

@@ -66,6 +66,33 @@ TEST(DeepExr, what_is_saved_is_loaded_bit_for_bit) {
   EXPECT_EQ(folder.entries(), 1);
 }
 
+TEST(DeepExr, several_pictures_and_what_is_said_of_them_share_a_file) {
+  const TemporaryFolder folder;
+  std::vector<LayeredDepthImage> pictures;
+  for (unsigned seed = 0; seed < 3; ++seed)
+    pictures.push_back(random_deep(seed, 3 + 4 * int(seed), 9 - 2 * int(seed)));
+  pictures[1].name = pictures[0].name;
+  FileAttributes attributes;
+  attributes.file["kind"] = "some";
+  attributes.pictures = {{{"a", "1"}}, {}, {{"a", "3"}, {"b", ""}}};
+  ASSERT_TRUE(save_layers(folder / "a.exr", pictures, attributes));
+  const Result<PictureFile> loaded = load_picture_file(folder / "a.exr");
+  ASSERT_TRUE(loaded) << loaded.error().message();
+  EXPECT_TRUE(loaded->pictures.empty());
+  ASSERT_EQ(loaded->layers.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) expect_same(pictures[i], loaded->layers[i]);
+  EXPECT_EQ(loaded->attributes.file, attributes.file);
+  EXPECT_EQ(loaded->attributes.pictures, attributes.pictures);
+  // Who asks for one, or for flat ones, is told.
+  EXPECT_EQ(load_layers(folder / "a.exr").error().reason,
+            "has several parts; a deep picture is one");
+  EXPECT_EQ(load_pictures(folder / "a.exr").error().reason,
+            "is a deep image, not a flat picture with depth");
+  attributes.file["no space"] = "";
+  EXPECT_FALSE(save_layers(folder / "b.exr", pictures, attributes));
+  EXPECT_EQ(folder.entries(), 1);
+}
+
 TEST(DeepExr, an_invalid_picture_is_not_saved) {
   const TemporaryFolder folder;
   LayeredDepthImage layers = random_deep(1, 4, 4);

@@ -47,7 +47,8 @@ struct FileAttributes {
 // The contents of a file.
 struct PictureFile {
   std::vector<DepthImage> pictures;
-  FileAttributes attributes;  // with one entry for each picture
+  std::vector<LayeredDepthImage> layers;  // instead, of a deep file that Rilievo wrote (deep_exr.h)
+  FileAttributes attributes;              // with one entry for each picture
 };
 
 // Saves at least one picture; all must be valid (an invalid picture is an error). Keys are 1 to 200

@@ -8,9 +8,11 @@
 #include <cmath>
 
 #include "rilievo/core/file.h"
+#include "rilievo/io/deep_exr_parts.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/io/exr_header.h"
 #include "rilievo/io/exr_names.h"
+#include "rilievo/io/exr_parts.h"
 #include "rilievo/io/exr_sizes.h"
 
 namespace rilievo {
@@ -112,17 +114,6 @@ Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index, bool with
   return picture;
 }
 
-Attributes attributes_of(const Imf::Header& header, std::string_view prefix) {
-  Attributes out;
-  for (auto a = header.begin(); a != header.end(); ++a) {
-    const std::string_view name = a.name();
-    if (!name.starts_with(prefix)) continue;
-    if (const auto value = attribute<std::string>(header, a.name()))
-      out.emplace(name.substr(prefix.size()), *value);
-  }
-  return out;
-}
-
 Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes,
                                const PictureRange& range) {
   const auto error = [&](int part, const Error& e) {
@@ -133,11 +124,20 @@ Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes,
   for (int i = 0; i < file.parts(); ++i)
     if (Result<> claims = check_claims(file.header(i), file_bytes); !claims)
       return error(i, claims.error());
+  // Deep pictures are ours, and all parts are; foreign ones are read by deep_exr.h.
+  const bool layered = is_own_deep_part(file.header(0));
   PictureFile out;
   for (int i = 0; i < file.parts(); ++i) {
-    Result<DepthImage> picture = read_part(file, i, range.has(std::size_t(i)));
-    if (!picture) return error(i, picture.error());
-    out.pictures.push_back(*std::move(picture));
+    const bool with_planes = range.has(std::size_t(i));
+    if (layered) {
+      Result<LayeredDepthImage> layers = read_layers(file, i, file_bytes, {}, with_planes);
+      if (!layers) return error(i, layers.error());
+      out.layers.push_back(*std::move(layers));
+    } else {
+      Result<DepthImage> picture = read_part(file, i, with_planes);
+      if (!picture) return error(i, picture.error());
+      out.pictures.push_back(*std::move(picture));
+    }
     out.attributes.pictures.push_back(attributes_of(file.header(i), kPicturePrefix));
   }
   out.attributes.file = attributes_of(file.header(0), kFilePrefix);
@@ -166,6 +166,8 @@ Result<PictureFile> load_picture_file(const std::filesystem::path& path,
 Result<std::vector<DepthImage>> load_pictures(const std::filesystem::path& path) {
   Result<PictureFile> file = load_picture_file(path);
   if (!file) return file.error();
+  if (!file->layers.empty())
+    return Error{path.string(), "is a deep image, not a flat picture with depth"};
   return std::move(file->pictures);
 }
 
