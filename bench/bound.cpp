@@ -98,7 +98,7 @@ struct Captured {
 };
 
 // A picture of the solid, and what a grid of its texels shows.
-Captured capture(const Solid& solid, Random& random) {
+Captured capture(const Solid& solid, SplitMix64& random) {
   const Box all = bounds(solid);
   const double radius = all.radius();
   Captured made;
@@ -141,7 +141,7 @@ struct Frame {
 
 // A new eye, near or not so near, looking at the solid or past it; half of the time the solid has
 // moved as well.
-Frame new_frame(const Solid& solid, const PictureGeometry& picture, Random& random) {
+Frame new_frame(const Solid& solid, const PictureGeometry& picture, SplitMix64& random) {
   const double distance = picture.plane_z;
   const glm::dvec3 center(bounds(solid).center());
   const glm::dvec3 old_eye = picture.capture.position();
@@ -207,7 +207,7 @@ double measure(const Captured& captured, const Frame& frame) {
 
 BoundStats run_bound_benchmark(const BoundOptions& options) {
   BoundStats stats;
-  Random random{options.seed};
+  SplitMix64 random{options.seed};
   const std::vector<Solid> all = solids();
   std::vector<std::vector<double>> tightness(all.size());
   for (const Solid& solid : all) stats.objects.push_back({solid.name});

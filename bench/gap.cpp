@@ -22,7 +22,7 @@ struct GapCapture {
   GapTable table;
 };
 
-GapCapture capture(std::size_t kind, Random& random) {
+GapCapture capture(std::size_t kind, SplitMix64& random) {
   GapCapture made;
   made.scene = make_gap_scene(kind, random);
   const double reach = made.scene.reach();
@@ -58,7 +58,7 @@ struct GapFrame {
   Camera camera_then;  // the frame's, moved against the object
 };
 
-GapFrame new_frame(const GapCapture& captured, Random& random) {
+GapFrame new_frame(const GapCapture& captured, SplitMix64& random) {
   const glm::dvec3 old_eye = captured.picture.capture.position();
   const double distance = glm::length(old_eye);
   glm::dvec3 step = distance * random.power(0.01, 0.1) * random.direction();
@@ -119,7 +119,7 @@ class Missing {
   const Camera& frame_;
 };
 
-double widest(const GapCapture& captured, const GapFrame& frame, Random& random) {
+double widest(const GapCapture& captured, const GapFrame& frame, SplitMix64& random) {
   const Missing missing(captured.scene, captured.picture.capture.position(), frame.camera_then);
   double widest = 0;
   int runs = 0;
@@ -142,7 +142,7 @@ GapStats run_gap_benchmark(const GapOptions& options) {
   std::vector<std::vector<double>> ratios_of(std::size(kGapScenes));
   for (const std::string_view name : kGapScenes)
     stats.scenes.push_back({std::string(name), 0, 0, 0, 0, 0});
-  Random random{options.seed};
+  SplitMix64 random{options.seed};
   GapCapture captured;
   for (int i = 0; i < options.cases; ++i) {
     const std::size_t kind = std::size_t(i / kFramesPerScene) % std::size(kGapScenes);

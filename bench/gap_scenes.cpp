@@ -70,7 +70,7 @@ GapSolid disc(const glm::dvec3& center, double radius, const glm::dvec3& normal)
 }
 
 void add_leaves(GapScene& scene, int count, double size, const glm::dvec3& center, double spread,
-                Random& random) {
+                SplitMix64& random) {
   for (int i = 0; i < count; ++i)
     scene.solids.push_back(disc(center + spread * std::cbrt(random.next()) * random.direction(),
                                 size * random.between(0.3, 1), random.direction()));
@@ -105,7 +105,7 @@ double GapScene::reach() const {
   return reach;
 }
 
-GapScene make_gap_scene(std::size_t kind, Random& random) {
+GapScene make_gap_scene(std::size_t kind, SplitMix64& random) {
   GapScene scene;
   const auto add = [&](const GapSolid& s) { scene.solids.push_back(s); };
   const auto in = [&](double low, double high) { return random.between(low, high); };

@@ -32,6 +32,6 @@ inline constexpr std::string_view kGapScenes[] = {
     "fence", "leaves", "tree",          "balls on ground",   "pillars",          "plates"};
 
 // A random scene of this kind around the origin, some metres across. Made to be looked at along z.
-[[nodiscard]] GapScene make_gap_scene(std::size_t kind, Random& random);
+[[nodiscard]] GapScene make_gap_scene(std::size_t kind, SplitMix64& random);
 
 }  // namespace rilievo::bench

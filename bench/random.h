@@ -7,8 +7,9 @@
 
 namespace rilievo::bench {
 
-// SplitMix64: the same numbers with every compiler and library.
-struct Random {
+// The same numbers with every compiler and library. Not named as rilievo/core/random.h's, which
+// other benchmarks use.
+struct SplitMix64 {
   std::uint64_t state;
   double next() {  // [0, 1)
     std::uint64_t z = (state += 0x9E3779B97F4A7C15u);
