@@ -34,7 +34,8 @@ struct TileLines {
   std::vector<std::uint32_t> first;  // of each texel, row by row; and the end
 };
 
-TileLines tile_lines(const LayeredRelief& relief, const LayeredDepthImage& layers, int tile) {
+TileLines tile_lines(const LayeredRelief& relief, const LayeredDepthImage& layers, int tile,
+                     bool identifiers) {
   const int size = relief.tile_size, w = relief.camera.width, h = relief.camera.height;
   const int u0 = tile % relief.tiles_x * size, v0 = tile / relief.tiles_x * size;
   TileLines lines;
@@ -49,8 +50,8 @@ TileLines tile_lines(const LayeredRelief& relief, const LayeredDepthImage& layer
             eye_z_from(layers.depth_kind, sample.depth, layers.camera, {}) - relief.plane_z;
         const double code = std::round((d - relief.first_d) / relief.d_step);
         const auto clamped = std::uint32_t(std::clamp(code, 0.0, double(kLargestCode)));
-        lines.samples.push_back(
-            {std::uint32_t(u) | std::uint32_t(v) << 8 | clamped << 16, packed_color(sample.color)});
+        lines.samples.push_back({std::uint32_t(u) | std::uint32_t(v) << 8 | clamped << 16,
+                                 identifiers ? sample.object : packed_color(sample.color)});
       }
     }
   lines.first.push_back(std::uint32_t(lines.samples.size()));
@@ -167,7 +168,7 @@ Result<LayeredRelief> build_layered_relief(const LayeredDepthImage& given,
     relief.first.push_back(std::uint32_t(relief.streams[0].size()));
     ReliefNode& leaf =
         relief.tree[leaf_index(t % relief.tiles_x, t / relief.tiles_x, relief.levels)];
-    append_tile(relief, tile_lines(relief, layers, t), leaf);
+    append_tile(relief, tile_lines(relief, layers, t, options.identifiers), leaf);
   }
   relief.first.push_back(std::uint32_t(relief.streams[0].size()));
   for (std::size_t n = nodes - 1; n > 0; --n) {

@@ -27,7 +27,8 @@ namespace rilievo {
 // A sample, and also a texel of the warp's result, in which empty texels have kEmptyCode.
 struct ReliefSample {
   std::uint32_t place;  // u in its tile | v in its tile << 8 | code of d << 16
-  std::uint32_t color;  // sRGB, then premultiplied: r | g << 8 | b << 16 | a << 24
+  std::uint32_t
+      color;  // sRGB, then premultiplied: r | g << 8 | b << 16 | a << 24; or an identifier
 
   [[nodiscard]] std::uint32_t u() const { return place & 0xff; }
   [[nodiscard]] std::uint32_t v() const { return place >> 8 & 0xff; }
@@ -87,6 +88,8 @@ struct LayeredReliefOptions {
   float least_alpha = 0.5f;
   // The number of slices from which the hull is computed; more give a tighter hull.
   int hull_slices = 8;
+  // Samples carry their object's identifier instead of a colour.
+  bool identifiers = false;
 };
 
 // Builds a relief. Requires a valid parallel picture. Fails if it has no samples, or 2^32 or more.

@@ -14,8 +14,6 @@
 namespace rilievo {
 namespace {
 
-constexpr double kMaxMagnification = 64;
-
 // Texels between the rows of a tile beyond its width: rows then do not share their places in the
 // processor's cache.
 constexpr int kPitchPadding = 8;
@@ -78,7 +76,7 @@ std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief, con
   ReliefRectangle rectangle{glm::dvec2(1e300), glm::dvec2(-1e300)};
   const double beyond = std::max(0.0, 0.5 * (splat_size - 1));
   for (const glm::dvec3& corner : relief.hull) {
-    if (!(1 + warp.k3 * corner.z >= 1 / kMaxMagnification)) return std::nullopt;
+    if (!(1 + warp.k3 * corner.z >= 1 / kMaxPrewarpMagnification)) return std::nullopt;
     const glm::dvec2 at = warp.moved(corner.x, corner.y, corner.z);
     const glm::dvec2 reach(beyond * warp.magnification(corner.z));
     rectangle.min = glm::min(rectangle.min, at - reach);

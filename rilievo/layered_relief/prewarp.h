@@ -28,6 +28,9 @@ enum class Splat {
   rectangle,  // the texels within the sample's source texel, moved and scaled (S4.5)
 };
 
+// No sample is warped that this magnifies more: its eye is too near.
+constexpr double kMaxPrewarpMagnification = 64;
+
 // The resolution, and when tiles are reused.
 struct PrewarpOptions {
   Splat splat = Splat::rectangle;

@@ -5,6 +5,7 @@
 
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/layered_relief/relief_kind.h"
 
 namespace rilievo {
 
@@ -12,6 +13,7 @@ std::span<const Kind* const> kinds() {
   static const std::array all{
       &layered_impostor_kind(),
       &environment_nodes_kind(),
+      &layered_relief_kind(),
   };
   return all;
 }

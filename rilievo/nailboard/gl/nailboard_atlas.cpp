@@ -225,11 +225,32 @@ void NailboardAtlas::write(const AtlasSlot& slot, const RasterPicture& picture) 
   RILIEVO_EXPECTS_EQ(picture.width, slot.width);
   RILIEVO_EXPECTS_EQ(picture.height, slot.height);
   encode_picture(picture, options_.delta_bits, encoded_);
-  upload(slot, picture.color.data(),
-         options_.delta_bits > 8 ? static_cast<const void*>(encoded_.codes16.data())
-                                 : encoded_.codes8.data());
+  write(slot, picture.color, encoded_);
+}
+
+void NailboardAtlas::write(const AtlasSlot& slot, std::span<const glm::u8vec4> color,
+                           const AtlasPicture& picture) {
+  RILIEVO_EXPECTS_EQ(color.size(), std::size_t(slot.width) * std::size_t(slot.height));
+  upload(slot, color.data(),
+         options_.delta_bits > 8 ? static_cast<const void*>(picture.codes16.data())
+                                 : picture.codes8.data());
   read_blocks();  // what was in the slot before must not come later
-  blocks_.assign(slot, encoded_.blocks);
+  blocks_.assign(slot, picture.blocks);
+}
+
+void NailboardAtlas::make_object_texture() {
+  if (object_) return;
+  object_ = gl::make_texture_2d_array(GL_R32UI, kSize, kSize, allocator_.layers());
+  glTextureParameteri(object_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(object_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+void NailboardAtlas::write_objects(const AtlasSlot& slot, std::span<const std::uint32_t> objects) {
+  RILIEVO_EXPECTS_EQ(objects.size(), std::size_t(slot.width) * std::size_t(slot.height));
+  make_object_texture();
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTextureSubImage3D(object_, 0, slot.x, slot.y, slot.layer, slot.width, slot.height, 1,
+                      GL_RED_INTEGER, GL_UNSIGNED_INT, objects.data());
 }
 
 // Rows from the bottom; codes of 8 or, for more bits, 16 bits.
@@ -293,10 +314,8 @@ void NailboardAtlas::narrow(const AtlasSlot& slot, PictureGeometry& geometry) {
 void NailboardAtlas::capture_objects(SceneRenderer& renderer, const Camera& camera,
                                      std::span<const std::uint32_t> objects,
                                      const AtlasSlot& slot) {
-  if (!object_) {
-    object_ = gl::make_texture_2d_array(GL_R32UI, kSize, kSize, allocator_.layers());
-    glTextureParameteri(object_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(object_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  make_object_texture();
+  if (!object_framebuffer_) {
     object_depth_ = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, kSize, kSize);
     object_framebuffer_ = gl::make_framebuffer();
     glNamedFramebufferTexture(object_framebuffer_, GL_DEPTH_ATTACHMENT, object_depth_, 0);

@@ -55,6 +55,13 @@ class NailboardAtlas {
   // A picture captured elsewhere, of the slot's size; perspective.
   void write(const AtlasSlot& slot, const RasterPicture& picture);
 
+  // A picture encoded elsewhere: colours and `picture`, rows from the bottom. Changes only the
+  // atlas.
+  void write(const AtlasSlot& slot, std::span<const glm::u8vec4> color,
+             const AtlasPicture& picture);
+  // Its object identifiers, rows from the bottom.
+  void write_objects(const AtlasSlot& slot, std::span<const std::uint32_t> objects);
+
   // The blocks of the slot's picture (occlusion_tiles.h). The first call after a capture or a write
   // waits for the GPU.
   [[nodiscard]] OcclusionTilesView blocks(const AtlasSlot& slot);
@@ -85,6 +92,7 @@ class NailboardAtlas {
   [[nodiscard]] Result<> make_capture_target();
   void upload(const AtlasSlot& slot, const glm::u8vec4* colors, const void* codes);
   void reduce_to_blocks(const AtlasSlot& slot);
+  void make_object_texture();
   void read_blocks();
 
   AtlasOptions options_;

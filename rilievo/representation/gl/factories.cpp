@@ -8,6 +8,8 @@
 #include "rilievo/environment_nodes/gl/environment_drawable.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/layered_relief/gl/relief_drawable.h"
+#include "rilievo/layered_relief/relief_kind.h"
 
 namespace rilievo {
 
@@ -15,6 +17,7 @@ std::span<const DrawableRow> drawable_rows() {
   static constexpr std::array rows{
       DrawableRow{kLayeredImpostorName, make_layered_drawable_factory},
       DrawableRow{kEnvironmentNodesName, make_environment_drawable_factory},
+      DrawableRow{kLayeredReliefName, make_relief_drawable_factory},
   };
   return rows;
 }

@@ -1,0 +1,167 @@
+#include "rilievo/layered_relief/encode_prewarped.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "rilievo/core/depth.h"
+#include "rilievo/core/parallel_for.h"
+
+namespace rilievo {
+namespace {
+
+constexpr std::uint32_t kDeltaSteps = delta_steps(16);
+static_assert(delta_transparent(16) == kEmptyCode);
+
+glm::u8vec4 mean_of(const glm::u8vec4* texels[4], const std::uint16_t* [4]) {
+  glm::uvec4 sum(2);
+  for (int i = 0; i < 4; ++i) sum += glm::uvec4(*texels[i]);
+  return glm::u8vec4(sum / 4u);
+}
+
+glm::u8vec4 nearest_of(const glm::u8vec4* texels[4], const std::uint16_t* deltas[4]) {
+  int best = 0;
+  for (int i = 1; i < 4; ++i)
+    if (*deltas[i] < *deltas[best]) best = i;
+  return *texels[best];
+}
+
+template <class Choose>
+void halve_once(const Prewarped& from, Prewarped& to, Choose&& choose) {
+  const int w = from.width(), h = from.height();
+  to.geometry = from.geometry;
+  Camera& camera = to.geometry.capture;
+  camera.width = (w + 1) / 2;
+  camera.height = (h + 1) / 2;
+  ImageWindow& window = camera.window;
+  window.right = window.left + (window.right - window.left) / w * (2 * camera.width);
+  window.bottom = window.top - (window.top - window.bottom) / h * (2 * camera.height);
+  to.color.resize(std::size_t(camera.width) * std::size_t(camera.height));
+  to.delta.resize(to.color.size());
+  static constexpr glm::u8vec4 kNothing(0);
+  static constexpr std::uint16_t kNone = kEmptyCode;
+  parallel_for(0, camera.height, [&, w, h](int y) {
+    const std::size_t width = std::size_t(to.geometry.capture.width);
+    for (int x = 0; x < int(width); ++x) {
+      const glm::u8vec4* colors[4];
+      const std::uint16_t* deltas[4];
+      std::uint16_t nearest = kNone;
+      for (int i = 0; i < 4; ++i) {
+        const int u = 2 * x + (i & 1), v = 2 * y + (i >> 1);
+        const bool inside = u < w && v < h;
+        const std::size_t at = std::size_t(v) * std::size_t(w) + std::size_t(u);
+        colors[i] = inside ? &from.color[at] : &kNothing;
+        deltas[i] = inside ? &from.delta[at] : &kNone;
+        nearest = std::min(nearest, *deltas[i]);
+      }
+      to.color[std::size_t(y) * width + std::size_t(x)] = choose(colors, deltas);
+      to.delta[std::size_t(y) * width + std::size_t(x)] = nearest;
+    }
+  });
+}
+
+template <class Choose>
+void halve(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch,
+           Choose&& choose) {
+  RILIEVO_EXPECTS(level >= 1);
+  halve_once(picture, halved, choose);
+  for (int i = 1; i < level; ++i) {
+    std::swap(halved, scratch);
+    halve_once(scratch, halved, choose);
+  }
+}
+
+// A row of the piece, and of texels beyond its ends: the nearest Delta of those above, at and below
+// it.
+void nearest_of_column(const Prewarped& picture, const PicturePiece& piece, int y,
+                       std::vector<std::uint16_t>& nearest) {
+  const int w = picture.width(), h = picture.height();
+  nearest.assign(std::size_t(piece.width) + 2, std::uint16_t(kEmptyCode));
+  const int from = std::max(piece.x - 1, 0), to = std::min(piece.x + piece.width + 1, w);
+  for (int row = std::max(y - 1, 0); row <= std::min(y + 1, h - 1); ++row) {
+    const std::uint16_t* delta = &picture.delta[std::size_t(row) * std::size_t(w)];
+    std::uint16_t* out = nearest.data() + (from - piece.x + 1);
+    for (int x = from; x < to; ++x, ++out) *out = std::min(*out, delta[x]);
+  }
+}
+
+}  // namespace
+
+void halve_prewarped(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch) {
+  halve(picture, level, halved, scratch, mean_of);
+}
+
+void halve_identifiers(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch) {
+  halve(picture, level, halved, scratch, nearest_of);
+}
+
+std::vector<PicturePiece> pieces_of(int width, int height, int most) {
+  std::vector<PicturePiece> pieces;
+  for (int y = 0; y < height; y += most)
+    for (int x = 0; x < width; x += most)
+      pieces.push_back({x, y, std::min(most, width - x), std::min(most, height - y)});
+  return pieces;
+}
+
+PictureGeometry geometry_of(const PictureGeometry& whole, const PicturePiece& piece) {
+  PictureGeometry part = whole;
+  Camera& camera = part.capture;
+  const ImageWindow w = camera.window;
+  const double step_x = (w.right - w.left) / camera.width,
+               step_y = (w.top - w.bottom) / camera.height;
+  camera.window = {w.left + step_x * piece.x, w.left + step_x * (piece.x + piece.width),
+                   w.top - step_y * (piece.y + piece.height), w.top - step_y * piece.y};
+  camera.width = piece.width;
+  camera.height = piece.height;
+  return part;
+}
+
+void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, EncodedPiece& encoded) {
+  const std::size_t width = std::size_t(piece.width), texels = width * std::size_t(piece.height);
+  encoded.color.resize(texels);
+  encoded.picture.codes16.resize(texels);
+  const int columns = blocks_across(piece.width), rows = blocks_across(piece.height);
+  encoded.picture.blocks.resize(std::size_t(columns) * std::size_t(rows));
+  parallel_for(0, rows, [&, width, columns](int row) {
+    static thread_local std::vector<std::uint16_t> nearest;
+    const int begin = row * kBlockTexels, end = std::min(piece.height, begin + kBlockTexels);
+    for (int y = begin; y < end; ++y) {
+      const int v = piece.y + piece.height - 1 - y;  // from the top, of the whole
+      const std::size_t source =
+          std::size_t(v) * std::size_t(picture.width()) + std::size_t(piece.x);
+      nearest_of_column(picture, piece, v, nearest);
+      const std::uint16_t* delta = picture.delta.data() + source;
+      std::uint16_t* codes = encoded.picture.codes16.data() + std::size_t(y) * width;
+      for (std::size_t x = 0; x < width; ++x) {
+        const std::uint16_t around = std::min(std::min(nearest[x], nearest[x + 1]), nearest[x + 2]);
+        codes[x] = delta[x] == kEmptyCode ? around : delta[x];
+      }
+      std::copy_n(picture.color.data() + source, width,
+                  encoded.color.data() + std::size_t(y) * width);
+    }
+    for (int column = 0; column < columns; ++column) {
+      std::uint32_t near = kDeltaSteps + 1, far = 0;
+      unsigned covered = 0, opaque = 0;
+      const int right = std::min(piece.width, (column + 1) * kBlockTexels);
+      for (int y = begin; y < end; ++y)
+        for (int x = column * kBlockTexels; x < right; ++x) {
+          const std::size_t at = std::size_t(y) * width + std::size_t(x);
+          const std::uint32_t code = encoded.picture.codes16[at];
+          if (code > kDeltaSteps) continue;
+          const unsigned bit = 1u << (x % kBlockTexels + kBlockTexels * (y % kBlockTexels));
+          near = std::min(near, code), far = std::max(far, code);
+          covered |= bit;
+          if (encoded.color[at].a == 255) opaque |= bit;
+        }
+      OcclusionTile block;
+      if (covered) {
+        block.nearest = std::uint8_t(near * 254 / kDeltaSteps);
+        block.farthest = std::uint8_t((far * 254 + kDeltaSteps - 1) / kDeltaSteps);
+        block.covered = std::uint16_t(covered), block.opaque = std::uint16_t(opaque);
+      }
+      encoded.picture.blocks[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = block;
+    }
+  });
+}
+
+}  // namespace rilievo

@@ -1,0 +1,39 @@
+// From a pre-warped picture to what an atlas of nailboards keeps: averaged if it is to be seen
+// smaller, cut to pieces, with Deltas around its edges, and blocks.
+//
+// Texels of the result are samples, each there or not; averaged, alpha becomes coverage, so that
+// what is far away is antialiased as captures are. Fills the caller's buffers; all cores. No OpenGL
+// here.
+#pragma once
+
+#include <vector>
+
+#include "rilievo/layered_relief/prewarp.h"
+#include "rilievo/nailboard/encode_picture.h"
+
+namespace rilievo {
+
+// Averages 2 x 2 texels `level` times: colours and coverage; of Deltas the nearest. The window
+// grows to whole texels. `half` is for the steps between.
+void halve_prewarped(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch);
+// The same of identifiers in the place of colours: of the nearest texel.
+void halve_identifiers(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch);
+
+// A rectangle of a picture.
+struct PicturePiece {
+  int x = 0, y = 0, width = 0, height = 0;  // from the upper left
+};
+// At most `most` texels a side each, together all of it.
+[[nodiscard]] std::vector<PicturePiece> pieces_of(int width, int height, int most);
+// The geometry of a piece of a picture.
+[[nodiscard]] PictureGeometry geometry_of(const PictureGeometry& whole, const PicturePiece& piece);
+
+// A piece as an atlas takes it.
+struct EncodedPiece {
+  std::vector<glm::u8vec4> color;  // rows from the bottom
+  AtlasPicture picture;            // codes16 and blocks
+};
+// Around the piece, too, empty texels get the nearest Delta beside them.
+void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, EncodedPiece& encoded);
+
+}  // namespace rilievo

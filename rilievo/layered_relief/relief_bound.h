@@ -1,0 +1,60 @@
+// How far from where it belongs may a set of reliefs show a sample, in pixels? And which of the
+// reliefs is the one for an eye? (S4.4)
+//
+// Plain data, so that a cache may ask in every frame, from any thread: the directions that the
+// reliefs face, how large their texels are, what was given up to make them. What relief_error_px
+// finds out of the hull of one relief is here bounded by the box around all samples. For frames
+// whose eye the reliefs are warped for. Less the half diagonal of a pixel, as for every kind: a
+// pixel's centre q that shows a sample whose place is s has |q - s| <= bound + sqrt(1/2).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "rilievo/core/bounds.h"
+#include "rilievo/layered_relief/prewarp.h"
+#include "rilievo/layered_relief/relief_set.h"
+
+namespace rilievo {
+
+// What the bound of a set of reliefs depends on.
+struct ReliefStats {
+  static constexpr int kMaxCount = 32;
+  int count = 0;
+  int max_size = 0;  // of the result, texels a side
+  // Where reliefs look, in 1 / 32767; where their planes stand: along it, from the centre of the
+  // bounds, in 1 / 32767 of the radius.
+  std::array<std::array<std::int16_t, 3>, kMaxCount> forward{};
+  std::array<std::int16_t, kMaxCount> plane{};
+  float largest_texel = 0, least_texel = 0;  // a side, metres
+  float depth = 0;                           // merged and rounded, metres
+  float moved = 0;                           // before they came, metres
+  float splat_size = 1, resolution = 1, reuse_error = 0;
+  float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
+};
+
+// `moved`: the largest of the pictures'. At most kMaxCount reliefs.
+[[nodiscard]] ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
+                                       const PrewarpOptions& options);
+
+// The relief that faces `eye` most, of those that can surely be warped for it; -1: none. `bounds`
+// as for relief_stats.
+[[nodiscard]] int pick_relief(const ReliefStats& stats, const Box& bounds, const glm::dvec3& eye);
+
+// The frame's camera as it stands to what was captured; nothing if the motion is neither rigid nor
+// a uniform scale. Metres of the capture.
+[[nodiscard]] std::optional<Camera> camera_at_capture(const Camera& frame,
+                                                      const glm::dmat4& world_from_capture);
+// The size of a metre of the capture.
+[[nodiscard]] double scale_of(const glm::dmat4& world_from_capture);
+
+// Infinite if no relief can surely be warped. `camera` at capture, perspective. About a
+// microsecond.
+[[nodiscard]] double relief_bound_px(const ReliefStats& stats, const Box& bounds,
+                                     const Camera& camera);
+
+// How many times the texels of a result, `texel_px` pixels large, may be averaged by two.
+[[nodiscard]] int relief_level(double texel_px, double most_px);
+
+}  // namespace rilievo

@@ -1,0 +1,200 @@
+#include "rilievo/layered_relief/relief_kind.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "rilievo/layered_relief/relief_file.h"
+
+namespace rilievo {
+namespace {
+
+const std::array kBakeOptions{
+    Option{.name = "size",
+           .type = OptionType::integer,
+           .default_value = "512",
+           .help = "Texels of the longer side of a texture",
+           .unit = "N",
+           .min = 8,
+           .max = 4096},
+    Option{.name = "textures",
+           .type = OptionType::choice,
+           .default_value = "6",
+           .help = "Directions that the object is looked at from",
+           .choices = {"1", "2", "6", "12", "20", "32"}},
+    Option{.name = "merge",
+           .type = OptionType::number,
+           .default_value = "0.5",
+           .help = "Surfaces closer along a line of sight than so many texels become one",
+           .unit = "TEXELS",
+           .min = 0,
+           .max = 1000},
+    Option{.name = "max-depth",
+           .type = OptionType::number,
+           .default_value = "0",
+           .help = "Of deep images: only what is nearer than this; 0 for all",
+           .unit = "METRES",
+           .min = 0},
+};
+
+const std::array kDrawOptions{
+    Option{.name = "splat",
+           .type = OptionType::number,
+           .default_value = "1.5",
+           .help = "Edge of the rectangle that a sample covers",
+           .unit = "TEXELS",
+           .min = 1,
+           .max = 8},
+    Option{.name = "relief-resolution",
+           .type = OptionType::number,
+           .default_value = "1",
+           .help = "Texels of the warped picture for each texel of a texture, along a side",
+           .unit = "X",
+           .min = 0.05,
+           .max = 8},
+    Option{.name = "reuse",
+           .type = OptionType::number,
+           .default_value = "0",
+           .help = "Parts of the last picture stay while none of their samples are off by more",
+           .unit = "TEXELS",
+           .min = 0,
+           .max = 100},
+};
+
+Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
+  const ReliefCaptureOptions options = relief_capture_options(values);
+  const std::span<const LayeredDepthImage> deep = input.source.layered_pictures();
+  if (!deep.empty() && values.given("textures"))
+    return Error{"--textures", "is for scenes: a deep image is one texture"};
+  if (deep.empty() && values.given("max-depth"))
+    return Error{"--max-depth", "is for deep images, not for scenes"};
+  Result<ReliefPictures> pictures =
+      deep.empty() ? capture_relief_pictures(input.source, input.objects, options, progress)
+                   : adopt_relief_pictures(deep, options);
+  if (!pictures) return pictures.error();
+  return Baked{std::make_unique<ReliefRepresentation>(*std::move(pictures)), {}};
+}
+
+Result<std::unique_ptr<Representation>> load(PictureFile file, const std::filesystem::path& path) {
+  Result<ReliefPictures> pictures = relief_pictures_from(std::move(file), path);
+  if (!pictures) return pictures.error();
+  return {std::make_unique<ReliefRepresentation>(*std::move(pictures))};
+}
+
+const ReliefPictures& pictures_of(const Representation& representation) {
+  return dynamic_cast<const ReliefRepresentation&>(representation).pictures;
+}
+
+Result<> save(const Representation& representation, const std::filesystem::path& path) {
+  return save_relief_pictures(path, pictures_of(representation));
+}
+
+std::string text_of(const glm::vec3& v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+}
+
+std::vector<Fact> describe(const Representation& representation) {
+  const ReliefPictures& pictures = pictures_of(representation);
+  std::size_t samples = 0, lines = 0, deepest = 0;
+  double merged = 0, moved = 0;
+  nlohmann::json sizes = nlohmann::json::array();
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
+    const LayeredDepthImage& layers = picture.layers;
+    samples += layers.samples.size();
+    for (std::size_t i = 0; i + 1 < layers.first.size(); ++i) {
+      const std::size_t count = layers.first[i + 1] - layers.first[i];
+      lines += count > 0;
+      deepest = std::max(deepest, count);
+    }
+    merged = std::max(merged, picture.merged);
+    moved = std::max(moved, picture.moved);
+    sizes.push_back({layers.camera.width, layers.camera.height});
+  }
+  const auto json = [](const auto& value) { return nlohmann::json(value).dump(); };
+  const auto list = [](const glm::vec3& v) { return nlohmann::json{v.x, v.y, v.z}.dump(); };
+  const std::size_t count = pictures.pictures.size();
+  const Camera& first = pictures.pictures.front().layers.camera;
+  // Four streams of eight bytes a sample.
+  const std::size_t bytes = 32 * samples;
+  const double layers = double(samples) / double(std::max<std::size_t>(lines, 1));
+  return {
+      {"textures", json(count), "textures",
+       fmt::format("{}, the first {}x{}", count, first.width, first.height)},
+      {"sizes", sizes.dump(), "", ""},
+      {"samples", json(samples), "samples",
+       fmt::format("{}, {:.1f} on a line of sight, at most {}", samples, layers, deepest)},
+      {"samples_a_line", json(layers), "", ""},
+      {"most_samples_a_line", json(deepest), "", ""},
+      {"relief_bytes", json(bytes), "memory",
+       fmt::format("{:.1f} MB to be warped", 1e-6 * double(bytes))},
+      {"merged_m", json(merged), "merged", fmt::format("{:.3g} m along a line of sight", merged)},
+      {"moved_m", json(moved), moved > 0 ? "moved" : "",
+       fmt::format("up to {:.3g} m to make parallel what is in perspective", moved)},
+      {"bounds_min", list(pictures.bounds.min), "bounds",
+       fmt::format("{} to {} m", text_of(pictures.bounds.min), text_of(pictures.bounds.max))},
+      {"bounds_max", list(pictures.bounds.max), "", ""},
+  };
+}
+
+}  // namespace
+
+std::size_t ReliefRepresentation::bytes() const {
+  std::size_t sum = 0;
+  for (const ReliefPictures::Picture& picture : pictures.pictures)
+    sum += picture.layers.samples.size() * sizeof(LayerSample) +
+           picture.layers.first.size() * sizeof(std::uint64_t);
+  return sum;
+}
+
+std::uint32_t ReliefRepresentation::only_object() const {
+  const std::uint32_t only = rilievo::only_object(pictures);
+  return only == kNoObject ? 1 : only;
+}
+
+Vantage ReliefRepresentation::vantage() const {
+  Vantage vantage;
+  if (pictures.pictures.size() != 1 || pictures.pictures[0].moved == 0) return vantage;
+  const Camera& camera = pictures.pictures[0].layers.camera;
+  const glm::dvec3 eye = camera.position(), forward = camera.forward();
+  vantage.up = glm::normalize(glm::dvec3(camera.world_from_eye[1]));
+  const double distance = glm::dot(glm::dvec3(pictures.bounds.center()) - eye, forward);
+  if (distance > 0) vantage.gaze = Vantage::Gaze{eye, eye + distance * forward};
+  return vantage;
+}
+
+ReliefCaptureOptions relief_capture_options(const OptionValues& values) {
+  ReliefCaptureOptions options;
+  options.size = values.integer("size");
+  options.textures = int(values.number("textures"));
+  options.merge_texels = values.number("merge");
+  options.max_depth = values.number("max-depth");
+  return options;
+}
+
+PrewarpOptions relief_draw_options(const OptionValues& values) {
+  PrewarpOptions options;
+  options.splat_size = values.number("splat");
+  options.resolution = values.number("relief-resolution");
+  options.reuse_error = values.number("reuse");
+  options.max_size = 2048;
+  return options;
+}
+
+const Kind& layered_relief_kind() {
+  static const Kind kind{
+      .name = kLayeredReliefName,
+      .summary = "every surface along each line of sight, warped by processors",
+      .bake_options = kBakeOptions,
+      .draw_options = kDrawOptions,
+      .bake = bake,
+      .matches = matches_layered_relief,
+      .load = load,
+      .save = save,
+      .describe = describe,
+  };
+  return kind;
+}
+
+}  // namespace rilievo

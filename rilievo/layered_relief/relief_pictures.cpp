@@ -1,0 +1,111 @@
+#include "rilievo/layered_relief/relief_pictures.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "rilievo/layered_relief/merge_layers.h"
+#include "rilievo/layered_relief/resample_layers.h"
+
+namespace rilievo {
+
+Box bounds_of(const ReliefPictures& pictures) {
+  Box box;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
+    const LayeredDepthImage& layers = picture.layers;
+    const auto width = std::size_t(layers.camera.width);
+    for (std::size_t i = 0; i + 1 < layers.first.size(); ++i) {
+      const glm::dvec2 at(double(i % width) + 0.5, double(i / width) + 0.5);
+      for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s)
+        box.add(glm::vec3(world_from_raster(
+            layers.camera, at,
+            eye_z_from(layers.depth_kind, layers.samples[s].depth, layers.camera, at))));
+    }
+  }
+  return box;
+}
+
+std::uint32_t only_object(const ReliefPictures& pictures) {
+  std::uint32_t only = kNoObject;
+  for (const ReliefPictures::Picture& picture : pictures.pictures)
+    for (const LayerSample& sample : picture.layers.samples) {
+      if (sample.object == kNoObject || sample.object == only) continue;
+      if (only != kNoObject) return kNoObject;
+      only = sample.object;
+    }
+  return only;
+}
+
+Result<ReliefPictures> capture_relief_pictures(CaptureSource& source,
+                                               std::span<const std::uint32_t> objects,
+                                               const ReliefCaptureOptions& options,
+                                               const ReliefProgress& progress) {
+  const Result<std::vector<glm::dvec3>> directions = relief_directions(options.textures);
+  if (!directions) return directions.error();
+  const Box box = source.bounds(objects);
+  if (box.empty()) return Error{std::string(source.name()), "has nothing to take pictures of"};
+  ReliefPictures made;
+  for (const glm::dvec3& direction : *directions) {
+    const Result<Camera> camera = relief_camera(box, direction, options.size);
+    if (!camera) return camera.error();
+    const double merge = options.merge_texels * texel_angle(*camera);
+    Result<LayeredDepthImage> layers =
+        source.capture_layers({.camera = *camera, .objects = objects, .merge = merge});
+    if (!layers) return layers.error();
+    if (progress) progress(int(made.pictures.size()) + 1, int(directions->size()));
+    made.pictures.push_back({*std::move(layers), merge, 0});
+  }
+  made.bounds = bounds_of(made);
+  if (made.bounds.empty()) return Error{std::string(source.name()), "shows nothing"};
+  return made;
+}
+
+Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> deep,
+                                             const ReliefCaptureOptions& options) {
+  ReliefPictures made;
+  for (const LayeredDepthImage& layers : deep) {
+    if (layers.camera.projection == Projection::back_perspective)
+      return Error{layers.name, "is a back-perspective deep image, which cannot be resampled"};
+    ReliefPictures::Picture picture;
+    if (layers.camera.projection == Projection::parallel) {
+      picture.layers = layers;
+    } else {
+      ResampleOptions resample;
+      resample.size = options.size;
+      if (options.max_depth > 0) resample.max_z = options.max_depth;
+      // Fog becomes surfaces while its lines of sight are still those that it was seen along.
+      Result<ResampledLayers> resampled =
+          resample_layers(gather_layers(layers, LayeredReliefOptions{}.least_alpha), resample);
+      if (!resampled) return resampled.error();
+      picture.layers = std::move(resampled->layers);
+      picture.moved = resampled->error;
+    }
+    picture.merged = options.merge_texels * texel_angle(picture.layers.camera);
+    const double per_metre = picture.layers.depth_kind == DepthKind::window_z
+                                 ? 1 / (picture.layers.camera.z_far - picture.layers.camera.z_near)
+                                 : 1.0;
+    picture.layers = merge_layers(picture.layers, picture.merged * per_metre);
+    made.pictures.push_back(std::move(picture));
+  }
+  made.bounds = bounds_of(made);
+  if (made.bounds.empty()) return Error{"", "shows nothing"};
+  return made;
+}
+
+Result<ReliefSet> make_relief_set(const ReliefPictures& pictures, bool identifiers) {
+  ReliefSet set;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
+    Result<LayeredRelief> relief =
+        build_layered_relief(picture.layers, {.identifiers = identifiers});
+    if (!relief) {
+      // Seen from this side there is nothing, as of a wall from beside.
+      if (picture.layers.samples.empty()) continue;
+      return relief.error();
+    }
+    relief->merged_d = std::max(relief->merged_d, picture.merged);
+    set.reliefs.push_back(*std::move(relief));
+  }
+  if (set.reliefs.empty()) return Error{"", "has no samples"};
+  return set;
+}
+
+}  // namespace rilievo

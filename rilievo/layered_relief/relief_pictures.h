@@ -1,0 +1,61 @@
+// What is kept of an object or a scene as layered reliefs: its layered pictures (S4.1, S4.4).
+//
+// Parallel pictures from several directions, as they lie in a file; the reliefs that are warped
+// follow from them and are made when they are to be drawn. World space at capture, metres.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/core/bounds.h"
+#include "rilievo/layered_relief/relief_set.h"
+
+namespace rilievo {
+
+// The layered pictures of one bake.
+struct ReliefPictures {
+  // The picture of one direction.
+  struct Picture {
+    LayeredDepthImage layers;  // parallel
+    double merged = 0;         // how far a sample may stand before one that was merged into it
+    double moved = 0;          // how far samples may stand from where they were seen: of resampled
+                               // deep images
+  };
+  std::vector<Picture> pictures;  // at least one
+  Box bounds;                     // of all samples
+};
+
+// What is captured, and how finely.
+struct ReliefCaptureOptions {
+  int textures = 6;           // 1, 2, 6, 12, 20 or 32 (relief_directions)
+  int size = 512;             // texels of the longer side
+  double merge_texels = 0.5;  // samples closer along a line of sight than that share of a texel
+  double max_depth = 0;       // of deep images: nothing that is farther away, metres; 0: all
+};
+
+// Called with what is done and how much there is, in pictures; may be empty.
+using ReliefProgress = std::function<void(int done, int total)>;
+
+// Of `objects` (empty: all) of a source that can look behind surfaces.
+[[nodiscard]] Result<ReliefPictures> capture_relief_pictures(CaptureSource& source,
+                                                             std::span<const std::uint32_t> objects,
+                                                             const ReliefCaptureOptions& options,
+                                                             const ReliefProgress& progress = {});
+// Of deep images: perspective ones become parallel (resample_layers.h).
+[[nodiscard]] Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> deep,
+                                                           const ReliefCaptureOptions& options);
+
+// The box around all samples.
+[[nodiscard]] Box bounds_of(const ReliefPictures& pictures);
+// The object that they show; kNoObject if it is not exactly one.
+[[nodiscard]] std::uint32_t only_object(const ReliefPictures& pictures);
+
+// The reliefs of all pictures. `identifiers`: of which samples carry their objects' instead of
+// colours; they lie in the same places.
+[[nodiscard]] Result<ReliefSet> make_relief_set(const ReliefPictures& pictures,
+                                                bool identifiers = false);
+
+}  // namespace rilievo
