@@ -4,6 +4,7 @@
 #include "bench/bound.h"
 #include "bench/capture.h"
 #include "bench/coverage.h"
+#include "bench/deep_objects.h"
 #include "bench/draw.h"
 #include "bench/layered.h"
 #include "bench/layered_cost.h"
@@ -50,6 +51,8 @@ std::span<const Bench> benches() {
             false, splats},
       Bench{"relief-run", "What do layered reliefs cost over 300 turns? (S4.4, S4.7)", false,
             relief_run},
+      Bench{"deep-objects", "What do layered reliefs gain for deep objects near the eye?", true,
+            deep_objects},
       Bench{"rgbd", "What do impostors of photographs with depth look like? (S2.7)", false, rgbd},
       Bench{"triangulate", "How well do few triangles stand for a node's depths? (S3.2)", false,
             triangulate_nodes},

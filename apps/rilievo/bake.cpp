@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/rilievo/capture.h"
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/kinds.h"
@@ -19,9 +20,11 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/layered_source.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/io/deep_exr.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/representation/kinds.h"
@@ -31,6 +34,8 @@ namespace {
 
 struct BakeCommand {
   std::string scene, output, json, as = "layered-impostor";
+  double fov_degrees = 0;  // of a deep image that does not say; 0: not given
+  bool ray_depth = false;  // of a deep image: Z is along the line of sight
   KindOptions kinds;
   FileLimits limits;
 };
@@ -141,6 +146,35 @@ void print_made(const BakeCommand& options, const Kind& kind, const Baked& baked
     if (!fact.label.empty()) print("  {:<10} {}\n", fact.label, fact.text);
 }
 
+// Of what has no polygons to compare with.
+Result<> bake_without_scene(const BakeCommand& options, const Kind& kind,
+                            const OptionValues& values, CaptureSource& source) {
+  Times times;
+  const Result<Baked> baked = bake(options, kind, values, source, {}, times);
+  if (!baked) return baked.error();
+  if (!options.json.empty())
+    return write_json(options.json, report_of(options, kind, values, *baked, times));
+  print_made(options, kind, *baked, times);
+  return Done{};
+}
+
+// A deep image of any renderer's.
+Result<LayeredSource> open_deep(const BakeCommand& options) {
+  DeepLoadOptions load;
+  if (options.fov_degrees > 0) load.fov = glm::radians(options.fov_degrees);
+  if (options.ray_depth) load.depth_kind = DepthKind::ray;
+  Result<LayeredDepthImage> layers = load_layers(options.scene, load);
+  if (!layers) {
+    std::string reason = layers.error().reason;
+    if (reason.find("has no camera") != std::string::npos)
+      reason += ": --fov DEGREES gives one, at the origin, looking along -z";
+    return Error{options.scene, reason};
+  }
+  std::vector<LayeredDepthImage> pictures;
+  pictures.push_back(*std::move(layers));
+  return LayeredSource(options.scene, std::move(pictures));
+}
+
 Result<> run_bake(const BakeCommand& options) {
   if (!is_picture_file(options.output))
     return Error{options.output, "the output is an OpenEXR file: the name must end in .exr"};
@@ -149,22 +183,24 @@ Result<> run_bake(const BakeCommand& options) {
   if (Result<> good = expect_options_of(kind, options.kinds); !good) return good;
   const Result<OptionValues> values = bake_values(kind, options.kinds);
   if (!values) return values.error();
-  if (holds_pictures(options.scene))
-    return Error{options.scene, "contains pictures, not a scene to bake"};
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
-  Times times;
+  if (holds_pictures(options.scene)) {
+    Result<LayeredSource> source = open_deep(options);
+    if (!source) return source.error();
+    if (Result<> made = make_folder(folder); !made) return made;
+    return bake_without_scene(options, kind, *values, *source);
+  }
+  if (options.fov_degrees > 0 || options.ray_depth)
+    return Error{options.fov_degrees > 0 ? "--fov" : "--ray-depth",
+                 "is for deep images, which " + options.scene + " is not"};
   if (is_capture(options.scene)) {
     Result<PhotographSource> source = open_photographs(options.scene, options.limits);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;
-    const Result<Baked> baked = bake(options, kind, *values, *source, {}, times);
-    if (!baked) return baked.error();
-    if (!options.json.empty())
-      return write_json(options.json, report_of(options, kind, *values, *baked, times));
-    print_made(options, kind, *baked, times);
-    return Done{};
+    return bake_without_scene(options, kind, *values, *source);
   }
+  Times times;
   const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   if (Result<> made = make_folder(folder); !made) return made;
@@ -197,11 +233,19 @@ Command bake_command(CLI::App& app) {
           "SCENE", options->scene,
           std::string(kSceneHelp) +
               ", or a capture: a folder of photographs with depth and their poses, or a manifest "
-              "of Google's Seurat")
+              "of Google's Seurat; or, for layered-relief, a deep OpenEXR image")
       ->required();
   command->add_option("--as", options->as, "The kind of representation (default layered-impostor)")
       ->check(CLI::IsMember(kind_names()));
   add_kind_options(*command, KindOptionsOf::bake, options->kinds);
+  command
+      ->add_option("--fov", options->fov_degrees,
+                   "Of a deep image without a camera: its horizontal field of view")
+      ->check(in_range(0.1, 179.0))
+      ->type_name("DEGREES");
+  command->add_flag(
+      "--ray-depth", options->ray_depth,
+      "Of a deep image: Z is the distance along the line of sight, not along the axis");
   command->add_option("-o,--output", options->output, "The file to write")
       ->required()
       ->type_name("FILE.exr");
@@ -210,6 +254,7 @@ Command bake_command(CLI::App& app) {
   command->footer(
       "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
       "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"
+      "         rilievo bake deep.exr --as layered-relief --fov 54 -o relief.exr\n"
       "         rilievo render model.exr --orbit 60 -o frames");
   return {command, [options](const std::string&) { return run_bake(*options); }};
 }
