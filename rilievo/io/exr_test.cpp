@@ -16,6 +16,7 @@
 #include <iterator>
 #include <limits>
 
+#include "rilievo/core/file.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/exr_camera.h"
 #include "rilievo/io/io_test_helpers.h"
