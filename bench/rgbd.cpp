@@ -126,7 +126,6 @@ BenchPicture shown(std::string caption, const DepthImage& truth, const DepthImag
         if (covered)
           difference[c] = std::uint8_t(std::min(255, 3 * std::abs(a(u, v)[c] - b(u, v)[c])));
       sheet(2 * w + x, y) = difference;
-      const glm::u8vec4 drawn{30, 30, 30, 255};
       sheet(3 * w + x, y) = covered ? glm::u8vec4(30, 30, 30, 255) : seen(u, v) ? missed : open;
     }
   return {std::move(caption), {"image/png", encode_png(sheet)}};

@@ -13,6 +13,7 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
   RILIEVO_EXPECTS(camera.projection != Projection::back_perspective);
   const int width = camera.width, height = camera.height;
   const HitShader shader(rays, camera);
+  const ObjectSet objects(rays.scene(), options.objects);
   struct Row {
     std::vector<LayerSample> samples;
     std::vector<std::uint32_t> counts;
@@ -27,7 +28,7 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
       float from = 0;
       for (int layer = 0; layer < options.max_layers;) {
         const std::optional<RayHit> hit =
-            rays.first_hit(ray.origin, ray.direction, from, 1.0f, RaySides::both);
+            rays.first_hit(ray.origin, ray.direction, from, 1.0f, RaySides::both, objects);
         if (!hit) break;
         // The next surface lies behind this one, by as little as can be told.
         from = std::nextafter(hit->distance, 2.0f);

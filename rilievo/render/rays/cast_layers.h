@@ -6,6 +6,9 @@
 // its front. The result does not depend on the number of threads.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "rilievo/core/depth_image.h"
 #include "rilievo/render/rays/ray_scene.h"
 
@@ -17,6 +20,7 @@ struct CastLayersOptions {
   double merge = 0.0;
   // The largest number of samples on a ray.
   int max_layers = 256;
+  std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
 };
 
 // Casts a picture. Requires a valid parallel or perspective camera.

@@ -157,7 +157,8 @@ CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster) {
   return {origin, world_from_raster(camera, raster, end) - origin, start, end - start};
 }
 
-DepthImage cast_picture(const RayScene& rays, const Camera& camera) {
+DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOptions& options) {
+  RILIEVO_EXPECTS(options.samples == 1 || options.samples == 4);
   DepthImage picture;
   picture.camera = camera;
   picture.color = ColorImage(camera.width, camera.height);
@@ -165,10 +166,15 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera) {
   picture.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
   PictureCaster caster(rays);
   PictureCaster::State& s = *caster.state_;
-  s.place(camera, s.all);
-  s.seen.begin(camera.width, camera.height, 1);
+  const bool all = options.objects.empty();
+  s.place(camera, all ? s.all : options.objects);
+  if (options.samples == 1)
+    s.seen.begin(camera.width, camera.height, 1);
+  else
+    s.cast(camera, all, options.samples);
   const int last = camera.height - 1;  // rows from the top
-  const RayPictureView seen_by{picture_rays(camera), camera.position(), {}};
+  RayPictureView seen_by{picture_rays(camera), camera.position(), {}};
+  if (!all) seen_by.objects = {s.included.get(), rays.scene().objects.size()};
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
@@ -176,18 +182,23 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera) {
       if (!hit) continue;
       picture.depth(x, y) = float(ray.eye_z_start + double(hit->distance) * ray.eye_z_step);
       picture.object(x, y) = hit->object;
-      s.set(s.seen.row(last - y) + std::size_t(x), 0.0f, hit->object - 1, hit->part, hit->triangle);
+      if (options.samples == 1)
+        s.set(s.seen.row(last - y) + std::size_t(x), 0.0f, hit->object - 1, hit->part,
+              hit->triangle);
     }
   });
   const PictureView view{s.seen, s.placed, picture_rays(camera),
                          surface_lights(rays.scene(), camera.position(), s.lights),
                          ColorScale::linear};
   const std::size_t width = std::size_t(camera.width);
+  const float share = 1.0f / float(options.samples);
   s.shader.shade(view, [&](const BandShader& shaded, int from, int to) {
     for (int y = from; y < to; ++y)
       for (int x = 0; x < camera.width; ++x) {
         const std::size_t i = std::size_t(y - from) * width + std::size_t(x);
-        if (shaded.covered()[i]) picture.color(x, last - y) = {shaded.color_sums()[i], 1.0f};
+        if (picture.covered(x, last - y))
+          picture.color(x, last - y) =
+              share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
       }
   });
   return picture;

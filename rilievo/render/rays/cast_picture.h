@@ -15,8 +15,17 @@
 
 namespace rilievo {
 
-// Casts one ray for each texel: eye_z and linear light. Requires a valid camera.
-[[nodiscard]] DepthImage cast_picture(const RayScene& scene, const Camera& camera);
+// What is cast.
+struct CastOptions {
+  std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
+  int samples = 1;                              // rays of a texel for its colour: 1 or 4
+};
+
+// Casts a ray through each texel's centre: eye_z, object, and linear light. With 4 samples colours
+// are averaged over other rays, and alpha is coverage; where the centre shows nothing, so does the
+// texel. Requires a valid camera.
+[[nodiscard]] DepthImage cast_picture(const RayScene& scene, const Camera& camera,
+                                      const CastOptions& options = {});
 
 // Draws like PictureRasterizer, with a ray through each sample.
 class PictureCaster {
@@ -34,7 +43,8 @@ class PictureCaster {
             RasterPicture& picture);
 
  private:
-  friend DepthImage cast_picture(const RayScene& scene, const Camera& camera);
+  friend DepthImage cast_picture(const RayScene& scene, const Camera& camera,
+                                 const CastOptions& options);
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -10,6 +10,16 @@
 #include "rilievo/render/shading/shading_model.h"
 
 namespace rilievo {
+
+// What a ray takes along.
+struct RayContext {
+  RTCIntersectContext embree;  // the first member: Embree hands on a pointer to it
+  const RayPictureView* picture = nullptr;
+  std::span<const glm::mat4> model_from_world;
+  RaySides sides = RaySides::seen;
+  std::span<const bool> objects;  // for each: can it be hit? Empty: all can
+};
+
 namespace {
 
 namespace model = shading_model;
@@ -20,14 +30,6 @@ struct PartFilter {
   const glm::vec3* vertices;  // of the mesh, in model space
   const SurfaceMaterial* material;
   float front;  // -1 where the part's placement mirrors: its front is then clockwise
-};
-
-// What a ray takes along.
-struct RayContext {
-  RTCIntersectContext embree;  // the first member: Embree hands on a pointer to it
-  const RayPictureView* picture = nullptr;
-  std::span<const glm::mat4> model_from_world;
-  RaySides sides = RaySides::seen;
 };
 
 struct SceneDeleter {
@@ -114,9 +116,13 @@ void filter_objects(const RTCFilterFunctionNArguments* arguments) {
   const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
   for (unsigned i = 0; i < arguments->N; ++i)
     if (arguments->valid[i] == -1 &&
-        !context.picture->objects[RTCHitN_instID(arguments->hit, arguments->N, i, 0)])
+        !context.objects[RTCHitN_instID(arguments->hit, arguments->N, i, 0)])
       arguments->valid[i] = 0;
 }
+
+// Robust: else rays slip through between triangles that share an edge. And filter_objects() is a
+// filter of the context, which is not called otherwise where a part has none of its own.
+const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_near, float t_far) {
   RTCRay ray{};
@@ -142,12 +148,16 @@ struct RayScene::State {
   EmbreeScene world;
 
   explicit State(const Scene& scene) : scene(&scene), materials(scene) {}
-  [[nodiscard]] RayContext context(const RayPictureView* picture, RaySides sides) const {
+  [[nodiscard]] RayContext context(const RayPictureView* picture, RaySides sides,
+                                   std::span<const bool> objects) const {
+    RILIEVO_EXPECTS(objects.empty() || objects.size() == scene->objects.size());
     RayContext context;
     rtcInitIntersectContext(&context.embree);
     context.picture = picture;
     context.model_from_world = model_from_world;
     context.sides = sides;
+    context.objects = objects;
+    if (!objects.empty()) context.embree.filter = filter_objects;
     return context;
   }
 
@@ -207,8 +217,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
   for (std::size_t m = 0; m < scene.models.size(); ++m) {
     const Model& model = scene.models[m];
     state->models.emplace_back(rtcNewScene(state->device));
-    // Else rays slip through between triangles that share an edge.
-    rtcSetSceneFlags(state->models.back().get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(state->models.back().get(), kSceneFlags);
     for (int p = 0; p < int(model.parts.size()); ++p) {
       const Part& part = model.parts[p];
       const Mesh& mesh = scene.meshes[part.mesh];
@@ -245,7 +254,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
   }
 
   state->world.reset(rtcNewScene(state->device));
-  rtcSetSceneFlags(state->world.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(state->world.get(), kSceneFlags);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     RTCGeometry instance = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, state->models[scene.objects[i].model].get());
@@ -262,22 +271,29 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
   return RayScene(std::move(state));
 }
 
+ObjectSet::ObjectSet(const Scene& scene, std::span<const std::uint32_t> objects) {
+  if (objects.empty()) return;
+  size_ = scene.objects.size();
+  included_ = std::make_unique<bool[]>(size_);
+  for (const std::uint32_t object : objects) included_[object] = true;
+}
+
 std::optional<RayHit> RayScene::first_hit(const glm::vec3& origin, const glm::vec3& direction,
-                                          float t_near, float t_far, RaySides sides) const {
-  return first_hit(nullptr, sides, origin, direction, t_near, t_far);
+                                          float t_near, float t_far, RaySides sides,
+                                          std::span<const bool> objects) const {
+  return first_hit(state_->context(nullptr, sides, objects), origin, direction, t_near, t_far);
 }
 
 std::optional<RayHit> RayScene::first_hit(const RayPictureView& view, const glm::vec3& origin,
                                           const glm::vec3& direction, float t_near,
                                           float t_far) const {
-  return first_hit(&view, RaySides::seen, origin, direction, t_near, t_far);
+  return first_hit(state_->context(&view, RaySides::seen, view.objects), origin, direction, t_near,
+                   t_far);
 }
 
-std::optional<RayHit> RayScene::first_hit(const RayPictureView* view, RaySides sides,
-                                          const glm::vec3& origin, const glm::vec3& direction,
-                                          float t_near, float t_far) const {
-  RayContext context = state_->context(view, sides);
-  if (view && !view->objects.empty()) context.embree.filter = filter_objects;
+std::optional<RayHit> RayScene::first_hit(RayContext&& context, const glm::vec3& origin,
+                                          const glm::vec3& direction, float t_near,
+                                          float t_far) const {
   RTCRayHit query{};
   query.ray = ray_from(origin, direction, t_near, t_far);
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -301,10 +317,8 @@ std::optional<RayHit> RayScene::first_hit(const RayPictureView* view, RaySides s
 void RayScene::first_hits(const RayPictureView& view, RayPacket& packet) const {
   constexpr int kCount = RayPacket::kMaxCount;
   RILIEVO_EXPECTS(0 < packet.count && packet.count <= kCount);
-  RILIEVO_EXPECTS(view.objects.empty() || view.objects.size() == state_->scene->objects.size());
-  RayContext context = state_->context(&view, RaySides::seen);
+  RayContext context = state_->context(&view, RaySides::seen, view.objects);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  if (!view.objects.empty()) context.embree.filter = filter_objects;
   alignas(64) int valid[kCount];
   RTCRayHit16 query{};
   for (int i = 0; i < kCount; ++i) {
@@ -332,7 +346,7 @@ void RayScene::first_hits(const RayPictureView& view, RayPacket& packet) const {
 
 bool RayScene::occluded(const glm::vec3& origin, const glm::vec3& direction, float t_near,
                         float t_far) const {
-  RayContext context = state_->context(nullptr, RaySides::seen);
+  RayContext context = state_->context(nullptr, RaySides::seen, {});
   RTCRay ray = ray_from(origin, direction, t_near, t_far);
   rtcOccluded1(state_->world.get(), &context.embree, &ray);
   return ray.tfar < 0;

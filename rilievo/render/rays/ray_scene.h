@@ -58,6 +58,21 @@ struct RayPictureView {
   std::span<const bool> objects;  // for each of Scene::objects: can it be hit? Empty: all can
 };
 
+struct RayContext;  // internal
+
+// Some of a scene's objects, as rays want them.
+class ObjectSet {
+ public:
+  // `objects`: indices; empty: all.
+  ObjectSet(const Scene& scene, std::span<const std::uint32_t> objects);
+  // For each object: is it one of them? Empty: all are.
+  operator std::span<const bool>() const { return {included_.get(), size_}; }
+
+ private:
+  std::unique_ptr<bool[]> included_;
+  std::size_t size_ = 0;
+};
+
 // A scene in Embree.
 class RayScene {
  public:
@@ -68,10 +83,12 @@ class RayScene {
   RayScene& operator=(RayScene&&) noexcept;
   ~RayScene();
 
-  // The first hit at a distance in (t_near, t_far), as multiples of the length of `direction`.
+  // The first hit at a distance in (t_near, t_far), as multiples of the length of `direction`, of
+  // the objects for which `objects` is true (empty: of all).
   [[nodiscard]] std::optional<RayHit> first_hit(const glm::vec3& origin, const glm::vec3& direction,
                                                 float t_near, float t_far,
-                                                RaySides sides = RaySides::seen) const;
+                                                RaySides sides = RaySides::seen,
+                                                std::span<const bool> objects = {}) const;
   // The same for rays of a picture.
   [[nodiscard]] std::optional<RayHit> first_hit(const RayPictureView& view, const glm::vec3& origin,
                                                 const glm::vec3& direction, float t_near,
@@ -89,9 +106,9 @@ class RayScene {
  private:
   struct State;
   explicit RayScene(std::unique_ptr<State> state);
-  [[nodiscard]] std::optional<RayHit> first_hit(const RayPictureView* view, RaySides sides,
-                                                const glm::vec3& origin, const glm::vec3& direction,
-                                                float t_near, float t_far) const;
+  [[nodiscard]] std::optional<RayHit> first_hit(RayContext&& context, const glm::vec3& origin,
+                                                const glm::vec3& direction, float t_near,
+                                                float t_far) const;
   std::unique_ptr<State> state_;
 };
 

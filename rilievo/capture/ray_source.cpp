@@ -1,0 +1,77 @@
+#include "rilievo/capture/ray_source.h"
+
+#include <utility>
+#include <vector>
+
+#include "rilievo/core/parallel_for.h"
+#include "rilievo/render/rays/cast_layers.h"
+#include "rilievo/render/rays/cast_picture.h"
+
+namespace rilievo {
+namespace {
+
+bool has_opaque_parts(const Scene& scene, const Model& model) {
+  for (const Part& part : model.parts)
+    if (double_sided(scene, part.mesh)) return true;
+  return false;
+}
+
+// eye_z of the last surface along each texel's ray: the first one from its other end.
+Image<float> cast_farthest(const RayScene& rays, const Camera& camera,
+                           std::span<const std::uint32_t> objects) {
+  const ObjectSet set(rays.scene(), objects);
+  Image<float> farthest(camera.width, camera.height, kNoDepth);
+  parallel_for(0, camera.height, [&](int y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const glm::dvec2 raster(x + 0.5, y + 0.5);
+      const glm::dvec3 end = world_from_raster(camera, raster, camera.z_far);
+      const glm::dvec3 back = world_from_raster(camera, raster, camera.z_near) - end;
+      const auto hit = rays.first_hit(end, back, 0.0f, 1.0f, RaySides::both, set);
+      if (hit)
+        farthest(x, y) =
+            float(camera.z_far + double(hit->distance) * (camera.z_near - camera.z_far));
+    }
+  });
+  return farthest;
+}
+
+}  // namespace
+
+Box RaySource::bounds(std::span<const std::uint32_t> objects) const {
+  const Scene& scene = rays_.scene();
+  Box bounds;
+  const auto add = [&](std::uint32_t object) {
+    const Model& model = scene.models[std::size_t(scene.objects[object].model)];
+    if (has_opaque_parts(scene, model))
+      bounds.add(transformed(rays_.poses()[object], model.bounds));
+  };
+  for (const std::uint32_t object : objects) add(object);
+  if (objects.empty())
+    for (std::uint32_t object = 0; object < scene.objects.size(); ++object) add(object);
+  return bounds;
+}
+
+Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
+  if (Result<> valid = validate(request.camera); !valid) return valid.error();
+  if (request.samples != 1 && request.samples != 4)
+    return Error{std::string(name()), "rays capture 1 or 4 samples per texel"};
+  if (request.with_sky) return Error{std::string(name()), "rays capture no sky"};
+  CapturedPicture captured{cast_picture(rays_, request.camera, {request.objects, request.samples}),
+                           {}};
+  captured.picture.name = name();
+  if (!request.identifiers) captured.picture.object = {};
+  if (request.farthest) captured.farthest = cast_farthest(rays_, request.camera, request.objects);
+  return captured;
+}
+
+Result<LayeredDepthImage> RaySource::capture_layers(const LayersRequest& request) {
+  if (Result<> valid = validate(request.camera); !valid) return valid.error();
+  if (request.camera.projection == Projection::back_perspective)
+    return Error{std::string(name()), "layers need a perspective or a parallel camera"};
+  LayeredDepthImage layers =
+      cast_layers(rays_, request.camera, {request.merge, request.max_layers, request.objects});
+  layers.name = name();
+  return layers;
+}
+
+}  // namespace rilievo
