@@ -22,22 +22,13 @@ namespace {
 
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
 
-// What is baked before the first frame.
-Result<ObjectDrawablesOptions> object_options(const Kind& kind, const KindOptions& options,
-                                              std::size_t max_bytes, Progress& progress) {
-  Result<OptionValues> bake = bake_values(kind, options);
-  if (!bake) return bake.error();
-  Result<OptionValues> draw = draw_values(kind, options);
-  if (!draw) return draw.error();
-  ObjectDrawablesOptions objects{std::move(*bake), std::move(*draw)};
-  objects.max_bytes = max_bytes;
-  objects.progress = [&](int done, int total) { progress.show(done, total); };
-  return objects;
-}
+// A kind with its options for baking and drawing, and its factory.
+struct PreparedKind {
+  OptionValues bake, draw;
+  std::unique_ptr<DrawableFactory> factory;
+};
 
-// What lies far around the eyes, as one.
-Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const MethodOptions& options,
-                          SceneRenderer& renderer) {
+Result<PreparedKind> prepare(const KindMethod& method, const MethodOptions& options) {
   KindOptions values = options.kinds;
   apply(method, values);
   Result<OptionValues> bake = bake_values(*method.kind, values);
@@ -47,15 +38,33 @@ Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const Met
   Result<std::unique_ptr<DrawableFactory>> factory =
       make_factory(drawable_rows(), method.kind->name);
   if (!factory) return factory.error();
+  return PreparedKind{std::move(*bake), std::move(*draw), std::move(*factory)};
+}
+
+// Objects to bake before the first frame.
+ObjectDrawablesOptions object_options(const PreparedKind& kind, std::size_t max_bytes,
+                                      Progress& progress) {
+  ObjectDrawablesOptions objects{kind.bake, kind.draw};
+  objects.max_bytes = max_bytes;
+  objects.progress = [&](int done, int total) { progress.show(done, total); };
+  return objects;
+}
+
+// What lies far around the eyes, as one.
+Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const MethodOptions& options,
+                          SceneRenderer& renderer) {
+  Result<PreparedKind> kind = prepare(method, options);
+  if (!kind) return kind.error();
   Progress progress("view");
-  SurroundingsOptions surroundings{*bake, *draw, options.eyes};
+  SurroundingsOptions surroundings{kind->bake, kind->draw, options.eyes};
   surroundings.beyond =
       options.bake_beyond.value_or(0.1 * double(world_bounds(renderer.scene()).radius()));
   surroundings.progress = [&](int done, int total) { progress.show(done, total); };
   Result<ObjectDrawable> made =
-      bake_surroundings_drawable(renderer, *method.kind, **factory, surroundings);
+      bake_surroundings_drawable(renderer, *method.kind, *kind->factory, surroundings);
   if (!made) return made.error();
-  cache.add_surroundings(std::move(made->drawable), std::move(*factory), std::move(made->objects));
+  cache.add_surroundings(std::move(made->drawable), std::move(kind->factory),
+                         std::move(made->objects));
   return Done{};
 }
 
@@ -74,18 +83,13 @@ Result<> add_alternatives(ImageCache& cache, const MethodOptions& options,
       if (Result<> added = add_surroundings(cache, method, options, renderer); !added) return added;
       continue;
     }
-    KindOptions values = options.kinds;
-    apply(method, values);
+    Result<PreparedKind> prepared = prepare(method, options);
+    if (!prepared) return prepared.error();
     Progress progress("view");
-    Result<ObjectDrawablesOptions> objects = object_options(*method.kind, values, each, progress);
-    if (!objects) return objects.error();
-    Result<std::unique_ptr<DrawableFactory>> factory =
-        make_factory(drawable_rows(), method.kind->name);
-    if (!factory) return factory.error();
-    Result<std::vector<ObjectDrawable>> drawables =
-        bake_object_drawables(renderer, *method.kind, **factory, *objects);
+    Result<std::vector<ObjectDrawable>> drawables = bake_object_drawables(
+        renderer, *method.kind, *prepared->factory, object_options(*prepared, each, progress));
     if (!drawables) return drawables.error();
-    cache.add_alternatives(std::move(*drawables), std::move(*factory));
+    cache.add_alternatives(std::move(*drawables), std::move(prepared->factory));
   }
   return Done{};
 }
@@ -115,19 +119,13 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
 Result<std::unique_ptr<FrameSource>> make_surroundings(const KindMethod& method,
                                                        const MethodOptions& options,
                                                        SceneRenderer& renderer) {
-  KindOptions values = options.kinds;
-  apply(method, values);
-  const Result<OptionValues> bake = bake_values(*method.kind, values);
-  if (!bake) return bake.error();
-  const Result<OptionValues> draw = draw_values(*method.kind, values);
-  if (!draw) return draw.error();
-  Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(drawable_rows(), method.kind->name);
-  if (!factory) return factory.error();
+  Result<PreparedKind> kind = prepare(method, options);
+  if (!kind) return kind.error();
   Progress progress("view");
-  Result<std::unique_ptr<SurroundingFrames>> frames = SurroundingFrames::create(
-      renderer, *method.kind, std::move(*factory),
-      {*bake, *draw, options.eyes, [&](int done, int total) { progress.show(done, total); }});
+  Result<std::unique_ptr<SurroundingFrames>> frames =
+      SurroundingFrames::create(renderer, *method.kind, std::move(kind->factory),
+                                {kind->bake, kind->draw, options.eyes,
+                                 [&](int done, int total) { progress.show(done, total); }});
   if (!frames) return frames.error();
   return {std::move(*frames)};
 }
@@ -136,18 +134,14 @@ Result<std::unique_ptr<FrameSource>> make_surroundings(const KindMethod& method,
 Result<std::unique_ptr<FrameSource>> make_objects(const KindMethod& method,
                                                   const MethodOptions& options,
                                                   SceneRenderer& renderer) {
-  KindOptions values = options.kinds;
-  apply(method, values);
+  Result<PreparedKind> kind = prepare(method, options);
+  if (!kind) return kind.error();
   Progress progress("view");
-  Result<ObjectDrawablesOptions> objects =
-      object_options(*method.kind, values, std::size_t(options.memory_mb) * kMegabyte, progress);
-  if (!objects) return objects.error();
-  Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(drawable_rows(), method.kind->name);
-  if (!factory) return factory.error();
+  ObjectDrawablesOptions objects =
+      object_options(*kind, std::size_t(options.memory_mb) * kMegabyte, progress);
   Result<std::unique_ptr<ObjectFrames>> frames =
-      ObjectFrames::create(renderer, *method.kind, std::move(*factory),
-                           {std::move(*objects), options.texel_px, options.outlines});
+      ObjectFrames::create(renderer, *method.kind, std::move(kind->factory),
+                           {std::move(objects), options.texel_px, options.outlines});
   if (!frames) return frames.error();
   return {std::move(*frames)};
 }

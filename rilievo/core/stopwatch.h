@@ -5,7 +5,7 @@
 
 namespace rilievo {
 
-// Runs from its making on. Wall clock: what the GPU does counts after gl::finish() only.
+// Measures wall-clock time since its construction. Work of the GPU counts only after gl::finish().
 class Stopwatch {
  public:
   // Milliseconds since the start.

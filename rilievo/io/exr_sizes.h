@@ -4,7 +4,8 @@
 // two gigabytes. This check steps through the header: magic and version (4 bytes each), then for
 // each part its attributes (name 0, type 0, int32 size, value) up to an empty name. A multi-part
 // file ends with an empty part. OpenEXR reads some types without a look at the stated size; these
-// must have their own, or the two of us would see different attributes in what follows.
+// must state the size of their type; otherwise OpenEXR and this check parse what follows
+// differently.
 #pragma once
 
 #include <string_view>

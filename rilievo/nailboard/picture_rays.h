@@ -14,7 +14,7 @@
 
 namespace rilievo {
 
-// Of bounds: nothing can be promised.
+// The bound of a picture for which nothing can be promised.
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The frame as seen from the picture: pixel rows and eye in the capture's eye space. A point A

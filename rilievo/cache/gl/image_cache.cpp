@@ -10,8 +10,6 @@
 
 namespace rilievo {
 
-namespace {}  // namespace
-
 ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
                        std::unique_ptr<NailboardSet> pictures, const ImageCacheOptions& options)
     : SceneFrames(renderer),
@@ -101,39 +99,38 @@ void ImageCache::index_alternatives() {
   }
 }
 
+void ImageCache::add_drawable(ObjectDrawable drawable) {
+  Alternative alternative{drawable.drawable->error_model(0), drawable.drawable->cost_terms(0)};
+  alternative.drawable = std::uint32_t(drawables_.size());
+  for (const std::uint32_t object : drawable.objects) {
+    // What shows all objects at once was baked where they are.
+    const std::optional<glm::dmat4> motion =
+        drawable.together ? glm::dmat4(1.0) : motion_of(drawable, renderer().poses()[object]);
+    if (!motion) continue;
+    alternative.object = object;
+    alternative.world_from_capture = *motion;
+    alternatives_.list.push_back(alternative);
+    if (drawable.together) break;
+  }
+  alternative_bytes_ += drawable.drawable->bytes();
+  content().sets.push_back({drawable.drawable.get(), {}});
+  drawables_.push_back(std::move(drawable));
+}
+
 void ImageCache::add_surroundings(std::unique_ptr<Drawable> drawable,
                                   std::unique_ptr<DrawableFactory> factory,
                                   std::vector<std::uint32_t> objects) {
   RILIEVO_EXPECTS(held_.empty() && !objects.empty());
   build_tree(objects);
   factories_.push_back(std::move(factory));
-  Alternative alternative{drawable->error_model(0), drawable->cost_terms(0)};
-  alternative.drawable = std::uint32_t(drawables_.size());
-  alternative.object = objects.front();
-  alternatives_.list.push_back(alternative);
-  alternative_bytes_ += drawable->bytes();
-  content().sets.push_back({drawable.get(), {}});
-  drawables_.push_back({std::move(drawable), std::move(objects), glm::dmat4(1.0), true});
+  add_drawable({std::move(drawable), std::move(objects), glm::dmat4(1.0), true});
   index_alternatives();
 }
 
 void ImageCache::add_alternatives(std::vector<ObjectDrawable> drawables,
                                   std::unique_ptr<DrawableFactory> factory) {
   factories_.push_back(std::move(factory));
-  for (ObjectDrawable& drawable : drawables) {
-    Alternative alternative{drawable.drawable->error_model(0), drawable.drawable->cost_terms(0)};
-    alternative.drawable = std::uint32_t(drawables_.size());
-    for (const std::uint32_t object : drawable.objects) {
-      const std::optional<glm::dmat4> motion = motion_of(drawable, renderer().poses()[object]);
-      if (!motion) continue;
-      alternative.object = object;
-      alternative.world_from_capture = *motion;
-      alternatives_.list.push_back(alternative);
-    }
-    alternative_bytes_ += drawable.drawable->bytes();
-    content().sets.push_back({drawable.drawable.get(), {}});
-    drawables_.push_back(std::move(drawable));
-  }
+  for (ObjectDrawable& drawable : drawables) add_drawable(std::move(drawable));
   index_alternatives();
 }
 

@@ -93,6 +93,7 @@ class ImageCache final : public SceneFrames {
   void prepare_objects() override;
   void build();
   void build_tree(std::span<const std::uint32_t> apart);
+  void add_drawable(ObjectDrawable drawable);
   void update_moving();
   void plan(const Camera& camera);
   void carry_out_captures(const Camera& camera, FrameStats& stats);

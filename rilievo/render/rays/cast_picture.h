@@ -15,7 +15,7 @@
 
 namespace rilievo {
 
-// What is cast.
+// Options of cast_picture.
 struct CastOptions {
   std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
   int samples = 1;                              // rays of a texel for its colour: 1 or 4

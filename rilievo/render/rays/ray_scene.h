@@ -60,12 +60,12 @@ struct RayPictureView {
 
 struct RayContext;  // internal
 
-// Some of a scene's objects, as rays want them.
+// A mask over a scene's objects, for RayScene::first_hit.
 class ObjectSet {
  public:
   // `objects`: indices; empty: all.
   ObjectSet(const Scene& scene, std::span<const std::uint32_t> objects);
-  // For each object: is it one of them? Empty: all are.
+  // For each object, whether the set contains it. Empty if the set contains all.
   operator std::span<const bool>() const { return {included_.get(), size_}; }
 
  private:
