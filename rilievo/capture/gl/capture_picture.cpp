@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "rilievo/gl/flip_rows.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {
@@ -46,8 +47,7 @@ Result<ColorImage> draw_color(SceneRenderer& renderer, const Camera& camera,
   glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, w, h, GL_RGBA, GL_FLOAT, image.texels().data());
-  for (int y = 0; y < h / 2; ++y)
-    std::swap_ranges(image.row(y).begin(), image.row(y).end(), image.row(h - 1 - y).begin());
+  gl::flip_rows(image);
   return image;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rilievo/gl/context.h"
+#include "rilievo/gl/flip_rows.h"
 
 namespace rilievo {
 namespace {
@@ -95,13 +96,6 @@ void main() {
 gl::Texture make_capture_texture(GLenum format, int size, int samples) {
   return samples > 1 ? gl::make_texture_2d_multisample(format, size, size, samples)
                      : gl::make_texture_2d(format, size, size);
-}
-
-template <class T>
-void flip_rows(Image<T>& image) {
-  for (int y = 0; y < image.height() / 2; ++y)
-    std::swap_ranges(image.row(y).begin(), image.row(y).end(),
-                     image.row(image.height() - 1 - y).begin());
 }
 
 }  // namespace
@@ -353,8 +347,8 @@ Nailboard NailboardAtlas::read(const AtlasSlot& slot, const PictureGeometry& geo
                          GL_UNSIGNED_BYTE, GLsizei(texels), codes.data());
     std::copy(codes.begin(), codes.end(), board.delta.texels().begin());
   }
-  flip_rows(board.color);
-  flip_rows(board.delta);
+  gl::flip_rows(board.color);
+  gl::flip_rows(board.delta);
   return board;
 }
 
@@ -364,8 +358,8 @@ void NailboardAtlas::write(const AtlasSlot& slot, const Nailboard& nailboard) {
   RILIEVO_EXPECTS_EQ(nailboard.color.height(), slot.height);
   Rgba8Image color = nailboard.color;
   Image<std::uint16_t> delta = nailboard.delta;
-  flip_rows(color);
-  flip_rows(delta);
+  gl::flip_rows(color);
+  gl::flip_rows(delta);
   if (options_.delta_bits > 8) {
     upload(slot, color.texels().data(), delta.texels().data());
   } else {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "rilievo/core/depth_image.h"
+#include "rilievo/gl/flip_rows.h"
 
 namespace rilievo {
 namespace {
@@ -29,14 +30,6 @@ gl::Renderbuffer make_renderbuffer(GLenum format, int width, int height, int sam
   // 0 samples: a plain renderbuffer.
   glNamedRenderbufferStorageMultisample(name, samples > 1 ? samples : 0, format, width, height);
   return gl::Renderbuffer(name);
-}
-
-// OpenGL's rows start at the bottom.
-template <class T>
-void flip_rows(Image<T>& image) {
-  for (int y = 0; y < image.height() / 2; ++y)
-    std::swap_ranges(image.row(y).begin(), image.row(y).end(),
-                     image.row(image.height() - 1 - y).begin());
 }
 
 }  // namespace
@@ -83,7 +76,7 @@ Rgba8Image FrameTarget::read() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_framebuffer_);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, image.texels().data());
-  flip_rows(image);
+  gl::flip_rows(image);
   // A frame covers the screen: what its alpha holds is of no concern to who looks at it.
   for (glm::u8vec4& texel : image.texels()) texel.a = 255;
   return image;
@@ -120,7 +113,7 @@ Image<std::uint32_t> ProbeTarget::read_objects() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_RED_INTEGER, GL_UNSIGNED_INT, objects.texels().data());
-  flip_rows(objects);
+  gl::flip_rows(objects);
   return objects;
 }
 
@@ -129,7 +122,7 @@ Image<float> ProbeTarget::read_eye_z(const Camera& camera) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.texels().data());
-  flip_rows(depth);
+  gl::flip_rows(depth);
   const float empty = keeps_farthest_ ? 0.0f : 1.0f;
   for (float& z : depth.texels())
     z = z == empty ? kNoDepth : float(eye_z_from(DepthKind::window_z, z, camera, {0, 0}));
