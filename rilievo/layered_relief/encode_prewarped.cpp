@@ -139,28 +139,10 @@ void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, Encod
       std::copy_n(picture.color.data() + source, width,
                   encoded.color.data() + std::size_t(y) * width);
     }
-    for (int column = 0; column < columns; ++column) {
-      std::uint32_t near = kDeltaSteps + 1, far = 0;
-      unsigned covered = 0, opaque = 0;
-      const int right = std::min(piece.width, (column + 1) * kBlockTexels);
-      for (int y = begin; y < end; ++y)
-        for (int x = column * kBlockTexels; x < right; ++x) {
-          const std::size_t at = std::size_t(y) * width + std::size_t(x);
-          const std::uint32_t code = encoded.picture.codes16[at];
-          if (code > kDeltaSteps) continue;
-          const unsigned bit = 1u << (x % kBlockTexels + kBlockTexels * (y % kBlockTexels));
-          near = std::min(near, code), far = std::max(far, code);
-          covered |= bit;
-          if (encoded.color[at].a == 255) opaque |= bit;
-        }
-      OcclusionTile block;
-      if (covered) {
-        block.nearest = std::uint8_t(near * 254 / kDeltaSteps);
-        block.farthest = std::uint8_t((far * 254 + kDeltaSteps - 1) / kDeltaSteps);
-        block.covered = std::uint16_t(covered), block.opaque = std::uint16_t(opaque);
-      }
-      encoded.picture.blocks[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = block;
-    }
+    for (int column = 0; column < columns; ++column)
+      encoded.picture.blocks[std::size_t(row) * std::size_t(columns) + std::size_t(column)] =
+          tile_of(encoded.picture.codes16.data(), encoded.color.data(), piece.width, column, begin,
+                  end, kDeltaSteps);
   });
 }
 

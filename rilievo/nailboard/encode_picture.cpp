@@ -37,28 +37,9 @@ void encode_rows(const RasterPicture& picture, std::uint32_t steps, int row, Cod
       codes[i] = Code(depth < 1.0f ? std::uint32_t(depth * float(steps) + 0.5f) : steps + 1);
     }
   }
-  for (int column = 0; column < blocks_across(picture.width); ++column) {
-    std::uint32_t nearest = steps + 1, farthest = 0;
-    unsigned covered = 0, opaque = 0;
-    for (int y = row * kBlockTexels; y < end; ++y)
-      for (int x = column * kBlockTexels; x < std::min(picture.width, (column + 1) * kBlockTexels);
-           ++x) {
-        const std::size_t i = std::size_t(y) * width + std::size_t(x);
-        if (codes[i] > steps) continue;
-        const unsigned bit = 1u << (x % kBlockTexels + kBlockTexels * (y % kBlockTexels));
-        nearest = std::min(nearest, std::uint32_t(codes[i]));
-        farthest = std::max(farthest, std::uint32_t(codes[i]));
-        covered |= bit;
-        if (picture.color[i].a == 255) opaque |= bit;
-      }
-    OcclusionTile block;
-    if (covered) {
-      block.nearest = std::uint8_t(nearest * 254 / steps);
-      block.farthest = std::uint8_t((farthest * 254 + steps - 1) / steps);
-      block.covered = std::uint16_t(covered), block.opaque = std::uint16_t(opaque);
-    }
-    blocks[column] = block;
-  }
+  for (int column = 0; column < blocks_across(picture.width); ++column)
+    blocks[column] =
+        tile_of(codes, picture.color.data(), picture.width, column, row * kBlockTexels, end, steps);
 }
 
 }  // namespace
