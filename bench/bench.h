@@ -15,6 +15,8 @@ namespace rilievo::bench {
 struct BenchOptions {
   // Far fewer cases: shows that the bench runs, its figures mean nothing.
   bool quick = false;
+  // All cases, where a run without it tries fewer of them.
+  bool full = false;
   // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
   std::string capture;
   // Scene files, for benches that take some besides the built-in ones.

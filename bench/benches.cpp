@@ -3,6 +3,7 @@
 #include "bench/bench.h"
 #include "bench/bound.h"
 #include "bench/capture.h"
+#include "bench/compose.h"
 #include "bench/coverage.h"
 #include "bench/deep_objects.h"
 #include "bench/draw.h"
@@ -13,6 +14,8 @@
 #include "bench/nodes.h"
 #include "bench/pop.h"
 #include "bench/prewarp.h"
+#include "bench/real.h"
+#include "bench/relief.h"
 #include "bench/relief_run.h"
 #include "bench/rgbd.h"
 #include "bench/spinning.h"
@@ -31,9 +34,12 @@ std::span<const Bench> benches() {
       Bench{"bound", "Does the error bound hold, and how tight is it?", false, bound},
       Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?", true,
             draw},
+      Bench{"compose", "How fast are nailboards drawn without OpenGL?", false, compose},
       Bench{"capture", "What does capturing a picture cost, by OpenGL, by our rasteriser, by rays?",
             true, capture},
       Bench{"tradeoff", "What does an allowed error buy, and what does it cost?", true, tradeoff},
+      Bench{"real", "How fast is the cache in scenes such as users have, in real time?", true,
+            real},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", true, scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?", true,
             pop},
@@ -49,6 +55,8 @@ std::span<const Bench> benches() {
             prewarp},
       Bench{"splats", "Which splats show a layered picture best, and fastest? (S4.9: figure 6)",
             false, splats},
+      Bench{"relief", "What do relief impostors cost, and how many does a walk take? (S5.2, S5.9)",
+            false, relief},
       Bench{"relief-run", "What do layered reliefs cost over 300 turns? (S4.4, S4.7)", false,
             relief_run},
       Bench{"deep-objects", "What do layered reliefs gain for deep objects near the eye?", true,

@@ -28,12 +28,13 @@ struct Plan {
   int shrink = 1;  // divides the pictures' size
 };
 
-Plan make_plan(bool quick) {
+Plan make_plan(bool quick, bool full) {
   Plan plan;
   plan.views = {
       {12, ViewSpread::faces_12}, {20, ViewSpread::vertices_20}, {32, ViewSpread::both_32}};
   plan.sizes = {64, 128, 256};
   plan.layers = {16, 64, 256};
+  if (!full) plan.eyes = 50, plan.other_eyes = 15;
   if (quick) {
     plan.views = {plan.views.back()};
     plan.sizes = {256};
@@ -196,7 +197,7 @@ class Sweep {
 }  // namespace
 
 Result<> add_quality(const BenchOptions& options, BenchReport& report) {
-  const Plan plan = make_plan(options.quick);
+  const Plan plan = make_plan(options.quick, options.full);
   const std::vector<BenchObject> objects = bench_objects(options.quick ? 3000 : 20000);
   Result<SmallFrames> frames = SmallFrames::create(plan.frame, 4);
   if (!frames) return frames.error();

@@ -77,8 +77,9 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   const std::vector<BenchObject> objects = bench_objects(options.quick ? 3000 : 20000);
   const Scene& scene = objects[0].scene;
   const Box box = world_bounds(scene);
-  const int size = options.quick ? 48 : 256, azimuths = options.quick ? 1 : 6;
-  const std::size_t every = options.quick ? 16 : 4;  // view of the 32
+  const int size = options.quick ? 48 : 256;
+  const int azimuths = options.quick ? 1 : options.full ? 6 : 2;
+  const std::size_t every = options.quick ? 16 : options.full ? 4 : 8;  // view of the 32
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
   Result<SmallFrames> frames = SmallFrames::create(size, 4);

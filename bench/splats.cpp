@@ -21,8 +21,8 @@ namespace {
 constexpr glm::vec3 kBackground{0.55f, 0.62f, 0.70f};
 // lrt_rect: splats of 1.5 source texels; lrt_exact: of one, which meet exactly where depths are
 // equal; lrt_paper: of two, (u +- du, v +- dv).
-constexpr const char* kWays[] = {"ldi_rect",  "ldi_gauss", "lrt_rect",
-                                 "lrt_gauss", "lrt_exact", "lrt_paper"};
+constexpr const char* kSplatWays[] = {"ldi_rect",  "ldi_gauss", "lrt_rect",
+                                      "lrt_gauss", "lrt_exact", "lrt_paper"};
 constexpr int kWayCount = 6;
 constexpr double kSplatSizes[kWayCount] = {1, 1, 1.5, 1, 1, 2};
 
@@ -115,7 +115,7 @@ Result<BenchReport> splats(const BenchOptions& options) {
         sums[way].flip += flip(expected, shown) / eyes;
         if (e == 1)
           report.pictures.push_back(
-              {fmt::format("{}, {}", name, kWays[way]), {"image/png", encode_png(shown)}});
+              {fmt::format("{}, {}", name, kSplatWays[way]), {"image/png", encode_png(shown)}});
       }
       if (e == 1)
         report.pictures.push_back(
@@ -124,7 +124,7 @@ Result<BenchReport> splats(const BenchOptions& options) {
     ++counted;
     for (int way = 0; way < kWayCount; ++way) {
       const Sums& s = sums[way];
-      table.rows.push_back({name, kWays[way], fmt::format("{:.2f}", s.psnr),
+      table.rows.push_back({name, kSplatWays[way], fmt::format("{:.2f}", s.psnr),
                             fmt::format("{:.4f}", s.ssim), fmt::format("{:.4f}", s.flip),
                             fmt::format("{:.1f}", s.ms)});
       all[way].ms += s.ms, all[way].psnr += s.psnr;
@@ -134,7 +134,7 @@ Result<BenchReport> splats(const BenchOptions& options) {
   }
   for (int way = 0; way < kWayCount; ++way) {
     const auto figure = [&](const char* what, double sum) {
-      report.figures.emplace_back(fmt::format("{}_{}", what, kWays[way]), sum / counted);
+      report.figures.emplace_back(fmt::format("{}_{}", what, kSplatWays[way]), sum / counted);
     };
     figure("flip", all[way].flip);
     figure("psnr_db", all[way].psnr);

@@ -138,8 +138,8 @@ Result<> add_direct(const OptionValues& values, const Times& times, SceneRendere
 
 void print_made(const BakeCommand& options, const Kind& kind, const Baked& baked,
                 const Times& times) {
-  print("{}: a {}, {:.1f} MB, {:.1f} s\n", options.output, kind.name,
-        1e-6 * double(times.file_bytes), times.seconds());
+  print("{}: {}, {:.1f} MB, {:.1f} s\n", options.output, kind.name, 1e-6 * double(times.file_bytes),
+        times.seconds());
   std::vector<Fact> facts = kind.describe(*baked.representation);
   facts.insert(facts.end(), baked.facts.begin(), baked.facts.end());
   for (const Fact& fact : facts)

@@ -20,7 +20,7 @@ namespace {
 struct BenchCommand {
   std::string name, json, html, capture;
   std::vector<std::string> scenes;
-  bool quick = false;
+  bool quick = false, full = false;
 };
 
 const bench::Bench* find(const std::string& name) {
@@ -48,6 +48,7 @@ Result<> run_bench(const BenchCommand& options) {
   Progress progress(options.name);
   bench::BenchOptions bench_options;
   bench_options.quick = options.quick;
+  bench_options.full = options.full;
   bench_options.capture = options.capture;
   bench_options.scenes = options.scenes;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
@@ -86,10 +87,18 @@ Command bench_command(CLI::App& app) {
           "For rgbd: a folder of photographs with depth (transforms.json, trajectory.log or "
           "*.pose.txt)")
       ->type_name("DIR");
-  command->add_option("--scene", options->scenes, "For node-places: scenes besides stonehenge")
+  command
+      ->add_option("--scene", options->scenes,
+                   "For node-places: scenes besides stonehenge; for real: scenes instead of its "
+                   "own, each with "
+                   "the walks NAME-*.json beside it")
       ->type_name("FILE ...");
   command->add_flag("--quick", options->quick,
                     "Few cases only: a test that the benchmark runs, not a measurement");
+  command
+      ->add_flag("--full", options->full,
+                 "layered: all eyes, more than a quarter of an hour (default: a tenth of them)")
+      ->excludes("--quick");
   command->footer("Benches:\n" + known_benches() +
                   "Example: rilievo bench nailboard-error --json -");
   return {command, [options](const std::string&) { return run_bench(*options); }};

@@ -33,7 +33,7 @@ struct CompareCommand {
   std::vector<std::string> methods;
   FrameOptions frames;
   MethodOptions method_options;
-  bool pop = false;
+  bool pop = false, real_time = false;
 };
 
 // Direct drawing is always there, and first: it draws the true frames.
@@ -55,7 +55,7 @@ void print_summary(const Report& report) {
     };
     std::vector<double> ms;
     for (const FrameResult& frame : method.frames) ms.push_back(frame.frame_ms);
-    const Summary time = summarize(ms);
+    const Summary time = method.walked_ms ? *method.walked_ms : summarize(ms);
     print("{:<12}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
           time.p50, time.p99, mean_of(&FrameResult::psnr_db), mean_of(&FrameResult::ssim),
           mean_of(&FrameResult::flip), 100 * mean_of(&FrameResult::wrong_visibility),
@@ -115,7 +115,20 @@ Result<> run_compare(CompareCommand options) {
     return WalkFrame{camera_at(plan->path, time, options.frames.width, options.frames.height),
                      time};
   };
-  Result<Report> report = compare(compared, walk, compare_options);
+  compare_options.error_px = options.method_options.error_px;
+  RealTimeOptions real_time;
+  real_time.seconds = plan->frames / kFramesPerSecond;
+  real_time.error_px = options.method_options.error_px;
+  real_time.cuts = cuts_of(plan->path);
+  const double start = plan->path.keys.front().time;
+  const auto by_the_clock = [&](double seconds) {
+    return WalkFrame{
+        camera_at(plan->path, start + seconds, options.frames.width, options.frames.height),
+        start + seconds};
+  };
+  Result<Report> report =
+      options.real_time ? compare_in_real_time(compared, by_the_clock, compare_options, real_time)
+                        : compare(compared, walk, compare_options);
   if (!report) return report.error();
   progress.clear();
   report->commit = commit();
@@ -188,6 +201,11 @@ Command compare_command(CLI::App& app) {
   command->add_flag(
       "--pop", options->pop,
       "Also measure popping: how much more frames change than the true frames (slower)");
+  command
+      ->add_flag("--real-time", options->real_time,
+                 "The eye moves by the clock: a slow method moves further per frame. Eight frames "
+                 "of each method are compared (default: each method draws every frame of the path)")
+      ->excludes("--pop");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

@@ -30,7 +30,7 @@ Result<> run_export(const ExportCommand& options) {
   if (!content) return content.error();
   const Kind& kind = *content->kind;
   if (!kind.to_scene)
-    return Error{options.file, fmt::format("holds a {}, which has no mesh", kind.name)};
+    return Error{options.file, fmt::format("holds {}, which has no mesh", kind.name)};
   const Result<Scene> scene =
       kind.to_scene(*content->representation, {options.part, !options.gaps});
   if (!scene)

@@ -94,7 +94,8 @@ Result<> describe_representation(const InfoCommand& options, const Kind& kind,
     for (const Fact& fact : facts) json[fact.key] = nlohmann::json::parse(fact.json);
     return write_json(options.json, json);
   }
-  print("{}\n  a {}, {:.1f} MB in the file\n", options.file, kind.name, 1e-6 * double(file_bytes));
+  print("{}\n  kind       {}, {:.1f} MB in the file\n", options.file, kind.name,
+        1e-6 * double(file_bytes));
   for (const Fact& fact : facts)
     if (!fact.label.empty()) print("  {:<10} {}\n", fact.label, fact.text);
   return Done{};

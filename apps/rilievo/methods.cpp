@@ -11,9 +11,13 @@
 #include "apps/rilievo/progress.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/frame/gl/level_frames.h"
 #include "rilievo/frame/gl/object_frames.h"
+#include "rilievo/frame/gl/processor_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/frame/gl/surrounding_frames.h"
+#include "rilievo/render/raster/raster_renderer.h"
+#include "rilievo/render/rays/ray_renderer.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -160,6 +164,15 @@ Result<std::unique_ptr<FrameSource>> make_pictures(DepthMode mode, const MethodO
   return {std::make_unique<PictureFrames>(std::move(*made))};
 }
 
+// All polygons, drawn by processors without OpenGL.
+Result<std::unique_ptr<FrameSource>> make_processor(std::unique_ptr<FrameRenderer> processor,
+                                                    int samples, SceneRenderer& renderer) {
+  Result<std::unique_ptr<ProcessorFrames>> made =
+      ProcessorFrames::create(renderer, std::move(processor), samples);
+  if (!made) return made.error();
+  return {std::move(*made)};
+}
+
 // Methods that are no kind's: drawn from pictures that are captured while the eye moves, or from
 // none.
 struct BuiltinMethod {
@@ -170,6 +183,21 @@ constexpr BuiltinMethod kBuiltin[] = {
     {"direct",
      [](const MethodOptions&, int, SceneRenderer& renderer) {
        return Result<std::unique_ptr<FrameSource>>(std::make_unique<DirectFrames>(renderer));
+     }},
+    {"direct-raster",
+     [](const MethodOptions&, int samples, SceneRenderer& renderer) {
+       return make_processor(std::make_unique<RasterRenderer>(renderer.scene()), samples, renderer);
+     }},
+    {"direct-rays",
+     [](const MethodOptions&, int samples, SceneRenderer& renderer) {
+       Result<std::unique_ptr<RayRenderer>> rays = RayRenderer::create(renderer.scene());
+       return rays ? make_processor(std::move(*rays), samples, renderer) : rays.error();
+     }},
+    {"lod",
+     [](const MethodOptions& options, int, SceneRenderer& renderer) {
+       Result<std::unique_ptr<LevelFrames>> made =
+           LevelFrames::create(renderer.scene(), options.error_px);
+       return made ? Result<std::unique_ptr<FrameSource>>(std::move(*made)) : made.error();
      }},
     {"flat",
      [](const MethodOptions& options, int samples, SceneRenderer& renderer) {
@@ -225,8 +253,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(1, 65536))
       ->type_name("MB");
   command
-      .add_option("--error-px", options.error_px,
-                  "cache: the largest position error of a picture, in pixels (default 1)")
+      .add_option(
+          "--error-px", options.error_px,
+          "cache, lod: the largest position error of a picture or a level, in pixels (default 1)")
       ->check(in_range(0.01, 100.0))
       ->type_name("E");
   command
@@ -306,9 +335,8 @@ CLI::Validator known_method() {
 
 Result<> expect_method_of(const Kind& kind, const std::string& method, const std::string& option) {
   if (kind_method(method).kind == &kind) return Done{};
-  return Error{option,
-               fmt::format("the file contains a {}, which cannot be drawn as {}, only as {}",
-                           kind.name, method, fmt::join(kind_method_names(kind), " or "))};
+  return Error{option, fmt::format("the file holds {}, which cannot be drawn as {}, only as {}",
+                                   kind.name, method, fmt::join(kind_method_names(kind), " or "))};
 }
 
 DepthMode depth_mode(const MethodOptions& options) {

@@ -38,7 +38,7 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 // Of nailboards: --depth.
 [[nodiscard]] DepthMode depth_mode(const MethodOptions& options);
 
-// direct, flat, nailboard, cache, and those of all kinds.
+// direct, direct-raster, direct-rays, lod, flat, nailboard, cache, and those of all kinds.
 [[nodiscard]] const std::vector<std::string>& method_names();
 // Does --method take it? Former names too.
 [[nodiscard]] bool is_method(const std::string& name);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <stop_token>
 #include <string_view>
 
 #include "rilievo/core/bounds.h"
@@ -15,17 +17,30 @@
 
 namespace rilievo {
 
+struct CapturedPicture;
 struct Scene;
+
+// The reason of the error of a capture that was stopped.
+inline constexpr std::string_view kCaptureStopped = "the capture was stopped";
+
+// For captures that take long, such as those of software shaders. Quick sources ignore it.
+struct CaptureControl {
+  // Stops the capture: it fails within 5 ms, because of kCaptureStopped.
+  std::stop_token stop = {};
+  // Called with complete pictures before the last one, coarse first, by the thread that captures.
+  std::function<void(const CapturedPicture&)> refined = {};
+};
 
 // What to capture, and which data.
 struct CaptureRequest {
   Camera camera;
   // Indices into the scene's objects; empty: everything that the camera sees.
   std::span<const std::uint32_t> objects = {};
-  int samples = 4;          // per texel; colours are averaged, alpha is coverage
-  bool identifiers = true;  // capture the object shown by each texel
-  bool farthest = false;    // capture CapturedPicture::farthest
-  bool with_sky = false;    // otherwise texels without an object stay empty
+  int samples = 4;                          // per texel; colours are averaged, alpha is coverage
+  bool identifiers = true;                  // capture the object shown by each texel
+  bool farthest = false;                    // capture CapturedPicture::farthest
+  bool with_sky = false;                    // otherwise texels without an object stay empty
+  const CaptureControl* control = nullptr;  // null: not stopped, and no coarse pictures
 };
 
 // A capture. Depth is the eye_z of the nearest surface at the texel's centre, or of the farthest

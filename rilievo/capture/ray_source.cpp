@@ -16,21 +16,13 @@ bool has_opaque_parts(const Scene& scene, const Model& model) {
   return false;
 }
 
-// eye_z of the last surface along each texel's ray: the first one from its other end.
 Image<float> cast_farthest(const RayScene& rays, const Camera& camera,
                            std::span<const std::uint32_t> objects) {
   const ObjectSet set(rays.scene(), objects);
   Image<float> farthest(camera.width, camera.height, kNoDepth);
   parallel_for(0, camera.height, [&](int y) {
-    for (int x = 0; x < camera.width; ++x) {
-      const glm::dvec2 raster(x + 0.5, y + 0.5);
-      const glm::dvec3 end = world_from_raster(camera, raster, camera.z_far);
-      const glm::dvec3 back = world_from_raster(camera, raster, camera.z_near) - end;
-      const auto hit = rays.first_hit(end, back, 0.0f, 1.0f, RaySides::both, set);
-      if (hit)
-        farthest(x, y) =
-            float(camera.z_far + double(hit->distance) * (camera.z_near - camera.z_far));
-    }
+    for (int x = 0; x < camera.width; ++x)
+      farthest(x, y) = farthest_eye_z(rays, camera, {x + 0.5, y + 0.5}, set);
   });
   return farthest;
 }

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

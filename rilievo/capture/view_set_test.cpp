@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -193,6 +193,20 @@ TEST(ViewSet, hemisphere_keeps_the_upper_views_and_no_lid) {
         EXPECT_EQ(held, 1);
       }
     }
+  }
+}
+
+// The nearer view weighs more: as much as the way to the other one.
+TEST(ViewSet, weights_of_a_rings_two_views_are_the_ways_to_the_other_one) {
+  const ViewSet set = make_view_set({.spread = ViewSpread::ring, .ring = 6});
+  for (const double share : {0.1, 0.25, 0.4}) {
+    const double angle = share * 2 * std::numbers::pi / 6;
+    const ViewPick pick = pick_views(set, {std::sin(angle), 0, std::cos(angle)});
+    EXPECT_EQ(pick.views[0], 0);
+    EXPECT_EQ(pick.views[1], 1);
+    EXPECT_NEAR(pick.weights[0], 1 - share, 1e-9);
+    EXPECT_NEAR(pick.weights[1], share, 1e-9);
+    EXPECT_EQ(pick.weights[2], 0);
   }
 }
 

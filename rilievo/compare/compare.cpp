@@ -24,6 +24,7 @@ struct Tally {
   std::int64_t polygons = 0, groups = 0;
   std::map<std::string, std::int64_t> by_kind{{"nailboard", 0}};
   double bound_px = 0, gap_px = 0;
+  int over_bound = 0;
   Histogram errors_px;
   float largest_error_px = 0;
   Rgba8Image last;  // frame
@@ -45,7 +46,8 @@ struct Tally {
     return truth == frame ? 0 : flip(truth, frame);
   }
 
-  void add_frame(const DrawnFrame& truth, const DrawnFrame& frame) {
+  void add_frame(const DrawnFrame& truth, const DrawnFrame& frame, double error_px) {
+    over_bound += frame.stats.bound_px > error_px;
     const Visibility visibility = compare_visibility(truth.objects, frame.objects);
     result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
                              ssim(truth.color, frame.color), flip_of(truth.color, frame.color),
@@ -84,6 +86,8 @@ struct Tally {
     result.depth_error_p99 = depth_errors.percentile(0.99);
     if (bound_px > 0) result.bound_px_max = bound_px;
     if (gap_px > 0) result.gap_bound_px_max = gap_px;
+    if (!result.over_bound_share)
+      result.over_bound_share = double(over_bound) / double(result.frames.size());
     result.drawn_as = {{"polygons", polygons}};
     for (const auto& [kind, count] : by_kind) result.drawn_as.emplace_back(kind, count);
     result.drawn_as.emplace_back("hierarchy", groups);
@@ -92,6 +96,16 @@ struct Tally {
 };
 
 EncodedPicture jpeg(const Rgba8Image& picture) { return {"image/jpeg", encode_jpeg(picture)}; }
+
+Report begin_report(const CompareOptions& options, int samples) {
+  Report report;
+  report.machine = this_machine();
+  report.machine.gl_renderer = gl::renderer_name();
+  report.width = options.width;
+  report.height = options.height;
+  report.antialiasing = std::to_string(samples) + " samples a pixel";
+  return report;
+}
 
 // How many frames of every source fit into the memory.
 int block_size(std::size_t sources, const CompareOptions& options) {
@@ -114,12 +128,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
   Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
   if (!probe) return probe.error();
 
-  Report report;
-  report.machine = this_machine();
-  report.machine.gl_renderer = gl::renderer_name();
-  report.width = options.width;
-  report.height = options.height;
-  report.antialiasing = std::to_string(target->samples()) + " samples a pixel";
+  Report report = begin_report(options, target->samples());
   report.shown = frames_to_show(options.frames, options.shown_frames);
 
   // Compiles what is compiled late, captures what is captured first.
@@ -129,6 +138,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     for (int i = 0; i < options.warm_up; ++i) {
       const Result<double> ms = time_frame(*sources[s].source, *target, walk(0));
       if (!ms) return ms.error();
+      if (i == 0) tallies[s].result.first_frame_ms = *ms;
       const FrameStats& stats = sources[s].source->stats();
       tallies[s].result.captures += stats.captures;
       tallies[s].result.capture_ms += stats.capture_ms;
@@ -157,7 +167,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
         if (options.pop)
           tallies[s].add_change(drawn[s][i].color, true_change,
                                 s == 0 ? true_change : tallies[s].change_to(drawn[s][i].color));
-        tallies[s].add_frame(truth, drawn[s][i]);
+        tallies[s].add_frame(truth, drawn[s][i], options.error_px);
         if (!shown) continue;
         tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));
         tallies[s].result.differences.push_back(
@@ -167,6 +177,47 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     }
   }
   for (Tally& tally : tallies) report.methods.push_back(tally.finish(options.pop));
+  return report;
+}
+
+Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
+                                    const std::function<WalkFrame(double seconds)>& walk,
+                                    const CompareOptions& options,
+                                    const RealTimeOptions& real_time) {
+  RILIEVO_EXPECTS(!sources.empty());
+  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
+  if (!target) return target.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
+  if (!probe) return probe.error();
+  Report report = begin_report(options, target->samples());
+  int done = 0;
+  for (const ComparedSource& compared : sources) {
+    Result<RealTimeWalk> walked =
+        walk_in_real_time(*compared.source, *target, *probe, walk, real_time);
+    if (!walked) return walked.error();
+    Tally tally;
+    for (const auto& [frame, drawn] : walked->kept) {
+      Result<DrawnFrame> truth = draw_frame(*sources[0].source, *target, *probe, frame, 0);
+      if (!truth) return truth.error();
+      tally.add_frame(*truth, drawn, real_time.error_px);
+    }
+    // Of all frames, not of those that were compared.
+    MethodResult& result = tally.result;
+    result.name = compared.name;
+    result.captures = walked->captures, result.capture_ms = walked->capture_ms;
+    result.picture_bytes = walked->picture_bytes;
+    tally.bound_px = walked->bound_px, tally.gap_px = walked->gap_px;
+    result.first_frame_ms = walked->first_frame_ms;
+    result.cut_ms = walked->cut_ms;
+    result.over_bound_share = walked->over_bound_share;
+    result.walked_frames = int(walked->frame_ms.size());
+    result.walked_ms = summarize(walked->frame_ms);
+    report.methods.push_back(tally.finish(false));
+    if (options.progress) options.progress(++done, int(sources.size()));
+  }
+  report.notes.push_back("The eye moved by the clock: times are of all frames after the first, " +
+                         std::to_string(real_time.kept) +
+                         " frames of each method, spread evenly over its walk, were compared.");
   return report;
 }
 

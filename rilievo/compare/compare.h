@@ -16,6 +16,7 @@
 #include <string>
 
 #include "rilievo/compare/drawn_frame.h"
+#include "rilievo/compare/real_time.h"
 #include "rilievo/core/result.h"
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/measure/report.h"
@@ -43,6 +44,7 @@ struct CompareOptions {
   bool pop = false;
   // The largest number of frames with pictures in the report.
   int shown_frames = 8;
+  double error_px = 1;  // what bounds are held against (MethodResult::over_bound_share)
   std::function<void(int done, int total)> progress;
 };
 
@@ -54,5 +56,13 @@ inline constexpr int kMinCompareSize = 16;
 [[nodiscard]] Result<Report> compare(std::span<const ComparedSource> sources,
                                      const std::function<WalkFrame(int frame)>& walk,
                                      const CompareOptions& options);
+
+// The same with the eye moving by the clock: `walk` gives the camera `seconds` after the start.
+// Times are of all frames, measures of `real_time.kept` frames spread evenly over each method's own
+// walk, against true frames from the same eyes. The report shows no pictures. Uses the size and
+// samples of `options`.
+[[nodiscard]] Result<Report> compare_in_real_time(
+    std::span<const ComparedSource> sources, const std::function<WalkFrame(double seconds)>& walk,
+    const CompareOptions& options, const RealTimeOptions& real_time);
 
 }  // namespace rilievo

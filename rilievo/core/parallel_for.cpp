@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "rilievo/core/on_this_thread.h"
+
 // ThreadSanitizer does not see how TBB, a library that is not instrumented, orders its tasks: that
 // each starts after it was handed out, and that parallel_for ends after all of them. Under
 // ThreadSanitizer this file is not instrumented either (CMakeLists.txt), and tells just that, and
@@ -25,9 +27,15 @@ void happens_after([[maybe_unused]] char& what) {
 #endif
 }
 
+thread_local bool on_this_thread = false;
+
 }  // namespace
 
 void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), const void* body) {
+  if (on_this_thread) {
+    for (std::size_t i = 0; i < count; ++i) piece(body, i);
+    return;
+  }
   char begun = 0, done = 0;
   happens_before(begun);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
@@ -39,3 +47,10 @@ void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), co
 }
 
 }  // namespace rilievo::detail
+
+namespace rilievo {
+
+OnThisThread::OnThisThread() : before_(detail::on_this_thread) { detail::on_this_thread = true; }
+OnThisThread::~OnThisThread() { detail::on_this_thread = before_; }
+
+}  // namespace rilievo

@@ -170,7 +170,7 @@ std::vector<Fact> describe(const Representation& representation) {
            ? fmt::format("{} triangles a node at most", nodes.mesh.triangles) +
                  (nodes.mesh.error_px > 0 ? fmt::format(", {} texels of error", nodes.mesh.error_px)
                                           : "")
-           : fmt::format("as fine as {} texels of error ask for", nodes.mesh.error_px)},
+           : fmt::format("at most {} texels of error", nodes.mesh.error_px)},
       {"mesh_error_px", json(nodes.mesh.error_px), "", ""},
       {"texels", json(texels), "texels",
        fmt::format("{:.1f} M, {:.1f} % show a surface, the others the sky or nothing",

@@ -13,7 +13,7 @@ namespace {
 // Gates in units of 1/16 texel.
 constexpr int kScale = 8, kMargin = 1;
 
-std::int64_t cross(const glm::ivec2& a, const glm::ivec2& b) {
+std::int64_t cross_product(const glm::ivec2& a, const glm::ivec2& b) {
   return std::int64_t(a.x) * b.y - std::int64_t(a.y) * b.x;
 }
 
@@ -63,7 +63,7 @@ std::vector<glm::ivec2> straightened(std::span<const glm::ivec2> corners) {
     for (int gate = at + 1; gate <= gates + 1; ++gate) {
       const bool last = gate == gates + 1;
       const glm::ivec2 to = kScale * (last ? 2 * corners.back() : middle(gate)) - from;
-      const bool seen = !open || (cross(low, to) >= 0 && cross(to, high) >= 0);
+      const bool seen = !open || (cross_product(low, to) >= 0 && cross_product(to, high) >= 0);
       if (last) {
         if (seen) farthest = gate;
         break;
@@ -71,14 +71,14 @@ std::vector<glm::ivec2> straightened(std::span<const glm::ivec2> corners) {
       const glm::ivec2 step = corners[std::size_t(gate)] - corners[std::size_t(gate) - 1];
       const glm::ivec2 aside = (kScale - kMargin) * glm::ivec2(-step.y, step.x);
       const glm::ivec2 left = to + aside, right = to - aside;
-      if (cross(right, left) <= 0) break;  // the chain turns back
+      if (cross_product(right, left) <= 0) break;  // the chain turns back
       if (seen) farthest = gate;
       if (!open) {
         low = right, high = left, open = true;
       } else {
-        if (cross(low, right) > 0) low = right;
-        if (cross(left, high) > 0) high = left;
-        if (cross(low, high) < 0) break;
+        if (cross_product(low, right) > 0) low = right;
+        if (cross_product(left, high) > 0) high = left;
+        if (cross_product(low, high) < 0) break;
       }
     }
     line.push_back(farthest == gates + 1 ? 2 * corners.back() : middle(farthest));

@@ -18,7 +18,6 @@ namespace {
 struct Corner {
   glm::vec4 place;
   glm::vec2 texel;
-  friend bool operator==(const Corner&, const Corner&) = default;
 };
 
 struct Triangle {

@@ -7,8 +7,9 @@
 #include <cmath>
 #include <random>
 
+#include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/layered_impostor/pixel_march.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
@@ -108,8 +109,8 @@ void expect_kept_and_tight(Tally& tally, Tally& placed) {
   EXPECT_GE(placed.least(), 1);
   testing::Test::RecordProperty("placed_tightness_median", std::to_string(placed.median()));
   EXPECT_LT(placed.median(), 6);
-  EXPECT_GE(tally.cases, 2000);
-  EXPECT_GT(tally.points, 50000);
+  EXPECT_GE(tally.cases, sanitized_cases(2000));
+  EXPECT_GT(tally.points, sanitized_cases(50000));
   EXPECT_EQ(tally.violations, 0);
   // The largest slice, the steepest piece and the nearest corner seldom meet in one point.
   const double tightness = tally.median();
@@ -131,7 +132,7 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
   for (int object = 0; object < 24; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
     const LayeredErrorStats stats = layered_error_stats(impostor);
-    for (int eye = 0; eye < 100; ++eye) {
+    for (int eye = 0; eye < sanitized_cases(100); ++eye) {
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound =
           bound_layered_error(stats, true, impostor.bounds, glm::dmat4(1), camera);
@@ -178,9 +179,9 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
       placed.add(bound.total_px + std::sqrt(0.5), worst_placed_px, placed_points);
     }
   }
-  EXPECT_GT(placed.points, 20000);
+  EXPECT_GT(placed.points, sanitized_cases(20000));
   expect_kept_and_tight(tally, placed);
-  EXPECT_GT(on_pieces, 5000);
+  EXPECT_GT(on_pieces, sanitized_cases(5000));
   EXPECT_EQ(off_pieces, 0);
   EXPECT_GT(worst_aside, 0.5);
 }
@@ -192,7 +193,7 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
   for (int object = 0; object < 24; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
     const LayeredErrorStats stats = layered_error_stats(impostor);
-    for (int eye = 0; eye < 100; ++eye) {
+    for (int eye = 0; eye < sanitized_cases(100); ++eye) {
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound =
           bound_layered_error(stats, false, impostor.bounds, glm::dmat4(1), camera);

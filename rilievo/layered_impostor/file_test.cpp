@@ -5,9 +5,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/exr.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

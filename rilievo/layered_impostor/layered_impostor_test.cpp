@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

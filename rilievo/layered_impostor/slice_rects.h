@@ -14,7 +14,7 @@
 namespace rilievo {
 
 // Texels a side of a tile.
-inline constexpr int kSliceTile = 32;
+inline constexpr int kSliceTile = 16;
 
 // For each of the view's slices, disjoint rectangles within Slice::rect that contain each texel
 // that the slice shows. The slice's rectangle alone if others would save less than half of it.

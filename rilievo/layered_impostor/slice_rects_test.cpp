@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/layered_impostor/jug_test_helpers.h"
 
 namespace rilievo {
 namespace {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
+#include <span>
 
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -80,6 +82,39 @@ TEST(Inside, reaches_into_what_is_solid_and_not_beyond) {
   EXPECT_GT(depth / with, 0.5);  // the body is 2 across
   // Between the handle and the body lies space that only some see through.
   EXPECT_LT(outside, points / 50);
+}
+
+// A line of sight into 64 steps of one metre, and a picture from the side with a column for each
+// step, which sees some of them to be empty.
+float reach_past(std::span<const int> empty_steps) {
+  DepthImage line, side;
+  line.camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.01, 1, 1, 1, 65);
+  // At 100 m, one metre is a column: 128 of them, the middle at z = -36.
+  side.camera = look_at({100, 0, -36}, {0, 0, -36}, {0, 1, 0}, 1, 128, 1, 1, 200);
+  side.camera.window = {-0.64, 0.64, -0.005, 0.005};
+  for (DepthImage* picture : {&line, &side}) {
+    const int w = picture->camera.width;
+    picture->color = ColorImage(w, 1, glm::vec4(1));
+    picture->depth = Image<float>(w, 1, picture == &line ? 4.0f : 50.0f);
+  }
+  for (const int z : empty_steps) {
+    // To the side's right is where the line comes from, or its left.
+    const glm::dvec3 at = raster_from_world(side.camera, {0, 0, -double(z)});
+    side.depth(int(at.x), 0) = kNoDepth;
+    side.color(int(at.x), 0) = glm::vec4(0);
+  }
+  std::vector<TexelSurface> surfaces{make_texel_surface(line), make_texel_surface(side)};
+  find_visual_hulls(surfaces);
+  return surfaces[0].texels(0, 0).inside;
+}
+
+TEST(Inside, one_step_that_is_seen_empty_is_passed_and_two_stop) {
+  // Steps lie at 5, 6, ... metres: half a column off would be another column.
+  EXPECT_FLOAT_EQ(reach_past({}), 64);
+  EXPECT_FLOAT_EQ(reach_past(std::array{7}), 64);
+  EXPECT_FLOAT_EQ(reach_past(std::array{7, 10}), 64);
+  EXPECT_FLOAT_EQ(reach_past(std::array{7, 11, 12}), 10);
+  EXPECT_FLOAT_EQ(reach_past(std::array{5, 6}), 0);
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/core/sanitized_test_helpers.h"
+#include "rilievo/layered_impostor/jug_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -113,7 +115,7 @@ TEST(LayeredWarp, back_perspective_views_fill_each_others_holes) {
   LayeredImpostor impostor = jug_impostor(96, {.layers = 48});
   std::mt19937 rng(3);
   std::vector<Camera> cameras;
-  for (int i = 0; i < 10; ++i)
+  for (int i = 0; i < sanitized_cases(10); ++i)
     cameras.push_back(frame_camera(impostor.bounds, random_direction(rng), 3.5, 80));
   double one = 0, filled = 0, all = 0, surface_one = 0, surface_all = 0;
   std::size_t drawn_fill = 0, drawn_all = 0;

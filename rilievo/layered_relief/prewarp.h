@@ -19,6 +19,7 @@
 #include "rilievo/core/picture_geometry.h"
 #include "rilievo/layered_relief/layered_relief.h"
 #include "rilievo/nailboard/nailboard.h"
+#include "rilievo/nailboard/prewarped.h"
 
 namespace rilievo {
 
@@ -48,16 +49,6 @@ struct PrewarpOptions {
   // A tile of the last result is kept if none of its samples would move by more than this many
   // texels; 0: only if none would move at all.
   double reuse_error = 0.0;
-};
-
-// The picture. Planes are in row order with the size of `geometry.capture`. As a Nailboard's,
-// except that no empty texel has a Delta.
-struct Prewarped {
-  PictureGeometry geometry;
-  std::vector<glm::u8vec4> color;
-  std::vector<std::uint16_t> delta;
-  [[nodiscard]] int width() const { return geometry.capture.width; }
-  [[nodiscard]] int height() const { return geometry.capture.height; }
 };
 
 // What the last warp() did.

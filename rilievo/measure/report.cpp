@@ -31,6 +31,10 @@ Json method_json(const MethodResult& method) {
   if (method.gap_bound_px_max) out["gap_bound_px"] = {{"max", *method.gap_bound_px_max}};
   if (const auto& e = method.error_px)
     out["error_px"] = {{"p50", e->p50}, {"p99", e->p99}, {"max", e->max}};
+  if (method.first_frame_ms) out["first_frame_ms"] = *method.first_frame_ms;
+  if (method.cut_ms) out["cut_ms"] = *method.cut_ms;
+  if (method.over_bound_share) out["over_bound_share"] = *method.over_bound_share;
+  if (method.walked_frames) out["walked_frames"] = *method.walked_frames;
   if (method.pop_max)
     out["pop"] = {{"max", *method.pop_max}, {"frame_max", method.pop_frame_max.value_or(0)}};
   if (!method.drawn_as.empty()) {
@@ -59,9 +63,12 @@ std::vector<double> series(const MethodResult& method, double FrameResult::*figu
 
 MethodSummary summarize(const MethodResult& method) {
   const auto of = [&](double FrameResult::*figure) { return summarize(series(method, figure)); };
-  return {
-      of(&FrameResult::frame_ms), of(&FrameResult::psnr_db),          of(&FrameResult::ssim),
-      of(&FrameResult::flip),     of(&FrameResult::wrong_visibility), of(&FrameResult::uncovered)};
+  return {method.walked_ms ? *method.walked_ms : of(&FrameResult::frame_ms),
+          of(&FrameResult::psnr_db),
+          of(&FrameResult::ssim),
+          of(&FrameResult::flip),
+          of(&FrameResult::wrong_visibility),
+          of(&FrameResult::uncovered)};
 }
 
 std::string report_json(const Report& report) {

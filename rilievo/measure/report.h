@@ -16,6 +16,7 @@
 #include "rilievo/core/color.h"
 #include "rilievo/measure/html.h"
 #include "rilievo/measure/machine.h"
+#include "rilievo/measure/stats.h"
 
 namespace rilievo {
 
@@ -47,6 +48,14 @@ struct MethodResult {
   std::optional<double> bound_px_max;
   std::optional<double> gap_bound_px_max;  // of the strips that were hidden at capture
   std::optional<ErrorPx> error_px;
+  // The first frame, which fills caches; it is not among `frames`.
+  std::optional<double> first_frame_ms;
+  // The longest time from a cut until a complete frame within the bound; where there are cuts.
+  std::optional<double> cut_ms;
+  std::optional<double> over_bound_share;  // of frames whose bound was above the error allowed
+  // In real time: all frames after the first. `frames` are those that were compared.
+  std::optional<Summary> walked_ms;
+  std::optional<int> walked_frames;
   // The largest excess change from frame to frame (FLIP) over the true frames' change (popping.h).
   std::optional<double> pop_max;                               // over tiles
   std::optional<double> pop_frame_max;                         // over whole frames

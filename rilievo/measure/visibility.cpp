@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace rilievo {
@@ -57,6 +59,27 @@ void add_depth_errors(const IdImage& true_ids, const IdImage& ids, const Image<f
       return;
     errors.add(std::abs(shown - wanted) / wanted);
   });
+}
+
+int count_missing_objects(const IdImage& true_ids, const IdImage& ids, int margin,
+                          int min_counted) {
+  RILIEVO_EXPECTS(true_ids.width() == ids.width() && true_ids.height() == ids.height());
+  const std::unordered_set<std::uint32_t> drawn(ids.texels().begin(), ids.texels().end());
+  std::unordered_map<std::uint32_t, int> counted;  // of objects that are not drawn
+  const auto all_around = [&](int x, int y, std::uint32_t object) {
+    for (int dy = -margin; dy <= margin; ++dy)
+      for (int dx = -margin; dx <= margin; ++dx)
+        if (true_ids(x + dx, y + dy) != object) return false;
+    return true;
+  };
+  for (int y = margin; y < ids.height() - margin; ++y)
+    for (int x = margin; x < ids.width() - margin; ++x) {
+      const std::uint32_t object = true_ids(x, y);
+      if (object != 0 && !drawn.contains(object) && all_around(x, y, object)) ++counted[object];
+    }
+  int missing = 0;
+  for (const auto& [object, pixels] : counted) missing += pixels >= min_counted;
+  return missing;
 }
 
 }  // namespace rilievo

@@ -36,6 +36,12 @@ struct Visibility {
 // Compares one frame's identifiers with the true frame's.
 [[nodiscard]] Visibility compare_visibility(const IdImage& true_ids, const IdImage& ids);
 
+// Counts the objects that show `min_counted` or more counted pixels in the true frame and none at
+// all in the other frame. A pixel is counted if all pixels up to `margin` to its sides and corners
+// show the same object. Identifiers; 0 is no object. Requires images of one size.
+[[nodiscard]] int count_missing_objects(const IdImage& true_ids, const IdImage& ids, int margin = 3,
+                                        int min_counted = 16);
+
 // Adds the relative depth error |eye_z - true eye_z| / true eye_z of every counted pixel at which
 // both frames show the same object and both depths are positive and finite.
 void add_depth_errors(const IdImage& true_ids, const IdImage& ids, const Image<float>& true_eye_z,

@@ -102,5 +102,21 @@ TEST(DepthErrors, are_relative_to_the_true_depth_and_of_the_same_object_only) {
   EXPECT_LE(errors.percentile(11.0 / 12), 0.1 * (1 + 1.0 / 64) + 1e-7);
 }
 
+TEST(Visibility, an_object_is_missing_if_enough_of_it_was_counted_and_none_is_drawn) {
+  IdImage truth(24, 20, 0), frame(24, 20, 0);
+  const auto fill = [](IdImage& image, int left, int top, int w, int h, std::uint32_t object) {
+    for (int y = top; y < top + h; ++y)
+      for (int x = left; x < left + w; ++x) image(x, y) = object;
+  };
+  fill(truth, 2, 2, 10, 10, 1);  // 4 x 4 pixels are three or more away from its boundary
+  fill(truth, 13, 2, 9, 10, 2);  // 3 x 4: too few
+  EXPECT_EQ(count_missing_objects(truth, truth), 0);
+  EXPECT_EQ(count_missing_objects(truth, frame), 1);
+  EXPECT_EQ(count_missing_objects(truth, frame, 2), 2);
+  EXPECT_EQ(count_missing_objects(truth, frame, 3, 12), 2);
+  frame(23, 19) = 1;  // anywhere
+  EXPECT_EQ(count_missing_objects(truth, frame), 0);
+}
+
 }  // namespace
 }  // namespace rilievo

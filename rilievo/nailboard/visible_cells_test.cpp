@@ -10,6 +10,7 @@
 #include <random>
 
 #include "rilievo/core/image.h"
+#include "rilievo/core/sanitized_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -177,7 +178,7 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
   const Camera camera = frame_camera();
   const glm::dmat4 clip = clip_from_eye(camera);
   double drawn_count = 0, on_polygon = 0, shown = 0, left_out = 0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < sanitized_cases(60); ++round) {
     Gallery gallery(rng, 12);
     std::vector<Picture>& pictures = gallery.pictures;
     std::sort(pictures.begin(), pictures.end(), [](const Picture& a, const Picture& b) {

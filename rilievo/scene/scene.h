@@ -55,6 +55,10 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
   bool unlit = false;
+  // The share of light that goes through, for ray tracers; everybody else sees it as blended.
+  float transmission = 0.0f;
+  float ior = 1.5f;       // index of refraction
+  bool refracts = false;  // surrounds a volume, so that light is bent; else a thin wall
 };
 
 // Triangles with one material. Arrays other than positions and indices are empty or have one entry

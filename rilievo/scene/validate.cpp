@@ -59,7 +59,8 @@ Result<> check_materials(const Scene& scene) {
       if (!finite(use->texture_from_uv))
         return fault("material", i, "has a texture transform that is not finite");
     }
-    for (float v : {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff})
+    for (float v : {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff,
+                    m.transmission, m.ior})
       if (!std::isfinite(v)) return fault("material", i, "has a factor that is not finite");
     if (!finite(m.base_color) || !finite(m.emissive))
       return fault("material", i, "has a colour that is not finite");

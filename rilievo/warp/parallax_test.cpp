@@ -120,6 +120,16 @@ TEST(Parallax, known_eye_is_bounded_and_never_worse_than_the_ball) {
   EXPECT_LT(along, 0.05);
 }
 
+TEST(Parallax, the_corner_farthest_off_axis_may_be_at_any_border) {
+  Camera frame = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.8, 100, 100, 0.1, 100);
+  for (const ImageWindow& window :
+       {ImageWindow{-0.7, 0.2, -0.1, 0.3}, ImageWindow{-0.2, 0.7, -0.1, 0.3},
+        ImageWindow{-0.2, 0.7, -0.3, 0.1}, ImageWindow{-0.7, 0.1, -0.3, 0.2}}) {
+    frame.window = window;
+    EXPECT_DOUBLE_EQ(corner_tan(frame), std::hypot(0.7, 0.3));
+  }
+}
+
 TEST(Parallax, pixels_from_angle_bounds_every_direction) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<double> u(0, 1);

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/layered_impostor/layered_impostor.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/core/sanitized_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -133,7 +133,7 @@ std::optional<SlowSample> meet(const SlowTriangle& triangle, const Camera& camer
 }
 
 TEST(Reproject, is_what_every_ray_against_every_triangle_finds) {
-  for (unsigned seed = 0; seed < 6; ++seed) {
+  for (unsigned seed = 0; seed < unsigned(sanitized_cases(6)); ++seed) {
     std::mt19937 rng(seed);
     const Scene scene = random_scene(rng);
     const std::vector<DepthImage> photographs = photographs_of(scene, rng, 3, 40);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

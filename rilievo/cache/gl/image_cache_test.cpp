@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"

@@ -6,8 +6,8 @@
 
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

@@ -6,11 +6,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {

@@ -22,12 +22,7 @@ void SceneFrames::draw_opaque(Output output) {
     return;
   }
   renderer_->draw_objects(camera_, content_.polygons);
-  // What fades is there all the while.
-  scratch_.clear();
-  for (const CrossFade& fading : content_.fading) scratch_.push_back(fading.object);
-  std::sort(scratch_.begin(), scratch_.end());
-  scratch_.erase(std::unique(scratch_.begin(), scratch_.end()), scratch_.end());
-  renderer_->draw_objects(camera_, scratch_);
+  renderer_->draw_fading_objects(camera_, content_.fading);
 }
 
 void SceneFrames::count() {

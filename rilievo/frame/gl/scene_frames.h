@@ -36,6 +36,8 @@ class SceneFrames : public FrameSource {
   [[nodiscard]] SceneRenderer& renderer() const { return *renderer_; }
   [[nodiscard]] const FrameContent& content() const { return content_; }
   [[nodiscard]] FrameContent& content() { return content_; }
+  // The time of the frame, seconds.
+  [[nodiscard]] double time() const { return time_; }
 
   bool outlines_ = false;  // draw outlines around pictures (S1.8)
   bool sky_ = true;        // draw the scene's sky behind everything

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 
 namespace rilievo {
 namespace {

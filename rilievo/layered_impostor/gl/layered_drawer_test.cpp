@@ -7,9 +7,10 @@
 #include <cmath>
 #include <random>
 
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/color.h"
 #include "rilievo/gl/context_test_helpers.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
+#include "rilievo/layered_impostor/jug_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {

@@ -195,7 +195,8 @@ void main() {
 Result<gl::Program> make_nailboard_program(DepthMode mode, NailboardOutput output) {
   std::string defines = "#define MODE " + std::to_string(int(mode)) + "\n";
   if (output == NailboardOutput::objects) defines += "#define OBJECT_IDS 1\n";
-  if (output == NailboardOutput::share_of_color) defines += "#define SHARE 1\n";
+  // Identifiers fade as colours do, so that a fade that leaves holes is seen.
+  if (output != NailboardOutput::color) defines += "#define SHARE 1\n";
   return gl::make_program("nailboard", std::string(kVersion) + kInstance + kVertex,
                           std::string(kVersion) + kPixelHash + kFragment, defines);
 }

@@ -78,6 +78,7 @@ struct SceneRenderer::State {
   void upload_lights(const Camera& camera);
   void upload_instances();
   void draw_list(const Camera& camera, unsigned extra_features, bool farthest = false);
+  void draw_ranges(const Camera& camera, std::span<const CrossFade> ranges, unsigned features);
 };
 
 // Compiled by create(); later only if the scene's lights have become others.
@@ -95,8 +96,9 @@ Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
 Result<> SceneRenderer::State::compile() {
   using namespace shader;
   for (const GpuMaterial& material : gpu.materials)
-    for (const unsigned extra : {0u, +kLinear, +kObjectIds, +kShare, kShare | kLinear,
-                                 +kBackPerspective, kBackPerspective | kLinear})
+    for (const unsigned extra :
+         {0u, +kLinear, +kObjectIds, +kShare, kShare | kLinear, kShare | kObjectIds,
+          +kBackPerspective, kBackPerspective | kLinear})
       if (auto made = program(material.features | extra); !made) return made.error();
   for (bool linear : {false, true}) {
     Result<gl::Program> made = make_sky_program(linear);
@@ -272,31 +274,39 @@ void SceneRenderer::draw_opaque(const Camera& camera, std::span<const std::uint3
   s.draw_list(camera, encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
 }
 
-void SceneRenderer::draw_cross_fades(const Camera& camera, std::span<const CrossFade> shares,
-                                     OutputEncoding encoding) {
-  State& s = *state_;
+// One range of each object at a time.
+void SceneRenderer::State::draw_ranges(const Camera& camera, std::span<const CrossFade> ranges,
+                                       unsigned features) {
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const unsigned linear = encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u;
-  s.shares.resize(s.bounds.size());
-  s.shared_in.resize(s.bounds.size(), 0);
-  // One share of each object at a time.
-  s.waiting.assign(shares.begin(), shares.end());
-  while (!s.waiting.empty()) {
-    ++s.shared_pass;
-    s.shared_objects.clear();
-    std::erase_if(s.waiting, [&](const CrossFade& share) {
-      if (s.shared_in[share.object] == s.shared_pass) return false;
-      s.shared_in[share.object] = s.shared_pass;
-      s.shares[share.object] = {share.from, share.to};
-      s.shared_objects.push_back(share.object);
+  shares.resize(bounds.size());
+  shared_in.resize(bounds.size(), 0);
+  waiting.assign(ranges.begin(), ranges.end());
+  while (!waiting.empty()) {
+    ++shared_pass;
+    shared_objects.clear();
+    std::erase_if(waiting, [&](const CrossFade& share) {
+      if (shared_in[share.object] == shared_pass) return false;
+      shared_in[share.object] = shared_pass;
+      shares[share.object] = {share.from, share.to};
+      shared_objects.push_back(share.object);
       return true;
     });
-    s.list.build_front_to_back(*s.scene, camera, s.shared_objects, s.poses, s.bounds,
-                               {s.opaque_mesh.get(), s.scene->meshes.size()});
-    s.draw_list(camera, shader::kShare | linear);
+    list.build_front_to_back(*scene, camera, shared_objects, poses, bounds,
+                             {opaque_mesh.get(), scene->meshes.size()});
+    draw_list(camera, shader::kShare | features);
   }
-  s.shares.clear();
+  shares.clear();
+}
+
+void SceneRenderer::draw_cross_fades(const Camera& camera, std::span<const CrossFade> shares,
+                                     OutputEncoding encoding) {
+  state_->draw_ranges(camera, shares,
+                      encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
+}
+
+void SceneRenderer::draw_fading_objects(const Camera& camera, std::span<const CrossFade> fading) {
+  state_->draw_ranges(camera, fading, shader::kObjectIds);
 }
 
 void SceneRenderer::draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,

@@ -61,6 +61,8 @@ class SceneRenderer {
   // Draws the identifiers (object index + 1) of opaque and masked parts into a ProbeTarget. Blended
   // parts have no single depth and are left out.
   void draw_objects(const Camera& camera, std::span<const std::uint32_t> objects);
+  // Draws the identifiers of objects that fade, each within its ranges, as draw_cross_fades() does.
+  void draw_fading_objects(const Camera& camera, std::span<const CrossFade> fading);
   // Draws the identifiers of the farthest surfaces along each ray, back faces included, into a
   // ProbeTarget that was cleared for them: the opposite of what the camera keeps.
   void draw_hindmost(const Camera& camera, std::span<const std::uint32_t> objects);

@@ -1,6 +1,7 @@
 #include "rilievo/render/raster/raster_picture.h"
 
 #include "rilievo/core/expects.h"
+#include "rilievo/render/raster/raster_instances.h"
 #include "rilievo/render/raster/sample_raster.h"
 #include "rilievo/render/shading/picture_shader.h"
 
@@ -17,37 +18,7 @@ struct PictureRasterizer::State {
   PictureShader shader;
 
   explicit State(const Scene& scene) : scene(scene), materials(scene) {}
-  void make_instances(const Camera& camera);
 };
-
-void PictureRasterizer::State::make_instances(const Camera& camera) {
-  const glm::dmat4 clip = glm::transpose(clip_from_relative(camera));
-  // The rows of raster_from_relative, before the division.
-  const glm::dvec4 x = 0.5 * camera.width * (clip[0] + clip[3]),
-                   y = 0.5 * camera.height * (clip[1] + clip[3]), z = 0.5 * (clip[2] + clip[3]);
-  instances.clear();
-  masks.resize(placed.size());
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    const PlacedMesh& p = placed[i];
-    const SurfaceMaterial& material = *p.surface.material;
-    const glm::dmat4 by(p.surface.relative_from_mesh);
-    RasterInstance instance;
-    instance.positions = p.mesh->positions.data();
-    instance.indices = p.mesh->indices.data();
-    instance.triangles = p.triangles;
-    instance.first_triangle = p.first_triangle;
-    instance.row_x = glm::vec4(x * by), instance.row_y = glm::vec4(y * by);
-    instance.row_z = glm::vec4(z * by), instance.row_w = glm::vec4(clip[3] * by);
-    const bool mirrored = glm::determinant(glm::mat3(p.surface.relative_from_mesh)) < 0;
-    instance.front = material.double_sided || !mirrored;
-    instance.back = material.double_sided || mirrored;
-    if (material.masked) {
-      masks[i] = mask_of(*p.mesh, material);
-      instance.mask = &masks[i];
-    }
-    instances.push_back(instance);
-  }
-}
 
 std::size_t PictureRasterizer::bytes(int size, int samples) {
   constexpr std::size_t kTexel = sizeof(RasterPicture::color[0]) + sizeof(RasterPicture::depth[0]);
@@ -64,7 +35,7 @@ void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const std:
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   State& s = *state_;
   place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
-  s.make_instances(camera);
+  make_instances(camera, s.placed, s.instances, s.masks);
   for (RasterInstance& instance : s.instances) {
     instance.front = instance.back = true;
     instance.row_z = instance.row_w - instance.row_z;  // 1 - window_z: the farthest is the nearest
@@ -87,7 +58,7 @@ void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   State& s = *state_;
   place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
-  s.make_instances(camera);
+  make_instances(camera, s.placed, s.instances, s.masks);
   s.raster.begin(camera.width, camera.height, samples);
   s.raster.draw(s.instances);
   s.shader.shade({s.raster.seen(), s.placed, picture_rays(camera),

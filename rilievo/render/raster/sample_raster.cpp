@@ -88,7 +88,8 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
     const vfloat area = bx * cy - cx * by;
     const Mask turned = hn::Lt(area.v, hn::Zero(f));
     const auto above = [&](vfloat x, float low) { return hn::Gt(x.v, hn::Set(f, low)); };
-    Mask keep = hn::And(above(a.w, 0), hn::And(above(b.w, 0), above(c.w, 0)));
+    const float min_w = instance.min_w;
+    Mask keep = hn::And(above(a.w, min_w), hn::And(above(b.w, min_w), above(c.w, min_w)));
     const vfloat sized =
         instance.back ? instance.front ? vfloat(hn::Abs(area.v)) : 0.0f - area : area;
     constexpr float kTooLarge = 1e30f;
@@ -361,6 +362,16 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
       place = 0;
     }
   if (!pieces_.empty()) draw_round(instances);
+}
+
+void SampleRaster::renumber(std::uint32_t first, std::span<const std::uint32_t> numbers) {
+  if (numbers.empty()) return;
+  parallel_for(0, seen_.height, [&](int y) {
+    std::uint32_t* triangles = &seen_.triangle[seen_.row(y)];
+    const float* depths = seen_.depths(y);
+    for (int i = 0; i < seen_.width * seen_.samples; ++i)
+      if (depths[i] < 1 && triangles[i] >= first) triangles[i] = numbers[triangles[i] - first];
+  });
 }
 
 void SampleRaster::draw_round(std::span<const RasterInstance> instances) {

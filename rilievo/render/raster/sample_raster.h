@@ -30,7 +30,8 @@ struct RasterMask {
 [[nodiscard]] RasterMask mask_of(const Mesh& mesh, const SurfaceMaterial& material);
 
 // The triangles of one mesh, placed. A vertex p appears at (x, y, z) / w, each the product of a row
-// with (p, 1). All w must be positive: leave out meshes that reach behind the eye.
+// with (p, 1). Triangles with a corner whose w is not positive are left out (near_clip.h cuts
+// them).
 struct RasterInstance {
   const glm::vec3* positions = nullptr;
   const std::uint32_t* indices = nullptr;  // three for each triangle
@@ -40,6 +41,7 @@ struct RasterInstance {
   // The visible faces; front is counter-clockwise in the raster.
   bool front = true, back = false;
   const RasterMask* mask = nullptr;  // null: no holes
+  float min_w = 0;                   // triangles with a corner that is not beyond it are left out
 };
 
 // Rasterises into a visibility buffer.
@@ -54,6 +56,8 @@ class SampleRaster {
   void begin(int width, int height, int samples);
   // Draws instances; of equal depths, the first one stays.
   void draw(std::span<const RasterInstance> instances);
+  // Gives samples that show triangle first + i the number numbers[i].
+  void renumber(std::uint32_t first, std::span<const std::uint32_t> numbers);
 
   [[nodiscard]] const SampleBuffer& seen() const { return seen_; }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 
+#include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/render/shading/simd_test_helpers.h"
 
 namespace rilievo {
@@ -107,7 +108,7 @@ TEST(SampleRaster, finds_the_triangle_that_is_nearest_among_all) {
   for_each_instruction_set([](const char* name) {
     std::mt19937 rng(5);
     int compared = 0, covered = 0;
-    for (int round = 0; round < 24; ++round) {
+    for (int round = 0; round < sanitized_cases(24); ++round) {
       const int samples = round % 2 ? 4 : 1;
       const int width = 1 + int(rng() % 90), height = 1 + int(rng() % 60);
       std::vector<Soup> soups;
@@ -141,7 +142,7 @@ TEST(SampleRaster, finds_the_triangle_that_is_nearest_among_all) {
             ASSERT_EQ(raster.seen().triangles(y)[x * samples + s], expected.name);
           }
     }
-    EXPECT_GT(compared, 50'000);
+    EXPECT_GT(compared, sanitized_cases(50'000));
     EXPECT_GT(covered, compared / 3);
   });
 }

@@ -7,6 +7,7 @@
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/rays/hit_surface.h"
 #include "rilievo/render/shading/picture_shader.h"
 #include "rilievo/render/shading/shading_model.h"
 
@@ -112,23 +113,28 @@ void PictureCaster::State::cast(const Camera& camera, bool all_objects, int samp
   RayPictureView view{picture_rays(camera), camera.position(), {}};
   if (!all_objects) view.objects = {included.get(), scene.objects.size()};
   const CameraRays camera_rays(camera);
-  const int texels = RayPacket::kMaxCount / samples;  // a packet
-  parallel_for(0, camera.height, [&](int y) {
+  // A packet is a square of texels: its rays stay together longest.
+  const int side = samples == 1 ? 4 : 2;
+  static_assert(RayPacket::kMaxCount == 16);
+  parallel_for(0, (camera.height + side - 1) / side, [&](int band) {
     RayPacket packet;
-    for (int x = 0; x < camera.width; x += texels) {
+    std::size_t place[RayPacket::kMaxCount];  // of the samples
+    for (int x = 0; x < camera.width; x += side) {
       packet.count = 0;
-      for (int k = x; k < std::min(x + texels, camera.width); ++k)
-        for (int s = 0; s < samples; ++s) {
-          const glm::vec2 at = sample_position(s, samples);
-          camera_rays.put(double(k) + double(at.x), double(y) + double(at.y), packet);
-        }
+      for (int row = band * side; row < std::min((band + 1) * side, camera.height); ++row)
+        for (int k = x; k < std::min(x + side, camera.width); ++k)
+          for (int s = 0; s < samples; ++s) {
+            const glm::vec2 at = sample_position(s, samples);
+            place[packet.count] =
+                seen.row(row) + std::size_t(k) * std::size_t(samples) + std::size_t(s);
+            camera_rays.put(double(k) + double(at.x), double(row) + double(at.y), packet);
+          }
       rays.first_hits(view, packet);
-      const std::size_t first = seen.row(y) + std::size_t(x) * std::size_t(samples);
       for (int i = 0; i < packet.count; ++i) {
         if (packet.object[i] == 0) continue;
         const double eye_z = camera_rays.eye_z(double(packet.distance[i]));
         const double window_z = depth_from_eye_z(DepthKind::window_z, eye_z, camera, {});
-        set(first + std::size_t(i), float(camera.keeps_farthest() ? 1.0 - window_z : window_z),
+        set(place[i], float(camera.keeps_farthest() ? 1.0 - window_z : window_z),
             packet.object[i] - 1, packet.part[i], packet.triangle[i]);
       }
     }
@@ -148,6 +154,13 @@ void PictureCaster::draw(const Camera& camera, std::span<const std::uint32_t> ob
   s.shader.shade({s.seen, s.placed, picture_rays(camera),
                   surface_lights(s.rays.scene(), camera.position(), s.lights)},
                  picture);
+}
+
+void PictureCaster::draw_objects(const Camera& camera, ObjectPicture& picture) {
+  State& s = *state_;
+  s.place(camera, s.all);
+  s.cast(camera, true, 1);
+  identify(s.seen, s.placed, picture);
 }
 
 CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster) {
@@ -204,6 +217,16 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   return picture;
 }
 
+float farthest_eye_z(const RayScene& rays, const Camera& camera, const glm::dvec2& raster,
+                     std::span<const bool> objects) {
+  // The first one from the ray's other end.
+  const glm::dvec3 end = world_from_raster(camera, raster, camera.z_far);
+  const glm::dvec3 back = world_from_raster(camera, raster, camera.z_near) - end;
+  const auto hit = rays.first_hit(end, back, 0.0f, 1.0f, RaySides::both, objects);
+  if (!hit) return kNoDepth;
+  return float(camera.z_far + double(hit->distance) * (camera.z_near - camera.z_far));
+}
+
 HitShader::HitShader(const RayScene& scene, const Camera& camera)
     : scene_(scene),
       rays_(picture_rays(camera)),
@@ -212,32 +235,11 @@ HitShader::HitShader(const RayScene& scene, const Camera& camera)
 
 glm::vec4 HitShader::shade(const RayHit& hit, int x, int y) const {
   namespace model = shading_model;
-  const Scene& scene = scene_.scene();
-  const Part& part =
-      scene.models[std::size_t(scene.objects[hit.object - 1].model)].parts[std::size_t(hit.part)];
-  const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
-  const SurfaceMaterial& material = scene_.materials().of_mesh(part.mesh);
-  const SurfacePlacement placement = place_surface(
-      mesh, material,
-      relative_to(lights_.eye, scene_.poses()[hit.object - 1]) * part.model_from_mesh);
-  const std::uint32_t* corner = &mesh.indices[3 * std::size_t(hit.triangle)];
-  model::Corners<float> corners;
-  for (int k = 0; k < 3; ++k) {
-    const std::uint32_t at = corner[k];
-    corners.position[k] = mesh.positions[at];
-    corners.normal[k] = placement.has_normals ? mesh.normals[at] : glm::vec3(0);
-    corners.color[k] = placement.has_colors ? glm::vec3(mesh.colors[at]) : glm::vec3(0);
-    for (int set = 0; set < 2; ++set) {
-      const glm::vec2 uv = mesh.uv[set].empty() ? glm::vec2(0) : mesh.uv[set][at];
-      corners.uv[set][k] = {uv.x, uv.y};
-    }
-  }
   // As BandShader has it, for the same bytes.
   const glm::vec3 ray = rays_.first + float(x) * rays_.per_x + float(height_ - 1 - y) * rays_.per_y;
-  model::SurfacePoint<float> point =
-      model::surface_at<float>(rays_, placement, ray, corners, linear_of_srgb_bytes());
+  model::SurfacePoint<float> point = surface_of_hit(scene_, hit, rays_, ray, lights_.eye);
   const glm::vec3 view(point.view.x, point.view.y, point.view.z);
-  if (!material.double_sided && glm::dot(hit.normal, view) < 0) {
+  if (!surface_material(scene_, hit).double_sided && glm::dot(hit.normal, view) < 0) {
     point.normal = -1.0f * point.normal;
     point.view = glm::reflect(view, hit.normal);
   }

@@ -41,6 +41,8 @@ class PictureCaster {
   // back-perspective camera, which keeps the farthest surface.
   void draw(const Camera& camera, std::span<const std::uint32_t> objects, int samples,
             RasterPicture& picture);
+  // Draws the identifiers and depths of all objects, with a ray through each pixel's centre.
+  void draw_objects(const Camera& camera, ObjectPicture& picture);
 
  private:
   friend DepthImage cast_picture(const RayScene& scene, const Camera& camera,
@@ -48,6 +50,11 @@ class PictureCaster {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// eye_z of the last surface of `objects` (a mask, empty: all) along the ray of a raster position,
+// back faces included; kNoDepth: none.
+[[nodiscard]] float farthest_eye_z(const RayScene& scene, const Camera& camera,
+                                   const glm::dvec2& raster, std::span<const bool> objects);
 
 // Shades hits of single rays as cast_picture does. Any thread.
 class HitShader {

@@ -146,6 +146,8 @@ struct RayScene::State {
   std::vector<std::vector<int>> parts;  // per model: the part of each geometry
   std::vector<EmbreeScene> models;
   EmbreeScene world;
+  std::vector<RTCGeometry> instances;  // by object; owned by `world`
+  double time = NAN;
 
   explicit State(const Scene& scene) : scene(&scene), materials(scene) {}
   [[nodiscard]] RayContext context(const RayPictureView* picture, RaySides sides,
@@ -206,13 +208,12 @@ glm::vec4 base_color_at(const Scene& scene, int mesh_index, std::uint32_t triang
   return color * glm::vec4(texel.x, texel.y, texel.z, texel.w);
 }
 
-Result<RayScene> RayScene::create(const Scene& scene, double time) {
+Result<RayScene> RayScene::create(const Scene& scene, double time, RayParts parts) {
   auto state = std::make_unique<State>(scene);
   state->device = rtcNewDevice(nullptr);
   if (!state->device) return Error{"Embree", "no device"};
-  pose(scene, time, state->poses);
 
-  // Every model in its own space, without what blends.
+  // Every model in its own space.
   state->parts.resize(scene.models.size());
   for (std::size_t m = 0; m < scene.models.size(); ++m) {
     const Model& model = scene.models[m];
@@ -222,7 +223,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
       const Part& part = model.parts[p];
       const Mesh& mesh = scene.meshes[part.mesh];
       const SurfaceMaterial& material = state->materials.of_mesh(part.mesh);
-      if (material.blended || mesh.indices.size() < 3) continue;
+      if ((material.blended && parts == RayParts::opaque) || mesh.indices.size() < 3) continue;
       RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
       auto* vertices = static_cast<glm::vec3*>(
           rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -255,20 +256,37 @@ Result<RayScene> RayScene::create(const Scene& scene, double time) {
 
   state->world.reset(rtcNewScene(state->device));
   rtcSetSceneFlags(state->world.get(), kSceneFlags);
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    RTCGeometry instance = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(instance, state->models[scene.objects[i].model].get());
-    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &state->poses[i][0][0]);
-    rtcCommitGeometry(instance);
+  for (const Object& object : scene.objects) {
+    state->instances.push_back(rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE));
+    RTCGeometry instance = state->instances.back();
+    rtcSetGeometryInstancedScene(instance, state->models[std::size_t(object.model)].get());
     rtcAttachGeometry(state->world.get(), instance);
     rtcReleaseGeometry(instance);
-    state->normal_from_model.push_back(glm::inverseTranspose(glm::mat3(state->poses[i])));
-    state->model_from_world.push_back(glm::mat4(glm::inverse(glm::dmat4(state->poses[i]))));
   }
-  rtcCommitScene(state->world.get());
-  if (rtcGetDeviceError(state->device) != RTC_ERROR_NONE)
+  RayScene rays(std::move(state));
+  if (Result<> placed = rays.set_time(time); !placed) return placed.error();
+  return {std::move(rays)};
+}
+
+Result<> RayScene::set_time(double time) {
+  State& s = *state_;
+  const bool first = s.poses.empty();
+  if (time == s.time || (!first && s.scene->channels.empty())) return Done{};
+  s.time = time;
+  pose(*s.scene, time, s.poses);
+  s.normal_from_model.resize(s.poses.size());
+  s.model_from_world.resize(s.poses.size());
+  for (std::size_t i = 0; i < s.poses.size(); ++i) {
+    if (!first && !s.scene->objects[i].moving) continue;
+    rtcSetGeometryTransform(s.instances[i], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &s.poses[i][0][0]);
+    rtcCommitGeometry(s.instances[i]);
+    s.normal_from_model[i] = glm::inverseTranspose(glm::mat3(s.poses[i]));
+    s.model_from_world[i] = glm::mat4(glm::inverse(glm::dmat4(s.poses[i])));
+  }
+  rtcCommitScene(s.world.get());
+  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
     return Error{"Embree", "the scene cannot be built"};
-  return RayScene(std::move(state));
+  return Done{};
 }
 
 ObjectSet::ObjectSet(const Scene& scene, std::span<const std::uint32_t> objects) {

@@ -1,10 +1,10 @@
 // What does a ray hit in a Scene?
 //
 // Uses Embree; objects are instances of their models. Surfaces that a picture cannot hold are
-// absent: back faces of single-sided materials, masked-out texels, blended parts. Masks are read at
-// a texture's full resolution, except by rays of a picture, which read the mip level for the
-// picture's texels. World space, metres; single precision inside. After create(), all functions can
-// be called by any number of threads at once.
+// absent: back faces of single-sided materials, masked-out texels, blended parts unless asked for.
+// Masks are read at a texture's full resolution, except by rays of a picture, which read the mip
+// level for the picture's texels. World space, metres; single precision inside. After create(), all
+// functions can be called by any number of threads at once.
 #pragma once
 
 #include <cstdint>
@@ -35,6 +35,12 @@ struct RayHit {
 enum class RaySides {
   seen,  // fronts
   both,
+};
+
+// The parts of a scene that rays hit.
+enum class RayParts {
+  opaque,  // those that a picture can hold
+  all,     // blended parts, too
 };
 
 // Up to 16 similar rays and their first hits.
@@ -78,10 +84,15 @@ class RayScene {
  public:
   // Builds the scene with objects placed at `time` (seconds). `scene` must outlive the object.
   // Fails if memory does not suffice.
-  [[nodiscard]] static Result<RayScene> create(const Scene& scene, double time = 0.0);
+  [[nodiscard]] static Result<RayScene> create(const Scene& scene, double time = 0.0,
+                                               RayParts parts = RayParts::opaque);
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
   ~RayScene();
+
+  // Places each object at `time` (seconds). No other function may run meanwhile. Fails if memory
+  // does not suffice.
+  Result<> set_time(double time);
 
   // The first hit at a distance in (t_near, t_far), as multiples of the length of `direction`, of
   // the objects for which `objects` is true (empty: of all).

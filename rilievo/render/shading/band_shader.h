@@ -22,6 +22,7 @@ struct PlacedMesh {
   SurfacePlacement surface;
   // The range of its triangles in the SampleBuffer.
   std::uint32_t first_triangle = 0, triangles = 0;
+  std::uint32_t object = 0;  // index into Scene::objects
 };
 
 // The data that is the same for all texels of a picture.

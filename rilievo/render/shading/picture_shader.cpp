@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -22,7 +23,7 @@ void place_meshes(const Scene& scene, const SurfaceMaterials& materials, const g
       const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
       placed.push_back({&mesh,
                         place_surface(mesh, material, relative_from_model * part.model_from_mesh),
-                        std::uint32_t(triangles), std::uint32_t(mesh.triangles())});
+                        std::uint32_t(triangles), std::uint32_t(mesh.triangles()), object});
       triangles += mesh.triangles();
     }
   }
@@ -34,6 +35,27 @@ SurfaceLights surface_lights(const Scene& scene, const glm::dvec3& eye,
   storage = scene.lights;
   if (storage.empty()) storage.push_back(default_sun());
   return {storage, eye, scene.sky};
+}
+
+void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
+              ObjectPicture& picture) {
+  RILIEVO_EXPECTS(samples.samples == 1);
+  picture.width = samples.width, picture.height = samples.height;
+  const std::size_t texels = std::size_t(picture.width) * std::size_t(picture.height);
+  picture.object.assign(texels, kNoObject);
+  picture.depth.assign(texels, 1.0f);
+  for (int y = 0; y < samples.height; ++y)
+    for (int x = 0; x < samples.width; ++x) {
+      const float depth = samples.depths(y)[x];
+      if (depth >= 1) continue;
+      const std::uint32_t triangle = samples.triangles(y)[x];
+      const auto after = std::upper_bound(
+          meshes.begin(), meshes.end(), triangle,
+          [](std::uint32_t t, const PlacedMesh& placed) { return t < placed.first_triangle; });
+      const std::size_t at = std::size_t(y) * std::size_t(picture.width) + std::size_t(x);
+      picture.object[at] = std::prev(after)->object + 1;
+      picture.depth[at] = depth;
+    }
 }
 
 struct PictureShader::State {

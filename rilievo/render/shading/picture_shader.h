@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/core/depth_image.h"
 #include "rilievo/render/shading/band_shader.h"
 #include "rilievo/render/shading/surface_materials.h"
 
@@ -30,6 +31,16 @@ struct RasterPicture {
   std::vector<glm::u8vec4> color;  // sRGB, premultiplied; alpha is the share of covered samples
   std::vector<float> depth;        // window_z of the nearest sample; 1: nothing
 };
+
+// Object identifiers and depths of a picture with one sample per texel; rows from the bottom.
+struct ObjectPicture {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> object;  // index into Scene::objects + 1; kNoObject: nothing
+  std::vector<float> depth;           // window_z; 1: nothing
+};
+// Fills the picture. Requires one sample per texel, and meshes in the order of their triangles.
+void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
+              ObjectPicture& picture);
 
 // Shades pictures on all cores. Keeps its buffers.
 class PictureShader {

@@ -497,39 +497,63 @@ Vec3<T> reflected(const Vec3<T>& n, const Vec3<T>& v, const Vec3<T>& l, const Ve
   return n_l * (T(kPerPi) * (diffuse * (one - fresnel)) + distribution_visibility * fresnel);
 }
 
+// How a point's material answers light: unit normal, view, and the terms of reflected().
+template <class T>
+struct Response {
+  Vec3<T> n, v, diffuse, f0;
+  T roughness, alpha2;
+};
+template <class T>
+Response<T> response_of(const SurfacePoint<T>& in) {
+  Response<T> out;
+  out.n = normalize(in.normal);
+  out.v = in.view;
+  out.roughness = clamp(in.roughness, 0.045f, 1.0f);
+  out.diffuse = (T(1.0f) - in.metallic) * in.base;
+  out.f0 = mix(Vec3<T>(glm::vec3(0.04f)), in.base, in.metallic);
+  const T alpha = out.roughness * out.roughness;
+  out.alpha2 = alpha * alpha;
+  return out;
+}
+
+// The sky's light from the hemisphere around n.
+template <class T>
+Vec3<T> hemisphere_of(const Sky& sky, const Vec3<T>& n) {
+  return mix(Vec3<T>(sky.ground), Vec3<T>(0.5f * (sky.zenith + sky.horizon)),
+             T(0.5f) + T(0.5f) * n.y);
+}
+
+// The share of the light from all around that leaves towards the view as from a mirror.
+template <class T>
+Vec3<T> mirror_share(const Response<T>& s, T n_v) {
+  const T rx = T(1.0f) - s.roughness, ry = T(0.0425f) - T(0.0275f) * s.roughness;
+  const T rz = T(1.04f) - T(0.572f) * s.roughness, rw = T(0.022f) * s.roughness - T(0.04f);
+  const T a004 = min(rx * rx, exp2(T(-9.28f) * n_v)) * rx + ry;
+  const T scale = T(-1.04f) * a004 + rz, bias = T(1.04f) * a004 + rw;
+  // The approximation falls below 0 for rough black metals.
+  return {max(scale * s.f0.x + bias, T(0.0f)), max(scale * s.f0.y + bias, T(0.0f)),
+          max(scale * s.f0.z + bias, T(0.0f))};
+}
+
 // Linear light towards the view.
 template <class T>
 Vec3<T> shade_point(const SurfaceLights& lights, const SurfacePoint<T>& in) {
   const Sky& sky = lights.sky;
-  const Vec3<T> n = normalize(in.normal);
-  const Vec3<T>& v = in.view;
-  const T roughness = clamp(in.roughness, 0.045f, 1.0f);
-  const Vec3<T> diffuse = (T(1.0f) - in.metallic) * in.base;
-  const Vec3<T> f0 = mix(Vec3<T>(glm::vec3(0.04f)), in.base, in.metallic);
-  const T alpha = roughness * roughness, alpha2 = alpha * alpha;
-
+  const Response<T> s = response_of(in);
   Vec3<T> light = in.emissive;
   for (const Light& each : lights.lights) {
     Vec3<T> l;
     const T strength = arrives(each, lights.eye, in.relative, l);
-    light = light +
-            strength * (Vec3<T>(each.intensity) * reflected(n, v, l, diffuse, f0, alpha2));
+    light = light + strength * (Vec3<T>(each.intensity) *
+                                reflected(s.n, s.v, l, s.diffuse, s.f0, s.alpha2));
   }
 
   // The sky as ambient light: diffuse from the hemisphere around n, mirrored part by roughness.
-  const Vec3<T> hemisphere = mix(Vec3<T>(sky.ground), Vec3<T>(0.5f * (sky.zenith + sky.horizon)),
-                                 T(0.5f) + T(0.5f) * n.y);
-  const T towards_v = dot(n, v), n_v = clamp(towards_v, 0.0f, 1.0f);
+  const Vec3<T> hemisphere = hemisphere_of(sky, s.n);
+  const T towards_v = dot(s.n, s.v), n_v = clamp(towards_v, 0.0f, 1.0f);
   const Vec3<T> mirrored =
-      mix(sky_radiance(sky, T(2.0f) * towards_v * n.y - v.y), hemisphere, roughness);
-  const T rx = T(1.0f) - roughness, ry = T(0.0425f) - T(0.0275f) * roughness;
-  const T rz = T(1.04f) - T(0.572f) * roughness, rw = T(0.022f) * roughness - T(0.04f);
-  const T a004 = min(rx * rx, exp2(T(-9.28f) * n_v)) * rx + ry;
-  const T scale = T(-1.04f) * a004 + rz, bias = T(1.04f) * a004 + rw;
-  // The approximation falls below 0 for rough black metals.
-  const Vec3<T> by_mirror(max(scale * f0.x + bias, T(0.0f)), max(scale * f0.y + bias, T(0.0f)),
-                          max(scale * f0.z + bias, T(0.0f)));
-  const Vec3<T> ambient = T(0.6f) * (diffuse * hemisphere) + by_mirror * mirrored;
+      mix(sky_radiance(sky, T(2.0f) * towards_v * s.n.y - s.v.y), hemisphere, s.roughness);
+  const Vec3<T> ambient = T(0.6f) * (s.diffuse * hemisphere) + mirror_share(s, n_v) * mirrored;
   light = light + in.occlusion * ambient;
   return select(T(0.0f) < in.lit, light, in.base);
 }

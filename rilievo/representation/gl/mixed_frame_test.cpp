@@ -11,11 +11,11 @@
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/nailboard/gl/nailboard_set.h"
 #include "rilievo/scene/mesh_tools.h"
 

@@ -11,12 +11,12 @@
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/frame/gl/object_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/object.h"
-#include "rilievo/layered_impostor/shapes_test_helpers.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 

@@ -90,7 +90,7 @@ nlohmann::json parse_json(Bytes text, LoadContext& context) {
 
 // Extensions whose meaning is kept, and those that only come close to it (with a warning where
 // they are met).
-constexpr std::array<std::string_view, 12> kSupported = {"KHR_texture_transform",
+constexpr std::array<std::string_view, 14> kSupported = {"KHR_texture_transform",
                                                          "KHR_lights_punctual",
                                                          "EXT_mesh_gpu_instancing",
                                                          "KHR_draco_mesh_compression",
@@ -100,6 +100,8 @@ constexpr std::array<std::string_view, 12> kSupported = {"KHR_texture_transform"
                                                          "KHR_materials_unlit",
                                                          "KHR_materials_emissive_strength",
                                                          "KHR_materials_transmission",
+                                                         "KHR_materials_ior",
+                                                         "KHR_materials_volume",
                                                          "KHR_materials_pbrSpecularGlossiness",
                                                          "KHR_materials_variants"};
 

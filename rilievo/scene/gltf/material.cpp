@@ -178,6 +178,10 @@ Material Materials::read(const JsonValue& from) {
       m.alpha_mode = AlphaMode::blend;
       // A tenth stays: glass that nothing shows of cannot be told from a hole.
       m.base_color.a *= 1.0f - 0.9f * transmission;
+      // A ray tracer takes it as it is.
+      m.transmission = transmission;
+      m.ior = float(std::clamp(extensions["KHR_materials_ior"]["ior"].number(1.5), 1.0, 10.0));
+      m.refracts = extensions["KHR_materials_volume"]["thicknessFactor"].number(0.0) > 0;
     }
   }
 

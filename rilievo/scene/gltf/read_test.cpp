@@ -199,6 +199,23 @@ TEST(GltfRead, materials_and_texture_transforms) {
   EXPECT_TRUE(t.nearest);
 }
 
+TEST(GltfRead, glass_is_blended_and_keeps_what_a_ray_tracer_needs) {
+  GltfBuilder b = test::triangle();
+  b.json["materials"] = {{{"extensions",
+                           {{"KHR_materials_transmission", {{"transmissionFactor", 0.5}}},
+                            {"KHR_materials_ior", {{"ior", 1.25}}},
+                            {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}}};
+  b.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const Result<LoadedScene> loaded = load_glb(b);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const Material& m = loaded->scene.materials[0];
+  EXPECT_EQ(m.alpha_mode, AlphaMode::blend);
+  EXPECT_FLOAT_EQ(m.base_color.a, 0.55f);
+  EXPECT_EQ(m.transmission, 0.5f);
+  EXPECT_EQ(m.ior, 1.25f);
+  EXPECT_TRUE(m.refracts);
+}
+
 TEST(GltfRead, a_picture_that_cannot_be_read_is_left_out) {
   GltfBuilder b = test::triangle();
   b.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};

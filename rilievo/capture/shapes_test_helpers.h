@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "rilievo/capture/view_set.h"
-#include "rilievo/layered_impostor/layered_impostor.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/scene.h"
 
@@ -90,13 +89,6 @@ inline std::vector<DepthImage> cast_views(const Scene& scene, const ViewSet& vie
   for (const glm::dvec3& direction : views.directions)
     pictures.push_back(cast_picture(*rays, *view_camera(bounds, direction, options)));
   return pictures;
-}
-
-inline LayeredImpostor jug_impostor(int size, const SliceOptions& options = {},
-                                    Projection kind = Projection::back_perspective) {
-  Result<LayeredImpostor> impostor = make_layered_impostor(
-      cast_views(jug(), make_view_set({}), {.projection = kind, .size = size}), options);
-  return std::move(*impostor);
 }
 
 // Evenly over all directions.

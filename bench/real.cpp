@@ -1,0 +1,231 @@
+#include "bench/real.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+
+#include "bench/real_scenes.h"
+#include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/compare/real_time.h"
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/gl/level_frames.h"
+#include "rilievo/frame/gl/processor_frames.h"
+#include "rilievo/io/jpeg.h"
+#include "rilievo/measure/psnr.h"
+#include "rilievo/measure/report.h"
+#include "rilievo/measure/stats.h"
+#include "rilievo/measure/visibility.h"
+#include "rilievo/render/raster/raster_renderer.h"
+#include "rilievo/render/rays/ray_renderer.h"
+
+namespace rilievo::bench {
+namespace {
+
+constexpr int kSamples = 4, kKept = 8;
+// A baseline that takes longer draws fewer of the frames, but at least three.
+constexpr double kBaselineMs = 15000;
+
+struct Baseline {
+  const char* name;
+  std::unique_ptr<FrameSource> source;
+};
+
+struct Figures {
+  RealTimeWalk walk;
+  std::vector<double> psnr_db;
+  Visibility visibility;
+  double wrong_most = 0;
+  int missing = 0;
+  std::vector<std::pair<std::string, double>> baseline_ms;  // medians
+};
+
+struct Sizes {
+  int width, height;
+  double seconds;
+};
+
+Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double error_px) {
+  std::vector<Baseline> baselines;
+  baselines.push_back({"direct", std::make_unique<DirectFrames>(renderer)});
+  Result<std::unique_ptr<RayRenderer>> rays = RayRenderer::create(renderer.scene());
+  if (!rays) return rays.error();
+  auto by_rays = ProcessorFrames::create(renderer, std::move(*rays), kSamples);
+  if (!by_rays) return by_rays.error();
+  baselines.push_back({"direct-rays", std::move(*by_rays)});
+  auto by_raster = ProcessorFrames::create(
+      renderer, std::make_unique<RasterRenderer>(renderer.scene()), kSamples);
+  if (!by_raster) return by_raster.error();
+  baselines.push_back({"direct-raster", std::move(*by_raster)});
+  auto levels = LevelFrames::create(renderer.scene(), error_px);
+  if (!levels) return levels.error();
+  baselines.push_back({"lod", std::move(*levels)});
+  return baselines;
+}
+
+// Draws the frames that were kept by every baseline, and compares them with the first one's.
+Result<> draw_baselines(std::vector<Baseline>& baselines, FrameTarget& target, ProbeTarget& probe,
+                        Figures& figures, BenchReport& report, const std::string& name) {
+  const auto& kept = figures.walk.kept;
+  for (Baseline& baseline : baselines) {
+    std::vector<double> times;
+    double spent = 0;
+    const bool is_truth = &baseline == &baselines[0];
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const auto& [frame, drawn] = kept[i];
+      if (!is_truth && times.size() >= 3 && spent > kBaselineMs) break;
+      Result<double> ms = time_frame(*baseline.source, target, frame);
+      if (!ms) return ms.error();
+      times.push_back(*ms);
+      spent += *ms;
+      if (!is_truth) continue;
+      const Rgba8Image truth = target.read();
+      figures.psnr_db.push_back(std::min(psnr_db(truth, drawn.color), kMaxPsnrDb));
+      probe.begin();
+      if (Result<> done = baseline.source->draw_objects(); !done) return done;
+      const Image<std::uint32_t> objects = probe.read_objects();
+      const Visibility seen = compare_visibility(objects, drawn.objects);
+      figures.wrong_most = std::max(figures.wrong_most, seen.wrong_share());
+      figures.missing += count_missing_objects(objects, drawn.objects);
+      if (i + 1 != kept.size()) continue;
+      report.pictures.push_back({name + ", direct", {"image/jpeg", encode_jpeg(truth)}});
+      report.pictures.push_back({name + ", cache", {"image/jpeg", encode_jpeg(drawn.color)}});
+    }
+    figures.baseline_ms.emplace_back(baseline.name, median_of(times));
+  }
+  return Done{};
+}
+
+void add_walk_row(const std::string& name, const Figures& f, Table& table, BenchReport& report) {
+  const Summary ms = summarize(f.walk.frame_ms);
+  const Summary psnr = summarize(f.psnr_db);
+  const auto fastest =
+      std::min_element(f.baseline_ms.begin(), f.baseline_ms.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  const double speedup = fastest->second / ms.p50;
+  std::string key = name;
+  std::replace(key.begin(), key.end(), '-', '_');
+  const auto figure = [&](const std::string& field, double value) {
+    report.figures.emplace_back(key + "_" + field, value);
+  };
+  figure("p50_ms", ms.p50), figure("p99_ms", ms.p99), figure("max_ms", ms.max);
+  figure("first_frame_ms", f.walk.first_frame_ms);
+  if (f.walk.cut_ms) figure("cut_ms", *f.walk.cut_ms);
+  figure("frames", double(f.walk.frame_ms.size()));
+  figure("psnr_db", psnr.mean), figure("psnr_db_min", psnr.min);
+  figure("wrong_visibility_max", f.wrong_most);
+  figure("missing_objects", f.missing);
+  figure("over_bound_share", f.walk.over_bound_share);
+  figure("bound_px", f.walk.bound_px), figure("gap_bound_px", f.walk.gap_px);
+  for (const auto& [baseline, median] : f.baseline_ms) {
+    std::string field = baseline + "_ms";
+    std::replace(field.begin(), field.end(), '-', '_');
+    figure(field, median);
+  }
+  figure("speedup_over_fastest_direct", speedup);
+  std::vector<std::string> row{name,
+                               fmt::format("{}", f.walk.frame_ms.size()),
+                               fmt::format("{:.0f}", f.walk.first_frame_ms),
+                               fmt::format("{:.0f}", ms.p50),
+                               fmt::format("{:.0f}", ms.p99),
+                               f.walk.cut_ms ? fmt::format("{:.0f}", *f.walk.cut_ms) : "",
+                               fmt::format("{:.1f}", psnr.mean),
+                               fmt::format("{:.3f}", 100 * f.wrong_most),
+                               std::to_string(f.missing),
+                               fmt::format("{:.1f}", 100 * f.walk.over_bound_share)};
+  for (const auto& [baseline, median] : f.baseline_ms) row.push_back(fmt::format("{:.0f}", median));
+  row.push_back(fmt::format("{:.2f}", speedup));
+  row.push_back(fastest->first);
+  table.rows.push_back(std::move(row));
+}
+
+Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& table,
+                       BenchReport& report, const std::function<void()>& walk_done) {
+  Result<Scene> scene = real_scene.make();
+  if (!scene) return scene.error();
+  Result<SceneRenderer> renderer = SceneRenderer::create(*scene);
+  if (!renderer) return renderer.error();
+  Result<FrameTarget> target = FrameTarget::create(sizes.width, sizes.height, kSamples);
+  if (!target) return target.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(sizes.width, sizes.height);
+  if (!probe) return probe.error();
+  ImageCacheOptions cache_options;
+  cache_options.samples = kSamples;
+  Result<std::vector<Baseline>> baselines = make_baselines(*renderer, cache_options.error_px);
+  if (!baselines) return baselines.error();
+  report.notes.push_back(fmt::format(
+      "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
+      scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
+  for (const RealWalk& walk : real_scene.walks(*scene)) {
+    Result<ImageCache> cache = ImageCache::create(*renderer, cache_options);
+    if (!cache) return cache.error();
+    const double start = walk.path.keys.front().time;
+    const auto at = [&](double seconds) {
+      return WalkFrame{camera_at(walk.path, start + seconds, sizes.width, sizes.height), seconds};
+    };
+    // Shaders are compiled, textures are read for the first time.
+    for (Baseline& baseline : *baselines)
+      if (Result<double> ms = time_frame(*baseline.source, *target, at(0)); !ms) return ms.error();
+    RealTimeOptions options;
+    options.seconds = sizes.seconds;
+    options.kept = kKept;
+    options.error_px = cache_options.error_px;
+    options.cuts = walk.cuts;
+    Figures figures;
+    Result<RealTimeWalk> walked = walk_in_real_time(*cache, *target, *probe, at, options);
+    if (!walked) return walked.error();
+    figures.walk = std::move(*walked);
+    const std::string name = real_scene.name + "-" + walk.name;
+    if (Result<> drawn = draw_baselines(*baselines, *target, *probe, figures, report, name); !drawn)
+      return drawn;
+    add_walk_row(name, figures, table, report);
+    walk_done();
+  }
+  return Done{};
+}
+
+}  // namespace
+
+Result<BenchReport> real(const BenchOptions& options) {
+  const Sizes sizes = options.quick ? Sizes{160, 90, 0.2} : Sizes{1280, 720, 4};
+  std::vector<RealScene> scenes;
+  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
+  const char* data = std::getenv("RILIEVO_DATA");
+  const bool has_data = data && *data && !options.quick;
+  if (scenes.empty()) scenes = real_scenes(has_data ? data : "", options.quick);
+  BenchReport report;
+  Table table{
+      fmt::format("The cache in real time, {} x {}, {} samples", sizes.width, sizes.height,
+                  kSamples),
+      {"walk", "frames", "first ms", "p50 ms", "p99 ms", "cut ms", "PSNR dB", "wrong %", "missing",
+       "over bound %", "direct ms", "rays ms", "raster ms", "lod ms", "speed-up", "over"},
+      {}};
+  const Stopwatch watch;
+  int done = 0;
+  for (const RealScene& scene : scenes) {
+    const auto walk_done = [&] {
+      if (options.progress) options.progress(++done, int(3 * scenes.size()));
+    };
+    if (Result<> measured = measure_scene(scene, sizes, table, report, walk_done); !measured)
+      return measured.error();
+  }
+  report.figures.emplace_back("seconds", watch.ms() / 1000);
+  report.tables = {std::move(table)};
+  report.notes.push_back(fmt::format(
+      "The eye moves by the clock; times are of all frames after the first. PSNR (mean), wrong "
+      "visibility (most) and missing objects are of {} frames spread evenly over the walk, against "
+      "OpenGL's; baselines are medians of the same frames (at least three), lod at the same error "
+      "in pixels. Wrong visibility is a share of the pixels that are no boundary's.",
+      kKept));
+  report.notes.push_back(
+      "gap_px, the widest gap that is drawn, is not measured here: gap_bound_px is the cache's own "
+      "bound.");
+  if (!has_data && options.scenes.empty())
+    report.notes.push_back(
+        "RILIEVO_DATA names no folder: like scenes of built-in models with made textures.");
+  return report;
+}
+
+}  // namespace rilievo::bench

@@ -1,0 +1,78 @@
+#include "rilievo/compare/real_time.h"
+
+#include <algorithm>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+void add_stats(const FrameStats& stats, RealTimeWalk& result) {
+  result.captures += stats.captures;
+  result.capture_ms += stats.capture_ms;
+  result.bound_px = std::max(result.bound_px, stats.bound_px);
+  result.gap_px = std::max(result.gap_px, stats.gap_px);
+  result.picture_bytes = std::max(result.picture_bytes, stats.picture_bytes);
+}
+
+}  // namespace
+
+std::vector<double> cuts_of(const CameraPath& path) {
+  std::vector<double> cuts;
+  for (std::size_t i = 1; i < path.keys.size(); ++i)
+    if (path.keys[i].time - path.keys[i - 1].time <= 0.002)
+      cuts.push_back(path.keys[i].time - path.keys[0].time);
+  return cuts;
+}
+
+Result<RealTimeWalk> walk_in_real_time(FrameSource& source, FrameTarget& target, ProbeTarget& probe,
+                                       const std::function<WalkFrame(double seconds)>& walk,
+                                       const RealTimeOptions& options) {
+  RILIEVO_EXPECTS(options.kept >= 1 && options.seconds > 0 && options.refresh > 0);
+  RealTimeWalk result;
+  const Result<double> first = time_frame(source, target, walk(0));
+  if (!first) return first.error();
+  result.first_frame_ms = *first;
+  add_stats(source.stats(), result);
+  int over = source.stats().bound_px > options.error_px;
+
+  std::size_t next_cut = 0;
+  double since_cut = -1;  // ms; negative: a good frame came after the last cut
+  // The k-th frame that is kept is the first one at k / kept of the walk or later.
+  for (double clock = 0; clock < options.seconds || int(result.kept.size()) < options.kept;) {
+    const WalkFrame frame = walk(clock);
+    for (; next_cut < options.cuts.size() && clock >= options.cuts[next_cut]; ++next_cut)
+      since_cut = std::max(since_cut, 0.0);
+    const double place = options.seconds * double(result.kept.size()) / options.kept;
+    const bool keep = int(result.kept.size()) < options.kept && clock >= place;
+    double ms = 0;
+    if (keep) {
+      Result<DrawnFrame> drawn = draw_frame(source, target, probe, frame, options.error_step);
+      if (!drawn) return drawn.error();
+      ms = drawn->frame_ms;
+      result.kept.emplace_back(frame, std::move(*drawn));
+    } else {
+      const Result<double> timed = time_frame(source, target, frame);
+      if (!timed) return timed.error();
+      ms = *timed;
+    }
+    result.frame_ms.push_back(ms);
+    add_stats(source.stats(), result);
+    const bool good = source.stats().bound_px <= options.error_px;
+    over += !good;
+    if (since_cut >= 0) {
+      since_cut += ms;
+      if (good) {
+        result.cut_ms = std::max(result.cut_ms.value_or(0), since_cut);
+        since_cut = -1;
+      }
+    }
+    clock += std::max(ms / 1000, 1 / options.refresh);
+  }
+  // Not good again before the walk ended: at least so long.
+  if (since_cut >= 0) result.cut_ms = std::max(result.cut_ms.value_or(0), since_cut);
+  result.over_bound_share = double(over) / double(result.frame_ms.size() + 1);
+  return result;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,53 @@
+// How does a method fare while the eye moves by the clock?
+//
+// A frame shows where the eye is when its drawing starts; a slow method moves further from frame to
+// frame. The walk starts when the first frame is complete. Only drawing counts, not the reading of
+// frames that are kept to be compared. Results depend on the machine's speed.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rilievo/compare/drawn_frame.h"
+#include "rilievo/core/camera_path.h"
+#include "rilievo/core/result.h"
+
+namespace rilievo {
+
+// The walk and its frames.
+struct RealTimeOptions {
+  double seconds = 4;        // of the walk
+  int kept = 8;              // frames to compare, spread evenly over the walk
+  int error_step = 0;        // as in draw_frame(), of frames kept
+  double error_px = 1;       // what the method's bounds are held against
+  double refresh = 60;       // the most frames that a display shows in a second
+  std::vector<double> cuts;  // times at which the eye jumps, ascending
+};
+
+// A method's walk.
+struct RealTimeWalk {
+  double first_frame_ms = 0;
+  std::vector<double> frame_ms;  // of all frames after the first
+  // The longest time from a cut until a frame was complete whose bound is at most `error_px`.
+  std::optional<double> cut_ms;
+  double over_bound_share = 0;  // of frames whose bound was above `error_px`
+  int captures = 0;
+  double capture_ms = 0, bound_px = 0, gap_px = 0;
+  std::size_t picture_bytes = 0;
+  std::vector<std::pair<WalkFrame, DrawnFrame>> kept;  // as many as asked for
+};
+
+// The times at which the eye jumps, seconds after the first key: two keys at most two milliseconds
+// apart are a cut.
+[[nodiscard]] std::vector<double> cuts_of(const CameraPath& path);
+
+// Walks with `source`; `walk` gives the camera `seconds` after the start. Draws on after the end of
+// the walk until all frames to be kept are drawn. Needs a current OpenGL context.
+[[nodiscard]] Result<RealTimeWalk> walk_in_real_time(
+    FrameSource& source, FrameTarget& target, ProbeTarget& probe,
+    const std::function<WalkFrame(double seconds)>& walk, const RealTimeOptions& options);
+
+}  // namespace rilievo

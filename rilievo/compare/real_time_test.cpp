@@ -1,0 +1,108 @@
+#include "rilievo/compare/real_time.h"
+
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "rilievo/gl/context_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+// Draws nothing, for so many milliseconds; after a jump its bound is over one pixel for two frames.
+class Sleeper : public FrameSource {
+ public:
+  explicit Sleeper(int ms) : ms_(ms) {}
+  Result<> draw(const Camera& camera, double) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms_));
+    const double x = camera.position().x;
+    if (x > last_ + 50) bad_ = 2;
+    last_ = x;
+    stats_.bound_px = bad_ > 0 ? 3 : 0.5;
+    bad_ -= bad_ > 0;
+    stats_.captures = 1;
+    eyes.push_back(x);
+    return Done{};
+  }
+  Result<> draw_objects() override { return Done{}; }
+  [[nodiscard]] const FrameStats& stats() const override { return stats_; }
+
+  std::vector<double> eyes;
+
+ private:
+  FrameStats stats_;
+  int ms_, bad_ = 0;
+  double last_ = 0;
+};
+
+class RealTimeTest : public gl::ContextTest {
+ protected:
+  // The eye moves one metre in a second, and by a hundred at half a second.
+  static WalkFrame walk(double seconds) {
+    const double x = seconds + (seconds >= 0.5 ? 100.0 : 0.0);
+    return {look_at({x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 1, 16, 16, 0.1, 10), seconds};
+  }
+};
+
+// Sleeps take at least as long as they say, so that this depends on no clock from above.
+TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
+  Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
+  Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
+  RealTimeOptions options;
+  options.seconds = 0.9;
+  options.kept = 4;
+  options.refresh = 100;
+  options.cuts = {0.5};
+  Sleeper slow(30);
+  const Result<RealTimeWalk> walked = walk_in_real_time(slow, *target, *probe, walk, options);
+  ASSERT_TRUE(walked.ok());
+  EXPECT_GE(walked->first_frame_ms, 30);
+  EXPECT_EQ(slow.eyes.size(), walked->frame_ms.size() + 1);
+  EXPECT_LE(walked->frame_ms.size(), 31u);
+  EXPECT_EQ(walked->captures, int(slow.eyes.size()));
+  // The walk starts when the first frame is done.
+  EXPECT_EQ(slow.eyes[0], 0.0);
+  EXPECT_EQ(slow.eyes[1], 0.0);
+  double clock = 0;
+  for (std::size_t i = 1; i < slow.eyes.size(); ++i) {
+    EXPECT_DOUBLE_EQ(slow.eyes[i], walk(clock).camera.position().x);
+    clock += walked->frame_ms[i - 1] / 1000;
+  }
+  EXPECT_EQ(walked->kept.size(), 4u);
+  // After the cut two frames are bad: up to the third one, if the walk gets there.
+  double after_cut = 0;
+  std::size_t bad = 0, seen = 0;
+  for (std::size_t i = 1; i < slow.eyes.size(); ++i)
+    if (slow.eyes[i] > 50 && ++seen <= 3) after_cut += walked->frame_ms[i - 1], bad += seen <= 2;
+  EXPECT_EQ(walked->cut_ms.has_value(), seen > 0);
+  EXPECT_DOUBLE_EQ(walked->cut_ms.value_or(0), after_cut);
+  EXPECT_DOUBLE_EQ(walked->over_bound_share, double(bad) / double(slow.eyes.size()));
+}
+
+TEST_F(RealTimeTest, a_fast_method_waits_for_the_display) {
+  Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
+  Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
+  RealTimeOptions options;
+  options.seconds = 0.4;
+  options.kept = 2;
+  options.refresh = 10;  // 100 ms: drawing nothing takes less
+  Sleeper fast(0);
+  const Result<RealTimeWalk> walked = walk_in_real_time(fast, *target, *probe, walk, options);
+  ASSERT_TRUE(walked.ok());
+  EXPECT_LE(walked->frame_ms.size(), 5u);
+  EXPECT_FALSE(walked->cut_ms);
+  EXPECT_EQ(walked->over_bound_share, 0);
+}
+
+TEST(Cuts, are_where_two_keys_are_two_milliseconds_apart_or_less) {
+  CameraPath path;
+  for (const double time : {1.0, 1.5, 1.501, 2.0, 2.01})
+    path.keys.push_back(look_key(time, {}, {0, 0, -1}, {0, 1, 0}, 1));
+  EXPECT_EQ(cuts_of(path).size(), 1u);
+  EXPECT_NEAR(cuts_of(path)[0], 0.501, 1e-12);
+}
+
+}  // namespace
+}  // namespace rilievo

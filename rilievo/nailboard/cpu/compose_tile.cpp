@@ -1,0 +1,469 @@
+// A block of 8 x 8 pixels at a time, in three passes over it: depth (which pixels show the picture
+// and are nearest), colour of those, then the samples. A block is left as soon as nothing of it
+// remains: by the picture's nearest depth, by the cells under it, after the depth test.
+//
+// Depth takes one division for the texel and one for 1 / eye_z (nailboard_composer.cpp). Colours
+// are interpolated in 15 bits, two channels in each 32-bit lane: R and B, G and A. No fused
+// multiply-adds and no estimates: every instruction set gives the same bytes.
+#include "rilievo/nailboard/cpu/compose_tile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rilievo/nailboard/cpu/compose_tile.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rilievo {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+namespace {
+
+#include "rilievo/nailboard/cpu/texel_span.inl"
+
+// Alpha 1 in 15 bits, as all channels.
+constexpr int kOne = 255 * 128;
+// Sample s is covered where alpha is above kThreshold[s]: OpenGL's alpha to coverage, as Mesa has
+// it, and what its shader discards. With one sample: where alpha is not below one half.
+constexpr int kThreshold[4] = {kOne / 8 - 1, kOne / 4, kOne / 2, kOne * 3 / 4};
+constexpr int kThresholdAlone = kOne / 2 - 1;
+
+// The centres of a block's pixels.
+struct Centers {
+  alignas(64) float x[kPixels], y[kPixels];
+  constexpr Centers() : x(), y() {
+    for (int i = 0; i < kPixels; ++i)
+      x[i] = float(i % kBlock) + 0.5f, y[i] = float(i / kBlock) + 0.5f;
+  }
+};
+constexpr Centers kCenters;
+
+// Affine over the tile.
+struct Plane {
+  float at, per_x, per_y;
+};
+
+// A nailboard over one tile, with `at` at the tile's corner.
+struct Board {
+  const PlacedNailboard& placed;
+  const MemoryNailboard& picture;
+  Plane u, v, w;
+};
+
+// A block's planes, its texels, and what is known of it.
+struct Patch {
+  float u, v, w;                // at its upper left corner
+  bool inside = false;          // all of it is, and no colour comes from beyond the picture's edge
+  bool opaque = false;          // all its texels are
+  float low_u = 0, high_v = 0;  // of its texels, if its corners were looked at
+};
+
+// What the first pass leaves to the others.
+struct Found {
+  HWY_ALIGN float u[kPixels], v[kPixels];  // texels, less one half
+  HWY_ALIGN float inverse_z[kPixels];
+  HWY_ALIGN std::uint32_t shown[kPixels];  // all bits: to be drawn
+  HWY_ALIGN std::uint32_t color[kPixels];
+  HWY_ALIGN std::int32_t alpha[kPixels];
+  HWY_ALIGN std::uint32_t covered[4][kPixels];  // all bits: the sample is on the polygon; if `cut`
+  bool cut;                                     // the polygon's edge passes between samples
+  std::uint64_t groups;                         // bit g: the g-th vector has something to draw
+};
+
+float find_farthest(const FrameTile& tile, int block) {
+  const F f;
+  VF least = hn::Set(f, std::numeric_limits<float>::infinity());
+  const auto look = [&](const FrameTile::Plane& plane) {
+    for (int i = 0; i < kPixels; i += int(hn::Lanes(f)))
+      least = hn::Min(least, hn::Load(f, plane.inverse_z + i));
+  };
+  look(tile.first[block]);
+  if (tile.expanded[block])
+    for (const FrameTile::Plane& plane : tile.more[block]) look(plane);
+  return hn::GetLane(hn::MinOfLanes(f, least));
+}
+
+HWY_INLINE float farthest(FrameTile& tile, int block) {
+  if (tile.changed[block]) {
+    tile.farthest[block] = find_farthest(tile, block);
+    tile.changed[block] = false;
+  }
+  return tile.farthest[block];
+}
+
+// Looks at the block's corners and at the cells between them: is there anything to draw?
+HWY_INLINE bool look_at_block(const Board& board, FrameTile& tile, int block, Patch& patch) {
+  const MemoryNailboard& picture = board.picture;
+  const PlacedNailboard& placed = board.placed;
+  float u[4], v[4], w[4];
+  float low_w = std::numeric_limits<float>::infinity(), high_w = -low_w;
+  for (int i = 0; i < 4; ++i) {
+    const float x = float((i & 1) * kBlock), y = float((i >> 1) * kBlock);
+    w[i] = patch.w + x * board.w.per_x + y * board.w.per_y;
+    low_w = std::min(low_w, w[i]), high_w = std::max(high_w, w[i]);
+  }
+  if (high_w <= tile.nothing || low_w >= placed.inverse_near) return false;
+  // Where the polygon passes the eye's plane in the block, nothing is known of it.
+  if (low_w <= tile.nothing) return true;
+  float low_u = std::numeric_limits<float>::infinity(), high_u = -low_u, low_v = low_u,
+        high_v = -low_u;
+  for (int i = 0; i < 4; ++i) {
+    const float x = float((i & 1) * kBlock), y = float((i >> 1) * kBlock);
+    const float eye_z = 1 / w[i];
+    u[i] = (patch.u + x * board.u.per_x + y * board.u.per_y) * eye_z;
+    v[i] = (patch.v + x * board.v.per_x + y * board.v.per_y) * eye_z;
+    low_u = std::min(low_u, u[i]), high_u = std::max(high_u, u[i]);
+    low_v = std::min(low_v, v[i]), high_v = std::max(high_v, v[i]);
+  }
+  patch.low_u = low_u, patch.high_v = high_v;
+  const float width = float(picture.width()), height = float(picture.height());
+  if (high_u < 0 || high_v < 0 || low_u >= width || low_v >= height) return false;
+  // Rounded otherwise than the pixels between, by less than this.
+  constexpr float kSlack = 1.0f / 64;
+  constexpr float kReach = 0.5f + kSlack;  // of interpolation
+  patch.inside = low_u >= kReach && low_v >= kReach && high_u <= width - kReach &&
+                 high_v <= height - kReach && high_w < placed.inverse_near;
+  const auto cells = [&](float low, float high, int texels, int& from, int& to) {
+    constexpr int kCell = MemoryNailboard::kCell;
+    from = int(std::max(0.0f, low - kReach)) / kCell;
+    to = std::min(int(std::min(high + kReach, float(texels))), texels - 1) / kCell;
+  };
+  int x0, x1, y0, y1;
+  cells(low_u, high_u, picture.width(), x0, x1);
+  cells(low_v, high_v, picture.height(), y0, y1);
+  if ((x1 - x0) * (y1 - y0) > 64) return true;  // many texels a pixel: a look costs more
+  std::uint32_t nearest = 0xffff;
+  bool opaque = true;
+  for (int y = y0; y <= y1; ++y) {
+    const int row = y * picture.cells_across();
+    for (int x = x0; x <= x1; ++x) {
+      nearest = std::min<std::uint32_t>(nearest, picture.cell_nearest()[row + x]);
+      opaque = opaque && picture.cell_opaque()[row + x];
+    }
+  }
+  if (nearest > picture.steps()) return false;
+  patch.opaque = patch.inside && opaque;
+  // The nearest that the block can show: see nailboard_composer.cpp.
+  if (placed.nearest < std::numeric_limits<float>::infinity()) {
+    const float q = placed.q_first + placed.q_per_code * float(nearest);
+    const float most =
+        placed.exact ? q / (q * placed.eye_z + 1 / high_w - placed.eye_z) : q * high_w;
+    if (most * 1.0001f <= farthest(tile, block) && most > 0) return false;
+  }
+  return true;
+}
+
+// Begins to load the texels of the block below this one, which comes a row of blocks later.
+HWY_INLINE void prefetch_below(const Board& board, const Patch& patch) {
+  const MemoryNailboard& picture = board.picture;
+  const int column = int(std::clamp(patch.low_u, 0.0f, float(picture.width() - 1)));
+  const int row = int(std::clamp(patch.high_v, 0.0f, float(picture.height() - 1)));
+  const int last = std::min(row + kBlock, picture.height());
+  for (int y = row; y <= last; ++y) {
+    const std::size_t texel = std::size_t(y) * std::size_t(picture.stride()) + std::size_t(column);
+    hwy::Prefetch(picture.color() + texel);
+    hwy::Prefetch(picture.color() + texel + kBlock);
+    hwy::Prefetch(picture.code_pairs() + texel / 2);
+  }
+}
+
+// In [0, 1): shader::kPixelHash, of the pixels at an offset from the block's corner. Rows count
+// from the bottom there.
+HWY_INLINE VF pixel_hash(const FrameTile& tile, int x, int y, VF dx, VF dy) {
+  const F f;
+  const VF column = hn::Floor(hn::Add(hn::Set(f, float(x)), dx));
+  const VF row = hn::Floor(hn::Sub(hn::Set(f, float(tile.height - y)), dy));
+  const auto fract = [](VF a) { return hn::Sub(a, hn::Floor(a)); };
+  const VF dot =
+      hn::Add(hn::Mul(column, hn::Set(f, 0.06711056f)), hn::Mul(row, hn::Set(f, 0.00583715f)));
+  return fract(hn::Mul(hn::Set(f, 52.9829189f), fract(dot)));
+}
+
+// Which samples of some pixels does the polygon cover? Its edges are where u, v, width - u or
+// height
+// - v is 0, or times w, which is affine, so that no sample needs a division. Given are their values
+// at the pixels' centres.
+HWY_INLINE MF find_covered(const Board& board, VF u, VF v, VF w, int i, Found& found) {
+  const F f;
+  const U u32;
+  const VF zero = hn::Zero(f);
+  const float width = float(board.picture.width()), height = float(board.picture.height());
+  const VF right = hn::Sub(hn::Mul(w, hn::Set(f, width)), u);
+  const VF bottom = hn::Sub(hn::Mul(w, hn::Set(f, height)), v);
+  MF any = hn::Lt(zero, zero), all = hn::Eq(zero, zero);
+  for (int s = 0; s < 4; ++s) {
+    const float dx = FrameTile::kSampleX[s] - 0.5f, dy = FrameTile::kSampleY[s] - 0.5f;
+    const auto step = [&](const Plane& plane) { return dx * plane.per_x + dy * plane.per_y; };
+    const float du = step(board.u), dv = step(board.v), dw = step(board.w);
+    const auto inside = [&](VF at, float by) { return hn::Ge(hn::Add(at, hn::Set(f, by)), zero); };
+    const MF covered = hn::And(hn::And(inside(u, du), inside(right, dw * width - du)),
+                               hn::And(inside(v, dv), inside(bottom, dw * height - dv)));
+    hn::Store(hn::VecFromMask(u32, hn::RebindMask(u32, covered)), u32, found.covered[s] + i);
+    any = hn::Or(any, covered), all = hn::And(all, covered);
+  }
+  found.cut = found.cut || !hn::AllFalse(f, hn::AndNot(all, any));
+  return any;
+}
+
+// Pass 1: which pixels show the picture, and are nearer than a sample of the block?
+HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block, int x, int y,
+                            const Patch& patch, Found& found) {
+  const F f;
+  const I i32;
+  const U u32;
+  const MemoryNailboard& picture = board.picture;
+  const PlacedNailboard& placed = board.placed;
+  const VF half = hn::Set(f, 0.5f), one = hn::Set(f, 1.0f);
+  const VF width = hn::Set(f, float(picture.width())), height = hn::Set(f, float(picture.height()));
+  const VF inverse_near = hn::Set(f, placed.inverse_near);
+  const bool share = placed.share_from > 0 || placed.share_to < 1;
+  const bool by_sample = !patch.inside && tile.samples == 4;
+  found.cut = false;
+  std::uint64_t groups = 0;
+  int group = 0;
+  for (int i = 0; i < kPixels; i += int(hn::Lanes(f)), ++group) {
+    const VF dx = hn::Load(f, kCenters.x + i), dy = hn::Load(f, kCenters.y + i);
+    const auto at = [&](float corner, const Plane& plane) {
+      return hn::Add(hn::Set(f, corner), hn::Add(hn::Mul(dx, hn::Set(f, plane.per_x)),
+                                                 hn::Mul(dy, hn::Set(f, plane.per_y))));
+    };
+    VF w = at(patch.w, board.w);
+    MF shown = hn::Gt(w, hn::Set(f, tile.nothing));
+    if (!patch.inside) {
+      shown = hn::And(shown, hn::Le(w, inverse_near));
+      w = hn::IfThenElse(shown, w, one);
+    }
+    const VF eye_z = hn::Div(one, w);
+    const VF u_w = at(patch.u, board.u), v_w = at(patch.v, board.v);
+    VF u = hn::Mul(u_w, eye_z), v = hn::Mul(v_w, eye_z);
+    if (!patch.inside) {
+      const VF zero = hn::Zero(f);
+      const MF covered = by_sample ? find_covered(board, u_w, v_w, w, i, found)
+                                   : hn::And(hn::And(hn::Ge(u, zero), hn::Lt(u, width)),
+                                             hn::And(hn::Ge(v, zero), hn::Lt(v, height)));
+      shown = hn::And(shown, covered);
+      // Colours of edges do not reach beyond them.
+      u = hn::Min(hn::Max(u, half), hn::Sub(width, half));
+      v = hn::Min(hn::Max(v, half), hn::Sub(height, half));
+    }
+    const VU code = codes_of(picture, span_of(hn::ConvertTo(i32, u), hn::ConvertTo(i32, v)));
+    const VF steps = hn::ConvertTo(f, hn::BitCast(i32, code));
+    shown = hn::And(shown, hn::Le(steps, hn::Set(f, float(picture.steps()))));
+    const VF q = hn::Add(hn::Set(f, placed.q_first), hn::Mul(hn::Set(f, placed.q_per_code), steps));
+    VF inverse_z;
+    if (placed.exact) {
+      const VF e = hn::Set(f, placed.eye_z);
+      inverse_z = hn::Div(q, hn::Add(hn::Mul(q, e), hn::Sub(eye_z, e)));
+    } else {
+      inverse_z = hn::Mul(q, w);
+    }
+    inverse_z = hn::Min(inverse_z, inverse_near);
+    VF least = hn::Load(f, tile.first[block].inverse_z + i);
+    if (tile.expanded[block])
+      for (const FrameTile::Plane& plane : tile.more[block])
+        least = hn::Min(least, hn::Load(f, plane.inverse_z + i));
+    shown = hn::And(shown, hn::Gt(inverse_z, least));
+    if (share) {
+      const VF hash = pixel_hash(tile, x, y, dx, dy);
+      shown = hn::And(shown, hn::And(hn::Ge(hash, hn::Set(f, placed.share_from)),
+                                     hn::Lt(hash, hn::Set(f, placed.share_to))));
+    }
+    if (hn::AllFalse(f, shown)) continue;
+    groups |= std::uint64_t(1) << group;
+    hn::Store(hn::Sub(u, half), f, found.u + i);
+    hn::Store(hn::Sub(v, half), f, found.v + i);
+    hn::Store(inverse_z, f, found.inverse_z + i);
+    hn::Store(hn::VecFromMask(u32, hn::RebindMask(u32, shown)), u32, found.shown + i);
+  }
+  found.groups = groups;
+  return groups != 0;
+}
+
+// Pass 2: colours between four texels, un-premultiplied; alpha in 15 bits.
+template <class Group>
+HWY_INLINE void find_colors(const MemoryNailboard& picture, bool opaque, Found& found,
+                            const Group& each_group) {
+  const F f;
+  const I i32;
+  const U u32;
+  each_group([&](int i) {
+    const VF u = hn::Load(f, found.u + i), v = hn::Load(f, found.v + i);
+    const VI column = hn::ConvertTo(i32, u), row = hn::ConvertTo(i32, v);
+    const auto weight = [&](VF at, VI below) {
+      const VF part = hn::Sub(at, hn::ConvertTo(f, below));
+      const VU bits = hn::BitCast(u32, hn::ConvertTo(i32, hn::Mul(part, hn::Set(f, 32768.0f))));
+      return hn::Or(bits, hn::ShiftLeft<16>(bits));
+    };
+    const VU x = weight(u, column), y = weight(v, row);
+    const auto [a, b, c, d] = colors_of(picture, span_of(column, row));
+    const VU bytes = hn::Set(u32, 0x00ff00ffu);
+    const auto even = [&](VU t) { return hn::ShiftLeft<7>(hn::And(t, bytes)); };
+    const auto odd = [&](VU t) { return hn::ShiftLeft<7>(hn::And(hn::ShiftRight<8>(t), bytes)); };
+    const VU rb = between(even(a), even(b), even(c), even(d), x, y);
+    const VU ga = between(odd(a), odd(b), odd(c), odd(d), x, y);
+    const auto join = [&](VU low, VU high) {
+      return hn::Or(hn::Or(low, hn::ShiftLeft<8>(high)), hn::Set(u32, 0xff000000u));
+    };
+    if (opaque) {
+      hn::Store(join(to_bytes(rb), to_bytes(ga)), u32, found.color + i);
+      return;
+    }
+    const VU alpha = hn::ShiftRight<16>(ga);
+    hn::Store(hn::BitCast(i32, alpha), i32, found.alpha + i);
+    // 255 * 16 color / alpha in 16 bits; below 1 / 8 nothing is drawn.
+    const VI least = hn::Max(hn::BitCast(i32, alpha), hn::Set(i32, kThreshold[0] + 1));
+    const VU per_alpha = hn::BitCast(
+        u32, hn::ConvertTo(i32, hn::Div(hn::Set(f, float(kOne) * 4096), hn::ConvertTo(f, least))));
+    const VU factor = hn::Or(per_alpha, hn::ShiftLeft<16>(per_alpha));
+    hn::Store(join(divide(rb, factor), divide(ga, factor)), u32, found.color + i);
+  });
+}
+
+// Instead of colours, identifiers. An empty texel has a depth for the colours that reach into it,
+// but no object.
+template <class Group>
+HWY_INLINE void find_objects(const Board& board, Found& found, const Group& each_group) {
+  const F f;
+  const I i32;
+  const U u32;
+  const MemoryNailboard& picture = board.picture;
+  each_group([&](int i) {
+    const VF half = hn::Set(f, 0.5f);
+    const VI column = hn::ConvertTo(i32, hn::Add(hn::Load(f, found.u + i), half)),
+             row = hn::ConvertTo(i32, hn::Add(hn::Load(f, found.v + i), half));
+    const VI texel = hn::Add(hn::Mul(row, hn::Set(i32, picture.stride())), column);
+    const VU color = hn::GatherIndex(u32, picture.color(), texel);
+    const VU covered = hn::VecFromMask(u32, hn::Gt(color, hn::Set(u32, 0x00ffffffu)));
+    hn::Store(hn::And(hn::Load(u32, found.shown + i), covered), u32, found.shown + i);
+    VU object = hn::Set(u32, board.placed.object);
+    if (board.placed.object == kNoObject && picture.objects())
+      object = hn::GatherIndex(u32, picture.objects(), texel);
+    hn::Store(object, u32, found.color + i);
+  });
+}
+
+HWY_INLINE void put(FrameTile::Plane& plane, int i, const Found& found, hn::Mask<U> where) {
+  const F f;
+  const U u32;
+  const VU content =
+      hn::IfThenElse(where, hn::Load(u32, found.color + i), hn::Load(u32, plane.content + i));
+  const VF depth = hn::IfThenElse(hn::RebindMask(f, where), hn::Load(f, found.inverse_z + i),
+                                  hn::Load(f, plane.inverse_z + i));
+  hn::Store(content, u32, plane.content + i);
+  hn::Store(depth, f, plane.inverse_z + i);
+}
+
+// Pass 3.
+template <class Group>
+HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const Found& found,
+                            const Group& each_group) {
+  const F f;
+  const I i32;
+  const U u32;
+  const auto shown = [&](int i) { return hn::Ne(hn::Load(u32, found.shown + i), hn::Zero(u32)); };
+  const auto covered = [&](int i, int s) {
+    return hn::Ne(hn::Load(u32, found.covered[s] + i), hn::Zero(u32));
+  };
+  const auto above = [&](int i, int threshold) {
+    return hn::RebindMask(u32, hn::Gt(hn::Load(i32, found.alpha + i), hn::Set(i32, threshold)));
+  };
+  if (tile.samples == 1) {
+    each_group([&](int i) {
+      auto where = shown(i);
+      if (!opaque) where = hn::And(where, above(i, kThresholdAlone));
+      put(tile.first[block], i, found, where);
+    });
+    return;
+  }
+  if (!opaque && !tile.expanded[block]) {
+    bool partial = found.cut;
+    each_group([&](int i) {
+      const auto some = hn::AndNot(above(i, kThreshold[3]), above(i, kThreshold[0]));
+      partial = partial || !hn::AllFalse(u32, hn::And(shown(i), some));
+    });
+    if (partial) tile.expand(block);
+  }
+  const int planes = tile.planes(block);
+  for (int s = 0; s < planes; ++s) {
+    FrameTile::Plane& plane = tile.plane(block, s);
+    each_group([&](int i) {
+      auto where = shown(i);
+      if (!opaque) where = hn::And(where, above(i, kThreshold[s]));
+      if (found.cut) where = hn::And(where, covered(i, s));
+      // Pass 1 compared with the farthest of the samples.
+      if (planes > 1)
+        where = hn::And(where, hn::RebindMask(u32, hn::Gt(hn::Load(f, found.inverse_z + i),
+                                                          hn::Load(f, plane.inverse_z + i))));
+      put(plane, i, found, where);
+    });
+  }
+}
+
+void draw_board(const Board& board, FrameTile& tile) {
+  const PlacedNailboard& placed = board.placed;
+  const auto block_of = [](int pixel, int corner) { return (pixel - corner) / kBlock; };
+  const int x0 = block_of(std::max(placed.x0, tile.x), tile.x),
+            y0 = block_of(std::max(placed.y0, tile.y), tile.y),
+            x1 = block_of(std::min(placed.x1, tile.x + FrameTile::kSize) - 1, tile.x),
+            y1 = block_of(std::min(placed.y1, tile.y + FrameTile::kSize) - 1, tile.y);
+  Found found;
+  for (int by = y0; by <= y1; ++by)
+    for (int bx = x0; bx <= x1; ++bx) {
+      const int block = by * FrameTile::kBlocks + bx;
+      if (placed.nearest <= farthest(tile, block)) continue;
+      const float x = float(bx * kBlock), y = float(by * kBlock);
+      const auto at = [&](const Plane& p) { return p.at + (x * p.per_x + y * p.per_y); };
+      Patch patch{at(board.u), at(board.v), at(board.w)};
+      if (!look_at_block(board, tile, block, patch)) continue;
+      prefetch_below(board, patch);
+      if (!find_depths(board, tile, block, tile.x + bx * kBlock, tile.y + by * kBlock, patch,
+                       found))
+        continue;
+      const auto each_group = [&](const auto& visit) {
+        const F f;
+        for (std::uint64_t left = found.groups; left != 0; left &= left - 1)
+          visit(int(hwy::Num0BitsBelowLS1Bit_Nonzero64(left) * hn::Lanes(f)));
+      };
+      find_colors(board.picture, patch.opaque, found, each_group);
+      if (tile.of == TileContent::object_id) find_objects(board, found, each_group);
+      put_samples(tile, block, patch.opaque, found, each_group);
+      tile.changed[block] = true;
+    }
+}
+
+void compose(std::span<const PlacedNailboard> placed, std::span<const std::uint32_t> listed,
+             FrameTile& tile) {
+  for (const std::uint32_t index : listed) {
+    const PlacedNailboard& board = placed[index];
+    // At the tile's corner in double precision; from there on small numbers.
+    const glm::dvec3 corner = board.texel_from_raster * glm::dvec3(tile.x, tile.y, 1);
+    const glm::dmat3& m = board.texel_from_raster;
+    const auto plane = [&](int k) {
+      return Plane{float(corner[k]), float(m[0][k]), float(m[1][k])};
+    };
+    draw_board({board, *board.picture, plane(0), plane(1), plane(2)}, tile);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace rilievo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rilievo {
+
+HWY_EXPORT(compose);
+
+void compose_tile(std::span<const PlacedNailboard> placed, std::span<const std::uint32_t> listed,
+                  FrameTile& tile) {
+  HWY_DYNAMIC_DISPATCH(compose)(placed, listed, tile);
+}
+
+}  // namespace rilievo
+#endif

@@ -1,0 +1,57 @@
+// How are many nailboards drawn without OpenGL, with the depth of what they show?
+//
+// As nailboard/gl/nailboard_drawer.h draws them: front to back, with exact, linear or flat depth;
+// colours and alpha between four texels; alpha becomes coverage of 1 or 4 samples with the same
+// thresholds; cross-fade ranges by the same hash of the pixel. What is empty or hidden is skipped
+// by cells of the picture and blocks of the tile. Placing uses all cores; a steady frame allocates
+// nothing.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/depth_image.h"
+#include "rilievo/nailboard/cpu/compose_tile.h"
+#include "rilievo/nailboard/cpu/memory_nailboard.h"
+#include "rilievo/render/software/frame_tile.h"
+
+namespace rilievo {
+
+// A nailboard in memory, placed.
+struct MemoryNailboardInstance {
+  const MemoryNailboard* picture = nullptr;  // outlives the frame
+  PictureGeometry geometry;
+  // The rigid motion of the object since the capture.
+  glm::dmat4 world_now_from_capture{1.0};
+  // The object identifier to write; kNoObject: those of the picture's texels.
+  std::uint32_t object = kNoObject;
+  // The cross-fade range: drawn only at pixels whose hash lies in [share_from, share_to).
+  float share_from = 0, share_to = 1;
+};
+
+// Draws nailboards into the tiles of a SoftwareTarget.
+class NailboardComposer final : public TileDrawer {
+ public:
+  // Prepares a frame of `frame`'s size. Requires a perspective camera.
+  void place(const Camera& frame, DepthMode mode,
+             std::span<const MemoryNailboardInstance> instances);
+
+  void draw_tile(FrameTile& tile) const override;
+
+  // The pixels of the rectangles around the instances in view, of the last place().
+  [[nodiscard]] std::uint64_t placed_pixels() const { return placed_pixels_; }
+
+ private:
+  struct Key {
+    double distance;
+    std::uint32_t index;
+  };
+  std::vector<PlacedNailboard> placed_;        // by instance
+  std::vector<Key> order_;                     // those in view, front to back
+  std::vector<std::uint32_t> first_, listed_;  // of each tile: listed_[first_[t] ... first_[t + 1])
+  int tiles_across_ = 0, tiles_down_ = 0;
+  std::uint64_t placed_pixels_ = 0;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,86 @@
+// How does another program serve as a renderer? `exec:PROGRAM` (S5.8)
+//
+// The program gets one line of JSON on its standard input for each request, and answers each with
+// one line on its standard output:
+//
+//   -> {"rilievo":1,"id":1,"request":"bounds"}
+//   <- {"id":1,"bounds":[[-1,0,-1],[1,2,1]]}
+//   -> {"rilievo":1,"id":2,"request":"picture","file":"/tmp/.../2.exr","samples":16,"camera":{...}}
+//   <- {"id":2,"done":true}          or, if it cannot:  {"id":2,"error":"why"}
+//
+// `bounds`: two corners in world space (y up, metres). `file`: the OpenEXR file to write: R G B
+// (linear, premultiplied), A if there is one, and Z: eye_z in metres, 0 or at least z_far where
+// there is nothing. `camera`: projection ("perspective" or "parallel"), width, height, window
+// (left, right, bottom, top; tangents or metres), z_near, z_far, and the matrices world_from_eye,
+// eye_from_world, clip_from_eye (16 numbers, column by column). Of a picture in tiles, each is a
+// request of its own with a camera of its own. At the end of its input the program should end.
+//
+// A program that dies is started again; one that answers with rubbish or too late is killed first.
+// Answers to requests that were stopped are read and thrown away. Not safe for several threads at
+// once.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rilievo/capture/capture_source.h"
+
+namespace rilievo {
+
+class LineProcess;
+
+// How the program is run.
+struct ExecOptions {
+  std::vector<std::string> arguments = {};  // of the program
+  double limit_s = 600;                     // for one answer
+  int tile = 0;                             // texels a side of a tile; 0: whole pictures
+  int max_failures = 3;                     // in a row; then it is not started again
+  // Gets one line at the first failure, and one when the program is given up.
+  std::function<void(const std::string&)> warn = {};
+};
+
+// The JSON of a camera, on one line.
+[[nodiscard]] std::string camera_json(const Camera& camera);
+
+// A program as a capture source.
+class ExecSource final : public CaptureSource {
+ public:
+  // Starts the program and asks for its bounds.
+  [[nodiscard]] static Result<std::unique_ptr<ExecSource>> start(const std::string& program,
+                                                                 ExecOptions options = {});
+  ~ExecSource() override;
+
+  [[nodiscard]] std::string_view name() const override { return name_; }
+  [[nodiscard]] Box bounds(std::span<const std::uint32_t>) const override { return bounds_; }
+  // Fails for chosen objects, back-perspective cameras, `farthest`, and with_sky; if the program
+  // fails, dies, is late, or writes something else than the picture. Obeys request.control's
+  // `stop`.
+  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+
+ private:
+  ExecSource(const std::string& program, ExecOptions options);
+  [[nodiscard]] Result<std::string> ask(const std::string& request, std::uint64_t id,
+                                        const std::stop_token& stop);
+  [[nodiscard]] Result<std::string> ask_once(const std::string& request, std::uint64_t id,
+                                             const std::stop_token& stop, bool& died);
+  [[nodiscard]] Result<> hear_stale(const std::stop_token& stop, bool& died);
+  [[nodiscard]] std::filesystem::path file_of(std::uint64_t id) const;
+  [[nodiscard]] Error failed(const std::string& reason);
+  [[nodiscard]] Result<> render(const CaptureRequest& request, const Camera& camera, int x, int y,
+                                DepthImage& into);
+
+  std::string name_;
+  ExecOptions options_;
+  std::filesystem::path folder_;  // of its pictures
+  std::unique_ptr<LineProcess> process_;
+  Box bounds_;
+  std::uint64_t last_id_ = 0;
+  std::uint64_t stale_id_ = 0;  // of a request that was stopped and is not answered yet; 0: none
+  int failures_ = 0;            // in a row
+  bool warned_ = false;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,348 @@
+#include "rilievo/relief_impostor/impostor_workers.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "rilievo/core/on_this_thread.h"
+#include "rilievo/core/triple_buffer.h"
+#include "rilievo/relief_impostor/critical_points.h"
+
+namespace rilievo {
+namespace {
+
+using WorkerClock = std::chrono::steady_clock;
+
+double ms_since(WorkerClock::time_point start) {
+  return std::chrono::duration<double, std::milli>(WorkerClock::now() - start).count();
+}
+
+// What the frame knows of a picture.
+struct Judgement {
+  PictureGeometry geometry;
+  std::vector<CriticalPair> pairs;
+  bool final = false;
+  std::uint64_t picture = 0;
+};
+
+struct WarpResult {
+  Prewarped board;
+  double interpolated = 0;
+  std::uint64_t picture = 0;
+};
+
+struct NumberedPicture {
+  ImpostorPicture picture;
+  std::uint64_t number = 0;
+};
+
+struct RenderOrder {
+  glm::dvec3 eye{0.0}, up{0, 1, 0};
+};
+
+// A kind of work of one object: ordered by the frame, taken by one worker at a time.
+struct Work {
+  std::atomic<bool> wanted{false}, busy{false};
+  std::atomic<double> priority{0};
+
+  [[nodiscard]] bool pending() const {
+    return wanted.load(std::memory_order_acquire) || busy.load(std::memory_order_acquire);
+  }
+  // False if somebody else has it, or it is not wanted any more.
+  bool take() {
+    if (busy.exchange(true, std::memory_order_acq_rel)) return false;
+    // Wanted falls after busy rose: pending() never says no in between.
+    if (wanted.exchange(false, std::memory_order_acq_rel)) return true;
+    busy.store(false, std::memory_order_release);
+    return false;
+  }
+};
+
+struct Slot {
+  ImpostorObject object;
+  Box bounds;
+  Work warp, render;
+  // From the frame.
+  TripleBuffer<glm::dvec3> warp_eyes;
+  TripleBuffer<RenderOrder> render_orders;
+  // From the rendering worker: to the frame, and to the warping one.
+  TripleBuffer<Judgement> judgements;
+  TripleBuffer<NumberedPicture> pictures;
+  TripleBuffer<std::stop_source> stops;
+  std::atomic<double> render_s{0.1};  // the last picture took
+  std::atomic<std::uint64_t> published{0};
+  // From the warping worker to the frame.
+  TripleBuffer<WarpResult> boards;
+  ImpostorWarpScratch scratch;
+  // The frame's own.
+  glm::dvec3 ordered_eye{0.0};
+};
+
+}  // namespace
+
+struct ImpostorWorkers::State {
+  WorkerOptions options;
+  std::vector<CaptureSource*> sources;
+  std::vector<std::unique_ptr<Slot>> slots;
+  // Rises with each order, and when something is done: what sleeping workers watch.
+  std::atomic<std::uint32_t> warp_bell{0}, render_bell{0}, done_bell{0};
+  std::atomic<bool> ends{false};
+  std::stop_source shutdown;
+  std::atomic<std::uint64_t> warps{0}, pictures{0}, coarse{0}, cancelled{0}, failed{0};
+  std::atomic<double> warp_ms{0}, render_ms{0};
+  mutable std::mutex error_mutex;  // of failed captures; the frame's thread does not take it
+  std::string error;
+  std::vector<std::thread> threads;
+
+  static void ring(std::atomic<std::uint32_t>& bell) {
+    bell.fetch_add(1, std::memory_order_acq_rel);
+    bell.notify_all();
+  }
+
+  // The most urgent work that nobody does.
+  [[nodiscard]] Slot* take(Work Slot::*work) {
+    while (true) {
+      Slot* best = nullptr;
+      double most = -1;
+      for (const auto& slot : slots) {
+        const Work& of = (*slot).*work;
+        if (!of.wanted.load(std::memory_order_acquire) || of.busy.load(std::memory_order_acquire))
+          continue;
+        const double priority = of.priority.load(std::memory_order_relaxed);
+        if (priority > most) most = priority, best = slot.get();
+      }
+      if (!best || (best->*work).take()) return best;
+    }
+  }
+
+  template <class Do>
+  void serve(std::atomic<std::uint32_t>& bell, Work Slot::*work, Do&& what) {
+    const OnThisThread alone;
+    while (!ends.load(std::memory_order_acquire)) {
+      const std::uint32_t heard = bell.load(std::memory_order_acquire);
+      if (Slot* slot = take(work)) {
+        what(*slot);
+        (slot->*work).busy.store(false, std::memory_order_release);
+        // What was ordered meanwhile could not be taken by others.
+        ring(bell);
+        ring(done_bell);
+      } else {
+        bell.wait(heard, std::memory_order_acquire);
+      }
+    }
+  }
+
+  void do_warp(Slot& slot) {
+    slot.warp_eyes.update();
+    slot.pictures.update();
+    const NumberedPicture& from = slot.pictures.front();
+    WarpResult& result = slot.boards.back();
+    const auto start = WorkerClock::now();
+    const auto counted = warp_impostor(from.picture, slot.warp_eyes.front(), {.parallel = false},
+                                       slot.scratch, result.board);
+    if (!counted) return;
+    result.interpolated = counted->share();
+    result.picture = from.number;
+    slot.boards.publish();
+    warps.fetch_add(1, std::memory_order_relaxed);
+    warp_ms.fetch_add(ms_since(start), std::memory_order_relaxed);
+  }
+
+  // A picture is complete: to the frame and to the warping worker.
+  void publish(Slot& slot, const DepthImage& picture, bool final) {
+    NumberedPicture& to = slot.pictures.back();
+    to.picture = impostor_picture(picture);
+    if (to.picture.empty()) return;
+    to.number = slot.published.fetch_add(1, std::memory_order_relaxed) + 1;
+    Judgement& judged = slot.judgements.back();
+    judged.geometry = to.picture.geometry;
+    judged.pairs = critical_pairs(to.picture, options.regions);
+    judged.final = final;
+    judged.picture = to.number;
+    slot.pictures.publish();
+    // After the picture: who knows of it can have it warped.
+    slot.judgements.publish();
+    (final ? pictures : coarse).fetch_add(1, std::memory_order_relaxed);
+  }
+
+  void fail(const Error& why) {
+    failed.fetch_add(1, std::memory_order_relaxed);
+    const std::lock_guard lock(error_mutex);
+    error = why.message();
+  }
+
+  void do_render(Slot& slot, CaptureSource& source) {
+    slot.render_orders.update();
+    const RenderOrder order = slot.render_orders.front();
+    // The frame may stop this one from now on.
+    std::stop_source stop;
+    slot.stops.back() = stop;
+    slot.stops.publish();
+    const std::stop_callback at_the_end(shutdown.get_token(), [&] { stop.request_stop(); });
+    Result<Camera> camera = tight_camera(Projection::perspective, order.eye, order.up, slot.bounds);
+    if (!camera) return fail(camera.error());
+    const ImageWindow& w = camera->window;
+    const double across = w.right - w.left, down = w.top - w.bottom;
+    const double texel = std::max(across, down) / options.size;
+    camera->width = std::max(1, int(std::ceil(across / texel - 1e-9)));
+    camera->height = std::max(1, int(std::ceil(down / texel - 1e-9)));
+    CaptureControl control;
+    control.stop = stop.get_token();
+    control.refined = [&](const CapturedPicture& coarser) {
+      if (!stop.stop_requested()) publish(slot, coarser.picture, false);
+    };
+    CaptureRequest request;
+    request.camera = *camera;
+    request.objects = slot.object.objects;
+    request.samples = options.samples;
+    request.identifiers = false;
+    request.control = &control;
+    const auto start = WorkerClock::now();
+    const Result<CapturedPicture> captured = source.capture(request);
+    const double took = ms_since(start);
+    render_ms.fetch_add(took, std::memory_order_relaxed);
+    if (stop.stop_requested()) {
+      cancelled.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    if (!captured) return fail(captured.error());
+    slot.render_s.store(took / 1e3, std::memory_order_relaxed);
+    publish(slot, captured->picture, true);
+  }
+};
+
+ImpostorWorkers::ImpostorWorkers(std::vector<CaptureSource*> sources,
+                                 std::vector<ImpostorObject> objects, const WorkerOptions& options)
+    : state_(std::make_unique<State>()) {
+  RILIEVO_EXPECTS(!sources.empty() && options.size > 0 && options.regions > 0);
+  State& s = *state_;
+  s.options = options;
+  s.sources = std::move(sources);
+  for (ImpostorObject& object : objects) {
+    auto slot = std::make_unique<Slot>();
+    slot->bounds = s.sources.front()->bounds(object.objects);
+    slot->object = std::move(object);
+    s.slots.push_back(std::move(slot));
+  }
+  s.threads.emplace_back(
+      [&s] { s.serve(s.warp_bell, &Slot::warp, [&](Slot& slot) { s.do_warp(slot); }); });
+  for (CaptureSource* source : s.sources)
+    s.threads.emplace_back([&s, source] {
+      s.serve(s.render_bell, &Slot::render, [&](Slot& slot) { s.do_render(slot, *source); });
+    });
+}
+
+ImpostorWorkers::~ImpostorWorkers() {
+  State& s = *state_;
+  s.ends.store(true, std::memory_order_release);
+  s.shutdown.request_stop();
+  State::ring(s.warp_bell);
+  State::ring(s.render_bell);
+  for (std::thread& thread : s.threads) thread.join();
+}
+
+ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye) {
+  State& s = *state_;
+  RILIEVO_EXPECTS(object < s.slots.size());
+  Slot& slot = *s.slots[object];
+  // Read before the results: what is no longer pending then has its result here.
+  ImpostorSituation now;
+  now.warping = slot.warp.pending();
+  now.rendering = slot.render.pending();
+  slot.judgements.update();
+  const bool changed = slot.boards.update();
+  slot.stops.update();
+
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const Judgement& judged = slot.judgements.front();
+  const WarpResult& board = slot.boards.front();
+  now.drawable = slot.object.drawable;
+  now.picture = judged.picture > 0;
+  now.final = judged.final;
+  const auto stretch_from = [&](const glm::dvec3& from) {
+    const auto warp = plane_warp(judged.geometry, from);
+    return warp && std::isfinite(largest_move(judged.geometry, *warp))
+               ? stretch_of(judged.geometry, judged.pairs, *warp).mean
+               : kNever;
+  };
+  now.stretch = now.picture ? stretch_from(eye.position) : kNever;
+  now.warped = board.picture > 0;
+  if (now.warped) {
+    const PictureGeometry& geometry = board.board.geometry;
+    const auto warp = plane_warp(geometry, eye.position);
+    const double texel =
+        (geometry.capture.window.right - geometry.capture.window.left) / geometry.capture.width;
+    now.moved_px = warp ? largest_move(geometry, *warp) * texel * eye.focal_px : kNever;
+    // A newer picture is there: what is shown is not what could be.
+    if (board.picture < judged.picture)
+      now.moved_px = std::max(now.moved_px, 1.01 * s.options.limits.still_px);
+  }
+  // Of a picture that is on its way, the relief is not known yet: as stretched as this one would be
+  // if it had been taken as far from the eye.
+  if (now.rendering)
+    now.rendered_stretch =
+        now.picture
+            ? stretch_from(judged.geometry.capture.position() + eye.position - slot.ordered_eye)
+            : 1 + glm::length(eye.position - slot.ordered_eye) /
+                      std::max(1e-9, glm::length(eye.position - glm::dvec3(slot.bounds.center())));
+
+  const ImpostorStep step = next_step(now, s.options.limits);
+  if (step.cancel_render) slot.stops.front().request_stop();
+  if (step.order_render) {
+    const double ahead =
+        std::min(slot.render_s.load(std::memory_order_relaxed), s.options.predict_s);
+    slot.ordered_eye = eye.position + eye.velocity * ahead;
+    slot.render_orders.back() = {slot.ordered_eye, eye.up};
+    slot.render_orders.publish();
+    slot.render.priority.store(render_priority(now), std::memory_order_relaxed);
+    slot.render.wanted.store(true, std::memory_order_release);
+    State::ring(s.render_bell);
+  }
+  if (step.order_warp) {
+    slot.warp_eyes.back() = eye.position;
+    slot.warp_eyes.publish();
+    slot.warp.priority.store(std::min(now.moved_px, 1e9), std::memory_order_relaxed);
+    slot.warp.wanted.store(true, std::memory_order_release);
+    State::ring(s.warp_bell);
+  }
+  ImpostorFrame frame;
+  frame.shown = step.shown;
+  if (step.shown == ImpostorShown::fresh || step.shown == ImpostorShown::stale)
+    frame.board = &board.board;
+  frame.changed = changed;
+  frame.stretch = now.stretch;
+  frame.moved_px = now.moved_px;
+  frame.interpolated = board.interpolated;
+  frame.picture = judged.picture;
+  return frame;
+}
+
+void ImpostorWorkers::wait_until_idle() {
+  State& s = *state_;
+  while (true) {
+    const std::uint32_t heard = s.done_bell.load(std::memory_order_acquire);
+    if (std::none_of(s.slots.begin(), s.slots.end(), [](const auto& slot) {
+          return slot->warp.pending() || slot->render.pending();
+        }))
+      return;
+    s.done_bell.wait(heard, std::memory_order_acquire);
+  }
+}
+
+WorkerStats ImpostorWorkers::stats() const {
+  const State& s = *state_;
+  return {s.warps.load(),  s.pictures.load(), s.coarse.load(),   s.cancelled.load(),
+          s.failed.load(), s.warp_ms.load(),  s.render_ms.load()};
+}
+
+std::string ImpostorWorkers::last_error() const {
+  const std::lock_guard lock(state_->error_mutex);
+  return state_->error;
+}
+
+}  // namespace rilievo

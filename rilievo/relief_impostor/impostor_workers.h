@@ -1,0 +1,84 @@
+// Who warps and renders relief impostors while frames are drawn? (S5.1, S5.5)
+//
+// One thread warps; as many as there are sources render pictures, the worst impostor first, coarse
+// pictures first. The frame's thread tells each frame's eye and takes what is ready: it never
+// waits, never allocates and never holds a lock. Orders and results are handed over by triple
+// buffers; what comes too late is overwritten by what is newer. An object that moved or turned is
+// seen by an eye that moved the opposite way: eyes are in the space of the object at capture.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/nailboard/prewarped.h"
+#include "rilievo/relief_impostor/impostor_state.h"
+
+namespace rilievo {
+
+// An object that is shown by an impostor.
+struct ImpostorObject {
+  std::vector<std::uint32_t> objects;  // of the sources; empty: all
+  bool drawable = true;                // can the frame draw it without an impostor?
+};
+
+// How pictures are made, and when.
+struct WorkerOptions {
+  ImpostorLimits limits;
+  int size = 256;          // texels of a picture's longer side
+  int samples = 4;         // of a picture
+  int regions = 8;         // for the critical points
+  double predict_s = 1.0;  // pictures are made for where the eye is when they are done, as it moves
+                           // now, but at most so long ahead
+};
+
+// An eye of a frame, in the space of the object at capture.
+struct ImpostorEye {
+  glm::dvec3 position{0.0};
+  glm::dvec3 velocity{0.0};  // metres per second
+  glm::dvec3 up{0, 1, 0};
+  double focal_px = 500;  // of the frame: pixels per tangent
+};
+
+// What a frame shows of an object.
+struct ImpostorFrame {
+  ImpostorShown shown = ImpostorShown::object;
+  // The nailboard; of fresh and stale. Valid until the next call for this object.
+  const Prewarped* board = nullptr;
+  bool changed = false;       // since the last call: to be uploaded again
+  double stretch = 0;         // of the picture
+  double moved_px = 0;        // of the warp
+  double interpolated = 0;    // share of the warp's texels
+  std::uint64_t picture = 0;  // counts the pictures that were published; 0: none yet
+};
+
+// What the workers did.
+struct WorkerStats {
+  std::uint64_t warps = 0, pictures = 0, coarse = 0, cancelled = 0, failed = 0;
+  double warp_ms = 0, render_ms = 0;  // all together
+};
+
+// The workers and what they make.
+class ImpostorWorkers {
+ public:
+  // `sources`: one for each rendering worker, which must outlive the object; all show the same.
+  ImpostorWorkers(std::vector<CaptureSource*> sources, std::vector<ImpostorObject> objects,
+                  const WorkerOptions& options = {});
+  // Stops what is being rendered.
+  ~ImpostorWorkers();
+
+  // The frame's thread: orders what `object` needs and says what to draw.
+  [[nodiscard]] ImpostorFrame frame(std::size_t object, const ImpostorEye& eye);
+  // Waits until nothing is ordered or being made; for benches and tests.
+  void wait_until_idle();
+  [[nodiscard]] WorkerStats stats() const;
+  // The error of the last picture that failed; empty if none did.
+  [[nodiscard]] std::string last_error() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,53 @@
+// How does one talk with a program, line by line, without ever waiting for longer than one wants?
+//
+// The program gets lines on its standard input and answers on its standard output; its standard
+// error is ours. It is started without a shell, leads a process group of its own, and is killed
+// with that group when the object goes. No signal reaches the caller when the program dies. One
+// thread at a time. Internal to relief_impostor.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+
+#include "rilievo/core/descriptor.h"
+#include "rilievo/core/result.h"
+
+namespace rilievo {
+
+// A running program.
+class LineProcess {
+ public:
+  using Clock = std::chrono::steady_clock;
+  // How waiting for a line ended.
+  enum class Heard { line, stopped, late, ended, too_long };
+
+  // `program`: a path, or a name without a slash, which is searched in PATH.
+  [[nodiscard]] static Result<std::unique_ptr<LineProcess>> start(
+      const std::string& program, std::span<const std::string> arguments);
+  ~LineProcess();
+  LineProcess(const LineProcess&) = delete;
+  LineProcess& operator=(const LineProcess&) = delete;
+
+  // Sends a line; false if the program has ended or does not read.
+  [[nodiscard]] bool send(std::string_view line);
+  // Waits for a line (at most a megabyte), without its end.
+  [[nodiscard]] Heard receive(std::string& line, Clock::time_point until,
+                              const std::stop_token& stop);
+
+  [[nodiscard]] pid_t id() const { return id_; }
+
+ private:
+  LineProcess(pid_t id, int to, int from) : id_(id), to_(to), from_(from) {}
+
+  pid_t id_;
+  Descriptor to_, from_;
+  std::string heard_;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,133 @@
+// Cf. [Sutherland and Hodgman 1974, Reentrant Polygon Clipping].
+//
+// A cut always runs from the corner inside to the corner outside, so that two triangles that share
+// an edge get the same corner there.
+#include "rilievo/render/raster/near_clip.h"
+
+#include <algorithm>
+#include <array>
+
+namespace rilievo {
+namespace {
+
+// The frame reaches from -1 to 1; cuts at the sides lie this far outside, where nobody sees that
+// they do not lie on the neighbour's edge.
+constexpr float kGuardBand = 16;
+
+struct ClipVertex {
+  glm::vec3 position, frame;  // frame: x and y from -w to w within the frame, and w
+  glm::vec2 uv;
+  glm::vec4 color;
+};
+
+// Of planes 0 to 4: how far inside is the vertex?
+float inside(const ClipVertex& v, int plane, float z_near) {
+  switch (plane) {
+    case 0:
+      return v.frame.z - z_near;
+    case 1:
+      return kGuardBand * v.frame.z - v.frame.x;
+    case 2:
+      return kGuardBand * v.frame.z + v.frame.x;
+    case 3:
+      return kGuardBand * v.frame.z - v.frame.y;
+    default:
+      return kGuardBand * v.frame.z + v.frame.y;
+  }
+}
+
+ClipVertex between(const ClipVertex& in, const ClipVertex& out, float share) {
+  return {glm::mix(in.position, out.position, share), glm::mix(in.frame, out.frame, share),
+          glm::mix(in.uv, out.uv, share), glm::mix(in.color, out.color, share)};
+}
+
+void clip(int plane, float z_near, std::vector<ClipVertex>& polygon,
+          std::vector<ClipVertex>& clipped) {
+  clipped.clear();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const ClipVertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const float at_a = inside(a, plane, z_near), at_b = inside(b, plane, z_near);
+    if (at_a >= 0) clipped.push_back(a);
+    if ((at_a >= 0) == (at_b >= 0)) continue;
+    clipped.push_back(at_a >= 0 ? between(a, b, at_a / (at_a - at_b))
+                                : between(b, a, at_b / (at_b - at_a)));
+  }
+  polygon.swap(clipped);
+}
+
+}  // namespace
+
+void NearClip::clear(std::uint32_t first) {
+  pieces_.clear();
+  instances_.clear();
+  numbers_.clear();
+  first_ = first;
+}
+
+bool NearClip::crosses(const RasterInstance& instance, const Box& bounds, float z_near) {
+  for (int i = 0; i < 8; ++i) {
+    const glm::vec3 corner(i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y,
+                           i & 4 ? bounds.max.z : bounds.min.z);
+    // Twice as far, for rounding.
+    if (glm::dot(instance.row_w, glm::vec4(corner, 1)) <= 2 * z_near) return true;
+  }
+  return false;
+}
+
+void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
+                   RasterInstance& instance) {
+  instance.min_w = z_near;
+  const RasterMask* mask = instance.mask;
+  const auto vertex = [&](std::uint32_t i) {
+    const glm::vec4 p(mesh.positions[i], 1);
+    const float w = glm::dot(instance.row_w, p);
+    const float x = 2 * glm::dot(instance.row_x, p) / float(width) - w;
+    const float y = 2 * glm::dot(instance.row_y, p) / float(height) - w;
+    return ClipVertex{mesh.positions[i],
+                      {x, y, w},
+                      mask && mask->uv ? mask->uv[i] : glm::vec2(0),
+                      mask && mask->colors ? mask->colors[i] : glm::vec4(0)};
+  };
+  std::vector<ClipVertex> polygon, scratch;
+  Pieces pieces;
+  const std::uint32_t first_piece = std::uint32_t(numbers_.size());
+  for (std::uint32_t t = 0; t < instance.triangles; ++t) {
+    const std::uint32_t* corner = &mesh.indices[3 * std::size_t(t)];
+    int beyond = 0;
+    for (int k = 0; k < 3; ++k)
+      beyond += glm::dot(instance.row_w, glm::vec4(mesh.positions[corner[k]], 1)) > z_near;
+    if (beyond == 0 || beyond == 3) continue;
+    polygon = {vertex(corner[0]), vertex(corner[1]), vertex(corner[2])};
+    for (int plane = 0; plane < 5 && !polygon.empty(); ++plane)
+      clip(plane, z_near, polygon, scratch);
+    if (polygon.size() < 3) continue;
+    const auto first = std::uint32_t(pieces.positions.size());
+    for (const ClipVertex& v : polygon) {
+      pieces.positions.push_back(v.position);
+      pieces.uv.push_back(v.uv);
+      pieces.colors.push_back(v.color);
+    }
+    for (std::uint32_t k = 2; k < polygon.size(); ++k) {
+      pieces.indices.insert(pieces.indices.end(), {first, first + k - 1, first + k});
+      numbers_.push_back(instance.first_triangle + t);
+    }
+  }
+  if (pieces.indices.empty()) return;
+  pieces_.push_back(std::move(pieces));
+  Pieces& kept = pieces_.back();
+  RasterInstance cut = instance;
+  cut.positions = kept.positions.data();
+  cut.indices = kept.indices.data();
+  cut.triangles = std::uint32_t(kept.indices.size() / 3);
+  cut.first_triangle = first_ + first_piece;
+  cut.min_w = 0;
+  if (mask) {
+    kept.mask = *mask;
+    if (mask->uv) kept.mask.uv = kept.uv.data();
+    if (mask->colors) kept.mask.colors = kept.colors.data();
+    cut.mask = &kept.mask;
+  }
+  instances_.push_back(cut);
+}
+
+}  // namespace rilievo

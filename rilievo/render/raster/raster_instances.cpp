@@ -1,0 +1,35 @@
+#include "rilievo/render/raster/raster_instances.h"
+
+namespace rilievo {
+
+void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
+                    std::vector<RasterInstance>& instances, std::vector<RasterMask>& masks) {
+  const glm::dmat4 clip = glm::transpose(clip_from_relative(camera));
+  // The rows of raster_from_relative, before the division.
+  const glm::dvec4 x = 0.5 * camera.width * (clip[0] + clip[3]),
+                   y = 0.5 * camera.height * (clip[1] + clip[3]), z = 0.5 * (clip[2] + clip[3]);
+  instances.clear();
+  masks.resize(placed.size());
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const PlacedMesh& p = placed[i];
+    const SurfaceMaterial& material = *p.surface.material;
+    const glm::dmat4 by(p.surface.relative_from_mesh);
+    RasterInstance instance;
+    instance.positions = p.mesh->positions.data();
+    instance.indices = p.mesh->indices.data();
+    instance.triangles = p.triangles;
+    instance.first_triangle = p.first_triangle;
+    instance.row_x = glm::vec4(x * by), instance.row_y = glm::vec4(y * by);
+    instance.row_z = glm::vec4(z * by), instance.row_w = glm::vec4(clip[3] * by);
+    const bool mirrored = glm::determinant(glm::mat3(p.surface.relative_from_mesh)) < 0;
+    instance.front = material.double_sided || !mirrored;
+    instance.back = material.double_sided || mirrored;
+    if (material.masked) {
+      masks[i] = mask_of(*p.mesh, material);
+      instance.mask = &masks[i];
+    }
+    instances.push_back(instance);
+  }
+}
+
+}  // namespace rilievo

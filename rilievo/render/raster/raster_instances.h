@@ -1,0 +1,17 @@
+// Where do the meshes of a picture lie in its raster? Internal to render/raster.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/render/raster/sample_raster.h"
+#include "rilievo/render/shading/band_shader.h"
+
+namespace rilievo {
+
+// Makes one instance for each placed mesh. Masks lie in `masks`, to which instances point.
+void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
+                    std::vector<RasterInstance>& instances, std::vector<RasterMask>& masks);
+
+}  // namespace rilievo

@@ -1,0 +1,71 @@
+// What does a part of a frame hold while it is drawn on processors?
+//
+// A tile of 64 x 64 pixels in blocks of 8 x 8, small enough for the cache of one core. Frame
+// coordinates are in pixels; y points down. Of each sample the colour (or the object identifier)
+// and 1 / eye_z: that is affine over the screen for every plane, larger is nearer, and it needs no
+// near plane.
+//
+// With 4 samples a pixel, a block holds only one, which stands for all four, until a pixel is first
+// covered in part. Most blocks show the inside of something and never expand.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+namespace rilievo {
+
+// What a frame's samples hold.
+enum class TileContent {
+  color,      // sRGB bytes R, G, B, A, the first one in the lowest bits; premultiplied
+  object_id,  // object identifiers; one sample a pixel
+};
+
+// A tile. Blocks row by row; the pixels of a block row by row.
+struct alignas(64) FrameTile {
+  static constexpr int kSize = 64, kBlock = 8, kBlocks = kSize / kBlock;  // a side
+  static constexpr int kBlockPixels = kBlock * kBlock, kBlockCount = kBlocks * kBlocks;
+
+  // Where the samples of a pixel lie in it, if there are four: as OpenGL has them.
+  static constexpr float kSampleX[4] = {0.375f, 0.875f, 0.125f, 0.625f};
+  static constexpr float kSampleY[4] = {0.875f, 0.625f, 0.375f, 0.125f};
+
+  // One sample of each pixel of a block.
+  struct alignas(64) Plane {
+    std::uint32_t content[kBlockPixels];
+    float inverse_z[kBlockPixels];
+  };
+
+  Plane first[kBlockCount];    // sample 0 of all blocks together: most tiles need no more
+  Plane more[kBlockCount][3];  // samples 1 to 3; valid if the block is expanded
+  bool expanded[kBlockCount];
+  bool changed[kBlockCount];    // since farthest was found
+  float farthest[kBlockCount];  // the least inverse_z of its samples, or less
+  int x = 0, y = 0;             // of its upper left pixel
+  int width = 0, height = 0;    // of the frame: the tile may reach beyond
+  int samples = 1;              // 1 or 4
+  TileContent of = TileContent::color;
+  float nothing = 0;  // the inverse_z where nothing is drawn: 1 / z_far
+
+  [[nodiscard]] Plane& plane(int block, int sample) {
+    return sample == 0 ? first[block] : more[block][sample - 1];
+  }
+  // Gives a block samples of its own at each pixel.
+  void expand(int block) {
+    if (expanded[block]) return;
+    for (Plane& plane : more[block]) std::memcpy(&plane, &first[block], sizeof(Plane));
+    expanded[block] = true;
+  }
+  // The number of samples that a block holds.
+  [[nodiscard]] int planes(int block) const { return expanded[block] ? 4 : 1; }
+};
+
+// Draws something into tiles. Several threads draw tiles at the same time; draw_tile() may not hand
+// out work of its own, because a thread has memory for one tile.
+class TileDrawer {
+ public:
+  virtual ~TileDrawer() = default;
+  virtual void draw_tile(FrameTile& tile) const = 0;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,41 @@
+// Which coarser levels of detail does a scene have?
+//
+// Each mesh simplified again and again, to half of its triangles at a time, by meshoptimizer. A
+// level's error is what meshoptimizer states, a distance; it is no bound. Vertices are shared with
+// the mesh, so that a level keeps its attributes. Where edges and seams allow no more, the sloppy
+// variant goes on, which keeps no topology.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rilievo/scene/scene.h"
+
+namespace rilievo {
+
+// A model in place of a finer one.
+struct ModelLevel {
+  int model = 0;     // index into Scene::models
+  double error = 0;  // model space, metres
+};
+
+// A scene with coarser models behind its own, which no object uses yet.
+struct LeveledScene {
+  Scene scene;
+  std::vector<std::vector<ModelLevel>> levels;  // by model of the scene given; the finest first
+};
+
+// When to stop.
+struct LevelsOptions {
+  int max_levels = 10;
+  std::uint64_t min_triangles = 24;  // smaller meshes stay as they are
+};
+
+// Makes the levels of all models, on all cores. The result does not depend on the number of
+// threads.
+[[nodiscard]] LeveledScene make_levels(const Scene& scene, const LevelsOptions& options = {});
+
+// The coarsest level with an error of at most `allowed` metres in model space.
+[[nodiscard]] const ModelLevel& choose_level(const std::vector<ModelLevel>& levels, double allowed);
+
+}  // namespace rilievo
