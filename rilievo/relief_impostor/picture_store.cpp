@@ -164,13 +164,43 @@ std::string refusal(sqlite3* db, bool& is_new) {
   return {};
 }
 
-// A file in its first moments is changed by several openers at once: one has to try again.
-void set_up_log(sqlite3* db, double wait_s) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
+// Makes the file a store of ours, with pictures of at most `max_bytes`. Why it cannot be one; empty
+// if it is.
+std::string set_up(sqlite3* db, std::uint64_t max_bytes, std::uint64_t& evicted) {
+  bool is_new = false;
+  {
+    // One view of the file: read one by one, its marks could be from before and after another
+    // process has made the tables.
+    Transaction one_view(db, kRead);
+    if (std::string reason = refusal(db, is_new); !reason.empty()) return reason;
+  }
+  if (is_new) execute(db, "PRAGMA page_size = 16384; PRAGMA auto_vacuum = INCREMENTAL");
+  execute(db, "PRAGMA journal_mode = WAL");
+  // A killed process loses nothing that it has committed.
+  execute(db, "PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = OFF");
+  Transaction all(db, kWrite);
+  // Somebody else may have been here meanwhile.
+  if (std::string reason = refusal(db, is_new); !reason.empty()) return reason;
+  const std::int64_t version = number_of(db, "PRAGMA user_version");
+  if (is_new) execute(db, kTables);
+  if (version == 1) execute(db, kMigration);
+  if (version != kSchema)
+    execute(db, ("PRAGMA application_id = " + std::to_string(kApplicationId) +
+                 "; PRAGMA user_version = " + std::to_string(kSchema))
+                    .c_str());
+  evicted = evict(db, max_bytes, -1);
+  all.commit();
+  return {};
+}
+
+// The same again where SQLite finds the file busy without waiting for it, as it does while others
+// change its kind of log: a file in its first moments is opened by several at once.
+std::string set_up_in_time(sqlite3* db, const StoreOptions& options, std::uint64_t& evicted) {
+  const auto until =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(options.wait_s);
   while (true) {
     try {
-      execute(db, "PRAGMA journal_mode = WAL");
-      return;
+      return set_up(db, options.max_bytes, evicted);
     } catch (const SqlFailure& failure) {
       if (failure.code != SQLITE_BUSY || std::chrono::steady_clock::now() > until) throw;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -227,26 +257,9 @@ Result<PictureStore> PictureStore::open(const std::filesystem::path& path,
   sqlite3* db = state->db;
   sqlite3_busy_timeout(db, int(std::clamp(options.wait_s * 1000, 0.0, 2e9)));
   try {
-    bool is_new = false;
-    if (const std::string reason = refusal(db, is_new); !reason.empty())
+    if (const std::string reason = set_up_in_time(db, options, state->stats.evicted);
+        !reason.empty())
       return Error{state->path, reason};
-    if (is_new) execute(db, "PRAGMA page_size = 16384; PRAGMA auto_vacuum = INCREMENTAL");
-    set_up_log(db, options.wait_s);
-    // A killed process loses nothing that it has committed.
-    execute(db, "PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = OFF");
-    Transaction all(db, kWrite);
-    // Somebody else may have been here meanwhile.
-    if (const std::string reason = refusal(db, is_new); !reason.empty())
-      return Error{state->path, reason};
-    const std::int64_t version = number_of(db, "PRAGMA user_version");
-    if (is_new) execute(db, kTables);
-    if (version == 1) execute(db, kMigration);
-    if (version != kSchema)
-      execute(db, ("PRAGMA application_id = " + std::to_string(kApplicationId) +
-                   "; PRAGMA user_version = " + std::to_string(kSchema))
-                      .c_str());
-    state->stats.evicted = evict(db, options.max_bytes, -1);
-    all.commit();
     if (state->stats.evicted > 0) execute(db, "PRAGMA incremental_vacuum");
   } catch (const SqlFailure& failure) {
     return state->error(failure);

@@ -8,9 +8,8 @@
 //   kill -9            at any moment leaves each picture whole or absent (a write-ahead log, one
 //                      transaction a picture); each picture's bytes are checked on reading, and a
 //                      picture that does not fit its hash is dropped
-//   a size limit       the least recently used pictures go first; a picture that does not fit alone
-//   is
-//                      not kept
+//   a size limit       the least recently used pictures go first; a picture larger than the limit
+//                      is not kept
 //   other files        a newer store, another program's database, or no database at all is refused
 //                      and left as it is; an older store is brought up to date
 //

@@ -287,6 +287,27 @@ TEST(PictureStore, two_processes_use_a_store_at_once) {
   EXPECT_EQ(*store->count(), 120u);
 }
 
+// In its first moments a file changes its kind of log, its marks and its tables.
+TEST(PictureStore, processes_that_make_a_store_at_once_all_succeed) {
+  for (int round = 0; round < 10; ++round) {
+    TemporaryFolder folder;
+    std::vector<pid_t> children;
+    for (int i = 0; i < 6; ++i)
+      children.push_back(in_child([&] {
+        Result<PictureStore> store = PictureStore::open(folder / "store", {.wait_s = 60});
+        return store && store->insert(key_of(i), stored_picture(std::uint64_t(i), 8, 8)).ok();
+      }));
+    for (const pid_t child : children) {
+      int status = 0;
+      ASSERT_EQ(waitpid(child, &status, 0), child);
+      EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+    Result<PictureStore> store = PictureStore::open(folder / "store");
+    ASSERT_TRUE(store.ok());
+    EXPECT_EQ(*store->count(), 6u);
+  }
+}
+
 // RILIEVO_KILLS sets another number of rounds.
 TEST(PictureStore, a_process_killed_at_any_moment_leaves_whole_pictures) {
   TemporaryFolder folder;
