@@ -8,6 +8,7 @@
 #include "rilievo/gl/context.h"
 #include "rilievo/io/jpeg.h"
 #include "rilievo/measure/flip.h"
+#include "rilievo/measure/gap_width.h"
 #include "rilievo/measure/popping.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
@@ -51,7 +52,9 @@ struct Tally {
     const Visibility visibility = compare_visibility(truth.objects, frame.objects);
     result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
                              ssim(truth.color, frame.color), flip_of(truth.color, frame.color),
-                             visibility.wrong_share(), visibility.uncovered_share()});
+                             visibility.wrong_share(), visibility.uncovered_share(),
+                             double(visibility.counted) / double(truth.objects.texels().size()),
+                             widest_gap_px(truth.objects, truth.eye_z, frame.eye_z)});
     add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_stats(frame.stats);
     for (const float error : frame.errors_px) {

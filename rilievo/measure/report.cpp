@@ -24,6 +24,8 @@ Json method_json(const MethodResult& method) {
   out["wrong_visibility"] = mean_max(s.wrong_visibility);
   out["depth_error"] = {{"p50", method.depth_error_p50}, {"p99", method.depth_error_p99}};
   out["uncovered"] = mean_max(s.uncovered);
+  out["counted"] = mean_min(s.counted);
+  out["gap_px"] = mean_max(s.gap_px);
   out["captures"] = method.captures;
   out["capture_ms"] = method.capture_ms;
   out["picture_bytes"] = method.picture_bytes;
@@ -48,6 +50,7 @@ Json method_json(const MethodResult& method) {
   all["flip"] = series(method, &FrameResult::flip);
   all["wrong_visibility"] = series(method, &FrameResult::wrong_visibility);
   all["uncovered"] = series(method, &FrameResult::uncovered);
+  all["gap_px"] = series(method, &FrameResult::gap_px);
   return out;
 }
 
@@ -68,7 +71,9 @@ MethodSummary summarize(const MethodResult& method) {
           of(&FrameResult::ssim),
           of(&FrameResult::flip),
           of(&FrameResult::wrong_visibility),
-          of(&FrameResult::uncovered)};
+          of(&FrameResult::uncovered),
+          of(&FrameResult::counted),
+          of(&FrameResult::gap_px)};
 }
 
 std::string report_json(const Report& report) {

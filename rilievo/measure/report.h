@@ -29,6 +29,8 @@ struct FrameResult {
   double frame_ms = 0;
   double psnr_db = 0, ssim = 1, flip = 0;
   double wrong_visibility = 0, uncovered = 0;  // shares, 0 to 1
+  double counted = 1;                          // the share of pixels that wrong_visibility counts
+  double gap_px = 0;                           // as widest_gap_px()
 };
 
 // Percentiles of an error in pixels.

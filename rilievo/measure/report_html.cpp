@@ -51,10 +51,20 @@ const std::array kReportRows = {
         [](const MethodResult&, const MethodSummary& s) {
           return percent(s.wrong_visibility.mean) + " / " + percent(s.wrong_visibility.max);
         }},
+    Row{"Counted pixels, mean / least", "The share that wrong visibility is taken of.",
+        [](const MethodResult&, const MethodSummary& s) {
+          return percent(s.counted.mean) + " / " + percent(s.counted.min);
+        }},
     Row{"Uncovered, mean / most",
         "Share of the objects' pixels where nothing is drawn; boundaries are not counted.",
         [](const MethodResult&, const MethodSummary& s) {
           return percent(s.uncovered.mean) + " / " + percent(s.uncovered.max);
+        }},
+    Row{"Gap, most",
+        "The widest strip that shows what lies behind a surface instead of the surface. Beside "
+        "each edge, an error of position looks like a gap as wide.",
+        [](const MethodResult&, const MethodSummary& s) {
+          return fmt::format("{:.3g} px", s.gap_px.max);
         }},
     Row{"Depth error, median / 99 %", "Relative error of the distance where the object is right.",
         [](const MethodResult& m, const MethodSummary&) {

@@ -8,7 +8,7 @@ namespace rilievo {
 
 // The statistics of each measure over all frames.
 struct MethodSummary {
-  Summary frame_ms, psnr_db, ssim, flip, wrong_visibility, uncovered;
+  Summary frame_ms, psnr_db, ssim, flip, wrong_visibility, uncovered, counted, gap_px;
 };
 
 // One measure of all frames, in order; PSNR is limited to kMaxPsnrDb.

@@ -28,7 +28,8 @@ Report small_report() {
     MethodResult m;
     m.name = name;
     for (int i = 0; i < 3; ++i)
-      m.frames.push_back({10.0 + i, 30.0 + i, 0.9, 0.1, 0.001 * i, 0.002 * i});
+      m.frames.push_back(
+          {10.0 + i, 30.0 + i, 0.9, 0.1, 0.001 * i, 0.002 * i, 0.75 + 0.1 * i, 2.0 * i});
     m.depth_error_p50 = 0.25;
     m.captures = 7;
     m.capture_ms = 70;
@@ -58,6 +59,8 @@ TEST(Report, json_has_the_keys_of_its_schema_and_their_figures) {
   EXPECT_DOUBLE_EQ(m["wrong_visibility"]["mean"], 0.001);
   EXPECT_EQ(m["wrong_visibility"]["max"], 0.002);
   EXPECT_EQ(m["uncovered"]["max"], 0.004);
+  EXPECT_EQ(m["counted"]["min"], 0.75);
+  EXPECT_EQ(m["gap_px"]["max"], 4);
   EXPECT_EQ(m["depth_error"], Json({{"p50", 0.25}, {"p99", 0.0}}));
   EXPECT_EQ(m["captures"], 7);
   EXPECT_EQ(m["capture_ms"], 70);
