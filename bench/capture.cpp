@@ -72,8 +72,7 @@ Result<Measured> measure(const Scene& scene, int runs) {
   std::vector<Nailboard> taken;
   for (const bool rasterized : {false, true}) {
     const auto capturer =
-        rasterized ? CaptureWithoutOpenGL::create(CaptureBy::rasterizer, scene, options.samples)
-                   : nullptr;
+        rasterized ? make_capturer(CaptureBy::rasterizer, scene, options.samples) : nullptr;
     options.capture_bytes = rasterized ? &CaptureWithoutOpenGL::bytes : nullptr;
     Result<NailboardAtlas> atlas = NailboardAtlas::create(options);
     if (!atlas) return atlas.error();

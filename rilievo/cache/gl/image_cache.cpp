@@ -1,344 +1,131 @@
 #include "rilievo/cache/gl/image_cache.h"
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
 
-#include "rilievo/core/expects.h"
-#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/nailboard/gl/capture_gaps.h"
 
 namespace rilievo {
 
-ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
-                       std::unique_ptr<NailboardSet> pictures, const ImageCacheOptions& options)
+// Pictures in an atlas of textures, captured by OpenGL or by the rasteriser.
+class ImageCache::Store final : public PictureStore {
+ public:
+  Store(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
+        std::unique_ptr<NailboardSet> pictures)
+      : renderer_(renderer), capturer_(std::move(capturer)), pictures_(std::move(pictures)) {}
+
+  [[nodiscard]] NailboardSet& pictures() { return *pictures_; }
+  [[nodiscard]] const AtlasSlot& atlas_slot(std::uint32_t slot) const { return *slots_[slot]; }
+
+  [[nodiscard]] int max_picture_size() const override {
+    return pictures_->atlas().max_picture_size();
+  }
+  [[nodiscard]] int texel_cell() const override { return AtlasAllocator::kCell; }
+  [[nodiscard]] std::uint64_t max_texels() const override {
+    return std::uint64_t(pictures_->atlas().allocator().layers()) * AtlasAllocator::kLayerSize *
+           AtlasAllocator::kLayerSize;
+  }
+  [[nodiscard]] std::size_t bytes() const override { return pictures_->bytes(); }
+  [[nodiscard]] bool rasterizes() const override { return capturer_ != nullptr; }
+
+  [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
+    if (slot >= slots_.size()) slots_.resize(slot + 1);
+    slots_[slot] = pictures_->atlas().allocate(width, height);
+    return slots_[slot].has_value();
+  }
+  void free(std::uint32_t slot) override {
+    pictures_->atlas().free(*slots_[slot]);
+    slots_[slot].reset();
+  }
+  void capture(std::uint32_t slot, const Camera& camera,
+               std::span<const std::uint32_t> objects) override {
+    if (capturer_)
+      pictures_->atlas().write(*slots_[slot],
+                               capturer_->capture(camera, objects, renderer_.poses()));
+    else
+      pictures_->atlas().capture(renderer_, camera, objects, *slots_[slot]);
+  }
+  [[nodiscard]] GapTable gaps(const Camera& camera,
+                              std::span<const std::uint32_t> objects) override {
+    return capture_gaps(renderer_, capturer_.get(), camera, objects);
+  }
+  [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t slot) override {
+    return rilievo::delta_range(pictures_->atlas().blocks(*slots_[slot]));
+  }
+  void finish() override { gl::finish(); }
+  void capture_objects(std::uint32_t slot, const Camera& camera,
+                       std::span<const std::uint32_t> objects) override {
+    pictures_->atlas().capture_objects(renderer_, camera, objects, *slots_[slot]);
+  }
+  void show(std::uint32_t slot, const PictureGeometry& geometry) override {
+    pictures_->set_item(slot, *slots_[slot], geometry);
+  }
+
+ private:
+  SceneRenderer& renderer_;
+  std::unique_ptr<CaptureWithoutOpenGL> capturer_;  // null: OpenGL captures
+  std::unique_ptr<NailboardSet> pictures_;
+  std::vector<std::optional<AtlasSlot>> slots_;
+};
+
+ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<Store> store,
+                       const ImageCacheOptions& options)
     : SceneFrames(renderer),
-      options_(options),
-      capturer_(std::move(capturer)),
-      pictures_(std::move(pictures)) {
-  content().sets.push_back({pictures_.get(), {}});
-  build();
-}
+      store_(std::move(store)),
+      cache_(std::make_unique<SceneCache>(renderer.placed(), *store_, store_->pictures(), options,
+                                          content())) {}
+ImageCache::~ImageCache() = default;
+ImageCache::ImageCache(ImageCache&&) noexcept = default;
 
 Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
   std::unique_ptr<CaptureWithoutOpenGL> capturer =
-      CaptureWithoutOpenGL::create(options.capture_by, renderer.scene(), options.samples);
+      make_capturer(options.capture_by, renderer.scene(), options.samples);
   Result<std::unique_ptr<NailboardSet>> pictures =
       NailboardSet::create({options.max_bytes, options.delta_bits, options.samples,
                             capturer ? &CaptureWithoutOpenGL::bytes : nullptr},
                            options.depth_mode);
   if (!pictures) return pictures.error();
-  return ImageCache(renderer, std::move(capturer), std::move(*pictures), options);
+  return ImageCache(renderer,
+                    std::make_unique<Store>(renderer, std::move(capturer), std::move(*pictures)),
+                    options);
 }
 
-void ImageCache::build() {
-  const Scene& scene = renderer().scene();
-  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
-    if (!renderer().has_opaque_parts(i)) continue;
-    const std::uint64_t count = scene.models[std::size_t(scene.objects[i].model)].triangles;
-    if (scene.objects[i].moving) {
-      moving_objects_.push_back(i);
-      MovingObject moving;
-      moving.triangles = count;
-      moving.box = renderer().object_bounds(i);
-      moving.world_from_object = glm::dmat4(renderer().poses()[i]);
-      moving_.push_back(moving);
-    } else {
-      static_objects_.push_back(i);
-    }
-  }
-  build_tree({});
-
-  policy_ = capturer_ ? rasterized_cache_options() : CacheOptions{};
-  policy_.max_texels = pictures_->atlas().max_picture_size();
-  policy_.texel_cell = AtlasAllocator::kCell;
-  policy_.delta_bits = options_.delta_bits;
-  policy_.depth_mode = options_.depth_mode;
-  policy_.bytes_per_texel = options_.delta_bits > 8 ? 6 : 5;
-  // First fit leaves gaps between pictures: plan for less than there is, and refuse what does not
-  // fit.
-  policy_.memory_bytes = std::uint64_t(pictures_->atlas().allocator().layers()) *
-                         AtlasAllocator::kLayerSize * AtlasAllocator::kLayerSize *
-                         std::uint64_t(policy_.bytes_per_texel);
-}
-
-void ImageCache::build_tree(std::span<const std::uint32_t> apart) {
-  const Scene& scene = renderer().scene();
-  std::vector<Box> boxes;
-  std::vector<std::uint64_t> triangles;
-  std::vector<std::uint8_t> is_apart;
-  for (const std::uint32_t object : static_objects_) {
-    boxes.push_back(renderer().object_bounds(object));
-    triangles.push_back(scene.models[std::size_t(scene.objects[object].model)].triangles);
-    is_apart.push_back(std::binary_search(apart.begin(), apart.end(), object));
-  }
-  hierarchy_ = build_hierarchy(boxes, triangles, is_apart);
-  leaf_of_.assign(static_objects_.size(), 0);
-  for (Entity e = 0; e < hierarchy_.nodes.size(); ++e)
-    if (hierarchy_.nodes[e].leaf()) leaf_of_[hierarchy_.order[hierarchy_.nodes[e].first]] = e;
-}
-
-// Of an opaque object.
-Entity ImageCache::entity_of(std::uint32_t object) const {
-  const bool moving = renderer().scene().objects[object].moving;
-  const std::vector<std::uint32_t>& objects = moving ? moving_objects_ : static_objects_;
-  const auto found = std::lower_bound(objects.begin(), objects.end(), object);
-  RILIEVO_EXPECTS(found != objects.end() && *found == object);
-  const auto i = std::size_t(found - objects.begin());
-  return moving ? Entity(hierarchy_.nodes.size() + i) : leaf_of_[i];
-}
-
-void ImageCache::index_alternatives() {
-  plan_.alternatives.clear();  // indices of before
-  alternatives_.of_entity.assign(hierarchy_.nodes.size() + moving_.size(), {});
-  for (std::size_t i = 0; i < alternatives_.list.size(); ++i) {
-    const Alternative& one = alternatives_.list[i];
-    const Entity entity =
-        drawables_[one.drawable].together ? *hierarchy_.apart : entity_of(one.object);
-    alternatives_.of_entity[entity].push_back(std::uint32_t(i));
-  }
-}
-
-void ImageCache::add_drawable(ObjectDrawable drawable) {
-  Alternative alternative{drawable.drawable->error_model(0), drawable.drawable->cost_terms(0)};
-  alternative.drawable = std::uint32_t(drawables_.size());
-  for (const std::uint32_t object : drawable.objects) {
-    // What shows all objects at once was baked where they are.
-    const std::optional<glm::dmat4> motion =
-        drawable.together ? glm::dmat4(1.0) : motion_of(drawable, renderer().poses()[object]);
-    if (!motion) continue;
-    alternative.object = object;
-    alternative.world_from_capture = *motion;
-    alternatives_.list.push_back(alternative);
-    if (drawable.together) break;
-  }
-  alternative_bytes_ += drawable.drawable->bytes();
-  content().sets.push_back({drawable.drawable.get(), {}});
-  drawables_.push_back(std::move(drawable));
+void ImageCache::add_alternatives(std::vector<ObjectDrawable> drawables,
+                                  std::unique_ptr<DrawableFactory> factory) {
+  cache_->add_alternatives(std::move(drawables), std::move(factory), content());
 }
 
 void ImageCache::add_surroundings(std::unique_ptr<Drawable> drawable,
                                   std::unique_ptr<DrawableFactory> factory,
                                   std::vector<std::uint32_t> objects) {
-  RILIEVO_EXPECTS(held_.empty() && !objects.empty());
-  build_tree(objects);
-  factories_.push_back(std::move(factory));
-  add_drawable({std::move(drawable), std::move(objects), glm::dmat4(1.0), true});
-  index_alternatives();
+  cache_->add_surroundings(std::move(drawable), std::move(factory), std::move(objects), content());
 }
 
-void ImageCache::add_alternatives(std::vector<ObjectDrawable> drawables,
-                                  std::unique_ptr<DrawableFactory> factory) {
-  factories_.push_back(std::move(factory));
-  for (ObjectDrawable& drawable : drawables) add_drawable(std::move(drawable));
-  index_alternatives();
-}
-
-void ImageCache::update_moving() {
-  for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const std::uint32_t object = moving_objects_[i];
-    const glm::dmat4 now(renderer().poses()[object]);
-    moving_[i].now_from_last = now == moving_[i].world_from_object
-                                   ? glm::dmat4(1.0)
-                                   : now * glm::inverse(moving_[i].world_from_object);
-    moving_[i].world_from_object = now;
-    moving_[i].box = renderer().object_bounds(object);
-  }
-  for (Alternative& alternative : alternatives_.list) {
-    if (!renderer().scene().objects[alternative.object].moving) continue;
-    const std::optional<glm::dmat4> motion =
-        motion_of(drawables_[alternative.drawable], renderer().poses()[alternative.object]);
-    alternative.present = motion.has_value();
-    if (motion) alternative.world_from_capture = *motion;
-  }
-}
-
-void ImageCache::objects_of(Entity entity, std::vector<std::uint32_t>& objects) const {
-  objects.clear();
-  if (entity >= hierarchy_.nodes.size()) {
-    objects.push_back(moving_objects_[entity - hierarchy_.nodes.size()]);
-    return;
-  }
-  const HierarchyNode& node = hierarchy_.nodes[entity];
-  for (std::uint32_t i = 0; i < node.count; ++i)
-    objects.push_back(static_objects_[hierarchy_.order[node.first + i]]);
-}
-
-glm::dmat4 ImageCache::motion_since_capture(const Picture& picture) const {
-  if (picture.entity < hierarchy_.nodes.size()) return glm::dmat4(1.0);
-  const glm::dmat4& now = moving_[picture.entity - hierarchy_.nodes.size()].world_from_object;
-  if (now == picture.world_from_object) return glm::dmat4(1.0);
-  return now * glm::inverse(picture.world_from_object);
-}
-
-void ImageCache::release(std::uint32_t slot) {
-  if (slot >= held_.size() || !held_[slot].slot) return;
-  pictures_->atlas().free(*held_[slot].slot);
-  held_[slot].slot.reset();
-}
-
-void ImageCache::plan(const Camera& camera) {
-  const FrameView view = follow(motion_, camera);
-  policy_.error_px = options_.error_px;
-  policy_.gap_px = options_.gap_px;
-  policy_.fade_frames = options_.fade_frames;
-  if (options_.capture_ms > 0 && cost_per_ms_ > 0)
-    policy_.capture_triangles =
-        std::uint64_t(options_.capture_ms * cost_per_ms_ / policy_.cost.capture_triangle);
-  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
-}
-
-void ImageCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
-  for (std::uint32_t slot : plan_.evictions) release(slot);
-  if (plan_.captures.empty()) return;
-  const Stopwatch watch;
-  double cost = 0;
-  gaps_.assign(plan_.captures.size(), {});
-  const bool bounds_gaps = std::isfinite(gap_limit_px(policy_));
-  for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
-    const Capture& capture = plan_.captures[i];
-    const Camera& eye = capture.geometry.capture;
-    const std::optional<AtlasSlot> slot = pictures_->atlas().allocate(eye.width, eye.height);
-    if (!slot) {
-      refuse_capture(plan_, i, hierarchy_, moving_);
-      continue;
-    }
-    if (capture.slot >= held_.size()) held_.resize(capture.slot + 1);
-    Held& held = held_[capture.slot];
-    held.slot = slot;
-    held.objects_captured = false;
-    held.camera = eye;
-    objects_of(capture.entity, held.objects);
-    if (capturer_)
-      pictures_->atlas().write(*slot, capturer_->capture(eye, held.objects, renderer().poses()));
-    else
-      pictures_->atlas().capture(renderer(), eye, held.objects, *slot);
-    cost += capture.cost;
-    if (bounds_gaps) gaps_[i] = capture_gaps(renderer(), capturer_.get(), eye, held.objects);
-    ++stats.captures;
-  }
-  for (std::size_t i = 0; i < plan_.captures.size(); ++i)
-    if (const Capture& capture = plan_.captures[i]; capture.picture.held)
-      if (const auto range = delta_range(pictures_->atlas().blocks(*held_[capture.slot].slot)))
-        if (!narrow_capture(plan_, i, camera, *range, policy_, gaps_[i])) {
-          refuse_capture(plan_, i, hierarchy_, moving_);
-          release(capture.slot);
-        }
-  gl::finish();
-  stats.capture_ms = watch.ms();
-  if (cost > 0 && stats.capture_ms > 0) {
-    const double now = cost / stats.capture_ms;
-    // The first measurement includes the driver's warm-up; later ones smooth it away.
-    cost_per_ms_ = cost_per_ms_ > 0 ? 0.8 * cost_per_ms_ + 0.2 * now : now;
-  }
-}
-
-void ImageCache::collect(FrameContent& content) {
-  std::vector<Instance>& instances = content.sets[0].instances;
-  for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
-    const DrawnPicture& drawn = plan_.pictures[i];
-    const Picture& picture = state_.slots[drawn.slot];
-    const Held& held = held_[drawn.slot];
-    pictures_->set_item(drawn.slot, *held.slot, picture.geometry);
-    const std::uint32_t object = held.objects.size() == 1 ? held.objects[0] + 1 : kNoObject;
-    instances.push_back({motion_since_capture(picture), drawn.slot, object, drawn.from, drawn.to});
-    // A picture that fades in, and then the one that it replaces.
-    if (drawn.from > 0 && drawn.to >= 1 && i > 0 && plan_.pictures[i - 1].to == drawn.from &&
-        plan_.pictures[i - 1].from <= 0 &&
-        state_.slots[plan_.pictures[i - 1].slot].entity == picture.entity) {
-      instances[i].partner = std::uint32_t(i - 1);
-      instances[i - 1].partner = std::uint32_t(i);
-    }
-  }
-  const auto add = [&](std::uint32_t object, float from, float to) {
-    if (from <= 0 && to >= 1)
-      content.polygons.push_back(object);
-    else
-      content.fading.push_back({object, from, to});
-  };
-  for (const DrawnObject& drawn : plan_.polygons)
-    add(static_objects_[drawn.object], drawn.from, drawn.to);
-  for (const DrawnObject& drawn : plan_.moving_polygons)
-    add(moving_objects_[drawn.object], drawn.from, drawn.to);
-  for (const DrawnAlternative& drawn : plan_.alternatives) {
-    const Alternative& alternative = alternatives_.list[drawn.alternative];
-    const bool together = drawables_[alternative.drawable].together;
-    content.sets[1 + alternative.drawable].instances.push_back(
-        {alternative.world_from_capture, 0, together ? kNoObject : alternative.object + 1});
-  }
-}
+void ImageCache::invalidate() { cache_->invalidate(content()); }
+void ImageCache::invalidate_object(std::uint32_t object) { cache_->invalidate_object(object); }
+ImageCacheOptions& ImageCache::options() { return cache_->options(); }
+void ImageCache::prepare_objects() { cache_->prepare_objects(); }
 
 Result<> ImageCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
-  outlines_ = options_.outlines;
-  sky_ = options_.sky;
-  update_moving();
-  plan(camera);
-  carry_out_captures(camera, stats);
-  commit(plan_, state_);
-  collect(content);
-  stats.bound_px = plan_.bound_px;
-  stats.gap_px = plan_.gap_px;
-  stats.picture_bytes = pictures_->bytes() + alternative_bytes_;
+  outlines_ = cache_->options().outlines;
+  sky_ = cache_->options().sky;
+  cache_->choose(camera, content, stats);
   return Done{};
-}
-
-// Identifiers of pictures of several objects, where no probe has asked for them before.
-void ImageCache::prepare_objects() {
-  for (const DrawnPicture& drawn : plan_.pictures) {
-    Held& held = held_[drawn.slot];
-    if (held.objects.size() == 1 || held.objects_captured) continue;
-    pictures_->atlas().capture_objects(renderer(), held.camera, held.objects, *held.slot);
-    held.objects_captured = true;
-  }
-}
-
-void ImageCache::invalidate() {
-  std::vector<std::uint32_t> evictions;
-  rilievo::invalidate(state_, evictions);
-  for (std::uint32_t slot : evictions) release(slot);
-  alternatives_.list.clear();
-  index_alternatives();
-  content().sets.resize(1);
-  drawables_.clear();
-  factories_.clear();
-  alternative_bytes_ = 0;
-}
-
-void ImageCache::invalidate_object(std::uint32_t object) {
-  const auto place_in = [&](const std::vector<std::uint32_t>& objects) {
-    const auto found = std::lower_bound(objects.begin(), objects.end(), object);
-    const bool here = found != objects.end() && *found == object;
-    return here ? std::optional(std::uint32_t(found - objects.begin())) : std::nullopt;
-  };
-  std::vector<std::uint32_t> evictions;
-  if (const auto moving = place_in(moving_objects_))
-    invalidate_moving(hierarchy_, *moving, state_, evictions);
-  else if (const auto still = place_in(static_objects_))
-    rilievo::invalidate(hierarchy_, *still, state_, evictions);
-  for (std::uint32_t slot : evictions) release(slot);
-  if (std::erase_if(alternatives_.list, [&](const Alternative& one) {
-        const ObjectDrawable& drawable = drawables_[one.drawable];
-        return one.object == object ||
-               (drawable.together &&
-                std::binary_search(drawable.objects.begin(), drawable.objects.end(), object));
-      }) > 0)
-    index_alternatives();
 }
 
 std::vector<ImageCache::Shown> ImageCache::shown() const {
   std::vector<Shown> shown;
-  for (const DrawnPicture& drawn : plan_.pictures) {
-    const Picture& picture = state_.slots[drawn.slot];
-    shown.push_back({picture.geometry, motion_since_capture(picture), drawn.bound_px,
-                     held_[drawn.slot].objects, *held_[drawn.slot].slot});
-  }
+  for (SceneCache::Shown& one : cache_->shown())
+    shown.push_back({one.geometry, one.world_now_from_capture, one.bound_px, std::move(one.objects),
+                     store_->atlas_slot(one.slot)});
   return shown;
 }
 
 std::vector<DepthImage> ImageCache::read_pictures() const {
   std::vector<DepthImage> read;
   for (const Shown& picture : shown()) {
-    read.push_back(depth_image_from(pictures_->atlas().read(picture.slot, picture.geometry)));
+    read.push_back(
+        depth_image_from(store_->pictures().atlas().read(picture.slot, picture.geometry)));
     read.back().name =
         std::to_string(read.size()) + " of " + std::to_string(picture.objects.size()) + " objects";
   }

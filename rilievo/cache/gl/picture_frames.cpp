@@ -32,7 +32,7 @@ PictureFrames::PictureFrames(SceneRenderer& renderer,
 Result<PictureFrames> PictureFrames::create(SceneRenderer& renderer,
                                             const PictureFramesOptions& options) {
   std::unique_ptr<CaptureWithoutOpenGL> capturer =
-      CaptureWithoutOpenGL::create(options.capture_by, renderer.scene(), options.samples);
+      make_capturer(options.capture_by, renderer.scene(), options.samples);
   Result<std::unique_ptr<NailboardSet>> set =
       NailboardSet::create({options.max_bytes, options.delta_bits, options.samples,
                             capturer ? &CaptureWithoutOpenGL::bytes : nullptr},

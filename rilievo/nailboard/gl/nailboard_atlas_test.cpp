@@ -111,7 +111,7 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
         auto by_opengl = NailboardAtlas::create(options);
         options.capture_bytes = &CaptureWithoutOpenGL::bytes;
         auto by_rasterizer = NailboardAtlas::create(options);
-        const auto capturer = CaptureWithoutOpenGL::create(CaptureBy::rasterizer, scene, samples);
+        const auto capturer = make_capturer(CaptureBy::rasterizer, scene, samples);
         ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok() && capturer);
         EXPECT_LE(by_rasterizer->bytes(), 64u << 20);
         int texels = 0, covered = 0, other_coverage = 0, other_color = 0, other_depth = 0,
@@ -184,7 +184,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   AtlasOptions options{64u << 20, 8, 4};
   options.capture_bytes = &CaptureWithoutOpenGL::bytes;
   auto atlas = NailboardAtlas::create(options);
-  const auto capturer = CaptureWithoutOpenGL::create(CaptureBy::rasterizer, made->scene, 4);
+  const auto capturer = make_capturer(CaptureBy::rasterizer, made->scene, 4);
   ASSERT_TRUE(atlas.ok() && capturer);
   std::mt19937 rng(2);
   const Nailboard noise = random_board(rng, 8);
@@ -209,7 +209,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
 TEST_F(PictureAtlasTest, rasterizes_only_what_it_can) {
   Scene scene = std::move(make_builtin("builtin:teapot")->scene);
   const auto rasterizes = [&](CaptureBy by, int samples) {
-    return CaptureWithoutOpenGL::create(by, scene, samples) != nullptr;
+    return make_capturer(by, scene, samples) != nullptr;
   };
   EXPECT_FALSE(rasterizes(CaptureBy::opengl, 4));
   EXPECT_TRUE(rasterizes(CaptureBy::rasterizer, 4));

@@ -11,9 +11,6 @@
 namespace rilievo {
 namespace {
 
-// std::vector<bool> has no span.
-using Flags = std::unique_ptr<bool[]>;
-
 shader::LightBlock light_block(const Light& light, const glm::dvec3& eye) {
   shader::LightBlock block;
   block.position_range = glm::vec4(glm::vec3(glm::dvec3(light.position) - eye), light.range);
@@ -48,17 +45,13 @@ shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
 }  // namespace
 
 struct SceneRenderer::State {
-  const Scene* scene = nullptr;
+  const Scene* scene;
   GpuScene gpu;
   std::map<unsigned, gl::Program> programs;
   gl::Program sky[2];  // srgb, linear
   gl::VertexArray no_vertices;
 
-  double time = NAN;
-  std::vector<glm::mat4> poses;
-  std::vector<Box> bounds;
-  Flags opaque_mesh, blended_mesh;  // by mesh
-  Flags opaque_model, blended_model;
+  PlacedScene placed;
 
   DrawList list;
   std::vector<GpuInstance> staging;
@@ -71,9 +64,9 @@ struct SceneRenderer::State {
   gl::Buffer instance_buffer;
   std::size_t instance_capacity = 0;
 
+  explicit State(const Scene& scene) : scene(&scene), placed(scene) {}
   Result<> compile();
   Result<const gl::Program*> program(unsigned features);
-  void classify();
   void upload_view(const Camera& camera);
   void upload_lights(const Camera& camera);
   void upload_instances();
@@ -106,22 +99,6 @@ Result<> SceneRenderer::State::compile() {
     sky[linear] = std::move(*made);
   }
   return Done{};
-}
-
-void SceneRenderer::State::classify() {
-  const auto blends = [&](int mesh) {
-    return gpu.materials[std::size_t(gpu.meshes[std::size_t(mesh)].material)].alpha_mode ==
-           AlphaMode::blend;
-  };
-  opaque_mesh = std::make_unique<bool[]>(scene->meshes.size());
-  blended_mesh = std::make_unique<bool[]>(scene->meshes.size());
-  for (std::size_t i = 0; i < scene->meshes.size(); ++i)
-    opaque_mesh[i] = !(blended_mesh[i] = blends(int(i)));
-  opaque_model = std::make_unique<bool[]>(scene->models.size());
-  blended_model = std::make_unique<bool[]>(scene->models.size());
-  for (std::size_t i = 0; i < scene->models.size(); ++i)
-    for (const Part& part : scene->models[i].parts)
-      (blends(part.mesh) ? blended_model : opaque_model)[i] = true;
 }
 
 void SceneRenderer::State::upload_view(const Camera& camera) {
@@ -215,60 +192,23 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 Result<SceneRenderer> SceneRenderer::create(const Scene& scene) {
-  auto state = std::make_unique<State>();
-  state->scene = &scene;
+  auto state = std::make_unique<State>(scene);
   Result<GpuScene> gpu = upload(scene);
   if (!gpu) return gpu.error();
   state->gpu = std::move(*gpu);
   state->no_vertices = gl::make_vertex_array();
   if (Result<> ok = state->compile(); !ok) return ok.error();
-  state->classify();
-  SceneRenderer renderer(std::move(state));
-  renderer.set_time(0);
-  return renderer;
+  return SceneRenderer(std::move(state));
 }
 
-const Scene& SceneRenderer::scene() const { return *state_->scene; }
-std::span<const glm::mat4> SceneRenderer::poses() const { return state_->poses; }
-
-void SceneRenderer::set_time(double time) {
-  State& s = *state_;
-  if (time == s.time) return;
-  const bool first = s.bounds.empty();
-  if (!first && s.scene->channels.empty()) return;
-  s.time = time;
-  pose(*s.scene, time, s.poses);
-  s.bounds.resize(s.poses.size());
-  for (std::size_t i = 0; i < s.poses.size(); ++i)
-    if (first || s.scene->objects[i].moving)
-      s.bounds[i] =
-          transformed(s.poses[i], s.scene->models[std::size_t(s.scene->objects[i].model)].bounds);
-}
-
-const Box& SceneRenderer::object_bounds(std::uint32_t object) const {
-  RILIEVO_EXPECTS_LT(object, state_->bounds.size());
-  return state_->bounds[object];
-}
-
-bool SceneRenderer::has_blended_parts(std::uint32_t object) const {
-  return state_->blended_model[std::size_t(state_->scene->objects[object].model)];
-}
-
-bool SceneRenderer::has_opaque_parts(std::uint32_t object) const {
-  return state_->opaque_model[std::size_t(state_->scene->objects[object].model)];
-}
-
-void SceneRenderer::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
-  const Frustum frustum = frustum_of(camera);
-  for (std::uint32_t i = 0; i < state_->bounds.size(); ++i)
-    if (may_touch(frustum, state_->bounds[i])) visible.push_back(i);
-}
+void SceneRenderer::set_time(double time) { state_->placed.set_time(time); }
+const PlacedScene& SceneRenderer::placed() const { return state_->placed; }
 
 void SceneRenderer::draw_opaque(const Camera& camera, std::span<const std::uint32_t> objects,
                                 OutputEncoding encoding) {
   State& s = *state_;
-  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
-                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  s.list.build_front_to_back(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
+                             s.placed.opaque_meshes());
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   s.draw_list(camera, encoding == OutputEncoding::linear ? unsigned(shader::kLinear) : 0u);
@@ -279,8 +219,8 @@ void SceneRenderer::State::draw_ranges(const Camera& camera, std::span<const Cro
                                        unsigned features) {
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  shares.resize(bounds.size());
-  shared_in.resize(bounds.size(), 0);
+  shares.resize(placed.bounds().size());
+  shared_in.resize(placed.bounds().size(), 0);
   waiting.assign(ranges.begin(), ranges.end());
   while (!waiting.empty()) {
     ++shared_pass;
@@ -292,8 +232,8 @@ void SceneRenderer::State::draw_ranges(const Camera& camera, std::span<const Cro
       shared_objects.push_back(share.object);
       return true;
     });
-    list.build_front_to_back(*scene, camera, shared_objects, poses, bounds,
-                             {opaque_mesh.get(), scene->meshes.size()});
+    list.build_front_to_back(*scene, camera, shared_objects, placed.poses(), placed.bounds(),
+                             placed.opaque_meshes());
     draw_list(camera, shader::kShare | features);
   }
   shares.clear();
@@ -312,8 +252,8 @@ void SceneRenderer::draw_fading_objects(const Camera& camera, std::span<const Cr
 void SceneRenderer::draw_blended(const Camera& camera, std::span<const std::uint32_t> objects,
                                  OutputEncoding encoding) {
   State& s = *state_;
-  s.list.build_back_to_front(*s.scene, camera, objects, s.poses, s.bounds,
-                             {s.blended_mesh.get(), s.scene->meshes.size()});
+  s.list.build_back_to_front(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
+                             s.placed.blended_meshes());
   if (s.list.batches().empty()) return;
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
@@ -325,8 +265,8 @@ void SceneRenderer::draw_blended(const Camera& camera, std::span<const std::uint
 
 void SceneRenderer::draw_objects(const Camera& camera, std::span<const std::uint32_t> objects) {
   State& s = *state_;
-  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
-                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  s.list.build_front_to_back(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
+                             s.placed.opaque_meshes());
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   s.draw_list(camera, unsigned(shader::kObjectIds));
@@ -334,8 +274,8 @@ void SceneRenderer::draw_objects(const Camera& camera, std::span<const std::uint
 
 void SceneRenderer::draw_hindmost(const Camera& camera, std::span<const std::uint32_t> objects) {
   State& s = *state_;
-  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
-                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  s.list.build_front_to_back(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
+                             s.placed.opaque_meshes());
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   s.draw_list(camera, unsigned(shader::kObjectIds), true);
@@ -345,8 +285,8 @@ void SceneRenderer::draw_objects_behind(const Camera& camera,
                                         std::span<const std::uint32_t> objects,
                                         unsigned peeled_depth) {
   State& s = *state_;
-  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
-                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  s.list.build_front_to_back(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
+                             s.placed.opaque_meshes());
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glBindTextureUnit(shader::kPeeledUnit, peeled_depth);
@@ -355,8 +295,8 @@ void SceneRenderer::draw_objects_behind(const Camera& camera,
 
 void SceneRenderer::draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects) {
   State& s = *state_;
-  s.list.build_front_to_back(*s.scene, camera, objects, s.poses, s.bounds,
-                             {s.opaque_mesh.get(), s.scene->meshes.size()});
+  s.list.build_front_to_back(*s.scene, camera, objects, s.placed.poses(), s.placed.bounds(),
+                             s.placed.opaque_meshes());
   glDepthMask(GL_FALSE);
   glDisable(GL_BLEND);
   s.draw_list(camera, shader::kLinear | shader::kPeel);

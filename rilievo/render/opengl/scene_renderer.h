@@ -14,6 +14,7 @@
 
 #include "rilievo/core/camera.h"
 #include "rilievo/render/cross_fade.h"
+#include "rilievo/render/placed_scene.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -36,17 +37,22 @@ class SceneRenderer {
 
   // Places each object at `time` (seconds). Does nothing if the time has not changed.
   void set_time(double time);
-  // world_from_model of each object at the current time.
-  [[nodiscard]] std::span<const glm::mat4> poses() const;
-  // The world bounds of an object at the current time.
-  [[nodiscard]] const Box& object_bounds(std::uint32_t object) const;
-  // Has the object parts that blend (see draw_blended; a picture cannot hold them)? Parts that do
-  // not?
-  [[nodiscard]] bool has_blended_parts(std::uint32_t object) const;
-  [[nodiscard]] bool has_opaque_parts(std::uint32_t object) const;
-
-  // Appends the objects whose bounds intersect the camera's frustum.
-  void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const;
+  // The scene at the current time, and parts of it for short.
+  [[nodiscard]] const PlacedScene& placed() const;
+  [[nodiscard]] const Scene& scene() const { return placed().scene(); }
+  [[nodiscard]] std::span<const glm::mat4> poses() const { return placed().poses(); }
+  [[nodiscard]] const Box& object_bounds(std::uint32_t object) const {
+    return placed().bounds()[object];
+  }
+  [[nodiscard]] bool has_blended_parts(std::uint32_t object) const {
+    return placed().has_blended_parts(object);
+  }
+  [[nodiscard]] bool has_opaque_parts(std::uint32_t object) const {
+    return placed().has_opaque_parts(object);
+  }
+  void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
+    placed().cull(camera, visible);
+  }
 
   // Draws the opaque and alpha-masked parts of `objects` (indices into Scene::objects, any order)
   // with depth into the bound framebuffer. Does not cull: pass the result of cull().
@@ -75,8 +81,6 @@ class SceneRenderer {
   void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects);
   // Draws the sky where nothing has been drawn yet.
   void draw_sky(const Camera& camera, OutputEncoding encoding);
-
-  [[nodiscard]] const Scene& scene() const;
 
  private:
   struct State;

@@ -1,0 +1,53 @@
+// Who makes the cache's pictures, and where are they kept? Textures, or memory.
+//
+// The cache (scene_cache.h) decides; a store carries out. Pictures are numbered by the slots of the
+// plan (policy.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/core/picture_geometry.h"
+#include "rilievo/nailboard/gap_table.h"
+
+namespace rilievo {
+
+// Keeps pictures for one backend.
+class PictureStore {
+ public:
+  virtual ~PictureStore() = default;
+
+  // The largest picture, texels a side; to a multiple of what sizes are rounded up; and the texels
+  // that all pictures can have.
+  [[nodiscard]] virtual int max_picture_size() const = 0;
+  [[nodiscard]] virtual int texel_cell() const = 0;
+  [[nodiscard]] virtual std::uint64_t max_texels() const = 0;
+  // The memory of pictures, bytes.
+  [[nodiscard]] virtual std::size_t bytes() const = 0;
+  // Are pictures captured by the rasteriser? Its captures cost other things than OpenGL's.
+  [[nodiscard]] virtual bool rasterizes() const = 0;
+
+  // Makes room for a picture; false if there is none.
+  [[nodiscard]] virtual bool allocate(std::uint32_t slot, int width, int height) = 0;
+  virtual void free(std::uint32_t slot) = 0;
+  // Captures `objects` (opaque parts) where they are now. The slot has the camera's size.
+  virtual void capture(std::uint32_t slot, const Camera& camera,
+                       std::span<const std::uint32_t> objects) = 0;
+  // The gap table of the picture that was captured last.
+  [[nodiscard]] virtual GapTable gaps(const Camera& camera,
+                                      std::span<const std::uint32_t> objects) = 0;
+  // The Deltas of a picture; none if it is empty. Can wait until captures are complete.
+  [[nodiscard]] virtual std::optional<DeltaRange> delta_range(std::uint32_t slot) = 0;
+  // Waits until captures are complete.
+  virtual void finish() = 0;
+  // Captures the object identifiers of a picture.
+  virtual void capture_objects(std::uint32_t slot, const Camera& camera,
+                               std::span<const std::uint32_t> objects) = 0;
+  // Item `slot` of the drawable set of pictures is this picture from now on.
+  virtual void show(std::uint32_t slot, const PictureGeometry& geometry) = 0;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,314 @@
+#include "rilievo/cache/scene_cache.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
+
+namespace rilievo {
+
+SceneCache::SceneCache(const PlacedScene& placed, PictureStore& store, Drawable& pictures,
+                       const ImageCacheOptions& options, FrameContent& content)
+    : placed_(placed), store_(store), options_(options) {
+  RILIEVO_EXPECTS(content.sets.empty());
+  content.sets.push_back({&pictures, {}});
+  build();
+}
+
+void SceneCache::build() {
+  const Scene& scene = placed_.scene();
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+    if (!placed_.has_opaque_parts(i)) continue;
+    const std::uint64_t count = scene.models[std::size_t(scene.objects[i].model)].triangles;
+    if (scene.objects[i].moving) {
+      moving_objects_.push_back(i);
+      MovingObject moving;
+      moving.triangles = count;
+      moving.box = placed_.bounds()[i];
+      moving.world_from_object = glm::dmat4(placed_.poses()[i]);
+      moving_.push_back(moving);
+    } else {
+      static_objects_.push_back(i);
+    }
+  }
+  build_tree({});
+
+  policy_ = store_.rasterizes() ? rasterized_cache_options() : CacheOptions{};
+  policy_.max_texels = store_.max_picture_size();
+  policy_.texel_cell = store_.texel_cell();
+  policy_.delta_bits = options_.delta_bits;
+  policy_.depth_mode = options_.depth_mode;
+  policy_.bytes_per_texel = options_.delta_bits > 8 ? 6 : 5;
+  // First fit leaves gaps between pictures: plan for less than there is, and refuse what does not
+  // fit.
+  policy_.memory_bytes = store_.max_texels() * std::uint64_t(policy_.bytes_per_texel);
+}
+
+void SceneCache::build_tree(std::span<const std::uint32_t> apart) {
+  const Scene& scene = placed_.scene();
+  std::vector<Box> boxes;
+  std::vector<std::uint64_t> triangles;
+  std::vector<std::uint8_t> is_apart;
+  for (const std::uint32_t object : static_objects_) {
+    boxes.push_back(placed_.bounds()[object]);
+    triangles.push_back(scene.models[std::size_t(scene.objects[object].model)].triangles);
+    is_apart.push_back(std::binary_search(apart.begin(), apart.end(), object));
+  }
+  hierarchy_ = build_hierarchy(boxes, triangles, is_apart);
+  leaf_of_.assign(static_objects_.size(), 0);
+  for (Entity e = 0; e < hierarchy_.nodes.size(); ++e)
+    if (hierarchy_.nodes[e].leaf()) leaf_of_[hierarchy_.order[hierarchy_.nodes[e].first]] = e;
+}
+
+// Of an opaque object.
+Entity SceneCache::entity_of(std::uint32_t object) const {
+  const bool moving = placed_.scene().objects[object].moving;
+  const std::vector<std::uint32_t>& objects = moving ? moving_objects_ : static_objects_;
+  const auto found = std::lower_bound(objects.begin(), objects.end(), object);
+  RILIEVO_EXPECTS(found != objects.end() && *found == object);
+  const auto i = std::size_t(found - objects.begin());
+  return moving ? Entity(hierarchy_.nodes.size() + i) : leaf_of_[i];
+}
+
+void SceneCache::index_alternatives() {
+  plan_.alternatives.clear();  // indices of before
+  alternatives_.of_entity.assign(hierarchy_.nodes.size() + moving_.size(), {});
+  for (std::size_t i = 0; i < alternatives_.list.size(); ++i) {
+    const Alternative& one = alternatives_.list[i];
+    const Entity entity =
+        drawables_[one.drawable].together ? *hierarchy_.apart : entity_of(one.object);
+    alternatives_.of_entity[entity].push_back(std::uint32_t(i));
+  }
+}
+
+void SceneCache::add_drawable(ObjectDrawable drawable, FrameContent& content) {
+  Alternative alternative{drawable.drawable->error_model(0), drawable.drawable->cost_terms(0)};
+  alternative.drawable = std::uint32_t(drawables_.size());
+  for (const std::uint32_t object : drawable.objects) {
+    // What shows all objects at once was baked where they are.
+    const std::optional<glm::dmat4> motion =
+        drawable.together ? glm::dmat4(1.0) : motion_of(drawable, placed_.poses()[object]);
+    if (!motion) continue;
+    alternative.object = object;
+    alternative.world_from_capture = *motion;
+    alternatives_.list.push_back(alternative);
+    if (drawable.together) break;
+  }
+  alternative_bytes_ += drawable.drawable->bytes();
+  content.sets.push_back({drawable.drawable.get(), {}});
+  drawables_.push_back(std::move(drawable));
+}
+
+void SceneCache::add_surroundings(std::unique_ptr<Drawable> drawable,
+                                  std::unique_ptr<DrawableFactory> factory,
+                                  std::vector<std::uint32_t> objects, FrameContent& content) {
+  RILIEVO_EXPECTS(held_.empty() && !objects.empty());
+  build_tree(objects);
+  factories_.push_back(std::move(factory));
+  add_drawable({std::move(drawable), std::move(objects), glm::dmat4(1.0), true}, content);
+  index_alternatives();
+}
+
+void SceneCache::add_alternatives(std::vector<ObjectDrawable> drawables,
+                                  std::unique_ptr<DrawableFactory> factory, FrameContent& content) {
+  factories_.push_back(std::move(factory));
+  for (ObjectDrawable& drawable : drawables) add_drawable(std::move(drawable), content);
+  index_alternatives();
+}
+
+void SceneCache::update_moving() {
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const std::uint32_t object = moving_objects_[i];
+    const glm::dmat4 now(placed_.poses()[object]);
+    moving_[i].now_from_last = now == moving_[i].world_from_object
+                                   ? glm::dmat4(1.0)
+                                   : now * glm::inverse(moving_[i].world_from_object);
+    moving_[i].world_from_object = now;
+    moving_[i].box = placed_.bounds()[object];
+  }
+  for (Alternative& alternative : alternatives_.list) {
+    if (!placed_.scene().objects[alternative.object].moving) continue;
+    const std::optional<glm::dmat4> motion =
+        motion_of(drawables_[alternative.drawable], placed_.poses()[alternative.object]);
+    alternative.present = motion.has_value();
+    if (motion) alternative.world_from_capture = *motion;
+  }
+}
+
+void SceneCache::objects_of(Entity entity, std::vector<std::uint32_t>& objects) const {
+  objects.clear();
+  if (entity >= hierarchy_.nodes.size()) {
+    objects.push_back(moving_objects_[entity - hierarchy_.nodes.size()]);
+    return;
+  }
+  const HierarchyNode& node = hierarchy_.nodes[entity];
+  for (std::uint32_t i = 0; i < node.count; ++i)
+    objects.push_back(static_objects_[hierarchy_.order[node.first + i]]);
+}
+
+glm::dmat4 SceneCache::motion_since_capture(const Picture& picture) const {
+  if (picture.entity < hierarchy_.nodes.size()) return glm::dmat4(1.0);
+  const glm::dmat4& now = moving_[picture.entity - hierarchy_.nodes.size()].world_from_object;
+  if (now == picture.world_from_object) return glm::dmat4(1.0);
+  return now * glm::inverse(picture.world_from_object);
+}
+
+void SceneCache::release(std::uint32_t slot) {
+  if (slot >= held_.size() || !held_[slot].held) return;
+  store_.free(slot);
+  held_[slot].held = false;
+}
+
+void SceneCache::plan(const Camera& camera) {
+  const FrameView view = follow(motion_, camera);
+  policy_.error_px = options_.error_px;
+  policy_.gap_px = options_.gap_px;
+  policy_.fade_frames = options_.fade_frames;
+  if (options_.capture_ms > 0 && cost_per_ms_ > 0)
+    policy_.capture_triangles =
+        std::uint64_t(options_.capture_ms * cost_per_ms_ / policy_.cost.capture_triangle);
+  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
+}
+
+void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
+  for (std::uint32_t slot : plan_.evictions) release(slot);
+  if (plan_.captures.empty()) return;
+  const Stopwatch watch;
+  double cost = 0;
+  gaps_.assign(plan_.captures.size(), {});
+  const bool bounds_gaps = std::isfinite(gap_limit_px(policy_));
+  for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
+    const Capture& capture = plan_.captures[i];
+    const Camera& eye = capture.geometry.capture;
+    if (!store_.allocate(capture.slot, eye.width, eye.height)) {
+      refuse_capture(plan_, i, hierarchy_, moving_);
+      continue;
+    }
+    if (capture.slot >= held_.size()) held_.resize(capture.slot + 1);
+    Held& held = held_[capture.slot];
+    held.held = true;
+    held.objects_captured = false;
+    held.camera = eye;
+    objects_of(capture.entity, held.objects);
+    store_.capture(capture.slot, eye, held.objects);
+    cost += capture.cost;
+    if (bounds_gaps) gaps_[i] = store_.gaps(eye, held.objects);
+    ++stats.captures;
+  }
+  for (std::size_t i = 0; i < plan_.captures.size(); ++i)
+    if (const Capture& capture = plan_.captures[i]; capture.picture.held)
+      if (const auto range = store_.delta_range(capture.slot))
+        if (!narrow_capture(plan_, i, camera, *range, policy_, gaps_[i])) {
+          refuse_capture(plan_, i, hierarchy_, moving_);
+          release(capture.slot);
+        }
+  store_.finish();
+  stats.capture_ms = watch.ms();
+  if (cost > 0 && stats.capture_ms > 0) {
+    const double now = cost / stats.capture_ms;
+    // The first measurement includes the driver's warm-up; later ones smooth it away.
+    cost_per_ms_ = cost_per_ms_ > 0 ? 0.8 * cost_per_ms_ + 0.2 * now : now;
+  }
+}
+
+void SceneCache::collect(FrameContent& content) {
+  std::vector<Instance>& instances = content.sets[0].instances;
+  for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
+    const DrawnPicture& drawn = plan_.pictures[i];
+    const Picture& picture = state_.slots[drawn.slot];
+    const Held& held = held_[drawn.slot];
+    store_.show(drawn.slot, picture.geometry);
+    const std::uint32_t object = held.objects.size() == 1 ? held.objects[0] + 1 : kNoObject;
+    instances.push_back({motion_since_capture(picture), drawn.slot, object, drawn.from, drawn.to});
+    // A picture that fades in, and then the one that it replaces.
+    if (drawn.from > 0 && drawn.to >= 1 && i > 0 && plan_.pictures[i - 1].to == drawn.from &&
+        plan_.pictures[i - 1].from <= 0 &&
+        state_.slots[plan_.pictures[i - 1].slot].entity == picture.entity) {
+      instances[i].partner = std::uint32_t(i - 1);
+      instances[i - 1].partner = std::uint32_t(i);
+    }
+  }
+  const auto add = [&](std::uint32_t object, float from, float to) {
+    if (from <= 0 && to >= 1)
+      content.polygons.push_back(object);
+    else
+      content.fading.push_back({object, from, to});
+  };
+  for (const DrawnObject& drawn : plan_.polygons)
+    add(static_objects_[drawn.object], drawn.from, drawn.to);
+  for (const DrawnObject& drawn : plan_.moving_polygons)
+    add(moving_objects_[drawn.object], drawn.from, drawn.to);
+  for (const DrawnAlternative& drawn : plan_.alternatives) {
+    const Alternative& alternative = alternatives_.list[drawn.alternative];
+    const bool together = drawables_[alternative.drawable].together;
+    content.sets[1 + alternative.drawable].instances.push_back(
+        {alternative.world_from_capture, 0, together ? kNoObject : alternative.object + 1});
+  }
+}
+
+void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+  update_moving();
+  plan(camera);
+  carry_out_captures(camera, stats);
+  commit(plan_, state_);
+  collect(content);
+  stats.bound_px = plan_.bound_px;
+  stats.gap_px = plan_.gap_px;
+  stats.picture_bytes = store_.bytes() + alternative_bytes_;
+}
+
+// Identifiers of pictures of several objects, where no probe has asked for them before.
+void SceneCache::prepare_objects() {
+  for (const DrawnPicture& drawn : plan_.pictures) {
+    Held& held = held_[drawn.slot];
+    if (held.objects.size() == 1 || held.objects_captured) continue;
+    store_.capture_objects(drawn.slot, held.camera, held.objects);
+    held.objects_captured = true;
+  }
+}
+
+void SceneCache::invalidate(FrameContent& content) {
+  std::vector<std::uint32_t> evictions;
+  rilievo::invalidate(state_, evictions);
+  for (std::uint32_t slot : evictions) release(slot);
+  alternatives_.list.clear();
+  index_alternatives();
+  content.sets.resize(1);
+  drawables_.clear();
+  factories_.clear();
+  alternative_bytes_ = 0;
+}
+
+void SceneCache::invalidate_object(std::uint32_t object) {
+  const auto place_in = [&](const std::vector<std::uint32_t>& objects) {
+    const auto found = std::lower_bound(objects.begin(), objects.end(), object);
+    const bool here = found != objects.end() && *found == object;
+    return here ? std::optional(std::uint32_t(found - objects.begin())) : std::nullopt;
+  };
+  std::vector<std::uint32_t> evictions;
+  if (const auto moving = place_in(moving_objects_))
+    invalidate_moving(hierarchy_, *moving, state_, evictions);
+  else if (const auto still = place_in(static_objects_))
+    rilievo::invalidate(hierarchy_, *still, state_, evictions);
+  for (std::uint32_t slot : evictions) release(slot);
+  if (std::erase_if(alternatives_.list, [&](const Alternative& one) {
+        const ObjectDrawable& drawable = drawables_[one.drawable];
+        return one.object == object ||
+               (drawable.together &&
+                std::binary_search(drawable.objects.begin(), drawable.objects.end(), object));
+      }) > 0)
+    index_alternatives();
+}
+
+std::vector<SceneCache::Shown> SceneCache::shown() const {
+  std::vector<Shown> shown;
+  for (const DrawnPicture& drawn : plan_.pictures) {
+    const Picture& picture = state_.slots[drawn.slot];
+    shown.push_back({picture.geometry, motion_since_capture(picture), drawn.bound_px,
+                     held_[drawn.slot].objects, drawn.slot});
+  }
+  return shown;
+}
+
+}  // namespace rilievo

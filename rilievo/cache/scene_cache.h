@@ -1,0 +1,126 @@
+// How is a scene drawn from pictures within an error that the user sets in pixels? (S1.5, S1.7)
+//
+// Static objects are in a spatial hierarchy, whose nodes keep pictures of everything below them.
+// Each moving object is a nailboard or polygons, depending on its cost and its picture's expected
+// life. Baked representations of any kind can stand for objects too. policy.h decides; this class
+// keeps what is decided, and has a PictureStore make the pictures. cache/gl/image_cache.h draws the
+// frames with OpenGL, cache/cpu/memory_cache.h without.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rilievo/cache/eye_motion.h"
+#include "rilievo/cache/picture_store.h"
+#include "rilievo/cache/policy.h"
+#include "rilievo/capture/capture_without_opengl.h"
+#include "rilievo/frame/frame_content.h"
+#include "rilievo/kind/kind.h"
+#include "rilievo/render/placed_scene.h"
+#include "rilievo/representation/object_drawable.h"
+
+namespace rilievo {
+
+// The error, the memory and the time that the cache may use.
+struct ImageCacheOptions {
+  double error_px = 1;  // the largest error bound of a picture that is drawn
+  double gap_px = 0;    // as CacheOptions::gap_px
+  std::size_t max_bytes = std::size_t(256) << 20;  // of pictures
+  // Time for captures per frame, by the clock. 0: limited by CacheOptions::capture_triangles, which
+  // makes runs reproducible.
+  double capture_ms = 0;
+  int fade_frames = CacheOptions{}.fade_frames;  // 1: a new picture replaces the old one at once
+  int delta_bits = 8;
+  DepthMode depth_mode = DepthMode::exact;
+  int samples = 4;  // of the frame that is drawn into
+  CaptureBy capture_by = CaptureBy::automatic;
+  bool outlines = false;
+  bool sky = true;  // draw the scene's sky behind everything
+};
+
+// Chooses a scene's frames, and captures for them.
+class SceneCache {
+ public:
+  // `placed` and `store` must outlive the cache. Appends the set of pictures, whose drawable is
+  // `pictures`, to an empty `content`: choose() fills the same.
+  SceneCache(const PlacedScene& placed, PictureStore& store, Drawable& pictures,
+             const ImageCacheOptions& options, FrameContent& content);
+
+  // As ImageCache's; `content` gets a set for each drawable.
+  void add_alternatives(std::vector<ObjectDrawable> drawables,
+                        std::unique_ptr<DrawableFactory> factory, FrameContent& content);
+  void add_surroundings(std::unique_ptr<Drawable> drawable,
+                        std::unique_ptr<DrawableFactory> factory,
+                        std::vector<std::uint32_t> objects, FrameContent& content);
+  void invalidate(FrameContent& content);
+  void invalidate_object(std::uint32_t object);
+
+  // Plans a frame of the scene as it is placed now, captures, and fills `content`, which is
+  // cleared, and in `stats` the captures, memory and bounds.
+  void choose(const Camera& camera, FrameContent& content, FrameStats& stats);
+  // Captures the identifiers of the last frame's pictures of several objects, where they are
+  // missing.
+  void prepare_objects();
+
+  [[nodiscard]] ImageCacheOptions& options() { return options_; }
+  [[nodiscard]] const ImageCacheOptions& options() const { return options_; }
+
+  // A picture that the last frame drew.
+  struct Shown {
+    PictureGeometry geometry;
+    glm::dmat4 world_now_from_capture{1.0};
+    double bound_px = 0;
+    std::vector<std::uint32_t> objects;  // indices into Scene::objects
+    std::uint32_t slot = 0;              // of the store
+  };
+  [[nodiscard]] std::vector<Shown> shown() const;
+
+ private:
+  struct Held {
+    bool held = false;
+    bool objects_captured = false;  // identifiers, for probes
+    std::vector<std::uint32_t> objects;
+    Camera camera;
+  };
+
+  void build();
+  void build_tree(std::span<const std::uint32_t> apart);
+  void add_drawable(ObjectDrawable drawable, FrameContent& content);
+  void update_moving();
+  void plan(const Camera& camera);
+  void carry_out_captures(const Camera& camera, FrameStats& stats);
+  void collect(FrameContent& content);
+  void objects_of(Entity entity, std::vector<std::uint32_t>& objects) const;
+  [[nodiscard]] Entity entity_of(std::uint32_t object) const;
+  [[nodiscard]] glm::dmat4 motion_since_capture(const Picture& picture) const;
+  void release(std::uint32_t slot);
+  void index_alternatives();
+
+  const PlacedScene& placed_;
+  PictureStore& store_;
+  ImageCacheOptions options_;
+
+  std::vector<std::uint32_t> static_objects_,
+      moving_objects_;  // the caller's and ours to the scene's
+  Hierarchy hierarchy_;
+  std::vector<Entity> leaf_of_;  // by static object
+  std::vector<MovingObject> moving_;
+  std::vector<std::unique_ptr<DrawableFactory>> factories_;  // outlive the drawables
+  std::vector<ObjectDrawable> drawables_;
+  Alternatives alternatives_;
+  std::size_t alternative_bytes_ = 0;
+  CacheOptions policy_;
+  CacheState state_;
+  PlanScratch scratch_;
+  Plan plan_;
+  std::vector<Held> held_;      // by slot of the state
+  std::vector<GapTable> gaps_;  // by capture of the plan
+
+  EyeMotion motion_;
+  double cost_per_ms_ = 0;  // of captures: Capture::cost, measured
+};
+
+}  // namespace rilievo
