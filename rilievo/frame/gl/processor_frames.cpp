@@ -139,16 +139,14 @@ class ProcessorFrames::Picture final : public Drawable {
   ObjectPicture objects_;
 };
 
-ProcessorFrames::ProcessorFrames(SceneRenderer& renderer, std::unique_ptr<FrameRenderer> processor,
-                                 int samples)
-    : SceneFrames(renderer), processor_(std::move(processor)), samples_(samples) {}
+ProcessorFrames::ProcessorFrames(SceneRenderer& renderer, std::unique_ptr<FrameRenderer> processor)
+    : SceneFrames(renderer), processor_(std::move(processor)) {}
 ProcessorFrames::~ProcessorFrames() = default;
 
 Result<std::unique_ptr<ProcessorFrames>> ProcessorFrames::create(
     SceneRenderer& renderer, std::unique_ptr<FrameRenderer> processor, int samples) {
   if (samples != 1 && samples != 4) return Error{"--samples", "processors draw 1 or 4 samples"};
-  std::unique_ptr<ProcessorFrames> frames(
-      new ProcessorFrames(renderer, std::move(processor), samples));
+  std::unique_ptr<ProcessorFrames> frames(new ProcessorFrames(renderer, std::move(processor)));
   bool blends = false;
   for (std::uint32_t i = 0; i < renderer.scene().objects.size(); ++i)
     blends = blends || renderer.has_blended_parts(i);

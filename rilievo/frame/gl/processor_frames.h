@@ -23,12 +23,11 @@ class ProcessorFrames final : public SceneFrames {
 
  private:
   class Picture;
-  ProcessorFrames(SceneRenderer& renderer, std::unique_ptr<FrameRenderer> processor, int samples);
+  ProcessorFrames(SceneRenderer& renderer, std::unique_ptr<FrameRenderer> processor);
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
 
   std::unique_ptr<FrameRenderer> processor_;
   std::unique_ptr<Picture> picture_;
-  int samples_;
 };
 
 }  // namespace rilievo
