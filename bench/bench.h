@@ -21,6 +21,10 @@ struct BenchOptions {
   std::string capture;
   // Scene files, for benches that take some besides the built-in ones.
   std::vector<std::string> scenes;
+  // For `real`: the size of frames (0: its own), and the cache's time for captures per frame, ms
+  // (0: a budget of triangles instead).
+  int width = 0, height = 0;
+  double capture_ms = 0;
   // Called now and then with what is done and how much there is.
   std::function<void(int done, int total)> progress;
 };

@@ -46,6 +46,7 @@ struct Figures {
 struct Sizes {
   int width, height;
   double seconds;
+  double capture_ms;
 };
 
 Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double error_px) {
@@ -116,6 +117,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
   figure("p50_ms", ms.p50), figure("p99_ms", ms.p99), figure("max_ms", ms.max);
   figure("first_frame_ms", f.walk.first_frame_ms);
   if (f.walk.cut_ms) figure("cut_ms", *f.walk.cut_ms);
+  if (f.walk.cut_fine_ms) figure("cut_fine_ms", *f.walk.cut_fine_ms);
   figure("frames", double(f.walk.frame_ms.size()));
   figure("psnr_db", psnr.mean), figure("psnr_db_min", psnr.min);
   figure("wrong_visibility_max", f.wrong_most);
@@ -135,6 +137,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
                                fmt::format("{:.0f}", ms.p50),
                                fmt::format("{:.0f}", ms.p99),
                                f.walk.cut_ms ? fmt::format("{:.0f}", *f.walk.cut_ms) : "",
+                               f.walk.cut_fine_ms ? fmt::format("{:.0f}", *f.walk.cut_fine_ms) : "",
                                fmt::format("{:.1f}", psnr.mean),
                                fmt::format("{:.3f}", 100 * f.wrong_most),
                                std::to_string(f.missing),
@@ -158,6 +161,7 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& t
   if (!probe) return probe.error();
   ImageCacheOptions cache_options;
   cache_options.samples = kSamples;
+  cache_options.capture_ms = sizes.capture_ms;
   Result<std::vector<Baseline>> baselines = make_baselines(*renderer, cache_options.error_px);
   if (!baselines) return baselines.error();
   report.notes.push_back(fmt::format(
@@ -194,19 +198,24 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& t
 }  // namespace
 
 Result<BenchReport> real(const BenchOptions& options) {
-  const Sizes sizes = options.quick ? Sizes{160, 90, 0.2} : Sizes{1280, 720, 4};
+  Sizes sizes = options.quick ? Sizes{160, 90, 0.2, 0} : Sizes{1280, 720, 4, 0};
+  if (options.width > 0) sizes.width = options.width, sizes.height = options.height;
+  sizes.capture_ms = options.capture_ms;
   std::vector<RealScene> scenes;
   for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
   const char* data = std::getenv("RILIEVO_DATA");
   const bool has_data = data && *data && !options.quick;
   if (scenes.empty()) scenes = real_scenes(has_data ? data : "", options.quick);
   BenchReport report;
-  Table table{
-      fmt::format("The cache in real time, {} x {}, {} samples", sizes.width, sizes.height,
-                  kSamples),
-      {"walk", "frames", "first ms", "p50 ms", "p99 ms", "cut ms", "PSNR dB", "wrong %", "missing",
-       "gap px", "over bound %", "direct ms", "rays ms", "raster ms", "lod ms", "speed-up", "over"},
-      {}};
+  Table table{fmt::format("The cache in real time, {} x {}, {} samples{}", sizes.width,
+                          sizes.height, kSamples,
+                          sizes.capture_ms > 0
+                              ? fmt::format(", captures for {:g} ms a frame", sizes.capture_ms)
+                              : ""),
+              {"walk", "frames", "first ms", "p50 ms", "p99 ms", "cut ms", "until fine ms",
+               "PSNR dB", "wrong %", "missing", "gap px", "over bound %", "direct ms", "rays ms",
+               "raster ms", "lod ms", "speed-up", "over"},
+              {}};
   const Stopwatch watch;
   int done = 0;
   for (const RealScene& scene : scenes) {

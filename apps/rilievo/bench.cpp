@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "apps/commit.h"
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
+#include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "bench/bench.h"
@@ -21,6 +23,8 @@ struct BenchCommand {
   std::string name, json, html, capture;
   std::vector<std::string> scenes;
   bool quick = false, full = false;
+  int width = 0, height = 0;
+  double capture_ms = 0;
 };
 
 const bench::Bench* find(const std::string& name) {
@@ -51,6 +55,8 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.full = options.full;
   bench_options.capture = options.capture;
   bench_options.scenes = options.scenes;
+  bench_options.width = options.width, bench_options.height = options.height;
+  bench_options.capture_ms = options.capture_ms;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
   if (!report) return report.error();
@@ -93,6 +99,18 @@ Command bench_command(CLI::App& app) {
                    "own, each with "
                    "the walks NAME-*.json beside it")
       ->type_name("FILE ...");
+  command
+      ->add_option_function<std::string>(
+          "--size",
+          [options](const std::string& text) { parse_size(text, options->width, options->height); },
+          "For real: size of a frame in pixels (default 1280x720)")
+      ->type_name("WxH");
+  command
+      ->add_option("--capture-ms", options->capture_ms,
+                   "For real: the cache's time for captures per frame, in ms (default: a budget of "
+                   "triangles instead)")
+      ->check(in_range(0.1, 1000.0))
+      ->type_name("T");
   command->add_flag("--quick", options->quick,
                     "Few cases only: a test that the benchmark runs, not a measurement");
   command

@@ -22,7 +22,7 @@ constexpr double kWidest = 2.5;
 // While a picture is in use the eye comes nearer by at most this share of the distance: texels
 // need not be smaller than pixels by more.
 constexpr double kApproach = 0.3;
-constexpr double kShortestLife = 2;  // frames
+constexpr double kShortestLife = 2;  // frames; what lives shorter is captured for one frame
 
 std::array<ViewAxes::Plane, 5> frustum_of(const Camera& camera) {
   const glm::dvec3 eye = camera.position();
@@ -147,8 +147,9 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
   // The eye comes nearer twice as long: before the capture's eye and after.
   const double approach = std::max(0.0, d.z) * (1 + options.anticipation);
   if (approach * e.life > kApproach * seen.front) e.life = kApproach * seen.front / approach;
-  if (e.life * (1 + options.anticipation) < kShortestLife) return e;
-  e.ahead = options.anticipation * e.life;
+  e.once = e.life * (1 + options.anticipation) < kShortestLife;
+  if (e.once) e.life = 1 / (1 + options.anticipation);
+  e.ahead = e.once ? 0 : options.anticipation * e.life;
 
   // The plane's distance now, from the capture's eye, and at the end.
   const double plane = best_plane(slab);

@@ -35,7 +35,8 @@ struct ViewAxes {
 
 // The estimate for one picture. Costs are in triangles.
 struct CaptureCost {
-  bool possible = false;         // not too near, not too large, not too short-lived
+  bool possible = false;         // not too near, not too large
+  bool once = false;             // lasts so briefly that it is captured for one frame alone
   double life = 0;               // frames until the error exceeds the limit
   double draw = 0, capture = 0;  // triangles
   // For how many frames ahead the picture should be captured.

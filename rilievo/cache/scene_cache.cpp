@@ -193,7 +193,7 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
     objects_of(capture.entity, held.objects);
     store_.capture(capture.slot, eye, held.objects);
     cost += capture.cost;
-    if (bounds_gaps) gaps_[i] = store_.gaps(eye, held.objects);
+    if (bounds_gaps) gaps_[i] = capture.once ? unknown_gaps(eye) : store_.gaps(eye, held.objects);
     ++stats.captures;
   }
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)

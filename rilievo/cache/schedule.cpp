@@ -87,6 +87,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   made.triangles = planner.triangles_of(e);
   made.cost = cost;
   made.several = planner.several(e);
+  made.once = estimated.once;
 
   Picture& picture = made.picture;
   picture.entity = e;

@@ -41,8 +41,9 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, FrameTarget& target,
   // The k-th frame that is kept is the first one at k / kept of the walk or later.
   for (double clock = 0; clock < options.seconds || int(result.kept.size()) < options.kept;) {
     const WalkFrame frame = walk(clock);
+    bool after_cut = false;
     for (; next_cut < options.cuts.size() && clock >= options.cuts[next_cut]; ++next_cut)
-      since_cut = std::max(since_cut, 0.0);
+      after_cut = true, since_cut = std::max(since_cut, 0.0);
     const double place = options.seconds * double(result.kept.size()) / options.kept;
     const bool keep = int(result.kept.size()) < options.kept && clock >= place;
     double ms = 0;
@@ -57,20 +58,21 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, FrameTarget& target,
       ms = *timed;
     }
     result.frame_ms.push_back(ms);
+    if (after_cut) result.cut_ms = std::max(result.cut_ms.value_or(0), ms);
     add_stats(source.stats(), result);
     const bool good = source.stats().bound_px <= options.error_px;
     over += !good;
     if (since_cut >= 0) {
       since_cut += ms;
       if (good) {
-        result.cut_ms = std::max(result.cut_ms.value_or(0), since_cut);
+        result.cut_fine_ms = std::max(result.cut_fine_ms.value_or(0), since_cut);
         since_cut = -1;
       }
     }
     clock += std::max(ms / 1000, 1 / options.refresh);
   }
   // Not good again before the walk ended: at least so long.
-  if (since_cut >= 0) result.cut_ms = std::max(result.cut_ms.value_or(0), since_cut);
+  if (since_cut >= 0) result.cut_fine_ms = std::max(result.cut_fine_ms.value_or(0), since_cut);
   result.over_bound_share = double(over) / double(result.frame_ms.size() + 1);
   return result;
 }

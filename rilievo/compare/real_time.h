@@ -31,8 +31,9 @@ struct RealTimeOptions {
 struct RealTimeWalk {
   double first_frame_ms = 0;
   std::vector<double> frame_ms;  // of all frames after the first
-  // The longest time from a cut until a frame was complete whose bound is at most `error_px`.
-  std::optional<double> cut_ms;
+  // The longest time of the first frame after a cut, which is complete, but may be coarse; and
+  // until a frame was complete whose bound is at most `error_px`.
+  std::optional<double> cut_ms, cut_fine_ms;
   double over_bound_share = 0;  // of frames whose bound was above `error_px`
   int captures = 0;
   double capture_ms = 0, bound_px = 0, gap_px = 0;

@@ -76,8 +76,13 @@ TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
   std::size_t bad = 0, seen = 0;
   for (std::size_t i = 1; i < slow.eyes.size(); ++i)
     if (slow.eyes[i] > 50 && ++seen <= 3) after_cut += walked->frame_ms[i - 1], bad += seen <= 2;
+  EXPECT_EQ(walked->cut_fine_ms.has_value(), seen > 0);
+  EXPECT_DOUBLE_EQ(walked->cut_fine_ms.value_or(0), after_cut);
   EXPECT_EQ(walked->cut_ms.has_value(), seen > 0);
-  EXPECT_DOUBLE_EQ(walked->cut_ms.value_or(0), after_cut);
+  for (std::size_t i = slow.eyes.size(); i-- > 1;)
+    if (slow.eyes[i] > 50 && slow.eyes[i - 1] < 50) {
+      EXPECT_DOUBLE_EQ(walked->cut_ms.value_or(0), walked->frame_ms[i - 1]);
+    }
   EXPECT_DOUBLE_EQ(walked->over_bound_share, double(bad) / double(slow.eyes.size()));
 }
 

@@ -52,7 +52,7 @@ struct MethodResult {
   std::optional<ErrorPx> error_px;
   // The first frame, which fills caches; it is not among `frames`.
   std::optional<double> first_frame_ms;
-  // The longest time from a cut until a complete frame within the bound; where there are cuts.
+  // The longest time of the first frame after a cut, which may be coarse; where there are cuts.
   std::optional<double> cut_ms;
   std::optional<double> over_bound_share;  // of frames whose bound was above the error allowed
   // In real time: all frames after the first. `frames` are those that were compared.

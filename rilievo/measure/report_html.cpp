@@ -88,7 +88,7 @@ const std::array kReportRows = {
         [](const MethodResult& m, const MethodSummary&) {
           return m.first_frame_ms ? ms(*m.first_frame_ms) : std::string();
         }},
-    Row{"After a cut, most", "From a jump of the eye until a complete frame within the bound.",
+    Row{"After a cut, most", "The first frame after a jump of the eye; it may be coarse.",
         [](const MethodResult& m, const MethodSummary&) {
           return m.cut_ms ? ms(*m.cut_ms) : std::string();
         }},
