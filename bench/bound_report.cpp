@@ -75,11 +75,13 @@ Result<BenchReport> bound(const BenchOptions& options) {
       "Half the bound must be violated, or the comparison would prove nothing.",
       "The strip's ratio is taken where it is at least a pixel wide. The seen slab is "
       "the depths that the capture saw, without what was hidden.",
-      fmt::format("What is drawn may exceed the bound by {} px at its outline and by {} px in "
-                  "its centroid, because identifiers are taken at the centres of pixels and "
-                  "texels; and by the strip of a ball's far side that its picture lacks: "
-                  "r (1 - cos a) for a ball of r pixels seen from an angle a beside the capture.",
-                  kOutlineSlackPx, kCentroidSlackPx)};
+      fmt::format(
+          "What is drawn may exceed the bound by {:.1f} px at its outline, where texels are "
+          "as large as pixels, and by {} px in "
+          "its centroid, because identifiers are taken at the centres of pixels and "
+          "texels; and by the strip of a ball's far side that its picture lacks: "
+          "r (1 - cos a) for a ball of r pixels seen from an angle a beside the capture.",
+          outline_slack_px(1), kCentroidSlackPx)};
   return report;
 }
 

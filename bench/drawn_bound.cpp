@@ -127,6 +127,14 @@ double unseen_of_ball(const glm::dvec3& center, const glm::dvec3& captured_from,
   return 1 - glm::dot(glm::normalize(captured_from - center), glm::normalize(eye - center));
 }
 
+// How many of the frame's pixels a texel of a picture covers, at distances from the two eyes.
+double texel_px(const Camera& capture, double captured_from, const Camera& camera, double now) {
+  const auto size = [](const Camera& c, double distance) {
+    return (c.window.right - c.window.left) / c.width * distance;
+  };
+  return size(capture, captured_from) / size(camera, now);
+}
+
 class DrawnCases {
  public:
   DrawnCases(const Scene& scene, double scale) : scene_(scene), scale_(scale) {}
@@ -134,7 +142,7 @@ class DrawnCases {
   void add_frame(const Camera& camera, const std::vector<glm::mat4>& poses, const DrawnFrame& truth,
                  const DrawnFrame& seen, const ImageCache& cache) {
     struct Shown {
-      double bound_px = 0, unseen = 0;
+      double bound_px = 0, unseen = 0, texel_px = 0;
       int pictures = 0;
     };
     std::vector<Shown> shown(scene_.objects.size());
@@ -144,8 +152,11 @@ class DrawnCases {
       for (const std::uint32_t object : picture.objects) {
         Shown& one = shown[object];
         one.bound_px = std::max(one.bound_px, picture.bound_px);
-        one.unseen = std::max(one.unseen,
-                              unseen_of_ball(poses[object][3], captured_from, camera.position()));
+        const glm::dvec3 center(poses[object][3]);
+        one.unseen = std::max(one.unseen, unseen_of_ball(center, captured_from, camera.position()));
+        one.texel_px = std::max(
+            one.texel_px, texel_px(picture.geometry.capture, glm::length(captured_from - center),
+                                   camera, glm::length(camera.position() - center)));
         ++one.pictures;
       }
     }
@@ -174,7 +185,8 @@ class DrawnCases {
       const double bound = scale_ * object.bound_px + object.unseen * radius;
       stats.centroid_excess_px = std::max(stats.centroid_excess_px, centroid - bound);
       stats.outline_excess_px = std::max(stats.outline_excess_px, outline - bound);
-      stats.violations += centroid > bound + kCentroidSlackPx || outline > bound + kOutlineSlackPx;
+      stats.violations += centroid > bound + kCentroidSlackPx ||
+                          outline > bound + outline_slack_px(object.texel_px);
       stats.unseen_px_max = std::max(stats.unseen_px_max, object.unseen * radius);
       if (centroid > 0.5) tightness.push_back(object.bound_px / centroid);
     }

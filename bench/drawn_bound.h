@@ -13,11 +13,14 @@
 
 namespace rilievo::bench {
 
-// By how much more than the bound a ball may be off. Identifiers are taken at the centres of pixels
-// and of texels, neither larger than a pixel: each puts a point of the outline off by up to
-// sqrt(1/2) pixels. Over an outline of twenty pixels or more the mean of that is far below half a
-// pixel.
-inline constexpr double kOutlineSlackPx = 1.5, kCentroidSlackPx = 0.5;
+// By how much more than the bound a ball's outline may be off. Identifiers are taken at the centres
+// of pixels and of texels, `texel_px` pixels wide: half a diagonal of each, and a tenth of a pixel
+// because the ball itself is of facets.
+[[nodiscard]] inline double outline_slack_px(double texel_px) {
+  return 0.1 + 0.70711 * (1 + texel_px);
+}
+// And its centroid: over an outline of twenty pixels or more the mean of that is far below this.
+inline constexpr double kCentroidSlackPx = 0.5;
 
 struct DrawnBoundOptions {
   int cases = 10000;    // balls seen in frames, at least

@@ -16,6 +16,7 @@ constexpr float kFar = 1e6f;
 
 struct Sample {
   glm::vec3 position, normal;
+  float cosine = 0;  // between the normal and the line of sight of the eye that saw it
 };
 
 glm::vec3 unit_vector(Random& random) {
@@ -58,7 +59,7 @@ Result<std::vector<Sample>> look_around(const RayScene& scene, const PlacementOp
       const std::optional<RayHit> hit = scene.first_hit(eye, to, 0.0f, kFar);
       if (!hit) continue;
       const glm::vec3 normal = glm::dot(hit->normal, to) > 0 ? -hit->normal : hit->normal;
-      found[std::size_t(e)].push_back({eye + hit->distance * to, normal});
+      found[std::size_t(e)].push_back({eye + hit->distance * to, normal, -glm::dot(to, normal)});
     }
   });
   std::vector<Sample> all;
@@ -74,8 +75,9 @@ std::vector<std::uint64_t> held_by(const RayScene& scene, const std::vector<Samp
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const glm::vec3 to = samples[i].position - node;
     const float distance = glm::length(to);
-    if (!(distance > 0) || -glm::dot(to, samples[i].normal) < float(least_cosine) * distance)
-      continue;
+    // Rounding must not decide where the node is where the eye was.
+    const float cosine = std::min(float(least_cosine), 0.999f * samples[i].cosine);
+    if (!(distance > 0) || -glm::dot(to, samples[i].normal) < cosine * distance) continue;
     // The surface itself does not hide its sample.
     if (scene.occluded(node, to, 0.0f, 1.0f - 1e-3f)) continue;
     bits[i / 64] |= std::uint64_t(1) << (i % 64);

@@ -1,10 +1,10 @@
 // Where should nodes stand so that they show what is visible from a region? (Left open by S3)
 //
 // The visible surface is sampled by rays in all directions from points of the region. A node covers
-// a sample if nothing lies between them and it does not look along the surface. Nodes are chosen
-// greedily, each where it covers most in addition: no choice of the same number of candidates
-// covers more than 1 / (1 - 1/e) times as much. The result does not depend on the number of
-// threads.
+// a sample if nothing lies between them and it does not look along the surface, or no more so than
+// the eye that saw the sample. Nodes are chosen greedily, each where it covers most in addition: no
+// choice of the same number of candidates covers more than 1 / (1 - 1/e) times as much. The result
+// does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,15 @@ namespace rilievo {
 
 // The region, the number of nodes and of samples.
 struct PlacementOptions {
-  Box region;                  // where eyes will be; not empty, can be flat
-  int nodes = 8;               // at most
-  double enough = 1.0;         // stop when this share is covered
-  int candidates = 400;        // places to try
-  int eyes = 200;              // points of the region from which rays are cast ...
-  int rays = 200;              // ... in this number of directions each
-  double clearance = 0.1;      // least distance of a node from surfaces, metres
-  double least_cosine = 0.05;  // of the angle between a surface's normal and the line of sight
+  Box region;              // where eyes will be; not empty, can be flat
+  int nodes = 8;           // at most
+  double enough = 1.0;     // stop when this share is covered
+  int candidates = 400;    // places to try
+  int eyes = 500;          // points of the region from which rays are cast ...
+  int rays = 100;          // ... in this number of directions each
+  double clearance = 0.1;  // least distance of a node from surfaces, metres
+  // Of the angle between a surface's normal and the line of sight, unless an eye saw it at less.
+  double least_cosine = 0.05;
   std::uint64_t seed = 1;
 };
 

@@ -97,6 +97,23 @@ TEST(PlaceNodes, shares_grow_and_do_not_depend_on_threads) {
   EXPECT_LE(made[0].share.back(), 1.0);
 }
 
+// Also what it sees at a grazing angle: a plain up to the horizon.
+TEST(PlaceNodes, a_node_where_the_eye_is_holds_all_that_it_sees) {
+  const Scene scene = scene_of({{{-500, -1, -500}, {500, 0, 500}}, {{-5, 0, -9}, {5, 3, -8}}});
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  PlacementOptions options;
+  const glm::vec3 eye(0, 1.6f, 0);
+  options.region = {eye, eye};
+  const Result<double> here = share_held(*rays, options, {eye});
+  ASSERT_TRUE(here.ok());
+  EXPECT_GT(*here, 0.999);
+  // Elsewhere, what is seen at a grazing angle from both counts too, but not what the wall hides.
+  const Result<double> there = share_held(*rays, options, {{0, 1.6, -20}});
+  ASSERT_TRUE(there.ok());
+  EXPECT_LT(*there, 0.9);
+}
+
 TEST(PlaceNodes, what_cannot_be_is_refused) {
   const Scene scene = three_rooms();
   const Result<RayScene> rays = RayScene::create(scene);
