@@ -183,7 +183,7 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& t
     options.error_px = cache_options.error_px;
     options.cuts = walk.cuts;
     Figures figures;
-    Result<RealTimeWalk> walked = walk_in_real_time(*cache, *target, *probe, at, options);
+    Result<RealTimeWalk> walked = walk_in_real_time(*cache, {&*target, &*probe}, at, options);
     if (!walked) return walked.error();
     figures.walk = std::move(*walked);
     const std::string name = real_scene.name + "-" + walk.name;

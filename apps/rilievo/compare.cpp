@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,11 @@ struct CompareCommand {
   bool pop = false, real_time = false;
 };
 
-// Direct drawing is always there, and first: it draws the true frames.
-std::vector<std::string> with_direct(const std::vector<std::string>& methods) {
-  std::vector<std::string> all{"direct"};
+// Direct drawing is always there, and first: it draws the true frames. Without OpenGL, the
+// rasteriser does.
+std::vector<std::string> with_direct(const std::vector<std::string>& methods,
+                                     const std::string& draw) {
+  std::vector<std::string> all{draw == "software" ? "direct-raster" : "direct"};
   for (const std::string& method : methods)
     if (std::find(all.begin(), all.end(), method) == all.end()) all.push_back(method);
   return all;
@@ -65,14 +68,17 @@ void print_summary(const Report& report) {
 
 // What draws each method; what the file holds, if there is one, is what they draw.
 Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
-                                               const CompareCommand& options,
-                                               SceneRenderer& renderer) {
+                                               const CompareCommand& options, const Scene& scene,
+                                               std::unique_ptr<gl::Context>& context,
+                                               std::optional<SceneRenderer>& renderer) {
   if (options.file.empty() || method == "direct")
-    return make_source(method, options.method_options, options.frames.samples, renderer);
+    return make_scene_source(method, options.method_options, options.frames.samples, scene, context,
+                             renderer);
   Result<PictureFileContent> content = open_representation(options.file);
   if (!content) return content.error();
+  // `direct`, which comes first, has made it.
   return make_stored_source(method, options.method_options, std::move(content->representation),
-                            renderer);
+                            *renderer);
 }
 
 Result<> run_compare(CompareCommand options) {
@@ -88,15 +94,13 @@ Result<> run_compare(CompareCommand options) {
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
-  const auto context = gl::Context::create();
-  if (!context) return context.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
-  if (!renderer) return renderer.error();
-
+  std::unique_ptr<gl::Context> context;
+  std::optional<SceneRenderer> renderer;
   std::vector<std::unique_ptr<FrameSource>> sources;
   std::vector<ComparedSource> compared;
-  for (const std::string& method : with_direct(options.methods)) {
-    Result<std::unique_ptr<FrameSource>> source = source_of(method, options, *renderer);
+  for (const std::string& method : with_direct(options.methods, options.method_options.draw)) {
+    Result<std::unique_ptr<FrameSource>> source =
+        source_of(method, options, opened->scene, context, renderer);
     if (!source) return source.error();
     sources.push_back(std::move(*source));
     compared.push_back({method, sources.back().get()});
@@ -159,7 +163,11 @@ Result<> settle(CompareCommand& options, const std::string& given, const std::st
   if (holds_pictures(truth)) return Error{truth, "is not a scene: it draws no true frames"};
   options.scene = is_file ? truth : given;
   options.file = is_file ? given : "";
+  if (is_file && options.method_options.draw == "software")
+    return Error{"--draw", "what was baked into a file is drawn by OpenGL only"};
   if (!is_file) {
+    if (options.methods.empty() && options.method_options.draw == "software")
+      options.methods = {"cache"};
     if (options.methods.empty()) options.methods = {"flat", "nailboard", "cache"};
     return Done{};
   }

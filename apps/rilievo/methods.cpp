@@ -9,13 +9,16 @@
 
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/progress.h"
+#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
 #include "rilievo/frame/gl/object_frames.h"
 #include "rilievo/frame/gl/processor_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/frame/gl/surrounding_frames.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/rays/ray_renderer.h"
 #include "rilievo/representation/gl/factories.h"
@@ -98,13 +101,10 @@ Result<> add_alternatives(ImageCache& cache, const MethodOptions& options,
   return Done{};
 }
 
-Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, int samples,
-                                                SceneRenderer& renderer) {
+ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   ImageCacheOptions cache;
   cache.error_px = options.error_px;
   cache.gap_px = options.gap_px;
-  if (options.bake_mb >= options.memory_mb)
-    return Error{"--bake-mb", "must be less than --memory-mb, so that pictures get memory, too"};
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
   cache.capture_ms = options.capture_ms;
   if (!options.fade) cache.fade_frames = 1;
@@ -112,7 +112,14 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
   cache.depth_mode = depth_mode(options);
   cache.samples = samples;
   cache.outlines = options.outlines;
-  Result<ImageCache> made = ImageCache::create(renderer, cache);
+  return cache;
+}
+
+Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, int samples,
+                                                SceneRenderer& renderer) {
+  if (options.bake_mb >= options.memory_mb)
+    return Error{"--bake-mb", "must be less than --memory-mb, so that pictures get memory, too"};
+  Result<ImageCache> made = ImageCache::create(renderer, cache_options(options, samples));
   if (!made) return made.error();
   if (options.bake_mb > 0)
     if (Result<> added = add_alternatives(*made, options, renderer); !added) return added.error();
@@ -241,6 +248,12 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_flag("--outlines", options.outlines,
                    "Outline everything that is drawn from a picture");
   command
+      .add_option("--draw", options.draw,
+                  "What draws the frames of cache and direct-raster: opengl, software (needs no "
+                  "OpenGL, draws nothing that blends), or automatic: software where OpenGL runs "
+                  "on processors or is missing (default)")
+      ->check(CLI::IsMember({"opengl", "software", "automatic"}));
+  command
       .add_option(
           "--angle", options.angle_degrees,
           "flat, nailboard: capture a picture again after its object has moved by this angle, as "
@@ -343,15 +356,68 @@ DepthMode depth_mode(const MethodOptions& options) {
   return options.depth == "linear" ? DepthMode::linear : DepthMode::exact;
 }
 
+std::optional<std::string> needs_opengl(const std::string& method, const MethodOptions& options,
+                                        int samples, const Scene& scene) {
+  if (method != "cache" && method != "direct-raster")
+    return fmt::format("only cache and direct-raster are drawn without OpenGL, not {}", method);
+  if (samples != 1 && samples != 4)
+    return "frames drawn without OpenGL have 1 or 4 samples a pixel";
+  if (options.outlines && method == "cache") return "outlines are drawn by OpenGL only";
+  if (options.bake_mb > 0 && method == "cache")
+    return "what --bake-mb bakes is drawn by OpenGL only";
+  if (!SoftwareFrames::draws_all_of(scene))
+    return "parts of the scene blend, which are drawn by OpenGL only";
+  return std::nullopt;
+}
+
+Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& method,
+                                                          const MethodOptions& options, int samples,
+                                                          const Scene& scene) {
+  if (const auto reason = needs_opengl(method, options, samples, scene))
+    return Error{"--draw", *reason};
+  if (method == "direct-raster") return {std::make_unique<SoftwareDirectFrames>(scene, samples)};
+  Result<std::unique_ptr<MemoryCache>> cache =
+      MemoryCache::create(scene, cache_options(options, samples));
+  if (!cache) return Error{"--memory-mb", cache.error().reason};
+  return {std::move(*cache)};
+}
+
 Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  const MethodOptions& options, int samples,
                                                  SceneRenderer& renderer) {
+  if (options.draw == "software" || (options.draw == "automatic" && gl::is_software() &&
+                                     !needs_opengl(method, options, samples, renderer.scene())))
+    return make_software_source(method, options, samples, renderer.scene());
   for (const BuiltinMethod& builtin : kBuiltin)
     if (method == builtin.name) return builtin.make(options, samples, renderer);
   const KindMethod named = kind_method(method);
   return named.kind->stands_for == StandsFor::surroundings
              ? make_surroundings(named, options, renderer)
              : make_objects(named, options, renderer);
+}
+
+Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method,
+                                                       const MethodOptions& options, int samples,
+                                                       const Scene& scene,
+                                                       std::unique_ptr<gl::Context>& context,
+                                                       std::optional<SceneRenderer>& renderer) {
+  if (options.draw == "software") return make_software_source(method, options, samples, scene);
+  if (!context) {
+    Result<std::unique_ptr<gl::Context>> made = gl::Context::create();
+    if (!made && options.draw == "automatic" && !needs_opengl(method, options, samples, scene))
+      return make_software_source(method, options, samples, scene);
+    if (!made) return made.error();
+    context = std::move(*made);
+  }
+  if (options.draw == "automatic" && gl::is_software() &&
+      !needs_opengl(method, options, samples, scene))
+    return make_software_source(method, options, samples, scene);
+  if (!renderer) {
+    Result<SceneRenderer> made = SceneRenderer::create(scene);
+    if (!made) return made.error();
+    renderer.emplace(std::move(*made));
+  }
+  return make_source(method, options, samples, *renderer);
 }
 
 Result<std::unique_ptr<FrameSource>> make_stored_source(

@@ -11,11 +11,13 @@
 #include "apps/rilievo/kinds.h"
 #include "rilievo/core/picture_geometry.h"
 #include "rilievo/frame/frame_source.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::app {
 
 struct MethodOptions {
+  std::string draw = "automatic";  // opengl, software; automatic: as is faster here
   int delta_bits = 8;
   std::string depth = "exact";
   bool outlines = false;
@@ -49,12 +51,28 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 [[nodiscard]] Result<> expect_method_of(const Kind& kind, const std::string& method,
                                         const std::string& option);
 
-// `renderer` must outlive the source.
+// Why a method's frames of a scene cannot be drawn without OpenGL; none: they can.
+[[nodiscard]] std::optional<std::string> needs_opengl(const std::string& method,
+                                                      const MethodOptions& options, int samples,
+                                                      const Scene& scene);
+// Draws without OpenGL (FrameSource::software_target). `scene` must outlive the source. Fails where
+// OpenGL is needed.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_software_source(
+    const std::string& method, const MethodOptions& options, int samples, const Scene& scene);
+
+// `renderer` must outlive the source. Draws without OpenGL if the options ask for it, or leave it
+// open where OpenGL runs on processors and is not needed.
 // `samples` is the frame's antialiasing, which pictures share.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                                const MethodOptions& options,
                                                                int samples,
                                                                SceneRenderer& renderer);
+
+// The same, for a program that may have no OpenGL: makes `context` and `renderer` unless the source
+// draws without. They must outlive the source.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_scene_source(
+    const std::string& method, const MethodOptions& options, int samples, const Scene& scene,
+    std::unique_ptr<gl::Context>& context, std::optional<SceneRenderer>& renderer);
 
 // What a file holds, drawn under the sky of `sky`'s scene by a method of its kind. A drawable takes
 // the representation for itself: one load for each source. `sky` must outlive the source.

@@ -25,6 +25,7 @@
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/software/software_target.h"
 
 namespace rilievo::app {
 namespace {
@@ -73,9 +74,29 @@ Result<> expect_places(const RenderCommand& options) {
   return expect_outputs({frames, pictures, options.json});
 }
 
+// What OpenGL draws into; none for a source that draws without.
+Result<std::optional<FrameTarget>> make_target(const FrameSource& source, int width, int height,
+                                               int samples) {
+  if (source.software_target()) return std::optional<FrameTarget>();
+  Result<FrameTarget> target = FrameTarget::create(width, height, samples);
+  if (!target) return target.error();
+  return std::optional<FrameTarget>(std::move(*target));
+}
+
+Result<> draw_frame(FrameSource& source, std::optional<FrameTarget>& target, const Camera& camera,
+                    double time) {
+  if (!target) return source.draw(camera, time);
+  target->begin();
+  if (Result<> drawn = source.draw(camera, time); !drawn) return drawn;
+  target->resolve();
+  gl::finish();
+  return Done{};
+}
+
 Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, int height,
                      FrameSource& source) {
-  Result<FrameTarget> target = FrameTarget::create(width, height, options.frames.samples);
+  Result<std::optional<FrameTarget>> target =
+      make_target(source, width, height, options.frames.samples);
   if (!target) return target.error();
   for (const std::string& folder : {options.output, options.pictures})
     if (Result<> made = make_folder(folder); !made) return made;
@@ -86,14 +107,15 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
     progress.show(frame, walk.frames());
     const Camera camera = walk.camera(frame, width, height);
     const Stopwatch watch;
-    target->begin();
-    if (Result<> drawn = source.draw(camera, walk.time(frame)); !drawn) return drawn;
-    target->resolve();
-    gl::finish();
+    if (Result<> drawn = draw_frame(source, *target, camera, walk.time(frame)); !drawn)
+      return drawn;
     frame_ms.push_back(watch.ms());
     captures += source.stats().captures;
     const std::string file = numbered(options.output, "frame", frame, ".png");
-    if (Result<> saved = save_png(file, target->read()); !saved) return saved;
+    if (Result<> saved =
+            save_png(file, *target ? (*target)->read() : source.software_target()->color());
+        !saved)
+      return saved;
     if (options.pictures.empty()) continue;
     if (Result<> saved = save_pictures_of(source, options, camera, frame); !saved) return saved;
   }
@@ -104,6 +126,7 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
                             {"method", options.method},
                             {"size", {width, height}},
                             {"samples", options.frames.samples},
+                            {"draw", source.software_target() ? "software" : "opengl"},
                             {"frames", walk.frames()},
                             {"frame_ms", {{"p50", ms.p50}, {"p99", ms.p99}, {"max", ms.max}}},
                             {"captures", captures},
@@ -120,8 +143,8 @@ double resident_mb() {
 
 // Draws the path over and over, writes no frames, and watches the memory: a cache must not grow.
 Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& source) {
-  Result<FrameTarget> target =
-      FrameTarget::create(options.frames.width, options.frames.height, options.frames.samples);
+  Result<std::optional<FrameTarget>> target =
+      make_target(source, options.frames.width, options.frames.height, options.frames.samples);
   if (!target) return target.error();
   const Stopwatch watch;
   double after_warm_up_mb = 0, most_mb = 0;
@@ -131,13 +154,9 @@ Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& sourc
   Progress progress("second");
   for (double now = 0; now < options.loop_seconds; now = 1e-3 * watch.ms(), ++frames) {
     const int frame = int(frames % walk.frames());
-    target->begin();
-    if (Result<> drawn = source.draw(
-            walk.camera(frame, options.frames.width, options.frames.height), walk.time(frame));
-        !drawn)
+    const Camera camera = walk.camera(frame, options.frames.width, options.frames.height);
+    if (Result<> drawn = draw_frame(source, *target, camera, walk.time(frame)); !drawn)
       return drawn;
-    target->resolve();
-    gl::finish();
     captures += source.stats().captures;
     if (frames % 16 == 0) progress.show(int(now), int(options.loop_seconds));
     const double mb = resident_mb();
@@ -171,14 +190,12 @@ Result<> render_scene(const RenderCommand& options) {
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
-  const auto context = gl::Context::create();
-  if (!context) return context.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
-  if (!renderer) return renderer.error();
   MethodOptions methods = options.methods;
   methods.eyes = eyes_of(plan->path, plan->frames);
-  const Result<std::unique_ptr<FrameSource>> source =
-      make_source(options.method, methods, options.frames.samples, *renderer);
+  std::unique_ptr<gl::Context> context;
+  std::optional<SceneRenderer> renderer;
+  Result<std::unique_ptr<FrameSource>> source = make_scene_source(
+      options.method, methods, options.frames.samples, opened->scene, context, renderer);
   if (!source) return source.error();
   const Walk walk{*plan, {}};
   if (options.loop_seconds > 0) return loop(options, walk, **source);

@@ -269,6 +269,7 @@ Result<> view_scene(const ViewCommand& options) {
     if (name != "cache") subject.methods.push_back(name);
   subject.make_source = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
+    methods.draw = "opengl";  // into the window's framebuffer
     return make_source(method, methods, options.frames.samples, *renderer);
   };
   return Viewer(options, subject, **window).run();

@@ -8,7 +8,7 @@
 
 namespace rilievo {
 
-SceneCache::SceneCache(const PlacedScene& placed, PictureStore& store, Drawable& pictures,
+SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
                        const ImageCacheOptions& options, FrameContent& content)
     : placed_(placed), store_(store), options_(options) {
   RILIEVO_EXPECTS(content.sets.empty());

@@ -3,8 +3,8 @@
 // Static objects are in a spatial hierarchy, whose nodes keep pictures of everything below them.
 // Each moving object is a nailboard or polygons, depending on its cost and its picture's expected
 // life. Baked representations of any kind can stand for objects too. policy.h decides; this class
-// keeps what is decided, and has a PictureStore make the pictures. cache/gl/image_cache.h draws the
-// frames with OpenGL, cache/cpu/memory_cache.h without.
+// keeps what is decided, and has a CachePictures make the pictures. cache/gl/image_cache.h draws
+// the frames with OpenGL, cache/cpu/memory_cache.h without.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/cache/cache_pictures.h"
 #include "rilievo/cache/eye_motion.h"
-#include "rilievo/cache/picture_store.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/capture/capture_without_opengl.h"
 #include "rilievo/frame/frame_content.h"
@@ -46,7 +46,7 @@ class SceneCache {
  public:
   // `placed` and `store` must outlive the cache. Appends the set of pictures, whose drawable is
   // `pictures`, to an empty `content`: choose() fills the same.
-  SceneCache(const PlacedScene& placed, PictureStore& store, Drawable& pictures,
+  SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
              const ImageCacheOptions& options, FrameContent& content);
 
   // As ImageCache's; `content` gets a set for each drawable.
@@ -100,7 +100,7 @@ class SceneCache {
   void index_alternatives();
 
   const PlacedScene& placed_;
-  PictureStore& store_;
+  CachePictures& store_;
   ImageCacheOptions options_;
 
   std::vector<std::uint32_t> static_objects_,

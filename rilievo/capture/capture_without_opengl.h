@@ -48,11 +48,20 @@ class CaptureWithoutOpenGL {
     return farthest_;
   }
 
+  // The object identifiers at the texels' centres, rows from the bottom. Valid until the next call.
+  [[nodiscard]] const ObjectPicture& capture_objects(const Camera& camera,
+                                                     std::span<const std::uint32_t> objects,
+                                                     std::span<const glm::mat4> poses) {
+    rasterizer_.draw_objects(camera, objects, poses, objects_);
+    return objects_;
+  }
+
  private:
   int samples_;
   PictureRasterizer rasterizer_;
   RasterPicture picture_;
   std::vector<float> farthest_;
+  ObjectPicture objects_;
 };
 
 }  // namespace rilievo

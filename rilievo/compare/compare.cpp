@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,10 +101,37 @@ struct Tally {
 
 EncodedPicture jpeg(const Rgba8Image& picture) { return {"image/jpeg", encode_jpeg(picture)}; }
 
-Report begin_report(const CompareOptions& options, int samples) {
+// What OpenGL draws into, if any source needs it.
+struct OwnTargets {
+  std::optional<FrameTarget> frame;
+  std::optional<ProbeTarget> probe;
+
+  [[nodiscard]] DrawTargets targets() {
+    return {frame ? &*frame : nullptr, probe ? &*probe : nullptr};
+  }
+};
+
+Result<OwnTargets> make_targets(std::span<const ComparedSource> sources,
+                                const CompareOptions& options) {
+  OwnTargets made;
+  if (std::all_of(sources.begin(), sources.end(), [](const ComparedSource& one) {
+        return one.source->software_target() != nullptr;
+      }))
+    return made;
+  Result<FrameTarget> frame = FrameTarget::create(options.width, options.height, options.samples);
+  if (!frame) return frame.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
+  if (!probe) return probe.error();
+  made.frame = std::move(*frame);
+  made.probe = std::move(*probe);
+  return made;
+}
+
+Report begin_report(const CompareOptions& options, const DrawTargets& targets) {
   Report report;
   report.machine = this_machine();
-  report.machine.gl_renderer = gl::renderer_name();
+  report.machine.gl_renderer = targets.frame ? gl::renderer_name() : "none";
+  const int samples = targets.frame ? targets.frame->samples() : options.samples;
   report.width = options.width;
   report.height = options.height;
   report.antialiasing = std::to_string(samples) + " samples a pixel";
@@ -126,12 +154,11 @@ Result<Report> compare(std::span<const ComparedSource> sources,
   RILIEVO_EXPECTS(!sources.empty());
   RILIEVO_EXPECTS_GE(options.frames, 1);
   RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kMinCompareSize);
-  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
-  if (!target) return target.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
-  if (!probe) return probe.error();
+  Result<OwnTargets> own = make_targets(sources, options);
+  if (!own) return own.error();
+  const DrawTargets targets = own->targets();
 
-  Report report = begin_report(options, target->samples());
+  Report report = begin_report(options, targets);
   report.shown = frames_to_show(options.frames, options.shown_frames);
 
   // Compiles what is compiled late, captures what is captured first.
@@ -139,7 +166,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
   for (std::size_t s = 0; s < sources.size(); ++s) {
     tallies[s].result.name = sources[s].name;
     for (int i = 0; i < options.warm_up; ++i) {
-      const Result<double> ms = time_frame(*sources[s].source, *target, walk(0));
+      const Result<double> ms = time_frame(*sources[s].source, targets, walk(0));
       if (!ms) return ms.error();
       if (i == 0) tallies[s].result.first_frame_ms = *ms;
       const FrameStats& stats = sources[s].source->stats();
@@ -155,7 +182,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     for (std::size_t s = 0; s < sources.size(); ++s)
       for (int frame = first; frame < end; ++frame) {
         Result<DrawnFrame> one =
-            draw_frame(*sources[s].source, *target, *probe, walk(frame), options.error_step);
+            draw_frame(*sources[s].source, targets, walk(frame), options.error_step);
         if (!one) return one.error();
         drawn[s].push_back(std::move(*one));
       }
@@ -188,19 +215,17 @@ Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
                                     const CompareOptions& options,
                                     const RealTimeOptions& real_time) {
   RILIEVO_EXPECTS(!sources.empty());
-  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
-  if (!target) return target.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
-  if (!probe) return probe.error();
-  Report report = begin_report(options, target->samples());
+  Result<OwnTargets> own = make_targets(sources, options);
+  if (!own) return own.error();
+  const DrawTargets targets = own->targets();
+  Report report = begin_report(options, targets);
   int done = 0;
   for (const ComparedSource& compared : sources) {
-    Result<RealTimeWalk> walked =
-        walk_in_real_time(*compared.source, *target, *probe, walk, real_time);
+    Result<RealTimeWalk> walked = walk_in_real_time(*compared.source, targets, walk, real_time);
     if (!walked) return walked.error();
     Tally tally;
     for (const auto& [frame, drawn] : walked->kept) {
-      Result<DrawnFrame> truth = draw_frame(*sources[0].source, *target, *probe, frame, 0);
+      Result<DrawnFrame> truth = draw_frame(*sources[0].source, targets, frame, 0);
       if (!truth) return truth.error();
       tally.add_frame(*truth, drawn, real_time.error_px);
     }

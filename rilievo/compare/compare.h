@@ -6,8 +6,8 @@
 // with one sample per pixel. Each source draws a block of frames, then all are measured, so that
 // measuring does not disturb the timing.
 //
-// Needs a current OpenGL context; measuring uses all cores. Apart from times, the results do not
-// depend on the machine's speed or its number of threads.
+// Needs a current OpenGL context unless all sources draw without; measuring uses all cores. Apart
+// from times, the results do not depend on the machine's speed or its number of threads.
 #pragma once
 
 #include <cstddef>

@@ -29,14 +29,27 @@ struct DrawnFrame {
   std::vector<float> errors_px;  // of samples of the pictures drawn
 };
 
-// Draws and times the frame, without reading it back. Needs a current OpenGL context.
-[[nodiscard]] Result<double> time_frame(FrameSource& source, FrameTarget& target,
+// Where sources that draw with OpenGL draw. Sources with a software_target() need none.
+struct DrawTargets {
+  FrameTarget* frame = nullptr;
+  ProbeTarget* probe = nullptr;
+};
+
+// Draws and times the frame, without reading it back. Needs a current OpenGL context unless the
+// source draws without.
+[[nodiscard]] Result<double> time_frame(FrameSource& source, const DrawTargets& targets,
                                         const WalkFrame& frame);
+[[nodiscard]] inline Result<double> time_frame(FrameSource& source, FrameTarget& target,
+                                               const WalkFrame& frame) {
+  return time_frame(source, DrawTargets{&target, nullptr}, frame);
+}
+
+// The last frame that was drawn into `targets`.
+[[nodiscard]] Rgba8Image read_frame(const FrameSource& source, const DrawTargets& targets);
 
 // Draws and times the frame, then reads back colours, objects and depths, and measures the error of
 // every `error_step`-th texel in x and y unless that is 0.
-[[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, FrameTarget& target,
-                                            ProbeTarget& probe, const WalkFrame& frame,
-                                            int error_step);
+[[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, const DrawTargets& targets,
+                                            const WalkFrame& frame, int error_step);
 
 }  // namespace rilievo

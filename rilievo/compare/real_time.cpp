@@ -25,12 +25,12 @@ std::vector<double> cuts_of(const CameraPath& path) {
   return cuts;
 }
 
-Result<RealTimeWalk> walk_in_real_time(FrameSource& source, FrameTarget& target, ProbeTarget& probe,
+Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& targets,
                                        const std::function<WalkFrame(double seconds)>& walk,
                                        const RealTimeOptions& options) {
   RILIEVO_EXPECTS(options.kept >= 1 && options.seconds > 0 && options.refresh > 0);
   RealTimeWalk result;
-  const Result<double> first = time_frame(source, target, walk(0));
+  const Result<double> first = time_frame(source, targets, walk(0));
   if (!first) return first.error();
   result.first_frame_ms = *first;
   add_stats(source.stats(), result);
@@ -48,12 +48,12 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, FrameTarget& target,
     const bool keep = int(result.kept.size()) < options.kept && clock >= place;
     double ms = 0;
     if (keep) {
-      Result<DrawnFrame> drawn = draw_frame(source, target, probe, frame, options.error_step);
+      Result<DrawnFrame> drawn = draw_frame(source, targets, frame, options.error_step);
       if (!drawn) return drawn.error();
       ms = drawn->frame_ms;
       result.kept.emplace_back(frame, std::move(*drawn));
     } else {
-      const Result<double> timed = time_frame(source, target, frame);
+      const Result<double> timed = time_frame(source, targets, frame);
       if (!timed) return timed.error();
       ms = *timed;
     }

@@ -46,9 +46,10 @@ struct RealTimeWalk {
 [[nodiscard]] std::vector<double> cuts_of(const CameraPath& path);
 
 // Walks with `source`; `walk` gives the camera `seconds` after the start. Draws on after the end of
-// the walk until all frames to be kept are drawn. Needs a current OpenGL context.
+// the walk until all frames to be kept are drawn. Needs a current OpenGL context unless the source
+// draws without.
 [[nodiscard]] Result<RealTimeWalk> walk_in_real_time(
-    FrameSource& source, FrameTarget& target, ProbeTarget& probe,
+    FrameSource& source, const DrawTargets& targets,
     const std::function<WalkFrame(double seconds)>& walk, const RealTimeOptions& options);
 
 }  // namespace rilievo

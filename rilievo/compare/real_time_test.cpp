@@ -56,7 +56,7 @@ TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
   options.refresh = 100;
   options.cuts = {0.5};
   Sleeper slow(30);
-  const Result<RealTimeWalk> walked = walk_in_real_time(slow, *target, *probe, walk, options);
+  const Result<RealTimeWalk> walked = walk_in_real_time(slow, {&*target, &*probe}, walk, options);
   ASSERT_TRUE(walked.ok());
   EXPECT_GE(walked->first_frame_ms, 30);
   EXPECT_EQ(slow.eyes.size(), walked->frame_ms.size() + 1);
@@ -94,7 +94,7 @@ TEST_F(RealTimeTest, a_fast_method_waits_for_the_display) {
   options.kept = 2;
   options.refresh = 10;  // 100 ms: drawing nothing takes less
   Sleeper fast(0);
-  const Result<RealTimeWalk> walked = walk_in_real_time(fast, *target, *probe, walk, options);
+  const Result<RealTimeWalk> walked = walk_in_real_time(fast, {&*target, &*probe}, walk, options);
   ASSERT_TRUE(walked.ok());
   EXPECT_LE(walked->frame_ms.size(), 5u);
   EXPECT_FALSE(walked->cut_ms);

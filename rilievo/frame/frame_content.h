@@ -55,4 +55,7 @@ struct FrameStats {
   }
 };
 
+// Sets the numbers of what is drawn: polygons, groups and by_kind.
+void count_drawn(const FrameContent& content, FrameStats& stats);
+
 }  // namespace rilievo

@@ -12,6 +12,8 @@
 
 namespace rilievo {
 
+class SoftwareTarget;
+
 // Draws frames.
 class FrameSource {
  public:
@@ -24,6 +26,10 @@ class FrameSource {
   // Draws the object identifiers of the last frame into the current ProbeTarget, without the sky.
   // Captures and chooses nothing, so that it shows exactly what the frame shows.
   virtual Result<> draw_objects() = 0;
+
+  // Where the last frame is, if the source draws without OpenGL: into a target of its own, instead
+  // of the backend's current one. Null: it draws with OpenGL.
+  [[nodiscard]] virtual const SoftwareTarget* software_target() const { return nullptr; }
 
   // What the last draw() did.
   [[nodiscard]] virtual const FrameStats& stats() const = 0;

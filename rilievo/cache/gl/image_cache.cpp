@@ -8,7 +8,7 @@
 namespace rilievo {
 
 // Pictures in an atlas of textures, captured by OpenGL or by the rasteriser.
-class ImageCache::Store final : public PictureStore {
+class ImageCache::Store final : public CachePictures {
  public:
   Store(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
         std::unique_ptr<NailboardSet> pictures)

@@ -1,7 +1,5 @@
 #include "rilievo/frame/gl/scene_frames.h"
 
-#include <algorithm>
-
 #include "rilievo/gl/state_guard.h"
 #include "rilievo/render/draw_list.h"
 
@@ -25,24 +23,6 @@ void SceneFrames::draw_opaque(Output output) {
   renderer_->draw_fading_objects(camera_, content_.fading);
 }
 
-void SceneFrames::count() {
-  stats_.polygons = int(content_.polygons.size() + content_.fading.size());
-  stats_.groups = 0;
-  for (auto& [name, number] : stats_.by_kind) number = 0;
-  for (const FrameContent::Set& set : content_.sets) {
-    int single = 0;
-    for (const Instance& instance : set.instances) single += instance.object != kNoObject;
-    stats_.groups += int(set.instances.size()) - single;
-    const std::string_view kind = set.drawable->kind();
-    const auto found = std::find_if(stats_.by_kind.begin(), stats_.by_kind.end(),
-                                    [&](const auto& entry) { return entry.first == kind; });
-    if (found == stats_.by_kind.end())
-      stats_.by_kind.emplace_back(kind, single);
-    else
-      found->second += single;
-  }
-}
-
 Result<> SceneFrames::draw(const Camera& camera, double time) {
   const gl::StateGuard guard;
   camera_ = camera;
@@ -51,7 +31,7 @@ Result<> SceneFrames::draw(const Camera& camera, double time) {
   content_.clear();
   stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = stats_.gap_px = 0;
   if (Result<> chosen = choose(camera, content_, stats_); !chosen) return chosen;
-  count();
+  count_drawn(content_, stats_);
 
   guard.bind_frame();
   draw_opaque(Output::color);

@@ -44,7 +44,6 @@ class SceneFrames : public FrameSource {
 
  private:
   void draw_opaque(Output output);
-  void count();
 
   SceneRenderer* renderer_;
   FrameContent content_;

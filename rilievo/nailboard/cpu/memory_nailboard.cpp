@@ -78,6 +78,16 @@ void MemoryNailboard::assign_objects(std::span<const std::uint32_t> objects, boo
                 width_, &objects_[std::size_t(y) * std::size_t(stride_)]);
 }
 
+Nailboard MemoryNailboard::copy(const PictureGeometry& geometry) const {
+  Nailboard copy{geometry, Rgba8Image(width_, height_), Image<std::uint16_t>(width_, height_)};
+  for (int y = 0; y < height_; ++y) {
+    std::memcpy(copy.color.row(y).data(), &color_[std::size_t(y) * std::size_t(stride_)],
+                std::size_t(width_) * sizeof(glm::u8vec4));
+    for (int x = 0; x < width_; ++x) copy.delta(x, y) = std::uint16_t(code(x, y));
+  }
+  return copy;
+}
+
 std::size_t MemoryNailboard::bytes() const {
   return (color_.size() + code_pairs_.size() + objects_.size()) * sizeof(std::uint32_t) +
          cell_nearest_.size() * sizeof(std::uint16_t) + cell_opaque_.size();

@@ -30,6 +30,9 @@ class MemoryNailboard {
   // The identifiers of the objects that the texels show; `from_bottom`: the bottom row first.
   void assign_objects(std::span<const std::uint32_t> objects, bool from_bottom);
 
+  // A copy as assign() takes it; `geometry` is the picture's.
+  [[nodiscard]] Nailboard copy(const PictureGeometry& geometry) const;
+
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] int delta_bits() const { return delta_bits_; }

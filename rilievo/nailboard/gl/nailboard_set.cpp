@@ -1,7 +1,6 @@
 #include "rilievo/nailboard/gl/nailboard_set.h"
 
 #include "rilievo/core/expects.h"
-#include "rilievo/nailboard/error.h"
 #include "rilievo/nailboard/sample_error.h"
 
 namespace rilievo {
@@ -11,28 +10,7 @@ namespace {
 // picture 5 ns, a triangle 280 ns.
 constexpr CostTerms kCost{10, 0.02};
 
-double nailboard_bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
-                          const Camera& frame) {
-  return bound_total_px(model.load<PictureGeometry>(), frame, {world_from_capture});
-}
-
-// An object that has moved is one that stood still, seen by an eye that moved the other way.
-Camera moved_against(const Camera& frame, const glm::dmat4& world_from_capture) {
-  Camera moved = frame;
-  moved.world_from_eye = glm::inverse(world_from_capture) * frame.world_from_eye;
-  return moved;
-}
-
 }  // namespace
-
-ErrorModel nailboard_error_model(const PictureGeometry& geometry) {
-  ErrorModel model;
-  model.bound = nailboard_bound_px;
-  model.texel = geometry.plane_z * (geometry.capture.window.right - geometry.capture.window.left) /
-                geometry.capture.width;
-  model.store(geometry);
-  return model;
-}
 
 Result<std::unique_ptr<NailboardSet>> NailboardSet::create(const AtlasOptions& options,
                                                            DepthMode mode) {

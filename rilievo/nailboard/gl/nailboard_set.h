@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "rilievo/kind/drawable.h"
+#include "rilievo/nailboard/error_model.h"
 #include "rilievo/nailboard/gl/nailboard_atlas.h"
 #include "rilievo/nailboard/gl/nailboard_drawer.h"
 
 namespace rilievo {
-
-// The error model of a picture: bound_total_px, infinite for a motion that is not rigid.
-[[nodiscard]] ErrorModel nailboard_error_model(const PictureGeometry& geometry);
 
 // An atlas of nailboards.
 class NailboardSet final : public Drawable {

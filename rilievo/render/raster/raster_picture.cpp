@@ -50,6 +50,17 @@ void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const std:
   }
 }
 
+void PictureRasterizer::draw_objects(const Camera& camera, std::span<const std::uint32_t> objects,
+                                     std::span<const glm::mat4> poses, ObjectPicture& picture) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  State& s = *state_;
+  place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
+  make_instances(camera, s.placed, s.instances, s.masks);
+  s.raster.begin(camera.width, camera.height, 1);
+  s.raster.draw(s.instances);
+  identify(s.raster.seen(), s.placed, picture);
+}
+
 std::size_t PictureRasterizer::texture_bytes() const { return state_->materials.bytes(); }
 
 void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t> objects,

@@ -39,6 +39,10 @@ class PictureRasterizer {
   void draw(const Camera& camera, std::span<const std::uint32_t> objects,
             std::span<const glm::mat4> poses, int samples, RasterPicture& picture);
 
+  // Draws the object identifiers of the same picture at the texels' centres.
+  void draw_objects(const Camera& camera, std::span<const std::uint32_t> objects,
+                    std::span<const glm::mat4> poses, ObjectPicture& picture);
+
   // Draws the window_z of the farthest of all surfaces along the rays through the texels' centres,
   // including hidden ones and back faces; 1 if there is none. Rows from the bottom. Objects as in
   // draw().

@@ -231,8 +231,17 @@ Mask alpha_passes(const MaskedTriangle& t, vfloat x, vfloat y) {
   return hn::Ge(alpha.v, hn::Set(F(), t.mask->cutoff));
 }
 
+// Which of the samples at (x, y) lie in texels whose hash is in the instance's cross-fade range?
+Mask in_share(const RasterInstance& instance, vfloat x, vfloat y) {
+  const auto fract = [](vfloat a) { return a - vfloat(hn::Floor(a.v)); };
+  const vfloat column(hn::Floor(x.v)), row(hn::Floor(y.v));
+  const vfloat hash = fract(52.9829189f * fract(column * 0.06711056f + row * 0.00583715f));
+  return hn::And(hn::Ge(hash.v, hn::Set(F(), instance.share_from)),
+                 hn::Lt(hash.v, hn::Set(F(), instance.share_to)));
+}
+
 // Rows [low, high) of what the triangles [place, place + count) of the instance cover. Without
-// holes a loop of its own: it has no register to spare.
+// holes and cross-fades a loop of its own: it has no register to spare.
 template <bool kMasked>
 void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
                const RasterInstance& instance, int low, int high, SampleBuffer& out) {
@@ -259,7 +268,8 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
     const vfloat z_per_x = get(Triangles::z_per_x), z_per_y = get(Triangles::z_per_y);
     const auto triangle = hn::Set(u, in.triangle[t]);
     [[maybe_unused]] MaskedTriangle masked;
-    if constexpr (kMasked) masked = masked_triangle(in, t, instance);
+    if constexpr (kMasked)
+      if (instance.mask) masked = masked_triangle(in, t, instance);
     const float left = std::max(std::min(std::min(x0, x1), x2), 0.0f);
     const float right = std::min(std::max(std::max(x0, x1), x2), float(width) - 0.5f);
     // Vectors of a row.
@@ -285,7 +295,8 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
           covered = hn::And(covered, hn::Lt(z.v, nearest));
           if (hn::AllFalse(f, covered)) continue;
           if constexpr (kMasked) {
-            covered = hn::And(covered, alpha_passes(masked, x, y));
+            if (instance.mask) covered = hn::And(covered, alpha_passes(masked, x, y));
+            covered = hn::And(covered, in_share(instance, x, y));
             if (hn::AllFalse(f, covered)) continue;
           }
           hn::StoreU(hn::IfThenElse(covered, z.v, nearest), f, depths + at);
@@ -299,7 +310,7 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
 
 void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
           const RasterInstance& instance, int low, int high, SampleBuffer& out) {
-  if (instance.mask)
+  if (instance.mask || instance.share_from > 0 || instance.share_to < 1)
     fill_rows<true>(in, place, count, instance, low, high, out);
   else
     fill_rows<false>(in, place, count, instance, low, high, out);

@@ -42,6 +42,8 @@ struct RasterInstance {
   bool front = true, back = false;
   const RasterMask* mask = nullptr;  // null: no holes
   float min_w = 0;                   // triangles with a corner that is not beyond it are left out
+  // Covers only texels whose hash (shader::kPixelHash) lies in [share_from, share_to).
+  float share_from = 0, share_to = 1;
 };
 
 // Rasterises into a visibility buffer.

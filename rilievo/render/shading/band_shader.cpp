@@ -13,6 +13,7 @@ void BandShader::shade(const PictureView& view, int from, int to) {
   seen_.clear();
   first_of_.resize(view.meshes.size(), kNone);
   mesh_ = 0;
+  from_ = from;
   covered_.resize(texels);
   nearest_.resize(texels);
   for (int y = from; y < to; ++y) find_seen(view, y, y - from);
@@ -85,7 +86,8 @@ void BandShader::add_mesh(const PictureView& view, const PlacedMesh& placed, std
   for (std::uint32_t s = first; s != kNone; s = seen_[s].next) {
     const Seen& seen = seen_[s];
     const std::size_t i = rays_.count++;
-    waiting_[surfaces_.count + i] = {seen.row * width + seen.x, float(seen.samples)};
+    waiting_[surfaces_.count + i] = {seen.row * width + seen.x, float(seen.samples),
+                                     placed.first_triangle + seen.triangle};
     const glm::vec3 ray = view.rays.first + float(seen.x) * view.rays.per_x +
                           float(from + int(seen.row)) * view.rays.per_y;
     const std::uint32_t* corner = &mesh.indices[3 * std::size_t(seen.triangle)];
@@ -123,7 +125,24 @@ void BandShader::flush(const PictureView& view) {
   for (std::size_t i = 0; i < surfaces_.count; ++i)
     sums_[waiting_[i].texel] +=
         waiting_[i].samples * glm::vec3(colors_.rgb[0][i], colors_.rgb[1][i], colors_.rgb[2][i]);
+  if (view.sample_colors) write_samples(view);
   surfaces_.count = 0;
+}
+
+// The colours of the surfaces into the samples that show them.
+void BandShader::write_samples(const PictureView& view) const {
+  const SampleBuffer& in = view.samples;
+  const auto width = std::size_t(in.width), samples = std::size_t(in.samples);
+  for (std::size_t i = 0; i < surfaces_.count; ++i) {
+    std::uint32_t color = 0xff000000u;
+    for (int c = 0; c < 3; ++c)
+      color |= std::uint32_t(colors_.rgb[c][i] * 255.0f + 0.5f) << (8 * c);
+    const std::size_t texel = waiting_[i].texel;
+    const std::size_t first = in.row(from_ + int(texel / width)) + texel % width * samples;
+    for (std::size_t at = first; at < first + samples; ++at)
+      if (in.depth[at] < 1 && in.triangle[at] == waiting_[i].triangle)
+        view.sample_colors[at] = color;
+  }
 }
 
 }  // namespace rilievo

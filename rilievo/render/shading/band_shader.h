@@ -32,6 +32,9 @@ struct PictureView {
   PictureRays rays;
   SurfaceLights lights;
   ColorScale scale = ColorScale::srgb;
+  // If not null: the colour of each covered sample, as bytes, the first one in the lowest bits,
+  // alpha 255, goes to the sample's place in the SampleBuffer's rows. Requires ColorScale::srgb.
+  std::uint32_t* sample_colors = nullptr;
 };
 
 // Shades a few rows of texels at a time. Keeps its buffers; use one object for each thread.
@@ -63,6 +66,7 @@ class BandShader {
   struct Waiting {
     std::size_t texel;  // of the band
     float samples;
+    std::uint32_t triangle;  // of the SampleBuffer
   };
 
   void find_seen(const PictureView& view, int y, int row);
@@ -70,11 +74,13 @@ class BandShader {
   void add_mesh(const PictureView& view, const PlacedMesh& placed, std::uint32_t first, int from);
   void append(const PictureView& view, const PlacedMesh& placed);
   void flush(const PictureView& view);
+  void write_samples(const PictureView& view) const;
 
   std::vector<Seen> seen_;
   std::vector<std::uint32_t> first_of_;  // by mesh: index into seen_, or kNone
   std::vector<std::uint32_t> met_;       // meshes that are seen
   std::uint32_t mesh_ = 0;               // the last one met
+  int from_ = 0;                         // the first row
   TriangleRays rays_;
   Surfaces surfaces_;
   SurfaceColors colors_;

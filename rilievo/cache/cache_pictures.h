@@ -16,9 +16,9 @@
 namespace rilievo {
 
 // Keeps pictures for one backend.
-class PictureStore {
+class CachePictures {
  public:
-  virtual ~PictureStore() = default;
+  virtual ~CachePictures() = default;
 
   // The largest picture, texels a side; to a multiple of what sizes are rounded up; and the texels
   // that all pictures can have.

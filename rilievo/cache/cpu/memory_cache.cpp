@@ -1,0 +1,154 @@
+#include "rilievo/cache/cpu/memory_cache.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/nailboard/cpu/memory_nailboard_set.h"
+#include "rilievo/nailboard/encode_picture.h"
+#include "rilievo/nailboard/raster_gaps.h"
+
+namespace rilievo {
+namespace {
+
+// As an atlas on the GPU has it, so that both choose the same pictures.
+constexpr int kLargestPicture = 1024;
+// Rows are padded (memory_nailboard.h); colours and codes take six bytes.
+constexpr int kRowPadding = 16;
+constexpr std::size_t kTexelBytes = 6;
+// Memory of pictures that are gone, for the next ones.
+constexpr std::size_t kMaxPooled = std::size_t(16) << 20;
+
+}  // namespace
+
+// Pictures in memory, captured by the rasteriser.
+class MemoryCache::Store final : public CachePictures {
+ public:
+  Store(const PlacedScene& placed, const ImageCacheOptions& options)
+      : placed_(placed),
+        capturer_(placed.scene(), options.samples),
+        delta_bits_(options.delta_bits),
+        max_bytes_(options.max_bytes - capture_bytes(options)),
+        pictures_(options.depth_mode) {}
+
+  [[nodiscard]] static std::size_t capture_bytes(const ImageCacheOptions& options) {
+    return CaptureWithoutOpenGL::bytes(kLargestPicture, options.samples);
+  }
+  [[nodiscard]] MemoryNailboardSet& pictures() { return pictures_; }
+  [[nodiscard]] const MemoryNailboard& picture(std::uint32_t slot) const { return *slots_[slot]; }
+
+  [[nodiscard]] int max_picture_size() const override { return kLargestPicture; }
+  [[nodiscard]] int texel_cell() const override { return 2 * kRowPadding; }
+  [[nodiscard]] std::uint64_t max_texels() const override { return max_bytes_ / kTexelBytes; }
+  [[nodiscard]] std::size_t bytes() const override { return bytes_; }
+  [[nodiscard]] bool rasterizes() const override { return true; }
+
+  [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
+    const std::size_t bytes = bytes_of(width, height);
+    if (bytes_ + bytes > max_bytes_) return false;
+    if (slot >= slots_.size()) slots_.resize(slot + 1), sizes_.resize(slot + 1);
+    RILIEVO_EXPECTS(sizes_[slot] == 0);
+    if (!slots_[slot]) slots_[slot] = std::make_unique<MemoryNailboard>();
+    pooled_ -= slots_[slot]->bytes();
+    sizes_[slot] = bytes;
+    bytes_ += bytes;
+    return true;
+  }
+  // The next picture of the slot takes over the memory, within limits.
+  void free(std::uint32_t slot) override {
+    bytes_ -= sizes_[slot];
+    sizes_[slot] = 0;
+    if (pooled_ + slots_[slot]->bytes() > kMaxPooled) *slots_[slot] = {};
+    pooled_ += slots_[slot]->bytes();
+  }
+  void capture(std::uint32_t slot, const Camera& camera,
+               std::span<const std::uint32_t> objects) override {
+    const RasterPicture& picture = capturer_.capture(camera, objects, placed_.poses());
+    encode_picture(picture, delta_bits_, encoded_);
+    slots_[slot]->assign(picture.width, picture.height, picture.color, encoded_, delta_bits_);
+    if (slot >= ranges_.size()) ranges_.resize(slot + 1);
+    ranges_[slot] = rilievo::delta_range({encoded_.blocks.data(), nullptr,
+                                          std::size_t(blocks_across(picture.width)), 0,
+                                          picture.width, picture.height});
+  }
+  [[nodiscard]] GapTable gaps(const Camera& camera,
+                              std::span<const std::uint32_t> objects) override {
+    return raster_gaps(capturer_, camera, objects, placed_.poses());
+  }
+  [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t slot) override {
+    return ranges_[slot];
+  }
+  void finish() override {}
+  void capture_objects(std::uint32_t slot, const Camera& camera,
+                       std::span<const std::uint32_t> objects) override {
+    slots_[slot]->assign_objects(capturer_.capture_objects(camera, objects, placed_.poses()).object,
+                                 true);
+  }
+  void show(std::uint32_t slot, const PictureGeometry& geometry) override {
+    pictures_.set_item(slot, *slots_[slot], geometry);
+  }
+
+ private:
+  [[nodiscard]] static std::size_t bytes_of(int width, int height) {
+    const int stride = (width + kRowPadding) / kRowPadding * kRowPadding;
+    return std::size_t(stride) * std::size_t(height + 2) * kTexelBytes;
+  }
+
+  const PlacedScene& placed_;
+  CaptureWithoutOpenGL capturer_;
+  int delta_bits_;
+  std::size_t max_bytes_, bytes_ = 0, pooled_ = 0;
+  MemoryNailboardSet pictures_;
+  std::vector<std::unique_ptr<MemoryNailboard>> slots_;  // they stay where they are
+  std::vector<std::size_t> sizes_;                       // of each slot, bytes; 0: free
+  std::vector<std::optional<DeltaRange>> ranges_;
+  AtlasPicture encoded_;
+};
+
+MemoryCache::MemoryCache(const Scene& scene, const ImageCacheOptions& options)
+    : SoftwareFrames(scene, options.samples),
+      store_(std::make_unique<Store>(placed(), options)),
+      cache_(
+          std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options, content())) {
+  set_drawers().push_back(&store_->pictures());
+}
+MemoryCache::~MemoryCache() = default;
+
+Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
+                                                         const ImageCacheOptions& options) {
+  if (options.samples != 1 && options.samples != 4)
+    return Error{"cache", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
+  if (options.outlines || options.capture_by == CaptureBy::opengl)
+    return Error{"cache", "outlines and OpenGL's captures need frames drawn by OpenGL"};
+  // As much again, for pictures.
+  const std::size_t least = 2 * Store::capture_bytes(options);
+  if (options.max_bytes < least)
+    return Error{"cache", "the memory for pictures must be at least " +
+                              std::to_string((least >> 20) + 1) + " MB"};
+  return {std::unique_ptr<MemoryCache>(new MemoryCache(scene, options))};
+}
+
+void MemoryCache::invalidate() { cache_->invalidate(content()); }
+void MemoryCache::invalidate_object(std::uint32_t object) { cache_->invalidate_object(object); }
+ImageCacheOptions& MemoryCache::options() { return cache_->options(); }
+std::vector<SceneCache::Shown> MemoryCache::shown() const { return cache_->shown(); }
+void MemoryCache::prepare_objects() { cache_->prepare_objects(); }
+
+Result<> MemoryCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+  sky_ = cache_->options().sky;
+  cache_->choose(camera, content, stats);
+  return Done{};
+}
+
+std::vector<DepthImage> MemoryCache::read_pictures() const {
+  std::vector<DepthImage> read;
+  for (const SceneCache::Shown& one : shown()) {
+    read.push_back(depth_image_from(store_->picture(one.slot).copy(one.geometry)));
+    read.back().name =
+        std::to_string(read.size()) + " of " + std::to_string(one.objects.size()) + " objects";
+  }
+  return read;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,41 @@
+// How is a scene drawn from pictures within an error in pixels, without OpenGL?
+//
+// scene_cache.h says what is drawn, the same as for OpenGL whose pictures the rasteriser captures;
+// this class keeps the pictures in memory, and composes the frames there.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rilievo/cache/scene_cache.h"
+#include "rilievo/frame/cpu/software_frames.h"
+
+namespace rilievo {
+
+// A frame source that captures pictures and reuses them, in memory.
+class MemoryCache final : public SoftwareFrames {
+ public:
+  // `scene` must be valid and outlive the cache. Fails if max_bytes does not suffice for captures,
+  // if the samples are neither 1 nor 4, and for outlines and OpenGL's captures, which need OpenGL.
+  [[nodiscard]] static Result<std::unique_ptr<MemoryCache>> create(
+      const Scene& scene, const ImageCacheOptions& options);
+  ~MemoryCache() override;
+
+  // As ImageCache's.
+  void invalidate();
+  void invalidate_object(std::uint32_t object);
+  [[nodiscard]] ImageCacheOptions& options();
+  [[nodiscard]] std::vector<SceneCache::Shown> shown() const;
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
+
+ private:
+  class Store;
+  MemoryCache(const Scene& scene, const ImageCacheOptions& options);
+  Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
+  void prepare_objects() override;
+
+  std::unique_ptr<Store> store_;
+  std::unique_ptr<SceneCache> cache_;
+};
+
+}  // namespace rilievo

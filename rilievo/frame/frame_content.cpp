@@ -1,0 +1,25 @@
+#include "rilievo/frame/frame_content.h"
+
+#include <algorithm>
+
+namespace rilievo {
+
+void count_drawn(const FrameContent& content, FrameStats& stats) {
+  stats.polygons = int(content.polygons.size() + content.fading.size());
+  stats.groups = 0;
+  for (auto& [name, number] : stats.by_kind) number = 0;
+  for (const FrameContent::Set& set : content.sets) {
+    int single = 0;
+    for (const Instance& instance : set.instances) single += instance.object != kNoObject;
+    stats.groups += int(set.instances.size()) - single;
+    const std::string_view kind = set.drawable->kind();
+    const auto found = std::find_if(stats.by_kind.begin(), stats.by_kind.end(),
+                                    [&](const auto& entry) { return entry.first == kind; });
+    if (found == stats.by_kind.end())
+      stats.by_kind.emplace_back(kind, single);
+    else
+      found->second += single;
+  }
+}
+
+}  // namespace rilievo

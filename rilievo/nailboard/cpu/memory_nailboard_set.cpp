@@ -1,0 +1,61 @@
+#include "rilievo/nailboard/cpu/memory_nailboard_set.h"
+
+#include "rilievo/core/expects.h"
+#include "rilievo/nailboard/error_model.h"
+#include "rilievo/nailboard/sample_error.h"
+
+namespace rilievo {
+
+void MemoryNailboardSet::set_item(std::uint32_t item, const MemoryNailboard& picture,
+                                  const PictureGeometry& geometry) {
+  if (item >= items_.size()) items_.resize(item + 1);
+  items_[item] = {&picture, geometry};
+}
+
+void MemoryNailboardSet::draw(const Camera& frame, std::span<const Instance> instances, Output) {
+  placed_.clear();
+  for (const Instance& instance : instances) {
+    RILIEVO_EXPECTS(instance.item < items_.size());
+    const Item& item = items_[instance.item];
+    placed_.push_back({item.picture, item.geometry, instance.world_from_capture, instance.object,
+                       instance.from, instance.to});
+  }
+  composer_.place(frame, mode_, placed_);
+}
+
+void MemoryNailboardSet::draw_outlines(const Camera&, std::span<const Instance>) {}
+
+ErrorModel MemoryNailboardSet::error_model(std::uint32_t item) const {
+  return nailboard_error_model(items_[item].geometry);
+}
+
+CostTerms MemoryNailboardSet::cost_terms(std::uint32_t) const {
+  // Of a picture's pixel 1 ns, of a triangle 280 ns: see CacheOptions::cost.
+  return {10, 0.004};
+}
+
+std::size_t MemoryNailboardSet::bytes() const {
+  std::size_t bytes = 0;
+  for (const Item& item : items_) bytes += item.picture ? item.picture->bytes() : 0;
+  return bytes;
+}
+
+void MemoryNailboardSet::append_errors(const Camera& frame, std::span<const Instance> instances,
+                                       int step, std::vector<float>& errors_px) const {
+  for (const Instance& instance : instances) {
+    const Item& item = items_[instance.item];
+    append_sample_errors(item.picture->copy(item.geometry),
+                         moved_against(frame, instance.world_from_capture), step, errors_px);
+  }
+}
+
+std::vector<DepthImage> MemoryNailboardSet::read_pictures(const Instance& instance) const {
+  const Item& item = items_[instance.item];
+  std::vector<DepthImage> read{depth_image_from(item.picture->copy(item.geometry))};
+  Camera& camera = read.front().camera;
+  if (instance.world_from_capture != glm::dmat4(1.0))
+    camera.world_from_eye = instance.world_from_capture * camera.world_from_eye;
+  return read;
+}
+
+}  // namespace rilievo

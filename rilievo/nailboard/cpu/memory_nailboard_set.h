@@ -1,0 +1,53 @@
+// How are nailboards in memory a drawable? As a set of many, drawn into tiles.
+//
+// An item is a picture that somebody else keeps; the cache has them (cache/cpu/memory_cache.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "rilievo/kind/drawable.h"
+#include "rilievo/nailboard/cpu/nailboard_composer.h"
+
+namespace rilievo {
+
+// A set of nailboards. draw() places the instances for the tiles that are drawn next.
+class MemoryNailboardSet final : public Drawable, public TileDrawer {
+ public:
+  explicit MemoryNailboardSet(DepthMode mode) : mode_(mode) {}
+
+  // Makes `item` this picture, which outlives its use. Requires a picture of the geometry's size
+  // when the item is drawn.
+  void set_item(std::uint32_t item, const MemoryNailboard& picture,
+                const PictureGeometry& geometry);
+
+  [[nodiscard]] std::string_view kind() const override { return "nailboard"; }
+  void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
+  // Draws none.
+  void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
+  void draw_tile(FrameTile& tile) const override { composer_.draw_tile(tile); }
+
+  [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
+  [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
+  // Of the pictures of all items.
+  [[nodiscard]] std::size_t bytes() const override;
+  void append_errors(const Camera& frame, std::span<const Instance> instances, int step,
+                     std::vector<float>& errors_px) const override;
+  // One picture, with its camera moved along with the object.
+  [[nodiscard]] std::vector<DepthImage> read_pictures(const Instance& instance) const override;
+
+ private:
+  struct Item {
+    const MemoryNailboard* picture = nullptr;
+    PictureGeometry geometry;
+  };
+
+  DepthMode mode_;
+  std::vector<Item> items_;
+  std::vector<MemoryNailboardInstance> placed_;  // kept, so that drawing does not allocate
+  NailboardComposer composer_;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,61 @@
+#include "rilievo/render/raster/frame_raster.h"
+
+#include <algorithm>
+#include <string>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/render/raster/raster_instances.h"
+
+namespace rilievo {
+
+Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedScene& scene,
+                                std::span<const std::uint32_t> objects,
+                                std::span<const CrossFade> fading) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  if (std::max(camera.width, camera.height) > SampleRaster::kMaxSize)
+    return Error{"frame", "the rasteriser draws at most " + std::to_string(SampleRaster::kMaxSize) +
+                              " pixels a side"};
+  // Near objects first: what they hide is written less often. Then those that fade.
+  nearest_first_.clear();
+  for (const std::uint32_t object : objects)
+    nearest_first_.emplace_back(
+        glm::length(glm::dvec3(scene.bounds()[object].center()) - camera.position()), object);
+  std::sort(nearest_first_.begin(), nearest_first_.end());
+  objects_.clear();
+  for (const auto& [distance, object] : nearest_first_) objects_.push_back(object);
+  for (const CrossFade& one : fading) objects_.push_back(one.object);
+  place_meshes(scene.scene(), materials_, camera.position(), objects_, scene.poses(), placed_);
+  make_instances(camera, placed_, instances_, masks_);
+
+  // The meshes of each object that fades are the next ones of the list, from its end on.
+  std::size_t end = instances_.size();
+  for (std::size_t i = fading.size(); i-- > 0;) {
+    const CrossFade& one = fading[i];
+    for (const Part& part :
+         scene.scene().models[std::size_t(scene.scene().objects[one.object].model)].parts) {
+      if (!scene.opaque_meshes()[std::size_t(part.mesh)]) continue;
+      --end;
+      instances_[end].share_from = one.from, instances_[end].share_to = one.to;
+    }
+  }
+
+  const std::uint32_t triangles =
+      placed_.empty() ? 0 : placed_.back().first_triangle + placed_.back().triangles;
+  near_clip_.clear(triangles);
+  const float z_near = float(camera.z_near);
+  for (std::size_t i = 0; i < placed_.size(); ++i)
+    if (NearClip::crosses(instances_[i], placed_[i].mesh->bounds, z_near))
+      near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]);
+  instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
+  raster_.begin(camera.width, camera.height, samples);
+  raster_.draw(instances_);
+  raster_.renumber(triangles, near_clip_.numbers());
+  return Done{};
+}
+
+PictureView FrameRaster::view(const Camera& camera, const Scene& scene) {
+  return {raster_.seen(), placed_, picture_rays(camera),
+          surface_lights(scene, camera.position(), lights_)};
+}
+
+}  // namespace rilievo

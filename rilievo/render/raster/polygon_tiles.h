@@ -1,0 +1,44 @@
+// How do polygons get into a frame that processors draw?
+//
+// All of a frame's polygons are rasterised and shaded at once, with the samples of the frame; tiles
+// take them over sample by sample, by depth. A block of which each pixel shows one triangle keeps a
+// single sample a pixel. Uses all cores; the result does not depend on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/core/result.h"
+#include "rilievo/render/cross_fade.h"
+#include "rilievo/render/placed_scene.h"
+#include "rilievo/render/software/frame_tile.h"
+
+namespace rilievo {
+
+// Draws polygons of one scene into the tiles of a SoftwareTarget.
+class PolygonTiles final : public TileDrawer {
+ public:
+  // `scene` must be valid and outlive the object. Makes the mip levels of its textures with the
+  // first polygons.
+  explicit PolygonTiles(const Scene& scene);
+  ~PolygonTiles() override;
+
+  // Prepares a frame of colours with 1 or 4 samples, of the opaque and masked parts of `objects`,
+  // and of those that fade within their ranges. Does not cull. Fails where the rasteriser does.
+  // Requires a perspective camera.
+  Result<> place(const Camera& camera, int samples, const PlacedScene& placed,
+                 std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
+  // Prepares a frame of their identifiers, which has one sample a pixel.
+  Result<> place_objects(const Camera& camera, const PlacedScene& placed,
+                         std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
+
+  void draw_tile(FrameTile& tile) const override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rilievo
