@@ -2,6 +2,11 @@
 // Along a silhouette from u to w the surfaces 1 and 2 end in edges u1-w1 and u2-w2; a skin is the
 // quadrangle between them. Where three or more surfaces meet, the skins' ends leave a triangle that
 // has no area, and is drawn all the same: rounding may give it one.
+//
+// A triangle beside a silhouette can be narrower than a texel and span metres of depth: its edge on
+// the silhouette is straight where the surface is not. No texel's centre lies within it, so that
+// the triangulation does not meet its error, and other eyes would see it stand in the air. It is a
+// skin too.
 #include "rilievo/environment_nodes/assemble_mesh.h"
 
 #include <map>
@@ -13,6 +18,9 @@ namespace rilievo {
 namespace {
 
 using Key = std::tuple<int, int, int>;
+
+// Triangles whose normal makes a larger cosine with the line of sight are surfaces in any case.
+constexpr float kEdgeOn = 0.05f;
 
 class Assembler {
  public:
@@ -92,16 +100,54 @@ class Assembler {
       if (!face.shows_something(t)) continue;
       std::uint32_t v[3];
       for (int i = 0; i < 3; ++i) v[i] = placed(f, t, i).vertex;
+      const float quality =
+          triangle_quality(mesh_.vertices[v[0]], mesh_.vertices[v[1]], mesh_.vertices[v[2]]);
+      if (quality < kEdgeOn && !shows_texel(face, t)) {
+        slivers_[f].push_back(t);
+        continue;
+      }
       // Counter-clockwise on the lattice, whose y runs down: clockwise as seen.
       mesh_.indices.insert(mesh_.indices.end(), {v[0], v[2], v[1]});
-      mesh_.quality.push_back(
-          triangle_quality(mesh_.vertices[v[0]], mesh_.vertices[v[1]], mesh_.vertices[v[2]]));
+      mesh_.quality.push_back(quality);
     }
     mesh_.surfaces[std::size_t(f)] = {std::uint32_t(first),
                                       std::uint32_t(mesh_.triangles() - first)};
   }
 
+  // Is the centre of a texel within the triangle? Those on its sides belong to its neighbours too.
+  static bool shows_texel(const FaceMesh& face, std::uint32_t triangle) {
+    glm::ivec2 p[3];
+    for (int i = 0; i < 3; ++i) p[i] = face.mesh().points()[face.mesh().triangles()[triangle].v[i]];
+    const glm::ivec2 low = glm::min(p[0], glm::min(p[1], p[2])) | 1;
+    const glm::ivec2 high = glm::max(p[0], glm::max(p[1], p[2]));
+    for (int y = low.y; y <= high.y; y += 2)
+      for (int x = low.x; x <= high.x; x += 2)
+        if (orientation(p[0], p[1], {x, y}) > 0 && orientation(p[1], p[2], {x, y}) > 0 &&
+            orientation(p[2], p[0], {x, y}) > 0)
+          return true;
+    return false;
+  }
+
+  // It stretches from its longest side to the corner opposite, as it is seen from the node.
+  void add_sliver(int f, std::uint32_t triangle) {
+    const FaceMesh& face = *faces_[std::size_t(f)];
+    const auto point = [&](int i) {
+      return face.mesh().points()[face.mesh().triangles()[triangle].v[i % 3]];
+    };
+    int corner = 0, longest = 0;
+    for (int i = 0; i < 3; ++i) {
+      const glm::ivec2 side = point(i + 2) - point(i + 1);
+      const int length = side.x * side.x + side.y * side.y;
+      if (length > longest) longest = length, corner = i;
+    }
+    const auto at = [&](int i) {
+      return Stretched{placed(f, triangle, i), i == corner ? 1.0f : 0.0f};
+    };
+    add_skin_triangle(at(0), at(2), at(1));
+  }
+
   void add_skins(int f) {
+    for (const std::uint32_t triangle : slivers_[f]) add_sliver(f, triangle);
     const FaceMesh& face = *faces_[std::size_t(f)];
     const auto& triangles = face.mesh().triangles();
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
@@ -195,6 +241,7 @@ class Assembler {
   const std::array<const FaceMesh*, 6>& faces_;
   NodeMesh mesh_;
   std::vector<std::uint32_t> first_[6];  // by face and point: its first vertex
+  std::vector<std::uint32_t> slivers_[6];
   std::map<Key, std::uint32_t> border_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Side> waiting_;
   std::map<std::pair<std::uint32_t, float>, std::uint32_t> skin_of_;

@@ -245,5 +245,48 @@ TEST(ValidateEnvironment, says_what_is_wrong_with_a_face) {
   EXPECT_TRUE(has(reason(bad), "face 5 of 6")) << reason(bad);
 }
 
+// Seen through a doorway, a wall's, a ceiling's and a floor's ends make one straight silhouette.
+// The middle of each triangle is where a surface is: between those of the texels around it.
+TEST(Triangulate, no_surface_stands_in_the_air_behind_a_doorway) {
+  const DistanceAlong partition = [](const glm::dvec3& d) {
+    if (d.x >= 0) return std::numeric_limits<double>::infinity();
+    const double s = -1.1 / d.x, y = s * d.y, z = s * d.z;
+    const bool door = z > 0.35 && z < 1.4 && y < 0.7;
+    return door ? std::numeric_limits<double>::infinity() : s;
+  };
+  const DistanceAlong rooms =
+      nearest_of({box_around({-6.6, -1.45, -1.8}, {4.4, 1.15, 3.2}), partition});
+  TriangulateOptions options;
+  options.error_px = 0.5;
+  const int n = 128;
+  const NodeMesh mesh = triangulate(make_node(n, rooms), options);
+  for (std::size_t f = 0; f < 6; ++f) {
+    const FaceAxes& axes = face_axes()[f];
+    const TriangleRange range = mesh.surfaces[f];
+    for (std::uint32_t t = range.first; t < range.first + range.count; ++t) {
+      glm::dvec3 direction(0);
+      double disparity = 0;
+      for (int k = 0; k < 3; ++k) {
+        const NodeVertex& v = mesh.vertices[mesh.indices[3 * t + std::uint32_t(k)]];
+        direction += glm::dvec3(v.direction) / 3.0;
+        disparity += double(v.disparity) / 3;
+      }
+      double least = 1e9, most = 0;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const double step = 2.0 / n;
+          const double there = 1 / rooms(direction + step * dx * glm::dvec3(axes.right) +
+                                         step * dy * glm::dvec3(axes.up));
+          least = std::min(least, there), most = std::max(most, there);
+        }
+      // Near a silhouette that is between the two surfaces' as well: what is between, in the air,
+      // is as far from both.
+      const double off = std::min(std::abs(disparity - least), std::abs(disparity - most));
+      EXPECT_LT(off, 0.05 + 0.1 * disparity) << "face " << f << " shows " << 1 / disparity
+                                             << " m, not " << 1 / most << " to " << 1 / least;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rilievo

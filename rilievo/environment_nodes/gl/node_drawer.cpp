@@ -109,7 +109,7 @@ Result<NodeDrawer> NodeDrawer::create() {
 }
 
 void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
-                           const gl::Program* skins, float widest_skin) {
+                           const gl::Program* skins, float widest_skin, Sides sides) {
   const std::array<bool, 6> visible = visible_faces(node.shape_, node.reaches_, frame);
   const glm::mat4 to_clip(clip_from_node(node.shape_, frame));
   glEnable(GL_DEPTH_TEST);
@@ -121,6 +121,8 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
   glBindVertexArray(node.vertex_array_);
   glBindTextureUnit(0, node.faces_);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, node.quality_);
@@ -145,7 +147,9 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
       triangles_drawn_ += count;
     }
   };
+  if (sides == Sides::front) glEnable(GL_CULL_FACE);
   draw_ranges(surfaces, node.shape_.surfaces);
+  glDisable(GL_CULL_FACE);
   if (skins) draw_ranges(*skins, node.shape_.skins);
   glDisable(GL_DEPTH_CLAMP);
   glDepthRange(0, 1);
@@ -198,7 +202,7 @@ Result<> NodeDrawer::draw_first(const Camera& frame, std::span<const StoredNode*
   GLint framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   begin_layer(0);
-  draw_node(frame, *nodes[0], layer_, &layer_skin_, widest);
+  draw_node(frame, *nodes[0], layer_, &layer_skin_, widest, Sides::both);
   begin_layer(1);
   glUseProgram(covered_);
   glBindVertexArray(no_vertices_);
@@ -207,7 +211,7 @@ Result<> NodeDrawer::draw_first(const Camera& frame, std::span<const StoredNode*
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   for (const StoredNode* node : nodes.subspan(1))
-    draw_node(frame, *node, layer_, &layer_skin_, kCrack);
+    draw_node(frame, *node, layer_, &layer_skin_, kCrack, Sides::front);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   if (Result<> made = use_merge(1, 2); !made) return made;
   glBindVertexArray(no_vertices_);
@@ -231,7 +235,8 @@ void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* c
         glProgramUniform1ui(*program, 3, 1);
     glBindTextureUnit(1, node->objects_);
     draw_node(frame, *node, objects_, &objects_skin_,
-              options.skin && node == nodes[0] ? kAnyWidth : kCrack);
+              options.skin && node == nodes[0] ? kAnyWidth : kCrack,
+              node == nodes[0] ? Sides::both : Sides::front);
     for (const gl::Program* program : {&objects_, &objects_skin_})
       glProgramUniform1ui(*program, 3, object);
   }
@@ -248,7 +253,8 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   const float widest = options.skin ? kAnyWidth : kCrack;
   if (nodes.size() == 1 || options.merge == NodeMerge::layering) {
     for (const StoredNode* node : nodes)
-      draw_node(frame, *node, color_, &color_skin_, node == nodes[0] ? widest : kCrack);
+      draw_node(frame, *node, color_, &color_skin_, node == nodes[0] ? widest : kCrack,
+                node == nodes[0] ? Sides::both : Sides::front);
     return Done{};
   }
 
@@ -263,7 +269,8 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
     nearness[i] =
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
     begin_layer(i);
-    draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack);
+    draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack,
+              i == 0 ? Sides::both : Sides::front);
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   if (Result<> made = use_merge(int(options.merge), nodes.size()); !made) return made;
@@ -279,7 +286,7 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
 }
 
 void NodeDrawer::draw_directions(const Camera& frame, const StoredNode& node, bool skin) {
-  draw_node(frame, node, direction_, &direction_skin_, skin ? kAnyWidth : kCrack);
+  draw_node(frame, node, direction_, &direction_skin_, skin ? kAnyWidth : kCrack, Sides::both);
 }
 
 void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
@@ -301,7 +308,7 @@ void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
 }
 
 void NodeDrawer::draw_twice_corrected(const Camera& frame, const StoredNode& node) {
-  draw_node(frame, node, twice_, nullptr, 0);
+  draw_node(frame, node, twice_, nullptr, 0, Sides::both);
 }
 
 }  // namespace rilievo

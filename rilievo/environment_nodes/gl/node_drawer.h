@@ -67,9 +67,9 @@ class NodeDrawer {
   // Compiles the shaders.
   [[nodiscard]] static Result<NodeDrawer> create();
 
-  // Draws one to kMaxNodes nodes, the nearest to the eye first. If the eye is at the first node's
-  // own place, only that node is drawn, because it shows everything visible from there. Fails where
-  // buffers cannot be allocated.
+  // Draws one to kMaxNodes nodes, the nearest to the eye first. Of the others only what the eye
+  // sees from the front. If the eye is at the first node's own place, only that node is drawn,
+  // because it shows everything visible from there. Fails where buffers cannot be allocated.
   Result<> draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                 const NodeDrawOptions& options);
 
@@ -91,8 +91,12 @@ class NodeDrawer {
   [[nodiscard]] std::size_t triangles_drawn() const { return triangles_drawn_; }
 
  private:
+  // The first node sees the eye, so that the eye sees the front of all that it shows. What the eye
+  // would see from behind of another node's surfaces, that node saw through a wall that has one
+  // side only, or from around a corner: it must not cover what the first node knows.
+  enum class Sides { both, front };
   void draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
-                 const gl::Program* skins, float widest_skin);
+                 const gl::Program* skins, float widest_skin, Sides sides);
   Result<> draw_first(const Camera& frame, std::span<const StoredNode* const> nodes, float widest);
   void begin_layer(std::size_t layer) const;
   // Makes the program the current one.

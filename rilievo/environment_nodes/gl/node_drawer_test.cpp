@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "rilievo/core/random.h"
@@ -252,6 +253,45 @@ TEST_F(NodeDrawing, first_takes_from_other_nodes_what_the_first_has_not_seen) {
 }
 
 // Two nodes in front of one wall, one red, one blue.
+// A wall with one side only, as in rooms that are modelled from inside: the second node stands
+// behind it and sees it, the first one looks through.
+TEST_F(NodeDrawing, what_another_node_saw_from_behind_covers_nothing) {
+  const glm::dvec3 low(-4, -1.6, -3), high(5, 2, 4), behind(3, 0, 0);
+  const EnvironmentMap map = make_node(64, box_around(low, high));
+  const StoredNode node = StoredNode::create(map, mesh_of(map, 200));
+  const DistanceAlong wall = [](const glm::dvec3& d) {
+    const bool meets = d.x < 0 && std::abs(d.y) < -0.6 * d.x && std::abs(d.z) < -0.8 * d.x;
+    return meets ? -1 / d.x : std::numeric_limits<double>::infinity();
+  };
+  const EnvironmentMap other = make_node(
+      64, nearest_of({box_around(low - behind, high - behind), wall}),
+      [&](const glm::dvec3& d, double) {
+        return std::isfinite(wall(d)) ? glm::vec4(1, 0, 0, 1) : glm::vec4(0.5, 0.5, 0.5, 1);
+      },
+      behind);
+  const StoredNode second = StoredNode::create(other, mesh_of(other, 400));
+  const auto count_red = [](const Rgba8Image& picture) {
+    int count = 0;
+    for (const glm::u8vec4& c : picture.texels()) count += c.r > 200 && c.g < 60 && c.b < 60;
+    return count;
+  };
+  const auto towards_wall = [](const glm::dvec3& eye) {
+    return look_at(eye, {2, 0, 0}, {0, 1, 0}, 0.9, kNodeWidth, kNodeHeight, 0.01, 100);
+  };
+  for (const NodeMerge merge : {NodeMerge::layering, NodeMerge::binary, NodeMerge::weighted,
+                                NodeMerge::positional, NodeMerge::first}) {
+    const NodeDrawOptions options{merge, true};
+    const Rgba8Image through = draw(towards_wall({0.2, 0.1, 0}), {&node, &second}, options);
+    EXPECT_EQ(count_red(through), 0) << int(merge);
+    EXPECT_EQ(count_magenta(through), 0);
+    // From its own side it is there.
+    if (merge != NodeMerge::first) {
+      const Rgba8Image at = draw(towards_wall({3.3, 0.1, 0}), {&second, &node}, options);
+      EXPECT_GT(count_red(at), 1000) << int(merge);
+    }
+  }
+}
+
 TEST_F(NodeDrawing, merges_take_the_best_or_the_mean_as_they_are_named) {
   const auto in_color = [](const glm::vec3& c) {
     return [=](const glm::dvec3&, double) { return glm::vec4(c, 1); };
