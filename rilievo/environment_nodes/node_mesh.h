@@ -67,7 +67,7 @@ struct TriangulateOptions {
   double reach = 0;
   // The share of the budget for silhouettes. Beyond it, the least important ones are left out and
   // surfaces stretch there.
-  double silhouette_share = 0.6;
+  double silhouette_share = 0.8;
 };
 
 // The results of a triangulation.
