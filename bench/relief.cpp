@@ -4,23 +4,22 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <vector>
 
 #include "bench/relief_walk.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/relief_impostor/impostor_warp.h"
 
 namespace rilievo::bench {
 namespace {
 
-double elapsed_ms(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+double ms_of(const std::function<void()>& work) {
+  const Stopwatch watch;
   work();
-  const auto end = std::chrono::steady_clock::now();
-  return std::chrono::duration<double, std::milli>(end - start).count();
+  return watch.ms();
 }
 
 // A ball with waves and rings on it, all of the picture covered but its corners: the paper's 256 x
@@ -67,9 +66,9 @@ WarpTimes warp_times(const ImpostorPicture& picture, const glm::dvec3& eye, int 
   std::vector<char> from(bytes / 2, 1), to(from.size(), 2);
   for (int run = 0; run < runs; ++run) {
     times.warp_ms = std::min(
-        times.warp_ms, elapsed_ms([&] { (void)warp_impostor(picture, eye, {}, scratch, result); }));
-    times.copy_ms = std::min(times.copy_ms,
-                             elapsed_ms([&] { std::memcpy(to.data(), from.data(), to.size()); }));
+        times.warp_ms, ms_of([&] { (void)warp_impostor(picture, eye, {}, scratch, result); }));
+    times.copy_ms =
+        std::min(times.copy_ms, ms_of([&] { std::memcpy(to.data(), from.data(), to.size()); }));
     // What is copied must be used.
     from[std::size_t(run) % from.size()] = to[std::size_t(7 * run) % to.size()];
   }

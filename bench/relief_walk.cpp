@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "rilievo/core/on_this_thread.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/relief_impostor/critical_points.h"
 #include "rilievo/relief_impostor/ray_tracer.h"
@@ -34,11 +34,6 @@ struct WalkResult {
   double psnr_mean = 0, psnr_worst = 1e9;  // of the frames
   double interpolated = 0;                 // share, of all frames
 };
-
-double walk_ms(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 // Over mid grey.
 glm::u8vec4 over_grey(const glm::u8vec4& c) {
@@ -87,17 +82,17 @@ Result<WalkResult> walk_around(const Scene& scene, int frames, double refresh) {
     const auto warp = frame > 0 ? plane_warp(picture.geometry, eye) : std::nullopt;
     const bool again = !warp || stretch_of(picture.geometry, pairs, *warp).mean > refresh;
     if (again) {
-      const auto start = std::chrono::steady_clock::now();
+      const Stopwatch watch;
       const Result<CapturedPicture> captured = trace(*camera);
       if (!captured) return captured.error();
       picture = impostor_picture(captured->picture);
       pairs = critical_pairs(picture, 8);
-      walk.impostor_ms += walk_ms(start);
+      walk.impostor_ms += watch.ms();
       ++walk.impostors;
     }
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const auto counted = warp_impostor(picture, eye, {.parallel = false}, scratch, shown);
-    walk.warp_ms += walk_ms(start);
+    walk.warp_ms += watch.ms();
     if (!counted) return Error{scene.name, "has nothing to show"};
     walk.interpolated += counted->share();
     ++walk.frames;

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rilievo/layered_relief/encode_prewarped.h"
 #include "rilievo/layered_relief/relief_error.h"
 #include "rilievo/layered_relief/relief_pictures.h"
 #include "rilievo/layered_relief/relief_test_helpers.h"
+#include "rilievo/nailboard/encode_prewarped.h"
 
 namespace rilievo {
 namespace {

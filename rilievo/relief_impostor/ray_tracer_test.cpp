@@ -11,6 +11,7 @@
 
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
+#include "rilievo/render/rays/box_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -46,15 +47,6 @@ Mesh traced_sphere(int slices) {
     for (int j = 0; j < 2 * slices; ++j)
       mesh.indices.insert(mesh.indices.end(), {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j),
                                                at(i + 1, j + 1), at(i, j + 1)});
-  return mesh;
-}
-
-Mesh traced_box(const glm::vec3& lo, const glm::vec3& hi) {
-  Mesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.emplace_back(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
-  mesh.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
-                  2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
   return mesh;
 }
 
@@ -150,7 +142,7 @@ TEST(RayTracer, a_slab_of_glass_moves_what_is_behind_it_by_snells_law) {
   Material glass;
   glass.alpha_mode = AlphaMode::blend;
   glass.transmission = 1, glass.ior = 1.7f, glass.refracts = true, glass.roughness = 0;
-  add_traced(scene, traced_box({-50, -50, -1}, {50, 50, 0}), glass);
+  add_traced(scene, box_between({-50, -50, -1}, {50, 50, 0}), glass);
   add_traced(scene, traced_quad({-90, -90, -3}, {90, -90, -3}, {90, 90, -3}, {-90, 90, -3}),
              unlit_sheet());
   finish(scene);
@@ -316,7 +308,7 @@ TEST(RayTracer, a_rough_convex_body_looks_as_everywhere) {
   Scene scene;
   Material rough;
   rough.roughness = 1, rough.base_color = {0.8f, 0.5f, 0.3f, 1};
-  add_traced(scene, traced_box({-1, -0.7f, -0.5f}, {0.6f, 0.8f, 1}), rough);
+  add_traced(scene, box_between({-1, -0.7f, -0.5f}, {0.6f, 0.8f, 1}), rough);
   finish(scene);
   const auto rays = RayScene::create(scene);
   ASSERT_TRUE(rays);

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <utility>
 
-#include "rilievo/layered_relief/encode_prewarped.h"
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_kind.h"
+#include "rilievo/nailboard/encode_prewarped.h"
 
 namespace rilievo {
 namespace {
@@ -27,24 +27,10 @@ double bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
   return relief_bound_px(model.load<ReliefStats>(), model.bounds, *camera);
 }
 
-// The picture as it stands in the world.
-PictureGeometry placed(PictureGeometry geometry, const glm::dmat4& world_from_capture) {
-  const double scale = scale_of(world_from_capture);
-  Camera& camera = geometry.capture;
-  camera.world_from_eye = world_from_capture * camera.world_from_eye;
-  for (int k = 0; k < 3; ++k)
-    camera.world_from_eye[k] = glm::dvec4(glm::normalize(glm::dvec3(camera.world_from_eye[k])), 0);
-  camera.z_near *= scale;
-  camera.z_far *= scale;
-  geometry.plane_z *= scale;
-  geometry.slab = {scale * geometry.slab.front, scale * geometry.slab.back};
-  return geometry;
-}
-
 class ReliefDrawable final : public Drawable {
  public:
   ReliefDrawable(ReliefSet colors, ReliefSet identifiers, const ReliefStats& stats,
-                 const Box& bounds, const PrewarpOptions& options, ReliefBoards& boards)
+                 const Box& bounds, const PrewarpOptions& options, PrewarpedBoards& boards)
       : colors_(std::move(colors)),
         identifiers_(std::move(identifiers)),
         stats_(stats),
@@ -109,7 +95,7 @@ class ReliefDrawable final : public Drawable {
 
  private:
   struct Part {
-    ReliefBoards::Board board;
+    PrewarpedBoards::Board board;
     PictureGeometry geometry;  // at capture
   };
   // What was warped for an instance.
@@ -167,7 +153,7 @@ class ReliefDrawable final : public Drawable {
     if (level > 0) halve_prewarped(whole_, level, halved_, scratch_);
     const Prewarped& result = level > 0 ? halved_ : whole_;
     for (const PicturePiece& piece : pieces_of(result.width(), result.height(), kLargestPiece)) {
-      const std::optional<ReliefBoards::Board> board = boards_.place(piece.width, piece.height);
+      const std::optional<PrewarpedBoards::Board> board = boards_.place(piece.width, piece.height);
       if (!board) {
         release(shown);
         shown.parts.clear();
@@ -212,7 +198,7 @@ class ReliefDrawable final : public Drawable {
   ReliefSet colors_, identifiers_;  // identifiers: of several objects, else empty
   ReliefStats stats_;
   Box bounds_;
-  ReliefBoards& boards_;
+  PrewarpedBoards& boards_;
   std::vector<Prewarp> prewarps_, identifier_prewarps_;
   // Kept, so that drawing does not allocate.
   std::vector<Shown> shown_;
@@ -223,7 +209,7 @@ class ReliefDrawable final : public Drawable {
 
 class ReliefFactory final : public DrawableFactory {
  public:
-  explicit ReliefFactory(ReliefBoards boards) : boards_(std::move(boards)) {}
+  explicit ReliefFactory(PrewarpedBoards boards) : boards_(std::move(boards)) {}
 
   [[nodiscard]] std::size_t expected_bytes(const OptionValues& bake,
                                            const OptionValues&) const override {
@@ -239,13 +225,13 @@ class ReliefFactory final : public DrawableFactory {
   }
 
  private:
-  ReliefBoards boards_;
+  PrewarpedBoards boards_;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pictures,
-                                                       ReliefBoards& boards,
+                                                       PrewarpedBoards& boards,
                                                        const PrewarpOptions& options) {
   Result<ReliefSet> colors = make_relief_set(pictures);
   if (!colors) return colors.error();
@@ -264,7 +250,7 @@ Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pic
 }
 
 Result<std::unique_ptr<DrawableFactory>> make_relief_drawable_factory() {
-  Result<ReliefBoards> boards = ReliefBoards::create();
+  Result<PrewarpedBoards> boards = PrewarpedBoards::create();
   if (!boards) return boards.error();
   return {std::make_unique<ReliefFactory>(*std::move(boards))};
 }

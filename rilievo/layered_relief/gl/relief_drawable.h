@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "rilievo/kind/kind.h"
-#include "rilievo/layered_relief/gl/relief_boards.h"
 #include "rilievo/layered_relief/prewarp.h"
 #include "rilievo/layered_relief/relief_pictures.h"
+#include "rilievo/nailboard/gl/prewarped_boards.h"
 
 namespace rilievo {
 
@@ -18,7 +18,7 @@ namespace rilievo {
 
 // The same from pictures and the options as a struct. `boards` must outlive the drawable.
 [[nodiscard]] Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pictures,
-                                                                     ReliefBoards& boards,
+                                                                     PrewarpedBoards& boards,
                                                                      const PrewarpOptions& options);
 
 }  // namespace rilievo

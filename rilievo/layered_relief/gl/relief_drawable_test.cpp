@@ -24,16 +24,16 @@ class ReliefDrawableTest : public gl::ContextTest {
  protected:
   void SetUp() override {
     ASSERT_NO_FATAL_FAILURE(ContextTest::SetUp());
-    auto made = ReliefBoards::create();
+    auto made = PrewarpedBoards::create();
     ASSERT_TRUE(made) << made.error().message();
-    boards = std::make_unique<ReliefBoards>(*std::move(made));
+    boards = std::make_unique<PrewarpedBoards>(*std::move(made));
   }
   void TearDown() override {
     EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
     boards.reset();
     ContextTest::TearDown();
   }
-  std::unique_ptr<ReliefBoards> boards;
+  std::unique_ptr<PrewarpedBoards> boards;
 };
 
 struct Probed {

@@ -6,19 +6,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "rilievo/render/rays/box_test_helpers.h"
 #include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo {
 namespace {
-
-Mesh box_mesh(const glm::vec3& lo, const glm::vec3& hi) {
-  Mesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.positions.emplace_back(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
-  mesh.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
-                  2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
-  return mesh;
-}
 
 // Boxes of all kinds: mirrored, single- and double-sided, blended, cut out by a texture.
 Scene scene_to_trace(std::mt19937& rng) {
@@ -36,7 +28,7 @@ Scene scene_to_trace(std::mt19937& rng) {
   masked.base_color_texture.texture = 0;
   scene.materials = {single, both, blended, masked};
   for (int m = -1; m < 4; ++m) {
-    Mesh mesh = box_mesh({-0.5f, -0.3f, -0.2f}, {0.4f, 0.6f, 0.3f});
+    Mesh mesh = box_between({-0.5f, -0.3f, -0.2f}, {0.4f, 0.6f, 0.3f});
     mesh.material = m;
     for (const glm::vec3& p : mesh.positions) mesh.uv[0].push_back({3 * p.x, 3 * p.y + p.z});
     scene.meshes.push_back(mesh);
@@ -139,7 +131,7 @@ TEST(RayScene, meets_what_every_triangle_tried_in_turn_meets) {
 TEST(CastPicture, back_perspective_keeps_the_farthest_and_holds_five_faces_of_a_cube) {
   Scene scene;
   // One material, and so one part, a face: parts tell which face a texel shows.
-  const Mesh cube = box_mesh({-1, -1, -1}, {1, 1, 1});
+  const Mesh cube = box_between({-1, -1, -1}, {1, 1, 1});
   Model model;
   for (int face = 0; face < 6; ++face) {
     Mesh mesh;

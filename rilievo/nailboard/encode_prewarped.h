@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "rilievo/layered_relief/prewarp.h"
 #include "rilievo/nailboard/encode_picture.h"
+#include "rilievo/nailboard/prewarped.h"
 
 namespace rilievo {
 
@@ -27,6 +27,10 @@ struct PicturePiece {
 [[nodiscard]] std::vector<PicturePiece> pieces_of(int width, int height, int most);
 // The geometry of a piece of a picture.
 [[nodiscard]] PictureGeometry geometry_of(const PictureGeometry& whole, const PicturePiece& piece);
+
+// The geometry of a picture that stands in the world; the motion is rigid, or scales evenly.
+[[nodiscard]] PictureGeometry placed(PictureGeometry geometry,
+                                     const glm::dmat4& world_from_capture);
 
 // A piece as an atlas takes it.
 struct EncodedPiece {

@@ -1,17 +1,18 @@
-#include "rilievo/layered_relief/encode_prewarped.h"
+#include "rilievo/nailboard/encode_prewarped.h"
 
 #include <algorithm>
 #include <bit>
 #include <utility>
 
 #include "rilievo/core/depth.h"
+#include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
 
 constexpr std::uint32_t kDeltaSteps = delta_steps(16);
-static_assert(delta_transparent(16) == kEmptyCode);
+constexpr std::uint32_t kEmptyDelta = delta_transparent(16);
 
 glm::u8vec4 mean_of(const glm::u8vec4* texels[4], const std::uint16_t* [4]) {
   glm::uvec4 sum(2);
@@ -39,7 +40,7 @@ void halve_once(const Prewarped& from, Prewarped& to, Choose&& choose) {
   to.color.resize(std::size_t(camera.width) * std::size_t(camera.height));
   to.delta.resize(to.color.size());
   static constexpr glm::u8vec4 kNothing(0);
-  static constexpr std::uint16_t kNone = kEmptyCode;
+  static constexpr std::uint16_t kNone = kEmptyDelta;
   parallel_for(0, camera.height, [&, w, h](int y) {
     const std::size_t width = std::size_t(to.geometry.capture.width);
     for (int x = 0; x < int(width); ++x) {
@@ -76,7 +77,7 @@ void halve(const Prewarped& picture, int level, Prewarped& halved, Prewarped& sc
 void nearest_of_column(const Prewarped& picture, const PicturePiece& piece, int y,
                        std::vector<std::uint16_t>& nearest) {
   const int w = picture.width(), h = picture.height();
-  nearest.assign(std::size_t(piece.width) + 2, std::uint16_t(kEmptyCode));
+  nearest.assign(std::size_t(piece.width) + 2, std::uint16_t(kEmptyDelta));
   const int from = std::max(piece.x - 1, 0), to = std::min(piece.x + piece.width + 1, w);
   for (int row = std::max(y - 1, 0); row <= std::min(y + 1, h - 1); ++row) {
     const std::uint16_t* delta = &picture.delta[std::size_t(row) * std::size_t(w)];
@@ -116,6 +117,19 @@ PictureGeometry geometry_of(const PictureGeometry& whole, const PicturePiece& pi
   return part;
 }
 
+PictureGeometry placed(PictureGeometry geometry, const glm::dmat4& world_from_capture) {
+  const double scale = glm::length(glm::dvec3(world_from_capture[0]));
+  Camera& camera = geometry.capture;
+  camera.world_from_eye = world_from_capture * camera.world_from_eye;
+  for (int k = 0; k < 3; ++k)
+    camera.world_from_eye[k] = glm::dvec4(glm::normalize(glm::dvec3(camera.world_from_eye[k])), 0);
+  camera.z_near *= scale;
+  camera.z_far *= scale;
+  geometry.plane_z *= scale;
+  geometry.slab = {scale * geometry.slab.front, scale * geometry.slab.back};
+  return geometry;
+}
+
 void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, EncodedPiece& encoded) {
   const std::size_t width = std::size_t(piece.width), texels = width * std::size_t(piece.height);
   encoded.color.resize(texels);
@@ -134,7 +148,7 @@ void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, Encod
       std::uint16_t* codes = encoded.picture.codes16.data() + std::size_t(y) * width;
       for (std::size_t x = 0; x < width; ++x) {
         const std::uint16_t around = std::min(std::min(nearest[x], nearest[x + 1]), nearest[x + 2]);
-        codes[x] = delta[x] == kEmptyCode ? around : delta[x];
+        codes[x] = delta[x] == kEmptyDelta ? around : delta[x];
       }
       std::copy_n(picture.color.data() + source, width,
                   encoded.color.data() + std::size_t(y) * width);

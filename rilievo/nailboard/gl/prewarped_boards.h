@@ -1,4 +1,4 @@
-// Pre-warped pictures on the GPU, which many reliefs share: room for what a frame draws.
+// Pre-warped pictures on the GPU, which many objects share: room for what a frame draws.
 //
 // A picture is good for one eye; whoever needs room takes that of the one that was used longest
 // ago. Needs a current OpenGL context.
@@ -14,10 +14,10 @@
 namespace rilievo {
 
 // An atlas of pre-warped pictures, and what draws them.
-class ReliefBoards {
+class PrewarpedBoards {
  public:
   // Fails if the driver refuses the memory or the shaders.
-  [[nodiscard]] static Result<ReliefBoards> create();
+  [[nodiscard]] static Result<PrewarpedBoards> create();
 
   // Names a place; it may be taken by others from one draw call to the next.
   struct Board {
@@ -44,7 +44,7 @@ class ReliefBoards {
     std::uint64_t used = 0;
     bool taken = false;
   };
-  ReliefBoards(NailboardAtlas atlas, NailboardDrawer drawer)
+  PrewarpedBoards(NailboardAtlas atlas, NailboardDrawer drawer)
       : atlas_(std::move(atlas)), drawer_(std::move(drawer)) {}
   [[nodiscard]] bool is_there(const Board& board) const;
 

@@ -1,4 +1,4 @@
-#include "rilievo/layered_relief/gl/relief_boards.h"
+#include "rilievo/nailboard/gl/prewarped_boards.h"
 
 #include <utility>
 
@@ -6,25 +6,25 @@ namespace rilievo {
 namespace {
 
 // Eight layers of a megatexel: a screen that is full of reliefs a few times over.
-constexpr std::size_t kBytes = std::size_t(58) << 20;
+constexpr std::size_t kBoardBytes = std::size_t(58) << 20;
 
 }  // namespace
 
-Result<ReliefBoards> ReliefBoards::create() {
+Result<PrewarpedBoards> PrewarpedBoards::create() {
   Result<NailboardAtlas> atlas =
-      NailboardAtlas::create({.max_bytes = kBytes, .delta_bits = 16, .samples = 1});
+      NailboardAtlas::create({.max_bytes = kBoardBytes, .delta_bits = 16, .samples = 1});
   if (!atlas) return atlas.error();
   Result<NailboardDrawer> drawer = NailboardDrawer::create();
   if (!drawer) return drawer.error();
-  return ReliefBoards(std::move(*atlas), std::move(*drawer));
+  return PrewarpedBoards(std::move(*atlas), std::move(*drawer));
 }
 
-bool ReliefBoards::is_there(const Board& board) const {
+bool PrewarpedBoards::is_there(const Board& board) const {
   return board.index < places_.size() && places_[board.index].taken &&
          places_[board.index].generation == board.generation;
 }
 
-std::optional<ReliefBoards::Board> ReliefBoards::place(int width, int height) {
+std::optional<PrewarpedBoards::Board> PrewarpedBoards::place(int width, int height) {
   std::optional<AtlasSlot> slot = atlas_.allocate(width, height);
   while (!slot) {
     Place* oldest = nullptr;
@@ -44,13 +44,13 @@ std::optional<ReliefBoards::Board> ReliefBoards::place(int width, int height) {
   return Board{index, place.generation};
 }
 
-bool ReliefBoards::use(const Board& board) {
+bool PrewarpedBoards::use(const Board& board) {
   if (!is_there(board)) return false;
   places_[board.index].used = now_;
   return true;
 }
 
-void ReliefBoards::release(const Board& board) {
+void PrewarpedBoards::release(const Board& board) {
   if (!is_there(board)) return;
   atlas_.free(places_[board.index].slot);
   places_[board.index].taken = false;
