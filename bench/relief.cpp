@@ -16,7 +16,7 @@
 namespace rilievo::bench {
 namespace {
 
-double ms_of(const std::function<void()>& work) {
+double relief_work_ms(const std::function<void()>& work) {
   const Stopwatch watch;
   work();
   return watch.ms();
@@ -65,10 +65,11 @@ WarpTimes warp_times(const ImpostorPicture& picture, const glm::dvec3& eye, int 
   const std::size_t bytes = sizeof(WarpTexel) * texels + 6 * result.color.size();
   std::vector<char> from(bytes / 2, 1), to(from.size(), 2);
   for (int run = 0; run < runs; ++run) {
-    times.warp_ms = std::min(
-        times.warp_ms, ms_of([&] { (void)warp_impostor(picture, eye, {}, scratch, result); }));
-    times.copy_ms =
-        std::min(times.copy_ms, ms_of([&] { std::memcpy(to.data(), from.data(), to.size()); }));
+    times.warp_ms =
+        std::min(times.warp_ms,
+                 relief_work_ms([&] { (void)warp_impostor(picture, eye, {}, scratch, result); }));
+    times.copy_ms = std::min(
+        times.copy_ms, relief_work_ms([&] { std::memcpy(to.data(), from.data(), to.size()); }));
     // What is copied must be used.
     from[std::size_t(run) % from.size()] = to[std::size_t(7 * run) % to.size()];
   }

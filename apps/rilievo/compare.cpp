@@ -94,6 +94,7 @@ Result<> run_compare(CompareCommand options) {
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
+  options.method_options.impostors.background = options.real_time;
   std::unique_ptr<gl::Context> context;
   std::optional<SceneRenderer> renderer;
   std::vector<std::unique_ptr<FrameSource>> sources;

@@ -11,6 +11,7 @@
 #include "apps/rilievo/progress.h"
 #include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
@@ -215,6 +216,10 @@ constexpr BuiltinMethod kBuiltin[] = {
        return make_pictures(depth_mode(options), options, samples, renderer);
      }},
     {"cache", make_cache},
+    {kReliefImpostorName.data(),
+     [](const MethodOptions& options, int, SceneRenderer& renderer) {
+       return make_impostor_frames(options.impostors, options.outlines, renderer);
+     }},
 };
 
 // The drawable uses the factory's shaders: both in one.
@@ -317,6 +322,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
                   "from the path than this (default a tenth of the scene's radius)")
       ->check(in_range(0.0, 1e9))
       ->type_name("METRES");
+  add_impostor_options(command, options.impostors);
   add_kind_options(command, KindOptionsOf::draw, options.kinds);
   add_kind_options(command, KindOptionsOf::bake, options.kinds);
 }

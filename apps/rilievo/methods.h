@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/rilievo/impostors.h"
 #include "apps/rilievo/kinds.h"
 #include "rilievo/core/picture_geometry.h"
 #include "rilievo/frame/frame_source.h"
@@ -32,7 +33,8 @@ struct MethodOptions {
   std::optional<double> bake_beyond;                     // cache: metres
   double texel_px = 4;                                   // kinds drawn for objects
   KindOptions kinds;
-  Box eyes = {};  // where eyes will be; empty: not known
+  ImpostorOptions impostors;  // relief-impostor
+  Box eyes = {};              // where eyes will be; empty: not known
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);
@@ -40,7 +42,8 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 // Of nailboards: --depth.
 [[nodiscard]] DepthMode depth_mode(const MethodOptions& options);
 
-// direct, direct-raster, direct-rays, lod, flat, nailboard, cache, and those of all kinds.
+// direct, direct-raster, direct-rays, lod, flat, nailboard, cache, relief-impostor, and those of
+// all kinds.
 [[nodiscard]] const std::vector<std::string>& method_names();
 // Does --method take it? Former names too.
 [[nodiscard]] bool is_method(const std::string& name);

@@ -174,6 +174,9 @@ class Viewer {
     const Result<double> ms = draw(*source_, *left_, camera, state_.time);
     if (!ms) return ms.error();
     measure(state_, source_->stats(), *ms);
+    state_.impostors.clear();
+    if (const auto* frames = dynamic_cast<const ImpostorFrames*>(source_.get()))
+      state_.impostors.assign(frames->statuses().begin(), frames->statuses().end());
     show_columns(*left_, 0, width_);
     if (state_.split) {
       const Result<double> direct_ms = draw(*subject_.direct, *right_, camera, state_.time);
@@ -270,6 +273,7 @@ Result<> view_scene(const ViewCommand& options) {
   subject.make_source = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
     methods.draw = "opengl";  // into the window's framebuffer
+    methods.impostors.background = true;
     return make_source(method, methods, options.frames.samples, *renderer);
   };
   return Viewer(options, subject, **window).run();

@@ -138,6 +138,45 @@ void method_panel(ViewState& state) {
   if (state.split) ImGui::SliderFloat("at", &state.split_at, 0.0f, 1.0f, "%.2f");
 }
 
+const char* shown_as(const ImpostorStatus& status) {
+  if (!status.in_view) return "out of view";
+  switch (status.frame.shown) {
+    case ImpostorShown::fresh:
+      return "fresh";
+    case ImpostorShown::stale:
+      return "stale";
+    case ImpostorShown::object:
+      return "polygons";
+    case ImpostorShown::nothing:
+      break;
+  }
+  return "nothing";
+}
+
+// Each impostor: what is shown of it, how stretched its picture is, how far off its warp, how old.
+void impostor_panel(const ViewState& state) {
+  if (state.impostors.empty() || !ImGui::CollapsingHeader("impostors")) return;
+  if (!ImGui::BeginTable("impostors", 6, ImGuiTableFlags_ScrollY, ImVec2(0, 180))) return;
+  for (const char* name : {"object", "shown", "stretch", "off, px", "age, s", "working"})
+    ImGui::TableSetupColumn(name);
+  ImGui::TableHeadersRow();
+  for (const ImpostorStatus& status : state.impostors) {
+    const ImpostorFrame& frame = status.frame;
+    const auto cell = [](const std::string& text) {
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(text.c_str());
+    };
+    cell(fmt::format("#{}", status.object));
+    cell(shown_as(status));
+    const bool has = frame.picture > 0;
+    cell(has ? fmt::format("{:.2f}", frame.stretch) : "");
+    cell(has ? fmt::format("{:.1f}", frame.moved_px) : "");
+    cell(frame.age_ms > 0 ? fmt::format("{:.1f}", frame.age_ms / 1e3) : "");
+    cell(frame.rendering ? "rendering" : frame.warping ? "warping" : "");
+  }
+  ImGui::EndTable();
+}
+
 }  // namespace
 
 void show_panel(ViewState& state) {
@@ -165,6 +204,7 @@ void show_panel(ViewState& state) {
   ImGui::Text("%d polygons, %d pictures of groups", state.stats.polygons, state.stats.groups);
   for (const auto& [kind, count] : state.stats.by_kind)
     if (count > 0) ImGui::Text("%d %.*s", count, int(kind.size()), kind.data());
+  impostor_panel(state);
   if (state.stats.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.stats.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   ImGui::End();

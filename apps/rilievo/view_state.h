@@ -8,6 +8,7 @@
 
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/view_camera.h"
+#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/core/camera_path.h"
 
 namespace rilievo::app {
@@ -53,6 +54,7 @@ struct ViewState {
   // What was measured.
   History frame_ms, direct_ms, captures, megabytes;
   FrameStats stats;
+  std::vector<ImpostorStatus> impostors;  // of relief-impostor
   std::string message;
 
   // What the panel asks the loop to do.

@@ -1,94 +1,58 @@
 #include "rilievo/relief_impostor/impostor_workers.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
 
 #include "rilievo/core/on_this_thread.h"
-#include "rilievo/core/triple_buffer.h"
 #include "rilievo/relief_impostor/critical_points.h"
+#include "rilievo/relief_impostor/impostor_slot.h"
 
 namespace rilievo {
 namespace {
 
-using WorkerClock = std::chrono::steady_clock;
-
-double ms_since(WorkerClock::time_point start) {
-  return std::chrono::duration<double, std::milli>(WorkerClock::now() - start).count();
+// On Linux, of this thread alone.
+void give_way(int nice) {
+  if (nice > 0) (void)setpriority(PRIO_PROCESS, id_t(gettid()), nice);
 }
 
-// What the frame knows of a picture.
-struct Judgement {
-  PictureGeometry geometry;
-  std::vector<CriticalPair> pairs;
-  bool final = false;
-  std::uint64_t picture = 0;
-};
-
-struct WarpResult {
-  Prewarped board;
-  double interpolated = 0;
-  std::uint64_t picture = 0;
-};
-
-struct NumberedPicture {
-  ImpostorPicture picture;
-  std::uint64_t number = 0;
-};
-
-struct RenderOrder {
-  glm::dvec3 eye{0.0}, up{0, 1, 0};
-};
-
-// A kind of work of one object: ordered by the frame, taken by one worker at a time.
-struct Work {
-  std::atomic<bool> wanted{false}, busy{false};
-  std::atomic<double> priority{0};
-
-  [[nodiscard]] bool pending() const {
-    return wanted.load(std::memory_order_acquire) || busy.load(std::memory_order_acquire);
-  }
-  // False if somebody else has it, or it is not wanted any more.
-  bool take() {
-    if (busy.exchange(true, std::memory_order_acq_rel)) return false;
-    // Wanted falls after busy rose: pending() never says no in between.
-    if (wanted.exchange(false, std::memory_order_acq_rel)) return true;
-    busy.store(false, std::memory_order_release);
-    return false;
-  }
-};
-
-struct Slot {
-  ImpostorObject object;
-  Box bounds;
-  Work warp, render;
-  // From the frame.
-  TripleBuffer<glm::dvec3> warp_eyes;
-  TripleBuffer<RenderOrder> render_orders;
-  // From the rendering worker: to the frame, and to the warping one.
-  TripleBuffer<Judgement> judgements;
-  TripleBuffer<NumberedPicture> pictures;
-  TripleBuffer<std::stop_source> stops;
-  std::atomic<double> render_s{0.1};  // the last picture took
-  std::atomic<std::uint64_t> published{0};
-  // From the warping worker to the frame.
-  TripleBuffer<WarpResult> boards;
-  ImpostorWarpScratch scratch;
-  // The frame's own.
-  glm::dvec3 ordered_eye{0.0};
-};
+// How much too coarse the picture's texels are for the eye; below 1, they are too fine. No finer
+// ones can be had than `size` texels for the whole.
+double coarseness(const PictureGeometry& picture, const PlaneWarp& warp, double focal_px,
+                  const WorkerOptions& options) {
+  const Camera& camera = picture.capture;
+  const double texel = (camera.window.right - camera.window.left) / camera.width * picture.plane_z;
+  const double finest = texel * std::max(camera.width, camera.height) / options.size;
+  return texel / std::max(finest, warp.height / focal_px / options.texels_per_px);
+}
 
 }  // namespace
+
+Result<Camera> impostor_camera(const Box& bounds, const ImpostorEye& eye,
+                               const WorkerOptions& options) {
+  Result<Camera> camera = tight_camera(Projection::perspective, eye.position, eye.up, bounds);
+  if (!camera) return camera;
+  const ImageWindow& w = camera->window;
+  const double across = w.right - w.left, down = w.top - w.bottom;
+  const double texel =
+      std::max(std::max(across, down) / options.size, 1 / (eye.focal_px * options.texels_per_px));
+  camera->width = std::max(1, int(std::ceil(across / texel - 1e-9)));
+  camera->height = std::max(1, int(std::ceil(down / texel - 1e-9)));
+  return camera;
+}
 
 struct ImpostorWorkers::State {
   WorkerOptions options;
   std::vector<CaptureSource*> sources;
-  std::vector<std::unique_ptr<Slot>> slots;
+  std::vector<std::unique_ptr<ImpostorSlot>> slots;
   // Rises with each order, and when something is done: what sleeping workers watch.
   std::atomic<std::uint32_t> warp_bell{0}, render_bell{0}, done_bell{0};
   std::atomic<bool> ends{false};
@@ -105,12 +69,12 @@ struct ImpostorWorkers::State {
   }
 
   // The most urgent work that nobody does.
-  [[nodiscard]] Slot* take(Work Slot::*work) {
+  [[nodiscard]] ImpostorSlot* take(ImpostorWork ImpostorSlot::*work) {
     while (true) {
-      Slot* best = nullptr;
+      ImpostorSlot* best = nullptr;
       double most = -1;
       for (const auto& slot : slots) {
-        const Work& of = (*slot).*work;
+        const ImpostorWork& of = (*slot).*work;
         if (!of.wanted.load(std::memory_order_acquire) || of.busy.load(std::memory_order_acquire))
           continue;
         const double priority = of.priority.load(std::memory_order_relaxed);
@@ -121,11 +85,12 @@ struct ImpostorWorkers::State {
   }
 
   template <class Do>
-  void serve(std::atomic<std::uint32_t>& bell, Work Slot::*work, Do&& what) {
+  void serve(std::atomic<std::uint32_t>& bell, ImpostorWork ImpostorSlot::*work, Do&& what) {
     const OnThisThread alone;
+    give_way(options.nice);
     while (!ends.load(std::memory_order_acquire)) {
       const std::uint32_t heard = bell.load(std::memory_order_acquire);
-      if (Slot* slot = take(work)) {
+      if (ImpostorSlot* slot = take(work)) {
         what(*slot);
         (slot->*work).busy.store(false, std::memory_order_release);
         // What was ordered meanwhile could not be taken by others.
@@ -137,33 +102,37 @@ struct ImpostorWorkers::State {
     }
   }
 
-  void do_warp(Slot& slot) {
+  void do_warp(ImpostorSlot& slot) {
     slot.warp_eyes.update();
     slot.pictures.update();
-    const NumberedPicture& from = slot.pictures.front();
-    WarpResult& result = slot.boards.back();
-    const auto start = WorkerClock::now();
+    const NumberedImpostor& from = slot.pictures.front();
+    ImpostorWarpResult& result = slot.boards.back();
+    const Stopwatch watch;
     const auto counted = warp_impostor(from.picture, slot.warp_eyes.front(), {.parallel = false},
                                        slot.scratch, result.board);
     if (!counted) return;
+    encode_prewarped(result.board, {0, 0, result.board.width(), result.board.height()},
+                     result.encoded);
     result.interpolated = counted->share();
     result.picture = from.number;
+    result.made = from.made;
     slot.boards.publish();
     warps.fetch_add(1, std::memory_order_relaxed);
-    warp_ms.fetch_add(ms_since(start), std::memory_order_relaxed);
+    warp_ms.fetch_add(watch.ms(), std::memory_order_relaxed);
   }
 
   // A picture is complete: to the frame and to the warping worker.
-  void publish(Slot& slot, const DepthImage& picture, bool final) {
-    NumberedPicture& to = slot.pictures.back();
+  void publish(ImpostorSlot& slot, const DepthImage& picture, bool final) {
+    NumberedImpostor& to = slot.pictures.back();
     to.picture = impostor_picture(picture);
     if (to.picture.empty()) return;
     to.number = slot.published.fetch_add(1, std::memory_order_relaxed) + 1;
-    Judgement& judged = slot.judgements.back();
+    ImpostorJudgement& judged = slot.judgements.back();
     judged.geometry = to.picture.geometry;
     judged.pairs = critical_pairs(to.picture, options.regions);
     judged.final = final;
     judged.picture = to.number;
+    judged.made = to.made = Stopwatch();
     slot.pictures.publish();
     // After the picture: who knows of it can have it warped.
     slot.judgements.publish();
@@ -176,21 +145,16 @@ struct ImpostorWorkers::State {
     error = why.message();
   }
 
-  void do_render(Slot& slot, CaptureSource& source) {
+  void do_render(ImpostorSlot& slot, CaptureSource& source) {
     slot.render_orders.update();
-    const RenderOrder order = slot.render_orders.front();
+    const ImpostorEye order = slot.render_orders.front();
     // The frame may stop this one from now on.
     std::stop_source stop;
     slot.stops.back() = stop;
     slot.stops.publish();
     const std::stop_callback at_the_end(shutdown.get_token(), [&] { stop.request_stop(); });
-    Result<Camera> camera = tight_camera(Projection::perspective, order.eye, order.up, slot.bounds);
+    const Result<Camera> camera = impostor_camera(slot.bounds, order, options);
     if (!camera) return fail(camera.error());
-    const ImageWindow& w = camera->window;
-    const double across = w.right - w.left, down = w.top - w.bottom;
-    const double texel = std::max(across, down) / options.size;
-    camera->width = std::max(1, int(std::ceil(across / texel - 1e-9)));
-    camera->height = std::max(1, int(std::ceil(down / texel - 1e-9)));
     CaptureControl control;
     control.stop = stop.get_token();
     control.refined = [&](const CapturedPicture& coarser) {
@@ -202,9 +166,9 @@ struct ImpostorWorkers::State {
     request.samples = options.samples;
     request.identifiers = false;
     request.control = &control;
-    const auto start = WorkerClock::now();
+    const Stopwatch watch;
     const Result<CapturedPicture> captured = source.capture(request);
-    const double took = ms_since(start);
+    const double took = watch.ms();
     render_ms.fetch_add(took, std::memory_order_relaxed);
     if (stop.stop_requested()) {
       cancelled.fetch_add(1, std::memory_order_relaxed);
@@ -224,16 +188,18 @@ ImpostorWorkers::ImpostorWorkers(std::vector<CaptureSource*> sources,
   s.options = options;
   s.sources = std::move(sources);
   for (ImpostorObject& object : objects) {
-    auto slot = std::make_unique<Slot>();
+    auto slot = std::make_unique<ImpostorSlot>();
     slot->bounds = s.sources.front()->bounds(object.objects);
     slot->object = std::move(object);
     s.slots.push_back(std::move(slot));
   }
-  s.threads.emplace_back(
-      [&s] { s.serve(s.warp_bell, &Slot::warp, [&](Slot& slot) { s.do_warp(slot); }); });
+  s.threads.emplace_back([&s] {
+    s.serve(s.warp_bell, &ImpostorSlot::warp, [&](ImpostorSlot& slot) { s.do_warp(slot); });
+  });
   for (CaptureSource* source : s.sources)
     s.threads.emplace_back([&s, source] {
-      s.serve(s.render_bell, &Slot::render, [&](Slot& slot) { s.do_render(slot, *source); });
+      s.serve(s.render_bell, &ImpostorSlot::render,
+              [&](ImpostorSlot& slot) { s.do_render(slot, *source); });
     });
 }
 
@@ -249,26 +215,29 @@ ImpostorWorkers::~ImpostorWorkers() {
 ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye) {
   State& s = *state_;
   RILIEVO_EXPECTS(object < s.slots.size());
-  Slot& slot = *s.slots[object];
+  ImpostorSlot& slot = *s.slots[object];
   // Read before the results: what is no longer pending then has its result here.
   ImpostorSituation now;
   now.warping = slot.warp.pending();
   now.rendering = slot.render.pending();
   slot.judgements.update();
   const bool changed = slot.boards.update();
+  slot.boards_seen += changed;
   slot.stops.update();
 
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const Judgement& judged = slot.judgements.front();
-  const WarpResult& board = slot.boards.front();
+  const ImpostorJudgement& judged = slot.judgements.front();
+  const ImpostorWarpResult& board = slot.boards.front();
   now.drawable = slot.object.drawable;
   now.picture = judged.picture > 0;
   now.final = judged.final;
   const auto stretch_from = [&](const glm::dvec3& from) {
     const auto warp = plane_warp(judged.geometry, from);
-    return warp && std::isfinite(largest_move(judged.geometry, *warp))
-               ? stretch_of(judged.geometry, judged.pairs, *warp).mean
-               : kNever;
+    if (!warp || !std::isfinite(largest_move(judged.geometry, *warp))) return kNever;
+    const double coarse = coarseness(judged.geometry, *warp, eye.focal_px, s.options);
+    // Texels that are up to 1.5 times too small are only slow.
+    return stretch_of(judged.geometry, judged.pairs, *warp).mean *
+           std::max({1.0, coarse, 1 / (1.5 * coarse)});
   };
   now.stretch = now.picture ? stretch_from(eye.position) : kNever;
   now.warped = board.picture > 0;
@@ -296,8 +265,10 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   if (step.order_render) {
     const double ahead =
         std::min(slot.render_s.load(std::memory_order_relaxed), s.options.predict_s);
-    slot.ordered_eye = eye.position + eye.velocity * ahead;
-    slot.render_orders.back() = {slot.ordered_eye, eye.up};
+    slot.ordered_eye = predicted_eye(eye, ahead);
+    slot.render_orders.back() = eye;
+    slot.render_orders.back().position = slot.ordered_eye;
+    if (!slot.needed) slot.needed.emplace();
     slot.render_orders.publish();
     slot.render.priority.store(render_priority(now), std::memory_order_relaxed);
     slot.render.wanted.store(true, std::memory_order_release);
@@ -312,14 +283,31 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   }
   ImpostorFrame frame;
   frame.shown = step.shown;
-  if (step.shown == ImpostorShown::fresh || step.shown == ImpostorShown::stale)
+  frame.picture = judged.picture;
+  frame.final = judged.final;
+  frame.warping = step.order_warp || now.warping;
+  frame.rendering = step.order_render || now.rendering;
+  if (step.shown == ImpostorShown::fresh || step.shown == ImpostorShown::stale) {
     frame.board = &board.board;
+    frame.encoded = &board.encoded;
+    frame.age_ms = board.made.ms();
+    if (board.picture > slot.shown && slot.needed) {
+      frame.latency_ms = slot.needed->ms();
+      slot.needed.reset();
+    }
+    slot.shown = board.picture;
+  }
   frame.changed = changed;
+  frame.board_number = slot.boards_seen;
   frame.stretch = now.stretch;
   frame.moved_px = now.moved_px;
   frame.interpolated = board.interpolated;
-  frame.picture = judged.picture;
   return frame;
+}
+
+const Box& ImpostorWorkers::bounds(std::size_t object) const {
+  RILIEVO_EXPECTS(object < state_->slots.size());
+  return state_->slots[object]->bounds;
 }
 
 void ImpostorWorkers::wait_until_idle() {

@@ -12,7 +12,8 @@
 #include <vector>
 
 #include "rilievo/capture/capture_source.h"
-#include "rilievo/nailboard/prewarped.h"
+#include "rilievo/nailboard/encode_prewarped.h"
+#include "rilievo/relief_impostor/impostor_eye.h"
 #include "rilievo/relief_impostor/impostor_state.h"
 
 namespace rilievo {
@@ -26,31 +27,37 @@ struct ImpostorObject {
 // How pictures are made, and when.
 struct WorkerOptions {
   ImpostorLimits limits;
-  int size = 256;          // texels of a picture's longer side
+  int size = 256;  // texels of a picture's longer side; fewer where they are smaller than
+                   // a pixel over texels_per_px
+  double texels_per_px = 1;
   int samples = 4;         // of a picture
   int regions = 8;         // for the critical points
   double predict_s = 1.0;  // pictures are made for where the eye is when they are done, as it moves
                            // now, but at most so long ahead
+  int nice = 0;            // the workers give way to other threads: 0 (not at all) to 19
 };
 
-// An eye of a frame, in the space of the object at capture.
-struct ImpostorEye {
-  glm::dvec3 position{0.0};
-  glm::dvec3 velocity{0.0};  // metres per second
-  glm::dvec3 up{0, 1, 0};
-  double focal_px = 500;  // of the frame: pixels per tangent
-};
+// The camera of the picture of what lies within `bounds`, for an eye. Fails if they reach behind
+// it.
+[[nodiscard]] Result<Camera> impostor_camera(const Box& bounds, const ImpostorEye& eye,
+                                             const WorkerOptions& options);
 
 // What a frame shows of an object.
 struct ImpostorFrame {
   ImpostorShown shown = ImpostorShown::object;
   // The nailboard; of fresh and stale. Valid until the next call for this object.
   const Prewarped* board = nullptr;
-  bool changed = false;       // since the last call: to be uploaded again
-  double stretch = 0;         // of the picture
-  double moved_px = 0;        // of the warp
-  double interpolated = 0;    // share of the warp's texels
-  std::uint64_t picture = 0;  // counts the pictures that were published; 0: none yet
+  const EncodedPiece* encoded = nullptr;  // the same as an atlas takes it
+  bool changed = false;                   // since the last call
+  std::uint64_t board_number = 0;         // another one where the board is another one
+  double stretch = 0;                     // of the picture
+  double moved_px = 0;                    // of the warp
+  double interpolated = 0;                // share of the warp's texels
+  std::uint64_t picture = 0;              // counts the pictures that were published; 0: none yet
+  bool final = false;  // is the newest picture of full resolution and all samples?
+  bool warping = false, rendering = false;  // is something ordered, or being made?
+  double age_ms = 0;                        // since the picture that is shown was made
+  double latency_ms = 0;  // of the frame that shows a picture first: since one was needed; else 0
 };
 
 // What the workers did.
@@ -70,6 +77,8 @@ class ImpostorWorkers {
 
   // The frame's thread: orders what `object` needs and says what to draw.
   [[nodiscard]] ImpostorFrame frame(std::size_t object, const ImpostorEye& eye);
+  // The world at capture: what the pictures of `object` can show.
+  [[nodiscard]] const Box& bounds(std::size_t object) const;
   // Waits until nothing is ordered or being made; for benches and tests.
   void wait_until_idle();
   [[nodiscard]] WorkerStats stats() const;

@@ -39,7 +39,8 @@ Result<> SceneFrames::draw(const Camera& camera, double time) {
   scratch_.clear();
   const Frustum frustum = frustum_of(camera);
   for (const std::uint32_t object : blended_)
-    if (may_touch(frustum, renderer_->object_bounds(object))) scratch_.push_back(object);
+    if (!shows_blended(object) && may_touch(frustum, renderer_->object_bounds(object)))
+      scratch_.push_back(object);
   renderer_->draw_blended(camera, scratch_, OutputEncoding::srgb);
   if (outlines_)
     for (FrameContent::Set& set : content_.sets)

@@ -32,6 +32,9 @@ class SceneFrames : public FrameSource {
   virtual Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) = 0;
   // Called before identifiers are drawn: captures those that are missing.
   virtual void prepare_objects() {}
+  // Does what stands for the object in this frame hold its blended parts, too? Otherwise they are
+  // drawn as polygons.
+  [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }
 
   [[nodiscard]] SceneRenderer& renderer() const { return *renderer_; }
   [[nodiscard]] const FrameContent& content() const { return content_; }

@@ -1,4 +1,4 @@
-#include "rilievo/relief_impostor/picture_store.h"
+#include "rilievo/relief_impostor/impostor_store.h"
 
 #include <sqlite3.h>
 
@@ -219,7 +219,7 @@ std::string camera_cell(const Camera& camera, double size, int aim) {
   return out + ' ' + std::to_string(size) + ' ' + std::to_string(aim);
 }
 
-struct PictureStore::State {
+struct ImpostorStore::State {
   std::string path;
   StoreOptions options;
   sqlite3* db = nullptr;
@@ -237,13 +237,13 @@ struct PictureStore::State {
   }
 };
 
-PictureStore::PictureStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
-PictureStore::PictureStore(PictureStore&&) noexcept = default;
-PictureStore& PictureStore::operator=(PictureStore&&) noexcept = default;
-PictureStore::~PictureStore() = default;
+ImpostorStore::ImpostorStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ImpostorStore::ImpostorStore(ImpostorStore&&) noexcept = default;
+ImpostorStore& ImpostorStore::operator=(ImpostorStore&&) noexcept = default;
+ImpostorStore::~ImpostorStore() = default;
 
-Result<PictureStore> PictureStore::open(const std::filesystem::path& path,
-                                        const StoreOptions& options) {
+Result<ImpostorStore> ImpostorStore::open(const std::filesystem::path& path,
+                                          const StoreOptions& options) {
   auto state = std::make_unique<State>();
   state->path = path.string();
   state->options = options;
@@ -264,10 +264,10 @@ Result<PictureStore> PictureStore::open(const std::filesystem::path& path,
   } catch (const SqlFailure& failure) {
     return state->error(failure);
   }
-  return PictureStore(std::move(state));
+  return ImpostorStore(std::move(state));
 }
 
-Result<std::optional<DepthImage>> PictureStore::find(const PictureKey& key) {
+Result<std::optional<DepthImage>> ImpostorStore::find(const PictureKey& key) {
   State& s = *state_;
   const std::lock_guard lock(s.mutex);
   try {
@@ -318,7 +318,7 @@ Result<std::optional<DepthImage>> PictureStore::find(const PictureKey& key) {
   }
 }
 
-Result<> PictureStore::insert(const PictureKey& key, const DepthImage& picture) {
+Result<> ImpostorStore::insert(const PictureKey& key, const DepthImage& picture) {
   State& s = *state_;
   const std::vector<std::byte> bytes = picture_bytes(picture);
   if (bytes.size() > s.options.max_bytes) return Done{};
@@ -355,7 +355,7 @@ Result<> PictureStore::insert(const PictureKey& key, const DepthImage& picture) 
   return Done{};
 }
 
-Result<std::uint64_t> PictureStore::bytes() {
+Result<std::uint64_t> ImpostorStore::bytes() {
   const std::lock_guard lock(state_->mutex);
   try {
     return std::uint64_t(stored_bytes(state_->db));
@@ -364,7 +364,7 @@ Result<std::uint64_t> PictureStore::bytes() {
   }
 }
 
-Result<std::uint64_t> PictureStore::count() {
+Result<std::uint64_t> ImpostorStore::count() {
   const std::lock_guard lock(state_->mutex);
   try {
     return std::uint64_t(number_of(state_->db, "SELECT count(*) FROM pictures"));
@@ -373,7 +373,7 @@ Result<std::uint64_t> PictureStore::count() {
   }
 }
 
-StoreStats PictureStore::stats() const {
+StoreStats ImpostorStore::stats() const {
   const std::lock_guard lock(state_->mutex);
   return state_->stats;
 }

@@ -52,14 +52,14 @@ struct StoreStats {
 };
 
 // An open store.
-class PictureStore {
+class ImpostorStore {
  public:
   // Opens or makes the file. The error names it.
-  [[nodiscard]] static Result<PictureStore> open(const std::filesystem::path& path,
-                                                 const StoreOptions& options = {});
-  PictureStore(PictureStore&&) noexcept;
-  PictureStore& operator=(PictureStore&&) noexcept;
-  ~PictureStore();
+  [[nodiscard]] static Result<ImpostorStore> open(const std::filesystem::path& path,
+                                                  const StoreOptions& options = {});
+  ImpostorStore(ImpostorStore&&) noexcept;
+  ImpostorStore& operator=(ImpostorStore&&) noexcept;
+  ~ImpostorStore();
 
   // The picture of a key, if it is there; it then counts as used.
   [[nodiscard]] Result<std::optional<DepthImage>> find(const PictureKey& key);
@@ -73,7 +73,7 @@ class PictureStore {
 
  private:
   struct State;
-  explicit PictureStore(std::unique_ptr<State> state);
+  explicit ImpostorStore(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -1,4 +1,4 @@
-#include "rilievo/relief_impostor/picture_store.h"
+#include "rilievo/relief_impostor/impostor_store.h"
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -66,10 +66,10 @@ std::string bytes_of_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(PictureStore, pictures_come_back_to_the_bit_also_after_reopening) {
+TEST(ImpostorStore, pictures_come_back_to_the_bit_also_after_reopening) {
   TemporaryFolder folder;
   for (int round = 0; round < 2; ++round) {
-    Result<PictureStore> store = PictureStore::open(folder / "store");
+    Result<ImpostorStore> store = ImpostorStore::open(folder / "store");
     ASSERT_TRUE(store.ok()) << store.error().message();
     for (int i = 0; i < 12; ++i) {
       const DepthImage picture = stored_picture(std::uint64_t(i), 5 + i, 9);
@@ -97,9 +97,9 @@ TEST(PictureStore, pictures_come_back_to_the_bit_also_after_reopening) {
   }
 }
 
-TEST(PictureStore, a_key_holds_the_last_picture) {
+TEST(ImpostorStore, a_key_holds_the_last_picture) {
   TemporaryFolder folder;
-  Result<PictureStore> store = PictureStore::open(folder / "store");
+  Result<ImpostorStore> store = ImpostorStore::open(folder / "store");
   ASSERT_TRUE(store.ok());
   for (std::uint64_t i = 0; i < 3; ++i)
     ASSERT_TRUE(store->insert(key_of(0), stored_picture(i, 8, 8)).ok());
@@ -108,7 +108,7 @@ TEST(PictureStore, a_key_holds_the_last_picture) {
 }
 
 // Against a list in the order of use.
-TEST(PictureStore, the_least_recently_used_pictures_go_first) {
+TEST(ImpostorStore, the_least_recently_used_pictures_go_first) {
   struct Entry {
     int key;
     std::uint64_t bytes;
@@ -117,10 +117,10 @@ TEST(PictureStore, the_least_recently_used_pictures_go_first) {
   const StoreOptions options{.max_bytes = 20'000};
   std::list<Entry> twin;  // the most recently used last
   Random random(4);
-  Result<PictureStore> store = PictureStore::open(folder / "store", options);
+  Result<ImpostorStore> store = ImpostorStore::open(folder / "store", options);
   ASSERT_TRUE(store.ok());
   for (int step = 0; step < 400; ++step) {
-    if (step % 100 == 99) store = PictureStore::open(folder / "store", options);
+    if (step % 100 == 99) store = ImpostorStore::open(folder / "store", options);
     const int key = random.below(30);
     const auto at = std::find_if(twin.begin(), twin.end(), [&](auto& e) { return e.key == key; });
     if (random.below(2)) {
@@ -146,7 +146,7 @@ TEST(PictureStore, the_least_recently_used_pictures_go_first) {
     ASSERT_EQ(*store->count(), twin.size());
   }
   // A smaller limit holds from the next opening on; what is too large alone is not kept.
-  store = PictureStore::open(folder / "store", {.max_bytes = 6'000});
+  store = ImpostorStore::open(folder / "store", {.max_bytes = 6'000});
   ASSERT_TRUE(store.ok());
   EXPECT_LE(*store->bytes(), 6'000u);
   EXPECT_TRUE((*store->find(key_of(twin.back().key))).has_value());
@@ -154,7 +154,7 @@ TEST(PictureStore, the_least_recently_used_pictures_go_first) {
   EXPECT_FALSE((*store->find(key_of(99))).has_value());
 }
 
-TEST(PictureStore, a_damaged_picture_is_found_and_dropped) {
+TEST(ImpostorStore, a_damaged_picture_is_found_and_dropped) {
   TemporaryFolder folder;
   const char* damages[] = {
       "UPDATE texels SET bytes = CAST(substr(bytes, 1, 9) || x'5A' || substr(bytes, 11) AS BLOB)",
@@ -164,12 +164,12 @@ TEST(PictureStore, a_damaged_picture_is_found_and_dropped) {
     const std::filesystem::path path = folder / "store";
     std::filesystem::remove(path);
     {
-      Result<PictureStore> store = PictureStore::open(path);
+      Result<ImpostorStore> store = ImpostorStore::open(path);
       ASSERT_TRUE(store.ok());
       ASSERT_TRUE(store->insert(key_of(1), stored_picture(1, 8, 8)).ok());
     }
     execute_sql(path, damage);
-    Result<PictureStore> store = PictureStore::open(path);
+    Result<ImpostorStore> store = ImpostorStore::open(path);
     ASSERT_TRUE(store.ok());
     const auto found = store->find(key_of(1));
     ASSERT_TRUE(found.ok()) << found.error().message();
@@ -181,10 +181,10 @@ TEST(PictureStore, a_damaged_picture_is_found_and_dropped) {
   }
 }
 
-TEST(PictureStore, a_store_that_is_cut_off_is_an_error_or_lacks_pictures) {
+TEST(ImpostorStore, a_store_that_is_cut_off_is_an_error_or_lacks_pictures) {
   TemporaryFolder folder;
   {
-    Result<PictureStore> store = PictureStore::open(folder / "whole");
+    Result<ImpostorStore> store = ImpostorStore::open(folder / "whole");
     for (int i = 0; i < 10; ++i)
       ASSERT_TRUE(store->insert(key_of(i), stored_picture(std::uint64_t(i), 30, 30)).ok());
   }
@@ -195,7 +195,7 @@ TEST(PictureStore, a_store_that_is_cut_off_is_an_error_or_lacks_pictures) {
     std::string bytes = whole.substr(0, 1 + std::size_t(random.below(int(whole.size()))));
     if (round % 2) bytes[std::size_t(random.below(int(bytes.size())))] ^= 0x40;
     std::ofstream(path, std::ios::binary) << bytes;
-    Result<PictureStore> store = PictureStore::open(path);
+    Result<ImpostorStore> store = ImpostorStore::open(path);
     if (!store) {
       EXPECT_EQ(store.error().where, path.string());
       continue;
@@ -207,11 +207,11 @@ TEST(PictureStore, a_store_that_is_cut_off_is_an_error_or_lacks_pictures) {
   }
 }
 
-TEST(PictureStore, files_of_others_and_newer_stores_are_refused_and_left_alone) {
+TEST(ImpostorStore, files_of_others_and_newer_stores_are_refused_and_left_alone) {
   TemporaryFolder folder;
   const auto refused = [&](const char* name, const char* reason) {
     const std::string before = bytes_of_file(folder / name);
-    const Result<PictureStore> store = PictureStore::open(folder / name);
+    const Result<ImpostorStore> store = ImpostorStore::open(folder / name);
     ASSERT_FALSE(store.ok()) << name;
     EXPECT_EQ(store.error().where, folder / name);
     EXPECT_NE(store.error().reason.find(reason), std::string::npos) << store.error().reason;
@@ -223,29 +223,29 @@ TEST(PictureStore, files_of_others_and_newer_stores_are_refused_and_left_alone) 
   refused("numbered", "is a database of another program");
   std::ofstream(folder / "text") << std::string(5000, 'x');
   refused("text", "is not a store of pictures");
-  ASSERT_TRUE(PictureStore::open(folder / "newer").ok());
+  ASSERT_TRUE(ImpostorStore::open(folder / "newer").ok());
   execute_sql(folder / "newer", "PRAGMA user_version = 3");
   refused("newer", "is a store of a newer version (its schema is 3, this program knows 2)");
   std::filesystem::create_directory(folder / "folder");
-  EXPECT_EQ(PictureStore::open(folder / "folder").error().reason, "is a folder");
-  EXPECT_FALSE(PictureStore::open(folder / "no" / "where").ok());
+  EXPECT_EQ(ImpostorStore::open(folder / "folder").error().reason, "is a folder");
+  EXPECT_FALSE(ImpostorStore::open(folder / "no" / "where").ok());
   // A file without any bytes is nobody's.
   std::ofstream(folder / "empty").flush();
-  EXPECT_TRUE(PictureStore::open(folder / "empty").ok());
+  EXPECT_TRUE(ImpostorStore::open(folder / "empty").ok());
 }
 
 // Schema 1 had no order of use.
-TEST(PictureStore, an_older_store_is_brought_up_to_date) {
+TEST(ImpostorStore, an_older_store_is_brought_up_to_date) {
   TemporaryFolder folder;
   {
-    Result<PictureStore> store = PictureStore::open(folder / "store");
+    Result<ImpostorStore> store = ImpostorStore::open(folder / "store");
     for (int i = 0; i < 4; ++i) ASSERT_TRUE(store->insert(key_of(i), stored_picture(1, 8, 8)).ok());
   }
   execute_sql(folder / "store",
               "DROP INDEX pictures_used; ALTER TABLE pictures DROP COLUMN used;"
               "PRAGMA user_version = 1");
   const std::uint64_t one = picture_bytes(stored_picture(1, 8, 8)).size();
-  Result<PictureStore> store = PictureStore::open(folder / "store", {.max_bytes = 3 * one});
+  Result<ImpostorStore> store = ImpostorStore::open(folder / "store", {.max_bytes = 3 * one});
   ASSERT_TRUE(store.ok()) << store.error().message();
   EXPECT_EQ(*store->count(), 3u);
   EXPECT_FALSE((*store->find(key_of(0))).has_value());
@@ -262,11 +262,11 @@ pid_t in_child(const Work& work) {
   return child;
 }
 
-TEST(PictureStore, two_processes_use_a_store_at_once) {
+TEST(ImpostorStore, two_processes_use_a_store_at_once) {
   TemporaryFolder folder;
   const auto work = [&](int first) {
     // Opened at the same moment, while the file does not exist yet.
-    Result<PictureStore> store = PictureStore::open(folder / "store", {.wait_s = 60});
+    Result<ImpostorStore> store = ImpostorStore::open(folder / "store", {.wait_s = 60});
     if (!store) return false;
     for (int i = 0; i < 40; ++i) {
       const DepthImage shared = stored_picture(std::uint64_t(i), 20, 20);
@@ -282,19 +282,19 @@ TEST(PictureStore, two_processes_use_a_store_at_once) {
   int status = 0;
   ASSERT_EQ(waitpid(other, &status, 0), other);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-  Result<PictureStore> store = PictureStore::open(folder / "store");
+  Result<ImpostorStore> store = ImpostorStore::open(folder / "store");
   ASSERT_TRUE(store.ok());
   EXPECT_EQ(*store->count(), 120u);
 }
 
 // In its first moments a file changes its kind of log, its marks and its tables.
-TEST(PictureStore, processes_that_make_a_store_at_once_all_succeed) {
+TEST(ImpostorStore, processes_that_make_a_store_at_once_all_succeed) {
   for (int round = 0; round < 10; ++round) {
     TemporaryFolder folder;
     std::vector<pid_t> children;
     for (int i = 0; i < 6; ++i)
       children.push_back(in_child([&] {
-        Result<PictureStore> store = PictureStore::open(folder / "store", {.wait_s = 60});
+        Result<ImpostorStore> store = ImpostorStore::open(folder / "store", {.wait_s = 60});
         return store && store->insert(key_of(i), stored_picture(std::uint64_t(i), 8, 8)).ok();
       }));
     for (const pid_t child : children) {
@@ -302,14 +302,14 @@ TEST(PictureStore, processes_that_make_a_store_at_once_all_succeed) {
       ASSERT_EQ(waitpid(child, &status, 0), child);
       EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
     }
-    Result<PictureStore> store = PictureStore::open(folder / "store");
+    Result<ImpostorStore> store = ImpostorStore::open(folder / "store");
     ASSERT_TRUE(store.ok());
     EXPECT_EQ(*store->count(), 6u);
   }
 }
 
 // RILIEVO_KILLS sets another number of rounds.
-TEST(PictureStore, a_process_killed_at_any_moment_leaves_whole_pictures) {
+TEST(ImpostorStore, a_process_killed_at_any_moment_leaves_whole_pictures) {
   TemporaryFolder folder;
   const char* wanted = std::getenv("RILIEVO_KILLS");
   const int rounds = wanted ? std::atoi(wanted) : 30;
@@ -322,7 +322,7 @@ TEST(PictureStore, a_process_killed_at_any_moment_leaves_whole_pictures) {
       for (const char* name : {"store", "store-wal", "store-shm"})
         std::filesystem::remove(folder / name);
     const pid_t child = in_child([&] {
-      Result<PictureStore> store = PictureStore::open(folder / "store", options);
+      Result<ImpostorStore> store = ImpostorStore::open(folder / "store", options);
       for (int i = round;; ++i)
         if (!store || !store->insert(key_of(i % 40), stored_picture(std::uint64_t(i % 40), 40, 40)))
           return false;
@@ -334,7 +334,7 @@ TEST(PictureStore, a_process_killed_at_any_moment_leaves_whole_pictures) {
     ASSERT_EQ(waitpid(child, &status, 0), child);
     ASSERT_TRUE(WIFSIGNALED(status));  // it had not failed before
 
-    Result<PictureStore> store = PictureStore::open(folder / "store", options);
+    Result<ImpostorStore> store = ImpostorStore::open(folder / "store", options);
     ASSERT_TRUE(store.ok()) << store.error().message();
     for (int i = 0; i < 40; ++i) {
       const auto found = store->find(key_of(i));

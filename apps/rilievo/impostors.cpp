@@ -1,0 +1,81 @@
+#include "apps/rilievo/impostors.h"
+
+#include "apps/rilievo/checks.h"
+#include "apps/rilievo/output.h"
+#include "rilievo/cache/gl/impostor_frames.h"
+
+namespace rilievo::app {
+
+void add_impostor_options(CLI::App& command, ImpostorOptions& options) {
+  command
+      .add_option("--shader", options.shader,
+                  "relief-impostor: who shades the pictures: raytrace, sdf:torus, sdf:gyroid, "
+                  "sdf:menger, or exec:PROGRAM, which is started (default raytrace)")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            const Result<> known = check_shader(text);
+            return known ? std::string() : known.error().message();
+          },
+          ""))
+      ->type_name("SHADER");
+  command
+      .add_option("--objects", options.objects,
+                  "relief-impostor: the objects that are impostors, by name, or #0, #1, ... "
+                  "(default all)")
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  command
+      .add_option("--workers", options.workers,
+                  "relief-impostor: threads that render pictures (default 1)")
+      ->check(in_range(1, 64))
+      ->type_name("N");
+  command
+      .add_option("--store", options.store,
+                  "relief-impostor: a file that keeps finished pictures, searched before anything "
+                  "is rendered; made if it is not there")
+      ->type_name("FILE");
+  command
+      .add_option("--store-mb", options.store_mb,
+                  "relief-impostor: the size of the store; the pictures used least recently go "
+                  "first (default 4096)")
+      ->check(in_range(1, 1 << 20))
+      ->type_name("MB");
+  command
+      .add_option("--impostor-texels", options.texels,
+                  "relief-impostor: the most texels a side of a picture (default 512)")
+      ->check(in_range(16, 1024))
+      ->type_name("N");
+  command
+      .add_option("--impostor-samples", options.samples,
+                  "relief-impostor: samples a texel (default 4)")
+      ->check(in_range(1, 4096))
+      ->type_name("N");
+}
+
+Result<std::unique_ptr<FrameSource>> make_impostor_frames(const ImpostorOptions& options,
+                                                          bool outlines, SceneRenderer& renderer) {
+  const auto warn = [](const std::string& text) { complain("warning: " + text); };
+  ImpostorContentOptions with;
+  with.shader = options.shader;
+  with.objects = options.objects;
+  with.workers = options.workers;
+  with.store = options.store;
+  with.store_options.max_bytes = std::uint64_t(options.store_mb) << 20;
+  with.exec.warn = warn;
+  with.warn = warn;
+  Result<ImpostorContent> content = make_impostor_content(renderer.scene(), 0.0, with);
+  if (!content) return content.error();
+  renderer.set_time(0.0);
+  ImpostorFramesOptions frames;
+  frames.workers.size = options.texels;
+  frames.workers.samples = options.samples;
+  frames.background = options.background;
+  if (options.background) frames.workers.nice = 10;
+  frames.outlines = outlines;
+  Result<std::unique_ptr<ImpostorFrames>> made =
+      ImpostorFrames::create(renderer, std::move(*content), frames);
+  if (!made) return made.error();
+  return {std::move(*made)};
+}
+
+}  // namespace rilievo::app

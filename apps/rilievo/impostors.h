@@ -1,0 +1,31 @@
+// Which options does --method relief-impostor take?
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rilievo/frame/frame_source.h"
+#include "rilievo/render/opengl/scene_renderer.h"
+
+namespace rilievo::app {
+
+struct ImpostorOptions {
+  std::string shader = "raytrace";
+  std::vector<std::string> objects;  // names, #INDEX; empty: all
+  int workers = 1;
+  std::string store;
+  int store_mb = 4096;
+  int texels = 512;  // of a picture's longer side, at most
+  int samples = 4;   // of a texel
+  bool background = false;
+};
+
+void add_impostor_options(CLI::App& command, ImpostorOptions& options);
+
+// `renderer` must outlive the source.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_impostor_frames(
+    const ImpostorOptions& options, bool outlines, SceneRenderer& renderer);
+
+}  // namespace rilievo::app

@@ -1,0 +1,186 @@
+#include "rilievo/relief_impostor/impostor_content.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "rilievo/core/file.h"
+#include "rilievo/relief_impostor/content_hash.h"
+#include "rilievo/relief_impostor/ray_tracer.h"
+
+namespace rilievo {
+namespace {
+
+// A field in the place of each of several objects.
+class PlacedFields final : public CaptureSource {
+ public:
+  explicit PlacedFields(std::string name) : name_(std::move(name)) {}
+  void place(std::uint32_t object, const DistanceField& field, const FieldLook& look) {
+    fields_.push_back({object, FieldShader(field, look)});
+  }
+
+  [[nodiscard]] std::string_view name() const override { return name_; }
+  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
+    Box all;
+    for (const Placed& placed : fields_)
+      if (objects.empty() || std::count(objects.begin(), objects.end(), placed.object))
+        all.add(placed.shader.bounds({}));
+    return all;
+  }
+  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
+    if (request.objects.size() != 1) return Error{name_, "shows one object at a time"};
+    for (Placed& placed : fields_)
+      if (placed.object == request.objects[0]) {
+        CaptureRequest one = request;
+        one.objects = {};
+        return placed.shader.capture(one);
+      }
+    return Error{name_, "does not stand for this object"};
+  }
+
+ private:
+  struct Placed {
+    std::uint32_t object;
+    FieldShader shader;
+  };
+  std::string name_;
+  std::vector<Placed> fields_;
+};
+
+// In the middle of the object's bounds, as large as fits into them.
+FieldLook look_in(const Box& place, const DistanceField& field) {
+  const glm::vec3 room = place.max - place.min, own = field.bounds.max - field.bounds.min;
+  FieldLook look;
+  look.scale = double(std::min({room.x / own.x, room.y / own.y, room.z / own.z}));
+  look.center = glm::dvec3(place.center()) -
+                look.scale * 0.5 * glm::dvec3(field.bounds.min + field.bounds.max);
+  return look;
+}
+
+// A scene's own hash does not say what the program or the field shows.
+Result<std::string> content_of(const Scene& scene, double time,
+                               const ImpostorContentOptions& options,
+                               const std::vector<Box>& places) {
+  const std::string_view shader = options.shader;
+  ContentHash hash;
+  if (shader == "raytrace") return content_hash(scene, time);
+  if (shader.starts_with("sdf:")) {
+    for (const Box& box : places)
+      for (int k = 0; k < 3; ++k)
+        hash.add(std::to_string(box.min[k]) + ' ' + std::to_string(box.max[k]));
+    return hash.text();
+  }
+  // The program's own bytes: another version of it is another content.
+  const std::string program(shader.substr(std::string_view("exec:").size()));
+  const Result<std::string> bytes = read_file(program, std::uint64_t(1) << 30);
+  if (!bytes) return bytes.error();
+  hash.add(*bytes);
+  for (const std::string& argument : options.exec.arguments) hash.add(argument);
+  return hash.text();
+}
+
+std::string shader_of(const ImpostorContentOptions& options) {
+  if (options.shader != "raytrace") return options.shader;
+  const TraceOptions& t = options.trace;
+  return "raytrace " + std::to_string(t.bounces) + ' ' + std::to_string(t.light_samples) + ' ' +
+         std::to_string(t.sun_degrees) + ' ' + std::to_string(t.light_radius) + ' ' +
+         std::to_string(t.seed);
+}
+
+Box placed_bounds(const Scene& scene, std::uint32_t object, std::span<const glm::mat4> poses) {
+  const Model& model = scene.models[std::size_t(scene.objects[object].model)];
+  return model.parts.empty() ? Box() : transformed(poses[object], model.bounds);
+}
+
+}  // namespace
+
+std::uint64_t ImpostorContent::rendered() const {
+  std::uint64_t sum = 0;
+  for (const auto& source : sources) sum += source->rendered();
+  return sum;
+}
+
+std::uint64_t ImpostorContent::found() const {
+  std::uint64_t sum = 0;
+  for (const auto& source : sources) sum += source->found();
+  return sum;
+}
+
+Result<std::vector<std::uint32_t>> find_objects(const Scene& scene,
+                                                const std::vector<std::string>& names) {
+  const auto count = std::uint32_t(scene.objects.size());
+  std::vector<bool> named(count, names.empty());
+  for (const std::string& name : names) {
+    bool found = false;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (scene.objects[i].name == name) named[i] = found = true;
+    std::uint32_t index = 0;
+    const char *begin = name.data() + 1, *end = name.data() + name.size();
+    if (!found && name.size() > 1 && name[0] == '#') {
+      const auto [at, error] = std::from_chars(begin, end, index);
+      if (error == std::errc() && at == end && index < count) named[index] = found = true;
+    }
+    if (!found)
+      return Error{"object '" + name + "'", "is not in the scene, which has " +
+                                                std::to_string(count) +
+                                                " objects: give the name of one, or #0, #1, ..."};
+  }
+  std::vector<std::uint32_t> objects;
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (named[i]) objects.push_back(i);
+  return objects;
+}
+
+Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
+                                              const ImpostorContentOptions& options) {
+  RILIEVO_EXPECTS(options.workers >= 1);
+  if (Result<> known = check_shader(options.shader); !known) return known.error();
+  const Result<std::vector<std::uint32_t>> objects = find_objects(scene, options.objects);
+  if (!objects) return objects.error();
+  const bool traces = options.shader == "raytrace", runs = options.shader.starts_with("exec:");
+
+  ImpostorContent content;
+  Result<RayScene> rays = RayScene::create(scene, time, RayParts::all);
+  if (!rays) return rays.error();
+  content.rays = std::make_unique<RayScene>(std::move(*rays));
+  std::vector<Box> places;
+  for (const std::uint32_t object : *objects) {
+    const Box place = placed_bounds(scene, object, content.rays->poses());
+    if (runs || place.empty()) continue;
+    places.push_back(place);
+    content.impostors.push_back({{{object}, traces}, {object}});
+  }
+  if (runs) content.impostors.push_back({{{}, !objects->empty()}, *objects});
+
+  if (!options.store.empty()) {
+    Result<ImpostorStore> store = ImpostorStore::open(options.store, options.store_options);
+    if (!store) return store.error();
+    content.store = std::make_unique<ImpostorStore>(std::move(*store));
+  }
+  KeptOptions kept{"", shader_of(options), options.warn};
+  if (content.store) {
+    Result<std::string> hash = content_of(scene, time, options, places);
+    if (!hash) return hash.error();
+    kept.content = *std::move(hash);
+  }
+  for (int worker = 0; worker < options.workers; ++worker) {
+    if (options.shader.starts_with("sdf:")) {
+      const DistanceField& field = *find_distance_field(options.shader.substr(4));
+      auto fields = std::make_unique<PlacedFields>(options.shader);
+      for (std::size_t i = 0; i < places.size(); ++i)
+        fields->place(content.impostors[i].objects[0], field, look_in(places[i], field));
+      content.shaders.push_back(std::move(fields));
+    } else {
+      Result<std::unique_ptr<CaptureSource>> shader =
+          make_shader(options.shader, {content.rays.get(), options.trace, {}, options.exec});
+      if (!shader) return shader.error();
+      content.shaders.push_back(*std::move(shader));
+    }
+    content.sources.push_back(
+        std::make_unique<KeptSource>(*content.shaders.back(), content.store.get(), kept));
+    kept.warn = {};  // one warning is enough
+  }
+  return content;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,20 @@
+// From where is an impostor seen, and from where will it be? Pure; any thread.
+#pragma once
+
+#include <glm/glm.hpp>
+
+namespace rilievo {
+
+// An eye of a frame, in the space of the object at capture.
+struct ImpostorEye {
+  glm::dvec3 position{0.0};
+  glm::dvec3 velocity{0.0};  // metres per second
+  glm::dvec3 turn{0.0};      // of the velocity: radians per second about its direction
+  glm::dvec3 up{0, 1, 0};
+  double focal_px = 500;  // of the frame: pixels per tangent
+};
+
+// Where the eye will be in `seconds`, if it keeps its speed and its turn.
+[[nodiscard]] glm::dvec3 predicted_eye(const ImpostorEye& eye, double seconds);
+
+}  // namespace rilievo

@@ -1,0 +1,88 @@
+// What do the frame's thread and the workers know of one impostor?
+//
+// Internal to impostor_workers.cpp. Each member says who writes it; values go from thread to thread
+// by triple buffers and atomics alone.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/core/triple_buffer.h"
+#include "rilievo/relief_impostor/critical_points.h"
+#include "rilievo/relief_impostor/impostor_workers.h"
+
+namespace rilievo {
+
+// What the frame knows of a picture.
+struct ImpostorJudgement {
+  PictureGeometry geometry;
+  std::vector<CriticalPair> pairs;
+  bool final = false;
+  std::uint64_t picture = 0;
+  Stopwatch made;
+};
+
+// A warp, from the warping worker to the frame.
+struct ImpostorWarpResult {
+  Prewarped board;
+  EncodedPiece encoded;
+  Stopwatch made;  // the picture
+  double interpolated = 0;
+  std::uint64_t picture = 0;
+};
+
+// A picture, to the warping worker.
+struct NumberedImpostor {
+  ImpostorPicture picture;
+  Stopwatch made;
+  std::uint64_t number = 0;
+};
+
+// A kind of work of one object: ordered by the frame, taken by one worker at a time.
+struct ImpostorWork {
+  std::atomic<bool> wanted{false}, busy{false};
+  std::atomic<double> priority{0};
+
+  // Ordered, or being done.
+  [[nodiscard]] bool pending() const {
+    return wanted.load(std::memory_order_acquire) || busy.load(std::memory_order_acquire);
+  }
+  // False if somebody else has it, or it is not wanted any more.
+  bool take() {
+    if (busy.exchange(true, std::memory_order_acq_rel)) return false;
+    // Wanted falls after busy rose: pending() never says no in between.
+    if (wanted.exchange(false, std::memory_order_acq_rel)) return true;
+    busy.store(false, std::memory_order_release);
+    return false;
+  }
+};
+
+// One impostor.
+struct ImpostorSlot {
+  ImpostorObject object;
+  Box bounds;
+  ImpostorWork warp, render;
+  // From the frame.
+  TripleBuffer<glm::dvec3> warp_eyes;
+  TripleBuffer<ImpostorEye> render_orders;
+  // From the rendering worker: to the frame, and to the warping one.
+  TripleBuffer<ImpostorJudgement> judgements;
+  TripleBuffer<NumberedImpostor> pictures;
+  TripleBuffer<std::stop_source> stops;
+  std::atomic<double> render_s{0.1};  // the last picture took
+  std::atomic<std::uint64_t> published{0};
+  // From the warping worker to the frame.
+  TripleBuffer<ImpostorWarpResult> boards;
+  ImpostorWarpScratch scratch;
+  // The frame's own.
+  glm::dvec3 ordered_eye{0.0};
+  std::optional<Stopwatch> needed;  // since when a picture is
+  std::uint64_t boards_seen = 0;
+  std::uint64_t shown = 0;  // the picture that was shown last
+};
+
+}  // namespace rilievo

@@ -1,0 +1,145 @@
+#include "rilievo/relief_impostor/kept_source.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+
+#include "rilievo/capture/callable_source.h"
+#include "rilievo/core/file_test_helpers.h"
+#include "rilievo/relief_impostor/impostor_content.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+const Box kShown{glm::vec3(-1), glm::vec3(1)};
+
+CallableSource numbered_pictures(int& made) {
+  return {"numbered", kShown, [&made](const CaptureRequest& request) -> Result<CapturedPicture> {
+            ++made;
+            CapturedPicture out;
+            out.picture.camera = request.camera;
+            out.picture.depth_kind = DepthKind::eye_z;
+            out.picture.color =
+                ColorImage(request.camera.width, request.camera.height, glm::vec4(float(made)));
+            out.picture.depth =
+                Image<float>(request.camera.width, request.camera.height, float(made));
+            return out;
+          }};
+}
+
+CaptureRequest request_from(const glm::dvec3& eye, int size = 8) {
+  CaptureRequest request;
+  request.camera = *tight_camera(Projection::perspective, eye, {0, 1, 0}, kShown);
+  request.camera.width = request.camera.height = size;
+  request.identifiers = false;
+  return request;
+}
+
+class KeptTest : public ::testing::Test {
+ protected:
+  KeptTest() : store_(std::move(*ImpostorStore::open(folder_.path() / "kept.db"))) {}
+  TemporaryFolder folder_;
+  ImpostorStore store_;
+};
+
+TEST_F(KeptTest, what_was_rendered_once_is_not_rendered_again) {
+  int made = 0;
+  CallableSource shader = numbered_pictures(made);
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<double> any(-4, 4);
+  std::vector<glm::dvec3> eyes;
+  for (int i = 0; i < 12; ++i) eyes.push_back({any(rng), any(rng), 6 + any(rng)});
+  std::vector<float> first;
+  for (int walk = 0; walk < 2; ++walk) {
+    KeptSource source(shader, &store_, {"scene", "shader", {}});
+    for (std::size_t i = 0; i < eyes.size(); ++i) {
+      const auto captured = source.capture(request_from(eyes[i]));
+      ASSERT_TRUE(captured.ok());
+      // To the bit, with the camera of the one that was rendered.
+      if (walk == 0) first.push_back(captured->picture.depth(0, 0));
+      EXPECT_EQ(captured->picture.depth(0, 0), first[i]);
+      EXPECT_EQ(captured->picture.camera, request_from(eyes[i]).camera);
+    }
+    EXPECT_EQ(source.rendered(), walk == 0 ? 12u : 0u);
+    EXPECT_EQ(source.found(), walk == 0 ? 0u : 12u);
+  }
+  EXPECT_EQ(made, 12);
+}
+
+TEST_F(KeptTest, other_content_shaders_samples_objects_and_sizes_are_other_pictures) {
+  const CaptureRequest request = request_from({0, 0, 5});
+  const KeptOptions options{"scene", "shader", {}};
+  const auto text = [](const PictureKey& key) {
+    return key.content + '|' + key.shader + '|' + key.cell + '|' + std::to_string(key.width);
+  };
+  const std::string key = text(kept_key(request, kShown, options));
+  CaptureRequest other = request;
+  other.samples = 16;
+  EXPECT_NE(text(kept_key(other, kShown, options)), key);
+  const std::uint32_t objects[] = {3};
+  other = request, other.objects = objects;
+  EXPECT_NE(text(kept_key(other, kShown, options)), key);
+  EXPECT_NE(text(kept_key(request_from({0, 0, 5}, 9), kShown, options)), key);
+  EXPECT_NE(text(kept_key(request, kShown, {"scene 2", "shader", {}})), key);
+  EXPECT_NE(text(kept_key(request, kShown, {"scene", "shader 2", {}})), key);
+  // A hundredth of the distance away at most, or another cell.
+  EXPECT_NE(text(kept_key(request_from({0.051, 0, 5}), kShown, options)), key);
+  EXPECT_EQ(text(kept_key(request_from({0.001, 0.001, 5.001}), kShown, options)), key);
+}
+
+TEST_F(KeptTest, without_a_store_everything_is_rendered) {
+  int made = 0;
+  CallableSource shader = numbered_pictures(made);
+  KeptSource source(shader, nullptr, {});
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(source.capture(request_from({0, 0, 5})).ok());
+  EXPECT_EQ(source.rendered(), 3u);
+}
+
+TEST(ImpostorContent, objects_are_found_by_name_and_by_number) {
+  Scene scene;
+  for (const char* name : {"a", "b", "a", "#0"}) {
+    scene.objects.emplace_back();
+    scene.objects.back().name = name;
+  }
+  EXPECT_EQ(*find_objects(scene, {"a"}), (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(*find_objects(scene, {"#1", "b", "#2"}), (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(*find_objects(scene, {"#0"}), (std::vector<std::uint32_t>{3}));  // a name comes first
+  EXPECT_EQ(find_objects(scene, {})->size(), 4u);
+  for (const char* wrong : {"c", "", "#", "#4", "#-1", "#1x"})
+    EXPECT_FALSE(find_objects(scene, {wrong}).ok()) << wrong;
+}
+
+TEST(ImpostorContent, a_field_stands_where_its_object_does) {
+  const auto scene = make_builtin("builtin:teapots?triangles=10000");
+  ASSERT_TRUE(scene.ok());
+  ImpostorContentOptions options;
+  options.shader = "sdf:torus";
+  options.objects = {"#1", "#2"};
+  const auto content = make_impostor_content(scene->scene, 0, options);
+  ASSERT_TRUE(content.ok()) << content.error().message();
+  ASSERT_EQ(content->impostors.size(), 2u);
+  for (const ShadedImpostor& impostor : content->impostors) {
+    EXPECT_FALSE(impostor.shown.drawable);  // its polygons show something else
+    const Box field = content->sources[0]->bounds(impostor.shown.objects);
+    const Model& model =
+        scene->scene.models[std::size_t(scene->scene.objects[impostor.objects[0]].model)];
+    const Box object = transformed(content->rays->poses()[impostor.objects[0]], model.bounds);
+    EXPECT_LT(glm::length(field.center() - object.center()), 1e-3f);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_GE(field.min[k], object.min[k] - 1e-3f);
+      EXPECT_LE(field.max[k], object.max[k] + 1e-3f);
+    }
+  }
+}
+
+TEST(ImpostorContent, what_is_unknown_is_refused) {
+  const Scene scene;
+  EXPECT_FALSE(make_impostor_content(scene, 0, {.shader = "raymarch"}).ok());
+  EXPECT_FALSE(make_impostor_content(scene, 0, {.objects = {"teapot"}}).ok());
+  EXPECT_FALSE(make_impostor_content(scene, 0, {.store = "/nowhere/at/all.db"}).ok());
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Relief impostors from the command line: shaded by whom, of which objects, kept where.
+
+    test_impostors.py PATH/TO/rilievo [unittest arguments]
+"""
+
+import json
+import math
+import unittest
+
+import command
+from command import TEAPOTS, files_below
+
+METHOD = ("--method", "relief-impostor", "--impostor-texels", "96", "--impostor-samples", "1")
+SIZE = ("--size", "192x108")
+# Around the table by a right angle, in nine frames: ten degrees from one to the next.
+KEYS = [{"time": i / 60, "eye": [12 * math.sin(i / 5.7), 5, 12 * math.cos(i / 5.7)],
+         "target": [0, 1, 0], "up": [0, 1, 0], "vertical_fov": 0.9} for i in range(9)]
+
+
+class Impostors(command.Case):
+    def setUp(self):
+        super().setUp()
+        path = {"schema": "rilievo-path-1", "z_near": 0.1, "z_far": 100, "keys": KEYS}
+        self.walk = (*SIZE, "--path", self.write("walk.json", json.dumps(path)), "--frames", "9")
+
+    def rendered(self, name, *arguments):
+        """The frames, and how many pictures were rendered for them."""
+        out = self.folder / name
+        done = self.succeeds("render", TEAPOTS, *METHOD, *self.walk, *arguments, "-o", out, "--json", "-")
+        return files_below(out), json.loads(done.stdout)["captures"]
+
+    def test_frames_depend_neither_on_the_number_of_workers_nor_on_the_store(self):
+        store = self.folder / "store.db"
+        objects = ("--objects", "#1,#2")
+        one, captures = self.rendered("one", *objects)
+        self.assertGreater(captures, 2)  # made again on the way
+        three, _ = self.rendered("three", *objects, "--workers", "3")
+        self.assertEqual(one, three)
+        kept, captures = self.rendered("kept", *objects, "--store", store)
+        self.assertEqual(one, kept)
+        again, rendered = self.rendered("again", *objects, "--store", store, "--workers", "2")
+        self.assertEqual(one, again)
+        self.assertGreater(captures, 0)
+        self.assertEqual(rendered, 0)
+
+    def test_a_field_and_a_comparison(self):
+        field, captures = self.rendered("field", "--shader", "sdf:torus", "--objects", "#1")
+        self.assertGreater(captures, 0)
+        polygons, _ = self.rendered("polygons", "--objects", "#1")
+        self.assertNotEqual(field, polygons)
+        report = self.folder / "report"
+        done = self.succeeds("compare", TEAPOTS, "--methods", "relief-impostor", *METHOD[2:], *self.walk,
+                             "--objects", "#1", "-o", report, "--json", "-")
+        self.assertIn("relief-impostor", json.loads(done.stdout)["methods"])
+
+    def test_a_program_is_asked_and_one_that_dies_leaves_polygons_and_one_warning(self):
+        started = self.folder / "started"
+        program = self.write("dies.sh", f"#!/bin/sh\necho x >> {started}\nread line\n"
+                             "echo '{\"id\":1,\"bounds\":[[-3,0,-3],[3,2,3]]}'\nread line\nexit 1\n")
+        program.chmod(0o755)
+        out = self.folder / "frames"
+        done = self.succeeds("render", TEAPOTS, *METHOD, *self.walk, "--shader", f"exec:{program}",
+                             "--objects", "#1", "-o", out)
+        self.assertEqual(len(files_below(out)), 9)
+        self.assertTrue(started.exists())
+        self.assertLessEqual(len(done.stderr.strip().splitlines()), 2, done.stderr)
+        self.assertIn("dies.sh", done.stderr)
+
+    def test_bad_input_ends_in_one_line_and_leaves_no_file(self):
+        out = self.folder / "out"
+        nowhere = self.folder / "no" / "store.db"
+        other = self.write("other.db", "not a store of pictures at all, but a text" * 40)
+        for arguments, named in (
+                (("--objects", "spout"), "spout"),
+                (("--shader", "raymarch"), "raymarch"),
+                (("--shader", "sdf:sphere"), "sphere"),
+                (("--shader", "exec:"), "--shader"),
+                (("--shader", "exec:/no/such/program"), "program"),
+                (("--workers", "0"), "--workers"),
+                (("--impostor-texels", "2000"), "--impostor-texels"),
+                (("--store", nowhere), "store.db"),
+                (("--store", other), "other.db")):
+            with self.subTest(arguments):
+                self.refused(("render", TEAPOTS, *METHOD[:2], *self.walk, *arguments, "-o", out), named)
+                self.assertFalse(out.exists() and files_below(out))
+        self.assertEqual(other.read_bytes()[:10], b"not a stor")
+
+
+if __name__ == "__main__":
+    command.main()
