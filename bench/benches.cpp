@@ -5,6 +5,7 @@
 #include "bench/capture.h"
 #include "bench/compose.h"
 #include "bench/coverage.h"
+#include "bench/decoupling.h"
 #include "bench/deep_objects.h"
 #include "bench/draw.h"
 #include "bench/layered.h"
@@ -57,6 +58,9 @@ std::span<const Bench> benches() {
             false, splats},
       Bench{"relief", "What do relief impostors cost, and how many does a walk take? (S5.2, S5.9)",
             false, relief},
+      Bench{"decoupling",
+            "Do frames stay fast and right while their pictures take long? (S5.1, S5.7)", true,
+            decoupling},
       Bench{"relief-run", "What do layered reliefs cost over 300 turns? (S4.4, S4.7)", false,
             relief_run},
       Bench{"deep-objects", "What do layered reliefs gain for deep objects near the eye?", true,

@@ -80,6 +80,7 @@ struct ImpostorSlot {
   ImpostorWarpScratch scratch;
   // The frame's own.
   glm::dvec3 ordered_eye{0.0};
+  Stopwatch ordered;
   std::optional<Stopwatch> needed;  // since when a picture is
   std::uint64_t boards_seen = 0;
   std::uint64_t shown = 0;  // the picture that was shown last

@@ -171,6 +171,9 @@ struct ImpostorWorkers::State {
     const double took = watch.ms();
     render_ms.fetch_add(took, std::memory_order_relaxed);
     if (stop.stop_requested()) {
+      // It takes at least so long.
+      if (took / 1e3 > slot.render_s.load(std::memory_order_relaxed))
+        slot.render_s.store(took / 1e3, std::memory_order_relaxed);
       cancelled.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -252,20 +255,24 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
       now.moved_px = std::max(now.moved_px, 1.01 * s.options.limits.still_px);
   }
   // Of a picture that is on its way, the relief is not known yet: as stretched as this one would be
-  // if it had been taken as far from the eye.
-  if (now.rendering)
+  // if it had been taken as far from where the eye is when it is done.
+  const double render_s =
+      std::min(slot.render_s.load(std::memory_order_relaxed), s.options.predict_s);
+  if (now.rendering) {
+    const double remaining = std::max(0.0, render_s - slot.ordered.ms() / 1e3);
+    const glm::dvec3 beside = predicted_eye(eye, remaining) - slot.ordered_eye;
     now.rendered_stretch =
         now.picture
-            ? stretch_from(judged.geometry.capture.position() + eye.position - slot.ordered_eye)
-            : 1 + glm::length(eye.position - slot.ordered_eye) /
+            ? stretch_from(judged.geometry.capture.position() + beside)
+            : 1 + glm::length(beside) /
                       std::max(1e-9, glm::length(eye.position - glm::dvec3(slot.bounds.center())));
+  }
 
   const ImpostorStep step = next_step(now, s.options.limits);
   if (step.cancel_render) slot.stops.front().request_stop();
   if (step.order_render) {
-    const double ahead =
-        std::min(slot.render_s.load(std::memory_order_relaxed), s.options.predict_s);
-    slot.ordered_eye = predicted_eye(eye, ahead);
+    slot.ordered_eye = predicted_eye(eye, render_s);
+    slot.ordered = Stopwatch();
     slot.render_orders.back() = eye;
     slot.render_orders.back().position = slot.ordered_eye;
     if (!slot.needed) slot.needed.emplace();

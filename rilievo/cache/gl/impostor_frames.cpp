@@ -11,8 +11,10 @@ namespace {
 
 // A picture, its warp, the picture again if the first was for another eye, and its warp.
 constexpr int kSettleRounds = 6;
-// A frame that took longer says nothing of the next.
-constexpr double kLongestFrame = 0.25;
+// A frame that took longer says nothing of the next, seconds.
+constexpr double kLongestFrame = 0.5;
+// Over this time speeds and turns are averaged, as frames are not alike; seconds.
+constexpr double kSmooth = 0.15;
 
 // The camera at capture of an object that has moved since.
 Camera camera_before(const Camera& camera, const glm::dmat4& motion) {
@@ -87,10 +89,18 @@ std::optional<ImpostorEye> ImpostorFrames::eye_of(std::size_t impostor, const Ca
   eye.focal_px = camera.width / (camera.window.right - camera.window.left);
   // Where frames wait, pictures are for their own eyes: nothing depends on the clock.
   if (options_.background && frame_s_ > 0) {
-    eye.velocity = view.velocity / frame_s_;
-    eye.turn = turn_between(followed.step, view.velocity) / frame_s_;
+    const glm::dvec3 step = followed.eyes.step;
+    const double rate = glm::length(step) / frame_s_, share = 1 - std::exp(-frame_s_ / kSmooth);
+    // A jump is not a motion: follow() gives it no velocity.
+    const bool jumps = glm::length(view.velocity) < 0.25 * glm::length(step);
+    if (!jumps) {
+      followed.speed += share * (rate - followed.speed);
+      followed.turn += share * (turn_between(followed.step, step) / frame_s_ - followed.turn);
+      if (rate > 0) eye.velocity = step * (followed.speed / (rate * frame_s_));
+      eye.turn = followed.turn;
+    }
+    followed.step = step;
   }
-  followed.step = view.velocity;
   followed.eye = eye;
   return eye;
 }

@@ -56,8 +56,9 @@ class ImpostorFrames final : public SceneFrames {
   struct Followed {
     ObjectDrawable place;  // of its objects at capture; without a drawable
     glm::dmat4 motion{1.0};
-    EyeMotion eyes;  // in the space at capture
-    glm::dvec3 step{0.0};
+    EyeMotion eyes;                   // in the space at capture
+    glm::dvec3 step{0.0}, turn{0.0};  // of the last frame; radians per second, averaged
+    double speed = 0;                 // metres per second, averaged
     ImpostorEye eye;
   };
   ImpostorContent content_;

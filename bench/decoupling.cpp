@@ -1,0 +1,322 @@
+#include "bench/decoupling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "bench/impostor_judge.h"
+#include "bench/slow_source.h"
+#include "rilievo/cache/gl/impostor_frames.h"
+#include "rilievo/gl/context.h"
+#include "rilievo/io/png.h"
+#include "rilievo/measure/stats.h"
+
+namespace rilievo::bench {
+namespace {
+
+constexpr double kTurn = std::numbers::pi / 6;  // of the orbit, a second
+constexpr int kFrameWidth = 1280, kFrameHeight = 720, kFrameSamples = 4;
+constexpr double kPaceMs = 1000.0 / 30;  // frames are not drawn faster
+constexpr int kKeptFrames = 8;           // of a walk, to be judged
+
+WorkerOptions worker_options() {
+  WorkerOptions options;
+  options.size = 512;
+  return options;
+}
+
+std::string decibels(double db) { return fmt::format("{:.1f}", db); }
+
+// --- Staleness: the same eye, shown by pictures of earlier ones.
+
+Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchReport& report) {
+  Result<ImpostorJudge> judge =
+      ImpostorJudge::create(traced, kFrameWidth, kFrameHeight, kFrameSamples);
+  if (!judge) return judge.error();
+  Table table{
+      "How right are pictures that are not fresh? " + traced.name,
+      {"age ms", "turned by", "warped PSNR", "SSIM", "FLIP", "as one plane PSNR", "SSIM", "FLIP"},
+      {}};
+  const int eyes = bench.quick ? 1 : 6;
+  for (const double age : {0.0, 0.1, 0.5}) {
+    std::vector<ImpostorQuality> warped, plane;
+    for (int i = 0; i < eyes; ++i) {
+      const double angle = 2 * std::numbers::pi * i / eyes;
+      const Camera now = orbit_camera(traced, angle, kFrameWidth, kFrameHeight);
+      const Camera before = orbit_camera(traced, angle - kTurn * age, kFrameWidth, kFrameHeight);
+      const Result<DepthImage> picture = judge->shade(before, worker_options());
+      if (!picture) return picture.error();
+      const Result<ImpostorQuality> a = judge->judge(warped_for(*picture, now.position()), now);
+      if (!a) return a.error();
+      warped.push_back(*a);
+      if (i == 0)
+        report.pictures.push_back({fmt::format("warped, {:.0f} ms old", 1e3 * age),
+                                   {"image/png", encode_png(judge->drawn())}});
+      const Result<ImpostorQuality> b = judge->judge(as_one_plane(*picture), now);
+      if (!b) return b.error();
+      plane.push_back(*b);
+      if (i == 0)
+        report.pictures.push_back({fmt::format("as one plane, {:.0f} ms old", 1e3 * age),
+                                   {"image/png", encode_png(judge->drawn())}});
+      if (i == 0 && age == 0.5)
+        report.pictures.push_back({"traced", {"image/png", encode_png(judge->truth())}});
+    }
+    const ImpostorQuality w = mean_quality(warped), p = mean_quality(plane);
+    table.rows.push_back(
+        {fmt::format("{:.0f}", 1e3 * age), fmt::format("{:.0f}", age * kTurn * 57.29578),
+         decibels(w.psnr_db), fmt::format("{:.4f}", w.ssim), fmt::format("{:.4f}", w.flip),
+         decibels(p.psnr_db), fmt::format("{:.4f}", p.ssim), fmt::format("{:.4f}", p.flip)});
+    const std::string suffix = age == 0 ? "fresh" : fmt::format("{:.0f}ms", 1e3 * age);
+    report.figures.emplace_back("psnr_db_" + suffix, w.psnr_db);
+    report.figures.emplace_back("psnr_db_plane_" + suffix, p.psnr_db);
+  }
+  report.tables.push_back(std::move(table));
+  return Done{};
+}
+
+// --- S5.7: what a steady frame costs more, and how right the object is once it is refined.
+
+Result<double> steady_ms(FrameSource& source, FrameTarget& target, const Camera& camera) {
+  gl::finish();
+  const Stopwatch watch;
+  target.begin();
+  if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
+  target.resolve();
+  gl::finish();
+  return watch.ms();
+}
+
+Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchReport& report) {
+  const Camera camera = orbit_camera(traced, 0.4, kFrameWidth, kFrameHeight);
+  Scene without = *traced.scene;
+  without.objects.erase(without.objects.begin() + std::ptrdiff_t(traced.object));
+  Result<SceneRenderer> all = SceneRenderer::create(*traced.scene),
+                        rest = SceneRenderer::create(without);
+  if (!all || !rest) return all ? rest.error() : all.error();
+  ImpostorContentOptions content;
+  content.objects = {fmt::format("#{}", traced.object)};
+  Result<ImpostorContent> made = make_impostor_content(*traced.scene, 0.0, content);
+  if (!made) return made.error();
+  all->set_time(0.0), rest->set_time(0.0);
+  auto frames = ImpostorFrames::create(*all, std::move(*made), {.workers = worker_options()});
+  if (!frames) return frames.error();
+  DirectFrames direct(*all), direct_rest(*rest);
+  Result<FrameTarget> target = FrameTarget::create(kFrameWidth, kFrameHeight, kFrameSamples);
+  if (!target) return target.error();
+  std::vector<double> with_ms, without_ms, polygons_ms;
+  for (int i = 0; i < (bench.quick ? 4 : 60); ++i)
+    for (auto& [source, ms] :
+         {std::pair<FrameSource*, std::vector<double>*>{frames->get(), &with_ms},
+          {&direct_rest, &without_ms},
+          {&direct, &polygons_ms}}) {
+      const Result<double> took = steady_ms(*source, *target, camera);
+      if (!took) return took.error();
+      if (i > 0) ms->push_back(*took);  // the first frame waits for the picture
+    }
+  const double ratio = median_of(with_ms) / median_of(without_ms);
+  Table table{"A steady frame with one ray-traced object (S5.7), " + traced.name,
+              {"frame", "p50 ms", "over the frame without the object"},
+              {}};
+  for (const auto& [name, ms] :
+       {std::pair<const char*, const std::vector<double>*>{"without the object", &without_ms},
+        {"with its impostor", &with_ms},
+        {"with its polygons", &polygons_ms}})
+    table.rows.push_back({name, fmt::format("{:.2f}", median_of(*ms)),
+                          fmt::format("{:.3f}", median_of(*ms) / median_of(without_ms))});
+  report.tables.push_back(std::move(table));
+  report.figures.emplace_back("steady_over_without", ratio);
+  report.figures.emplace_back("steady_over_polygons", median_of(with_ms) / median_of(polygons_ms));
+
+  Table refined{"The object beside a full ray tracing of it, steady camera, " + traced.name,
+                {"texels a pixel", "samples a texel", "PSNR", "SSIM", "FLIP"},
+                {}};
+  Result<ImpostorJudge> judge =
+      ImpostorJudge::create(traced, kFrameWidth, kFrameHeight, kFrameSamples);
+  if (!judge) return judge.error();
+  for (const double fine : {1.0, 2.0}) {
+    WorkerOptions options = worker_options();
+    options.texels_per_px = fine, options.size = 1024;
+    options.samples = fine > 1 ? 1 : 4;
+    const Result<DepthImage> picture = judge->shade(camera, options);
+    if (!picture) return picture.error();
+    const Result<ImpostorQuality> q = judge->judge(warped_for(*picture, camera.position()), camera);
+    if (!q) return q.error();
+    refined.rows.push_back({fmt::format("{:.0f}", fine), std::to_string(options.samples),
+                            decibels(q->psnr_db), fmt::format("{:.4f}", q->ssim),
+                            fmt::format("{:.4f}", q->flip)});
+    report.figures.emplace_back(fmt::format("psnr_db_refined_{:.0f}x", fine), q->psnr_db);
+  }
+  report.tables.push_back(std::move(refined));
+  return Done{};
+}
+
+// --- A walk by the clock, with a tracer that is slower and slower.
+
+struct KeptFrame {
+  Camera camera;
+  Prewarped board;                 // what was shown; empty: polygons
+  std::optional<DepthImage> last;  // the last picture there was
+};
+
+struct ClockWalk {
+  std::vector<double> frame_ms, latency_ms;
+  std::vector<KeptFrame> kept;
+  WorkerStats stats;
+  int shown = 0, frames = 0;
+};
+
+Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer, double factor,
+                                bool busy, double seconds) {
+  ImpostorContentOptions options;
+  options.objects = {fmt::format("#{}", traced.object)};
+  Result<ImpostorContent> content = make_impostor_content(*traced.scene, 0.0, options);
+  if (!content) return content.error();
+  SlowSource slow(*content->shaders[0], factor, busy);
+  content->sources[0] = std::make_unique<KeptSource>(slow, nullptr, KeptOptions{});
+  renderer.set_time(0.0);
+  ImpostorFramesOptions with{.workers = worker_options(), .background = true};
+  with.workers.nice = 10;
+  with.workers.predict_s = 3;
+  auto frames = ImpostorFrames::create(renderer, std::move(*content), with);
+  if (!frames) return frames.error();
+  Result<FrameTarget> target = FrameTarget::create(kFrameWidth, kFrameHeight, kFrameSamples);
+  if (!target) return target.error();
+  ClockWalk walk;
+  const Stopwatch clock;
+  double next_ms = 0;
+  while (clock.ms() < 1e3 * seconds) {
+    const Camera camera = orbit_camera(traced, kTurn * clock.ms() / 1e3, kFrameWidth, kFrameHeight);
+    const Result<double> ms = steady_ms(**frames, *target, camera);
+    if (!ms) return ms.error();
+    ++walk.frames;
+    // The first frames compile shaders.
+    if (walk.frames > 3) walk.frame_ms.push_back(*ms);
+    const ImpostorFrame& frame = (*frames)->statuses()[0].frame;
+    walk.shown += frame.board != nullptr;
+    if (frame.latency_ms > 0) walk.latency_ms.push_back(frame.latency_ms);
+    if (double(walk.kept.size()) + 1 <= clock.ms() / 1e3 / seconds * (kKeptFrames + 1) &&
+        int(walk.kept.size()) < kKeptFrames)
+      walk.kept.push_back({camera, frame.board ? *frame.board : Prewarped{}, slow.last()});
+    next_ms = std::max(next_ms + kPaceMs, clock.ms());
+    std::this_thread::sleep_for(
+        std::chrono::microseconds(std::int64_t(1e3 * std::max(0.0, next_ms - clock.ms()))));
+  }
+  walk.stats = (*frames)->workers().stats();
+  return walk;
+}
+
+std::string histogram(const std::vector<double>& ms) {
+  std::string text;
+  double from = 0;
+  for (const double to : {50.0, 100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 1e9}) {
+    const auto count =
+        std::count_if(ms.begin(), ms.end(), [&](double v) { return v >= from && v < to; });
+    if (count > 0)
+      text += fmt::format("{}{}{:.0f}: {}", text.empty() ? "" : ", ",
+                          to < 1e8 ? "<" : ">=", to < 1e8 ? to : from, count);
+    from = to;
+  }
+  return text.empty() ? "none" : text;
+}
+
+// The time of copying as much as is read and written for a board.
+double copy_ms(std::size_t texels) {
+  std::vector<char> from(7 * texels, 1), to(from.size());
+  double best = 1e300;
+  for (int i = 0; i < 50; ++i) {
+    const Stopwatch watch;
+    std::memcpy(to.data(), from.data(), to.size());
+    best = std::min(best, watch.ms());
+    from[std::size_t(i) % from.size()] = to[std::size_t(i) * 7 % to.size()];
+  }
+  return best;
+}
+
+Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchReport& report) {
+  Result<SceneRenderer> renderer = SceneRenderer::create(*traced.scene);
+  if (!renderer) return renderer.error();
+  Result<ImpostorJudge> judge =
+      ImpostorJudge::create(traced, kFrameWidth, kFrameHeight, kFrameSamples);
+  if (!judge) return judge.error();
+  Table table{"The tracer made slower; the eye turns by 30 degrees a second, " + traced.name,
+              {"times slower", "by", "frames", "p50 ms", "p99 ms", "p99 / p50", "pictures",
+               "coarse", "shown %", "PSNR", "one plane", "needed to shown, ms"},
+              {}};
+  const double seconds = bench.quick ? 1 : bench.full ? 20 : 8;
+  for (const bool busy : {false, true})
+    for (const double factor : {1.0, 10.0, 50.0}) {
+      if (bench.quick && (busy || factor == 10)) continue;
+      const Result<ClockWalk> walk = walk_by_clock(traced, *renderer, factor, busy, seconds);
+      if (!walk) return walk.error();
+      std::vector<ImpostorQuality> shown, plane;
+      std::size_t texels = 0;
+      for (const KeptFrame& kept : walk->kept) {
+        if (!kept.board.color.empty()) {
+          const Result<ImpostorQuality> q = judge->judge(kept.board, kept.camera);
+          if (!q) return q.error();
+          shown.push_back(*q);
+          texels = kept.board.color.size();
+        }
+        if (kept.last) {
+          const Result<ImpostorQuality> q = judge->judge(as_one_plane(*kept.last), kept.camera);
+          if (!q) return q.error();
+          plane.push_back(*q);
+        }
+      }
+      const Summary ms = summarize(walk->frame_ms);
+      const ImpostorQuality w = mean_quality(shown), p = mean_quality(plane);
+      table.rows.push_back(
+          {fmt::format("{:.0f}", factor), busy ? "work" : "sleep", std::to_string(walk->frames),
+           fmt::format("{:.1f}", ms.p50), fmt::format("{:.1f}", ms.p99),
+           fmt::format("{:.2f}", ms.p99 / ms.p50), std::to_string(walk->stats.pictures),
+           std::to_string(walk->stats.coarse),
+           fmt::format("{:.0f}", 100.0 * walk->shown / std::max(1, walk->frames)),
+           shown.empty() ? "-" : decibels(w.psnr_db), plane.empty() ? "-" : decibels(p.psnr_db),
+           histogram(walk->latency_ms)});
+      const std::string suffix = fmt::format("slow{:.0f}{}", factor, busy ? "_busy" : "");
+      report.figures.emplace_back("p50_ms_" + suffix, ms.p50);
+      report.figures.emplace_back("p99_over_p50_" + suffix, ms.p99 / ms.p50);
+      report.figures.emplace_back("psnr_db_" + suffix, w.psnr_db);
+      report.figures.emplace_back("psnr_db_reprojection_" + suffix, p.psnr_db);
+      if (factor == 1 && !busy && walk->stats.warps > 0 && texels > 0) {
+        const double warp = walk->stats.warp_ms / double(walk->stats.warps);
+        report.figures.emplace_back("warp_ms", warp);
+        report.figures.emplace_back("warp_over_memcpy", warp / copy_ms(texels));
+      }
+    }
+  report.tables.push_back(std::move(table));
+  return Done{};
+}
+
+}  // namespace
+
+Result<BenchReport> decoupling(const BenchOptions& options) {
+  BenchReport report;
+  const std::string name = options.scenes.empty() ? std::string("builtin:teapots?triangles=100000")
+                                                  : options.scenes.front();
+  const Result<TracedScene> traced = traced_scene(name);
+  if (!traced) return traced.error();
+  int done = 0;
+  for (auto* part : {staleness, steady, slow_walks}) {
+    if (options.progress) options.progress(done++, 3);
+    if (Result<> measured = part(*traced, options, report); !measured) return measured.error();
+  }
+  report.notes = {
+      fmt::format(
+          "One object, ray-traced, among rasterised ones; {} x {} pixels, {} samples. PSNR, "
+          "SSIM and FLIP of the object alone, over black, in the rectangle around it, against "
+          "a ray tracing by the frame's own camera; of frames that show the impostor. As one "
+          "plane: the last picture, moved by a homography.",
+          kFrameWidth, kFrameHeight, kFrameSamples),
+      fmt::format(
+          "Frames are drawn at most every {:.0f} ms; one worker, one thread that warps, both "
+          "giving way to the frame. Needed to shown: from the first order of a picture to "
+          "the frame that shows one.",
+          kPaceMs)};
+  return report;
+}
+
+}  // namespace rilievo::bench

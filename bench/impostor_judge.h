@@ -1,0 +1,74 @@
+// How right is a relief impostor in a frame, beside a full ray tracing of its object?
+//
+// Each is drawn alone, over black, and compared in the rectangle around the object. Needs a current
+// OpenGL context.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rilievo/relief_impostor/gl/impostor_drawable.h"
+#include "rilievo/relief_impostor/ray_tracer.h"
+#include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/scene/scene.h"
+
+namespace rilievo::bench {
+
+// A scene, one object of it, and rays that meet all of it.
+struct TracedScene {
+  std::string name;
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<RayScene> rays;
+  std::uint32_t object = 0;
+  Box box;  // of the object
+};
+
+// "builtin:..." or a file; the object with the most triangles that is not larger than half of the
+// scene, if there is one.
+[[nodiscard]] Result<TracedScene> traced_scene(const std::string& name);
+
+// The eye of an orbit around the object, at an angle (radians).
+[[nodiscard]] Camera orbit_camera(const TracedScene& traced, double angle, int width, int height);
+// The same as the workers take it.
+[[nodiscard]] ImpostorEye impostor_eye(const Camera& camera);
+
+struct ImpostorQuality {
+  double psnr_db = 0, ssim = 0, flip = 0;
+};
+// The mean of several.
+[[nodiscard]] ImpostorQuality mean_quality(const std::vector<ImpostorQuality>& all);
+
+// Draws and compares.
+class ImpostorJudge {
+ public:
+  [[nodiscard]] static Result<ImpostorJudge> create(const TracedScene& traced, int width,
+                                                    int height, int samples);
+  // The picture that a worker would make.
+  [[nodiscard]] Result<DepthImage> shade(const Camera& seen_from, const WorkerOptions& options);
+  // Draws a board, as a frame does, and compares it with the object traced for `camera`.
+  [[nodiscard]] Result<ImpostorQuality> judge(const Prewarped& board, const Camera& camera);
+  // The last two that were compared.
+  [[nodiscard]] const Rgba8Image& drawn() const { return drawn_; }
+  [[nodiscard]] const Rgba8Image& truth() const { return truth_; }
+
+ private:
+  ImpostorJudge(const TracedScene& traced, FrameTarget target,
+                std::unique_ptr<ImpostorDrawable> drawable)
+      : traced_(&traced), target_(std::move(target)), drawable_(std::move(drawable)) {}
+
+  const TracedScene* traced_;
+  FrameTarget target_;
+  std::unique_ptr<ImpostorDrawable> drawable_;
+  std::uint64_t number_ = 0;
+  Camera truth_camera_;
+  Rgba8Image truth_premultiplied_, drawn_, truth_;
+};
+
+// The picture as it is, one plane with the colours of its eye: drawn from another one, a homography
+// moves it (what reprojection of the last frame does).
+[[nodiscard]] Prewarped as_one_plane(const DepthImage& picture);
+// ... warped for an eye; empty if it cannot be.
+[[nodiscard]] Prewarped warped_for(const DepthImage& picture, const glm::dvec3& eye);
+
+}  // namespace rilievo::bench
