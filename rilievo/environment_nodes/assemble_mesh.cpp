@@ -128,7 +128,9 @@ class Assembler {
     return false;
   }
 
-  // It stretches from its longest side to the corner opposite, as it is seen from the node.
+  // It stretches from its longest side to the corner opposite, as it is seen from the node, where
+  // it is narrower than a texel, which can be some pixels. It is a crack at a multiple of a skin's
+  // width, and has the colours of its own place.
   void add_sliver(int f, std::uint32_t triangle) {
     const FaceMesh& face = *faces_[std::size_t(f)];
     const auto point = [&](int i) {
@@ -141,7 +143,9 @@ class Assembler {
       if (length > longest) longest = length, corner = i;
     }
     const auto at = [&](int i) {
-      return Stretched{placed(f, triangle, i), i == corner ? 1.0f : 0.0f};
+      const std::uint32_t vertex = placed(f, triangle, i).vertex;
+      return Stretched{{vertex, mesh_.vertices[vertex].direction},
+                       i == corner ? NodeVertex::kSliver : NodeVertex::kSliverSide};
     };
     add_skin_triangle(at(0), at(2), at(1));
   }

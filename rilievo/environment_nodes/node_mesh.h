@@ -31,6 +31,8 @@ struct NodeVertex {
   float stretch = kAlways;
 
   static constexpr float kAlways = -1.0f;
+  // Of slivers: a change by more than 1 counts as a skin of so many times a smaller width.
+  static constexpr float kSliverSide = 0x1p-20f, kSliver = 4.0f;
 };
 
 // The triangles [first, first + count) of a mesh.
