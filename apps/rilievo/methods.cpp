@@ -286,8 +286,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option(
           "--capture-ms", options.capture_ms,
-          "cache: time for captures per frame, in ms (default: a budget of triangles instead, "
-          "which makes runs repeatable)")
+          "cache: time for captures per frame, in ms; what is late is coarse at first (default: a "
+          "budget of triangles instead, which makes runs repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command

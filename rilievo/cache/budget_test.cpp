@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
+#include "rilievo/cache/capture_clock.h"
+#include "rilievo/cache/capture_cost.h"
 #include "rilievo/cache/plan_test_helpers.h"
 
 namespace rilievo {
@@ -36,10 +39,13 @@ FrameView jumping(std::mt19937& rng) {
           {rng() % 2 ? 30 : -30, 0, 10 + u(rng)}};
 }
 
-std::vector<Shares> shares_of(const Loop& run, const Blocks& blocks) {
+// Is each block that may be in view drawn at all pixels, once?
+void expect_complete(const Loop& run, const Blocks& blocks, const FrameView& view) {
   std::vector<Shares> still(blocks.boxes.size()), moving;
   add_shares(run, blocks.tree, still, moving);
-  return still;
+  const ViewAxes axes = view_axes(view, 0);
+  for (std::size_t i = 0; i < still.size(); ++i)
+    EXPECT_TRUE(complete(still[i]) || !may_see(axes.now, blocks.boxes[i])) << i;
 }
 
 TEST(BudgetTest, an_eye_too_fast_for_any_picture_to_last_sees_pictures_of_single_frames) {
@@ -57,9 +63,7 @@ TEST(BudgetTest, an_eye_too_fast_for_any_picture_to_last_sees_pictures_of_single
       EXPECT_TRUE(capture.geometry.capture.position() == view.camera.position());
     }
     EXPECT_LE(run.plan.bound_px, options.error_px);
-    const std::vector<Shares> shares = shares_of(run, blocks);
-    for (std::size_t i = 0; i < shares.size(); ++i)
-      EXPECT_TRUE(shares[i].empty() || complete(shares[i])) << i;
+    expect_complete(run, blocks, view);
     // Only what is around the eye is left to polygons.
     near += int(run.plan.polygons.size());
     pictures += int(run.plan.pictures.size());
@@ -77,6 +81,141 @@ TEST(BudgetTest, where_captures_cost_more_than_polygons_a_fast_eye_sees_polygons
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, jumping(rng), CacheOptions{}));
     EXPECT_TRUE(run.plan.captures.empty());
   }
+}
+
+// The price of a frame's captures, by definition.
+double price_of(const Plan& plan, const CacheOptions& options) {
+  double price = 0;
+  for (const Capture& capture : plan.captures) {
+    const Camera& eye = capture.geometry.capture;
+    const double texels = double(eye.width) * eye.height;
+    price += capture.coarse ? options.cost.coarse_capture + options.cost.coarse_texel * texels
+                            : options.cost.capture +
+                                  options.cost.capture_triangle * double(capture.triangles) +
+                                  options.cost.capture_texel * texels;
+  }
+  return price;
+}
+
+// An eye that stands, jumps after each 60 frames, and stands again.
+FrameView standing(int frame, double step = 0) {
+  const int jump = frame / 60;
+  const glm::dvec3 eye(60 * std::cos(2.0 * jump), 6, 60 * std::sin(2.0 * jump));
+  const glm::dvec3 aside = step * (frame % 60) * glm::dvec3(0, 0, 1);
+  return {look_at(eye + aside, {0, 1, 0}, {0, 1, 0}, 1.0, 640, 360, 0.1, 400),
+          frame % 60 == 0 ? glm::dvec3(0) : step * glm::dvec3(0, 0, 1)};
+}
+
+TEST(BudgetTest, after_a_cut_pictures_are_coarse_at_once_and_fine_as_time_allows) {
+  const Blocks blocks = blocks_on_a_grid(16);
+  CacheOptions options = rasterized_cache_options();
+  options.picture_triangles = 100'000;
+  options.capture_cost = 60'000;
+  Loop run;
+  int coarse = 0, dear = 0;
+  for (int frame = 0; frame < 180; ++frame) {
+    const FrameView view = standing(frame);
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    expect_complete(run, blocks, view);
+    EXPECT_TRUE(run.plan.polygons.empty());
+    // Texels of two pixels at most; whole texels cost a little more than was estimated.
+    EXPECT_LE(run.plan.bound_px, options.error_px + std::sqrt(0.5) + 1e-9);
+    const bool cut = frame % 60 == 0;
+    if (!cut) dear += price_of(run.plan, options) > 1.1 * options.capture_cost;
+    for (const Capture& capture : run.plan.captures) coarse += capture.coarse;
+    if (frame % 60 == 59) {
+      EXPECT_LE(run.plan.bound_px, options.error_px) << frame;
+    }
+  }
+  EXPECT_GT(coarse, 10);
+  EXPECT_EQ(dear, 0);
+}
+
+TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
+  const Blocks blocks = blocks_on_a_grid(16);
+  CacheOptions options = rasterized_cache_options();
+  options.capture_cost = 1;
+  Loop run;
+  for (int frame = 0; frame < 120; ++frame) {
+    const FrameView view = standing(frame, 0.02);
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    expect_complete(run, blocks, view);
+    EXPECT_LE(run.plan.bound_px, options.error_px + std::sqrt(0.5) + 1e-9);
+    EXPECT_TRUE(run.plan.polygons.empty());
+    // What is fine is made one at a time.
+    EXPECT_LE(std::count_if(run.plan.captures.begin(), run.plan.captures.end(),
+                            [](const Capture& capture) { return !capture.coarse; }),
+              1);
+  }
+}
+
+// A clipped picture is drawn only where it shows all that the frame does.
+TEST(BudgetTest, clipped_pictures_stand_only_for_frames_that_they_show_all_of) {
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> u(-1, 1);
+  int shown = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const glm::dvec3 eye(u(rng), u(rng), u(rng)), to(10 * u(rng), 3 * u(rng), -30);
+    const Camera capture = look_at(eye, to, {0, 1, 0}, 0.8, 64, 64, 0.1, 400);
+    const Camera frame =
+        look_at(eye + 0.2 * glm::dvec3(u(rng), u(rng), u(rng)),
+                to + glm::dvec3(2 * u(rng), 2 * u(rng), 0), {0, 1, 0}, 0.7, 64, 64, 0.1, 400);
+    Box box;
+    const glm::vec3 middle(glm::dvec3(6 * u(rng), 6 * u(rng), -15 + 10 * u(rng)));
+    box.add(middle - 3.0f), box.add(middle + 3.0f);
+    if (!shows_frame(capture, frame, box)) continue;
+    ++shown;
+    // By points of the box that the frame sees.
+    const glm::dmat4 frame_eye = glm::inverse(frame.world_from_eye),
+                     capture_eye = glm::inverse(capture.world_from_eye);
+    for (int k = 0; k < 30; ++k) {
+      const glm::dvec4 p(glm::dvec3(middle) + 3.0 * glm::dvec3(u(rng), u(rng), u(rng)), 1);
+      const auto inside = [&](const glm::dmat4& eye_from_world, const Camera& camera) {
+        const glm::dvec4 q = eye_from_world * p;
+        const ImageWindow& w = camera.window;
+        return q.z < 0 && q.x <= -q.z * w.right && q.x >= -q.z * w.left && q.y <= -q.z * w.top &&
+               q.y >= -q.z * w.bottom;
+      };
+      EXPECT_TRUE(!inside(frame_eye, frame) || -(frame_eye * p).z < frame.z_near ||
+                  inside(capture_eye, capture));
+    }
+  }
+  EXPECT_GT(shown, 500);
+}
+
+TEST(BudgetTest, without_a_budget_of_time_nothing_is_coarse) {
+  const Blocks blocks = blocks_on_a_grid(16);
+  Loop run;
+  for (int frame = 0; frame < 120; ++frame) {
+    ASSERT_NO_FATAL_FAILURE(
+        run.frame(blocks.tree, {}, standing(frame, 0.02), rasterized_cache_options()));
+    for (const Capture& capture : run.plan.captures) EXPECT_FALSE(capture.coarse);
+  }
+}
+
+TEST(CapturePriceTest, rises_fast_and_falls_slowly) {
+  CapturePrice price{1};
+  price.learn(10, 30);  // 3 a cost
+  EXPECT_DOUBLE_EQ(price.ms_per_cost, 2);
+  price.learn(10, 10);
+  EXPECT_DOUBLE_EQ(price.ms_per_cost, 1.9);
+  price.learn(0, 10), price.learn(0.01, 5), price.learn(10, 0);  // say nothing
+  EXPECT_DOUBLE_EQ(price.ms_per_cost, 1.9);
+}
+
+TEST(CaptureClockTest, turns_milliseconds_into_costs_of_both_kinds) {
+  const CacheOptions original = rasterized_cache_options();
+  CacheOptions options = original;
+  const CaptureClock clock{{1e-3}, {3e-3}};
+  clock.set_budget(8, original, options);
+  EXPECT_NEAR(options.capture_cost, 8000, 1e-6);
+  // A coarse texel's cost in milliseconds is what it was, by its own price.
+  EXPECT_NEAR(options.cost.coarse_texel * 1e-3, original.cost.coarse_texel * 3e-3, 1e-12);
+  EXPECT_NEAR(options.cost.coarse_capture * 1e-3, original.cost.coarse_capture * 3e-3, 1e-12);
+  // Half of the budget for the triangles of a picture of several objects.
+  EXPECT_NEAR(double(options.picture_triangles) * options.cost.capture_triangle, 4000, 1);
+  clock.set_budget(1e9, original, options);
+  EXPECT_EQ(options.picture_triangles, original.picture_triangles);
 }
 
 }  // namespace

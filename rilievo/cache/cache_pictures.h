@@ -15,6 +15,8 @@
 
 namespace rilievo {
 
+struct RasterPicture;
+
 // Keeps pictures for one backend.
 class CachePictures {
  public:
@@ -36,6 +38,9 @@ class CachePictures {
   // Captures `objects` (opaque parts) where they are now. The slot has the camera's size.
   virtual void capture(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) = 0;
+  // Can it take pictures that others have captured? If so, writes one of the slot's size.
+  [[nodiscard]] virtual bool writes() const { return false; }
+  virtual void write(std::uint32_t /*slot*/, const RasterPicture& /*picture*/) {}
   // The gap table of the picture that was captured last.
   [[nodiscard]] virtual GapTable gaps(const Camera& camera,
                                       std::span<const std::uint32_t> objects) = 0;

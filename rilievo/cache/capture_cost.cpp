@@ -66,6 +66,13 @@ Seen see(const ViewAxes& view, const Box& box, const glm::dvec3& eye) {
   return seen;
 }
 
+// A frame and a margin, of what is captured for few frames.
+ImageWindow around(const ImageWindow& w) {
+  constexpr double kMargin = 0.15;
+  const double x = kMargin * (w.right - w.left), y = kMargin * (w.top - w.bottom);
+  return {w.left - x, w.right + x, w.bottom - y, w.top + y};
+}
+
 ImageWindow intersection(const ImageWindow& a, const ImageWindow& b) {
   return {std::clamp(a.left, b.left, b.right), std::clamp(a.right, b.left, b.right),
           std::clamp(a.bottom, b.bottom, b.top), std::clamp(a.top, b.bottom, b.top)};
@@ -123,6 +130,26 @@ double covered_pixels(const ViewAxes& view, const Box& box) {
   return view.px * view.py * area(seen.front > 0 ? intersection(seen.window, frame) : frame);
 }
 
+bool shows_frame(const Camera& capture, const Camera& frame, const Box& box) {
+  // The frame's frustum in the box's range of depths is the hull of eight corners.
+  const glm::dvec3 center = glm::dvec3(box.center()) - frame.position(), forward = frame.forward();
+  const double middle = glm::dot(center, forward);
+  const double reach = 0.5 * glm::dot(glm::dvec3(box.extent()), glm::abs(forward));
+  if (middle + reach <= frame.z_near) return true;
+  const glm::dmat4 eye_from_world = glm::inverse(capture.world_from_eye);
+  const ImageWindow &f = frame.window, &w = capture.window;
+  for (const double depth : {std::max(frame.z_near, middle - reach), middle + reach})
+    for (const double x : {f.left, f.right})
+      for (const double y : {f.bottom, f.top}) {
+        const glm::dvec4 p =
+            eye_from_world * (frame.world_from_eye * glm::dvec4(x * depth, y * depth, -depth, 1));
+        if (!(p.z < 0)) return false;
+        const double u = p.x / -p.z, v = p.y / -p.z;
+        if (u < w.left || u > w.right || v < w.bottom || v > w.top) return false;
+      }
+  return true;
+}
+
 CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uint64_t triangles,
                                   const glm::dvec3& drift, const CacheOptions& options,
                                   const DeltaRange& range, double life_share) {
@@ -155,8 +182,13 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
   const double plane = best_plane(slab);
   const double captured = plane - d.z * e.ahead, last = plane - d.z * (e.ahead + e.life);
   e.density = captured / std::min(plane, last);
-  const double texels_x = (w.right - w.left) * view.px * plane / std::min(plane, last);
-  const double texels_y = (w.top - w.bottom) * view.py * plane / std::min(plane, last);
+  const ImageWindow near_frame = intersection(w, around(view.camera.window));
+  e.texels_in_frame = view.px * view.py * area(near_frame);
+  if (e.once) e.density = 1;
+  const double finer = e.once ? 1 : plane / std::min(plane, last);
+  const ImageWindow& shown = e.once ? near_frame : w;
+  const double texels_x = (shown.right - shown.left) * view.px * finer;
+  const double texels_y = (shown.top - shown.bottom) * view.py * finer;
   if (std::max(texels_x, texels_y) > options.max_texels - 2) return e;
   e.texels = texels_x * texels_y;
 
@@ -170,7 +202,7 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
 
 PlacedPicture place_picture(const ViewAxes& view, const Box& box, const CaptureCost& estimate,
                             const glm::dvec3& drift, double texel_scale,
-                            const CacheOptions& options, const DeltaRange& range) {
+                            const CacheOptions& options, const DeltaRange& range, bool clip) {
   PlacedPicture placed;
   // Texels larger than pixels from the start, where memory is short, are allowed for.
   placed.coarse_px = std::sqrt(0.5) * (1 / texel_scale - 1);
@@ -183,6 +215,8 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const CaptureC
     Camera camera = view.camera;
     camera.world_from_eye[3] = glm::dvec4(eye, 1);
     camera.window = seen.window;
+    if (clip) camera.window = intersection(seen.window, around(view.camera.window));
+    placed.clipped = clip && area(camera.window) < area(seen.window);
     const double density = estimate.density * texel_scale;
     align(view.camera.window.left, 1 / (view.px * density), camera.window.left, camera.window.right,
           camera.width);

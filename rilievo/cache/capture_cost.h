@@ -42,6 +42,7 @@ struct CaptureCost {
   // For how many frames ahead the picture should be captured.
   double ahead = 0;
   double texels = 0;
+  double texels_in_frame = 0;  // of a picture of the part near the frame, one for each pixel
   double density = 1;  // texels per pixel at capture, so that texels do not exceed pixels later
 };
 
@@ -68,13 +69,18 @@ struct CaptureCost {
 struct PlacedPicture {
   PictureGeometry geometry;
   double coarse_px = 0;  // the excess over error_px that coarse texels cause
+  bool clipped = false;  // shows only the part near the frame
   bool good = false;     // within the limit now, if the picture shows the expected range
 };
-// Places a picture; see estimate_capture_cost. `texel_scale` below 1 makes texels coarser.
+// Places a picture; see estimate_capture_cost. `texel_scale` below 1 makes texels coarser. With
+// `clip` the picture ends a margin outside the frame.
 [[nodiscard]] PlacedPicture place_picture(const ViewAxes& view, const Box& box,
                                           const CaptureCost& estimate, const glm::dvec3& drift,
                                           double texel_scale, const CacheOptions& options,
-                                          const DeltaRange& range = {});
+                                          const DeltaRange& range = {}, bool clip = false);
+
+// Does a clipped picture of what is in `box` show all that `frame` sees of it? Conservative.
+[[nodiscard]] bool shows_frame(const Camera& capture, const Camera& frame, const Box& box);
 
 // The memory of a picture in the atlas.
 [[nodiscard]] inline std::uint64_t picture_bytes(const Camera& camera,

@@ -107,6 +107,8 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
     const double bound_px = bound_total_px(picture.geometry, camera, moved);
     const double gap_px = bound_gap_px(picture.geometry, picture.gaps, camera, moved);
     if (k == 0) checked = {state.frame, bound_px, gap_px, 0};
+    if (picture.clipped && !shows_frame(picture.geometry.capture, camera, box_of(picture.entity)))
+      return false;
     return bound_px <= limit && gap_px <= gap_limit;
   };
   if (!holds_at(0) || (object && object->deforms)) {
@@ -189,7 +191,7 @@ FramePlanner::Costs FramePlanner::evaluate(Entity e) {
 
   const Picture* picture = picture_of(state.current, e);
   const bool at_hand = valid(picture);
-  if (at_hand && picture->retire_length == 0 &&
+  if (at_hand && picture->retire_length == 0 && !picture->coarse &&
       check(slot_of(picture)).remaining >= picture->lead) {
     scratch.choice[e] = kKeep;
     scratch.now_cost[e] = float(picture->draw_cost);
@@ -214,15 +216,18 @@ FramePlanner::Costs FramePlanner::evaluate(Entity e) {
 
 void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
   const CaptureCost estimated = estimate(e);
+  if (estimated.once && !may_see(view.now, box_of(e))) return;  // it would be of no use then
   const double benefit = std::max(double(scratch.now_cost[e]) - estimated.draw, 1e-3);
+  bool due = false;
   if (!covered && !may_see(view.now, box_of(e))) {
     deadline = options.spread_frames;  // it comes into view
   } else if (!covered) {
     const double pays_in = estimated.capture / benefit;
     deadline = pays_in < kPaysSoon ? 0 : std::min(pays_in, kPaysLate);
+    due = pays_in < kPaysSoon;
   }
-  scratch.requests.push_back(
-      {e, float(deadline), float(benefit / estimated.capture), float(estimated.capture)});
+  scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture),
+                              float(estimated.capture), float(estimated.texels_in_frame), due});
   full_bytes += estimated.texels * options.bytes_per_texel;
 }
 
@@ -239,7 +244,7 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   if (at_hand) {
     // The fade takes place while the old picture still holds.
     const double fade = fade_length(picture->lead, options);
-    deadline = std::max(0.0, check(slot_of(picture)).remaining - fade);
+    deadline = picture->coarse ? 0.0 : std::max(0.0, check(slot_of(picture)).remaining - fade);
     covered = true;
   }
   if (scratch.choice[e] == kCapture) {

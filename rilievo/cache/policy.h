@@ -18,6 +18,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -41,6 +42,8 @@ struct CostModel {
   double capture = 2000;        // one capture, plus ...
   double capture_triangle = 1;  // ... each of its triangles
   double capture_texel = 0.2;   // ... and each of its texels
+  // The same of a coarse capture, by rays: its triangles cost nothing.
+  double coarse_capture = 100, coarse_texel = 0.8;
 };
 
 // Limits and preferences of the planner.
@@ -58,6 +61,11 @@ struct CacheOptions {
   // allowed, of any size.
   std::uint64_t capture_triangles = 500'000;
   int captures = 1000;
+  // A budget of time instead: what all captures of a frame may cost, by the CostModel, however
+  // their objects would be drawn otherwise. Pictures that are missing and for which it does not
+  // suffice are coarse, and become fine in later frames. A capture that costs more alone is made
+  // when nothing else is. Infinite: no such budget, and no coarse captures.
+  double capture_cost = std::numeric_limits<double>::infinity();
   // The largest number of triangles in a picture of several objects, which one frame must capture.
   std::uint64_t picture_triangles = 100'000;
   int max_texels = 1024;  // limit on a picture's side
@@ -150,6 +158,8 @@ struct Picture {
   std::uint16_t retire_length = 0;  // 0: not retiring
   std::uint16_t lead = 1;           // frames before its end at which it is replaced
   bool held = false;                // this slot contains a picture
+  bool coarse = false;              // coarser because time was short: to be replaced
+  bool clipped = false;             // shows only the part near the frame that it was captured for
 };
 
 // The picture is drawn while bound_total_px does not exceed this limit, which follows error_px.
@@ -185,6 +195,7 @@ struct Capture {
   Picture picture;                  // as it will be committed
   bool several = false;             // shows several objects
   bool once = false;                // for this frame's eye alone: its gaps need not be known
+  bool coarse = false;              // captured by rays, with one sample per texel; likewise
   std::optional<DeltaRange> range;  // the Deltas that it was found to show
   std::optional<float> life_share;  // and how much its gaps shorten its life
 };
@@ -238,7 +249,9 @@ struct PlanScratch {
   struct Request {
     Entity entity = 0;
     float deadline = 0, worth = 0;
-    float cost = 0;  // of the capture, by CostModel, in triangles
+    float cost = 0;    // of the capture, by CostModel, in triangles
+    float texels = 0;  // near the frame, at full density
+    bool due = false;  // in view, and nothing at hand shows it but polygons that cost more
   };
   std::vector<Checked> checked;         // by slot
   std::vector<std::uint8_t> choice;     // by entity

@@ -43,6 +43,8 @@ void SceneCache::build() {
   // First fit leaves gaps between pictures: plan for less than there is, and refuse what does not
   // fit.
   policy_.memory_bytes = store_.max_texels() * std::uint64_t(policy_.bytes_per_texel);
+  unlimited_ = policy_;
+  set_budget();  // rays are built before the first frame
 }
 
 void SceneCache::build_tree(std::span<const std::uint32_t> apart) {
@@ -165,10 +167,35 @@ void SceneCache::plan(const Camera& camera) {
   policy_.error_px = options_.error_px;
   policy_.gap_px = options_.gap_px;
   policy_.fade_frames = options_.fade_frames;
-  if (options_.capture_ms > 0 && cost_per_ms_ > 0)
+  set_budget();
+  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
+}
+
+// Of time, where captures are done when they return.
+void SceneCache::set_budget() {
+  policy_.capture_cost = unlimited_.capture_cost;
+  policy_.capture_triangles = unlimited_.capture_triangles;
+  policy_.picture_triangles = unlimited_.picture_triangles;
+  if (!(options_.capture_ms > 0)) return;
+  if (!casts_ && store_.rasterizes() && store_.writes())
+    if (auto coarse = CoarseCapture::create(placed_.scene())) coarse_ = std::move(*coarse);
+  casts_ = true;
+  if (coarse_)
+    clock_.set_budget(options_.capture_ms, unlimited_, policy_);
+  else if (cost_per_ms_ > 0)
     policy_.capture_triangles =
         std::uint64_t(options_.capture_ms * cost_per_ms_ / policy_.cost.capture_triangle);
-  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
+}
+
+void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& objects) {
+  const Capture& capture = plan_.captures[index];
+  const Camera& eye = capture.geometry.capture;
+  if (capture.coarse)
+    store_.write(capture.slot, coarse_->capture(eye, objects));
+  else
+    store_.capture(capture.slot, eye, objects);
+  if (!std::isfinite(gap_limit_px(policy_))) return;
+  gaps_[index] = capture.once || capture.coarse ? unknown_gaps(eye) : store_.gaps(eye, objects);
 }
 
 void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
@@ -176,8 +203,10 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   if (plan_.captures.empty()) return;
   const Stopwatch watch;
   double cost = 0;
+  struct Spent {
+    double cost = 0, ms = 0;
+  } fine, coarse;
   gaps_.assign(plan_.captures.size(), {});
-  const bool bounds_gaps = std::isfinite(gap_limit_px(policy_));
   for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
     const Capture& capture = plan_.captures[i];
     const Camera& eye = capture.geometry.capture;
@@ -191,11 +220,19 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
     held.objects_captured = false;
     held.camera = eye;
     objects_of(capture.entity, held.objects);
-    store_.capture(capture.slot, eye, held.objects);
-    cost += capture.cost;
-    if (bounds_gaps) gaps_[i] = capture.once ? unknown_gaps(eye) : store_.gaps(eye, held.objects);
     ++stats.captures;
+    const double before_ms = watch.ms();
+    this->capture(i, held.objects);
+    cost += capture.cost;
+    Spent& spent = capture.coarse ? coarse : fine;
+    if (capture.once && !capture.coarse) continue;  // without gaps it costs less
+    spent.ms += watch.ms() - before_ms;
+    spent.cost += capture.coarse ? unlimited_.cost.coarse_capture +
+                                       unlimited_.cost.coarse_texel * eye.width * eye.height
+                                 : capture.cost;
   }
+  clock_.fine.learn(fine.cost, fine.ms);
+  clock_.coarse.learn(coarse.cost, coarse.ms);
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)
     if (const Capture& capture = plan_.captures[i]; capture.picture.held)
       if (const auto range = store_.delta_range(capture.slot))

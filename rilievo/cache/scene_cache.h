@@ -14,9 +14,11 @@
 #include <vector>
 
 #include "rilievo/cache/cache_pictures.h"
+#include "rilievo/cache/capture_clock.h"
 #include "rilievo/cache/eye_motion.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/capture/capture_without_opengl.h"
+#include "rilievo/capture/coarse_capture.h"
 #include "rilievo/frame/frame_content.h"
 #include "rilievo/kind/kind.h"
 #include "rilievo/render/placed_scene.h"
@@ -29,8 +31,9 @@ struct ImageCacheOptions {
   double error_px = 1;  // the largest error bound of a picture that is drawn
   double gap_px = 0;    // as CacheOptions::gap_px
   std::size_t max_bytes = std::size_t(256) << 20;  // of pictures
-  // Time for captures per frame, by the clock. 0: limited by CacheOptions::capture_triangles, which
-  // makes runs reproducible.
+  // Time for captures per frame, by the clock. What is missing then is captured coarse at first,
+  // whatever that takes, where the rasteriser captures. 0: limited by
+  // CacheOptions::capture_triangles, which makes runs reproducible.
   double capture_ms = 0;
   int fade_frames = CacheOptions{}.fade_frames;  // 1: a new picture replaces the old one at once
   int delta_bits = 8;
@@ -91,6 +94,8 @@ class SceneCache {
   void add_drawable(ObjectDrawable drawable, FrameContent& content);
   void update_moving();
   void plan(const Camera& camera);
+  void set_budget();
+  void capture(std::size_t index, const std::vector<std::uint32_t>& objects);
   void carry_out_captures(const Camera& camera, FrameStats& stats);
   void collect(FrameContent& content);
   void objects_of(Entity entity, std::vector<std::uint32_t>& objects) const;
@@ -121,6 +126,11 @@ class SceneCache {
 
   EyeMotion motion_;
   double cost_per_ms_ = 0;  // of captures: Capture::cost, measured
+  // Where captures have a budget of time:
+  CaptureClock clock_;
+  CacheOptions unlimited_;                 // policy_ without such a budget
+  bool casts_ = false;                     // has coarse_ been asked for?
+  std::unique_ptr<CoarseCapture> coarse_;  // null: not yet, or memory did not suffice
 };
 
 }  // namespace rilievo

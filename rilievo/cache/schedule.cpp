@@ -17,6 +17,8 @@ namespace {
 // Of the memory, this much is planned for; the rest holds pictures that fade out.
 constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
+// Of a capture for which there is no time: texels of two pixels still tell what each pixel shows.
+constexpr double kLateScale = 0.5;
 constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
@@ -64,13 +66,17 @@ std::uint32_t new_slot(const FramePlanner& planner) {
   return std::uint32_t(planner.state.slots.size() + taken - planner.state.free_slots.size());
 }
 
-bool capture(FramePlanner& planner, Entity e, double cost) {
+// `scale`: of texels, below 1 for a coarse capture.
+bool capture(FramePlanner& planner, Entity e, double cost, double scale = 1) {
   const CacheOptions& options = planner.options;
-  const CaptureCost estimated = planner.estimate(e);
+  const bool coarse = scale < 1;
+  CaptureCost estimated = planner.estimate(e);
+  if (coarse) estimated.ahead = 0, estimated.density = 1;  // what was hidden is not known
+  const bool clip = (coarse || estimated.once) && !planner.is_moving(e);
+  scale = std::min(scale, planner.plan.texel_scale);
   const glm::dvec3 drift = planner.drift_of(e);
-  const PlacedPicture placed =
-      place_picture(planner.view, planner.box_of(e), estimated, drift, planner.plan.texel_scale,
-                    options, planner.expected_range(e));
+  const PlacedPicture placed = place_picture(planner.view, planner.box_of(e), estimated, drift,
+                                             scale, options, planner.expected_range(e), clip);
   if (!placed.good) return false;
   const std::uint64_t bytes = picture_bytes(placed.geometry.capture, options);
   if (!make_room(planner, bytes, e)) {
@@ -88,6 +94,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   made.cost = cost;
   made.several = planner.several(e);
   made.once = estimated.once;
+  made.coarse = made.picture.coarse = coarse;
 
   Picture& picture = made.picture;
   picture.entity = e;
@@ -98,7 +105,8 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   picture.draw_cost = estimated.draw;
   picture.rate = picture_rate(estimated, options);
   picture.bytes = bytes;
-  picture.texel_scale = planner.plan.texel_scale;
+  picture.texel_scale = scale;
+  picture.clipped = placed.clipped;
   picture.used = picture.fade_start = planner.state.frame;
   // A short life has little time to be replaced in.
   const double life = (1 + options.anticipation) * estimated.life;
@@ -107,7 +115,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   // Of a frame that begins with polygons all over, only some fade.
   const bool over_pictures = planner.valid(planner.picture_of(planner.state.current, e)) ||
                              planner.pictures_cover_below(e);
-  const bool over_polygons = !over_pictures && made.triangles <= kFadedTriangles;
+  const bool over_polygons = !over_pictures && !coarse && made.triangles <= kFadedTriangles;
   if (over_polygons) planner.faded_triangles += made.triangles;
   if (over_pictures || (over_polygons && planner.faded_triangles <= kMaxFadedTriangles))
     picture.fade_length = std::uint16_t(fade_length(picture.lead, options));
@@ -127,6 +135,49 @@ double fitting_scale(const FramePlanner& planner) {
   return std::max(kCoarsest, std::sqrt(room / planner.full_bytes));
 }
 
+double coarse_cost(const PlanScratch::Request& request, double scale, const CostModel& cost) {
+  return cost.coarse_capture + cost.coarse_texel * double(request.texels) * scale * scale;
+}
+
+// The scale of texels at which all pictures that are due could be coarse within the budget.
+double coarse_scale(const FramePlanner& planner) {
+  const CostModel& cost = planner.options.cost;
+  double fixed = 0, texels = 0;
+  for (const auto& request : planner.scratch.requests)
+    if (request.due) fixed += cost.coarse_capture, texels += double(request.texels);
+  const double left = std::max(0.0, planner.options.capture_cost - fixed);
+  return std::clamp(std::sqrt(left / std::max(1.0, cost.coarse_texel * texels)), kLateScale, 0.99);
+}
+
+// Within a budget of time: first what is due, each fine where the budget leaves enough for the
+// others to be coarse; then, in the order of their deadlines, what is covered or to become fine.
+void schedule_in_time(FramePlanner& planner) {
+  const CacheOptions& options = planner.options;
+  const double scale = coarse_scale(planner);
+  double reserved = 0, spent = 0;
+  for (const auto& request : planner.scratch.requests)
+    if (request.due) reserved += coarse_cost(request, scale, options.cost);
+  for (const auto& request : planner.scratch.requests) {
+    if (!request.due) continue;
+    const double fine = request.cost, coarse = coarse_cost(request, scale, options.cost);
+    reserved -= coarse;
+    const bool may_be_coarse = !planner.is_moving(request.entity);
+    if (fine <= coarse || spent + fine + reserved <= options.capture_cost || !may_be_coarse) {
+      if (capture(planner, request.entity, fine)) spent += fine;
+    } else if (coarse < double(planner.scratch.now_cost[request.entity])) {
+      if (capture(planner, request.entity, coarse, scale)) spent += coarse;
+    }
+  }
+  for (const auto& request : planner.scratch.requests) {
+    if (request.due) continue;
+    const bool fits = spent + double(request.cost) <= options.capture_cost;
+    const bool alone = request.deadline <= 0 && 2 * spent < options.capture_cost;
+    if (!fits && !alone) continue;
+    if (capture(planner, request.entity, request.cost)) spent += double(request.cost);
+  }
+  planner.plan.credit = 0;
+}
+
 }  // namespace
 
 void schedule_captures(FramePlanner& planner) {
@@ -136,6 +187,7 @@ void schedule_captures(FramePlanner& planner) {
     return a.worth != b.worth ? a.worth > b.worth : a.entity < b.entity;
   });
   planner.plan.texel_scale = fitting_scale(planner);
+  if (std::isfinite(planner.options.capture_cost)) return schedule_in_time(planner);
 
   double sum = 0, pace = 0;
   for (const auto& request : requests) {

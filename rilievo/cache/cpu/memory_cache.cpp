@@ -64,7 +64,10 @@ class MemoryCache::Store final : public CachePictures {
   }
   void capture(std::uint32_t slot, const Camera& camera,
                std::span<const std::uint32_t> objects) override {
-    const RasterPicture& picture = capturer_.capture(camera, objects, placed_.poses());
+    write(slot, capturer_.capture(camera, objects, placed_.poses()));
+  }
+  [[nodiscard]] bool writes() const override { return true; }
+  void write(std::uint32_t slot, const RasterPicture& picture) override {
     encode_picture(picture, delta_bits_, encoded_);
     slots_[slot]->assign(picture.width, picture.height, picture.color, encoded_, delta_bits_);
     if (slot >= ranges_.size()) ranges_.resize(slot + 1);

@@ -45,6 +45,10 @@ class ImageCache::Store final : public CachePictures {
     else
       pictures_->atlas().capture(renderer_, camera, objects, *slots_[slot]);
   }
+  [[nodiscard]] bool writes() const override { return true; }
+  void write(std::uint32_t slot, const RasterPicture& picture) override {
+    pictures_->atlas().write(*slots_[slot], picture);
+  }
   [[nodiscard]] GapTable gaps(const Camera& camera,
                               std::span<const std::uint32_t> objects) override {
     return capture_gaps(renderer_, capturer_.get(), camera, objects);

@@ -52,19 +52,23 @@ class PresenceTest : public SceneTest {
  protected:
   // Returns the pictures that were drawn.
   template <class CameraOf>
-  int draw_all(BuiltinScene scene, CaptureBy by, int frames, CameraOf camera_of) {
+  int draw_all(BuiltinScene scene, CaptureBy by, int frames, CameraOf camera_of,
+               double capture_ms = 0) {
     load(std::move(scene));
     target = std::make_unique<FrameTarget>(std::move(*FrameTarget::create(640, 360, 4)));
     probe = std::make_unique<ProbeTarget>(std::move(*ProbeTarget::create(640, 360)));
     ImageCacheOptions options;
     options.capture_by = by;
+    options.capture_ms = capture_ms;
     auto cache = ImageCache::create(*renderer, options);
     EXPECT_TRUE(cache.ok());
     DirectFrames direct(*renderer);
     int pictures = 0;
+    double bound_px = 0;
     for (int f = 0; f < frames && cache.ok(); ++f) {
       const Camera camera = camera_of(f);
       frame_of(*cache, camera);
+      bound_px = cache->stats().bound_px;
       const auto cached = objects_of(*cache);
       const std::set<std::uint32_t> seen(cached.texels().begin(), cached.texels().end());
       pictures += cache->stats().count("nailboard") + cache->stats().groups;
@@ -72,6 +76,8 @@ class PresenceTest : public SceneTest {
       for (const std::uint32_t id : objects_amid(objects_of(direct)))
         EXPECT_TRUE(seen.count(id)) << "object " << id << " is missing in frame " << f;
     }
+    // The eye stood in the end.
+    EXPECT_LE(bound_px, options.error_px);
     return pictures;
   }
 
@@ -87,6 +93,17 @@ TEST_F(PresenceTest, after_a_cut_no_picture_of_before_stands_for_what_it_would_d
     });
     EXPECT_GE(pictures, 20);
   }
+}
+
+// Where time suffices for nothing, all pictures are coarse at first.
+TEST_F(PresenceTest, after_a_cut_objects_are_coarse_and_none_is_missing) {
+  const int pictures = draw_all(
+      row(), CaptureBy::rasterizer, 60,
+      [](int f) {
+        return f < 30 ? looking({0, 4, 0}, {0, 0, -14}) : looking({20, 4, -39}, {0, 0, -39});
+      },
+      1e-6);
+  EXPECT_GE(pictures, 30);
 }
 
 TEST_F(PresenceTest, no_object_vanishes_at_the_frames_edge_during_a_smooth_walk) {

@@ -1,0 +1,31 @@
+#include "rilievo/cache/capture_clock.h"
+
+#include <algorithm>
+
+namespace rilievo {
+namespace {
+
+constexpr double kDearer = 0.5, kCheaper = 0.1;
+constexpr double kLeastMs = 0.1;                   // less says little
+constexpr std::uint64_t kLeastTriangles = 10'000;  // of pictures of several objects
+
+}  // namespace
+
+void CapturePrice::learn(double cost, double ms) {
+  if (!(ms > 0 && cost * ms_per_cost > kLeastMs)) return;
+  const double now = ms / cost;
+  ms_per_cost += (now > ms_per_cost ? kDearer : kCheaper) * (now - ms_per_cost);
+}
+
+void CaptureClock::set_budget(double ms, const CacheOptions& original,
+                              CacheOptions& options) const {
+  options.capture_cost = ms / fine.ms_per_cost;
+  const double dearer = coarse.ms_per_cost / fine.ms_per_cost;
+  options.cost.coarse_capture = original.cost.coarse_capture * dearer;
+  options.cost.coarse_texel = original.cost.coarse_texel * dearer;
+  options.picture_triangles = std::clamp(
+      std::uint64_t(std::min(1e15, 0.5 * options.capture_cost / options.cost.capture_triangle)),
+      std::min(kLeastTriangles, original.picture_triangles), original.picture_triangles);
+}
+
+}  // namespace rilievo

@@ -1,0 +1,30 @@
+// How long will captures take, by what they took?
+//
+// Prices are in milliseconds per cost, as the CostModel estimates it. A price follows a dearer
+// measurement at once by half, and a cheaper one slowly, so that budgets hold when the machine is
+// busy. Start with what was measured on two cores.
+#pragma once
+
+#include "rilievo/cache/policy.h"
+
+namespace rilievo {
+
+// A price, measured.
+struct CapturePrice {
+  double ms_per_cost = 0;
+
+  // Learns that captures of this cost together took `ms`.
+  void learn(double cost, double ms);
+};
+
+// The prices of both kinds of captures.
+struct CaptureClock {
+  CapturePrice fine{2.2e-4}, coarse{2.2e-4};
+
+  // Makes `ms` milliseconds the budget of `options`, where `options.cost` was `cost`: coarse
+  // captures are priced in units of fine ones, and no picture of several objects costs more than
+  // half of the budget by its triangles alone.
+  void set_budget(double ms, const CacheOptions& original, CacheOptions& options) const;
+};
+
+}  // namespace rilievo

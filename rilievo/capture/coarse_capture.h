@@ -1,0 +1,37 @@
+// How are coarse pictures captured in little time? By rays, one sample per texel.
+//
+// Their time depends on the number of texels, hardly on that of triangles. Objects stand where they
+// are at time 0: none of those that move may be captured.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/core/result.h"
+#include "rilievo/render/rays/cast_picture.h"
+
+namespace rilievo {
+
+// Captures pictures of one scene by rays.
+class CoarseCapture {
+ public:
+  // `scene` must be valid and outlive the object. Fails if memory does not suffice.
+  [[nodiscard]] static Result<std::unique_ptr<CoarseCapture>> create(const Scene& scene);
+
+  // Captures `objects` (not empty), as PictureCaster::draw. Valid until the next call.
+  [[nodiscard]] const RasterPicture& capture(const Camera& camera,
+                                             std::span<const std::uint32_t> objects) {
+    caster_.draw(camera, objects, 1, picture_);
+    return picture_;
+  }
+
+ private:
+  explicit CoarseCapture(RayScene rays) : rays_(std::move(rays)), caster_(rays_) {}
+
+  RayScene rays_;
+  PictureCaster caster_;
+  RasterPicture picture_;
+};
+
+}  // namespace rilievo
