@@ -113,8 +113,9 @@ TEST_F(SoftwareSameTest, opengl_and_processors_draw_the_same) {
             compare_inside(expected, software.color(), objects, software.objects(), spy.parts);
         EXPECT_GT(same.inner, 0.3);
         EXPECT_GE(same.alike, 0.999);
-        // Edges included: the same samples are covered, but for a few where rounding decides.
-        EXPECT_GT(psnr_db(expected, software.color()), 45);
+        // Edges included: the same samples are covered, but for a few where rounding decides, which
+        // it does differently with each compiler. A pixel of one sample is then wholly off.
+        EXPECT_GT(psnr_db(expected, software.color()), samples == 1 ? 44 : 45);
         std::size_t other = 0;
         for (std::size_t i = 0; i < objects.texels().size(); ++i)
           other += objects.texels()[i] != software.objects().texels()[i];
