@@ -26,7 +26,7 @@ glm::vec3 unit_vector(Random& random) {
 }
 
 glm::vec3 point_in(const Box& box, Random& random) {
-  const glm::vec3 share(random.unit(), random.unit(), random.unit());
+  const glm::vec3 share{random.unit(), random.unit(), random.unit()};  // in this order
   return box.min + share * box.extent();
 }
 
