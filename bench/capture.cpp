@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "rilievo/capture/gl/capture_by.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/stats.h"
@@ -28,12 +28,12 @@ double median_ms(int runs, const std::function<void()>& work) {
   std::vector<double> ms;
   for (int run = 0; run < runs + 1; ++run) {
     gl::finish();
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work();
     gl::finish();
-    const auto end = std::chrono::steady_clock::now();
+    const double took_ms = watch.ms();
     // The first one touches memory.
-    if (run > 0) ms.push_back(std::chrono::duration<double, std::milli>(end - start).count());
+    if (run > 0) ms.push_back(took_ms);
   }
   return percentile(ms, 0.5);
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +10,7 @@
 
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_relief/relief_kind.h"
 #include "rilievo/measure/stats.h"
@@ -62,13 +62,10 @@ double rays_ms_p50(const Scene& scene, const Box& box, const CompareOptions& opt
   RasterPicture picture;
   std::vector<double> ms;
   for (int frame = 0; frame <= options.frames; ++frame) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     caster.draw(camera_of(box, frame, options.width, options.height), {}, options.samples, picture);
     // The first fills caches.
-    if (frame > 0)
-      ms.push_back(
-          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-              .count());
+    if (frame > 0) ms.push_back(watch.ms());
   }
   return percentile(ms, 0.5);
 }

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <vector>
 
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/gl/nailboard_atlas.h"
@@ -49,12 +49,12 @@ double median_ms(int runs, const std::function<void()>& prepare,
   for (int run = 0; run < runs + 2; ++run) {
     prepare();
     gl::finish();
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     draw();
     gl::finish();
-    const auto end = std::chrono::steady_clock::now();
+    const double took_ms = watch.ms();
     // The first two compile shaders and touch memory.
-    if (run >= 2) ms.push_back(std::chrono::duration<double, std::milli>(end - start).count());
+    if (run >= 2) ms.push_back(took_ms);
   }
   return percentile(ms, 0.5);
 }

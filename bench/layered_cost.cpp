@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <span>
@@ -14,6 +13,7 @@
 #include "bench/layered_frames.h"
 #include "bench/objects.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/stats.h"
@@ -127,12 +127,12 @@ Result<double> draw_ms(int size, int draws, const std::function<void()>& draw) {
   std::vector<double> times;
   for (int i = 0; i < draws + 1; ++i) {
     gl::finish();
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     target->begin();
     draw();
     gl::finish();
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    if (i > 0) times.push_back(took.count());  // the first compiles
+    const double took_ms = watch.ms();
+    if (i > 0) times.push_back(took_ms);  // the first compiles
   }
   return percentile(times, 0.5);
 }

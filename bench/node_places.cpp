@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/nodes.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/environment_nodes/bake_nodes.h"
 #include "rilievo/environment_nodes/placement.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -74,11 +74,10 @@ Result<BenchReport> node_places(const BenchOptions& options) {
     placement.nodes = int(most);
     placement.enough = 0.9995;
     if (options.quick) placement.candidates = 20, placement.eyes = 20, placement.rays = 50;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const Result<Placement> placed = place_nodes(*rays, placement);
     if (!placed) return Error{name, placed.error().reason};
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = watch.ms() / 1000;
     // Judged by rays of which neither knew.
     PlacementOptions judge = placement;
     judge.seed = 77;

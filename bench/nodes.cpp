@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "bench/node_scenes.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/environment_nodes/gl/node_drawer.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
@@ -168,15 +168,14 @@ Result<> between_two(const BenchOptions& options, BenchReport& report) {
       draw_options.merge = NodeMerge(merge);
       const std::vector<const StoredNode*> order = nearest_first(frame);
       gl::finish();
-      const auto start = std::chrono::steady_clock::now();
+      const Stopwatch watch;
       clear_to_magenta(*target);
       if (Result<> drawn = drawer->draw(frame, order, draw_options); !drawn) return drawn;
       target->resolve();
       gl::finish();
-      const auto end = std::chrono::steady_clock::now();
+      const double took_ms = watch.ms();
       // The very first frames compile shaders; at the ends only one node is drawn.
-      if (i > 0 && i + 1 < frames)
-        times[merge].push_back(std::chrono::duration<double, std::milli>(end - start).count());
+      if (i > 0 && i + 1 < frames) times[merge].push_back(took_ms);
       const Rgba8Image picture = target->read();
       Quality& q = qualities[merge];
       const double share = 1.0 / frames;

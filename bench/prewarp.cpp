@@ -4,23 +4,22 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <vector>
 
 #include "bench/relief_objects.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/layered_relief/prewarp.h"
 
 namespace rilievo::bench {
 namespace {
 
 double ms_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   work();
-  const auto end = std::chrono::steady_clock::now();
-  return std::chrono::duration<double, std::milli>(end - start).count();
+  return watch.ms();
 }
 
 struct Measured {

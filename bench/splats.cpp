@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "bench/relief_objects.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_relief/splat_layers.h"
 #include "rilievo/measure/flip.h"
@@ -104,12 +104,12 @@ Result<BenchReport> splats(const BenchOptions& options) {
       const Camera camera = look_at(eye, target, up, fov, pixels, pixels, 0.01 * away, 10 * away);
       const Rgba8Image expected = truth(*object->rays, camera);
       for (int way = 0; way < kWayCount; ++way) {
-        const auto start = std::chrono::steady_clock::now();
+        const Stopwatch watch;
         const SplattedFrame frame =
             drawn(way, *relief, prewarps[std::size_t(way)], picture, camera);
-        const auto end = std::chrono::steady_clock::now();
+        const double took_ms = watch.ms();
         const Rgba8Image shown = frame_over(frame, kBackground);
-        sums[way].ms += std::chrono::duration<double, std::milli>(end - start).count() / eyes;
+        sums[way].ms += took_ms / eyes;
         sums[way].psnr += psnr_db(expected, shown) / eyes;
         sums[way].ssim += ssim(expected, shown) / eyes;
         sums[way].flip += flip(expected, shown) / eyes;

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <vector>
 
 #include "bench/node_rivals.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/environment_nodes/capture_environment.h"
 #include "rilievo/environment_nodes/cube_grid.h"
 #include "rilievo/environment_nodes/error.h"
@@ -25,10 +25,10 @@ const glm::dvec3 kEyes[] = {{0, 1.7, 8}, {-3, 1.7, 8}};
 double median_ms(int runs, const std::function<void()>& work) {
   std::vector<double> ms;
   for (int run = 0; run < runs; ++run) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work();
-    const auto end = std::chrono::steady_clock::now();
-    ms.push_back(std::chrono::duration<double, std::milli>(end - start).count());
+    const double took_ms = watch.ms();
+    ms.push_back(took_ms);
   }
   return percentile(ms, 0.5);
 }
