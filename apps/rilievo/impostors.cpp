@@ -70,7 +70,7 @@ Result<std::unique_ptr<FrameSource>> make_impostor_frames(const ImpostorOptions&
   frames.workers.size = options.texels;
   frames.workers.samples = options.samples;
   frames.background = options.background;
-  if (options.background) frames.workers.nice = 10;
+  if (options.background) frames.workers.nice = 5;
   frames.outlines = outlines;
   Result<std::unique_ptr<ImpostorFrames>> made =
       ImpostorFrames::create(renderer, std::move(*content), frames);

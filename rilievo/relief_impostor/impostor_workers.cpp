@@ -171,9 +171,9 @@ struct ImpostorWorkers::State {
     const double took = watch.ms();
     render_ms.fetch_add(took, std::memory_order_relaxed);
     if (stop.stop_requested()) {
-      // It takes at least so long.
-      if (took / 1e3 > slot.render_s.load(std::memory_order_relaxed))
-        slot.render_s.store(took / 1e3, std::memory_order_relaxed);
+      // It takes longer than that; twice as long finds the right time soon.
+      if (2e-3 * took > slot.render_s.load(std::memory_order_relaxed))
+        slot.render_s.store(2e-3 * took, std::memory_order_relaxed);
       cancelled.fetch_add(1, std::memory_order_relaxed);
       return;
     }

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <random>
 
 #include "rilievo/capture/callable_source.h"
 #include "rilievo/core/file_test_helpers.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/relief_impostor/impostor_content.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -95,6 +97,62 @@ TEST_F(KeptTest, without_a_store_everything_is_rendered) {
   KeptSource source(shader, nullptr, {});
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(source.capture(request_from({0, 0, 5})).ok());
   EXPECT_EQ(source.rendered(), 3u);
+}
+
+// For ThreadSanitizer: random eyes, captures that are given up, several workers on one store that
+// lets pictures go. RILIEVO_STRESS_S makes it last so many seconds.
+TEST_F(KeptTest, workers_on_one_store_do_not_race) {
+  const char* asked = std::getenv("RILIEVO_STRESS_S");
+  const double seconds = asked ? std::atof(asked) : 0;
+  auto store = ImpostorStore::open(folder_.path() / "stress.db", {.max_bytes = 400'000});
+  ASSERT_TRUE(store.ok());
+  std::vector<std::unique_ptr<CallableSource>> shaders;
+  std::vector<std::unique_ptr<KeptSource>> kept;
+  std::vector<CaptureSource*> sources;
+  for (int worker = 0; worker < 3; ++worker) {
+    shaders.push_back(std::make_unique<CallableSource>(
+        "wall", kShown, [](const CaptureRequest& request) -> Result<CapturedPicture> {
+          CapturedPicture out;
+          out.picture.camera = request.camera;
+          out.picture.depth_kind = DepthKind::eye_z;
+          out.picture.color = ColorImage(request.camera.width, request.camera.height, glm::vec4(1));
+          out.picture.depth = Image<float>(request.camera.width, request.camera.height,
+                                           float(1.1 * request.camera.z_near));
+          for (int pass = 0; pass < 3; ++pass) {
+            if (request.control->stop.stop_requested())
+              return Error{"wall", std::string(kCaptureStopped)};
+            request.control->refined(out);
+          }
+          return out;
+        }));
+    kept.push_back(
+        std::make_unique<KeptSource>(*shaders.back(), &*store, KeptOptions{"scene", "wall", {}}));
+    sources.push_back(kept.back().get());
+  }
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  const Stopwatch watch;
+  std::uint64_t done = 0;
+  for (int round = 0; round < 3 || watch.ms() < 1e3 * seconds; ++round) {
+    ImpostorWorkers workers(sources, {{}, {.drawable = false}, {}}, {.size = 24});
+    double angle = any(rng);
+    for (int frame = 0; frame < 150; ++frame) {
+      angle = any(rng) > 0.8 ? 3 * any(rng) : angle + 0.02;
+      for (std::size_t object = 0; object < 3; ++object) {
+        const double away = 4 + any(rng), turn = angle + double(object);
+        ImpostorEye eye{.position = {away * std::sin(turn), any(rng), away * std::cos(turn)}};
+        eye.velocity = {any(rng), any(rng), any(rng)};
+        eye.turn = {0, any(rng), 0};
+        (void)workers.frame(object, eye);
+      }
+      if (frame % 20 == 0) workers.wait_until_idle();
+    }
+    done += workers.stats().pictures;
+    EXPECT_EQ(workers.stats().failed, 0u);
+  }
+  EXPECT_GT(done, 10u);
+  EXPECT_GT(store->stats().stored, 10u);
+  EXPECT_EQ(store->stats().damaged, 0u);
 }
 
 TEST(ImpostorContent, objects_are_found_by_name_and_by_number) {
