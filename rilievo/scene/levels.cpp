@@ -65,11 +65,6 @@ std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelsOptions& option
   return levels;
 }
 
-double largest_scale(const glm::mat4& m) {
-  return double(std::max(
-      {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))}));
-}
-
 // The level's mesh with the vertices that it uses.
 Mesh compact_mesh(const Mesh& mesh, std::vector<std::uint32_t> indices) {
   constexpr std::uint32_t kUnused = 0xFFFFFFFFu;
@@ -97,6 +92,11 @@ Mesh compact_mesh(const Mesh& mesh, std::vector<std::uint32_t> indices) {
 }
 
 }  // namespace
+
+double largest_scale(const glm::mat4& m) {
+  return double(std::max(
+      {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))}));
+}
 
 LeveledScene make_levels(const Scene& scene, const LevelsOptions& options) {
   LeveledScene leveled{scene, {}};

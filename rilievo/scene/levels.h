@@ -35,6 +35,10 @@ struct LevelsOptions {
 // threads.
 [[nodiscard]] LeveledScene make_levels(const Scene& scene, const LevelsOptions& options = {});
 
+// The largest scale of the three axes: an error in model space grows by at most this, unless the
+// transform shears.
+[[nodiscard]] double largest_scale(const glm::mat4& transform);
+
 // The coarsest level with an error of at most `allowed` metres in model space.
 [[nodiscard]] const ModelLevel& choose_level(const std::vector<ModelLevel>& levels, double allowed);
 

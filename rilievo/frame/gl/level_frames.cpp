@@ -36,10 +36,7 @@ Result<> LevelFrames::choose(const Camera& camera, FrameContent& content, FrameS
     const glm::dvec3 nearest =
         glm::clamp(camera.position(), glm::dvec3(bounds.min), glm::dvec3(bounds.max));
     const double distance = std::max(glm::length(nearest - camera.position()), camera.z_near);
-    const glm::mat4& pose = renderer().poses()[object];
-    const double scale =
-        double(std::max({glm::length(glm::vec3(pose[0])), glm::length(glm::vec3(pose[1])),
-                         glm::length(glm::vec3(pose[2]))}));
+    const double scale = largest_scale(renderer().poses()[object]);
     // What one pixel in the middle of the frame shows at this distance.
     const double pixel = (camera.window.top - camera.window.bottom) / camera.height * distance;
     const ModelLevel& level = choose_level(all, error_px_ * pixel / std::max(scale, 1e-30));
