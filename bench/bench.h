@@ -19,6 +19,9 @@ struct BenchOptions {
   bool full = false;
   // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
   std::string capture;
+  // What draws the cache's frames, for `real`: opengl, software, or automatic, which is software
+  // where OpenGL runs on processors.
+  std::string draw = "automatic";
   // Scene files, for benches that take some besides the built-in ones.
   std::vector<std::string> scenes;
   // For `real`: the size of frames (0: its own), and the cache's time for captures per frame, ms

@@ -6,13 +6,17 @@
 #include <array>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 
 #include "bench/real_scenes.h"
+#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/real_time.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
 #include "rilievo/frame/gl/processor_frames.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/io/jpeg.h"
 #include "rilievo/measure/gap_width.h"
 #include "rilievo/measure/psnr.h"
@@ -40,6 +44,7 @@ struct Figures {
   Visibility visibility;
   double wrong_most = 0, gap_most = 0;
   int missing = 0;
+  std::optional<double> opengl_p50_ms;  // of the cache drawn by OpenGL, where it is not
   std::vector<std::pair<std::string, double>> baseline_ms;  // medians
 };
 
@@ -57,10 +62,16 @@ Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double err
   auto by_rays = ProcessorFrames::create(renderer, std::move(*rays), kSamples);
   if (!by_rays) return by_rays.error();
   baselines.push_back({"direct-rays", std::move(*by_rays)});
-  auto by_raster = ProcessorFrames::create(
-      renderer, std::make_unique<RasterRenderer>(renderer.scene()), kSamples);
-  if (!by_raster) return by_raster.error();
-  baselines.push_back({"direct-raster", std::move(*by_raster)});
+  if (SoftwareFrames::draws_all_of(renderer.scene())) {
+    // Does not pay for a way through OpenGL.
+    baselines.push_back(
+        {"direct-raster", std::make_unique<SoftwareDirectFrames>(renderer.scene(), kSamples)});
+  } else {
+    auto by_raster = ProcessorFrames::create(
+        renderer, std::make_unique<RasterRenderer>(renderer.scene()), kSamples);
+    if (!by_raster) return by_raster.error();
+    baselines.push_back({"direct-raster", std::move(*by_raster)});
+  }
   auto levels = LevelFrames::create(renderer.scene(), error_px);
   if (!levels) return levels.error();
   baselines.push_back({"lod", std::move(*levels)});
@@ -114,6 +125,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
   const auto figure = [&](const std::string& field, double value) {
     report.figures.emplace_back(key + "_" + field, value);
   };
+  if (f.opengl_p50_ms) figure("opengl_p50_ms", *f.opengl_p50_ms);
   figure("p50_ms", ms.p50), figure("p99_ms", ms.p99), figure("max_ms", ms.max);
   figure("first_frame_ms", f.walk.first_frame_ms);
   if (f.walk.cut_ms) figure("cut_ms", *f.walk.cut_ms);
@@ -143,14 +155,27 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
                                std::to_string(f.missing),
                                fmt::format("{:.1f}", f.gap_most),
                                fmt::format("{:.1f}", 100 * f.walk.over_bound_share)};
+  row.push_back(f.opengl_p50_ms ? fmt::format("{:.0f}", *f.opengl_p50_ms) : "");
   for (const auto& [baseline, median] : f.baseline_ms) row.push_back(fmt::format("{:.0f}", median));
   row.push_back(fmt::format("{:.2f}", speedup));
   row.push_back(fastest->first);
   table.rows.push_back(std::move(row));
 }
 
-Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& table,
-                       BenchReport& report, const std::function<void()>& walk_done) {
+Result<std::unique_ptr<FrameSource>> make_cache(SceneRenderer& renderer,
+                                                const ImageCacheOptions& options, bool software) {
+  if (software) {
+    Result<std::unique_ptr<MemoryCache>> made = MemoryCache::create(renderer.scene(), options);
+    if (!made) return made.error();
+    return {std::move(*made)};
+  }
+  Result<ImageCache> made = ImageCache::create(renderer, options);
+  if (!made) return made.error();
+  return {std::make_unique<ImageCache>(std::move(*made))};
+}
+
+Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, const std::string& draw,
+                       Table& table, BenchReport& report, const std::function<void()>& walk_done) {
   Result<Scene> scene = real_scene.make();
   if (!scene) return scene.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(*scene);
@@ -167,8 +192,13 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& t
   report.notes.push_back(fmt::format(
       "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
       scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
+  const bool automatic = draw == "automatic";
+  const bool software = draw == "software" ||
+                        (automatic && gl::is_software() && SoftwareFrames::draws_all_of(*scene));
+  report.notes.push_back(fmt::format("{}: the cache is drawn by {}.", real_scene.name,
+                                     software ? "software" : "OpenGL"));
   for (const RealWalk& walk : real_scene.walks(*scene)) {
-    Result<ImageCache> cache = ImageCache::create(*renderer, cache_options);
+    Result<std::unique_ptr<FrameSource>> cache = make_cache(*renderer, cache_options, software);
     if (!cache) return cache.error();
     const double start = walk.path.keys.front().time;
     const auto at = [&](double seconds) {
@@ -183,9 +213,16 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, Table& t
     options.error_px = cache_options.error_px;
     options.cuts = walk.cuts;
     Figures figures;
-    Result<RealTimeWalk> walked = walk_in_real_time(*cache, {&*target, &*probe}, at, options);
+    Result<RealTimeWalk> walked = walk_in_real_time(**cache, {&*target, &*probe}, at, options);
     if (!walked) return walked.error();
     figures.walk = std::move(*walked);
+    if (software && automatic) {
+      Result<std::unique_ptr<FrameSource>> other = make_cache(*renderer, cache_options, false);
+      if (!other) return other.error();
+      walked = walk_in_real_time(**other, {&*target, &*probe}, at, options);
+      if (!walked) return walked.error();
+      figures.opengl_p50_ms = summarize(walked->frame_ms).p50;
+    }
     const std::string name = real_scene.name + "-" + walk.name;
     if (Result<> drawn = draw_baselines(*baselines, *target, *probe, figures, report, name); !drawn)
       return drawn;
@@ -213,8 +250,8 @@ Result<BenchReport> real(const BenchOptions& options) {
                               ? fmt::format(", captures for {:g} ms a frame", sizes.capture_ms)
                               : ""),
               {"walk", "frames", "first ms", "p50 ms", "p99 ms", "cut ms", "until fine ms",
-               "PSNR dB", "wrong %", "missing", "gap px", "over bound %", "direct ms", "rays ms",
-               "raster ms", "lod ms", "speed-up", "over"},
+               "PSNR dB", "wrong %", "missing", "gap px", "over bound %", "by OpenGL ms",
+               "direct ms", "rays ms", "raster ms", "lod ms", "speed-up", "over"},
               {}};
   const Stopwatch watch;
   int done = 0;
@@ -222,7 +259,8 @@ Result<BenchReport> real(const BenchOptions& options) {
     const auto walk_done = [&] {
       if (options.progress) options.progress(++done, int(3 * scenes.size()));
     };
-    if (Result<> measured = measure_scene(scene, sizes, table, report, walk_done); !measured)
+    if (Result<> measured = measure_scene(scene, sizes, options.draw, table, report, walk_done);
+        !measured)
       return measured.error();
   }
   report.figures.emplace_back("seconds", watch.ms() / 1000);

@@ -5,6 +5,7 @@
 """
 
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -16,9 +17,10 @@ def main(program):
         assert name not in libraries, f"{program} loads {name}"
     with tempfile.TemporaryDirectory() as folder:
         frame = pathlib.Path(folder) / "frame.png"
-        scene = "builtin:teapots?triangles=20000"
-        done = subprocess.run([program, frame, scene], check=True, capture_output=True, text=True)
-        assert done.stdout == "17 of 17 objects\n", done.stdout
+        scene = "builtin:forest?triangles=200000"
+        done = subprocess.run([program, frame, scene, "8"], check=True, capture_output=True, text=True)
+        found = re.search(r" ms: (\d+) pictures, (\d+) of (\d+) objects as polygons", done.stdout)
+        assert found and int(found[1]) > 0, done.stdout
         picture = frame.read_bytes()
         assert picture.startswith(b"\x89PNG\r\n"), "no PNG"
         assert picture[16:24] == (1280).to_bytes(4, "big") + (720).to_bytes(4, "big"), "its size"

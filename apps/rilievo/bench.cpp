@@ -22,6 +22,7 @@ namespace {
 struct BenchCommand {
   std::string name, json, html, capture;
   std::vector<std::string> scenes;
+  std::string draw = "automatic";
   bool quick = false, full = false;
   int width = 0, height = 0;
   double capture_ms = 0;
@@ -55,6 +56,7 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.full = options.full;
   bench_options.capture = options.capture;
   bench_options.scenes = options.scenes;
+  bench_options.draw = options.draw;
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
@@ -111,6 +113,11 @@ Command bench_command(CLI::App& app) {
                    "triangles instead)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
+  command
+      ->add_option("--draw", options->draw,
+                   "For real: what draws the cache's frames: opengl, software, or automatic: "
+                   "software where OpenGL runs on processors, and OpenGL's time beside (default)")
+      ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command->add_flag("--quick", options->quick,
                     "Few cases only: a test that the benchmark runs, not a measurement");
   command

@@ -1,56 +1,38 @@
-// Draws a frame without OpenGL: each object is captured once, as a picture with depth, and the
-// pictures are drawn from where the camera is a quarter of a second later.
+// Draws a scene's frames without OpenGL: the cache captures pictures with depth while the camera
+// moves, and draws the frames from them. Saves the last one.
 //
-//   rilievo_software_frame FRAME.png [builtin:NAME]
-#include <algorithm>
-#include <cmath>
+//   rilievo_software_frame FRAME.png [builtin:NAME] [FRAMES]
+#include <cstdlib>
 #include <iostream>
-#include <list>
 
+#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
-#include "rilievo/nailboard/cpu/nailboard_composer.h"
-#include "rilievo/render/raster/raster_picture.h"
-#include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 int main(int argc, char** argv) {
   using namespace rilievo;
-  if (argc < 2) return std::cerr << "usage: " << argv[0] << " FRAME.png [builtin:NAME]\n", 2;
-  const Result<BuiltinScene> made = make_builtin(argc > 2 ? argv[2] : "builtin:teapots");
+  if (argc < 2)
+    return std::cerr << "usage: " << argv[0] << " FRAME.png [builtin:NAME] [FRAMES]\n", 2;
+  const Result<BuiltinScene> made = make_builtin(argc > 2 ? argv[2] : "builtin:forest");
   if (!made) return std::cerr << made.error().message() << "\n", 2;
-  const Scene& scene = made->scene;
-  const Camera before = camera_at(made->path, 0, 1280, 720);
-  const Camera now = camera_at(made->path, 0.25, 1280, 720);
+  const int frames = argc > 3 ? std::atoi(argv[3]) : 24;
 
-  PictureRasterizer rasterizer(scene);
-  std::vector<glm::mat4> poses;
-  pose(scene, 0, poses);
-  std::list<MemoryNailboard> pictures;  // they stay where they are
-  std::vector<MemoryNailboardInstance> instances;
-  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
-    const Box box = transformed(poses[i], scene.models[std::size_t(scene.objects[i].model)].bounds);
-    Result<Camera> capture =
-        tight_camera(Projection::perspective, before.position(), {0, 1, 0}, box);
-    if (!capture || capture->z_near < now.z_near) continue;  // the eye is beside it, or within
-    const auto texels = [&](double extent) {
-      return std::clamp(int(std::ceil(extent / texel_angle(before))), 8, 2048);
-    };
-    capture->width = texels(capture->window.right - capture->window.left);
-    capture->height = texels(capture->window.top - capture->window.bottom);
-    RasterPicture picture;
-    AtlasPicture encoded;
-    rasterizer.draw(*capture, {&i, 1}, poses, 4, picture);
-    encode_picture(picture, 16, encoded);
-    pictures.emplace_back().assign(picture.width, picture.height, picture.color, encoded, 16);
-    instances.push_back({&pictures.back(), picture_geometry(*capture), glm::dmat4(1), i + 1});
+  Result<std::unique_ptr<MemoryCache>> cache = MemoryCache::create(made->scene, {});
+  if (!cache) return std::cerr << cache.error().message() << "\n", 2;
+  double last_ms = 0;
+  for (int frame = 0; frame < frames; ++frame) {
+    const double time = frame_time(made->path, frame);
+    const Stopwatch watch;
+    if (Result<> drawn = (*cache)->draw(camera_at(made->path, time, 1280, 720), time); !drawn)
+      return std::cerr << drawn.error().message() << "\n", 2;
+    last_ms = watch.ms();
   }
-
-  NailboardComposer composer;
-  composer.place(now, DepthMode::exact, instances);
-  SoftwareTarget target(now.width, now.height, 4);
-  const TileDrawer* drawers[] = {&composer};
-  target.draw(now.z_far, drawers, {160, 190, 225, 255});
+  const SoftwareTarget& target = *(*cache)->software_target();
   if (Result<> saved = save_png(argv[1], target.color()); !saved)
     return std::cerr << saved.error().message() << "\n", 2;
-  std::cout << pictures.size() << " of " << scene.objects.size() << " objects\n";
+  const FrameStats& stats = (*cache)->stats();
+  std::cout << "the last frame took " << last_ms
+            << " ms: " << stats.groups + stats.count("nailboard") << " pictures, " << stats.polygons
+            << " of " << made->scene.objects.size() << " objects as polygons\n";
 }

@@ -12,14 +12,14 @@
 namespace rilievo {
 namespace {
 
-struct Scene {
+struct CostScene {
   FrameView view;
   Box box;
 };
 
-Scene random_scene(std::mt19937& rng) {
+CostScene random_scene(std::mt19937& rng) {
   std::uniform_real_distribution<double> u(0, 1);
-  Scene s;
+  CostScene s;
   const double size = std::pow(10.0, 2 * u(rng) - 0.5), distance = size * (1.5 + 30 * u(rng));
   const glm::dvec3 center = distance * glm::dvec3(1.6 * u(rng) - 0.8, 0.8 * u(rng) - 0.4, -1);
   const glm::dvec3 half = 0.5 * size * glm::dvec3(0.2 + u(rng), 0.2 + u(rng), 0.2 + u(rng));
@@ -38,7 +38,7 @@ TEST(Estimate, a_placed_picture_is_good_now_and_lives_about_as_long_as_expected)
   CacheOptions options;
   options.max_texels = 4096;
   for (int i = 0; i < 3000; ++i) {
-    const Scene s = random_scene(rng);
+    const CostScene s = random_scene(rng);
     const ViewAxes axes = view_axes(s.view, 10);
     const CaptureCost e = estimate_capture_cost(axes, s.box, 1000, s.view.velocity, options);
     if (!e.possible || !may_see(axes.now, s.box)) continue;
@@ -72,7 +72,7 @@ TEST(Estimate, a_placed_picture_is_good_now_and_lives_about_as_long_as_expected)
 TEST(Estimate, anticipation_nearly_doubles_a_life) {
   std::mt19937 rng(2);
   for (int i = 0; i < 200; ++i) {
-    Scene s = random_scene(rng);
+    CostScene s = random_scene(rng);
     s.view.velocity = {0.001 * glm::length(glm::dvec3(s.box.center())), 0, 0};
     const auto life = [&](double anticipation) {
       CacheOptions options;
@@ -100,7 +100,7 @@ TEST(Estimate, may_see_misses_nothing_and_covered_pixels_are_those_of_the_corner
   std::uniform_real_distribution<double> u(0, 1);
   int unseen = 0;
   for (int i = 0; i < 3000; ++i) {
-    Scene s = random_scene(rng);
+    CostScene s = random_scene(rng);
     const double turn = 6.3 * u(rng);
     s.view.camera.world_from_eye =
         glm::rotate(glm::dmat4(1), turn, glm::dvec3(0, 1, 0)) * s.view.camera.world_from_eye;

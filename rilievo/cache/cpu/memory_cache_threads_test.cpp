@@ -1,0 +1,70 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <optional>
+
+#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+// What a few frames of a walk look like, and what was drawn.
+struct Walked {
+  std::vector<Rgba8Image> colors;
+  std::vector<Image<std::uint32_t>> objects;
+  int pictures = 0, polygons = 0, captures = 0;
+};
+
+Walked walk_through(const BuiltinScene& made, int frames, ImageCacheOptions options = {}) {
+  Result<std::unique_ptr<MemoryCache>> cache = MemoryCache::create(made.scene, options);
+  EXPECT_TRUE(cache.ok());
+  Walked walked;
+  for (int frame = 0; frame < frames; ++frame) {
+    const double time = frame_time(made.path, frame);
+    EXPECT_TRUE((*cache)->draw(camera_at(made.path, time, 160, 90), time).ok());
+    EXPECT_TRUE((*cache)->draw_objects().ok());
+    walked.colors.push_back((*cache)->software_target()->color());
+    walked.objects.push_back((*cache)->software_target()->objects());
+    const FrameStats& stats = (*cache)->stats();
+    walked.pictures += stats.groups + stats.count("nailboard");
+    walked.polygons += stats.polygons;
+    walked.captures += stats.captures;
+  }
+  return walked;
+}
+
+TEST(MemoryCache, draws_the_same_bytes_with_any_number_of_threads) {
+  const auto made = make_builtin("builtin:bridge?triangles=100000");
+  ASSERT_TRUE(made.ok());
+  const Walked together = walk_through(*made, 4);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const Walked alone = walk_through(*made, 4);
+  EXPECT_EQ(together.colors, alone.colors);
+  EXPECT_EQ(together.objects, alone.objects);
+  EXPECT_GT(together.pictures, 4);
+  EXPECT_GT(together.polygons, 4);
+  EXPECT_GT(together.captures, 1);
+}
+
+TEST(MemoryCache, keeps_to_its_memory_and_refuses_what_is_too_little) {
+  const auto made = make_builtin("builtin:forest?triangles=200000");
+  ASSERT_TRUE(made.ok());
+  ImageCacheOptions options;
+  options.max_bytes = std::size_t(1) << 20;
+  EXPECT_FALSE(MemoryCache::create(made->scene, options).ok());
+  options.max_bytes = std::size_t(128) << 20;
+  Result<std::unique_ptr<MemoryCache>> cache = MemoryCache::create(made->scene, options);
+  ASSERT_TRUE(cache.ok());
+  for (int frame = 0; frame < 8; ++frame) {
+    const double time = frame_time(made->path, 10 * frame);
+    ASSERT_TRUE((*cache)->draw(camera_at(made->path, time, 160, 90), time).ok());
+    EXPECT_LE((*cache)->stats().picture_bytes, options.max_bytes);
+  }
+  (*cache)->invalidate();
+  ASSERT_TRUE((*cache)->draw(camera_at(made->path, 0, 160, 90), 0).ok());
+  EXPECT_EQ((*cache)->read_pictures().size(), (*cache)->shown().size());
+}
+
+}  // namespace
+}  // namespace rilievo
