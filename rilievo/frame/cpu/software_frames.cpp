@@ -44,6 +44,7 @@ Result<> SoftwareFrames::draw(const Camera& camera, double time) {
       !done)
     return done;
   place_sets(Output::color);
+  drawers_.push_back(&polygons_.shading());
   if (sky_) {
     sky_tiles_.place(camera);
     drawers_.push_back(&sky_tiles_);

@@ -1,6 +1,7 @@
 // In which order is a frame drawn without OpenGL? As with it (frame/gl/scene_frames.h).
 //
-// Polygons come first here: they hide parts of pictures, which then cost nothing. Opaque parts and
+// Polygons' depths come first here: they hide parts of pictures, which then cost nothing; and their
+// colours last: what pictures hide of them is not shaded. Opaque parts and
 // the sky are drawn; parts that blend, and outlines, are not. Into a target of the source's own,
 // of the camera's size. Uses all cores; the frame does not depend on the number of threads.
 #pragma once

@@ -1,8 +1,10 @@
 // How do polygons get into a frame that processors draw?
 //
-// All of a frame's polygons are rasterised and shaded at once, with the samples of the frame; tiles
-// take them over sample by sample, by depth. A block of which each pixel shows one triangle keeps a
-// single sample a pixel. Uses all cores; the result does not depend on the number of threads.
+// All of a frame's polygons are rasterised at once, with the samples of the frame. Tiles first take
+// over their depths, sample by sample, so that what they hide is not drawn; and at the end, when it
+// is known which samples are not hidden by something else, those are shaded. A block of which each
+// pixel shows one triangle keeps a single sample a pixel. Uses all cores; the result does not
+// depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +19,8 @@
 
 namespace rilievo {
 
-// Draws polygons of one scene into the tiles of a SoftwareTarget.
+// Draws polygons of one scene into the tiles of a SoftwareTarget: itself before, and shading()
+// after everything opaque.
 class PolygonTiles final : public TileDrawer {
  public:
   // `scene` must be valid and outlive the object. Makes the mip levels of its textures with the
@@ -34,7 +37,10 @@ class PolygonTiles final : public TileDrawer {
   Result<> place_objects(const Camera& camera, const PlacedScene& placed,
                          std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
 
+  // Depths, or identifiers.
   void draw_tile(FrameTile& tile) const override;
+  // Colours, of what is still seen of the same tile.
+  [[nodiscard]] const TileDrawer& shading() const;
 
  private:
   struct State;

@@ -34,7 +34,7 @@ TEST(PolygonTiles, show_what_the_rasteriser_draws) {
     PolygonTiles tiles(scene.made.scene);
     ASSERT_TRUE(tiles.place(scene.camera, samples, scene.placed, scene.objects, {}).ok());
     SoftwareTarget target(kTilesWidth, kTilesHeight, samples);
-    const TileDrawer* drawers[] = {&tiles};
+    const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
     target.draw(scene.camera.z_far, drawers);
     const Image<float> eye_z = target.eye_z();
 
@@ -72,7 +72,7 @@ TEST(PolygonTiles, objects_that_fade_share_the_pixels_by_their_hash) {
     PolygonTiles tiles(scene.made.scene);
     EXPECT_TRUE(tiles.place(scene.camera, 1, scene.placed, objects, fading).ok());
     SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
-    const TileDrawer* drawers[] = {&tiles};
+    const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
     target.draw(scene.camera.z_far, drawers);
     return target.color();
   };

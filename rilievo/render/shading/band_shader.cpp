@@ -18,7 +18,7 @@ void BandShader::shade(const PictureView& view, int from, int to) {
   nearest_.resize(texels);
   for (int y = from; y < to; ++y) find_seen(view, y, y - from);
   // ... is shaded mesh by mesh: what belongs to one is placed and made alike.
-  sums_.assign(texels, glm::vec3(0.0f));
+  if (!view.sample_colors) sums_.assign(texels, glm::vec3(0.0f));
   surfaces_.count = 0;
   for (const std::uint32_t mesh : met_) {
     add_mesh(view, view.meshes[mesh], first_of_[mesh], from);
@@ -122,7 +122,7 @@ void BandShader::append(const PictureView& view, const PlacedMesh& placed) {
 
 void BandShader::flush(const PictureView& view) {
   shade_surfaces(view.lights, surfaces_, view.scale, colors_);
-  for (std::size_t i = 0; i < surfaces_.count; ++i)
+  for (std::size_t i = 0; !view.sample_colors && i < surfaces_.count; ++i)
     sums_[waiting_[i].texel] +=
         waiting_[i].samples * glm::vec3(colors_.rgb[0][i], colors_.rgb[1][i], colors_.rgb[2][i]);
   if (view.sample_colors) write_samples(view);
