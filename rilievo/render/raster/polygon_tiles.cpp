@@ -192,7 +192,7 @@ void PolygonTiles::State::draw_block(FrameTile& tile, int block, int x, int y) c
 void PolygonTiles::draw_tile(FrameTile& tile) const {
   const State& s = *state_;
   if (!s.any) return;
-  const SampleBuffer& in = s.raster->seen();
+  [[maybe_unused]] const SampleBuffer& in = s.raster->seen();
   RILIEVO_EXPECTS(in.width == tile.width && in.height == tile.height && in.samples == tile.samples);
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
     const int x = tile.x + block % FrameTile::kBlocks * FrameTile::kBlock,
