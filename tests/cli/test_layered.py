@@ -279,8 +279,8 @@ class Method(command.Case):
         self.assertEqual(captures("--view-size", "256", "--memory-mb", "12"), 0)
 
     def spinning_ring(self):
-        """9600 triangles that turn by a right angle and more in each of many short spans."""
-        n, m = 80, 60
+        """38 400 triangles that turn by a right angle and more in each of many short spans."""
+        n, m = 160, 120
         vertices, triangles = [], []
         for j in range(m):
             for i in range(n):
