@@ -333,6 +333,8 @@ Command view_command(CLI::App& app) {
   command->footer("Example: rilievo view builtin:bridge --split");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->screenshot}); !good) return good;
+            if (options->methods.draw == "software")
+              return Error{"--draw", "a window is drawn by OpenGL"};
             return holds_pictures(options->scene) ? view_file(*options) : view_scene(*options);
           }};
 }
