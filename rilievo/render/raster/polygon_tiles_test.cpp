@@ -61,7 +61,9 @@ TEST(PolygonTiles, show_what_the_rasteriser_draws) {
         const double n = 1 / scene.camera.z_near, f = 1 / scene.camera.z_far;
         ASSERT_NEAR(eye_z(x, y), 1 / (n - double(picture.depth[i]) * (n - f)), 1e-3);
       }
-    if (samples == 1) EXPECT_GT(shown, 2000);
+    if (samples == 1) {
+      EXPECT_GT(shown, 2000);
+    }
   }
 }
 
