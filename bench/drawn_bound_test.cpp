@@ -20,11 +20,10 @@ TEST_F(DrawnBoundTest, no_ball_is_drawn_farther_off_than_its_picture_claims) {
   EXPECT_GT(stats->fading, 0);
 }
 
-TEST_F(DrawnBoundTest, half_of_what_it_claims_is_not_enough) {
-  const auto stats =
-      run_drawn_bound_benchmark({.cases = sanitized_cases(900), .error_px = 6, .scale = 0.5});
+TEST_F(DrawnBoundTest, a_quarter_of_what_it_claims_is_not_enough) {
+  const auto stats = run_drawn_bound_benchmark({.cases = 900, .error_px = 6, .scale = 0.25});
   ASSERT_TRUE(stats.ok());
-  EXPECT_GT(stats->violations, 0);
+  EXPECT_GT(stats->violations, 7);  // one in a hundred
 }
 
 }  // namespace
