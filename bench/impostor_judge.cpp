@@ -83,14 +83,6 @@ Camera orbit_camera(const TracedScene& traced, double angle, int width, int heig
                  40 * away);
 }
 
-ImpostorEye impostor_eye(const Camera& camera) {
-  ImpostorEye eye;
-  eye.position = camera.position();
-  eye.up = glm::dvec3(camera.world_from_eye[1]);
-  eye.focal_px = camera.width / (camera.window.right - camera.window.left);
-  return eye;
-}
-
 ImpostorQuality mean_quality(const std::vector<ImpostorQuality>& all) {
   ImpostorQuality mean;
   for (const ImpostorQuality& q : all)

@@ -30,8 +30,6 @@ struct TracedScene {
 
 // The eye of an orbit around the object, at an angle (radians).
 [[nodiscard]] Camera orbit_camera(const TracedScene& traced, double angle, int width, int height);
-// The same as the workers take it.
-[[nodiscard]] ImpostorEye impostor_eye(const Camera& camera);
 
 struct ImpostorQuality {
   double psnr_db = 0, ssim = 0, flip = 0;

@@ -7,6 +7,15 @@ namespace rilievo {
 // A velocity v that turns by w a second about the unit axis a goes, in t,
 //
 //   (a.v) a t  +  (v - (a.v) a) sin(wt)/w  +  (a x v) (1 - cos(wt))/w
+ImpostorEye impostor_eye(const Camera& frame) {
+  ImpostorEye eye;
+  eye.position = frame.position();
+  eye.up = glm::dvec3(frame.world_from_eye[1]);
+  eye.focal_px = frame.width / (frame.window.right - frame.window.left);
+  eye.grid = {glm::dmat3(frame.world_from_eye), {frame.window.left, frame.window.top}};
+  return eye;
+}
+
 glm::dvec3 predicted_eye(const ImpostorEye& eye, double seconds) {
   const double rate = glm::length(eye.turn);
   if (rate * seconds < 1e-9) return eye.position + eye.velocity * seconds;

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
+
+#include "rilievo/core/camera.h"
 
 namespace rilievo {
 
@@ -12,7 +15,17 @@ struct ImpostorEye {
   glm::dvec3 turn{0.0};      // of the velocity: radians per second about its direction
   glm::dvec3 up{0, 1, 0};
   double focal_px = 500;  // of the frame: pixels per tangent
+  // Where the frame's pixels are, for pictures whose texels lie on them: the frame's rotation, and
+  // the left upper corner of its window, tangents. None: pictures look straight at the object.
+  struct Grid {
+    glm::dmat3 world_from_eye{1.0};
+    glm::dvec2 corner{0.0};
+  };
+  std::optional<Grid> grid = {};
 };
+
+// The eye of a frame that stands still.
+[[nodiscard]] ImpostorEye impostor_eye(const Camera& frame);
 
 // Where the eye will be in `seconds`, if it keeps its speed and its turn.
 [[nodiscard]] glm::dvec3 predicted_eye(const ImpostorEye& eye, double seconds);

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "rilievo/capture/callable_source.h"
+#include "rilievo/core/random.h"
 #include "rilievo/relief_impostor/impostor_workers.h"
 
 namespace {
@@ -74,6 +75,39 @@ TEST(ImpostorWorkers, a_frame_allocates_nothing) {
   EXPECT_EQ(allocated, 0u);
   EXPECT_GT(boards, 100u);
   EXPECT_GT(workers.stats().pictures, 4u);
+}
+
+// A frame that shows the picture from its own eye finds a texel's centre in each pixel's centre.
+TEST(ImpostorCamera, texels_lie_on_the_frames_pixels_and_all_of_the_bounds_is_in_the_picture) {
+  Random random(5);
+  int aligned = 0;
+  for (int round = 0; round < 400; ++round) {
+    const auto any = [&](float reach) { return random.between(-reach, reach); };
+    Box bounds;
+    const glm::vec3 center{any(5), any(5), any(5)};
+    bounds.add(center - random.between(0.1f, 1)), bounds.add(center + random.between(0.1f, 1));
+    const glm::dvec3 eye{any(9), any(9), any(9)};
+    const glm::dvec3 aside{any(1), any(1), any(1)};
+    const Camera frame =
+        look_at(eye, glm::dvec3(center) + aside, {0, 1, 0}, 0.9, 641, 360, 0.1, 99);
+    const WorkerOptions options{.size = 512};
+    const Result<Camera> camera = impostor_camera(bounds, impostor_eye(frame), options);
+    if (!camera) continue;  // the eye is too near
+    ASSERT_TRUE(validate(*camera));
+    EXPECT_LE(std::max(camera->width, camera->height), options.size);
+    for (const glm::vec3& corner : bounds.corners()) {
+      const glm::dvec3 at = raster_from_world(*camera, corner);
+      EXPECT_TRUE(at.x > -1e-6 && at.x < camera->width + 1e-6);
+      EXPECT_TRUE(at.y > -1e-6 && at.y < camera->height + 1e-6);
+    }
+    if (!(glm::dmat3(camera->world_from_eye) == glm::dmat3(frame.world_from_eye))) continue;
+    ++aligned;
+    const glm::dvec2 texel{random.below(camera->width) + 0.5, random.below(camera->height) + 0.5};
+    const glm::dvec3 seen = raster_from_world(frame, world_from_raster(*camera, texel, 2.0));
+    EXPECT_NEAR(seen.x - std::floor(seen.x), 0.5, 1e-6);
+    EXPECT_NEAR(seen.y - std::floor(seen.y), 0.5, 1e-6);
+  }
+  EXPECT_GT(aligned, 200);
 }
 
 TEST(ImpostorEye, one_that_goes_straight_is_expected_straight_on) {

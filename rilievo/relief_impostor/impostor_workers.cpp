@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -36,8 +37,55 @@ double coarseness(const PictureGeometry& picture, const PlaneWarp& warp, double 
 
 }  // namespace
 
+namespace {
+
+// The widest that a picture may reach beside the frame's axis, tangents: 68 degrees.
+constexpr double kWidest = 2.5;
+
+// A camera with the frame's rotation whose texels lie on the frame's pixels, so that a frame that
+// shows the picture from its own eye need not resample it. None where the bounds reach too far
+// beside the axis, or need more than `max_size` texels.
+std::optional<Camera> camera_on_pixels(const Box& bounds, const ImpostorEye& eye, double texel,
+                                       int max_size) {
+  if (!eye.grid) return std::nullopt;
+  const glm::dmat3& axes = eye.grid->world_from_eye;
+  glm::dvec2 low(kWidest), high(-kWidest), z(std::numeric_limits<double>::max(), 0);
+  for (const glm::vec3& corner : bounds.corners()) {
+    const glm::dvec3 to = glm::transpose(axes) * (glm::dvec3(corner) - eye.position);
+    if (!(-to.z > 0)) return std::nullopt;
+    const glm::dvec2 at = glm::dvec2(to) / -to.z;
+    low = glm::min(low, at), high = glm::max(high, at);
+    z = {std::min(z.x, -to.z), std::max(z.y, -to.z)};
+  }
+  if (std::max({-low.x, -low.y, high.x, high.y}) >= kWidest || !(z.x > 1e-3 * z.y))
+    return std::nullopt;
+  // In texels from the frame's corner, rightwards and downwards.
+  const glm::dvec2 corner = eye.grid->corner;
+  const glm::dvec2 from = glm::floor(glm::dvec2(low.x - corner.x, corner.y - high.y) / texel);
+  const glm::dvec2 to = glm::ceil(glm::dvec2(high.x - corner.x, corner.y - low.y) / texel);
+  const glm::dvec2 size = glm::max(to - from, glm::dvec2(1));
+  if (std::max(size.x, size.y) > max_size) return std::nullopt;
+  Camera camera;
+  camera.projection = Projection::perspective;
+  camera.world_from_eye = glm::dmat4(axes);
+  camera.world_from_eye[3] = glm::dvec4(eye.position, 1);
+  camera.width = int(size.x), camera.height = int(size.y);
+  camera.window.left = corner.x + from.x * texel;
+  camera.window.right = corner.x + (from.x + size.x) * texel;
+  camera.window.top = corner.y - from.y * texel;
+  camera.window.bottom = corner.y - (from.y + size.y) * texel;
+  // So that single precision does not cut off what lies on the box.
+  camera.z_near = z.x * (1 - 1e-4), camera.z_far = z.y * (1 + 1e-4);
+  return camera;
+}
+
+}  // namespace
+
 Result<Camera> impostor_camera(const Box& bounds, const ImpostorEye& eye,
                                const WorkerOptions& options) {
+  if (const auto camera =
+          camera_on_pixels(bounds, eye, 1 / (eye.focal_px * options.texels_per_px), options.size))
+    return *camera;
   Result<Camera> camera = tight_camera(Projection::perspective, eye.position, eye.up, bounds);
   if (!camera) return camera;
   const ImageWindow& w = camera->window;

@@ -37,8 +37,9 @@ struct WorkerOptions {
   int nice = 0;            // the workers give way to other threads: 0 (not at all) to 19
 };
 
-// The camera of the picture of what lies within `bounds`, for an eye. Fails if they reach behind
-// it.
+// The camera of the picture of what lies within `bounds`, for an eye: with texels on the frame's
+// pixels where the eye says where these are and the picture is then within options.size, otherwise
+// straight at the bounds. Fails if they reach behind the eye.
 [[nodiscard]] Result<Camera> impostor_camera(const Box& bounds, const ImpostorEye& eye,
                                              const WorkerOptions& options);
 

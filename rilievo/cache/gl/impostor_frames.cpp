@@ -83,10 +83,7 @@ std::optional<ImpostorEye> ImpostorFrames::eye_of(std::size_t impostor, const Ca
   }
   const Camera before = camera_before(camera, followed.motion);
   const FrameView view = follow(followed.eyes, before);
-  ImpostorEye eye;
-  eye.position = before.position();
-  eye.up = glm::dvec3(before.world_from_eye[1]);
-  eye.focal_px = camera.width / (camera.window.right - camera.window.left);
+  ImpostorEye eye = impostor_eye(before);
   // Where frames wait, pictures are for their own eyes: nothing depends on the clock.
   if (options_.background && frame_s_ > 0) {
     const glm::dvec3 step = followed.eyes.step;
