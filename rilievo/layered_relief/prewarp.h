@@ -72,7 +72,8 @@ class Prewarp {
   // Warps the relief for `eye` (world space). None if part of the relief lies behind the eye's
   // plane, or so near to it that it would be magnified more than 64 times. Only tiles within
   // `view`'s frustum are warped (null: all), those with the largest errors first. Once
-  // out_of_time() returns true, tiles that were warped before are kept as they are.
+  // out_of_time(), which several threads call, returns true, tiles that were warped before are kept
+  // as they are.
   [[nodiscard]] std::optional<PrewarpStats> warp(const glm::dvec3& eye, const Camera* view,
                                                  Prewarped& result,
                                                  const std::function<bool()>& out_of_time = {});

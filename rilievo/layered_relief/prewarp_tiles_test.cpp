@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <bit>
 
 #include "rilievo/layered_relief/prewarp.h"
@@ -150,7 +151,7 @@ TEST(Prewarp, without_time_every_tile_that_exists_stays) {
   Prewarp prewarp(relief, {.tile_size = 16});
   const glm::dvec3 eye = relief.frame().world(30, 25, -3), there = eye + 0.01 * relief.frame().f;
   Prewarped result;
-  int asked = 0;
+  std::atomic<int> asked = 0;  // by several threads
   const auto never = [&] { return ++asked, true; };
   const auto first = prewarp.warp(eye, nullptr, result, never);
   EXPECT_EQ(first->warped, first->tiles);  // nothing to keep
