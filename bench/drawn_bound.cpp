@@ -104,7 +104,8 @@ bool is_alone(const Image<std::uint32_t>& ids, std::uint32_t id, const Pixels& p
   return true;
 }
 
-// How far any pixel of `from` that is no object of `others` is from the nearest pixel of it.
+// The largest distance of a pixel of `from` at which `others` does not show the object from the
+// nearest pixel of `to`.
 double farthest(const Pixels& from, const Image<std::uint32_t>& others, std::uint32_t id,
                 const Pixels& to) {
   int most = 0;

@@ -22,10 +22,11 @@ class CachePictures {
  public:
   virtual ~CachePictures() = default;
 
-  // The largest picture, texels a side; to a multiple of what sizes are rounded up; and the texels
-  // that all pictures can have.
+  // The largest size of a picture, texels a side.
   [[nodiscard]] virtual int max_picture_size() const = 0;
+  // Sizes are rounded up to multiples of this.
   [[nodiscard]] virtual int texel_cell() const = 0;
+  // The most texels that all pictures have together.
   [[nodiscard]] virtual std::uint64_t max_texels() const = 0;
   // The memory of pictures, bytes.
   [[nodiscard]] virtual std::size_t bytes() const = 0;

@@ -21,9 +21,9 @@ struct CapturePrice {
 struct CaptureClock {
   CapturePrice fine{2.2e-4}, coarse{2.2e-4};
 
-  // Makes `ms` milliseconds the budget of `options`, where `options.cost` was `cost`: coarse
-  // captures are priced in units of fine ones, and no picture of several objects costs more than
-  // half of the budget by its triangles alone.
+  // Gives `options` a budget of `ms` milliseconds; `original`: the same options without a budget.
+  // Coarse captures are priced in units of fine ones, and no picture of several objects costs more
+  // than half of the budget by its triangles alone.
   void set_budget(double ms, const CacheOptions& original, CacheOptions& options) const;
 };
 

@@ -14,6 +14,8 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "rilievo/capture/picture_camera.h"
+
 namespace rilievo {
 namespace {
 
@@ -79,14 +81,6 @@ ImageWindow intersection(const ImageWindow& a, const ImageWindow& b) {
 }
 
 double area(const ImageWindow& w) { return (w.right - w.left) * (w.top - w.bottom); }
-
-// The window widened to whole texels of a grid that has the frame's pixels among its lines.
-void align(double low, double step, double& from, double& to, int& texels) {
-  const double first = std::floor((from - low) / step), last = std::ceil((to - low) / step);
-  texels = std::max(1, int(last - first));
-  from = low + first * step;
-  to = from + texels * step;
-}
 
 }  // namespace
 
@@ -218,10 +212,10 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const CaptureC
     if (clip) camera.window = intersection(seen.window, around(view.camera.window));
     placed.clipped = clip && area(camera.window) < area(seen.window);
     const double density = estimate.density * texel_scale;
-    align(view.camera.window.left, 1 / (view.px * density), camera.window.left, camera.window.right,
-          camera.width);
-    align(view.camera.window.bottom, 1 / (view.py * density), camera.window.bottom,
-          camera.window.top, camera.height);
+    align_to_texels(view.camera.window.left, 1 / (view.px * density), camera.window.left,
+                    camera.window.right, camera.width);
+    align_to_texels(view.camera.window.bottom, 1 / (view.py * density), camera.window.bottom,
+                    camera.window.top, camera.height);
     if (std::max(camera.width, camera.height) > options.max_texels) continue;
     // Surfaces that touch the box must not be clipped by rounding.
     const double slack = 1e-4 * std::max(seen.back - seen.front, 1e-3 * seen.back);

@@ -51,4 +51,11 @@ std::optional<Camera> picture_camera(const Camera& frame, const Box& bounds,
   return camera;
 }
 
+void align_to_texels(double origin, double step, double& from, double& to, int& texels) {
+  const double first = std::floor((from - origin) / step), last = std::ceil((to - origin) / step);
+  texels = std::max(1, int(last - first));
+  from = origin + first * step;
+  to = from + texels * step;
+}
+
 }  // namespace rilievo

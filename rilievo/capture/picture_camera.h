@@ -24,4 +24,8 @@ struct PictureCameraOptions {
 [[nodiscard]] std::optional<Camera> picture_camera(const Camera& frame, const Box& bounds,
                                                    const PictureCameraOptions& options = {});
 
+// Widens an interval of a window, [from, to], to whole texels of width `step` that begin at
+// from = `origin` plus a whole number of them, and counts them: at least one.
+void align_to_texels(double origin, double step, double& from, double& to, int& texels);
+
 }  // namespace rilievo

@@ -31,7 +31,9 @@ struct NodeVertex {
   float stretch = kAlways;
 
   static constexpr float kAlways = -1.0f;
-  // Of slivers: a change by more than 1 counts as a skin of so many times a smaller width.
+  // A sliver's stretch runs from the one to the other: it counts as narrow up to kSliver times the
+  // width up to which a skin does. kSliverSide is not 0, so that slivers have vertices of their
+  // own.
   static constexpr float kSliverSide = 0x1p-20f, kSliver = 4.0f;
 };
 

@@ -12,7 +12,7 @@ ImpostorEye impostor_eye(const Camera& frame) {
   eye.position = frame.position();
   eye.up = glm::dvec3(frame.world_from_eye[1]);
   eye.focal_px = frame.width / (frame.window.right - frame.window.left);
-  eye.grid = {glm::dmat3(frame.world_from_eye), {frame.window.left, frame.window.top}};
+  eye.grid = {glm::dmat3(frame.world_from_eye), {frame.window.left, frame.window.bottom}};
   return eye;
 }
 

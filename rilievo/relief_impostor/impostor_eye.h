@@ -16,7 +16,7 @@ struct ImpostorEye {
   glm::dvec3 up{0, 1, 0};
   double focal_px = 500;  // of the frame: pixels per tangent
   // Where the frame's pixels are, for pictures whose texels lie on them: the frame's rotation, and
-  // the left upper corner of its window, tangents. None: pictures look straight at the object.
+  // the lower left corner of its window, tangents. None: pictures look straight at the object.
   struct Grid {
     glm::dmat3 world_from_eye{1.0};
     glm::dvec2 corner{0.0};

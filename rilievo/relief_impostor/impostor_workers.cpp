@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+#include "rilievo/capture/picture_camera.h"
 #include "rilievo/core/on_this_thread.h"
 #include "rilievo/relief_impostor/critical_points.h"
 #include "rilievo/relief_impostor/impostor_slot.h"
@@ -35,10 +36,6 @@ double coarseness(const PictureGeometry& picture, const PlaneWarp& warp, double 
   return texel / std::max(finest, warp.height / focal_px / options.texels_per_px);
 }
 
-}  // namespace
-
-namespace {
-
 // The widest that a picture may reach beside the frame's axis, tangents: 68 degrees.
 constexpr double kWidest = 2.5;
 
@@ -59,21 +56,17 @@ std::optional<Camera> camera_on_pixels(const Box& bounds, const ImpostorEye& eye
   }
   if (std::max({-low.x, -low.y, high.x, high.y}) >= kWidest || !(z.x > 1e-3 * z.y))
     return std::nullopt;
-  // In texels from the frame's corner, rightwards and downwards.
-  const glm::dvec2 corner = eye.grid->corner;
-  const glm::dvec2 from = glm::floor(glm::dvec2(low.x - corner.x, corner.y - high.y) / texel);
-  const glm::dvec2 to = glm::ceil(glm::dvec2(high.x - corner.x, corner.y - low.y) / texel);
-  const glm::dvec2 size = glm::max(to - from, glm::dvec2(1));
-  if (std::max(size.x, size.y) > max_size) return std::nullopt;
+  // In doubles first: a narrow view has more texels than an int counts.
+  if (std::max(high.x - low.x, high.y - low.y) > max_size * texel) return std::nullopt;
   Camera camera;
+  camera.window = {low.x, high.x, low.y, high.y};
+  align_to_texels(eye.grid->corner.x, texel, camera.window.left, camera.window.right, camera.width);
+  align_to_texels(eye.grid->corner.y, texel, camera.window.bottom, camera.window.top,
+                  camera.height);
+  if (std::max(camera.width, camera.height) > max_size) return std::nullopt;
   camera.projection = Projection::perspective;
   camera.world_from_eye = glm::dmat4(axes);
   camera.world_from_eye[3] = glm::dvec4(eye.position, 1);
-  camera.width = int(size.x), camera.height = int(size.y);
-  camera.window.left = corner.x + from.x * texel;
-  camera.window.right = corner.x + (from.x + size.x) * texel;
-  camera.window.top = corner.y - from.y * texel;
-  camera.window.bottom = corner.y - (from.y + size.y) * texel;
   // So that single precision does not cut off what lies on the box.
   camera.z_near = z.x * (1 - 1e-4), camera.z_far = z.y * (1 + 1e-4);
   return camera;
