@@ -284,10 +284,10 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(0.01, 1e6))
       ->type_name("E");
   command
-      .add_option(
-          "--capture-ms", options.capture_ms,
-          "cache: time for captures per frame, in ms; what is late is coarse at first (default: a "
-          "budget of triangles instead, which makes runs repeatable)")
+      .add_option("--capture-ms", options.capture_ms,
+                  "cache: time for captures per frame, in ms; what is late is drawn with a larger "
+                  "error (default: a "
+                  "budget of triangles instead, which makes runs repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command

@@ -5,6 +5,7 @@
 
 #include "rilievo/cache/capture_clock.h"
 #include "rilievo/cache/capture_cost.h"
+#include "rilievo/cache/fallback.h"
 #include "rilievo/cache/plan_test_helpers.h"
 
 namespace rilievo {
@@ -94,11 +95,8 @@ double price_of(const Plan& plan, const CacheOptions& options) {
   double price = 0;
   for (const Capture& capture : plan.captures) {
     const Camera& eye = capture.geometry.capture;
-    const double texels = double(eye.width) * eye.height;
-    price += capture.coarse ? options.cost.coarse_capture + options.cost.coarse_texel * texels
-                            : options.cost.capture +
-                                  options.cost.capture_triangle * double(capture.triangles) +
-                                  options.cost.capture_texel * texels;
+    price += options.cost.capture + options.cost.capture_triangle * double(capture.triangles) +
+             options.cost.capture_texel * eye.width * eye.height;
   }
   return price;
 }
@@ -112,29 +110,30 @@ FrameView standing(int frame, double step = 0) {
           frame % 60 == 0 ? glm::dvec3(0) : step * glm::dvec3(0, 0, 1)};
 }
 
-TEST(BudgetTest, after_a_cut_pictures_are_coarse_at_once_and_fine_as_time_allows) {
+TEST(BudgetTest, after_a_cut_what_is_missing_is_in_the_fallback_until_time_allows) {
   const Blocks blocks = blocks_on_a_grid(16);
   CacheOptions options = rasterized_cache_options();
   options.picture_triangles = 100'000;
   options.capture_cost = 60'000;
   Loop run;
-  int coarse = 0, dear = 0;
+  std::size_t in_fallback = 0, polygons = 0;
   for (int frame = 0; frame < 180; ++frame) {
     const FrameView view = standing(frame);
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
     expect_complete(run, blocks, view);
-    EXPECT_TRUE(run.plan.polygons.empty());
-    // Texels of two pixels at most; whole texels cost a little more than was estimated.
+    in_fallback += run.plan.fallback.objects.size(), polygons += run.plan.polygons.size();
+    // Texels of two pixels at most.
     EXPECT_LE(run.plan.bound_px, options.error_px + std::sqrt(0.5) + 1e-9);
-    const bool cut = frame % 60 == 0;
-    if (!cut) dear += price_of(run.plan, options) > 1.1 * options.capture_cost;
-    for (const Capture& capture : run.plan.captures) coarse += capture.coarse;
+    // Whole texels cost a little more than was estimated.
+    EXPECT_LE(price_of(run.plan, options), 1.1 * options.capture_cost);
     if (frame % 60 == 59) {
+      EXPECT_TRUE(run.plan.fallback.objects.empty());
       EXPECT_LE(run.plan.bound_px, options.error_px) << frame;
     }
   }
-  EXPECT_GT(coarse, 10);
-  EXPECT_EQ(dear, 0);
+  EXPECT_GT(in_fallback, 100u);
+  // What covers few pixels at the frame's edge costs less than their rays would.
+  EXPECT_LT(polygons, in_fallback / 20);
 }
 
 TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
@@ -146,12 +145,89 @@ TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
     const FrameView view = standing(frame, 0.02);
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
     expect_complete(run, blocks, view);
-    EXPECT_LE(run.plan.bound_px, options.error_px + std::sqrt(0.5) + 1e-9);
+    EXPECT_LE(run.plan.bound_px, options.late * options.error_px + 1e-9);
+    EXPECT_LE(run.plan.captures.size(), 1u);
+  }
+}
+
+// An eye that moves on while the budget suffices for one block in some frames.
+TEST(BudgetTest, a_picture_is_late_rather_than_missing_and_the_latest_is_captured_first) {
+  const Blocks blocks = blocks_on_a_grid(8);
+  CacheOptions options = rasterized_cache_options();
+  options.picture_triangles = 20'000;  // pictures of single blocks
+  Loop run;
+  int late = 0;
+  for (int frame = 0; frame < 200; ++frame) {
+    const glm::dvec3 eye(0.2 * frame - 20, 5, 25);
+    const FrameView view{
+        look_at(eye, eye - glm::dvec3(0, 4, 25), {0, 1, 0}, 1.0, 640, 360, 0.1, 400),
+        glm::dvec3(0.2, 0, 0)};
+    if (frame == 60) options.capture_cost = 4'000;
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    expect_complete(run, blocks, view);
+    const bool limited = frame >= 60;
+    EXPECT_LE(run.plan.bound_px, (limited ? options.late : 1) * options.error_px + 1e-9);
+    if (!limited) continue;
     EXPECT_TRUE(run.plan.polygons.empty());
-    // What is fine is made one at a time.
-    EXPECT_LE(std::count_if(run.plan.captures.begin(), run.plan.captures.end(),
-                            [](const Capture& capture) { return !capture.coarse; }),
-              1);
+    // By the bounds of the pictures before the captures, in whose places captures stand.
+    double latest = 0;
+    for (const DrawnPicture& drawn : run.plan.pictures) {
+      const Picture& picture = run.state.slots[drawn.slot];
+      latest = std::max(latest, double(drawn.bound_px) / limit_px(picture, options));
+      late += drawn.bound_px > limit_px(picture, options);
+    }
+    for (const Capture& capture : run.plan.captures) {
+      const std::uint32_t old = run.state.previous[capture.entity];
+      if (old == 0 || latest <= 1) continue;
+      const double bound_px = bound_total_px(run.state.slots[old - 1].geometry, view.camera);
+      EXPECT_GE(bound_px / limit_px(run.state.slots[old - 1], options),
+                latest - 1e-6);  // floats are ordered
+    }
+  }
+  EXPECT_GT(late, 50);
+}
+
+TEST(FallbackTest, its_texels_are_as_fine_as_the_budget_allows_between_one_and_two_pixels) {
+  const FrameView view = standing(0);
+  const ViewAxes axes = view_axes(view, 0);
+  CacheOptions options = rasterized_cache_options();
+  options.cost.fallback_texel = 2;
+  EXPECT_EQ(fallback_scale(axes, 10'000, 1e9, options), 1);
+  EXPECT_EQ(fallback_scale(axes, 10'000, 0, options), 0.5);
+  EXPECT_EQ(fallback_scale(axes, 10'000, -5, options), 0.5);
+  const double scale = fallback_scale(axes, 10'000, 11'000, options);
+  EXPECT_NEAR(2 * 10'000 * scale * scale, 11'000, 1e-6);
+  // Never more than the frame.
+  EXPECT_EQ(fallback_scale(axes, 1e9, 2 * 640 * 360, options), 1);
+  options.max_texels = 160;
+  EXPECT_EQ(fallback_scale(axes, 10'000, 1e9, options), 0.25);
+}
+
+TEST(FallbackTest, its_camera_sees_what_the_frame_sees_of_the_boxes) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 eye{u(rng), u(rng), u(rng)}, to{9 * u(rng), 3 * u(rng), -20 + 9 * u(rng)};
+    const FrameView view{look_at(eye, to, {0, 1, 0}, 0.8, 63, 41, 0.1, 50), {}};
+    std::vector<Box> boxes(3);
+    for (Box& box : boxes)
+      for (int corner = 0; corner < 2; ++corner) {
+        const glm::dvec3 p{9 * u(rng), 9 * u(rng), -15 + 15 * u(rng)};
+        box.add(glm::vec3(p));
+      }
+    const PictureGeometry geometry =
+        fallback_geometry(view_axes(view, 0), boxes, 0.5 + 0.25 * (u(rng) + 1), {});
+    ASSERT_TRUE(validate(geometry.capture).ok());
+    EXPECT_LE(bound_total_px(geometry, view.camera), std::sqrt(0.5) * 1.1);
+    for (int k = 0; k < 30; ++k) {
+      const Box& box = boxes[std::size_t(k % 3)];
+      const glm::dvec3 share{0.5 + 0.5 * u(rng), 0.5 + 0.5 * u(rng), 0.5 + 0.5 * u(rng)};
+      const glm::dvec4 p(glm::dvec3(box.min) + share * glm::dvec3(box.extent()), 1);
+      const double z = -(glm::inverse(view.camera.world_from_eye) * p).z;
+      if (z < view.camera.z_near) continue;
+      EXPECT_LE(geometry.capture.z_near, z);
+      EXPECT_GE(geometry.capture.z_far, z);
+    }
   }
 }
 
@@ -189,13 +265,14 @@ TEST(BudgetTest, clipped_pictures_stand_only_for_frames_that_they_show_all_of) {
   EXPECT_GT(shown, 500);
 }
 
-TEST(BudgetTest, without_a_budget_of_time_nothing_is_coarse) {
+TEST(BudgetTest, without_a_budget_of_time_nothing_is_late_and_there_is_no_fallback) {
   const Blocks blocks = blocks_on_a_grid(16);
+  const CacheOptions options = rasterized_cache_options();
   Loop run;
   for (int frame = 0; frame < 120; ++frame) {
-    ASSERT_NO_FATAL_FAILURE(
-        run.frame(blocks.tree, {}, standing(frame, 0.02), rasterized_cache_options()));
-    for (const Capture& capture : run.plan.captures) EXPECT_FALSE(capture.coarse);
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, standing(frame, 0.02), options));
+    EXPECT_LE(run.plan.bound_px, options.error_px);
+    EXPECT_TRUE(run.plan.fallback.objects.empty());
   }
 }
 
@@ -209,15 +286,14 @@ TEST(CapturePriceTest, rises_fast_and_falls_slowly) {
   EXPECT_DOUBLE_EQ(price.ms_per_cost, 1.9);
 }
 
-TEST(CaptureClockTest, turns_milliseconds_into_costs_of_both_kinds) {
+TEST(CaptureClockTest, turns_milliseconds_into_costs) {
   const CacheOptions original = rasterized_cache_options();
   CacheOptions options = original;
   const CaptureClock clock{{1e-3}, {3e-3}};
   clock.set_budget(8, original, options);
   EXPECT_NEAR(options.capture_cost, 8000, 1e-6);
-  // A coarse texel's cost in milliseconds is what it was, by its own price.
-  EXPECT_NEAR(options.cost.coarse_texel * 1e-3, original.cost.coarse_texel * 3e-3, 1e-12);
-  EXPECT_NEAR(options.cost.coarse_capture * 1e-3, original.cost.coarse_capture * 3e-3, 1e-12);
+  // A texel's cost in milliseconds is what it was, by the fallback's own price.
+  EXPECT_NEAR(options.cost.fallback_texel * 1e-3, original.cost.fallback_texel * 3e-3, 1e-12);
   // Half of the budget for the triangles of a picture of several objects.
   EXPECT_NEAR(double(options.picture_triangles) * options.cost.capture_triangle, 4000, 1);
   clock.set_budget(1e9, original, options);

@@ -39,9 +39,9 @@ class CachePictures {
   // Captures `objects` (opaque parts) where they are now. The slot has the camera's size.
   virtual void capture(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) = 0;
-  // Can it take pictures that others have captured? If so, writes one of the slot's size.
-  [[nodiscard]] virtual bool writes() const { return false; }
-  virtual void write(std::uint32_t /*slot*/, const RasterPicture& /*picture*/) {}
+  // Writes a picture of the slot's size that others have captured, with this many bits of Delta.
+  virtual void write(std::uint32_t slot, const RasterPicture& picture) = 0;
+  [[nodiscard]] virtual int written_bits() const = 0;
   // The gap table of the picture that was captured last.
   [[nodiscard]] virtual GapTable gaps(const Camera& camera,
                                       std::span<const std::uint32_t> objects) = 0;

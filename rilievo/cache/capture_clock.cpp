@@ -19,10 +19,9 @@ void CapturePrice::learn(double cost, double ms) {
 
 void CaptureClock::set_budget(double ms, const CacheOptions& original,
                               CacheOptions& options) const {
-  options.capture_cost = ms / fine.ms_per_cost;
-  const double dearer = coarse.ms_per_cost / fine.ms_per_cost;
-  options.cost.coarse_capture = original.cost.coarse_capture * dearer;
-  options.cost.coarse_texel = original.cost.coarse_texel * dearer;
+  options.capture_cost = ms / capture.ms_per_cost;
+  const double dearer = fallback.ms_per_cost / capture.ms_per_cost;
+  options.cost.fallback_texel = original.cost.fallback_texel * dearer;
   options.picture_triangles = std::clamp(
       std::uint64_t(std::min(1e15, 0.5 * options.capture_cost / options.cost.capture_triangle)),
       std::min(kLeastTriangles, original.picture_triangles), original.picture_triangles);

@@ -17,13 +17,13 @@ struct CapturePrice {
   void learn(double cost, double ms);
 };
 
-// The prices of both kinds of captures.
+// The prices of captures, and of fallbacks by rays.
 struct CaptureClock {
-  CapturePrice fine{2.2e-4}, coarse{2.2e-4};
+  CapturePrice capture{2.2e-4}, fallback{2.2e-4};
 
   // Gives `options` a budget of `ms` milliseconds; `original`: the same options without a budget.
-  // Coarse captures are priced in units of fine ones, and no picture of several objects costs more
-  // than half of the budget by its triangles alone.
+  // Fallbacks are priced in units of captures, and no picture of several objects costs more than
+  // half of the budget by its triangles alone.
   void set_budget(double ms, const CacheOptions& original, CacheOptions& options) const;
 };
 

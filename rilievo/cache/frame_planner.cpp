@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rilievo/cache/fallback.h"
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
@@ -20,6 +21,8 @@ enum Choice : std::uint8_t {
 // A capture that pays within so many frames is made at once, others when there is time.
 constexpr double kRangeMargin = 0.1;
 constexpr double kPaysSoon = 4, kPaysLate = 16;
+// What is in the fallback is as urgent as a picture that is late by this: twice its limit.
+constexpr double kFallbackDeadline = -1;
 
 glm::dmat4 power(const glm::dmat4& m, int n) {
   glm::dmat4 result(1.0);
@@ -89,8 +92,8 @@ const Picture* FramePlanner::picture_of(const std::vector<std::uint32_t>& by_ent
   return scratch.dropped[slot] ? nullptr : &state.slots[slot];
 }
 
-// The bound now and, as long as the motion goes on as it is, the frames until it passes the limit;
-// at most Picture::lead of them are looked into.
+// The bounds now and, as long as the motion goes on as it is, the frames until they pass the
+// limits; at most Picture::lead of them are looked into.
 const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
   PlanScratch::Checked& checked = scratch.checked[slot];
   if (checked.frame == state.frame) return checked;
@@ -101,7 +104,7 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
       object ? object->world_from_object * glm::inverse(picture.world_from_object)
              : glm::dmat4(1.0);
   const double limit = limit_px(picture, options), gap_limit = gap_limit_px(options);
-  const auto holds_at = [&](int k) {
+  const auto holds_at = [&](int k, double factor = 1) {
     const Camera camera = k == 0 ? frame.camera : camera_ahead(frame, k);
     const RigidMotion moved{object ? power(object->now_from_last, k) * motion : motion};
     const double bound_px = bound_total_px(picture.geometry, camera, moved);
@@ -109,12 +112,14 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
     if (k == 0) checked = {state.frame, bound_px, gap_px, 0};
     if (picture.clipped && !shows_frame(picture.geometry.capture, camera, box_of(picture.entity)))
       return false;
-    return bound_px <= limit && gap_px <= gap_limit;
+    return bound_px <= factor * limit && gap_px <= factor * gap_limit;
   };
-  if (!holds_at(0) || (object && object->deforms)) {
+  if (!holds_at(0, late_factor(options)) || (object && object->deforms)) {
     checked.now_px = INFINITY;
     return checked;
   }
+  checked.late = checked.now_px > limit || checked.gap_px > gap_limit;
+  if (checked.late) return checked;
   if (holds_at(picture.lead)) {
     checked.remaining = picture.lead;
     return checked;
@@ -129,7 +134,7 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
 }
 
 bool FramePlanner::valid(const Picture* picture) {
-  return picture && check(slot_of(picture)).now_px <= limit_px(*picture, options);
+  return picture && std::isfinite(check(slot_of(picture)).now_px);
 }
 
 void FramePlanner::drop(std::uint32_t slot) {
@@ -191,7 +196,7 @@ FramePlanner::Costs FramePlanner::evaluate(Entity e) {
 
   const Picture* picture = picture_of(state.current, e);
   const bool at_hand = valid(picture);
-  if (at_hand && picture->retire_length == 0 && !picture->coarse &&
+  if (at_hand && picture->retire_length == 0 &&
       check(slot_of(picture)).remaining >= picture->lead) {
     scratch.choice[e] = kKeep;
     scratch.now_cost[e] = float(picture->draw_cost);
@@ -223,8 +228,9 @@ void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
     deadline = options.spread_frames;  // it comes into view
   } else if (!covered) {
     const double pays_in = estimated.capture / benefit;
-    deadline = pays_in < kPaysSoon ? 0 : std::min(pays_in, kPaysLate);
     due = pays_in < kPaysSoon;
+    deadline =
+        due ? (late_factor(options) > 1 ? kFallbackDeadline : 0.0) : std::min(pays_in, kPaysLate);
   }
   scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture),
                               float(estimated.capture), float(estimated.texels_in_frame), due});
@@ -232,7 +238,7 @@ void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
 }
 
 // Asks for the captures that the choices need; `deadline`: frames until what covers this now ends,
-// if anything does. Is everything at hand?
+// if anything does; negative: it is late. Is everything at hand?
 bool FramePlanner::request(Entity e, double deadline, bool covered) {
   if (scratch.choice[e] == kNothing) return true;
   const Picture* picture = picture_of(state.current, e);
@@ -243,8 +249,12 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   const bool at_hand = valid(picture);
   if (at_hand) {
     // The fade takes place while the old picture still holds.
+    const PlanScratch::Checked& checked = check(slot_of(picture));
     const double fade = fade_length(picture->lead, options);
-    deadline = picture->coarse ? 0.0 : std::max(0.0, check(slot_of(picture)).remaining - fade);
+    deadline = std::max(0.0, checked.remaining - fade);
+    if (checked.late)
+      deadline = 1 - std::max(checked.now_px / limit_px(*picture, options),
+                              checked.gap_px / gap_limit_px(options));
     covered = true;
   }
   if (scratch.choice[e] == kCapture) {
@@ -306,6 +316,11 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
     draw(tree.nodes[e].second_child, from, to);
     return;
   }
+  if (falls_back(e, from, to)) {
+    plan.fallback.objects.push_back(tree.order[tree.nodes[e].first]);
+    scratch.boxes.push_back(box_of(e));
+    return;
+  }
   // An alternative is for all pixels: what fades goes with polygons.
   if (from <= 0 && to >= 1)
     if (const Standing standing = stands_for(e, polygon_cost(e)); standing.alternative)
@@ -315,6 +330,13 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
   else
     plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to});
   plan.polygon_triangles += triangles_of(e);
+}
+
+// Of one object: is it to be in the fallback, and is that cheaper than its polygons?
+bool FramePlanner::falls_back(Entity e, float from, float to) const {
+  if (fallback_depth_ == 0 || is_moving(e) || from > 0 || to < 1) return false;
+  const double texels = covered_pixels(view, box_of(e)) * fallback_scale * fallback_scale;
+  return stands_for(e, polygon_cost(e)).cost > options.cost.fallback_texel * texels;
 }
 
 bool FramePlanner::may_fade_over_below(Entity e) {
@@ -329,7 +351,12 @@ void FramePlanner::draw(Entity e, float from, float to) {
   const Capture* capture = scratch.captured[e] ? &plan.captures[scratch.captured[e] - 1] : nullptr;
   const Picture* old = picture_of(capture ? state.current : state.previous, e);
   const Picture* picture = capture ? &capture->picture : picture_of(state.current, e);
-  if (!picture || (!capture && !valid(picture))) return draw_below(e, from, to);
+  if (!picture || (!capture && !valid(picture))) {
+    fallback_depth_ += scratch.fallback[e];
+    draw_below(e, from, to);
+    fallback_depth_ -= scratch.fallback[e];
+    return;
+  }
 
   const std::uint32_t slot = capture ? capture->slot : slot_of(picture);
   const float frames = float(state.frame - picture->fade_start) + 1;
@@ -352,9 +379,16 @@ void FramePlanner::draw(Entity e, float from, float to) {
     draw_below(e, middle, to);
 }
 
+void FramePlanner::finish_fallback() {
+  plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
+  plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
+  plan.bound_px = std::max(plan.bound_px, plan.fallback.bound_px);
+}
+
 void FramePlanner::draw() {
   if (nodes() > 0) draw(0, 0, 1);
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
+  if (!plan.fallback.objects.empty()) finish_fallback();
 }
 
 }  // namespace rilievo

@@ -41,7 +41,8 @@ struct FramePlanner {
   Plan& plan;
   ViewAxes view;
   std::uint64_t faded_triangles = 0;  // of polygons behind pictures that fade in
-  double full_bytes = 0;  // of all pictures kept or requested, if they were at full density
+  double full_bytes = 0;      // of all pictures kept or requested, if they were at full density
+  double fallback_scale = 1;  // of the fallback's texels, 1: a pixel
 
   FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
                const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
@@ -49,6 +50,7 @@ struct FramePlanner {
 
   void evict_finished();
   void choose();
+  // Draws; what has to be in the fallback is gathered.
   void draw();
 
   // About entities.
@@ -67,7 +69,11 @@ struct FramePlanner {
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
                                           Entity e) const;
   const PlanScratch::Checked& check(std::uint32_t slot);
+  // Can it be drawn? It may be late.
   [[nodiscard]] bool valid(const Picture* picture);
+  [[nodiscard]] bool late(const Picture* picture) {
+    return valid(picture) && check(slot_of(picture)).late;
+  }
   [[nodiscard]] std::uint32_t slot_of(const Picture* picture) const {
     return std::uint32_t(picture - state.slots.data());
   }
@@ -95,8 +101,12 @@ struct FramePlanner {
   void enqueue(Entity e, double deadline, bool covered);
   void draw(Entity e, float from, float to);
   void draw_below(Entity e, float from, float to);
+  [[nodiscard]] bool falls_back(Entity e, float from, float to) const;
+  void finish_fallback();
   void emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
             float to);
+
+  int fallback_depth_ = 0;  // of draw(): entities above that are in the fallback
 };
 
 }  // namespace rilievo

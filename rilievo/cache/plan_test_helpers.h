@@ -48,6 +48,7 @@ inline void add_shares(const Loop& run, const Hierarchy& tree, std::vector<Share
     for (std::uint32_t k = 0; k < tree.nodes[e].count; ++k)
       still[tree.order[tree.nodes[e].first + k]].emplace_back(drawn.from, drawn.to);
   }
+  for (const std::uint32_t object : run.plan.fallback.objects) still[object].emplace_back(0, 1);
   for (const DrawnObject& drawn : run.plan.polygons)
     still[drawn.object].emplace_back(drawn.from, drawn.to);
   for (const DrawnObject& drawn : run.plan.moving_polygons)

@@ -35,6 +35,8 @@ void find_bound(Plan& plan) {
   }
   for (const DrawnAlternative& drawn : plan.alternatives)
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
+  if (!plan.fallback.objects.empty())
+    plan.bound_px = std::max(plan.bound_px, plan.fallback.bound_px);
 }
 
 // How soon CacheState::usual_range and usual_life_share follow what captures show.
@@ -59,6 +61,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   RILIEVO_EXPECTS(alternatives.of_entity.empty() || alternatives.of_entity.size() == entities);
   plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear(), plan.alternatives.clear();
   plan.polygons.clear(), plan.moving_polygons.clear(), plan.retirements.clear();
+  plan.fallback.objects.clear();
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
   plan.single = plan.hierarchy = plan.starved = 0;
@@ -68,8 +71,8 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.checked.assign(state.slots.size(), {});
   scratch.dropped.assign(state.slots.size(), 0);
   scratch.choice.resize(entities), scratch.now_cost.resize(entities);
-  scratch.captured.resize(entities, 0);
-  scratch.requests.clear(), scratch.idle.clear();
+  scratch.captured.resize(entities, 0), scratch.fallback.assign(entities, 0);
+  scratch.requests.clear(), scratch.idle.clear(), scratch.boxes.clear();
 
   FramePlanner planner(hierarchy, moving, alternatives, state, view, options, scratch, plan);
   planner.evict_finished();
@@ -123,7 +126,8 @@ bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame, const De
   for (DrawnPicture& drawn : plan.pictures)
     if (drawn.slot == capture.slot) drawn.bound_px = float(bound_px), drawn.gap_px = float(gap_px);
   find_bound(plan);
-  return bound_px <= limit && gap_px <= gap_limit;
+  const double late = late_factor(options);
+  return bound_px <= late * limit && gap_px <= late * gap_limit;
 }
 
 void commit(const Plan& plan, CacheState& state) {

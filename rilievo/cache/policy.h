@@ -11,10 +11,11 @@
 //   commit(plan, state);
 //
 // Each picture drawn has bound_total_px <= CacheOptions::error_px, plus Picture::coarse_px if
-// memory was short and its texels are coarser, and bound_gap_px <= gap_limit_px. A baked
-// representation of any kind stands for its object where its ErrorModel allows it and it costs
-// less, above all for objects that turn so fast that no flat picture lasts. World space, metres;
-// time in frames. The same input gives the same plan. A steady state does not allocate.
+// memory was short and its texels are coarser, and bound_gap_px <= gap_limit_px; under a budget of
+// time it may be late, and Plan::bound_px says by how much. A baked representation of any kind
+// stands for its object where its ErrorModel allows it and it costs less, above all for objects
+// that turn so fast that no flat picture lasts. World space, metres; time in frames. The same input
+// gives the same plan. A steady state does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +43,7 @@ struct CostModel {
   double capture = 2000;        // one capture, plus ...
   double capture_triangle = 1;  // ... each of its triangles
   double capture_texel = 0.2;   // ... and each of its texels
-  // The same of a coarse capture, by rays: its triangles cost nothing.
-  double coarse_capture = 100, coarse_texel = 0.8;
+  double fallback_texel = 0.8;  // a texel of Plan::fallback, by rays: triangles cost nothing
 };
 
 // Limits and preferences of the planner.
@@ -62,16 +62,20 @@ struct CacheOptions {
   std::uint64_t capture_triangles = 500'000;
   int captures = 1000;
   // A budget of time instead: what all captures of a frame may cost, by the CostModel, however
-  // their objects would be drawn otherwise. Pictures that are missing and for which it does not
-  // suffice are coarse, and become fine in later frames. A capture that costs more alone is made
-  // when nothing else is. Infinite: no such budget, and no coarse captures.
+  // their objects would be drawn otherwise. What it does not suffice for is drawn from the picture
+  // at hand, which is late then, the latest being captured first; what has none is in
+  // Plan::fallback. A capture that costs more alone is made when nothing else is. Infinite: no such
+  // budget, nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
+  // The bounds of a picture that is late may exceed their limits by this factor.
+  double late = 3;
   // The largest number of triangles in a picture of several objects, which one frame must capture.
   std::uint64_t picture_triangles = 100'000;
   int max_texels = 1024;  // limit on a picture's side
   int texel_cell = 32;    // pictures occupy multiples of this
   int bytes_per_texel = 5;
   int delta_bits = 8;
+  int fallback_bits = 8;  // of Delta in Plan::fallback, whose range of depths is large
   DepthMode depth_mode = DepthMode::linear;
   // A valid picture is replaced only by something that is cheaper by this share.
   double hysteresis = 0.2;
@@ -90,6 +94,11 @@ struct CacheOptions {
 // The limit on bound_gap_px.
 [[nodiscard]] inline double gap_limit_px(const CacheOptions& options) {
   return options.gap_px > 0 ? options.gap_px : 2 * options.error_px;
+}
+
+// The factor by which bounds may exceed their limits.
+[[nodiscard]] inline double late_factor(const CacheOptions& options) {
+  return options.capture_cost < std::numeric_limits<double>::infinity() ? options.late : 1;
 }
 
 // Options for captures by the SIMD rasteriser (render/raster/raster_picture.h), with the pass over
@@ -158,11 +167,10 @@ struct Picture {
   std::uint16_t retire_length = 0;  // 0: not retiring
   std::uint16_t lead = 1;           // frames before its end at which it is replaced
   bool held = false;                // this slot contains a picture
-  bool coarse = false;              // coarser because time was short: to be replaced
   bool clipped = false;             // shows only the part near the frame that it was captured for
 };
 
-// The picture is drawn while bound_total_px does not exceed this limit, which follows error_px.
+// The picture is good while bound_total_px does not exceed this limit, which follows error_px.
 [[nodiscard]] inline double limit_px(const Picture& picture, const CacheOptions& options) {
   return options.error_px + picture.coarse_px;
 }
@@ -195,7 +203,6 @@ struct Capture {
   Picture picture;                  // as it will be committed
   bool several = false;             // shows several objects
   bool once = false;                // for this frame's eye alone: its gaps need not be known
-  bool coarse = false;              // captured by rays, with one sample per texel; likewise
   std::optional<DeltaRange> range;  // the Deltas that it was found to show
   std::optional<float> life_share;  // and how much its gaps shorten its life
 };
@@ -218,6 +225,14 @@ struct DrawnAlternative {
   float bound_px = 0;
 };
 
+// One picture of all static objects for which a frame has neither time nor a picture, as coarse as
+// the time requires: captured for this frame's eye, by rays, and not kept.
+struct Fallback {
+  std::vector<std::uint32_t> objects;  // the caller's indices; empty: there is none
+  PictureGeometry geometry;            // geometry.capture is the camera to capture with
+  double bound_px = 0;
+};
+
 // The decisions for one frame.
 struct Plan {
   std::vector<std::uint32_t> evictions;  // slots
@@ -226,6 +241,7 @@ struct Plan {
   std::vector<DrawnObject> polygons, moving_polygons;
   std::vector<DrawnAlternative> alternatives;
   std::vector<std::uint32_t> retirements;  // slots that begin to fade out
+  Fallback fallback;
 
   std::size_t entities = 0;  // nodes and moving objects
   std::uint64_t polygon_triangles = 0, captured_triangles = 0;
@@ -243,7 +259,8 @@ struct PlanScratch {
   struct Checked {
     std::uint32_t frame = 0xFFFFFFFFu;
     double now_px = 0, gap_px = 0,
-           remaining = 0;  // now_px is infinite if gap_px is above its limit
+           remaining = 0;  // now_px is infinite if the picture cannot be drawn
+    bool late = false;     // it can, but a bound is above its limit
   };
   // A capture that is wanted.
   struct Request {
@@ -258,6 +275,8 @@ struct PlanScratch {
   std::vector<float> now_cost;          // by entity
   std::vector<std::uint32_t> captured;  // by entity: capture + 1
   std::vector<Request> requests;
+  std::vector<std::uint8_t> fallback;  // by entity: due, and there is no time
+  std::vector<Box> boxes;              // of Plan::fallback's objects
   std::vector<std::uint32_t> idle;
   std::vector<std::uint8_t> dropped;  // by slot
 };

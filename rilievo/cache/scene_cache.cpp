@@ -7,6 +7,13 @@
 #include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
+namespace {
+
+// The store's slots: the fallback's, then those of the plan.
+constexpr std::uint32_t kFallbackSlot = 0;
+std::uint32_t stored(std::uint32_t slot) { return slot + 1; }
+
+}  // namespace
 
 SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
                        const ImageCacheOptions& options, FrameContent& content)
@@ -38,6 +45,7 @@ void SceneCache::build() {
   policy_.max_texels = store_.max_picture_size();
   policy_.texel_cell = store_.texel_cell();
   policy_.delta_bits = options_.delta_bits;
+  policy_.fallback_bits = store_.written_bits();
   policy_.depth_mode = options_.depth_mode;
   policy_.bytes_per_texel = options_.delta_bits > 8 ? 6 : 5;
   // First fit leaves gaps between pictures: plan for less than there is, and refuse what does not
@@ -158,7 +166,7 @@ glm::dmat4 SceneCache::motion_since_capture(const Picture& picture) const {
 
 void SceneCache::release(std::uint32_t slot) {
   if (slot >= held_.size() || !held_[slot].held) return;
-  store_.free(slot);
+  store_.free(stored(slot));
   held_[slot].held = false;
 }
 
@@ -177,7 +185,7 @@ void SceneCache::set_budget() {
   policy_.capture_triangles = unlimited_.capture_triangles;
   policy_.picture_triangles = unlimited_.picture_triangles;
   if (!(options_.capture_ms > 0)) return;
-  if (!casts_ && store_.rasterizes() && store_.writes())
+  if (!casts_ && store_.rasterizes())
     if (auto coarse = CoarseCapture::create(placed_.scene())) coarse_ = std::move(*coarse);
   casts_ = true;
   if (coarse_)
@@ -190,27 +198,21 @@ void SceneCache::set_budget() {
 void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& objects) {
   const Capture& capture = plan_.captures[index];
   const Camera& eye = capture.geometry.capture;
-  if (capture.coarse)
-    store_.write(capture.slot, coarse_->capture(eye, objects));
-  else
-    store_.capture(capture.slot, eye, objects);
+  store_.capture(stored(capture.slot), eye, objects);
   if (!std::isfinite(gap_limit_px(policy_))) return;
-  gaps_[index] = capture.once || capture.coarse ? unknown_gaps(eye) : store_.gaps(eye, objects);
+  gaps_[index] = capture.once ? unknown_gaps(eye) : store_.gaps(eye, objects);
 }
 
 void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   for (std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
   const Stopwatch watch;
-  double cost = 0;
-  struct Spent {
-    double cost = 0, ms = 0;
-  } fine, coarse;
+  double cost = 0, priced = 0, priced_ms = 0;
   gaps_.assign(plan_.captures.size(), {});
   for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
     const Capture& capture = plan_.captures[i];
     const Camera& eye = capture.geometry.capture;
-    if (!store_.allocate(capture.slot, eye.width, eye.height)) {
+    if (!store_.allocate(stored(capture.slot), eye.width, eye.height)) {
       refuse_capture(plan_, i, hierarchy_, moving_);
       continue;
     }
@@ -224,18 +226,14 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
     const double before_ms = watch.ms();
     this->capture(i, held.objects);
     cost += capture.cost;
-    Spent& spent = capture.coarse ? coarse : fine;
-    if (capture.once && !capture.coarse) continue;  // without gaps it costs less
-    spent.ms += watch.ms() - before_ms;
-    spent.cost += capture.coarse ? unlimited_.cost.coarse_capture +
-                                       unlimited_.cost.coarse_texel * eye.width * eye.height
-                                 : capture.cost;
+    if (capture.once) continue;  // without gaps it costs less
+    priced_ms += watch.ms() - before_ms;
+    priced += capture.cost;
   }
-  clock_.fine.learn(fine.cost, fine.ms);
-  clock_.coarse.learn(coarse.cost, coarse.ms);
+  clock_.capture.learn(priced, priced_ms);
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)
     if (const Capture& capture = plan_.captures[i]; capture.picture.held)
-      if (const auto range = store_.delta_range(capture.slot))
+      if (const auto range = store_.delta_range(stored(capture.slot)))
         if (!narrow_capture(plan_, i, camera, *range, policy_, gaps_[i])) {
           refuse_capture(plan_, i, hierarchy_, moving_);
           release(capture.slot);
@@ -249,15 +247,41 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   }
 }
 
+void SceneCache::capture_fallback(FrameStats& stats) {
+  if (fallback_.held) store_.free(kFallbackSlot);
+  fallback_.held = false;
+  Fallback& fallback = plan_.fallback;
+  if (fallback.objects.empty()) return;
+  const Stopwatch watch;
+  fallback_.camera = fallback.geometry.capture;
+  const Camera& eye = fallback_.camera;
+  if (!store_.allocate(kFallbackSlot, eye.width, eye.height)) {
+    for (const std::uint32_t object : fallback.objects) plan_.polygons.push_back({object, 0, 1});
+    fallback.objects.clear();
+    return;
+  }
+  fallback_.held = true;
+  fallback_.objects_captured = false;
+  fallback_.objects.clear();
+  for (const std::uint32_t object : fallback.objects)
+    fallback_.objects.push_back(static_objects_[object]);
+  store_.write(kFallbackSlot, coarse_->capture(eye, fallback_.objects));
+  if (const auto range = store_.delta_range(kFallbackSlot)) narrow_slab(fallback.geometry, *range);
+  clock_.fallback.learn(unlimited_.cost.fallback_texel * eye.width * eye.height, watch.ms());
+  ++stats.captures;
+  stats.capture_ms += watch.ms();
+}
+
 void SceneCache::collect(FrameContent& content) {
   std::vector<Instance>& instances = content.sets[0].instances;
   for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
     const DrawnPicture& drawn = plan_.pictures[i];
     const Picture& picture = state_.slots[drawn.slot];
     const Held& held = held_[drawn.slot];
-    store_.show(drawn.slot, picture.geometry);
+    store_.show(stored(drawn.slot), picture.geometry);
     const std::uint32_t object = held.objects.size() == 1 ? held.objects[0] + 1 : kNoObject;
-    instances.push_back({motion_since_capture(picture), drawn.slot, object, drawn.from, drawn.to});
+    instances.push_back(
+        {motion_since_capture(picture), stored(drawn.slot), object, drawn.from, drawn.to});
     // A picture that fades in, and then the one that it replaces.
     if (drawn.from > 0 && drawn.to >= 1 && i > 0 && plan_.pictures[i - 1].to == drawn.from &&
         plan_.pictures[i - 1].from <= 0 &&
@@ -265,6 +289,10 @@ void SceneCache::collect(FrameContent& content) {
       instances[i].partner = std::uint32_t(i - 1);
       instances[i - 1].partner = std::uint32_t(i);
     }
+  }
+  if (fallback_.held) {
+    store_.show(kFallbackSlot, plan_.fallback.geometry);
+    instances.push_back({glm::dmat4(1.0), kFallbackSlot, kNoObject, 0, 1});
   }
   const auto add = [&](std::uint32_t object, float from, float to) {
     if (from <= 0 && to >= 1)
@@ -288,6 +316,7 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   update_moving();
   plan(camera);
   carry_out_captures(camera, stats);
+  capture_fallback(stats);
   commit(plan_, state_);
   collect(content);
   stats.bound_px = plan_.bound_px;
@@ -297,10 +326,14 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
 
 // Identifiers of pictures of several objects, where no probe has asked for them before.
 void SceneCache::prepare_objects() {
+  if (fallback_.held && !fallback_.objects_captured) {
+    store_.capture_objects(kFallbackSlot, fallback_.camera, fallback_.objects);
+    fallback_.objects_captured = true;
+  }
   for (const DrawnPicture& drawn : plan_.pictures) {
     Held& held = held_[drawn.slot];
     if (held.objects.size() == 1 || held.objects_captured) continue;
-    store_.capture_objects(drawn.slot, held.camera, held.objects);
+    store_.capture_objects(stored(drawn.slot), held.camera, held.objects);
     held.objects_captured = true;
   }
 }
@@ -343,8 +376,11 @@ std::vector<SceneCache::Shown> SceneCache::shown() const {
   for (const DrawnPicture& drawn : plan_.pictures) {
     const Picture& picture = state_.slots[drawn.slot];
     shown.push_back({picture.geometry, motion_since_capture(picture), drawn.bound_px,
-                     held_[drawn.slot].objects, drawn.slot});
+                     held_[drawn.slot].objects, stored(drawn.slot)});
   }
+  if (fallback_.held)
+    shown.push_back({plan_.fallback.geometry, glm::dmat4(1.0), plan_.fallback.bound_px,
+                     fallback_.objects, kFallbackSlot});
   return shown;
 }
 

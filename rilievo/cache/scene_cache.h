@@ -31,9 +31,9 @@ struct ImageCacheOptions {
   double error_px = 1;  // the largest error bound of a picture that is drawn
   double gap_px = 0;    // as CacheOptions::gap_px
   std::size_t max_bytes = std::size_t(256) << 20;  // of pictures
-  // Time for captures per frame, by the clock. What is missing then is captured coarse at first,
-  // whatever that takes, where the rasteriser captures. 0: limited by
-  // CacheOptions::capture_triangles, which makes runs reproducible.
+  // Time for captures per frame, by the clock. Where the rasteriser captures, pictures for which it
+  // does not suffice are late, and what has none is in a coarse picture by rays (policy.h,
+  // Fallback). 0: limited by CacheOptions::capture_triangles, which makes runs reproducible.
   double capture_ms = 0;
   int fade_frames = CacheOptions{}.fade_frames;  // 1: a new picture replaces the old one at once
   int delta_bits = 8;
@@ -97,6 +97,7 @@ class SceneCache {
   void set_budget();
   void capture(std::size_t index, const std::vector<std::uint32_t>& objects);
   void carry_out_captures(const Camera& camera, FrameStats& stats);
+  void capture_fallback(FrameStats& stats);
   void collect(FrameContent& content);
   void objects_of(Entity entity, std::vector<std::uint32_t>& objects) const;
   [[nodiscard]] Entity entity_of(std::uint32_t object) const;
@@ -131,6 +132,7 @@ class SceneCache {
   CacheOptions unlimited_;                 // policy_ without such a budget
   bool casts_ = false;                     // has coarse_ been asked for?
   std::unique_ptr<CoarseCapture> coarse_;  // null: not yet, or memory did not suffice
+  Held fallback_;                          // of the last frame
 };
 
 }  // namespace rilievo

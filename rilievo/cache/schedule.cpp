@@ -10,6 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "rilievo/cache/fallback.h"
 
 namespace rilievo {
 namespace {
@@ -17,8 +20,6 @@ namespace {
 // Of the memory, this much is planned for; the rest holds pictures that fade out.
 constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
-// Of a capture for which there is no time: texels of two pixels still tell what each pixel shows.
-constexpr double kLateScale = 0.5;
 constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
@@ -36,8 +37,7 @@ bool make_room(FramePlanner& planner, std::uint64_t bytes, Entity e) {
     // Gathered once a frame, the first to go last.
     for (std::uint32_t slot = 0; slot < planner.state.slots.size(); ++slot) {
       const PlanScratch::Checked& checked = planner.scratch.checked[slot];
-      const bool needed = checked.frame == planner.state.frame &&
-                          checked.now_px <= limit_px(planner.state.slots[slot], planner.options);
+      const bool needed = checked.frame == planner.state.frame && std::isfinite(checked.now_px);
       if (planner.state.slots[slot].held && !needed && !planner.scratch.dropped[slot])
         idle.push_back(slot);
     }
@@ -66,14 +66,11 @@ std::uint32_t new_slot(const FramePlanner& planner) {
   return std::uint32_t(planner.state.slots.size() + taken - planner.state.free_slots.size());
 }
 
-// `scale`: of texels, below 1 for a coarse capture.
-bool capture(FramePlanner& planner, Entity e, double cost, double scale = 1) {
+bool capture(FramePlanner& planner, Entity e, double cost) {
   const CacheOptions& options = planner.options;
-  const bool coarse = scale < 1;
-  CaptureCost estimated = planner.estimate(e);
-  if (coarse) estimated.ahead = 0, estimated.density = 1;  // what was hidden is not known
-  const bool clip = (coarse || estimated.once) && !planner.is_moving(e);
-  scale = std::min(scale, planner.plan.texel_scale);
+  const CaptureCost estimated = planner.estimate(e);
+  const bool clip = estimated.once && !planner.is_moving(e);
+  const double scale = planner.plan.texel_scale;
   const glm::dvec3 drift = planner.drift_of(e);
   const PlacedPicture placed = place_picture(planner.view, planner.box_of(e), estimated, drift,
                                              scale, options, planner.expected_range(e), clip);
@@ -94,7 +91,6 @@ bool capture(FramePlanner& planner, Entity e, double cost, double scale = 1) {
   made.cost = cost;
   made.several = planner.several(e);
   made.once = estimated.once;
-  made.coarse = made.picture.coarse = coarse;
 
   Picture& picture = made.picture;
   picture.entity = e;
@@ -113,11 +109,13 @@ bool capture(FramePlanner& planner, Entity e, double cost, double scale = 1) {
   picture.lead =
       std::uint16_t(std::clamp(life / 3, 1.0, double(options.fade_frames + options.spread_frames)));
   // Of a frame that begins with polygons all over, only some fade.
-  const bool over_pictures = planner.valid(planner.picture_of(planner.state.current, e)) ||
-                             planner.pictures_cover_below(e);
-  const bool over_polygons = !over_pictures && !coarse && made.triangles <= kFadedTriangles;
+  const Picture* old = planner.picture_of(planner.state.current, e);
+  const bool over_pictures = planner.valid(old) || planner.pictures_cover_below(e);
+  const bool over_polygons = !over_pictures && made.triangles <= kFadedTriangles;
   if (over_polygons) planner.faded_triangles += made.triangles;
-  if (over_pictures || (over_polygons && planner.faded_triangles <= kMaxFadedTriangles))
+  if (planner.late(old))
+    picture.fade_length = 1;  // what is late is shown no longer than it must be
+  else if (over_pictures || (over_polygons && planner.faded_triangles <= kMaxFadedTriangles))
     picture.fade_length = std::uint16_t(fade_length(picture.lead, options));
   picture.held = true;
 
@@ -135,47 +133,38 @@ double fitting_scale(const FramePlanner& planner) {
   return std::max(kCoarsest, std::sqrt(room / planner.full_bytes));
 }
 
-double coarse_cost(const PlanScratch::Request& request, double scale, const CostModel& cost) {
-  return cost.coarse_capture + cost.coarse_texel * double(request.texels) * scale * scale;
+// The pace at which requests, sorted by their deadlines, can be met: cost a frame.
+double even_pace(std::span<const PlanScratch::Request> requests) {
+  double sum = 0, pace = 0;
+  for (const auto& request : requests) {
+    sum += double(request.cost);
+    pace = std::max(pace, sum / std::max(1.0, double(request.deadline)));
+  }
+  return pace;
 }
 
-// The scale of texels at which all pictures that are due could be coarse within the budget.
-double coarse_scale(const FramePlanner& planner) {
-  const CostModel& cost = planner.options.cost;
-  double fixed = 0, texels = 0;
-  for (const auto& request : planner.scratch.requests)
-    if (request.due) fixed += cost.coarse_capture, texels += double(request.texels);
-  const double left = std::max(0.0, planner.options.capture_cost - fixed);
-  return std::clamp(std::sqrt(left / std::max(1.0, cost.coarse_texel * texels)), kLateScale, 0.99);
-}
-
-// Within a budget of time: first what is due, each fine where the budget leaves enough for the
-// others to be coarse; then, in the order of their deadlines, what is covered or to become fine.
-void schedule_in_time(FramePlanner& planner) {
-  const CacheOptions& options = planner.options;
-  const double scale = coarse_scale(planner);
-  double reserved = 0, spent = 0;
-  for (const auto& request : planner.scratch.requests)
-    if (request.due) reserved += coarse_cost(request, scale, options.cost);
+// Within a budget of time: what is late and what is missing first, then what the pace asks for.
+// What does not fit waits, so that dear captures do not keep cheap ones from being made.
+void schedule_in_time(FramePlanner& planner, double credit) {
+  const double budget = planner.options.capture_cost;
+  double spent = 0;
   for (const auto& request : planner.scratch.requests) {
-    if (!request.due) continue;
-    const double fine = request.cost, coarse = coarse_cost(request, scale, options.cost);
-    reserved -= coarse;
-    const bool may_be_coarse = !planner.is_moving(request.entity);
-    if (fine <= coarse || spent + fine + reserved <= options.capture_cost || !may_be_coarse) {
-      if (capture(planner, request.entity, fine)) spent += fine;
-    } else if (coarse < double(planner.scratch.now_cost[request.entity])) {
-      if (capture(planner, request.entity, coarse, scale)) spent += coarse;
+    const double cost = request.cost;
+    if (request.deadline > 0 && credit < cost) break;
+    if (spent > 0 && spent + cost > budget) continue;
+    if (!capture(planner, request.entity, cost)) continue;
+    credit = std::max(0.0, credit - cost);
+    spent += cost;
+  }
+  planner.plan.credit = std::min(credit, budget);
+
+  double pixels = 0;  // of the fallback
+  for (const auto& request : planner.scratch.requests)
+    if (request.due && !planner.scratch.captured[request.entity]) {
+      planner.scratch.fallback[request.entity] = 1;
+      pixels += covered_pixels(planner.view, planner.box_of(request.entity));
     }
-  }
-  for (const auto& request : planner.scratch.requests) {
-    if (request.due) continue;
-    const bool fits = spent + double(request.cost) <= options.capture_cost;
-    const bool alone = request.deadline <= 0 && 2 * spent < options.capture_cost;
-    if (!fits && !alone) continue;
-    if (capture(planner, request.entity, request.cost)) spent += double(request.cost);
-  }
-  planner.plan.credit = 0;
+  planner.fallback_scale = fallback_scale(planner.view, pixels, budget - spent, planner.options);
 }
 
 }  // namespace
@@ -187,15 +176,11 @@ void schedule_captures(FramePlanner& planner) {
     return a.worth != b.worth ? a.worth > b.worth : a.entity < b.entity;
   });
   planner.plan.texel_scale = fitting_scale(planner);
-  if (std::isfinite(planner.options.capture_cost)) return schedule_in_time(planner);
+  double credit = requests.empty() ? 0 : planner.state.credit + even_pace(requests);
+  if (std::isfinite(planner.options.capture_cost)) return schedule_in_time(planner, credit);
 
-  double sum = 0, pace = 0;
-  for (const auto& request : requests) {
-    sum += double(request.cost);
-    pace = std::max(pace, sum / std::max(1.0, double(request.deadline)));
-  }
   const double budget = capture_budget(planner.options);
-  double credit = requests.empty() ? 0 : planner.state.credit + pace, spent = 0;
+  double spent = 0;
   for (const auto& request : requests) {
     const double cost = request.cost;
     if (request.deadline > 0 && credit < cost) break;

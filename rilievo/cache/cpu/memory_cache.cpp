@@ -64,16 +64,11 @@ class MemoryCache::Store final : public CachePictures {
   }
   void capture(std::uint32_t slot, const Camera& camera,
                std::span<const std::uint32_t> objects) override {
-    write(slot, capturer_.capture(camera, objects, placed_.poses()));
+    write(slot, capturer_.capture(camera, objects, placed_.poses()), delta_bits_);
   }
-  [[nodiscard]] bool writes() const override { return true; }
+  [[nodiscard]] int written_bits() const override { return 16; }
   void write(std::uint32_t slot, const RasterPicture& picture) override {
-    encode_picture(picture, delta_bits_, encoded_);
-    slots_[slot]->assign(picture.width, picture.height, picture.color, encoded_, delta_bits_);
-    if (slot >= ranges_.size()) ranges_.resize(slot + 1);
-    ranges_[slot] = rilievo::delta_range({encoded_.blocks.data(), nullptr,
-                                          std::size_t(blocks_across(picture.width)), 0,
-                                          picture.width, picture.height});
+    write(slot, picture, written_bits());
   }
   [[nodiscard]] GapTable gaps(const Camera& camera,
                               std::span<const std::uint32_t> objects) override {
@@ -93,6 +88,14 @@ class MemoryCache::Store final : public CachePictures {
   }
 
  private:
+  void write(std::uint32_t slot, const RasterPicture& picture, int delta_bits) {
+    encode_picture(picture, delta_bits, encoded_);
+    slots_[slot]->assign(picture.width, picture.height, picture.color, encoded_, delta_bits);
+    if (slot >= ranges_.size()) ranges_.resize(slot + 1);
+    ranges_[slot] = rilievo::delta_range({encoded_.blocks.data(), nullptr,
+                                          std::size_t(blocks_across(picture.width)), 0,
+                                          picture.width, picture.height});
+  }
   [[nodiscard]] static std::size_t bytes_of(int width, int height) {
     const int stride = (width + kRowPadding) / kRowPadding * kRowPadding;
     return std::size_t(stride) * std::size_t(height + 2) * kTexelBytes;

@@ -45,7 +45,7 @@ class ImageCache::Store final : public CachePictures {
     else
       pictures_->atlas().capture(renderer_, camera, objects, *slots_[slot]);
   }
-  [[nodiscard]] bool writes() const override { return true; }
+  [[nodiscard]] int written_bits() const override { return pictures_->atlas().delta_bits(); }
   void write(std::uint32_t slot, const RasterPicture& picture) override {
     pictures_->atlas().write(*slots_[slot], picture);
   }

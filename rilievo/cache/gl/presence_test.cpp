@@ -95,7 +95,7 @@ TEST_F(PresenceTest, after_a_cut_no_picture_of_before_stands_for_what_it_would_d
   }
 }
 
-// Where time suffices for nothing, all pictures are coarse at first.
+// Where time suffices for nothing, objects are in the coarse picture at first.
 TEST_F(PresenceTest, after_a_cut_objects_are_coarse_and_none_is_missing) {
   const int pictures = draw_all(
       row(), CaptureBy::rasterizer, 60,
