@@ -9,12 +9,11 @@
 #include <functional>
 #include <vector>
 
-#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/nailboard/gl/nailboard_atlas.h"
+#include "rilievo/nailboard/gl/nailboard_capture.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
@@ -68,24 +67,19 @@ Result<Measured> measure(const Scene& scene, int runs) {
 
   Measured m;
   m.triangles = count_triangles(scene);
-  AtlasOptions options;
   std::vector<Nailboard> taken;
-  for (const bool rasterized : {false, true}) {
-    const auto capturer =
-        rasterized ? make_capturer(CaptureBy::rasterizer, scene, options.samples) : nullptr;
-    options.capture_bytes = rasterized ? &CaptureWithoutOpenGL::bytes : nullptr;
-    Result<NailboardAtlas> atlas = NailboardAtlas::create(options);
-    if (!atlas) return atlas.error();
-    const auto slot = atlas->allocate(kSize, kSize);
+  for (const CaptureBy by : {CaptureBy::opengl, CaptureBy::rasterizer}) {
+    Result<NailboardCapture> nailboards =
+        NailboardCapture::create(*renderer, by, {}, DepthMode::exact);
+    if (!nailboards) return nailboards.error();
+    NailboardAtlas& atlas = nailboards->atlas();
+    const auto slot = atlas.allocate(kSize, kSize);
     if (!slot) return Error{"bench", "no room for one picture"};
-    (rasterized ? m.rasterizer_ms : m.opengl_ms) = median_ms(runs, [&] {
-      if (capturer)
-        atlas->write(*slot, capturer->capture(*camera, objects, renderer->poses()));
-      else
-        atlas->capture(*renderer, *camera, objects, *slot);
-      static_cast<void>(atlas->blocks(*slot));
+    (by == CaptureBy::rasterizer ? m.rasterizer_ms : m.opengl_ms) = median_ms(runs, [&] {
+      nailboards->capture(*camera, objects, *slot);
+      static_cast<void>(atlas.blocks(*slot));
     });
-    taken.push_back(atlas->read(*slot, picture_geometry(*camera)));
+    taken.push_back(atlas.read(*slot, picture_geometry(*camera)));
   }
   m.rasterizer_db = psnr_db(taken[0].color, taken[1].color);
   std::vector<std::uint8_t> copy(std::size_t(kSize) * kSize * 5);  // colour and Delta
@@ -96,7 +90,7 @@ Result<Measured> measure(const Scene& scene, int runs) {
   if (!rays) return rays.error();
   PictureCaster caster(*rays);
   RasterPicture cast;
-  m.rays_ms = median_ms(runs, [&] { caster.draw(*camera, {}, options.samples, cast); });
+  m.rays_ms = median_ms(runs, [&] { caster.draw(*camera, {}, AtlasOptions{}.samples, cast); });
   m.rays_db = psnr_db(taken[0].color, from_top(cast));
   return m;
 }

@@ -17,7 +17,7 @@
 #include "rilievo/cache/capture_clock.h"
 #include "rilievo/cache/eye_motion.h"
 #include "rilievo/cache/policy.h"
-#include "rilievo/capture/capture_without_opengl.h"
+#include "rilievo/capture/capture_by.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/frame/frame_content.h"
 #include "rilievo/kind/kind.h"

@@ -1,6 +1,7 @@
 // Who makes pictures with depth? Any source, behind one capture call.
 //
-// Sources: OpenGL (capture/gl/opengl_source.h), rays (capture/ray_source.h), posed photographs
+// Sources: OpenGL (capture/gl/opengl_source.h), the library's own rasteriser
+// (capture/raster_source.h), rays (capture/ray_source.h), posed photographs
 // (capture/photograph_source.h), and any callable (capture/callable_source.h), such as S5's
 // software shaders. Not safe for several threads at once.
 #pragma once

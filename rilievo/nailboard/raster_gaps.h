@@ -4,15 +4,13 @@
 #include <cstdint>
 #include <span>
 
-#include "rilievo/capture/capture_without_opengl.h"
+#include "rilievo/capture/raster_source.h"
 #include "rilievo/nailboard/gap_table.h"
 
 namespace rilievo {
 
-// The gap table of the picture of `objects`, placed by `poses` (of all objects), that `capturer`
-// has just made.
-[[nodiscard]] GapTable raster_gaps(CaptureWithoutOpenGL& capturer, const Camera& camera,
-                                   std::span<const std::uint32_t> objects,
-                                   std::span<const glm::mat4> poses);
+// The gap table of the picture of `objects` that `source` has drawn last.
+[[nodiscard]] GapTable raster_gaps(RasterSource& source, const Camera& camera,
+                                   std::span<const std::uint32_t> objects);
 
 }  // namespace rilievo

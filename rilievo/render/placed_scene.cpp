@@ -34,6 +34,17 @@ bool PlacedScene::set_time(double time) {
   return true;
 }
 
+Box PlacedScene::opaque_bounds(std::span<const std::uint32_t> objects) const {
+  Box bounds;
+  const auto add = [&](std::uint32_t object) {
+    if (has_opaque_parts(object)) bounds.add(bounds_[object]);
+  };
+  for (const std::uint32_t object : objects) add(object);
+  if (objects.empty())
+    for (std::uint32_t object = 0; object < bounds_.size(); ++object) add(object);
+  return bounds;
+}
+
 void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
   const Frustum frustum = frustum_of(camera);
   for (std::uint32_t i = 0; i < bounds_.size(); ++i)

@@ -45,6 +45,9 @@ class PlacedScene {
     return {blended_mesh_.get(), scene_->meshes.size()};
   }
 
+  // Together, those of `objects` (empty: all) that have opaque parts.
+  [[nodiscard]] Box opaque_bounds(std::span<const std::uint32_t> objects) const;
+
   // Appends the objects whose bounds intersect the camera's frustum.
   void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const;
 

@@ -26,14 +26,14 @@ constexpr std::size_t kMaxPooled = std::size_t(16) << 20;
 class MemoryCache::Store final : public CachePictures {
  public:
   Store(const PlacedScene& placed, const ImageCacheOptions& options)
-      : placed_(placed),
-        capturer_(placed.scene(), options.samples),
+      : samples_(options.samples),
+        source_(placed),
         delta_bits_(options.delta_bits),
         max_bytes_(options.max_bytes - capture_bytes(options)),
         pictures_(options.depth_mode) {}
 
   [[nodiscard]] static std::size_t capture_bytes(const ImageCacheOptions& options) {
-    return CaptureWithoutOpenGL::bytes(kLargestPicture, options.samples);
+    return RasterSource::bytes(kLargestPicture, options.samples);
   }
   [[nodiscard]] MemoryNailboardSet& pictures() { return pictures_; }
   [[nodiscard]] const MemoryNailboard& picture(std::uint32_t slot) const { return *slots_[slot]; }
@@ -64,7 +64,7 @@ class MemoryCache::Store final : public CachePictures {
   }
   void capture(std::uint32_t slot, const Camera& camera,
                std::span<const std::uint32_t> objects) override {
-    write(slot, capturer_.capture(camera, objects, placed_.poses()), delta_bits_);
+    write(slot, source_.draw(camera, objects, samples_), delta_bits_);
   }
   [[nodiscard]] int written_bits() const override { return 16; }
   void write(std::uint32_t slot, const RasterPicture& picture) override {
@@ -72,7 +72,7 @@ class MemoryCache::Store final : public CachePictures {
   }
   [[nodiscard]] GapTable gaps(const Camera& camera,
                               std::span<const std::uint32_t> objects) override {
-    return raster_gaps(capturer_, camera, objects, placed_.poses());
+    return raster_gaps(source_, camera, objects);
   }
   [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t slot) override {
     return ranges_[slot];
@@ -80,8 +80,7 @@ class MemoryCache::Store final : public CachePictures {
   void finish() override {}
   void capture_objects(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) override {
-    slots_[slot]->assign_objects(capturer_.capture_objects(camera, objects, placed_.poses()).object,
-                                 true);
+    slots_[slot]->assign_objects(source_.draw_objects(camera, objects).object, true);
   }
   void show(std::uint32_t slot, const PictureGeometry& geometry) override {
     pictures_.set_item(slot, *slots_[slot], geometry);
@@ -101,8 +100,8 @@ class MemoryCache::Store final : public CachePictures {
     return std::size_t(stride) * std::size_t(height + 2) * kTexelBytes;
   }
 
-  const PlacedScene& placed_;
-  CaptureWithoutOpenGL capturer_;
+  int samples_;
+  RasterSource source_;
   int delta_bits_;
   std::size_t max_bytes_, bytes_ = 0, pooled_ = 0;
   MemoryNailboardSet pictures_;

@@ -3,72 +3,66 @@
 #include <optional>
 
 #include "rilievo/gl/context.h"
-#include "rilievo/nailboard/gl/capture_gaps.h"
+#include "rilievo/nailboard/gl/nailboard_capture.h"
 
 namespace rilievo {
 
 // Pictures in an atlas of textures, captured by OpenGL or by the rasteriser.
 class ImageCache::Store final : public CachePictures {
  public:
-  Store(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
-        std::unique_ptr<NailboardSet> pictures)
-      : renderer_(renderer), capturer_(std::move(capturer)), pictures_(std::move(pictures)) {}
+  Store(SceneRenderer& renderer, NailboardCapture pictures)
+      : renderer_(renderer), pictures_(std::move(pictures)) {}
 
-  [[nodiscard]] NailboardSet& pictures() { return *pictures_; }
+  [[nodiscard]] NailboardSet& pictures() { return pictures_.set(); }
   [[nodiscard]] const AtlasSlot& atlas_slot(std::uint32_t slot) const { return *slots_[slot]; }
 
   [[nodiscard]] int max_picture_size() const override {
-    return pictures_->atlas().max_picture_size();
+    return pictures_.set().atlas().max_picture_size();
   }
   [[nodiscard]] int texel_cell() const override { return AtlasAllocator::kCell; }
   [[nodiscard]] std::uint64_t max_texels() const override {
-    return std::uint64_t(pictures_->atlas().allocator().layers()) * AtlasAllocator::kLayerSize *
-           AtlasAllocator::kLayerSize;
+    return std::uint64_t(pictures_.set().atlas().allocator().layers()) *
+           AtlasAllocator::kLayerSize * AtlasAllocator::kLayerSize;
   }
-  [[nodiscard]] std::size_t bytes() const override { return pictures_->bytes(); }
-  [[nodiscard]] bool rasterizes() const override { return capturer_ != nullptr; }
+  [[nodiscard]] std::size_t bytes() const override { return pictures_.set().bytes(); }
+  [[nodiscard]] bool rasterizes() const override { return pictures_.rasterizes(); }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
     if (slot >= slots_.size()) slots_.resize(slot + 1);
-    slots_[slot] = pictures_->atlas().allocate(width, height);
+    slots_[slot] = pictures_.set().atlas().allocate(width, height);
     return slots_[slot].has_value();
   }
   void free(std::uint32_t slot) override {
-    pictures_->atlas().free(*slots_[slot]);
+    pictures_.set().atlas().free(*slots_[slot]);
     slots_[slot].reset();
   }
   void capture(std::uint32_t slot, const Camera& camera,
                std::span<const std::uint32_t> objects) override {
-    if (capturer_)
-      pictures_->atlas().write(*slots_[slot],
-                               capturer_->capture(camera, objects, renderer_.poses()));
-    else
-      pictures_->atlas().capture(renderer_, camera, objects, *slots_[slot]);
+    pictures_.capture(camera, objects, *slots_[slot]);
   }
-  [[nodiscard]] int written_bits() const override { return pictures_->atlas().delta_bits(); }
+  [[nodiscard]] int written_bits() const override { return pictures_.set().atlas().delta_bits(); }
   void write(std::uint32_t slot, const RasterPicture& picture) override {
-    pictures_->atlas().write(*slots_[slot], picture);
+    pictures_.set().atlas().write(*slots_[slot], picture);
   }
   [[nodiscard]] GapTable gaps(const Camera& camera,
                               std::span<const std::uint32_t> objects) override {
-    return capture_gaps(renderer_, capturer_.get(), camera, objects);
+    return pictures_.gaps(camera, objects);
   }
   [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t slot) override {
-    return rilievo::delta_range(pictures_->atlas().blocks(*slots_[slot]));
+    return rilievo::delta_range(pictures_.set().atlas().blocks(*slots_[slot]));
   }
   void finish() override { gl::finish(); }
   void capture_objects(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) override {
-    pictures_->atlas().capture_objects(renderer_, camera, objects, *slots_[slot]);
+    pictures_.set().atlas().capture_objects(renderer_, camera, objects, *slots_[slot]);
   }
   void show(std::uint32_t slot, const PictureGeometry& geometry) override {
-    pictures_->set_item(slot, *slots_[slot], geometry);
+    pictures_.set().set_item(slot, *slots_[slot], geometry);
   }
 
  private:
   SceneRenderer& renderer_;
-  std::unique_ptr<CaptureWithoutOpenGL> capturer_;  // null: OpenGL captures
-  std::unique_ptr<NailboardSet> pictures_;
+  NailboardCapture pictures_;
   std::vector<std::optional<AtlasSlot>> slots_;
 };
 
@@ -82,16 +76,11 @@ ImageCache::~ImageCache() = default;
 ImageCache::ImageCache(ImageCache&&) noexcept = default;
 
 Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
-  std::unique_ptr<CaptureWithoutOpenGL> capturer =
-      make_capturer(options.capture_by, renderer.scene(), options.samples);
-  Result<std::unique_ptr<NailboardSet>> pictures =
-      NailboardSet::create({options.max_bytes, options.delta_bits, options.samples,
-                            capturer ? &CaptureWithoutOpenGL::bytes : nullptr},
-                           options.depth_mode);
+  Result<NailboardCapture> pictures = NailboardCapture::create(
+      renderer, options.capture_by, {options.max_bytes, options.delta_bits, options.samples},
+      options.depth_mode);
   if (!pictures) return pictures.error();
-  return ImageCache(renderer,
-                    std::make_unique<Store>(renderer, std::move(capturer), std::move(*pictures)),
-                    options);
+  return ImageCache(renderer, std::make_unique<Store>(renderer, std::move(*pictures)), options);
 }
 
 void ImageCache::add_alternatives(std::vector<ObjectDrawable> drawables,

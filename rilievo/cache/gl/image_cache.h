@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "rilievo/cache/scene_cache.h"
-#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/nailboard/gl/nailboard_set.h"
 #include "rilievo/representation/gl/object_drawables.h"

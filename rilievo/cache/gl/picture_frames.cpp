@@ -17,28 +17,21 @@ glm::dmat4 motion_between(const glm::mat4& then, const glm::mat4& now) {
 
 }  // namespace
 
-PictureFrames::PictureFrames(SceneRenderer& renderer,
-                             std::unique_ptr<CaptureWithoutOpenGL> capturer,
-                             std::unique_ptr<NailboardSet> set, const PictureFramesOptions& options)
-    : SceneFrames(renderer),
-      options_(options),
-      capturer_(std::move(capturer)),
-      set_(std::move(set)) {
+PictureFrames::PictureFrames(SceneRenderer& renderer, NailboardCapture nailboards,
+                             const PictureFramesOptions& options)
+    : SceneFrames(renderer), options_(options), nailboards_(std::move(nailboards)) {
   pictures_.resize(renderer.scene().objects.size());
-  content().sets.push_back({set_.get(), {}});
+  content().sets.push_back({&nailboards_.set(), {}});
   outlines_ = options.outlines;
 }
 
 Result<PictureFrames> PictureFrames::create(SceneRenderer& renderer,
                                             const PictureFramesOptions& options) {
-  std::unique_ptr<CaptureWithoutOpenGL> capturer =
-      make_capturer(options.capture_by, renderer.scene(), options.samples);
-  Result<std::unique_ptr<NailboardSet>> set =
-      NailboardSet::create({options.max_bytes, options.delta_bits, options.samples,
-                            capturer ? &CaptureWithoutOpenGL::bytes : nullptr},
-                           options.mode);
-  if (!set) return set.error();
-  return PictureFrames(renderer, std::move(capturer), std::move(*set), options);
+  Result<NailboardCapture> nailboards = NailboardCapture::create(
+      renderer, options.capture_by, {options.max_bytes, options.delta_bits, options.samples},
+      options.mode);
+  if (!nailboards) return nailboards.error();
+  return PictureFrames(renderer, std::move(*nailboards), options);
 }
 
 bool PictureFrames::is_valid(const Picture& picture, const Camera& frame,
@@ -56,7 +49,7 @@ bool PictureFrames::is_valid(const Picture& picture, const Camera& frame,
 
 std::optional<AtlasSlot> PictureFrames::make_room(int width, int height) {
   for (;;) {
-    if (std::optional<AtlasSlot> slot = set_->atlas().allocate(width, height)) return slot;
+    if (std::optional<AtlasSlot> slot = nailboards_.atlas().allocate(width, height)) return slot;
     // Let go of the picture that was not drawn for longest; never of one that this frame needs.
     std::optional<Picture>* oldest = nullptr;
     for (std::optional<Picture>& picture : pictures_)
@@ -64,7 +57,7 @@ std::optional<AtlasSlot> PictureFrames::make_room(int width, int height) {
           (!oldest || picture->last_drawn < (*oldest)->last_drawn))
         oldest = &picture;
     if (!oldest) return std::nullopt;
-    set_->atlas().free((*oldest)->slot);
+    nailboards_.atlas().free((*oldest)->slot);
     oldest->reset();
   }
 }
@@ -72,24 +65,21 @@ std::optional<AtlasSlot> PictureFrames::make_room(int width, int height) {
 bool PictureFrames::capture(std::uint32_t object, const Camera& frame) {
   const Box& bounds = renderer().object_bounds(object);
   const std::optional<Camera> camera = picture_camera(
-      frame, bounds, {options_.texels_per_pixel, set_->atlas().max_picture_size(), 0.25});
+      frame, bounds, {options_.texels_per_pixel, nailboards_.atlas().max_picture_size(), 0.25});
   std::optional<Picture>& picture = pictures_[object];
   if (picture) {
-    set_->atlas().free(picture->slot);
+    nailboards_.atlas().free(picture->slot);
     picture.reset();
   }
   if (!camera) return false;
   const std::optional<AtlasSlot> slot = make_room(camera->width, camera->height);
   if (!slot) return false;
-  if (capturer_)
-    set_->atlas().write(*slot, capturer_->capture(*camera, {&object, 1}, renderer().poses()));
-  else
-    set_->atlas().capture(renderer(), *camera, {&object, 1}, *slot);
+  nailboards_.capture(*camera, {&object, 1}, *slot);
   picture = Picture{*slot, picture_geometry(*camera), renderer().poses()[object],
                     glm::dvec3(bounds.center()), frame_};
   picture->geometry.delta_bits = options_.delta_bits;
   picture->geometry.depth_mode = options_.mode;
-  set_->atlas().narrow(*slot, picture->geometry);
+  nailboards_.atlas().narrow(*slot, picture->geometry);
   return true;
 }
 
@@ -117,19 +107,19 @@ Result<> PictureFrames::choose(const Camera& camera, FrameContent& content, Fram
       ++stats.captures;
     }
     picture->last_drawn = frame_;
-    set_->set_item(object, picture->slot, picture->geometry);
+    nailboards_.set().set_item(object, picture->slot, picture->geometry);
     content.sets[0].instances.push_back({motion, object, object + 1});
   }
   if (stats.captures) gl::finish();
   stats.capture_ms = stats.captures ? watch.ms() : 0;
-  stats.picture_bytes = set_->bytes();
+  stats.picture_bytes = nailboards_.set().bytes();
   return Done{};
 }
 
 std::vector<DepthImage> PictureFrames::read_pictures() const {
   std::vector<DepthImage> read;
   for (const Instance& instance : content().sets[0].instances) {
-    read.push_back(std::move(set_->read_pictures(instance).front()));
+    read.push_back(std::move(nailboards_.set().read_pictures(instance).front()));
     DepthImage& picture = read.back();
     const std::string& name = renderer().scene().objects[instance.object - 1].name;
     picture.name = std::to_string(instance.object) + (name.empty() ? "" : " " + name);

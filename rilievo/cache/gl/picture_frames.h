@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/nailboard/gl/nailboard_set.h"
+#include "rilievo/nailboard/gl/nailboard_capture.h"
 
 namespace rilievo {
 
@@ -51,8 +50,8 @@ class PictureFrames final : public SceneFrames {
     std::uint64_t last_drawn = 0;
   };
 
-  PictureFrames(SceneRenderer& renderer, std::unique_ptr<CaptureWithoutOpenGL> capturer,
-                std::unique_ptr<NailboardSet> set, const PictureFramesOptions& options);
+  PictureFrames(SceneRenderer& renderer, NailboardCapture nailboards,
+                const PictureFramesOptions& options);
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   [[nodiscard]] bool is_valid(const Picture& picture, const Camera& frame,
                               const glm::dmat4& motion) const;
@@ -60,8 +59,7 @@ class PictureFrames final : public SceneFrames {
   [[nodiscard]] std::optional<AtlasSlot> make_room(int width, int height);
 
   PictureFramesOptions options_;
-  std::unique_ptr<CaptureWithoutOpenGL> capturer_;  // null: OpenGL captures
-  std::unique_ptr<NailboardSet> set_;
+  NailboardCapture nailboards_;
   std::vector<std::optional<Picture>> pictures_;  // by object
   std::vector<std::uint32_t> visible_;
   std::uint64_t frame_ = 0;

@@ -9,14 +9,7 @@
 namespace rilievo {
 
 Box OpenGLSource::bounds(std::span<const std::uint32_t> objects) const {
-  Box bounds;
-  const auto add = [&](std::uint32_t object) {
-    if (renderer_.has_opaque_parts(object)) bounds.add(renderer_.object_bounds(object));
-  };
-  for (const std::uint32_t object : objects) add(object);
-  if (objects.empty())
-    for (std::uint32_t object = 0; object < renderer_.scene().objects.size(); ++object) add(object);
-  return bounds;
+  return renderer_.placed().opaque_bounds(objects);
 }
 
 Result<CapturedPicture> OpenGLSource::capture(const CaptureRequest& request) {

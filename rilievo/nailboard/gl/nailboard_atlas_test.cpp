@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <random>
 
-#include "rilievo/capture/gl/capture_by.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/nailboard/gl/board_test_helpers.h"
+#include "rilievo/nailboard/gl/nailboard_capture.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -109,10 +109,10 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
       for (const int samples : {1, 4}) {
         AtlasOptions options{64u << 20, bits, samples};
         auto by_opengl = NailboardAtlas::create(options);
-        options.capture_bytes = &CaptureWithoutOpenGL::bytes;
+        options.capture_bytes = &RasterSource::bytes;
         auto by_rasterizer = NailboardAtlas::create(options);
-        const auto capturer = make_capturer(CaptureBy::rasterizer, scene, samples);
-        ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok() && capturer);
+        RasterSource source(renderer->placed());
+        ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok());
         EXPECT_LE(by_rasterizer->bytes(), 64u << 20);
         int texels = 0, covered = 0, other_coverage = 0, other_color = 0, other_depth = 0,
             beside = 0;
@@ -129,8 +129,7 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
           const auto slot_b = by_rasterizer->allocate(150, 131);
           ASSERT_TRUE(slot_a && slot_b);
           by_opengl->capture(*renderer, *camera, {&object, 1}, *slot_a);
-          by_rasterizer->write(*slot_b,
-                               capturer->capture(*camera, {&object, 1}, renderer->poses()));
+          by_rasterizer->write(*slot_b, source.draw(*camera, {&object, 1}, samples));
           const Nailboard a = by_opengl->read(*slot_a, picture_geometry(*camera));
           const Nailboard b = by_rasterizer->read(*slot_b, picture_geometry(*camera));
           for (std::size_t i = 0; i < a.color.texels().size(); ++i) {
@@ -182,10 +181,10 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   auto renderer = SceneRenderer::create(made->scene);
   ASSERT_TRUE(renderer.ok());
   AtlasOptions options{64u << 20, 8, 4};
-  options.capture_bytes = &CaptureWithoutOpenGL::bytes;
+  options.capture_bytes = &RasterSource::bytes;
   auto atlas = NailboardAtlas::create(options);
-  const auto capturer = make_capturer(CaptureBy::rasterizer, made->scene, 4);
-  ASSERT_TRUE(atlas.ok() && capturer);
+  RasterSource source(renderer->placed());
+  ASSERT_TRUE(atlas.ok());
   std::mt19937 rng(2);
   const Nailboard noise = random_board(rng, 8);
   const auto slot = atlas->allocate(40, 33);
@@ -195,7 +194,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   ASSERT_TRUE(camera.ok());
   camera->width = 40, camera->height = 33;
   const std::uint32_t object = 0;
-  atlas->write(*slot, capturer->capture(*camera, {&object, 1}, renderer->poses()));
+  atlas->write(*slot, source.draw(*camera, {&object, 1}, 4));
   const Nailboard board = atlas->read(*slot, picture_geometry(*camera));
   const OcclusionTilesView blocks = atlas->blocks(*slot);
   for (int y = 0; y < 33; ++y)
@@ -207,19 +206,23 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
 }
 
 TEST_F(PictureAtlasTest, rasterizes_only_what_it_can) {
-  Scene scene = std::move(make_builtin("builtin:teapot")->scene);
-  const auto rasterizes = [&](CaptureBy by, int samples) {
-    return make_capturer(by, scene, samples) != nullptr;
-  };
   EXPECT_FALSE(rasterizes(CaptureBy::opengl, 4));
   EXPECT_TRUE(rasterizes(CaptureBy::rasterizer, 4));
   EXPECT_FALSE(rasterizes(CaptureBy::rasterizer, 8));
   EXPECT_EQ(rasterizes(CaptureBy::automatic, 1), gl::is_software());
+  // Textures and masks, too.
+  Scene scene = std::move(make_builtin("builtin:teapot")->scene);
   scene.images.emplace_back(2, 2, glm::u8vec4(255));
   scene.textures.emplace_back();
   scene.materials[0].base_color_texture.texture = 0;
   scene.materials[0].alpha_mode = AlphaMode::mask;
-  EXPECT_TRUE(rasterizes(CaptureBy::rasterizer, 4));
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer.ok());
+  for (const CaptureBy by : {CaptureBy::opengl, CaptureBy::rasterizer}) {
+    auto capture = NailboardCapture::create(*renderer, by, {64u << 20, 8, 4}, DepthMode::exact);
+    ASSERT_TRUE(capture.ok()) << capture.error().message();
+    EXPECT_EQ(capture->rasterizes(), by == CaptureBy::rasterizer);
+  }
 }
 
 }  // namespace

@@ -8,10 +8,42 @@
 
 namespace rilievo {
 
+void FrameRaster::place(const Camera& camera, std::span<const std::uint32_t> objects,
+                        std::span<const glm::mat4> poses) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  place_meshes(scene_, materials_, camera.position(), objects, poses, placed_);
+  make_instances(camera, placed_, instances_, masks_);
+}
+
+void FrameRaster::keep_farthest() {
+  for (RasterInstance& instance : instances_) {
+    instance.front = instance.back = true;
+    instance.row_z = instance.row_w - instance.row_z;  // 1 - window_z: the farthest is the nearest
+  }
+}
+
+void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) {
+  raster_.begin(camera.width, camera.height, samples);
+  if (near_plane == NearPlane::clamps) {
+    raster_.draw(instances_);
+    return;
+  }
+  const std::uint32_t triangles =
+      placed_.empty() ? 0 : placed_.back().first_triangle + placed_.back().triangles;
+  near_clip_.clear(triangles);
+  instances_.resize(placed_.size());  // without the pieces of the last time
+  const float z_near = float(camera.z_near);
+  for (std::size_t i = 0; i < placed_.size(); ++i)
+    if (NearClip::crosses(instances_[i], placed_[i].mesh->bounds, z_near))
+      near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]);
+  instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
+  raster_.draw(instances_);
+  raster_.renumber(triangles, near_clip_.numbers());
+}
+
 Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedScene& scene,
                                 std::span<const std::uint32_t> objects,
                                 std::span<const CrossFade> fading) {
-  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   if (std::max(camera.width, camera.height) > SampleRaster::kMaxSize)
     return Error{"frame", "the rasteriser draws at most " + std::to_string(SampleRaster::kMaxSize) +
                               " pixels a side"};
@@ -24,8 +56,7 @@ Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedS
   objects_.clear();
   for (const auto& [distance, object] : nearest_first_) objects_.push_back(object);
   for (const CrossFade& one : fading) objects_.push_back(one.object);
-  place_meshes(scene.scene(), materials_, camera.position(), objects_, scene.poses(), placed_);
-  make_instances(camera, placed_, instances_, masks_);
+  place(camera, objects_, scene.poses());
 
   // The meshes of each object that fades are the next ones of the list, from its end on.
   std::size_t end = instances_.size();
@@ -38,24 +69,13 @@ Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedS
       instances_[end].share_from = one.from, instances_[end].share_to = one.to;
     }
   }
-
-  const std::uint32_t triangles =
-      placed_.empty() ? 0 : placed_.back().first_triangle + placed_.back().triangles;
-  near_clip_.clear(triangles);
-  const float z_near = float(camera.z_near);
-  for (std::size_t i = 0; i < placed_.size(); ++i)
-    if (NearClip::crosses(instances_[i], placed_[i].mesh->bounds, z_near))
-      near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]);
-  instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
-  raster_.begin(camera.width, camera.height, samples);
-  raster_.draw(instances_);
-  raster_.renumber(triangles, near_clip_.numbers());
+  fill(camera, samples, NearPlane::cuts);
   return Done{};
 }
 
-PictureView FrameRaster::view(const Camera& camera, const Scene& scene) {
+PictureView FrameRaster::view(const Camera& camera) {
   return {raster_.seen(), placed_, picture_rays(camera),
-          surface_lights(scene, camera.position(), lights_)};
+          surface_lights(scene_, camera.position(), lights_)};
 }
 
 }  // namespace rilievo

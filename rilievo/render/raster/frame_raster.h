@@ -1,7 +1,8 @@
-// Which triangle is nearest at each sample of a whole frame? Internal to render/raster.
+// Which triangle is nearest at each sample of a picture or of a whole frame? Internal to
+// render/raster.
 //
-// Places some of a scene's objects, front to back, cuts at the near plane what reaches behind the
-// eye, and rasterises. Keeps its buffers.
+// Places some of a scene's objects, cuts at the near plane what reaches behind the eye, and
+// rasterises. Keeps its buffers.
 #pragma once
 
 #include <cstdint>
@@ -18,24 +19,42 @@
 
 namespace rilievo {
 
-// Rasterises frames of one scene.
+// What happens to parts in front of the near plane?
+enum class NearPlane {
+  cuts,    // they are invisible
+  clamps,  // they are drawn on it; requires all of the objects in front of the eye
+};
+
+// Rasterises pictures and frames of one scene. Cameras must be perspective ones.
 class FrameRaster {
  public:
   // `scene` must be valid and outlive the object. Makes the mip levels of its textures.
-  explicit FrameRaster(const Scene& scene) : materials_(scene) {}
+  explicit FrameRaster(const Scene& scene) : scene_(scene), materials_(scene) {}
 
-  // Rasterises the opaque and masked parts of `objects`, and of those that fade within their
-  // ranges, with 1 or 4 samples. Fails if the frame has more than SampleRaster::kMaxSize pixels a
-  // side. Requires a perspective camera.
+  // Places the opaque and masked parts of `objects` by `poses` (of all objects), in this order.
+  void place(const Camera& camera, std::span<const std::uint32_t> objects,
+             std::span<const glm::mat4> poses);
+  // Makes fill() find the farthest surfaces, back faces included, with a depth of 1 - window_z.
+  // Until the next place(). What lies beyond the far plane is then drawn on it.
+  void keep_farthest();
+  // Rasterises the parts that are placed, with 1 or 4 samples. Requires frames of at most
+  // SampleRaster::kMaxSize texels a side.
+  void fill(const Camera& camera, int samples, NearPlane near_plane);
+
+  // Places the opaque and masked parts of `objects`, front to back, and of those that fade within
+  // their ranges, and rasterises with 1 or 4 samples. Fails if the frame has more than
+  // SampleRaster::kMaxSize pixels a side.
   Result<> rasterize(const Camera& camera, int samples, const PlacedScene& placed,
                      std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
 
-  // The last frame, ready to be shaded.
-  [[nodiscard]] PictureView view(const Camera& camera, const Scene& scene);
+  // The last picture, ready to be shaded.
+  [[nodiscard]] PictureView view(const Camera& camera);
   [[nodiscard]] const SampleBuffer& seen() const { return raster_.seen(); }
   [[nodiscard]] std::span<const PlacedMesh> meshes() const { return placed_; }
+  [[nodiscard]] const SurfaceMaterials& materials() const { return materials_; }
 
  private:
+  const Scene& scene_;
   SurfaceMaterials materials_;
   std::vector<std::pair<double, std::uint32_t>> nearest_first_;
   std::vector<std::uint32_t> objects_;

@@ -129,7 +129,7 @@ Result<> PolygonTiles::place(const Camera& camera, int samples, const PlacedScen
   State& s = *state_;
   if (Result<> done = s.rasterize(camera, samples, placed, objects, fading); !done || !s.any)
     return done;
-  s.view.emplace(s.raster->view(camera, s.scene));
+  s.view.emplace(s.raster->view(camera));
   return Done{};
 }
 

@@ -1,24 +1,35 @@
 #include "rilievo/render/raster/raster_picture.h"
 
-#include "rilievo/core/expects.h"
-#include "rilievo/render/raster/raster_instances.h"
-#include "rilievo/render/raster/sample_raster.h"
-#include "rilievo/render/shading/picture_shader.h"
+#include <algorithm>
+
+#include "rilievo/render/raster/frame_raster.h"
 
 namespace rilievo {
 
 struct PictureRasterizer::State {
-  const Scene& scene;
-  SurfaceMaterials materials;
-  SampleRaster raster;
-  std::vector<PlacedMesh> placed;
-  std::vector<RasterInstance> instances;  // the same
-  std::vector<RasterMask> masks;          // the same
-  std::vector<Light> lights;
+  FrameRaster raster;
   PictureShader shader;
+  ObjectPicture centers;
+  std::vector<float> farthest;
 
-  explicit State(const Scene& scene) : scene(scene), materials(scene) {}
+  explicit State(const Scene& scene) : raster(scene) {}
+  void draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
+                     std::span<const glm::mat4> poses, NearPlane near_plane,
+                     std::vector<float>& depth);
 };
+
+Image<float> eye_z_from_window_z(std::span<const float> window_z, const Camera& camera) {
+  Image<float> eye_z(camera.width, camera.height);
+  const double near = 1 / camera.z_near, per_z = 1 / camera.z_near - 1 / camera.z_far;
+  for (int y = 0; y < camera.height; ++y) {
+    const float* from =
+        window_z.data() + std::size_t(camera.height - 1 - y) * std::size_t(camera.width);
+    float* to = eye_z.row(y).data();
+    for (int x = 0; x < camera.width; ++x)
+      to[x] = from[x] < 1 ? float(1 / (near - double(from[x]) * per_z)) : kNoDepth;
+  }
+  return eye_z;
+}
 
 std::size_t PictureRasterizer::bytes(int size, int samples) {
   constexpr std::size_t kTexel = sizeof(RasterPicture::color[0]) + sizeof(RasterPicture::depth[0]);
@@ -30,51 +41,74 @@ PictureRasterizer::PictureRasterizer(PictureRasterizer&&) noexcept = default;
 PictureRasterizer& PictureRasterizer::operator=(PictureRasterizer&&) noexcept = default;
 PictureRasterizer::~PictureRasterizer() = default;
 
-void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
-                                      std::span<const glm::mat4> poses, std::vector<float>& depth) {
-  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  State& s = *state_;
-  place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
-  make_instances(camera, s.placed, s.instances, s.masks);
-  for (RasterInstance& instance : s.instances) {
-    instance.front = instance.back = true;
-    instance.row_z = instance.row_w - instance.row_z;  // 1 - window_z: the farthest is the nearest
-  }
-  s.raster.begin(camera.width, camera.height, 1);
-  s.raster.draw(s.instances);
+void PictureRasterizer::State::draw_farthest(const Camera& camera,
+                                             std::span<const std::uint32_t> objects,
+                                             std::span<const glm::mat4> poses, NearPlane near_plane,
+                                             std::vector<float>& depth) {
+  raster.place(camera, objects, poses);
+  raster.keep_farthest();
+  raster.fill(camera, 1, near_plane);
   depth.resize(std::size_t(camera.width) * std::size_t(camera.height));
   for (int y = 0; y < camera.height; ++y) {
-    const float* from = s.raster.seen().depths(y);
+    const float* from = raster.seen().depths(y);
     float* to = depth.data() + std::size_t(y) * std::size_t(camera.width);
     for (int x = 0; x < camera.width; ++x) to[x] = from[x] < 1 ? 1 - from[x] : 1;
   }
 }
 
-void PictureRasterizer::draw_objects(const Camera& camera, std::span<const std::uint32_t> objects,
-                                     std::span<const glm::mat4> poses, ObjectPicture& picture) {
-  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  State& s = *state_;
-  place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
-  make_instances(camera, s.placed, s.instances, s.masks);
-  s.raster.begin(camera.width, camera.height, 1);
-  s.raster.draw(s.instances);
-  identify(s.raster.seen(), s.placed, picture);
+void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
+                                      std::span<const glm::mat4> poses, std::vector<float>& depth) {
+  state_->draw_farthest(camera, objects, poses, NearPlane::clamps, depth);
 }
 
-std::size_t PictureRasterizer::texture_bytes() const { return state_->materials.bytes(); }
+Image<float> PictureRasterizer::capture_farthest(const Camera& camera,
+                                                 std::span<const std::uint32_t> objects,
+                                                 std::span<const glm::mat4> poses) {
+  state_->draw_farthest(camera, objects, poses, NearPlane::cuts, state_->farthest);
+  return eye_z_from_window_z(state_->farthest, camera);
+}
+
+void PictureRasterizer::draw_objects(const Camera& camera, std::span<const std::uint32_t> objects,
+                                     std::span<const glm::mat4> poses, ObjectPicture& picture) {
+  FrameRaster& raster = state_->raster;
+  raster.place(camera, objects, poses);
+  raster.fill(camera, 1, NearPlane::clamps);
+  identify(raster.seen(), raster.meshes(), picture);
+}
+
+std::size_t PictureRasterizer::texture_bytes() const { return state_->raster.materials().bytes(); }
 
 void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t> objects,
                              std::span<const glm::mat4> poses, int samples,
                              RasterPicture& picture) {
-  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  State& s = *state_;
-  place_meshes(s.scene, s.materials, camera.position(), objects, poses, s.placed);
-  make_instances(camera, s.placed, s.instances, s.masks);
-  s.raster.begin(camera.width, camera.height, samples);
-  s.raster.draw(s.instances);
-  s.shader.shade({s.raster.seen(), s.placed, picture_rays(camera),
-                  surface_lights(s.scene, camera.position(), s.lights)},
-                 picture);
+  FrameRaster& raster = state_->raster;
+  raster.place(camera, objects, poses);
+  raster.fill(camera, samples, NearPlane::clamps);
+  state_->shader.shade(raster.view(camera), picture);
+}
+
+DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std::uint32_t> objects,
+                                      std::span<const glm::mat4> poses, int samples) {
+  FrameRaster& raster = state_->raster;
+  // Depth and identifiers at the texels' centres, where they mean one surface ...
+  raster.place(camera, objects, poses);
+  raster.fill(camera, 1, NearPlane::cuts);
+  ObjectPicture& centers = state_->centers;
+  identify(raster.seen(), raster.meshes(), centers);
+  DepthImage picture;
+  picture.camera = camera;
+  picture.depth = eye_z_from_window_z(centers.depth, camera);
+  picture.object = Image<std::uint32_t>(camera.width, camera.height);
+  const auto width = std::size_t(camera.width);
+  for (int y = 0; y < camera.height; ++y)
+    std::copy_n(centers.object.begin() + std::ptrdiff_t(std::size_t(y) * width), width,
+                picture.object.row(camera.height - 1 - y).begin());
+  // ... and colours averaged over the texel.
+  if (samples > 1) raster.fill(camera, samples, NearPlane::cuts);
+  PictureView view = raster.view(camera);
+  view.scale = ColorScale::linear;
+  state_->shader.shade(view, picture);
+  return picture;
 }
 
 }  // namespace rilievo

@@ -20,6 +20,10 @@
 
 namespace rilievo {
 
+// eye_z of window_z, rows from the bottom, 1 where there is nothing. Requires a perspective camera.
+[[nodiscard]] Image<float> eye_z_from_window_z(std::span<const float> window_z,
+                                               const Camera& camera);
+
 // Rasterises pictures of one scene.
 class PictureRasterizer {
  public:
@@ -32,6 +36,18 @@ class PictureRasterizer {
   PictureRasterizer(PictureRasterizer&&) noexcept;
   PictureRasterizer& operator=(PictureRasterizer&&) noexcept;
   ~PictureRasterizer();
+
+  // Captures the opaque and masked parts of `objects`, wherever they are, placed by `poses` (of all
+  // objects), as cast_picture() does by rays: eye_z, object and linear light. Requires a valid
+  // perspective camera of at most SampleRaster::kMaxSize texels a side, and 1 or 4 samples.
+  [[nodiscard]] DepthImage capture(const Camera& camera, std::span<const std::uint32_t> objects,
+                                   std::span<const glm::mat4> poses, int samples);
+  // eye_z of the farthest of all surfaces along the rays through the texels' centres, including
+  // hidden ones and back faces; kNoDepth if there is none. What lies beyond the far plane counts as
+  // on it.
+  [[nodiscard]] Image<float> capture_farthest(const Camera& camera,
+                                              std::span<const std::uint32_t> objects,
+                                              std::span<const glm::mat4> poses);
 
   // Draws the opaque and masked parts of `objects`, placed by `poses` (of all objects). Requires a
   // perspective camera with all of the objects in front of its eye, and 1 or 4 samples per texel.

@@ -31,7 +31,7 @@ Result<> RasterRenderer::set_time(double time) {
 Result<> RasterRenderer::draw(const Camera& camera, int samples, RasterPicture& picture) {
   State& s = *state_;
   if (Result<> done = s.rasterize(camera, samples); !done) return done;
-  s.shader.shade(s.raster.view(camera, s.placed.scene()), picture);
+  s.shader.shade(s.raster.view(camera), picture);
   return Done{};
 }
 

@@ -174,7 +174,6 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   RILIEVO_EXPECTS(options.samples == 1 || options.samples == 4);
   DepthImage picture;
   picture.camera = camera;
-  picture.color = ColorImage(camera.width, camera.height);
   picture.depth = Image<float>(camera.width, camera.height, kNoDepth);
   picture.object = Image<std::uint32_t>(camera.width, camera.height, kNoObject);
   PictureCaster caster(rays);
@@ -203,17 +202,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   const PictureView view{s.seen, s.placed, picture_rays(camera),
                          surface_lights(rays.scene(), camera.position(), s.lights),
                          ColorScale::linear};
-  const std::size_t width = std::size_t(camera.width);
-  const float share = 1.0f / float(options.samples);
-  s.shader.shade(view, [&](const BandShader& shaded, int from, int to) {
-    for (int y = from; y < to; ++y)
-      for (int x = 0; x < camera.width; ++x) {
-        const std::size_t i = std::size_t(y - from) * width + std::size_t(x);
-        if (picture.covered(x, last - y))
-          picture.color(x, last - y) =
-              share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
-      }
-  });
+  s.shader.shade(view, picture);
   return picture;
 }
 

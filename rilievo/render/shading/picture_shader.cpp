@@ -101,4 +101,21 @@ void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
   });
 }
 
+void PictureShader::shade(const PictureView& view, DepthImage& picture) {
+  RILIEVO_EXPECTS(view.scale == ColorScale::linear);
+  const int columns = view.samples.width, last = view.samples.height - 1;  // rows from the top
+  picture.color = ColorImage(columns, last + 1);
+  const std::size_t width = std::size_t(columns);
+  const float share = 1.0f / float(view.samples.samples);
+  shade(view, [&](const BandShader& shaded, int from, int to) {
+    for (int y = from; y < to; ++y)
+      for (int x = 0; x < columns; ++x) {
+        const std::size_t i = std::size_t(y - from) * width + std::size_t(x);
+        if (picture.covered(x, last - y))
+          picture.color(x, last - y) =
+              share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
+      }
+  });
+}
+
 }  // namespace rilievo

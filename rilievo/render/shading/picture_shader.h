@@ -55,6 +55,9 @@ class PictureShader {
              const std::function<void(const BandShader& shaded, int from, int to)>& write);
   // Fills the picture. Requires ColorScale::srgb.
   void shade(const PictureView& view, RasterPicture& picture);
+  // Sets the colours: coverage in alpha; 0 where the depth, which must be there, is kNoDepth.
+  // Requires ColorScale::linear.
+  void shade(const PictureView& view, DepthImage& picture);
 
  private:
   struct State;

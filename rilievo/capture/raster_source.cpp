@@ -1,0 +1,57 @@
+#include "rilievo/capture/raster_source.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "rilievo/render/raster/sample_raster.h"
+
+namespace rilievo {
+namespace {
+
+double farthest_of(const Camera& camera, const Box& box) {
+  double eye_z = 0;
+  for (const glm::vec3& corner : box.corners())
+    eye_z = std::max(eye_z, glm::dot(glm::dvec3(corner) - camera.position(), camera.forward()));
+  return eye_z;
+}
+
+}  // namespace
+
+Box RasterSource::bounds(std::span<const std::uint32_t> objects) const {
+  return placed_.opaque_bounds(objects);
+}
+
+Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
+  const Camera& camera = request.camera;
+  if (Result<> valid = validate(camera); !valid) return valid.error();
+  const auto refuse = [&](const char* why) { return Error{std::string(name()), why}; };
+  if (camera.projection != Projection::perspective)
+    return refuse("the rasteriser captures with perspective cameras only");
+  if (std::max(camera.width, camera.height) > SampleRaster::kMaxSize)
+    return Error{std::string(name()), "the rasteriser captures at most " +
+                                          std::to_string(SampleRaster::kMaxSize) +
+                                          " texels a side"};
+  if (!can_sample(request.samples))
+    return refuse("the rasteriser captures 1 or 4 samples per texel");
+  if (request.with_sky) return refuse("the rasteriser captures no sky");
+  std::span<const std::uint32_t> objects = request.objects;
+  if (objects.empty()) {
+    visible_.clear();
+    placed_.cull(camera, visible_);
+    objects = visible_;
+  }
+  if (request.farthest)
+    for (const std::uint32_t object : objects)
+      if (farthest_of(camera, placed_.bounds()[object]) > camera.z_far)
+        return refuse("the rasteriser needs a far plane behind all of the objects' surfaces");
+  CapturedPicture captured{rasterizer_.capture(camera, objects, placed_.poses(), request.samples),
+                           {}};
+  captured.picture.name = name();
+  if (!request.identifiers) captured.picture.object = {};
+  if (request.farthest)
+    captured.farthest = rasterizer_.capture_farthest(camera, objects, placed_.poses());
+  return captured;
+}
+
+}  // namespace rilievo
