@@ -30,6 +30,8 @@ namespace rilievo::bench {
 namespace {
 
 constexpr int kSamples = 4, kKept = 8;
+// The promise counts pixels farther from a boundary than the bound of 1 px and 1.5 px more.
+constexpr int kMargin = 3;
 // A baseline that takes longer draws fewer of the frames, but at least three.
 constexpr double kBaselineMs = 15000;
 
@@ -42,7 +44,7 @@ struct Figures {
   RealTimeWalk walk;
   std::vector<double> psnr_db;
   Visibility visibility;
-  double wrong_most = 0, gap_most = 0;
+  double wrong_most = 0, wrong_counted_most = 0, gap_most = 0;
   int missing = 0;
   std::optional<double> opengl_p50_ms;  // of the cache drawn by OpenGL, where it is not
   std::vector<std::pair<std::string, double>> baseline_ms;  // medians
@@ -101,9 +103,12 @@ Result<> draw_baselines(std::vector<Baseline>& baselines, FrameTarget& target, P
       const Image<std::uint32_t> objects = probe.read_objects();
       const Visibility seen = compare_visibility(objects, drawn.objects);
       figures.wrong_most = std::max(figures.wrong_most, seen.wrong_share());
+      figures.wrong_counted_most =
+          std::max(figures.wrong_counted_most,
+                   compare_visibility(objects, drawn.objects, kMargin).wrong_share());
       figures.gap_most = std::max(
           figures.gap_most, widest_gap_px(objects, probe.read_eye_z(frame.camera), drawn.eye_z));
-      figures.missing += count_missing_objects(objects, drawn.objects);
+      figures.missing += count_missing_objects(objects, drawn.objects, kMargin);
       if (i + 1 != kept.size()) continue;
       report.pictures.push_back({name + ", direct", {"image/jpeg", encode_jpeg(truth)}});
       report.pictures.push_back({name + ", cache", {"image/jpeg", encode_jpeg(drawn.color)}});
@@ -133,6 +138,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
   figure("frames", double(f.walk.frame_ms.size()));
   figure("psnr_db", psnr.mean), figure("psnr_db_min", psnr.min);
   figure("wrong_visibility_max", f.wrong_most);
+  figure("wrong_counted_max", f.wrong_counted_most);
   figure("missing_objects", f.missing);
   figure("over_bound_share", f.walk.over_bound_share);
   figure("bound_px", f.walk.bound_px);
@@ -152,6 +158,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
                                f.walk.cut_fine_ms ? fmt::format("{:.0f}", *f.walk.cut_fine_ms) : "",
                                fmt::format("{:.1f}", psnr.mean),
                                fmt::format("{:.3f}", 100 * f.wrong_most),
+                               fmt::format("{:.3f}", 100 * f.wrong_counted_most),
                                std::to_string(f.missing),
                                fmt::format("{:.1f}", f.gap_most),
                                fmt::format("{:.1f}", 100 * f.walk.over_bound_share)};
@@ -249,9 +256,10 @@ Result<BenchReport> real(const BenchOptions& options) {
                           sizes.capture_ms > 0
                               ? fmt::format(", captures for {:g} ms a frame", sizes.capture_ms)
                               : ""),
-              {"walk", "frames", "first ms", "p50 ms", "p99 ms", "cut ms", "until fine ms",
-               "PSNR dB", "wrong %", "missing", "gap px", "over bound %", "by OpenGL ms",
-               "direct ms", "rays ms", "raster ms", "lod ms", "speed-up", "over"},
+              {"walk",    "frames",        "first ms",     "p50 ms",       "p99 ms",
+               "cut ms",  "until fine ms", "PSNR dB",      "wrong %",      "counted wrong %",
+               "missing", "gap px",        "over bound %", "by OpenGL ms", "direct ms",
+               "rays ms", "raster ms",     "lod ms",       "speed-up",     "over"},
               {}};
   const Stopwatch watch;
   int done = 0;
@@ -269,8 +277,9 @@ Result<BenchReport> real(const BenchOptions& options) {
       "The eye moves by the clock; times are of all frames after the first. PSNR (mean), wrong "
       "visibility (most) and missing objects are of {} frames spread evenly over the walk, against "
       "OpenGL's; baselines are medians of the same frames (at least three), lod at the same error "
-      "in pixels. Wrong visibility is a share of the pixels that are no boundary's.",
-      kKept));
+      "in pixels. Wrong visibility is a share of the pixels that are farther than 1 px from a "
+      "boundary; the promise counts those that are farther than the bound and 1.5 px, here {} px.",
+      kKept, kMargin));
   report.notes.push_back(
       "gap_px is the widest strip, in the frames that were compared, that shows what lies behind a "
       "surface instead of it; gap_bound_px is the cache's own bound.");

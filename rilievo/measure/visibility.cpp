@@ -9,21 +9,28 @@
 namespace rilievo {
 namespace {
 
-// Calls visit(x, y) for each pixel whose 3 x 3 neighbourhood shows one identifier only, row by row.
+// Calls visit(x, y) for each pixel whose neighbourhood shows one identifier only, row by row.
 template <class Visit>
-void for_each_counted(const IdImage& ids, Visit visit) {
+void for_each_counted(const IdImage& ids, int margin, Visit visit) {
   const int w = ids.width(), h = ids.height();
-  // A column of three is whole if its identifiers are the same: then three whole columns that agree
-  // are a whole neighbourhood.
+  // A column of the neighbourhood is whole if its identifiers are the same: whole columns that
+  // agree are a whole neighbourhood.
   std::vector<std::uint8_t> whole(std::size_t(w), 0);
   for (int y = 0; y < h; ++y) {
     const auto row = ids.row(y);
-    const auto above = ids.row(std::max(y - 1, 0)), below = ids.row(std::min(y + 1, h - 1));
-    for (int x = 0; x < w; ++x) whole[x] = row[x] == above[x] && row[x] == below[x];
-    for (int x = 0; x < w; ++x) {
-      const int left = std::max(x - 1, 0), right = std::min(x + 1, w - 1);
-      if (whole[x] && whole[left] && whole[right] && row[x] == row[left] && row[x] == row[right])
-        visit(x, y);
+    std::fill(whole.begin(), whole.end(), std::uint8_t(1));
+    for (int j = std::max(y - margin, 0); j <= std::min(y + margin, h - 1); ++j) {
+      const auto other = ids.row(j);
+      for (int x = 0; x < w; ++x) whole[x] &= row[x] == other[x];
+    }
+    int left = 0;  // of the run of whole columns that agree, to the right of x
+    for (int x = 0, right = 0; x < w; ++x) {
+      for (; right <= std::min(x + margin, w - 1); ++right)
+        if (!whole[right])
+          left = right + 1;
+        else if (right > 0 && row[right] != row[right - 1])
+          left = std::max(left, right);
+      if (left <= std::max(x - margin, 0)) visit(x, y);
     }
   }
 }
@@ -35,10 +42,11 @@ bool same_size(const A& a, const B& b) {
 
 }  // namespace
 
-Visibility compare_visibility(const IdImage& true_ids, const IdImage& ids) {
+Visibility compare_visibility(const IdImage& true_ids, const IdImage& ids, int margin) {
+  RILIEVO_EXPECTS(margin >= 0);
   RILIEVO_EXPECTS(same_size(true_ids, ids));
   Visibility v;
-  for_each_counted(true_ids, [&](int x, int y) {
+  for_each_counted(true_ids, margin, [&](int x, int y) {
     const std::uint32_t wanted = true_ids(x, y), shown = ids(x, y);
     ++v.counted;
     v.wrong += wanted != shown;
@@ -53,7 +61,7 @@ void add_depth_errors(const IdImage& true_ids, const IdImage& ids, const Image<f
   RILIEVO_EXPECTS(same_size(true_ids, ids));
   RILIEVO_EXPECTS(same_size(true_ids, true_eye_z) && same_size(true_ids, eye_z));
   const auto usable = [](float z) { return z > 0 && std::isfinite(z); };
-  for_each_counted(true_ids, [&](int x, int y) {
+  for_each_counted(true_ids, 1, [&](int x, int y) {
     const float wanted = true_eye_z(x, y), shown = eye_z(x, y);
     if (true_ids(x, y) == 0 || true_ids(x, y) != ids(x, y) || !usable(wanted) || !usable(shown))
       return;
@@ -66,17 +74,11 @@ int count_missing_objects(const IdImage& true_ids, const IdImage& ids, int margi
   RILIEVO_EXPECTS(true_ids.width() == ids.width() && true_ids.height() == ids.height());
   const std::unordered_set<std::uint32_t> drawn(ids.texels().begin(), ids.texels().end());
   std::unordered_map<std::uint32_t, int> counted;  // of objects that are not drawn
-  const auto all_around = [&](int x, int y, std::uint32_t object) {
-    for (int dy = -margin; dy <= margin; ++dy)
-      for (int dx = -margin; dx <= margin; ++dx)
-        if (true_ids(x + dx, y + dy) != object) return false;
-    return true;
-  };
-  for (int y = margin; y < ids.height() - margin; ++y)
-    for (int x = margin; x < ids.width() - margin; ++x) {
-      const std::uint32_t object = true_ids(x, y);
-      if (object != 0 && !drawn.contains(object) && all_around(x, y, object)) ++counted[object];
-    }
+  for_each_counted(true_ids, margin, [&](int x, int y) {
+    const std::uint32_t object = true_ids(x, y);
+    const bool amid = std::min({x, y, ids.width() - 1 - x, ids.height() - 1 - y}) >= margin;
+    if (amid && object != 0 && !drawn.contains(object)) ++counted[object];
+  });
   int missing = 0;
   for (const auto& [object, pixels] : counted) missing += pixels >= min_counted;
   return missing;

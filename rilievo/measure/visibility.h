@@ -1,9 +1,9 @@
 // Does each pixel show the right object, at the right depth?
 //
 // Compares a frame with the true frame of the same size, both as images of object identifiers (0 =
-// no object: the sky) and of eye_z. Pixels within 1 pixel of an object boundary in the true frame
-// are not counted, that is those whose 3 x 3 neighbourhood in the image shows more than one
-// identifier there. The other pixels are `counted`.
+// no object: the sky) and of eye_z. Pixels within `margin` pixels, 1 unless said otherwise, of an
+// object boundary in the true frame are not counted, that is those whose neighbourhood of 2 margin
+// + 1 pixels a side shows more than one identifier there. The other pixels are `counted`.
 #pragma once
 
 #include <cstdint>
@@ -34,11 +34,12 @@ struct Visibility {
 };
 
 // Compares one frame's identifiers with the true frame's.
-[[nodiscard]] Visibility compare_visibility(const IdImage& true_ids, const IdImage& ids);
+[[nodiscard]] Visibility compare_visibility(const IdImage& true_ids, const IdImage& ids,
+                                            int margin = 1);
 
 // Counts the objects that show `min_counted` or more counted pixels in the true frame and none at
-// all in the other frame. A pixel is counted if all pixels up to `margin` to its sides and corners
-// show the same object. Identifiers; 0 is no object. Requires images of one size.
+// all in the other frame. What is less than `margin` from the image's border counts for nothing.
+// Requires images of one size.
 [[nodiscard]] int count_missing_objects(const IdImage& true_ids, const IdImage& ids, int margin = 3,
                                         int min_counted = 16);
 

@@ -339,10 +339,12 @@ HWY_INLINE void find_objects(const Board& board, Found& found, const Group& each
     const VI texel = hn::Add(hn::Mul(row, hn::Set(i32, picture.stride())), column);
     const VU color = hn::GatherIndex(u32, picture.color(), texel);
     const VU covered = hn::VecFromMask(u32, hn::Gt(color, hn::Set(u32, 0x00ffffffu)));
-    hn::Store(hn::And(hn::Load(u32, found.shown + i), covered), u32, found.shown + i);
     VU object = hn::Set(u32, board.placed.object);
     if (board.placed.object == kNoObject && picture.objects())
       object = hn::GatherIndex(u32, picture.objects(), texel);
+    // Colours of 4 samples reach over a centre that shows nothing.
+    const VU any = hn::VecFromMask(u32, hn::Ne(object, hn::Set(u32, kNoObject)));
+    hn::Store(hn::And(hn::Load(u32, found.shown + i), hn::And(covered, any)), u32, found.shown + i);
     hn::Store(object, u32, found.color + i);
   });
 }

@@ -58,7 +58,13 @@ struct Seen {
   double window_z = 1;
   glm::dvec4 color{0};  // un-premultiplied, bytes; alpha in [0, 1]
   bool texel_empty = false;
+  glm::ivec2 texel{0};
 };
+
+// A third of the texels show no object.
+std::uint32_t object_of(const glm::ivec2& texel, std::size_t board) {
+  return (texel.x + 5 * texel.y) % 3 == 0 ? kNoObject : std::uint32_t(board + 1);
+}
 
 Seen look(const Composition& c, std::size_t i, DepthMode mode, int samples, int px, int py) {
   const MemoryNailboardInstance& in = c.instances[i];
@@ -104,7 +110,8 @@ Seen look(const Composition& c, std::size_t i, DepthMode mode, int samples, int 
                     : mode == DepthMode::linear ? linear_depth(board.geometry, frame, raster, delta)
                                                 : flat_depth(board.geometry, frame, raster);
   }
-  seen.texel_empty = board.color(int(at.x), int(at.y)).a == 0;
+  seen.texel = glm::ivec2(at);
+  seen.texel_empty = board.color(seen.texel.x, seen.texel.y).a == 0;
   const glm::dvec2 from = glm::floor(at - 0.5), part = at - 0.5 - from;
   for (int k = 0; k < 4; ++k) {
     const int x = std::min(int(from.x) + k % 2, capture.width - 1),
@@ -210,9 +217,10 @@ TEST(NailboardComposer, identifies_the_object_that_a_pixel_shows) {
     Composition c = random_composition(seed, 24, 8, false, false);
     // Half of them with identifiers of their texels.
     for (std::size_t i = 0; i < c.instances.size(); i += 2) {
-      const std::vector<std::uint32_t> objects(c.boards[i].color.texels().size(),
-                                               std::uint32_t(i + 1));
-      c.pictures[i].assign_objects(objects, false);
+      Image<std::uint32_t> objects(c.boards[i].color.width(), c.boards[i].color.height());
+      for (int y = 0; y < objects.height(); ++y)
+        for (int x = 0; x < objects.width(); ++x) objects(x, y) = object_of({x, y}, i);
+      c.pictures[i].assign_objects(objects.texels(), false);
       c.instances[i].object = kNoObject;
     }
     SoftwareTarget target(kFrameWidth, kFrameHeight, 4);
@@ -234,6 +242,7 @@ TEST(NailboardComposer, identifies_the_object_that_a_pixel_shows) {
           unsure = unsure || std::abs(seen.color.a - 0.5) < 2e-4 ||
                    std::abs(seen.window_z - window_z) < 2e-6;
           if (seen.texel_empty || seen.color.a < 0.5 || seen.window_z >= window_z) continue;
+          if (i % 2 == 0 && object_of(seen.texel, i) == kNoObject) continue;
           window_z = seen.window_z, nearest = std::uint32_t(i + 1);
         }
         if (unsure) continue;
