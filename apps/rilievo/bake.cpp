@@ -2,6 +2,7 @@
 // draws without the scene.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,8 +20,8 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/capture/deep_image_source.h"
 #include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/capture/layered_source.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
@@ -33,7 +34,7 @@ namespace rilievo::app {
 namespace {
 
 struct BakeCommand {
-  std::string scene, output, json, as = "layered-impostor";
+  std::string scene, output, json, as{default_kind().name};
   double fov_degrees = 0;  // of a deep image that does not say; 0: not given
   bool ray_depth = false;  // of a deep image: Z is along the line of sight
   KindOptions kinds;
@@ -159,7 +160,7 @@ Result<> bake_without_scene(const BakeCommand& options, const Kind& kind,
 }
 
 // A deep image of any renderer's.
-Result<LayeredSource> open_deep(const BakeCommand& options) {
+Result<DeepImageSource> open_deep(const BakeCommand& options) {
   DeepLoadOptions load;
   if (options.fov_degrees > 0) load.fov = glm::radians(options.fov_degrees);
   if (options.ray_depth) load.depth_kind = DepthKind::ray;
@@ -172,7 +173,7 @@ Result<LayeredSource> open_deep(const BakeCommand& options) {
   }
   std::vector<LayeredDepthImage> pictures;
   pictures.push_back(*std::move(layers));
-  return LayeredSource(options.scene, std::move(pictures));
+  return DeepImageSource(options.scene, std::move(pictures));
 }
 
 Result<> run_bake(const BakeCommand& options) {
@@ -186,7 +187,7 @@ Result<> run_bake(const BakeCommand& options) {
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   if (holds_pictures(options.scene)) {
-    Result<LayeredSource> source = open_deep(options);
+    Result<DeepImageSource> source = open_deep(options);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;
     return bake_without_scene(options, kind, *values, *source);
@@ -226,16 +227,21 @@ Result<> run_bake(const BakeCommand& options) {
 
 Command bake_command(CLI::App& app) {
   auto options = std::make_shared<BakeCommand>();
+  std::vector<std::string_view> deep;
+  for (const Kind* kind : kinds())
+    if (kind->takes_deep_images) deep.push_back(kind->name);
   CLI::App* command = app.add_subcommand(
       "bake", "Bake a representation of a scene or of photographs into one file");
   command
       ->add_option(
           "SCENE", options->scene,
-          std::string(kSceneHelp) +
-              ", or a capture: a folder of photographs with depth and their poses, or a manifest "
-              "of Google's Seurat; or, for layered-relief, a deep OpenEXR image")
+          fmt::format("{}, or a capture: a folder of photographs with depth and their poses, or a "
+                      "manifest of Google's Seurat; or, for {}, a deep OpenEXR image",
+                      kSceneHelp, fmt::join(deep, ", ")))
       ->required();
-  command->add_option("--as", options->as, "The kind of representation (default layered-impostor)")
+  command
+      ->add_option("--as", options->as,
+                   fmt::format("The kind of representation (default {})", options->as))
       ->check(CLI::IsMember(kind_names()));
   add_kind_options(*command, KindOptionsOf::bake, options->kinds);
   command
@@ -251,11 +257,13 @@ Command bake_command(CLI::App& app) {
       ->type_name("FILE.exr");
   add_json_option(*command, options->json);
   add_file_limits(*command, options->limits);
-  command->footer(
-      "Example: rilievo bake model.glb --as layered-impostor --views 32 --size 256 -o model.exr\n"
-      "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"
-      "         rilievo bake deep.exr --as layered-relief --fov 54 -o relief.exr\n"
-      "         rilievo render model.exr --orbit 60 -o frames");
+  std::string examples =
+      "Example: rilievo bake model.glb --views 32 --size 256 -o model.exr\n"
+      "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n";
+  for (const std::string_view kind : deep)
+    examples +=
+        fmt::format("         rilievo bake deep.exr --as {} --fov 54 -o deep-{}.exr\n", kind, kind);
+  command->footer(examples + "         rilievo render model.exr --orbit 60 -o frames");
   return {command, [options](const std::string&) { return run_bake(*options); }};
 }
 

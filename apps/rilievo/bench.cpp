@@ -122,7 +122,7 @@ Command bench_command(CLI::App& app) {
                     "Few cases only: a test that the benchmark runs, not a measurement");
   command
       ->add_flag("--full", options->full,
-                 "layered: all eyes, more than a quarter of an hour (default: a tenth of them)")
+                 "All cases, for benches that otherwise try a part of them")
       ->excludes("--quick");
   command->footer("Benches:\n" + known_benches() +
                   "Example: rilievo bench nailboard-error --json -");

@@ -126,6 +126,8 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
+const Kind& default_kind() { return *kinds().front(); }
+
 std::vector<std::string> kind_method_names(const Kind& kind) {
   std::vector<std::string> names{std::string(kind.name)};
   for (const Variant& variant : kind.variants)

@@ -43,6 +43,8 @@ struct KindMethod {
 void apply(const KindMethod& method, KindOptions& options);
 
 [[nodiscard]] std::vector<std::string> kind_names();
+// The kind that is baked unless another one is named: the first of the list.
+[[nodiscard]] const Kind& default_kind();
 // Of all kinds, or of one: its name first, former names left out.
 [[nodiscard]] std::vector<std::string> kind_method_names();
 [[nodiscard]] std::vector<std::string> kind_method_names(const Kind& kind);

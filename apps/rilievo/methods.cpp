@@ -222,6 +222,13 @@ constexpr BuiltinMethod kBuiltin[] = {
      }},
 };
 
+std::vector<std::string_view> surroundings_kinds() {
+  std::vector<std::string_view> names;
+  for (const Kind* kind : kinds())
+    if (kind->stands_for == StandsFor::surroundings) names.push_back(kind->name);
+  return names;
+}
+
 // The drawable uses the factory's shaders: both in one.
 class StoredSource final : public FrameSource {
  public:
@@ -306,7 +313,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->type_name("PIXELS");
   command
       .add_option("--bake-as", options.bake_as,
-                  "cache: the kinds to bake into --bake-mb (default layered-impostor)")
+                  fmt::format("cache: the kinds to bake into --bake-mb (default {})",
+                              fmt::join(options.bake_as, ",")))
       ->delimiter(',')
       ->check(CLI::Validator(
           [](std::string& name) {
@@ -318,8 +326,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->type_name("A,B,...");
   command
       .add_option("--bake-beyond", options.bake_beyond,
-                  "cache: kinds of surroundings (environment-nodes) stand for what lies farther "
-                  "from the path than this (default a tenth of the scene's radius)")
+                  fmt::format("cache: kinds of surroundings ({}) stand for what lies farther from "
+                              "the path than this (default a tenth of the scene's radius)",
+                              fmt::join(surroundings_kinds(), ", ")))
       ->check(in_range(0.0, 1e9))
       ->type_name("METRES");
   add_impostor_options(command, options.impostors);

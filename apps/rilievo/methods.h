@@ -24,14 +24,15 @@ struct MethodOptions {
   bool outlines = false;
   double angle_degrees = 0.7;  // flat, nailboard
   int memory_mb = 256;
-  double error_px = 1;                                   // cache
-  double gap_px = 0;                                     // cache; 0: twice error_px
-  double capture_ms = 0;                                 // cache; 0: a budget by triangles
-  bool fade = true;                                      // cache
-  int bake_mb = 0;                                       // cache; 0: bakes nothing
-  std::vector<std::string> bake_as{"layered-impostor"};  // cache: kinds that are baked
-  std::optional<double> bake_beyond;                     // cache: metres
-  double texel_px = 4;                                   // kinds drawn for objects
+  double error_px = 1;    // cache
+  double gap_px = 0;      // cache; 0: twice error_px
+  double capture_ms = 0;  // cache; 0: a budget by triangles
+  bool fade = true;       // cache
+  int bake_mb = 0;        // cache; 0: bakes nothing
+  std::vector<std::string> bake_as{
+      std::string(default_kind().name)};  // cache: kinds that are baked
+  std::optional<double> bake_beyond;      // cache: metres
+  double texel_px = 4;                    // kinds drawn for objects
   KindOptions kinds;
   ImpostorOptions impostors;  // relief-impostor
   Box eyes = {};              // where eyes will be; empty: not known

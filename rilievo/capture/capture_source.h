@@ -77,8 +77,8 @@ class CaptureSource {
   // Depths are eye_z. Fails for sources that do not know hidden surfaces.
   [[nodiscard]] virtual Result<LayeredDepthImage> capture_layers(const LayersRequest& request);
 
-  // The layered pictures that the source consists of, if it does.
-  [[nodiscard]] virtual std::span<const LayeredDepthImage> layered_pictures() const { return {}; }
+  // The deep images that the source consists of, if it does.
+  [[nodiscard]] virtual std::span<const LayeredDepthImage> deep_images() const { return {}; }
   // The scene that is captured, for ray casting; null if the source is not a scene.
   [[nodiscard]] virtual const Scene* scene() const { return nullptr; }
   // The photographs that the source consists of, if it does.

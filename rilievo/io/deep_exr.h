@@ -1,4 +1,4 @@
-// How are layered pictures with depth stored in files that any OpenEXR tool opens? (S4.1)
+// How is a LayeredDepthImage stored in a file that any OpenEXR tool opens? (S4.1)
 //
 // A picture is one deep part of scan lines, ZIPS compression:
 //   channels    R G B A half, linear and premultiplied; Z, ZBack float: front and back of a sample

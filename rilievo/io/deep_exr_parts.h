@@ -1,4 +1,4 @@
-// A part of an OpenEXR file as a layered picture.
+// A part of an OpenEXR file as a LayeredDepthImage.
 //
 // Internal to `io`. Errors carry no path: whoever opened the file adds it.
 #pragma once

@@ -125,11 +125,11 @@ Result<PictureFile> read_parts(Imf::MultiPartInputFile& file, double file_bytes,
     if (Result<> claims = check_claims(file.header(i), file_bytes); !claims)
       return error(i, claims.error());
   // Deep pictures are ours, and all parts are; foreign ones are read by deep_exr.h.
-  const bool layered = is_own_deep_part(file.header(0));
+  const bool deep = is_own_deep_part(file.header(0));
   PictureFile out;
   for (int i = 0; i < file.parts(); ++i) {
     const bool with_planes = range.has(std::size_t(i));
-    if (layered) {
+    if (deep) {
       Result<LayeredDepthImage> layers = read_layers(file, i, file_bytes, {}, with_planes);
       if (!layers) return error(i, layers.error());
       out.layers.push_back(*std::move(layers));

@@ -70,7 +70,7 @@ TEST(Exr, saving_rounds_colours_to_the_nearest_half_once) {
 TEST(Exr, attributes_of_file_and_pictures_come_back) {
   const TemporaryFolder folder;
   const std::vector<DepthImage> pictures = {random_picture(0, 4, 4), random_picture(1, 3, 5)};
-  const FileAttributes attributes{{{"kind", "layered-impostor"}, {"empty", ""}},
+  const FileAttributes attributes{{{"kind", "some-kind"}, {"empty", ""}},
                                   {{{"direction", "0 1 0"}}, {{"a.b/c", "line\nline"}}}};
   ASSERT_TRUE(save_pictures(folder / "a.exr", pictures, attributes).ok());
   const Result<PictureFile> back = load_picture_file(folder / "a.exr");

@@ -85,9 +85,10 @@ struct SceneRequest {
 
 // A kind of representation. Functions marked so may be null.
 struct Kind {
-  std::string_view
-      name;  // "layered-impostor": the value of --as and --method, and the name in files
+  std::string_view name;     // the value of --as and --method, and the name in files
   std::string_view summary;  // a short phrase for --help
+  // Bakes sources that are deep images (CaptureSource::deep_images).
+  bool takes_deep_images = false;
   std::span<const Variant> variants = {};
   // The options of bake, and those of make_drawable, which change no file.
   std::span<const Option> bake_options = {}, draw_options = {};

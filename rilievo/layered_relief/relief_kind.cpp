@@ -65,7 +65,7 @@ const std::array kDrawOptions{
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   const ReliefCaptureOptions options = relief_capture_options(values);
-  const std::span<const LayeredDepthImage> deep = input.source.layered_pictures();
+  const std::span<const LayeredDepthImage> deep = input.source.deep_images();
   if (!deep.empty() && values.given("textures"))
     return Error{"--textures", "is for scenes: a deep image is one texture"};
   if (deep.empty() && values.given("max-depth"))
@@ -186,6 +186,7 @@ const Kind& layered_relief_kind() {
   static const Kind kind{
       .name = kLayeredReliefName,
       .summary = "every surface along each line of sight, warped by processors",
+      .takes_deep_images = true,
       .bake_options = kBakeOptions,
       .draw_options = kDrawOptions,
       .bake = bake,

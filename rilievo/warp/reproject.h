@@ -49,8 +49,8 @@ struct ReprojectStats {
 
 // The pictures, one for each target.
 struct Reprojection {
-  // Of eye_z; a picture can be empty. A hole has no depth, but colour 0 0 0 1, so that a layered
-  // impostor does not take it for free space.
+  // Of eye_z; a picture can be empty. A hole has no depth, but colour 0 0 0 1, so that free-space
+  // carving does not take it for empty.
   std::vector<DepthImage> pictures;
   std::vector<ReprojectStats> stats;  // one for each target
   ReprojectStats total;

@@ -11,8 +11,8 @@
 //              [Darsa, Costa, Varshney 1997]; within 5 % of N
 //     teapot   a single teapot: one object; within 5 % of N
 //     fern, fish, cube
-//              a single object each, as in the measurements of layered relief textures by
-//              [Parilov, Stuerzlinger 2002]; within 10 % of N
+//              a single object each, as in the measurements of [Parilov, Stuerzlinger 2002];
+//              within 10 % of N
 #pragma once
 
 #include <cstdint>

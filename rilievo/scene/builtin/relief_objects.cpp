@@ -1,5 +1,5 @@
-// What layered relief textures were measured with [Parilov, Stuerzlinger 2002, section 6]: a fern,
-// which hides itself many times over; a fish with a fine pattern; a cube with sharp edges.
+// The objects that [Parilov, Stuerzlinger 2002, section 6] measured with: a fern, which hides
+// itself many times over; a fish with a fine pattern; a cube with sharp edges.
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "rilievo/capture/layered_source.h"
+#include "rilievo/capture/deep_image_source.h"
 
 namespace rilievo {
 
-Box LayeredSource::bounds(std::span<const std::uint32_t>) const {
+Box DeepImageSource::bounds(std::span<const std::uint32_t>) const {
   Box box;
   for (const LayeredDepthImage& layers : pictures_) {
     const Camera& camera = layers.camera;
@@ -17,8 +17,8 @@ Box LayeredSource::bounds(std::span<const std::uint32_t>) const {
   return box;
 }
 
-Result<CapturedPicture> LayeredSource::capture(const CaptureRequest&) {
-  return Error{name_, "holds layered pictures: no others are taken of it"};
+Result<CapturedPicture> DeepImageSource::capture(const CaptureRequest&) {
+  return Error{name_, "is a deep image: no other pictures are taken of it"};
 }
 
 }  // namespace rilievo

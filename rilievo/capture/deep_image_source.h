@@ -1,4 +1,4 @@
-// How do layered pictures, mostly from deep image files, serve as a source (S4.1)?
+// How do deep images, mostly of other renderers, serve as a source (S4.1)?
 //
 // They are used as they are; nothing is captured.
 #pragma once
@@ -11,18 +11,18 @@
 
 namespace rilievo {
 
-// Layered pictures as a capture source.
-class LayeredSource final : public CaptureSource {
+// Deep images as a capture source.
+class DeepImageSource final : public CaptureSource {
  public:
   // Requires valid pictures.
-  LayeredSource(std::string name, std::vector<LayeredDepthImage> pictures)
+  DeepImageSource(std::string name, std::vector<LayeredDepthImage> pictures)
       : name_(std::move(name)), pictures_(std::move(pictures)) {}
 
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
-  // Always fails: layered pictures are not captured again.
+  // Always fails: deep images are not captured again.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
-  [[nodiscard]] std::span<const LayeredDepthImage> layered_pictures() const override {
+  [[nodiscard]] std::span<const LayeredDepthImage> deep_images() const override {
     return pictures_;
   }
 
