@@ -9,10 +9,9 @@
 #include <functional>
 #include <vector>
 
-#include "rilievo/core/stopwatch.h"
+#include "bench/timing.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
-#include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/gl/nailboard_capture.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -23,18 +22,10 @@ namespace {
 
 constexpr int kSize = 512;  // texels a side
 
-double median_ms(int runs, const std::function<void()>& work) {
-  std::vector<double> ms;
-  for (int run = 0; run < runs + 1; ++run) {
-    gl::finish();
-    const Stopwatch watch;
-    work();
-    gl::finish();
-    const double took_ms = watch.ms();
-    // The first one touches memory.
-    if (run > 0) ms.push_back(took_ms);
-  }
-  return percentile(ms, 0.5);
+// Of work that OpenGL may still be doing when it returns.
+double finished_ms(int runs, const std::function<void()>& work) {
+  const auto finished = [&] { work(), gl::finish(); };
+  return median_ms(runs, 1, finished, gl::finish);
 }
 
 struct Measured {
@@ -75,7 +66,7 @@ Result<Measured> measure(const Scene& scene, int runs) {
     NailboardAtlas& atlas = nailboards->atlas();
     const auto slot = atlas.allocate(kSize, kSize);
     if (!slot) return Error{"bench", "no room for one picture"};
-    (by == CaptureBy::rasterizer ? m.rasterizer_ms : m.opengl_ms) = median_ms(runs, [&] {
+    (by == CaptureBy::rasterizer ? m.rasterizer_ms : m.opengl_ms) = finished_ms(runs, [&] {
       nailboards->capture(*camera, objects, *slot);
       static_cast<void>(atlas.blocks(*slot));
     });
@@ -84,13 +75,13 @@ Result<Measured> measure(const Scene& scene, int runs) {
   m.rasterizer_db = psnr_db(taken[0].color, taken[1].color);
   std::vector<std::uint8_t> copy(std::size_t(kSize) * kSize * 5);  // colour and Delta
   const std::vector<std::uint8_t> source(copy.size(), 1);
-  m.copy_ms = median_ms(runs, [&] { std::memcpy(copy.data(), source.data(), copy.size()); });
+  m.copy_ms = finished_ms(runs, [&] { std::memcpy(copy.data(), source.data(), copy.size()); });
 
   Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
   PictureCaster caster(*rays);
   RasterPicture cast;
-  m.rays_ms = median_ms(runs, [&] { caster.draw(*camera, {}, AtlasOptions{}.samples, cast); });
+  m.rays_ms = finished_ms(runs, [&] { caster.draw(*camera, {}, AtlasOptions{}.samples, cast); });
   m.rays_db = psnr_db(taken[0].color, from_top(cast));
   return m;
 }

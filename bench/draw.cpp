@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "rilievo/core/stopwatch.h"
+#include "bench/timing.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/gl/nailboard_atlas.h"
@@ -43,20 +43,12 @@ void main() {
 }
 )";
 
-double median_ms(int runs, const std::function<void()>& prepare,
-                 const std::function<void()>& draw) {
-  std::vector<double> ms;
-  for (int run = 0; run < runs + 2; ++run) {
-    prepare();
-    gl::finish();
-    const Stopwatch watch;
-    draw();
-    gl::finish();
-    const double took_ms = watch.ms();
-    // The first two compile shaders and touch memory.
-    if (run >= 2) ms.push_back(took_ms);
-  }
-  return percentile(ms, 0.5);
+// Of drawing, until OpenGL has done it.
+double finished_ms(int runs, const std::function<void()>& prepare,
+                   const std::function<void()>& draw) {
+  const auto finished = [&] { draw(), gl::finish(); };
+  const auto prepared = [&] { prepare(), gl::finish(); };
+  return median_ms(runs, 2, finished, prepared);
 }
 
 // A picture taken by `camera`: a tilted plane in full, or a ball in the middle.
@@ -111,8 +103,9 @@ Result<Fill> measure_fill(DepthMode mode, int samples, int runs) {
 
   Fill fill;
   const auto clear = [&] { target->begin(); };
-  fill.nailboard_ms = median_ms(runs, clear, [&] { drawer->draw(*atlas, frame, mode, instances); });
-  fill.quad_ms = median_ms(runs, clear, [&] {
+  fill.nailboard_ms =
+      finished_ms(runs, clear, [&] { drawer->draw(*atlas, frame, mode, instances); });
+  fill.quad_ms = finished_ms(runs, clear, [&] {
     glUseProgram(*quad);
     glBindVertexArray(no_vertices);
     glBindTextureUnit(0, atlas->color_texture());
@@ -153,7 +146,7 @@ Result<double> measure_many(DepthMode mode, int samples, int count, int runs) {
     atlas->write(*slot, board);
     instances.push_back({*slot, board.geometry, glm::dmat4(1.0), std::uint32_t(i + 1)});
   }
-  return median_ms(
+  return finished_ms(
       runs, [] {},
       [&] {
         target->begin();

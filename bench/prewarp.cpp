@@ -10,17 +10,11 @@
 #include <vector>
 
 #include "bench/relief_objects.h"
-#include "rilievo/core/stopwatch.h"
+#include "bench/timing.h"
 #include "rilievo/layered_relief/prewarp.h"
 
 namespace rilievo::bench {
 namespace {
-
-double ms_of(const std::function<void()>& work) {
-  const Stopwatch watch;
-  work();
-  return watch.ms();
-}
 
 struct Measured {
   double warp_ms = 1e300, copy_ms = 1e300;

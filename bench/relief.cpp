@@ -10,40 +10,24 @@
 #include <vector>
 
 #include "bench/relief_walk.h"
-#include "rilievo/core/stopwatch.h"
+#include "bench/timing.h"
 #include "rilievo/relief_impostor/impostor_warp.h"
+#include "rilievo/relief_impostor/painted_picture.h"
 
 namespace rilievo::bench {
 namespace {
 
-double relief_work_ms(const std::function<void()>& work) {
-  const Stopwatch watch;
-  work();
-  return watch.ms();
-}
-
 // A ball with waves and rings on it, all of the picture covered but its corners: the paper's 256 x
 // 256 texels.
 ImpostorPicture waves(int size) {
-  Nailboard board;
-  board.geometry =
-      picture_geometry(look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 0.5, size, size, 3.0, 5.0));
-  board.geometry.delta_bits = kLevelBits;
-  board.color = Rgba8Image(size, size);
-  board.delta = Image<std::uint16_t>(size, size);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const double u = (2 * x + 1.0) / size - 1, v = (2 * y + 1.0) / size - 1;
-      const double r = u * u + v * v;
-      const bool ring = std::fmod(5 * std::sqrt(r), 1.0) > 0.8;
-      const double depth = 0.25 + 0.3 * r + 0.03 * std::sin(20 * u) * std::sin(17 * v) + 0.2 * ring;
-      const bool shown = r < 1.6;
-      board.color(x, y) = shown ? glm::u8vec4(x * 255 / size, y * 255 / size, ring ? 200 : 40, 255)
-                                : glm::u8vec4(0);
-      board.delta(x, y) = std::uint16_t(
-          shown ? encode_delta(float(std::min(depth, 1.0)), kLevelBits) : kEmptyLevel);
-    }
-  return impostor_picture(board);
+  return painted_picture(size, [&](double u, double v) -> std::optional<Paint> {
+    const double r = u * u + v * v;
+    if (r >= 1.6) return std::nullopt;
+    const bool ring = std::fmod(5 * std::sqrt(r), 1.0) > 0.8;
+    const double depth = 0.25 + 0.3 * r + 0.03 * std::sin(20 * u) * std::sin(17 * v) + 0.2 * ring;
+    const int x = int((u + 1) * 0.5 * size), y = int((v + 1) * 0.5 * size);
+    return Paint{{x * 255 / size, y * 255 / size, ring ? 200 : 40, 255}, depth};
+  });
 }
 
 struct WarpTimes {
@@ -65,11 +49,10 @@ WarpTimes warp_times(const ImpostorPicture& picture, const glm::dvec3& eye, int 
   const std::size_t bytes = sizeof(WarpTexel) * texels + 6 * result.color.size();
   std::vector<char> from(bytes / 2, 1), to(from.size(), 2);
   for (int run = 0; run < runs; ++run) {
-    times.warp_ms =
-        std::min(times.warp_ms,
-                 relief_work_ms([&] { (void)warp_impostor(picture, eye, {}, scratch, result); }));
-    times.copy_ms = std::min(
-        times.copy_ms, relief_work_ms([&] { std::memcpy(to.data(), from.data(), to.size()); }));
+    times.warp_ms = std::min(
+        times.warp_ms, ms_of([&] { (void)warp_impostor(picture, eye, {}, scratch, result); }));
+    times.copy_ms =
+        std::min(times.copy_ms, ms_of([&] { std::memcpy(to.data(), from.data(), to.size()); }));
     // What is copied must be used.
     from[std::size_t(run) % from.size()] = to[std::size_t(7 * run) % to.size()];
   }

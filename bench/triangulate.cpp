@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/node_rivals.h"
-#include "rilievo/core/stopwatch.h"
+#include "bench/timing.h"
 #include "rilievo/environment_nodes/capture_environment.h"
 #include "rilievo/environment_nodes/cube_grid.h"
 #include "rilievo/environment_nodes/error.h"
@@ -21,17 +21,6 @@ namespace {
 
 // In front of the torus, and to the left of that.
 const glm::dvec3 kEyes[] = {{0, 1.7, 8}, {-3, 1.7, 8}};
-
-double median_ms(int runs, const std::function<void()>& work) {
-  std::vector<double> ms;
-  for (int run = 0; run < runs; ++run) {
-    const Stopwatch watch;
-    work();
-    const double took_ms = watch.ms();
-    ms.push_back(took_ms);
-  }
-  return percentile(ms, 0.5);
-}
 
 // Of all texels that show something; what a mesh leaves open does not count against it.
 struct Wrong {
@@ -126,9 +115,10 @@ Result<BenchReport> triangulate_nodes(const BenchOptions& options) {
   triangulation.triangles = 25000;
   triangulation.error_px = 0;
   const int runs = options.quick ? 1 : 9;
-  const double ms = median_ms(runs, [&] { static_cast<void>(triangulate(*node, triangulation)); });
+  const double ms =
+      median_ms(runs, 0, [&] { static_cast<void>(triangulate(*node, triangulation)); });
   std::vector<float> copy(std::size_t(large) * std::size_t(large));
-  const double copy_ms = median_ms(runs, [&] {
+  const double copy_ms = median_ms(runs, 0, [&] {
     for (const DepthImage& face : node->faces)
       std::memcpy(copy.data(), face.depth.texels().data(), copy.size() * sizeof(float));
   });

@@ -12,23 +12,16 @@ namespace rilievo {
 namespace {
 
 // Blocks on a grid around the origin, of 20 000 triangles each.
-struct Blocks {
-  std::vector<Box> boxes;
-  std::vector<std::uint64_t> triangles;
-  Hierarchy tree;
-};
-
-Blocks blocks_on_a_grid(int side) {
-  Blocks blocks;
+PlanObjects blocks_on_a_grid(int side) {
+  PlanObjects blocks;
   for (int j = 0; j < side; ++j)
     for (int i = 0; i < side; ++i) {
       const float x = 4 * (float(i) - 0.5f * float(side)), z = 4 * (float(j) - 0.5f * float(side));
       Box box;
       box.add({x - 1, 0, z - 1}), box.add({x + 1, 3, z + 1});
-      blocks.boxes.push_back(box);
-      blocks.triangles.push_back(20'000);
+      blocks.add(box, 20'000);
     }
-  blocks.tree = build_hierarchy(blocks.boxes, blocks.triangles);
+  blocks.build();
   return blocks;
 }
 
@@ -42,7 +35,7 @@ FrameView jumping(std::mt19937& rng) {
 }
 
 // Is each block that may be in view drawn at all pixels, once?
-void expect_complete(const Loop& run, const Blocks& blocks, const FrameView& view) {
+void expect_complete(const Loop& run, const PlanObjects& blocks, const FrameView& view) {
   std::vector<Shares> still(blocks.boxes.size()), moving;
   add_shares(run, blocks.tree, still, moving);
   const ViewAxes axes = view_axes(view, 0);
@@ -51,7 +44,7 @@ void expect_complete(const Loop& run, const Blocks& blocks, const FrameView& vie
 }
 
 TEST(BudgetTest, an_eye_too_fast_for_any_picture_to_last_sees_pictures_of_single_frames) {
-  const Blocks blocks = blocks_on_a_grid(16);
+  const PlanObjects blocks = blocks_on_a_grid(16);
   const CacheOptions options = rasterized_cache_options();
   Loop run;
   std::mt19937 rng(3);
@@ -76,7 +69,7 @@ TEST(BudgetTest, an_eye_too_fast_for_any_picture_to_last_sees_pictures_of_single
 }
 
 TEST(BudgetTest, where_captures_cost_more_than_polygons_a_fast_eye_sees_polygons) {
-  const Blocks blocks = blocks_on_a_grid(8);
+  const PlanObjects blocks = blocks_on_a_grid(8);
   Loop run;
   std::mt19937 rng(4);
   std::size_t captures = 0, polygons = 0;
@@ -111,7 +104,7 @@ FrameView standing(int frame, double step = 0) {
 }
 
 TEST(BudgetTest, after_a_cut_what_is_missing_is_in_the_fallback_until_time_allows) {
-  const Blocks blocks = blocks_on_a_grid(16);
+  const PlanObjects blocks = blocks_on_a_grid(16);
   CacheOptions options = rasterized_cache_options();
   options.picture_triangles = 100'000;
   options.capture_cost = 60'000;
@@ -137,7 +130,7 @@ TEST(BudgetTest, after_a_cut_what_is_missing_is_in_the_fallback_until_time_allow
 }
 
 TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
-  const Blocks blocks = blocks_on_a_grid(16);
+  const PlanObjects blocks = blocks_on_a_grid(16);
   CacheOptions options = rasterized_cache_options();
   options.capture_cost = 1;
   Loop run;
@@ -152,7 +145,7 @@ TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
 
 // An eye that moves on while the budget suffices for one block in some frames.
 TEST(BudgetTest, a_picture_is_late_rather_than_missing_and_the_latest_is_captured_first) {
-  const Blocks blocks = blocks_on_a_grid(8);
+  const PlanObjects blocks = blocks_on_a_grid(8);
   CacheOptions options = rasterized_cache_options();
   options.picture_triangles = 20'000;  // pictures of single blocks
   Loop run;
@@ -266,7 +259,7 @@ TEST(BudgetTest, clipped_pictures_stand_only_for_frames_that_they_show_all_of) {
 }
 
 TEST(BudgetTest, without_a_budget_of_time_nothing_is_late_and_there_is_no_fallback) {
-  const Blocks blocks = blocks_on_a_grid(16);
+  const PlanObjects blocks = blocks_on_a_grid(16);
   const CacheOptions options = rasterized_cache_options();
   Loop run;
   for (int frame = 0; frame < 120; ++frame) {

@@ -5,23 +5,19 @@
 #include <algorithm>
 #include <random>
 
+#include "rilievo/cache/plan_test_helpers.h"
+
 namespace rilievo {
 namespace {
 
-struct Objects {
-  std::vector<Box> boxes;
-  std::vector<std::uint64_t> triangles;
-};
-
-Objects random_objects(std::mt19937& rng, int n) {
+PlanObjects random_objects(std::mt19937& rng, int n) {
   std::uniform_real_distribution<float> u(0, 1);
-  Objects o;
+  PlanObjects o;
   for (int i = 0; i < n; ++i) {
     Box b;
     const glm::vec3 at(100 * u(rng), 5 * u(rng), 100 * u(rng));
     b.add(at), b.add(at + 4.0f * glm::vec3(u(rng), u(rng), u(rng)));
-    o.boxes.push_back(b);
-    o.triangles.push_back(rng() % 1000);
+    o.add(b, rng() % 1000);
   }
   return o;
 }
@@ -31,7 +27,7 @@ int depth_of(const Hierarchy& tree, std::uint32_t node) {
   return 1 + std::max(depth_of(tree, node + 1), depth_of(tree, tree.nodes[node].second_child));
 }
 
-void check(const Hierarchy& tree, const Objects& o) {
+void check(const Hierarchy& tree, const PlanObjects& o) {
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
     const HierarchyNode& node = tree.nodes[i];
     Box box;
@@ -56,7 +52,7 @@ TEST(Hierarchy, those_apart_hang_under_a_node_of_their_own) {
   std::mt19937 rng(5);
   for (int round = 0; round < 60; ++round) {
     const int n = 1 + int(rng() % 40);
-    const Objects o = random_objects(rng, n);
+    const PlanObjects o = random_objects(rng, n);
     std::vector<std::uint8_t> apart(std::size_t(n), 0);
     std::vector<std::uint32_t> expected;
     for (std::uint32_t i = 0; i < std::uint32_t(n); ++i)
@@ -77,7 +73,7 @@ TEST(Hierarchy, those_apart_hang_under_a_node_of_their_own) {
 TEST(Hierarchy, every_node_holds_what_its_children_hold) {
   std::mt19937 rng(1);
   for (int n : {1, 2, 3, 17, 500}) {
-    Objects o = random_objects(rng, n);
+    PlanObjects o = random_objects(rng, n);
     if (n > 2) o.boxes[1] = Box{};  // nothing to draw
     const Hierarchy tree = build_hierarchy(o.boxes, o.triangles);
     const std::size_t kept = std::size_t(n > 2 ? n - 1 : n);
@@ -92,7 +88,7 @@ TEST(Hierarchy, every_node_holds_what_its_children_hold) {
 }
 
 TEST(Hierarchy, degenerate_input_stays_shallow) {
-  Objects same;  // all in one place
+  PlanObjects same;  // all in one place
   Box unit;
   unit.add({0, 0, 0}), unit.add({1, 1, 1});
   same.boxes.assign(4096, unit);
@@ -100,7 +96,7 @@ TEST(Hierarchy, degenerate_input_stays_shallow) {
   const Hierarchy flat = build_hierarchy(same.boxes, same.triangles);
   check(flat, same);
   EXPECT_EQ(depth_of(flat, 0), 13);
-  Objects skewed;  // each twice as far as the last: one object a cut
+  PlanObjects skewed;  // each twice as far as the last: one object a cut
   for (int i = 0; i < 120; ++i) {
     const float at = std::ldexp(1.0f, i);
     Box b;
@@ -115,7 +111,7 @@ TEST(Hierarchy, degenerate_input_stays_shallow) {
 TEST(Hierarchy, nodes_are_compact) {
   // Against a tree that halves the objects as they come: random order, so that its nodes are wide.
   std::mt19937 rng(2);
-  const Objects o = random_objects(rng, 2000);
+  const PlanObjects o = random_objects(rng, 2000);
   const Hierarchy tree = build_hierarchy(o.boxes, o.triangles);
   double compact = 0;
   int nodes = 0;

@@ -49,8 +49,7 @@ World random_world(std::mt19937& rng) {
   const int still = 10 + int(rng() % 30), moving = int(rng() % 4);
   // At times a row, at times a field.
   const float width = rng() % 2 ? 4.0f : 60.0f;
-  std::vector<Box> boxes;
-  std::vector<std::uint64_t> triangles;
+  PlanObjects standing;
   for (int i = 0; i < still + moving; ++i) {
     Body body;
     const glm::vec3 half(0.3f + 2 * u(rng), 0.3f + 3 * u(rng), 0.3f + 2 * u(rng));
@@ -70,11 +69,12 @@ World random_world(std::mt19937& rng) {
         share[side / 2] = float(side % 2);
         body.points.emplace_back(body.box.min + share * body.box.extent());
       }
-    if (i < still) boxes.push_back(body.box), triangles.push_back(body.triangles);
+    if (i < still) standing.add(body.box, body.triangles);
     world.bodies.push_back(body);
   }
   world.still = std::size_t(still);
-  world.tree = build_hierarchy(boxes, triangles);
+  standing.build();
+  world.tree = std::move(standing.tree);
   return world;
 }
 

@@ -13,6 +13,19 @@
 
 namespace rilievo {
 
+// Objects that stand still, and their hierarchy.
+struct PlanObjects {
+  std::vector<Box> boxes;
+  std::vector<std::uint64_t> triangles;
+  Hierarchy tree;  // by build()
+
+  void add(const Box& box, std::uint64_t count) {
+    boxes.push_back(box);
+    triangles.push_back(count);
+  }
+  void build() { tree = build_hierarchy(boxes, triangles); }
+};
+
 struct Loop {
   CacheState state;
   PlanScratch scratch;

@@ -3,88 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <random>
 #include <set>
 
 #include "rilievo/cache/eye_motion.h"
-#include "rilievo/cache/plan_test_helpers.h"
+#include "rilievo/cache/forest_test_helpers.h"
 
 namespace rilievo {
 namespace {
 
-// A grid of trees of 2000 triangles, 5.5 m apart, in front of the eye, the nearest first.
-struct Forest {
-  std::vector<Box> boxes;
-  std::vector<std::uint64_t> triangles;
-  Hierarchy tree;
-};
-
-Forest plant(int trees, std::uint32_t seed = 1) {
-  std::mt19937 rng(seed);
-  std::uniform_real_distribution<float> u(0, 1);
-  struct Place {
-    float distance, x, z;
-  };
-  std::vector<Place> places;
-  const int reach = 8 + int(1.3 * std::sqrt(trees));
-  for (int j = -reach; j <= 0; ++j)
-    for (int i = -reach; i <= reach; ++i) {
-      const float x = (float(i) + 0.2f + 0.6f * u(rng)) * 5.5f;
-      const float z = (float(j) - 0.2f - 0.6f * u(rng)) * 5.5f;
-      if (z < -3 && std::abs(x) < 30 - 1.2f * z) places.push_back({std::hypot(x, z), x, z});
-    }
-  std::sort(places.begin(), places.end(),
-            [](const Place& a, const Place& b) { return a.distance < b.distance; });
-  Forest forest;
-  for (int i = 0; i < trees; ++i) {
-    const Place& p = places[std::size_t(i)];
-    const float radius = 1.5f + u(rng), height = 4 + 3 * u(rng);
-    Box box;
-    box.add({p.x - radius, 0, p.z - radius}), box.add({p.x + radius, height, p.z + radius});
-    forest.boxes.push_back(box);
-    forest.triangles.push_back(2000);
-  }
-  forest.tree = build_hierarchy(forest.boxes, forest.triangles);
-  return forest;
-}
-
-FrameView looking(const glm::dvec3& eye, const glm::dvec3& direction, const glm::dvec3& velocity) {
-  return {look_at(eye, eye + direction, {0, 1, 0}, 1.0472, 1280, 720, 0.1, 2000), velocity};
-}
-
-// A walk at 2.3 cm a frame, 10 m up; 0: ahead, 1: to the side.
-FrameView walk(int kind, int frame) {
-  const glm::dvec3 velocity = kind == 0 ? glm::dvec3(0, 0, -0.0233) : glm::dvec3(0.0233, 0, 0);
-  return looking(glm::dvec3(0, 10, 0) + velocity * double(frame), {0, -0.1, -1}, velocity);
-}
-
-// Somebody who strolls, turns, stops and, once, jumps.
-FrameView stroll(int frame) {
-  const auto eye_at = [](double t) {
-    const double jump = t > 150 ? 25 : 0;
-    return glm::dvec3(3 * std::sin(0.02 * t) + jump, 6 + std::sin(0.01 * t), 2 - 0.04 * t);
-  };
-  const double t = std::min(frame, 240);  // stands still in the end
-  const glm::dvec3 velocity =
-      frame < 240 && frame != 150 ? eye_at(t + 1) - eye_at(t) : glm::dvec3(0);
-  const double turn = 0.9 * std::sin(0.03 * t);
-  return looking(eye_at(t), {std::sin(turn), -0.1, -std::cos(turn)}, velocity);
-}
-
-// Does the camera see any of the box? By points: never says so wrongly.
-bool surely_sees(const Camera& camera, const Box& box) {
-  for (int i = 0; i < 27; ++i) {
-    const glm::vec3 share(0.5f * float(i % 3), 0.5f * float(i / 3 % 3), 0.5f * float(i / 9));
-    const glm::dvec3 at = raster_from_world(camera, glm::dvec3(box.min + share * box.extent()));
-    if (at.z > camera.z_near && at.x > 0 && at.x < camera.width && at.y > 0 && at.y < camera.height)
-      return true;
-  }
-  return false;
-}
+using namespace test_forest;
 
 std::vector<MovingObject> cars(int frame) {
   std::vector<MovingObject> all;
@@ -123,7 +53,7 @@ Alternative alternative_of(const Box& box, std::uint32_t object) {
 }
 
 // Of every third tree, and of the cars, which pass for heavy.
-Alternatives bake_some(const Forest& forest, std::span<const MovingObject> moving) {
+Alternatives bake_some(const PlanObjects& forest, std::span<const MovingObject> moving) {
   Alternatives alternatives;
   const auto trees = std::uint32_t(forest.boxes.size());
   const std::size_t nodes = forest.tree.nodes.size();
@@ -141,7 +71,7 @@ Alternatives bake_some(const Forest& forest, std::span<const MovingObject> movin
 }
 
 TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets) {
-  const Forest forest = plant(700);
+  const PlanObjects forest = plant(700);
   for (const std::uint64_t memory_mb : {64, 2}) {
     CacheOptions options;
     options.memory_bytes = memory_mb << 20;
@@ -219,7 +149,7 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
 
 TEST(Policy, the_picture_holds_what_it_shows) {
   // Every corner of every object below a captured node is in the capture camera's frustum.
-  const Forest forest = plant(400);
+  const PlanObjects forest = plant(400);
   Loop run;
   int corners = 0;
   for (int f = 0; f < 60; ++f) {
@@ -242,7 +172,7 @@ TEST(Policy, the_picture_holds_what_it_shows) {
 }
 
 TEST(Policy, the_same_input_makes_the_same_plan) {
-  const Forest forest = plant(300);
+  const PlanObjects forest = plant(300);
   Loop a, b;
   for (int f = 0; f < 80; ++f) {
     const std::vector<MovingObject> moving = cars(f);
@@ -259,78 +189,8 @@ TEST(Policy, the_same_input_makes_the_same_plan) {
   }
 }
 
-TEST(Policy, who_stands_still_captures_nothing_more) {
-  const Forest forest = plant(700);
-  Loop run;
-  const FrameView view = looking({0, 10, 0}, {0, -0.1, -1}, {0, 0, 0});
-  for (int f = 0; f < 100; ++f) {
-    ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, view, {}));
-    if (f == 0) {
-      EXPECT_GT(run.plan.captures.size(), 0u);
-    }
-  }
-  for (int f = 0; f < 20; ++f) {
-    ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, view, {}));
-    EXPECT_EQ(run.plan.captures.size(), 0u);
-    EXPECT_EQ(run.plan.evictions.size(), 0u);
-  }
-  EXPECT_LT(run.plan.bound_px, 1e-6);  // pictures from this very eye, texel for pixel
-}
-
-TEST(Policy, captures_hold_their_budget) {
-  const Forest forest = plant(700);
-  CacheOptions options;
-  options.capture_triangles = 8000;
-  options.picture_triangles = 8000;
-  options.captures = 3;
-  Loop run;
-  for (int f = 0; f < 200; ++f) {
-    ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, walk(1, f), options));
-    EXPECT_LE(run.plan.captures.size(), 3u);
-    for (const Capture& capture : run.plan.captures) EXPECT_LE(capture.triangles, 8000u);
-  }
-  EXPECT_GT(run.plan.pictures.size(), 100u);
-}
-
-// A budget of so many captured triangles is one of what their capture costs; captures are asked
-// for, saved for and paid at the same price.
-TEST(Policy, captures_are_scheduled_at_the_price_of_their_estimates) {
-  const Forest forest = plant(700);
-  for (const bool rasterized : {false, true}) {
-    CacheOptions options = rasterized ? rasterized_cache_options() : CacheOptions{};
-    options.capture_triangles = 20'000;
-    const double budget = 20'000 * options.cost.capture_triangle;
-    Loop run;
-    int priced = 0;
-    for (int f = 0; f < 100; ++f) {
-      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, walk(1, f), options));
-      double spent = 0;
-      for (const Capture& capture : run.plan.captures) {
-        const auto request =
-            std::find_if(run.scratch.requests.begin(), run.scratch.requests.end(),
-                         [&](const auto& r) { return r.entity == capture.entity; });
-        ASSERT_NE(request, run.scratch.requests.end());
-        EXPECT_EQ(capture.cost, double(request->cost));
-        const Camera& camera = capture.geometry.capture;
-        const double without_texels =
-            options.cost.capture + options.cost.capture_triangle * double(capture.triangles);
-        const double texels = options.cost.capture_texel * camera.width * camera.height;
-        EXPECT_GE(request->cost, without_texels * (1 - 1e-6));
-        // The picture is as large as was foreseen, or nearly so: its eye may be another one.
-        EXPECT_LE(request->cost, without_texels + 2 * texels + 1);
-        if (&capture != &run.plan.captures.front())
-          spent +=
-              std::max(0.0, double(request->cost) - double(run.scratch.now_cost[capture.entity]));
-        ++priced;
-      }
-      EXPECT_LE(spent, budget * (1 + 1e-6));
-    }
-    EXPECT_GT(priced, 100);
-  }
-}
-
 TEST(Policy, a_refresh_is_faded_and_need_not_be) {
-  const Forest forest = plant(300);
+  const PlanObjects forest = plant(300);
   for (const int fade_frames : {6, 1}) {
     CacheOptions options;
     options.fade_frames = fade_frames;
@@ -358,7 +218,7 @@ TEST(Policy, a_refresh_is_faded_and_need_not_be) {
 }
 
 TEST(Policy, what_is_refused_is_drawn_as_polygons) {
-  const Forest forest = plant(300);
+  const PlanObjects forest = plant(300);
   Loop run;
   std::mt19937 rng(1);
   for (int f = 0; f < 100; ++f) {
@@ -385,7 +245,7 @@ TEST(Policy, what_is_refused_is_drawn_as_polygons) {
 }
 
 TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_bound) {
-  const Forest forest = plant(500);
+  const PlanObjects forest = plant(500);
   const CacheOptions options;
   int captures[2] = {0, 0}, refused = 0;
   for (const bool narrow : {false, true}) {
@@ -429,7 +289,7 @@ TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_
 }
 
 TEST(Policy, invalidated_pictures_are_not_drawn) {
-  const Forest forest = plant(300);
+  const PlanObjects forest = plant(300);
   Loop run;
   for (int f = 0; f < 20; ++f) ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, walk(1, f), {}));
   // One object: the pictures of its ancestors go, no others.
@@ -460,44 +320,6 @@ TEST(Policy, an_empty_scene_is_an_empty_plan) {
   Loop run;
   ASSERT_NO_FATAL_FAILURE(run.frame({}, {}, walk(0, 0), {}));
   EXPECT_TRUE(run.plan.pictures.empty() && run.plan.polygons.empty() && run.plan.captures.empty());
-}
-
-struct Cost {
-  double median, largest_after_start;  // triangles of polygons and captures in a frame
-  double price;  // of them, texels and all, as the schedule keeps it even: mean after 20 frames
-  std::size_t pictures;
-  double bound_px;
-};
-
-Cost cost_of_walk(int trees, int kind) {
-  const Forest forest = plant(trees);
-  Loop run;
-  std::vector<double> costs;
-  double bound = 0, largest = 0, price = 0;
-  for (int f = 0; f < 120; ++f) {
-    run.frame(forest.tree, {}, walk(kind, f), {});
-    if (f >= 20) price += double(run.plan.polygon_triangles) / 100;
-    for (const Capture& capture : run.plan.captures)
-      if (f >= 20) price += capture.cost / 100;
-    costs.push_back(double(run.plan.polygon_triangles + run.plan.captured_triangles));
-    if (f > 0) largest = std::max(largest, costs.back());
-    bound = std::max(bound, run.plan.bound_px);
-  }
-  std::sort(costs.begin(), costs.end());
-  return {costs[60], largest, price, run.plan.pictures.size(), bound};
-}
-
-TEST(Policy, a_walk_through_ten_million_triangles_draws_a_hundredth_of_them) {
-  for (const int kind : {0, 1}) {
-    const Cost cost = cost_of_walk(5000, kind);
-    EXPECT_LT(cost.median, 100'000);
-    EXPECT_LT(cost.largest_after_start, 500'000);
-    EXPECT_LT(cost.pictures, 500u);
-    EXPECT_LE(cost.bound_px, 1);
-    EXPECT_LT(cost.price, 100'000);
-    // And five times the trees cost hardly more.
-    EXPECT_LE(cost_of_walk(25000, kind).price, 1.3 * cost.price);
-  }
 }
 
 }  // namespace

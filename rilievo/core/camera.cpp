@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
 
+#include "rilievo/core/box_view.h"
+
 namespace rilievo {
 namespace {
 
@@ -113,23 +115,9 @@ Result<Camera> tight_camera(Projection projection, const glm::dvec3& eye, const 
   Camera camera;
   camera.projection = projection;
   camera.world_from_eye = pose(eye, center - eye, up);
-  const glm::dmat4 eye_from = eye_from_world(camera);
-
-  ImageWindow w{1e300, -1e300, 1e300, -1e300};
-  double nearest = 1e300, farthest = -1e300;
-  for (const glm::vec3& corner : box.corners()) {
-    const glm::dvec3 p(eye_from * glm::dvec4(corner, 1));
-    const double d = -p.z;
-    nearest = std::min(nearest, d);
-    farthest = std::max(farthest, d);
-    if (projection != Projection::parallel && d <= 0)
-      return Error{"tight_camera", "the box reaches behind the eye"};
-    const double scale = projection == Projection::parallel ? 1.0 : 1.0 / d;
-    w.left = std::min(w.left, p.x * scale);
-    w.right = std::max(w.right, p.x * scale);
-    w.bottom = std::min(w.bottom, p.y * scale);
-    w.top = std::max(w.top, p.y * scale);
-  }
+  auto [w, nearest, farthest] = view_of_box(eye_from_world(camera), box, projection);
+  if (projection != Projection::parallel && nearest <= 0)
+    return Error{"tight_camera", "the box reaches behind the eye"};
   // A parallel camera may stand anywhere along its axis: place it so that z_near > 0.
   const double size = std::max({w.right - w.left, w.top - w.bottom, farthest - nearest});
   if (projection == Projection::parallel) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/relief_impostor/content_hash.h"
 #include "rilievo/relief_impostor/picture_bytes.h"
 
@@ -196,13 +197,12 @@ std::string set_up(sqlite3* db, std::uint64_t max_bytes, std::uint64_t& evicted)
 // The same again where SQLite finds the file busy without waiting for it, as it does while others
 // change its kind of log: a file in its first moments is opened by several at once.
 std::string set_up_in_time(sqlite3* db, const StoreOptions& options, std::uint64_t& evicted) {
-  const auto until =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(options.wait_s);
+  const Stopwatch watch;
   while (true) {
     try {
       return set_up(db, options.max_bytes, evicted);
     } catch (const SqlFailure& failure) {
-      if (failure.code != SQLITE_BUSY || std::chrono::steady_clock::now() > until) throw;
+      if (failure.code != SQLITE_BUSY || watch.ms() > 1e3 * options.wait_s) throw;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/core/box_view.h"
 #include "rilievo/core/on_this_thread.h"
 #include "rilievo/relief_impostor/critical_points.h"
 #include "rilievo/relief_impostor/impostor_slot.h"
@@ -45,30 +46,24 @@ constexpr double kWidest = 2.5;
 std::optional<Camera> camera_on_pixels(const Box& bounds, const ImpostorEye& eye, double texel,
                                        int max_size) {
   if (!eye.grid) return std::nullopt;
-  const glm::dmat3& axes = eye.grid->world_from_eye;
-  glm::dvec2 low(kWidest), high(-kWidest), z(std::numeric_limits<double>::max(), 0);
-  for (const glm::vec3& corner : bounds.corners()) {
-    const glm::dvec3 to = glm::transpose(axes) * (glm::dvec3(corner) - eye.position);
-    if (!(-to.z > 0)) return std::nullopt;
-    const glm::dvec2 at = glm::dvec2(to) / -to.z;
-    low = glm::min(low, at), high = glm::max(high, at);
-    z = {std::min(z.x, -to.z), std::max(z.y, -to.z)};
-  }
-  if (std::max({-low.x, -low.y, high.x, high.y}) >= kWidest || !(z.x > 1e-3 * z.y))
+  Camera camera;
+  camera.projection = Projection::perspective;
+  camera.world_from_eye = glm::dmat4(eye.grid->world_from_eye);
+  camera.world_from_eye[3] = glm::dvec4(eye.position, 1);
+  const BoxView view = view_of_box(eye_from_world(camera), bounds, camera.projection);
+  const ImageWindow& w = view.window;
+  if (!(view.nearest > 0) || !(view.nearest > 1e-3 * view.farthest) ||
+      std::max({-w.left, w.right, -w.bottom, w.top}) >= kWidest)
     return std::nullopt;
   // In doubles first: a narrow view has more texels than an int counts.
-  if (std::max(high.x - low.x, high.y - low.y) > max_size * texel) return std::nullopt;
-  Camera camera;
-  camera.window = {low.x, high.x, low.y, high.y};
+  if (std::max(w.right - w.left, w.top - w.bottom) > max_size * texel) return std::nullopt;
+  camera.window = w;
   align_to_texels(eye.grid->corner.x, texel, camera.window.left, camera.window.right, camera.width);
   align_to_texels(eye.grid->corner.y, texel, camera.window.bottom, camera.window.top,
                   camera.height);
   if (std::max(camera.width, camera.height) > max_size) return std::nullopt;
-  camera.projection = Projection::perspective;
-  camera.world_from_eye = glm::dmat4(axes);
-  camera.world_from_eye[3] = glm::dvec4(eye.position, 1);
   // So that single precision does not cut off what lies on the box.
-  camera.z_near = z.x * (1 - 1e-4), camera.z_far = z.y * (1 + 1e-4);
+  camera.z_near = view.nearest * (1 - 1e-4), camera.z_far = view.farthest * (1 + 1e-4);
   return camera;
 }
 

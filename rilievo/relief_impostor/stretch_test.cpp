@@ -8,6 +8,7 @@
 
 #include "rilievo/io/png.h"
 #include "rilievo/relief_impostor/critical_points.h"
+#include "rilievo/relief_impostor/painted_picture.h"
 #include "rilievo/relief_impostor/valid_eyes.h"
 
 namespace rilievo {
@@ -16,24 +17,13 @@ namespace {
 // Hills and a few cliffs, without holes but at the corners.
 ImpostorPicture hills(std::mt19937& rng, int size) {
   std::uniform_real_distribution<double> any(-1, 1);
-  Nailboard board;
-  board.geometry =
-      picture_geometry(look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 0.5, size, size, 3.0, 5.0));
-  board.geometry.delta_bits = kLevelBits;
-  board.color = Rgba8Image(size, size);
-  board.delta = Image<std::uint16_t>(size, size);
   const double a = any(rng), b = any(rng), c = 10 + 5 * any(rng), cliff = 0.3 * any(rng);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const double u = (2 * x + 1.0) / size - 1, v = (2 * y + 1.0) / size - 1;
-      const bool shown = u * u + v * v < 1.2;
-      const double depth = 0.5 + 0.15 * a * u + 0.15 * b * v + 0.05 * std::sin(c * (u + b * v)) +
-                           (u > cliff + 0.3 * v ? 0.2 : 0.0);
-      board.color(x, y) = shown ? glm::u8vec4(200, 100, 50, 255) : glm::u8vec4(0);
-      board.delta(x, y) =
-          std::uint16_t(shown ? encode_delta(float(depth), kLevelBits) : kEmptyLevel);
-    }
-  return impostor_picture(board);
+  return painted_picture(size, [&](double u, double v) -> std::optional<Paint> {
+    if (u * u + v * v >= 1.2) return std::nullopt;
+    const double depth = 0.5 + 0.15 * a * u + 0.15 * b * v + 0.05 * std::sin(c * (u + b * v)) +
+                         (u > cliff + 0.3 * v ? 0.2 : 0.0);
+    return Paint{{200, 100, 50, 255}, depth};
+  });
 }
 
 glm::dvec3 some_eye(std::mt19937& rng, const ImpostorPicture& picture, double reach) {

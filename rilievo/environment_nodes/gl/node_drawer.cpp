@@ -235,8 +235,7 @@ void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* c
         glProgramUniform1ui(*program, 3, 1);
     glBindTextureUnit(1, node->objects_);
     draw_node(frame, *node, objects_, &objects_skin_,
-              options.skin && node == nodes[0] ? kAnyWidth : kCrack,
-              node == nodes[0] ? Sides::both : Sides::front);
+              options.skin && node == nodes[0] ? kAnyWidth : kCrack, sides_of(node == nodes[0]));
     for (const gl::Program* program : {&objects_, &objects_skin_})
       glProgramUniform1ui(*program, 3, object);
   }
@@ -254,7 +253,7 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   if (nodes.size() == 1 || options.merge == NodeMerge::layering) {
     for (const StoredNode* node : nodes)
       draw_node(frame, *node, color_, &color_skin_, node == nodes[0] ? widest : kCrack,
-                node == nodes[0] ? Sides::both : Sides::front);
+                sides_of(node == nodes[0]));
     return Done{};
   }
 
@@ -269,8 +268,7 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
     nearness[i] =
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
     begin_layer(i);
-    draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack,
-              i == 0 ? Sides::both : Sides::front);
+    draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack, sides_of(i == 0));
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   if (Result<> made = use_merge(int(options.merge), nodes.size()); !made) return made;

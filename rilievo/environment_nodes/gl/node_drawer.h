@@ -95,6 +95,7 @@ class NodeDrawer {
   // would see from behind of another node's surfaces, that node saw through a wall that has one
   // side only, or from around a corner: it must not cover what the first node knows.
   enum class Sides { both, front };
+  static Sides sides_of(bool first) { return first ? Sides::both : Sides::front; }
   void draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
                  const gl::Program* skins, float widest_skin, Sides sides);
   Result<> draw_first(const Camera& frame, std::span<const StoredNode* const> nodes, float widest);
