@@ -39,6 +39,34 @@ void add_splat(SplattedFrame& frame, SplatShape shape, const glm::vec2& at, cons
     }
 }
 
+// Interpolated texels: the colour, and the least Delta of those with a weight of at least a quarter
+// (of the first, if none has).
+struct MixedTexels {
+  glm::vec4 color{0};
+  std::uint32_t delta = kEmptyCode;
+};
+
+// At (u, v) between texels' centres, no more than one texel outside the picture.
+MixedTexels mix_texels(const Prewarped& picture, double u, double v) {
+  const int w = picture.width(), h = picture.height();
+  // Not negative, so that truncation is floor.
+  const int x = int(u + 1) - 1, y = int(v + 1) - 1;
+  const glm::vec2 share(u - x, v - y);
+  MixedTexels mixed;
+  for (int corner = 0; corner < 4; ++corner) {
+    const int at_x = x + (corner & 1), at_y = y + (corner >> 1);
+    if (at_x < 0 || at_y < 0 || at_x >= w || at_y >= h) continue;
+    const std::size_t at = std::size_t(at_y) * std::size_t(w) + std::size_t(at_x);
+    const std::uint32_t delta = picture.delta[at];
+    if (delta == kEmptyCode) continue;
+    const float weight =
+        (corner & 1 ? share.x : 1 - share.x) * (corner >> 1 ? share.y : 1 - share.y);
+    mixed.color += weight / 255.0f * glm::vec4(picture.color[at]);
+    if (weight >= 0.25f || mixed.delta == kEmptyCode) mixed.delta = std::min(mixed.delta, delta);
+  }
+  return mixed;
+}
+
 }  // namespace
 
 SplattedFrame empty_frame(const Camera& camera) {
@@ -88,44 +116,33 @@ void map_picture(const Prewarped& picture, SplattedFrame& frame) {
   const Camera &from = picture.geometry.capture, &camera = frame.camera;
   const int w = picture.width(), h = picture.height();
   if (picture.color.empty()) return;
-  // One eye: a pixel's line of sight is a texel's.
-  const glm::dmat4 from_eye = eye_from_world(from) * camera.world_from_eye;
-  const glm::dvec3 axis(0, 0, -1);
-  const auto texel = [&](int x, int y) { return std::size_t(y) * std::size_t(w) + std::size_t(x); };
+  // One eye: a pixel's line of sight is a texel's. Along a row it changes by `step`; its texel is
+  // (x, y) / z of `texel_from_ray` times it.
+  const glm::dmat3 from_eye(eye_from_world(from) * camera.world_from_eye);
+  const double across = w / (from.window.right - from.window.left);
+  const double down = h / (from.window.top - from.window.bottom);
+  const glm::dmat3 texel_from_ray({across, 0, 0}, {0, -down, 0},
+                                  {from.window.left * across, -from.window.top * down, -1});
+  const auto& [l, r, b, t] = camera.window;
+  const glm::dmat3 texel_from_eye = texel_from_ray * from_eye;
+  const glm::dvec3 step = texel_from_eye * glm::dvec3((r - l) / camera.width, 0, 0);
   parallel_for(0, camera.height, [&](int y) {
+    const double row = t - (y + 0.5) / camera.height * (t - b);
+    const glm::dvec3 first = texel_from_eye * glm::dvec3(l + 0.5 / camera.width * (r - l), row, -1);
     for (int x = 0; x < camera.width; ++x) {
-      const auto& [l, r, b, t] = camera.window;
-      const glm::dvec3 ray =
-          glm::dmat3(from_eye) * glm::dvec3(l + (x + 0.5) / camera.width * (r - l),
-                                            t - (y + 0.5) / camera.height * (t - b), -1);
-      const double ahead = glm::dot(ray, axis);
-      if (!(ahead > 0)) continue;
-      const glm::dvec2 at(
-          (ray.x / ahead - from.window.left) / (from.window.right - from.window.left) * w,
-          (from.window.top - ray.y / ahead) / (from.window.top - from.window.bottom) * h);
-      if (!(at.x > -0.5 && at.y > -0.5 && at.x < w + 0.5 && at.y < h + 0.5)) continue;
-      const glm::dvec2 cell = glm::floor(at - 0.5);
-      const glm::vec2 share(at - 0.5 - cell);
-      glm::vec4 color(0);
-      float z = kNoDepth;
-      for (int corner = 0; corner < 4; ++corner) {
-        const int u = int(cell.x) + (corner & 1), v = int(cell.y) + (corner >> 1);
-        if (u < 0 || v < 0 || u >= w || v >= h) continue;
-        const std::uint16_t delta = picture.delta[texel(u, v)];
-        if (delta == kEmptyCode) continue;
-        const float weight =
-            (corner & 1 ? share.x : 1 - share.x) * (corner >> 1 ? share.y : 1 - share.y);
-        color += weight / 255.0f * glm::vec4(picture.color[texel(u, v)]);
-        // The nearest texel's, or that of the nearest surface whose colour reaches here.
-        const double eye_z =
-            eye_z_from(DepthKind::window_z, decode_delta(delta, 16), from, {u + 0.5, v + 0.5});
-        const float depth = float(eye_z / ahead);
-        if (weight >= 0.25f || z == kNoDepth) z = std::min(z, depth);
-      }
-      if (color.a <= 0 || z >= frame.depth(x, y)) continue;
+      const glm::dvec3 ray = first + double(x) * step;
+      if (!(ray.z > 0)) continue;
+      const double per_ahead = 1 / ray.z, u = ray.x * per_ahead, v = ray.y * per_ahead;
+      if (!(u > -0.5 && v > -0.5 && u < w + 0.5 && v < h + 0.5)) continue;
+      const MixedTexels mixed = mix_texels(picture, u - 0.5, v - 0.5);
+      if (mixed.color.a <= 0) continue;
+      const double eye_z =
+          eye_z_from(DepthKind::window_z, decode_delta(mixed.delta, 16), from, {u, v});
+      const auto z = float(eye_z * per_ahead);
+      if (z >= frame.depth(x, y)) continue;
       glm::vec4& pixel = frame.color(x, y);
-      pixel = color + (1 - color.a) * pixel;
-      if (color.a >= 0.5f) frame.depth(x, y) = z;
+      pixel = mixed.color + (1 - mixed.color.a) * pixel;
+      if (mixed.color.a >= 0.5f) frame.depth(x, y) = z;
     }
   });
 }
