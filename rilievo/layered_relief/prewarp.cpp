@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_relief/prewarp_grid.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
 
 namespace rilievo {
@@ -17,18 +18,6 @@ namespace {
 // Texels between the rows of a tile beyond its width: rows then do not share their places in the
 // processor's cache.
 constexpr int kPitchPadding = 8;
-
-// Rectangles of the result: [min, max).
-struct Texels {
-  glm::ivec2 min{0}, max{0};
-  [[nodiscard]] bool empty() const { return min.x >= max.x || min.y >= max.y; }
-  [[nodiscard]] glm::ivec2 size() const { return max - min; }
-};
-Texels overlap(const Texels& a, const Texels& b) {
-  return {glm::max(a.min, b.min), glm::min(a.max, b.max)};
-}
-
-int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 // A tile of the last result that is kept.
 struct KeptTile {
@@ -109,19 +98,14 @@ struct Prewarp::State {
     ReliefWarp warp;
     double resolution = 1;
     Texels all, shown;  // of the result, before and after clipping to the view
+    TileGrid grid;
     std::vector<Sheet> sheets;
     PrewarpCoefficients coefficients;
     ResolveCoefficients resolve;
   };
 
-  [[nodiscard]] int pitch() const { return options.tile_size + kPitchPadding; }
-  [[nodiscard]] std::size_t tile_texels() const {
-    return std::size_t(options.tile_size + 1) * std::size_t(pitch());
-  }
-  [[nodiscard]] Texels texels_of(const glm::ivec2& tile) const {
-    return {tile * options.tile_size, (tile + 1) * options.tile_size};
-  }
-  [[nodiscard]] bool in_view(const Frame& f, const glm::dmat4& clip, const glm::ivec2& tile) const;
+  [[nodiscard]] bool in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const;
+  void plan_tiles(Frame& f, const Camera* view, bool keeps, std::vector<Job>& jobs) const;
   void set_coefficients(Frame& f) const;
   void set_geometry(const Frame& f, const glm::dvec3& eye, PictureGeometry& geometry) const;
   void keep_tiles(const Frame& f, std::vector<Job>& jobs);
@@ -150,8 +134,7 @@ void Prewarp::reset() {
   state_->kept_tiles = {};
 }
 
-bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const glm::ivec2& tile) const {
-  const Texels texels = overlap(texels_of(tile), f.all);
+bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const {
   std::array<glm::dvec3, 4> quad;
   for (int i = 0; i < 4; ++i)
     quad[std::size_t(i)] = frame.world((i & 1 ? texels.max.x : texels.min.x) / f.resolution,
@@ -159,12 +142,40 @@ bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const glm::
   return !outside(clip, quad);
 }
 
+// The tiles in view, and the rectangle around them. Where no tile is kept, what is shown need not
+// begin and end where tiles do: it is found in smaller steps.
+void Prewarp::State::plan_tiles(Frame& f, const Camera* view, bool keeps,
+                                std::vector<Job>& jobs) const {
+  constexpr int kViewStep = 64;
+  f.grid = {glm::ivec2(0), glm::ivec2(keeps ? options.tile_size : kViewStep)};
+  if (!keeps && !view) f.grid = strips(f.all, options.tile_size);
+  const glm::dmat4 clip = view ? clip_from_world(*view) : glm::dmat4(1.0);
+  f.shown = {f.all.max, f.all.min};
+  const auto add_tiles = [&](const Texels& tiles, bool all) {
+    for (int y = tiles.min.y; y < tiles.max.y; ++y)
+      for (int x = tiles.min.x; x < tiles.max.x; ++x) {
+        const Texels part = overlap(f.grid.texels_of({x, y}), f.all);
+        if (!all && !in_view(f, clip, part)) continue;
+        jobs.push_back({{x, y}, 0, true});
+        f.shown = {glm::min(f.shown.min, part.min), glm::max(f.shown.max, part.max)};
+      }
+  };
+  add_tiles(f.grid.tiles_of(f.all), !view);
+  if (keeps || !view || jobs.empty()) return;
+  const Texels seen = f.shown;
+  jobs.clear();
+  f.grid = strips(seen, options.tile_size);
+  add_tiles(f.grid.tiles_of(seen), true);
+  f.shown = seen;
+}
+
 void Prewarp::State::set_coefficients(Frame& f) const {
   const bool nearest = options.splat == Splat::nearest;
   const auto& [k1, k2, k3] = f.warp;
   const double s = f.resolution, d0 = relief->first_d, step = relief->d_step;
-  // A texel is covered if its centre is: [left + 0.5, right + 0.5) holds its index.
-  const glm::dvec2 shift = (nearest ? 0.0 : 0.5) - glm::dvec2(f.all.min);
+  // A splat covers the texels whose centres it contains: those from round(left) to below
+  // round(right). A centre lies in texel round(position - 0.5).
+  const glm::dvec2 shift = (nearest ? -0.5 : 0.0) - glm::dvec2(f.all.min);
   const double centre = nearest ? 0.5 * s : 0.0;
   f.coefficients.scale = float(s);
   f.coefficients.x_code = float(s * k1 * step + shift.x * k3 * step);
@@ -204,9 +215,7 @@ void Prewarp::State::set_geometry(const Frame& f, const glm::dvec3& eye,
 
 // The new grid of tiles, with what can be kept of the old one; how wrong each has become.
 void Prewarp::State::keep_tiles(const Frame& f, std::vector<Job>& jobs) {
-  const int size = options.tile_size;
-  Texels tiles{{floor_div(f.all.min.x, size), floor_div(f.all.min.y, size)},
-               {floor_div(f.all.max.x - 1, size) + 1, floor_div(f.all.max.y - 1, size) + 1}};
+  const Texels tiles = f.grid.tiles_of(f.all);
   const glm::ivec2 count = tiles.size();
   std::vector<KeptTile> next(std::size_t(count.x) * std::size_t(count.y));
   if (f.resolution == kept_resolution)
@@ -222,7 +231,7 @@ void Prewarp::State::keep_tiles(const Frame& f, std::vector<Job>& jobs) {
   const auto own_error = [&](const glm::ivec2& at) {
     const KeptTile* tile = kept_tile(at);
     if (!tile || !tile->warped) return 0.0;
-    const Texels texels = texels_of(at);
+    const Texels texels = f.grid.texels_of(at);
     return f.resolution * moved_by(*relief, tile->range, tile->by, f.warp,
                                    glm::dvec2(texels.min) / f.resolution,
                                    glm::dvec2(texels.max) / f.resolution);
@@ -244,12 +253,15 @@ void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
   Scratch& own = scratch.local();
   KeptTile* keep = kept_tile(job.tile);
   std::vector<ReliefSample>& texels = keep ? keep->texels : own.texels;
-  if (texels.empty()) texels.resize(tile_texels());
+  // One more row than texels, for what misses.
+  constexpr ReliefSample kNothing{0xffffffff, 0xffffffff};
+  const int pitch = f.grid.size.x + kPitchPadding, missed = f.grid.size.y * pitch;
+  if (texels.size() <= std::size_t(missed)) texels.resize(std::size_t(missed) + 1, kNothing);
   // A tile that is not kept is no larger than what is shown of it.
-  const Texels whole = texels_of(job.tile), shown = overlap(whole, f.shown);
+  const Texels whole = f.grid.texels_of(job.tile), shown = overlap(whole, f.shown);
   const Texels part = keep ? whole : shown;
   const glm::ivec2 at = part.min - f.all.min;
-  const PrewarpTile tile{texels.data(), at.x, at.y, part.size().x, part.size().y, pitch()};
+  const PrewarpTile tile{texels.data(), missed, at.x, at.y, part.size().x, part.size().y, pitch};
   if (job.warp) {
     RunQuery query;
     query.min = glm::dvec2(part.min) / f.resolution;
@@ -259,6 +271,8 @@ void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
     query.nearest = options.splat == Splat::nearest;
     own.runs.clear();
     const RunRange range = find_runs(*relief, f.warp, f.sheets, query, own.runs);
+    // A tile that is not kept was emptied when it was copied out.
+    if (keep) std::fill(texels.begin(), texels.end(), kNothing);
     stats.samples_drawn += prewarp_tile(f.coefficients, own.runs, tile);
     for (const PrewarpRun& run : own.runs) stats.samples_warped += run.count;
     ++stats.warped;
@@ -269,9 +283,10 @@ void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
   const glm::ivec2 from = shown.min - part.min, to = shown.min - f.shown.min;
   const std::size_t pitch_out = std::size_t(f.shown.size().x);
   const std::size_t first = std::size_t(to.y) * pitch_out + std::size_t(to.x);
-  resolve_tile(f.resolve, tile, from.x, from.y, shown.size().x, shown.size().y,
+  resolve_tile(f.resolve, tile, from.x, from.y, shown.size().x, shown.size().y, !keep,
                reinterpret_cast<std::uint32_t*>(result.color.data()) + first,
                result.delta.data() + first, pitch_out);
+  if (!keep) texels[std::size_t(missed)] = kNothing;
 }
 
 std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* view,
@@ -294,18 +309,9 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
            glm::ivec2(glm::ceil(rectangle->max * f.resolution))};
   f.all.max = glm::max(f.all.max, f.all.min + 1);
 
-  // The tiles in view, and the rectangle around them.
+  const bool keeps = options.reuse_error > 0 || out_of_time;
   std::vector<State::Job> jobs;
-  const int size = options.tile_size;
-  const glm::dmat4 clip = view ? clip_from_world(*view) : glm::dmat4(1.0);
-  f.shown = {f.all.max, f.all.min};
-  for (int y = floor_div(f.all.min.y, size); y * size < f.all.max.y; ++y)
-    for (int x = floor_div(f.all.min.x, size); x * size < f.all.max.x; ++x) {
-      if (view && !s.in_view(f, clip, {x, y})) continue;
-      jobs.push_back({{x, y}, 0, true});
-      const Texels part = overlap(s.texels_of({x, y}), f.all);
-      f.shown = {glm::min(f.shown.min, part.min), glm::max(f.shown.max, part.max)};
-    }
+  s.plan_tiles(f, view, keeps, jobs);
   PrewarpStats stats;
   stats.resolution = f.resolution;
   stats.tiles = int(jobs.size());
@@ -328,13 +334,12 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   result.color.resize(texels);
   result.delta.resize(texels);
   // Between tiles in view there may be some that are not, and are not written.
-  const int columns = floor_div(f.shown.max.x - 1, size) - floor_div(f.shown.min.x, size) + 1;
-  const int rows = floor_div(f.shown.max.y - 1, size) - floor_div(f.shown.min.y, size) + 1;
-  if (int(jobs.size()) < columns * rows) {
+  const glm::ivec2 around = f.grid.tiles_of(f.shown).size();
+  if (int(jobs.size()) < around.x * around.y) {
     std::fill(result.color.begin(), result.color.end(), glm::u8vec4(0));
     std::fill(result.delta.begin(), result.delta.end(), std::uint16_t(kEmptyCode));
   }
-  if (options.reuse_error > 0 || out_of_time)
+  if (keeps)
     s.keep_tiles(f, jobs);
   else
     reset();

@@ -1,6 +1,11 @@
 // How it is done fast: positions are found for a block of samples by SIMD, as addresses; then the
 // samples are copied there one by one, in their order, without a branch. A sample that misses the
 // tile is copied to a row that nobody reads. Scatter instructions are no faster than that.
+//
+// A position becomes an index by adding 1.5 * 2^23: the sum's lowest bits are then the nearest
+// integer. One addition, where a conversion needs several instructions to mend what is too large.
+// Positions are half a texel less for it (set_coefficients), so that the nearest integer is the
+// texel's index.
 #include "rilievo/layered_relief/prewarp_kernels.h"
 
 #include <algorithm>
@@ -25,6 +30,9 @@ using VF = hn::Vec<F>;
 using VI = hn::Vec<I>;
 
 constexpr std::uint32_t kBlock = 256;
+
+constexpr float kToIndex = 12582912.0f;          // 1.5 * 2^23
+constexpr std::int32_t kIndexBits = 0x4B400000;  // its bits
 
 static_assert(sizeof(ReliefSample) == 8, "copied as one word");
 
@@ -57,9 +65,16 @@ HWY_INLINE Lanes load(const PrewarpCoefficients& k, const ReliefSample* from) {
   return lanes;
 }
 
-// scale (u + offset) + (code_factor code + constant), times w.
-HWY_INLINE VF moved(VF u, float scale, VF shift, VF w) {
-  return hn::Mul(hn::Add(hn::Mul(hn::Set(F(), scale), u), shift), w);
+// (scale u + shift) w: the index that it rounds to, with kIndexBits added.
+HWY_INLINE VI index_of(VF u, VF scale, VF shift, VF w) {
+  const VF position = hn::Mul(hn::Add(hn::Mul(scale, u), shift), w);
+  return hn::BitCast(I(), hn::Add(position, hn::Set(F(), kToIndex)));
+}
+
+// 0 <= index < size?
+HWY_INLINE hn::Mask<I> within(VI index, VI size) {
+  const U d;
+  return hn::RebindMask(I(), hn::Lt(hn::BitCast(d, index), hn::BitCast(d, size)));
 }
 
 // Of its columns?
@@ -75,15 +90,50 @@ HWY_INLINE std::size_t count_first(hn::Mask<I> mask, std::uint32_t count) {
   return hn::CountTrue(i, mask);
 }
 
+// Copies a sample to `to`, the texel `right` further, and both `below` further. Right and below may
+// be 0.
+HWY_INLINE void copy_two_by_two(ReliefSample* to, std::ptrdiff_t right, std::ptrdiff_t below,
+                                const ReliefSample* from) {
+#if HWY_TARGET <= HWY_AVX3
+  // Two texels of a row at once, if masked stores are cheap.
+  const hn::FixedTag<std::uint64_t, 2> pair;
+  std::uint64_t word;
+  std::memcpy(&word, from, 8);
+  const auto twice = hn::Set(pair, word);
+  const auto columns = hn::FirstN(pair, std::size_t(1 + right));
+  hn::BlendedStore(twice, columns, pair, reinterpret_cast<std::uint64_t*>(to));
+  hn::BlendedStore(twice, columns, pair, reinterpret_cast<std::uint64_t*>(to + below));
+#else
+  copy(to, from);
+  copy(to + right, from);
+  copy(to + below, from);
+  copy(to + below + right, from);
+#endif
+}
+
+// Copies samples to where they belong, in their order.
+HWY_INLINE void copy_block(ReliefSample* texels, const ReliefSample* samples,
+                           const std::int32_t* address, std::uint32_t count) {
+  std::uint32_t n = 0;
+  for (; n + 4 <= count; n += 4) {
+    copy(texels + address[n], samples + n);
+    copy(texels + address[n + 1], samples + n + 1);
+    copy(texels + address[n + 2], samples + n + 2);
+    copy(texels + address[n + 3], samples + n + 3);
+  }
+  for (; n < count; ++n) copy(texels + address[n], samples + n);
+}
+
 std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
                         const PrewarpTile& tile) {
   const F f;
   const I i;
   const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
   HWY_ALIGN std::int32_t address[kBlock];
-  const VI missed = hn::Set(i, tile.height * tile.pitch);
-  const VI before = hn::Set(i, -1);
-  const VI right = hn::Set(i, tile.width), bottom = hn::Set(i, tile.height);
+  const VI missed = hn::Set(i, tile.missed), pitch = hn::Set(i, tile.pitch);
+  const VI width = hn::Set(i, tile.width), height = hn::Set(i, tile.height);
+  const VI x_first = hn::Set(i, tile.x + kIndexBits), y_first = hn::Set(i, tile.y + kIndexBits);
+  const VF scale = hn::Set(f, k.scale);
   std::size_t drawn = 0;
   for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
     const std::uint32_t count = std::min(kBlock, run.count - begin);
@@ -94,16 +144,15 @@ std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
       const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
       const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
       const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
-      const VI x = hn::Sub(hn::ConvertTo(i, moved(u, k.scale, shift_x, s.w)), hn::Set(i, tile.x));
-      const VI y = hn::Sub(hn::ConvertTo(i, moved(v, k.scale, shift_y, s.w)), hn::Set(i, tile.y));
-      auto inside = hn::And(hn::And(hn::Gt(x, before), hn::Lt(x, right)),
-                            hn::And(hn::Gt(y, before), hn::Lt(y, bottom)));
+      const VI x = hn::Sub(index_of(u, scale, shift_x, s.w), x_first);
+      const VI y = hn::Sub(index_of(v, scale, shift_y, s.w), y_first);
+      auto inside = hn::And(within(x, width), within(y, height));
       if (!run.all_columns) inside = hn::And(inside, in_columns(run, s.u));
-      const VI to = hn::Add(hn::Mul(y, hn::Set(i, tile.pitch)), x);
+      const VI to = hn::Add(hn::Mul(y, pitch), x);
       hn::Store(hn::IfThenElse(inside, to, missed), i, address + at);
       drawn += count_first(inside, count - at);
     }
-    for (std::uint32_t n = 0; n < count; ++n) copy(tile.texels + address[n], samples + n);
+    copy_block(tile.texels, samples, address, count);
   }
   return drawn;
 }
@@ -118,10 +167,14 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
   const I i;
   const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
   HWY_ALIGN std::int32_t address[kBlock], wide[kBlock], high[kBlock];
-  const VI missed = hn::Set(i, tile.height * tile.pitch);
+  const VI missed = hn::Set(i, tile.missed);
   const VI one = hn::Set(i, 1), pitch = hn::Set(i, tile.pitch);
-  const VI x_first = hn::Set(i, tile.x), x_last = hn::Set(i, tile.x + tile.width);
-  const VI y_first = hn::Set(i, tile.y), y_last = hn::Set(i, tile.y + tile.height);
+  const VI x_first = hn::Set(i, tile.x + kIndexBits);
+  const VI x_last = hn::Set(i, tile.x + tile.width + kIndexBits);
+  const VI y_first = hn::Set(i, tile.y + kIndexBits);
+  const VI y_last = hn::Set(i, tile.y + tile.height + kIndexBits);
+  const VF scale = hn::Set(f, k.scale);
+  ReliefSample* const texels = tile.texels;
   std::size_t drawn = 0;
   for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
     const std::uint32_t count = std::min(kBlock, run.count - begin);
@@ -134,7 +187,7 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
       const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
       const VF low = hn::Set(f, k.low), high_end = hn::Set(f, k.high);
       const auto edge = [&](VF position, VF end, VF shift) {
-        return hn::ConvertTo(i, moved(hn::Add(position, end), k.scale, shift, s.w));
+        return index_of(hn::Add(position, end), scale, shift, s.w);
       };
       const VI x0 = hn::Max(edge(u, low, shift_x), x_first);
       const VI x1 = hn::Min(edge(u, high_end, shift_x), x_last);
@@ -157,18 +210,13 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
       }
     }
     if constexpr (reach == SplatReach::one) {
-      for (std::uint32_t n = 0; n < count; ++n) copy(tile.texels + address[n], samples + n);
+      copy_block(texels, samples, address, count);
     } else if constexpr (reach == SplatReach::two) {
-      for (std::uint32_t n = 0; n < count; ++n) {
-        ReliefSample* to = tile.texels + address[n];
-        copy(to, samples + n);
-        copy(to + wide[n], samples + n);
-        copy(to + high[n], samples + n);
-        copy(to + high[n] + wide[n], samples + n);
-      }
+      for (std::uint32_t n = 0; n < count; ++n)
+        copy_two_by_two(texels + address[n], wide[n], high[n], samples + n);
     } else {
       for (std::uint32_t n = 0; n < count; ++n) {
-        ReliefSample* to = tile.texels + address[n];
+        ReliefSample* to = texels + address[n];
         for (int row = 0; row < high[n]; ++row, to += tile.pitch)
           for (int column = 0; column < wide[n]; ++column) copy(to + column, samples + n);
       }
@@ -180,8 +228,6 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
 std::size_t draw_tile(const PrewarpCoefficients& k, std::span<const PrewarpRun> runs,
                       const PrewarpTile& tile) {
   std::size_t drawn = 0;
-  std::memset(static_cast<void*>(tile.texels), 0xff,
-              std::size_t(tile.height) * std::size_t(tile.pitch) * sizeof(ReliefSample));
   for (const PrewarpRun& run : runs) switch (run.reach) {
       case SplatReach::nearest:
         drawn += nearest_run(k, run, tile);
@@ -199,16 +245,29 @@ std::size_t draw_tile(const PrewarpCoefficients& k, std::span<const PrewarpRun> 
   return drawn;
 }
 
-// Of one vector's worth of texels.
-HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, const ReliefSample* from,
+// Of one vector's worth of texels, which are emptied if `clear`.
+template <bool clear>
+HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, ReliefSample* from,
                               std::uint32_t* color, std::uint16_t* delta) {
   const F f;
   const I i;
   const U d;
+  const hn::Rebind<std::uint16_t, I> half;
+  auto* const words = reinterpret_cast<std::uint32_t*>(from);
   hn::Vec<U> place, colors;
-  hn::LoadInterleaved2(d, reinterpret_cast<const std::uint32_t*>(from), place, colors);
+  hn::LoadInterleaved2(d, words, place, colors);
   const auto code = hn::ShiftRight<16>(place);
   const auto empty = hn::Eq(code, hn::Set(d, kEmptyCode));
+  if (hn::AllTrue(d, empty)) {
+    hn::StoreU(hn::Zero(d), d, color);
+    hn::StoreU(hn::Set(half, std::uint16_t(kEmptyCode)), half, delta);
+    return;
+  }
+  if constexpr (clear) {
+    const auto nothing = hn::Set(d, 0xffffffffu);
+    hn::StoreU(nothing, d, words);
+    hn::StoreU(nothing, d, words + hn::Lanes(d));
+  }
   const VF value = hn::ConvertTo(f, hn::BitCast(i, code));
   const VF from_near = hn::Add(hn::Mul(hn::Set(f, k.delta_code), value), hn::Set(f, k.delta_0));
   const VF z = hn::Add(hn::Mul(hn::Set(f, k.z_code), value), hn::Set(f, k.z_0));
@@ -219,29 +278,41 @@ HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, const ReliefSample* 
   const auto codes =
       hn::IfThenElse(empty, hn::Set(d, kEmptyCode), hn::BitCast(d, hn::ConvertTo(i, clamped)));
   hn::StoreU(hn::IfThenZeroElse(empty, colors), d, color);
-  const hn::Rebind<std::uint16_t, I> half;
   hn::StoreU(hn::DemoteTo(half, hn::BitCast(i, codes)), half, delta);
 }
 
-void resolve(const ResolveCoefficients& k, const PrewarpTile& tile, int x, int y, int width,
-             int height, std::uint32_t* color, std::uint16_t* delta, std::size_t plane_pitch) {
+template <bool clear>
+void resolve_rows(const ResolveCoefficients& k, const PrewarpTile& tile, int x, int y, int width,
+                  int height, std::uint32_t* color, std::uint16_t* delta, std::size_t plane_pitch) {
   const int lanes = int(hn::Lanes(F()));
   for (int row = 0; row < height; ++row) {
-    const ReliefSample* from = tile.texels + std::ptrdiff_t(y + row) * tile.pitch + x;
+    ReliefSample* from = tile.texels + std::ptrdiff_t(y + row) * tile.pitch + x;
     std::uint32_t* to_color = color + std::size_t(row) * plane_pitch;
     std::uint16_t* to_delta = delta + std::size_t(row) * plane_pitch;
     int column = 0;
     for (; column + lanes <= width; column += lanes)
-      resolve_lanes(k, from + column, to_color + column, to_delta + column);
+      resolve_lanes<clear>(k, from + column, to_color + column, to_delta + column);
     if (column == width) continue;
     // The rest by way of memory of our own: beyond it lies what others write. Rows of a tile are
     // followed by others, or by the one that nobody reads.
+    ReliefSample texels[16];
     std::uint32_t colors[16];
     std::uint16_t deltas[16];
-    resolve_lanes(k, from + column, colors, deltas);
-    std::copy_n(colors, width - column, to_color + column);
-    std::copy_n(deltas, width - column, to_delta + column);
+    const auto rest = std::size_t(width - column);
+    std::memset(static_cast<void*>(texels), 0xff, sizeof texels);
+    std::memcpy(texels, from + column, rest * sizeof(ReliefSample));
+    resolve_lanes<false>(k, texels, colors, deltas);
+    std::copy_n(colors, rest, to_color + column);
+    std::copy_n(deltas, rest, to_delta + column);
+    if (clear) std::memset(static_cast<void*>(from + column), 0xff, rest * sizeof(ReliefSample));
   }
+}
+
+void resolve(const ResolveCoefficients& k, const PrewarpTile& tile, int x, int y, int width,
+             int height, bool clear, std::uint32_t* color, std::uint16_t* delta,
+             std::size_t plane_pitch) {
+  (clear ? resolve_rows<true> : resolve_rows<false>)(k, tile, x, y, width, height, color, delta,
+                                                     plane_pitch);
 }
 
 }  // namespace
@@ -261,10 +332,10 @@ std::size_t prewarp_tile(const PrewarpCoefficients& coefficients, std::span<cons
 }
 
 void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile, int x, int y,
-                  int width, int height, std::uint32_t* color, std::uint16_t* delta,
+                  int width, int height, bool clear, std::uint32_t* color, std::uint16_t* delta,
                   std::size_t plane_pitch) {
   HWY_DYNAMIC_DISPATCH(resolve)
-  (coefficients, tile, x, y, width, height, color, delta, plane_pitch);
+  (coefficients, tile, x, y, width, height, clear, color, delta, plane_pitch);
 }
 
 }  // namespace rilievo

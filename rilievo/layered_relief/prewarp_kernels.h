@@ -5,7 +5,7 @@
 //
 // With `code` the depth code of a sample at (u, v) of the source, its position in the result is
 //   x = (scale u + x_code code + x_0) / (w_code code + w_0),   y likewise,
-// in texels from the result's upper left corner: never negative for what the relief holds.
+// in texels from the centre of the result's upper left texel. Within 2^21 of it.
 #pragma once
 
 #include <cstdint>
@@ -37,12 +37,13 @@ struct PrewarpRun {
 
 // A tile of the result.
 struct PrewarpTile {
-  ReliefSample* texels = nullptr;  // (height + 1) * pitch; the last row receives misses
-  int x = 0, y = 0;                // in the result
+  ReliefSample* texels = nullptr;
+  std::int32_t missed = 0;  // index of a texel outside the tile, which receives misses
+  int x = 0, y = 0;         // in the result
   int width = 0, height = 0, pitch = 0;
 };
 
-// Empties the tile, then draws the runs in order. Returns the number of samples that covered a
+// Draws the runs in order into a tile. Returns the number of samples that covered a
 // texel.
 std::size_t prewarp_tile(const PrewarpCoefficients& coefficients, std::span<const PrewarpRun> runs,
                          const PrewarpTile& tile);
@@ -54,9 +55,9 @@ struct ResolveCoefficients {
 };
 
 // Copies texels [x, x + width) x [y, y + height) of the tile into planes; `color` and `delta` are
-// the first texels to write.
+// the first texels to write. With `clear`, empties what it copies: while the memory is at hand.
 void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile, int x, int y,
-                  int width, int height, std::uint32_t* color, std::uint16_t* delta,
+                  int width, int height, bool clear, std::uint32_t* color, std::uint16_t* delta,
                   std::size_t plane_pitch);
 
 }  // namespace rilievo

@@ -166,6 +166,27 @@ TEST(Prewarp, without_time_every_tile_that_exists_stays) {
   EXPECT_EQ(fresh.delta, result.delta);
 }
 
+// Its memory was used for pictures of other sizes.
+TEST(Prewarp, what_was_warped_before_leaves_no_trace) {
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const Splat splat : {Splat::nearest, Splat::rectangle}) {
+    const LayeredRelief relief = tiled_relief(rng, 60, 50);
+    const PrewarpOptions options{.splat = splat, .tile_size = 32};
+    Prewarp used(relief, options);
+    for (int i = 0; i < 40; ++i) {
+      const glm::dvec3 eye = random_eye(rng, relief);
+      const glm::dvec3 target = relief.frame().world(30 + 40 * unit(rng), 25 + 40 * unit(rng), 0);
+      const Camera view = look_at(eye, target, {0, 1, 0}, 0.8, 64, 48, 0.01, 100);
+      Prewarped expected, got;
+      ASSERT_TRUE(Prewarp(relief, options).warp(eye, i % 2 ? &view : nullptr, expected));
+      ASSERT_TRUE(used.warp(eye, i % 2 ? &view : nullptr, got));
+      ASSERT_EQ(expected.color, got.color);
+      ASSERT_EQ(expected.delta, got.delta);
+    }
+  }
+}
+
 TEST(Prewarp, what_is_in_view_is_the_same_whether_the_rest_is_clipped_or_not) {
   std::mt19937 rng(6);
   std::uniform_real_distribution<double> unit(-1, 1);
