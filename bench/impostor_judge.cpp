@@ -7,6 +7,7 @@
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
+#include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/relief_impostor/impostor_warp.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
@@ -95,9 +96,10 @@ Result<ImpostorJudge> ImpostorJudge::create(const TracedScene& traced, int width
                                             int samples) {
   Result<FrameTarget> target = FrameTarget::create(width, height, samples);
   if (!target) return target.error();
-  Result<std::unique_ptr<ImpostorDrawable>> drawable = ImpostorDrawable::create(1);
-  if (!drawable) return drawable.error();
-  return ImpostorJudge(traced, std::move(*target), std::move(*drawable));
+  Result<std::unique_ptr<AtlasBoards>> boards = AtlasBoards::create();
+  if (!boards) return boards.error();
+  return ImpostorJudge(traced, std::move(*target),
+                       std::make_unique<ImpostorDrawable>(std::move(*boards), 1));
 }
 
 Result<DepthImage> ImpostorJudge::shade(const Camera& seen_from, const WorkerOptions& options) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/relief_impostor/gl/impostor_drawable.h"
+#include "rilievo/relief_impostor/impostor_drawable.h"
 #include "rilievo/relief_impostor/ray_tracer.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/scene/scene.h"

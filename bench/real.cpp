@@ -23,7 +23,6 @@
 #include "rilievo/measure/report.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/measure/visibility.h"
-#include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/rays/ray_renderer.h"
 
 namespace rilievo::bench {
@@ -64,16 +63,9 @@ Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double err
   auto by_rays = ProcessorFrames::create(renderer, std::move(*rays), kSamples);
   if (!by_rays) return by_rays.error();
   baselines.push_back({"direct-rays", std::move(*by_rays)});
-  if (SoftwareFrames::draws_all_of(renderer.scene())) {
-    // Does not pay for a way through OpenGL.
-    baselines.push_back(
-        {"direct-raster", std::make_unique<SoftwareDirectFrames>(renderer.scene(), kSamples)});
-  } else {
-    auto by_raster = ProcessorFrames::create(
-        renderer, std::make_unique<RasterRenderer>(renderer.scene()), kSamples);
-    if (!by_raster) return by_raster.error();
-    baselines.push_back({"direct-raster", std::move(*by_raster)});
-  }
+  // Does not pay for a way through OpenGL.
+  baselines.push_back(
+      {"direct-raster", std::make_unique<SoftwareDirectFrames>(renderer.scene(), kSamples)});
   auto levels = LevelFrames::create(renderer.scene(), error_px);
   if (!levels) return levels.error();
   baselines.push_back({"lod", std::move(*levels)});
@@ -200,8 +192,7 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, const st
       "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
       scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
   const bool automatic = draw == "automatic";
-  const bool software = draw == "software" ||
-                        (automatic && gl::is_software() && SoftwareFrames::draws_all_of(*scene));
+  const bool software = draw == "software" || (automatic && gl::is_software());
   report.notes.push_back(fmt::format("{}: the cache is drawn by {}.", real_scene.name,
                                      software ? "software" : "OpenGL"));
   for (const RealWalk& walk : real_scene.walks(*scene)) {

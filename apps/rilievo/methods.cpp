@@ -14,6 +14,7 @@
 #include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
 #include "rilievo/frame/gl/object_frames.h"
 #include "rilievo/frame/gl/processor_frames.h"
@@ -22,6 +23,7 @@
 #include "rilievo/gl/context.h"
 #include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/rays/ray_renderer.h"
+#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -262,7 +264,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--draw", options.draw,
                   "What draws the frames of cache and direct-raster: opengl, software (needs no "
-                  "OpenGL, draws nothing that blends), or automatic: software where OpenGL runs "
+                  "OpenGL), or automatic: software where OpenGL runs "
                   "on processors or is missing (default)")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command
@@ -377,11 +379,8 @@ std::optional<std::string> needs_opengl(const std::string& method, const MethodO
     return fmt::format("only cache and direct-raster are drawn without OpenGL, not {}", method);
   if (samples != 1 && samples != 4)
     return "frames drawn without OpenGL have 1 or 4 samples a pixel";
-  if (options.outlines && method == "cache") return "outlines are drawn by OpenGL only";
   if (options.bake_mb > 0 && method == "cache")
     return "what --bake-mb bakes is drawn by OpenGL only";
-  if (!SoftwareFrames::draws_all_of(scene))
-    return "parts of the scene blend, which are drawn by OpenGL only";
   return std::nullopt;
 }
 
@@ -433,6 +432,36 @@ Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method
     renderer.emplace(std::move(*made));
   }
   return make_source(method, options, samples, *renderer);
+}
+
+Result<std::unique_ptr<FrameSource>> make_software_stored_source(
+    const std::string& method, const MethodOptions& options, int samples,
+    std::unique_ptr<Representation> representation, const Scene& sky) {
+  const KindMethod named = kind_method(method);
+  KindOptions values = options.kinds;
+  apply(named, values);
+  const Result<OptionValues> draw = draw_values(*named.kind, values);
+  if (!draw) return draw.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(software_drawable_rows(), named.kind->name);
+  if (!factory) return factory.error();
+  const Instance instance{glm::dmat4(1.0), 0, representation->only_object()};
+  Result<std::unique_ptr<Drawable>> drawable =
+      (*factory)->make_drawable(std::move(representation), *draw);
+  if (!drawable) return drawable.error();
+  return {std::make_unique<SoftwareStoredFrames>(sky, samples, std::move(*drawable),
+                                                 std::vector<Instance>{instance}, options.outlines,
+                                                 std::move(*factory))};
+}
+
+Result<bool> draws_by_software(const MethodOptions& options, int samples,
+                               const gl::Context* context, const Error& missing) {
+  const bool possible = samples == 1 || samples == 4;
+  if (options.draw == "software" && !possible)
+    return Error{"--draw", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
+  if (options.draw == "software") return true;
+  if (!context && (options.draw == "opengl" || !possible)) return missing;
+  return options.draw == "automatic" && possible && (!context || gl::is_software());
 }
 
 Result<std::unique_ptr<FrameSource>> make_stored_source(

@@ -20,6 +20,7 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
@@ -215,28 +216,53 @@ Result<Walk> walk_of(const RenderCommand& options, const FramePictures& stored) 
   return walk;
 }
 
+// Who draws what a file holds; no renderer: software.
+struct StoredBackend {
+  std::unique_ptr<gl::Context> context;
+  std::optional<SceneRenderer> renderer;
+  Scene sky;
+};
+
 Result<> render_pictures(const RenderCommand& options, const FramePictures& stored,
-                         SceneRenderer& sky) {
+                         StoredBackend& backend) {
   const Result<Walk> walk = walk_of(options, stored);
   if (!walk) return walk.error();
-  Result<StoredPictures> pictures =
-      make_stored_pictures(stored.pictures, depth_mode(options.methods), stored.delta_bits);
-  if (!pictures)
-    return Error{options.scene, pictures.error().where + ": " + pictures.error().reason};
-  StoredFrames source(sky, std::move(pictures->set), std::move(pictures->instances),
-                      options.methods.outlines);
-  if (options.loop_seconds > 0) return loop(options, *walk, source);
+  const DepthMode mode = depth_mode(options.methods);
+  const auto named = [&](const Error& error) {
+    return Error{options.scene, error.where + ": " + error.reason};
+  };
+  std::unique_ptr<FrameSource> source;
+  if (backend.renderer) {
+    Result<StoredPictures> pictures =
+        make_stored_pictures(stored.pictures, mode, stored.delta_bits);
+    if (!pictures) return named(pictures.error());
+    source =
+        std::make_unique<StoredFrames>(*backend.renderer, std::move(pictures->set),
+                                       std::move(pictures->instances), options.methods.outlines);
+  } else {
+    Result<SoftwarePictures> pictures =
+        make_software_pictures(stored.pictures, mode, stored.delta_bits);
+    if (!pictures) return named(pictures.error());
+    source = std::make_unique<SoftwareStoredFrames>(
+        backend.sky, options.frames.samples, std::move(pictures->set),
+        std::move(pictures->instances), options.methods.outlines);
+  }
+  if (options.loop_seconds > 0) return loop(options, *walk, *source);
   const bool saved_size = walk->only.has_value();
   return draw_frames(options, *walk, saved_size ? walk->only->width : options.frames.width,
-                     saved_size ? walk->only->height : options.frames.height, source);
+                     saved_size ? walk->only->height : options.frames.height, *source);
 }
 
 Result<> render_representation(const RenderCommand& options, PictureFileContent content,
-                               SceneRenderer& sky) {
+                               StoredBackend& backend) {
   const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
   Result<std::unique_ptr<FrameSource>> source =
-      make_stored_source(options.method, options.methods, std::move(content.representation), sky);
+      backend.renderer
+          ? make_stored_source(options.method, options.methods, std::move(content.representation),
+                               *backend.renderer)
+          : make_software_stored_source(options.method, options.methods, options.frames.samples,
+                                        std::move(content.representation), backend.sky);
   if (!source)
     return source.error().where.starts_with("--") ? source.error()
                                                   : Error{options.scene, source.error().reason};
@@ -255,13 +281,25 @@ Result<> render_file(RenderCommand options) {
       return known;
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
-  const auto context = gl::Context::create();
-  if (!context) return context.error();
-  const Scene nothing;
-  Result<SceneRenderer> sky = SceneRenderer::create(nothing);
-  if (!sky) return sky.error();
-  return content->kind ? render_representation(options, std::move(*content), *sky)
-                       : render_pictures(options, content->frame, *sky);
+  StoredBackend backend;
+  Error missing;
+  if (options.methods.draw != "software") {
+    Result<std::unique_ptr<gl::Context>> context = gl::Context::create();
+    if (context)
+      backend.context = std::move(*context);
+    else
+      missing = context.error();
+  }
+  const Result<bool> software =
+      draws_by_software(options.methods, options.frames.samples, backend.context.get(), missing);
+  if (!software) return software.error();
+  if (!*software) {
+    Result<SceneRenderer> made = SceneRenderer::create(backend.sky);
+    if (!made) return made.error();
+    backend.renderer.emplace(std::move(*made));
+  }
+  return content->kind ? render_representation(options, std::move(*content), backend)
+                       : render_pictures(options, content->frame, backend);
 }
 
 }  // namespace

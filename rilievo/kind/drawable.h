@@ -24,6 +24,8 @@
 
 namespace rilievo {
 
+class TileDrawer;
+
 // What drawing writes besides depth.
 enum class Output {
   color,      // sRGB-encoded, premultiplied
@@ -97,6 +99,12 @@ class Drawable {
   virtual void draw(const Camera& frame, std::span<const Instance> instances, Output output) = 0;
   // Draws outlines of the instances, with depth test (S1.8).
   virtual void draw_outlines(const Camera& frame, std::span<const Instance> instances) = 0;
+
+  // Drawables without OpenGL: draw() and draw_outlines() only place the instances. This draws them
+  // into the tiles of a SoftwareTarget; it lives as long as the drawable. Null: with OpenGL; and
+  // for outlines, if there are none.
+  [[nodiscard]] virtual const TileDrawer* tiles() const { return nullptr; }
+  [[nodiscard]] virtual const TileDrawer* outline_tiles() const { return nullptr; }
 
   // The error and the cost of an item.
   [[nodiscard]] virtual ErrorModel error_model(std::uint32_t item) const = 0;

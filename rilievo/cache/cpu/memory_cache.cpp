@@ -114,18 +114,16 @@ class MemoryCache::Store final : public CachePictures {
 MemoryCache::MemoryCache(const Scene& scene, const ImageCacheOptions& options)
     : SoftwareFrames(scene, options.samples),
       store_(std::make_unique<Store>(placed(), options)),
-      cache_(
-          std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options, content())) {
-  set_drawers().push_back(&store_->pictures());
-}
+      cache_(std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options,
+                                          content())) {}
 MemoryCache::~MemoryCache() = default;
 
 Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
                                                          const ImageCacheOptions& options) {
   if (options.samples != 1 && options.samples != 4)
     return Error{"cache", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
-  if (options.outlines || options.capture_by == CaptureBy::opengl)
-    return Error{"cache", "outlines and OpenGL's captures need frames drawn by OpenGL"};
+  if (options.capture_by == CaptureBy::opengl)
+    return Error{"cache", "OpenGL's captures need frames drawn by OpenGL"};
   // As much again, for pictures.
   const std::size_t least = 2 * Store::capture_bytes(options);
   if (options.max_bytes < least)
@@ -142,6 +140,7 @@ void MemoryCache::prepare_objects() { cache_->prepare_objects(); }
 
 Result<> MemoryCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
   sky_ = cache_->options().sky;
+  outlines_ = cache_->options().outlines;
   cache_->choose(camera, content, stats);
   return Done{};
 }

@@ -16,7 +16,7 @@ namespace rilievo {
 class MemoryCache final : public SoftwareFrames {
  public:
   // `scene` must be valid and outlive the cache. Fails if max_bytes does not suffice for captures,
-  // if the samples are neither 1 nor 4, and for outlines and OpenGL's captures, which need OpenGL.
+  // if the samples are neither 1 nor 4, and for OpenGL's captures.
   [[nodiscard]] static Result<std::unique_ptr<MemoryCache>> create(
       const Scene& scene, const ImageCacheOptions& options);
   ~MemoryCache() override;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/render/draw_list.h"
 
 namespace rilievo {
@@ -37,10 +38,10 @@ glm::dvec3 turn_between(const glm::dvec3& before, const glm::dvec3& now) {
 Result<std::unique_ptr<ImpostorFrames>> ImpostorFrames::create(
     SceneRenderer& renderer, ImpostorContent content, const ImpostorFramesOptions& options) {
   std::unique_ptr<ImpostorFrames> frames(new ImpostorFrames(renderer));
-  Result<std::unique_ptr<ImpostorDrawable>> drawable =
-      ImpostorDrawable::create(content.impostors.size());
-  if (!drawable) return drawable.error();
-  frames->drawable_ = std::move(*drawable);
+  Result<std::unique_ptr<AtlasBoards>> boards = AtlasBoards::create();
+  if (!boards) return boards.error();
+  frames->drawable_ =
+      std::make_unique<ImpostorDrawable>(std::move(*boards), content.impostors.size());
   frames->content().sets.push_back({frames->drawable_.get(), {}});
   frames->options_ = options;
   frames->outlines_ = options.outlines;

@@ -13,8 +13,8 @@
 #include "rilievo/cache/eye_motion.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/relief_impostor/gl/impostor_drawable.h"
 #include "rilievo/relief_impostor/impostor_content.h"
+#include "rilievo/relief_impostor/impostor_drawable.h"
 #include "rilievo/representation/gl/object_drawables.h"
 
 namespace rilievo {

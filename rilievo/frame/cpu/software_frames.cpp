@@ -1,32 +1,47 @@
 #include "rilievo/frame/cpu/software_frames.h"
 
 #include "rilievo/core/expects.h"
+#include "rilievo/render/draw_list.h"
 
 namespace rilievo {
-
-bool SoftwareFrames::draws_all_of(const Scene& scene) {
-  const PlacedScene placed(scene);
-  for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-    if (placed.has_blended_parts(i)) return false;
-  return true;
-}
 
 SoftwareFrames::SoftwareFrames(const Scene& scene, int samples)
     : placed_(scene),
       samples_(samples),
       target_(1, 1, samples),
       polygons_(scene),
-      sky_tiles_(scene.sky) {}
+      sky_tiles_(scene.sky),
+      blended_tiles_(scene) {
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+    if (placed_.has_blended_parts(i)) blended_.push_back(i);
+}
 
 void SoftwareFrames::place_sets(Output output) {
-  RILIEVO_EXPECTS_EQ(set_drawers_.size(), content_.sets.size());
   drawers_.clear();
   drawers_.push_back(&polygons_);
-  for (std::size_t i = 0; i < set_drawers_.size(); ++i) {
-    FrameContent::Set& set = content_.sets[i];
+  for (const FrameContent::Set& set : content_.sets) {
     if (set.instances.empty()) continue;
     set.drawable->draw(camera_, set.instances, output);
-    drawers_.push_back(set_drawers_[i]);
+    RILIEVO_EXPECTS(set.drawable->tiles() != nullptr);
+    drawers_.push_back(set.drawable->tiles());
+  }
+}
+
+void SoftwareFrames::place_blended() {
+  blended_in_view_.clear();
+  const Frustum frustum = frustum_of(camera_);
+  for (const std::uint32_t object : blended_)
+    if (!shows_blended(object) && may_touch(frustum, placed_.bounds()[object]))
+      blended_in_view_.push_back(object);
+  blended_tiles_.place(camera_, placed_, blended_in_view_);
+  if (blended_tiles_.any()) drawers_.push_back(&blended_tiles_);
+}
+
+void SoftwareFrames::place_outlines() {
+  for (const FrameContent::Set& set : content_.sets) {
+    if (set.instances.empty()) continue;
+    set.drawable->draw_outlines(camera_, set.instances);
+    if (set.drawable->outline_tiles()) drawers_.push_back(set.drawable->outline_tiles());
   }
 }
 
@@ -49,6 +64,8 @@ Result<> SoftwareFrames::draw(const Camera& camera, double time) {
     sky_tiles_.place(camera);
     drawers_.push_back(&sky_tiles_);
   }
+  place_blended();
+  if (outlines_) place_outlines();
   target_.draw(camera.z_far, drawers_);
   return Done{};
 }

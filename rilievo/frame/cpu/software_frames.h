@@ -1,9 +1,9 @@
 // In which order is a frame drawn without OpenGL? As with it (frame/gl/scene_frames.h).
 //
 // Polygons' depths come first here: they hide parts of pictures, which then cost nothing; and their
-// colours last: what pictures hide of them is not shaded. Opaque parts and
-// the sky are drawn; parts that blend, and outlines, are not. Into a target of the source's own,
-// of the camera's size. Uses all cores; the frame does not depend on the number of threads.
+// colours after that: what pictures hide of them is not shaded. Then the sky, what blends, and
+// outlines. Into a target of the source's own, of the camera's size. Uses all cores; the frame does
+// not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/render/placed_scene.h"
+#include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/polygon_tiles.h"
 #include "rilievo/render/software/sky_tiles.h"
 #include "rilievo/render/software/software_target.h"
@@ -20,9 +21,6 @@ namespace rilievo {
 // A frame source that draws without OpenGL. Derived classes choose what each object is drawn from.
 class SoftwareFrames : public FrameSource {
  public:
-  // Can all of the scene be drawn? Not if parts of it blend.
-  [[nodiscard]] static bool draws_all_of(const Scene& scene);
-
   // `scene` must be valid and outlive the source. `samples` of a pixel: 1 or 4.
   SoftwareFrames(const Scene& scene, int samples);
 
@@ -38,27 +36,30 @@ class SoftwareFrames : public FrameSource {
   virtual Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) = 0;
   // Called before identifiers are drawn: captures those that are missing.
   virtual void prepare_objects() {}
+  // As SceneFrames'.
+  [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }
 
   [[nodiscard]] const PlacedScene& placed() const { return placed_; }
   [[nodiscard]] FrameContent& content() { return content_; }
   [[nodiscard]] const FrameContent& content() const { return content_; }
-  // The drawers of content().sets, one for each, in their order; they draw what the set's drawable
-  // has placed. Fills both once.
-  [[nodiscard]] std::vector<const TileDrawer*>& set_drawers() { return set_drawers_; }
-
-  bool sky_ = true;  // draw the scene's sky behind everything
+  bool outlines_ = false;  // draw outlines around pictures (S1.8)
+  bool sky_ = true;        // draw the scene's sky behind everything
 
  private:
   void place_sets(Output output);
+  void place_blended();
+  void place_outlines();
 
   PlacedScene placed_;
   int samples_;
   SoftwareTarget target_;
   PolygonTiles polygons_;
   SkyTiles sky_tiles_;
+  BlendedTiles blended_tiles_;
+  std::vector<std::uint32_t> blended_, blended_in_view_;  // objects
   FrameContent content_;
   FrameStats stats_;
-  std::vector<const TileDrawer*> set_drawers_, drawers_;
+  std::vector<const TileDrawer*> drawers_;
   Camera camera_;
 };
 

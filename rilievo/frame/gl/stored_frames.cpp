@@ -3,21 +3,9 @@
 #include <string>
 #include <utility>
 
+#include "rilievo/frame/stored_objects.h"
+
 namespace rilievo {
-namespace {
-
-// The object that a picture shows, if it is but one.
-std::uint32_t only_object(const DepthImage& picture, std::uint32_t otherwise) {
-  std::uint32_t only = kNoObject;
-  for (std::uint32_t object : picture.object.texels()) {
-    if (object == kNoObject || object == only) continue;
-    if (only != kNoObject) return otherwise;
-    only = object;
-  }
-  return only == kNoObject ? otherwise : only;
-}
-
-}  // namespace
 
 StoredFrames::StoredFrames(SceneRenderer& renderer, std::unique_ptr<Drawable> drawable,
                            std::vector<Instance> instances, bool outlines, bool sky)

@@ -1,5 +1,5 @@
 // What is drawn of layered reliefs, through the whole way: warped, averaged, cut to pieces, drawn.
-#include "rilievo/layered_relief/gl/relief_drawable.h"
+#include "rilievo/layered_relief/relief_drawable.h"
 
 #include <gtest/gtest.h>
 
@@ -14,6 +14,7 @@
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_test_helpers.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -24,9 +25,9 @@ class ReliefDrawableTest : public gl::ContextTest {
  protected:
   void SetUp() override {
     ASSERT_NO_FATAL_FAILURE(ContextTest::SetUp());
-    auto made = PrewarpedBoards::create();
+    auto made = AtlasBoards::create();
     ASSERT_TRUE(made) << made.error().message();
-    boards = std::make_unique<PrewarpedBoards>(*std::move(made));
+    boards = *std::move(made);
   }
   void TearDown() override {
     EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));

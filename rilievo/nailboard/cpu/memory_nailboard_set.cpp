@@ -1,5 +1,7 @@
 #include "rilievo/nailboard/cpu/memory_nailboard_set.h"
 
+#include <utility>
+
 #include "rilievo/core/expects.h"
 #include "rilievo/nailboard/error_model.h"
 #include "rilievo/nailboard/sample_error.h"
@@ -12,7 +14,13 @@ void MemoryNailboardSet::set_item(std::uint32_t item, const MemoryNailboard& pic
   items_[item] = {&picture, geometry};
 }
 
-void MemoryNailboardSet::draw(const Camera& frame, std::span<const Instance> instances, Output) {
+void MemoryNailboardSet::keep_item(std::uint32_t item, MemoryNailboard picture,
+                                   const PictureGeometry& geometry) {
+  kept_.push_back(std::move(picture));
+  set_item(item, kept_.back(), geometry);
+}
+
+void MemoryNailboardSet::place(std::span<const Instance> instances) {
   placed_.clear();
   for (const Instance& instance : instances) {
     RILIEVO_EXPECTS(instance.item < items_.size());
@@ -20,10 +28,17 @@ void MemoryNailboardSet::draw(const Camera& frame, std::span<const Instance> ins
     placed_.push_back({item.picture, item.geometry, instance.world_from_capture, instance.object,
                        instance.from, instance.to});
   }
+}
+
+void MemoryNailboardSet::draw(const Camera& frame, std::span<const Instance> instances, Output) {
+  place(instances);
   composer_.place(frame, mode_, placed_);
 }
 
-void MemoryNailboardSet::draw_outlines(const Camera&, std::span<const Instance>) {}
+void MemoryNailboardSet::draw_outlines(const Camera& frame, std::span<const Instance> instances) {
+  place(instances);
+  place_outlines(frame, placed_, outlines_);
+}
 
 ErrorModel MemoryNailboardSet::error_model(std::uint32_t item) const {
   return nailboard_error_model(items_[item].geometry);

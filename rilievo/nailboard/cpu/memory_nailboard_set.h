@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -14,7 +15,7 @@
 namespace rilievo {
 
 // A set of nailboards. draw() places the instances for the tiles that are drawn next.
-class MemoryNailboardSet final : public Drawable, public TileDrawer {
+class MemoryNailboardSet final : public Drawable {
  public:
   explicit MemoryNailboardSet(DepthMode mode) : mode_(mode) {}
 
@@ -23,11 +24,14 @@ class MemoryNailboardSet final : public Drawable, public TileDrawer {
   void set_item(std::uint32_t item, const MemoryNailboard& picture,
                 const PictureGeometry& geometry);
 
+  // The same of a picture that the set keeps.
+  void keep_item(std::uint32_t item, MemoryNailboard picture, const PictureGeometry& geometry);
+
   [[nodiscard]] std::string_view kind() const override { return "nailboard"; }
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
-  // Draws none.
   void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
-  void draw_tile(FrameTile& tile) const override { composer_.draw_tile(tile); }
+  [[nodiscard]] const TileDrawer* tiles() const override { return &composer_; }
+  [[nodiscard]] const TileDrawer* outline_tiles() const override { return &outlines_; }
 
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
@@ -44,10 +48,14 @@ class MemoryNailboardSet final : public Drawable, public TileDrawer {
     PictureGeometry geometry;
   };
 
+  void place(std::span<const Instance> instances);
+
   DepthMode mode_;
   std::vector<Item> items_;
+  std::deque<MemoryNailboard> kept_;             // they stay where they are
   std::vector<MemoryNailboardInstance> placed_;  // kept, so that drawing does not allocate
   NailboardComposer composer_;
+  LineTiles outlines_;
 };
 
 }  // namespace rilievo

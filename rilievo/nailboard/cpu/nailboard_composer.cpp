@@ -111,6 +111,22 @@ void place_one(const Camera& frame, const glm::dmat4& eye_from_world, DepthMode 
 
 }  // namespace
 
+void place_outlines(const Camera& frame, std::span<const MemoryNailboardInstance> instances,
+                    LineTiles& lines) {
+  lines.begin(frame);
+  for (const MemoryNailboardInstance& one : instances) {
+    const Camera& capture = one.geometry.capture;
+    const double w = capture.width, h = capture.height;
+    glm::dvec3 corners[4];
+    const glm::dvec2 at[] = {{0, 0}, {w, 0}, {w, h}, {0, h}};
+    for (int k = 0; k < 4; ++k) {
+      const glm::dvec3 p = world_from_raster(capture, at[k], one.geometry.plane_z);
+      corners[k] = glm::dvec3(one.world_now_from_capture * glm::dvec4(p, 1));
+    }
+    lines.add_loop(corners);
+  }
+}
+
 void NailboardComposer::place(const Camera& frame, DepthMode mode,
                               std::span<const MemoryNailboardInstance> instances) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);

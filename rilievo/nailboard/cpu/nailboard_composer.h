@@ -15,6 +15,7 @@
 #include "rilievo/nailboard/cpu/compose_tile.h"
 #include "rilievo/nailboard/cpu/memory_nailboard.h"
 #include "rilievo/render/software/frame_tile.h"
+#include "rilievo/render/software/line_tiles.h"
 
 namespace rilievo {
 
@@ -29,6 +30,10 @@ struct MemoryNailboardInstance {
   // The cross-fade range: drawn only at pixels whose hash lies in [share_from, share_to).
   float share_from = 0, share_to = 1;
 };
+
+// Adds the outlines of nailboards' polygons (S1.8) to `lines`, which it begins.
+void place_outlines(const Camera& frame, std::span<const MemoryNailboardInstance> instances,
+                    LineTiles& lines);
 
 // Draws nailboards into the tiles of a SoftwareTarget.
 class NailboardComposer final : public TileDrawer {

@@ -15,28 +15,11 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/raster/frame_raster.h"
+#include "rilievo/render/raster/tile_samples.h"
 
 namespace rilievo {
 
 namespace {
-
-// A thread's copy of the part of the visibility buffer that a tile shows.
-struct TileSamples {
-  SampleBuffer samples;
-  std::vector<std::uint32_t> colors;
-  BandShader shader;
-
-  void begin(int count) {
-    constexpr std::size_t kTexels = std::size_t(FrameTile::kSize) * FrameTile::kSize;
-    samples.width = samples.height = FrameTile::kSize;
-    samples.samples = count;
-    samples.stride = std::size_t(FrameTile::kSize) * std::size_t(count);
-    samples.depth.assign(kTexels * std::size_t(count), 1.0f);
-    samples.triangle.resize(kTexels * std::size_t(count));
-    colors.resize(kTexels * std::size_t(count));
-  }
-};
-static_assert(FrameTile::kSize % BandShader::kBand == 0);
 
 // Do all samples of a pixel show one triangle?
 bool is_whole(const SampleBuffer& in, std::size_t first) {
@@ -44,11 +27,6 @@ bool is_whole(const SampleBuffer& in, std::size_t first) {
   for (std::size_t i = first; i < first + std::size_t(in.samples); ++i)
     whole &= in.depth[i] < 1 && in.triangle[i] == in.triangle[first];
   return whole;
-}
-
-// The first sample of a pixel of the frame.
-std::size_t first_sample(const SampleBuffer& in, int x, int y) {
-  return in.row(in.height - 1 - y) + std::size_t(x) * std::size_t(in.samples);
 }
 
 }  // namespace
@@ -257,18 +235,11 @@ void PolygonTiles::State::shade_tile(FrameTile& tile) const {
     found[block] = copy_visible(tile, block, x, y, local);
   }
   if (!begun) return;
-  // The rays of the tile's texels; its lowest row can lie below the frame.
-  PictureRays rays = view->rays;
-  const auto left = float(tile.x), bottom = float(tile.height - tile.y - FrameTile::kSize);
-  rays.first += left * rays.per_x + bottom * rays.per_y;
-  const PictureView part{local.samples, view->meshes,     rays,
-                         view->lights,  ColorScale::srgb, local.colors.data()};
   for (int row = 0; row < kBlocks; ++row) {
     if (std::none_of(found + row * kBlocks, found + (row + 1) * kBlocks,
                      [](bool one) { return one; }))
       continue;
-    const int from = FrameTile::kSize - (row + 1) * kBlock;  // rows run upwards
-    local.shader.shade(part, from, from + kBlock);
+    local.shade_blocks(*view, tile, row);
     for (int block = row * kBlocks; block < (row + 1) * kBlocks; ++block)
       if (found[block])
         write_colors(tile, block, tile.x + block % kBlocks * kBlock, tile.y + row * kBlock, local);

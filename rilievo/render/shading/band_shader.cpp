@@ -102,6 +102,8 @@ void BandShader::add_mesh(const PictureView& view, const PlacedMesh& placed, std
     if (placed.surface.has_colors)
       for (int k = 0; k < 3; ++k)
         for (int axis = 0; axis < 3; ++axis) rays_.color[k][axis][i] = mesh.colors[corner[k]][axis];
+    if (placed.surface.has_colors && placed.surface.material->blended)
+      for (int k = 0; k < 3; ++k) rays_.alpha[k][i] = mesh.colors[corner[k]].a;
     for (int set = 0; set < 2; ++set) {
       if (!uses_uv[set]) continue;
       const std::vector<glm::vec2>& uv = mesh.uv[set];
@@ -134,9 +136,10 @@ void BandShader::write_samples(const PictureView& view) const {
   const SampleBuffer& in = view.samples;
   const auto width = std::size_t(in.width), samples = std::size_t(in.samples);
   for (std::size_t i = 0; i < surfaces_.count; ++i) {
-    std::uint32_t color = 0xff000000u;
+    const float alpha = std::clamp(surfaces_.field[Surfaces::alpha][i], 0.0f, 1.0f);
+    std::uint32_t color = std::uint32_t(alpha * 255.0f + 0.5f) << 24;
     for (int c = 0; c < 3; ++c)
-      color |= std::uint32_t(colors_.rgb[c][i] * 255.0f + 0.5f) << (8 * c);
+      color |= std::uint32_t(colors_.rgb[c][i] * alpha * 255.0f + 0.5f) << (8 * c);
     const std::size_t texel = waiting_[i].texel;
     const std::size_t first = in.row(from_ + int(texel / width)) + texel % width * samples;
     for (std::size_t at = first; at < first + samples; ++at)

@@ -33,8 +33,8 @@ struct PictureView {
   SurfaceLights lights;
   ColorScale scale = ColorScale::srgb;
   // If not null: the colour of each covered sample, as bytes, the first one in the lowest bits,
-  // alpha 255, goes to the sample's place in the SampleBuffer's rows, and there are no
-  // color_sums(). Requires ColorScale::srgb.
+  // premultiplied by alpha, which is 255 unless the material blends, goes to the sample's place in
+  // the SampleBuffer's rows, and there are no color_sums(). Requires ColorScale::srgb.
   std::uint32_t* sample_colors = nullptr;
 };
 

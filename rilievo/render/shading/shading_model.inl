@@ -270,6 +270,7 @@ struct Weights {
 template <class T>
 struct Corners {
   Vec3<T> position[3], normal[3], color[3];
+  T alpha[3] = {};  // of the colours; of materials that blend
   Vec2<T> uv[2][3];
 };
 
@@ -282,7 +283,8 @@ struct SurfacePoint {
   Vec3<T> view;      // the way to who sees it, unit
   Vec3<T> emissive;
   T roughness, metallic, occlusion;
-  T lit;  // 1; or 0: the base colour as it is
+  T lit;    // 1; or 0: the base colour as it is
+  T alpha;  // 1 unless the material blends
 };
 
 template <class T>
@@ -392,7 +394,11 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
   // silhouette the smooth normal of a visible face may already point away.
   n = select(T(0.0f) < dot(facing, along) * dot(facing, n), T(-1.0f), T(1.0f)) * n;
   out.base = Vec3<T>(glm::vec3(material.base_color));
-  if (placement.has_colors) out.base = out.base * mixed(w, in.color);
+  out.alpha = T(material.blended ? material.base_color.a : 1.0f);
+  if (placement.has_colors) {
+    out.base = out.base * mixed(w, in.color);
+    if (material.blended) out.alpha = out.alpha * mixed(w, in.alpha);
+  }
 
   // Seen along its axis, not along its rays, see scene_shaders.cpp.
   if (rays.towards_apex) {
@@ -417,6 +423,7 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
     if (material.base) {
       const Vec4<T> texel = sample(*material.base);
       out.base = out.base * Vec3<T>(texel.x, texel.y, texel.z);
+      if (material.blended) out.alpha = out.alpha * texel.w;
     }
     if (material.metallic_roughness) {
       const Vec4<T> texel = sample(*material.metallic_roughness);

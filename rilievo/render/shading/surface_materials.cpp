@@ -55,7 +55,7 @@ std::optional<SurfaceTexture> SurfaceMaterials::use(const TextureUse& use, bool 
   return out;
 }
 
-SurfaceMaterials::SurfaceMaterials(const Scene& scene)
+SurfaceMaterials::SurfaceMaterials(const Scene& scene, bool blended)
     : scene_(&scene), chains_(scene.images.size()) {
   const Material fallback;
   for (std::size_t i = 0; i <= scene.materials.size(); ++i) {
@@ -69,8 +69,7 @@ SurfaceMaterials::SurfaceMaterials(const Scene& scene)
     out.unlit = m.unlit, out.double_sided = m.double_sided;
     out.masked = m.alpha_mode == AlphaMode::mask;
     out.blended = m.alpha_mode == AlphaMode::blend;
-    // What blends is in no picture.
-    if (!out.blended) {
+    if (out.blended == blended) {
       out.base = use(m.base_color_texture, true);
       if (!m.unlit) {
         out.metallic_roughness = use(m.metallic_roughness_texture, false);

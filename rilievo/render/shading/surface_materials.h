@@ -57,8 +57,9 @@ struct SurfaceMaterial {
 // All materials of a scene.
 class SurfaceMaterials {
  public:
-  // `scene` must be valid and outlive the object; its materials and textures must not change.
-  explicit SurfaceMaterials(const Scene& scene);
+  // `scene` must be valid and outlive the object; its materials and textures must not change. Only
+  // materials that blend, or only the others, get their textures.
+  explicit SurfaceMaterials(const Scene& scene, bool blended = false);
 
   SurfaceMaterials(SurfaceMaterials&&) = default;  // pointers into its parts stay valid
   SurfaceMaterials& operator=(SurfaceMaterials&&) = default;

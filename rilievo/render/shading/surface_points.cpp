@@ -34,6 +34,7 @@ void append(const TriangleRays& in, const PictureRays& rays, const SurfacePlacem
       corners.position[k] = load(in.position[k]);
       if (placement.has_normals) corners.normal[k] = load(in.normal[k]);
       if (placement.has_colors) corners.color[k] = load(in.color[k]);
+      if (placement.has_colors && material.blended) corners.alpha[k] = hn::Load(f, in.alpha[k] + i);
       for (int set = 0; set < 2; ++set)
         if (material.uses_uv[set])
           corners.uv[set][k] = {hn::Load(f, in.uv[set][k][0] + i),
@@ -58,6 +59,7 @@ void append(const TriangleRays& in, const PictureRays& rays, const SurfacePlacem
     store(Surfaces::metallic, point.metallic);
     store(Surfaces::occlusion, point.occlusion);
     store(Surfaces::lit, point.lit);
+    store(Surfaces::alpha, point.alpha);
   }
   out.count += in.count;
 }

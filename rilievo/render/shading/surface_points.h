@@ -21,6 +21,7 @@ struct TriangleRays {
   alignas(64) float position[3][3][kMaxCount];
   alignas(64) float normal[3][3][kMaxCount];  // only if the mesh has normals
   alignas(64) float color[3][3][kMaxCount];
+  alignas(64) float alpha[3][kMaxCount];     // of the colours; only if the material blends
   alignas(64) float uv[2][3][2][kMaxCount];  // of the sets that the material uses; else zeros
 };
 

@@ -36,6 +36,7 @@ struct Surfaces {
     metallic,
     occlusion,  // the share of the sky's light that arrives
     lit,        // 1; 0: the colour is the base colour
+    alpha,      // 1 unless the material blends; does not change the colour
     kFields
   };
   std::size_t count = 0;

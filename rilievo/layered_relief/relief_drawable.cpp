@@ -1,12 +1,12 @@
-#include "rilievo/layered_relief/gl/relief_drawable.h"
+#include "rilievo/layered_relief/relief_drawable.h"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_kind.h"
-#include "rilievo/nailboard/encode_prewarped.h"
 
 namespace rilievo {
 namespace {
@@ -35,7 +35,8 @@ class ReliefDrawable final : public Drawable {
         identifiers_(std::move(identifiers)),
         stats_(stats),
         bounds_(bounds),
-        boards_(boards) {
+        boards_(boards),
+        drawer_(boards.make_drawer()) {
     for (const LayeredRelief& relief : colors_.reliefs) prewarps_.emplace_back(relief, options);
     PrewarpOptions exact = options;
     exact.reuse_error = 0;
@@ -55,10 +56,7 @@ class ReliefDrawable final : public Drawable {
     while (first < instances.size()) {
       const std::size_t end = place(frame, instances, first, own);
       for (std::size_t i = first; i < end; ++i) add_boards(instances[i], shown_[i - first], own);
-      if (output == Output::color)
-        boards_.drawer().draw(boards_.atlas(), frame, DepthMode::exact, placed_);
-      else
-        boards_.drawer().draw_objects(boards_.atlas(), frame, DepthMode::exact, placed_);
+      drawer_->draw(frame, placed_, output);
       first = end;
     }
   }
@@ -67,9 +65,14 @@ class ReliefDrawable final : public Drawable {
     while (first < instances.size()) {
       const std::size_t end = place(frame, instances, first, false);
       for (std::size_t i = first; i < end; ++i) add_boards(instances[i], shown_[i - first], false);
-      boards_.drawer().draw_outlines(frame, placed_);
+      drawer_->draw_outlines(frame, placed_);
       first = end;
     }
+  }
+
+  [[nodiscard]] const TileDrawer* tiles() const override { return drawer_->tiles(); }
+  [[nodiscard]] const TileDrawer* outline_tiles() const override {
+    return drawer_->outline_tiles();
   }
 
   [[nodiscard]] ErrorModel error_model(std::uint32_t) const override {
@@ -95,7 +98,7 @@ class ReliefDrawable final : public Drawable {
 
  private:
   struct Part {
-    PrewarpedBoards::Board board;
+    PrewarpedBoard board;
     PictureGeometry geometry;  // at capture
   };
   // What was warped for an instance.
@@ -120,6 +123,11 @@ class ReliefDrawable final : public Drawable {
                     bool identifiers) {
     boards_.begin();
     placed_.clear();
+    for (std::size_t k = instances.size(); first == 0 && k < shown_.size(); ++k) {
+      release(shown_[k]);
+      shown_[k].parts.clear();
+      shown_[k].camera = {};
+    }
     std::size_t end = first;
     for (; end < instances.size(); ++end) {
       const std::size_t k = end - first;
@@ -153,7 +161,7 @@ class ReliefDrawable final : public Drawable {
     if (level > 0) halve_prewarped(whole_, level, halved_, scratch_);
     const Prewarped& result = level > 0 ? halved_ : whole_;
     for (const PicturePiece& piece : pieces_of(result.width(), result.height(), kLargestPiece)) {
-      const std::optional<PrewarpedBoards::Board> board = boards_.place(piece.width, piece.height);
+      const std::optional<PrewarpedBoard> board = boards_.place(piece.width, piece.height);
       if (!board) {
         release(shown);
         shown.parts.clear();
@@ -161,7 +169,7 @@ class ReliefDrawable final : public Drawable {
         return false;
       }
       encode_prewarped(result, piece, encoded_);
-      boards_.atlas().write(boards_.slot(*board), encoded_.color, encoded_.picture);
+      boards_.write(*board, encoded_);
       shown.parts.push_back({*board, geometry_of(result.geometry, piece)});
     }
     if (identifiers) write_identifiers(index, camera, level, shown);
@@ -183,33 +191,32 @@ class ReliefDrawable final : public Drawable {
         std::memcpy(&objects[std::size_t(y) * std::size_t(piece.width)], &result.color[from],
                     std::size_t(piece.width) * sizeof(std::uint32_t));
       }
-      boards_.atlas().write_objects(boards_.slot(shown.parts[part++].board), objects);
+      boards_.write_objects(shown.parts[part++].board, objects);
     }
   }
 
   void add_boards(const Instance& instance, const Shown& shown, bool own) {
     for (const Part& part : shown.parts)
-      placed_.push_back({boards_.slot(part.board),
-                         placed(part.geometry, instance.world_from_capture), glm::dmat4(1.0),
-                         own ? kNoObject : instance.object, instance.from, instance.to,
-                         std::nullopt});
+      placed_.push_back({part.board, placed(part.geometry, instance.world_from_capture),
+                         own ? kNoObject : instance.object, instance.from, instance.to});
   }
 
   ReliefSet colors_, identifiers_;  // identifiers: of several objects, else empty
   ReliefStats stats_;
   Box bounds_;
   PrewarpedBoards& boards_;
+  std::unique_ptr<BoardDrawer> drawer_;
   std::vector<Prewarp> prewarps_, identifier_prewarps_;
   // Kept, so that drawing does not allocate.
   std::vector<Shown> shown_;
-  std::vector<NailboardInstance> placed_;
+  std::vector<PlacedBoard> placed_;
   Prewarped whole_, halved_, scratch_;
   EncodedPiece encoded_;
 };
 
 class ReliefFactory final : public DrawableFactory {
  public:
-  explicit ReliefFactory(PrewarpedBoards boards) : boards_(std::move(boards)) {}
+  explicit ReliefFactory(std::unique_ptr<PrewarpedBoards> boards) : boards_(std::move(boards)) {}
 
   [[nodiscard]] std::size_t expected_bytes(const OptionValues& bake,
                                            const OptionValues&) const override {
@@ -221,11 +228,11 @@ class ReliefFactory final : public DrawableFactory {
   [[nodiscard]] Result<std::unique_ptr<Drawable>> make_drawable(
       std::unique_ptr<Representation> representation, const OptionValues& draw) override {
     const auto& relief = dynamic_cast<const ReliefRepresentation&>(*representation);
-    return make_relief_drawable(relief.pictures, boards_, relief_draw_options(draw));
+    return make_relief_drawable(relief.pictures, *boards_, relief_draw_options(draw));
   }
 
  private:
-  PrewarpedBoards boards_;
+  std::unique_ptr<PrewarpedBoards> boards_;
 };
 
 }  // namespace
@@ -249,10 +256,8 @@ Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pic
                                            pictures.bounds, options, boards)};
 }
 
-Result<std::unique_ptr<DrawableFactory>> make_relief_drawable_factory() {
-  Result<PrewarpedBoards> boards = PrewarpedBoards::create();
-  if (!boards) return boards.error();
-  return {std::make_unique<ReliefFactory>(*std::move(boards))};
+std::unique_ptr<DrawableFactory> make_relief_factory(std::unique_ptr<PrewarpedBoards> boards) {
+  return std::make_unique<ReliefFactory>(std::move(boards));
 }
 
 }  // namespace rilievo

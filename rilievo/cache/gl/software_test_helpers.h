@@ -1,0 +1,48 @@
+// How alike are a frame of OpenGL's and one drawn without?
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/frame/cpu/software_frames.h"
+
+namespace rilievo {
+
+// The share of pixels that are no edges: their 3 x 3 neighbourhood in `a` shows one object, without
+// creases or silhouettes of it (all colours alike within 10); of those, the share in which no
+// channel differs by more than 2.
+struct Alike {
+  double inner = 0, alike = 0;
+};
+
+inline Alike compare_frames(const Rgba8Image& a, const Rgba8Image& b,
+                            const Image<std::uint32_t>& objects) {
+  int inner = 0, alike = 0;
+  for (int y = 1; y + 1 < a.height(); ++y)
+    for (int x = 1; x + 1 < a.width(); ++x) {
+      bool edge = false;
+      for (int k = 0; k < 9; ++k) {
+        const int u = x + k % 3 - 1, v = y + k / 3 - 1;
+        edge = edge || objects(u, v) != objects(x, y);
+        for (int c = 0; c < 3; ++c) edge = edge || std::abs(a(u, v)[c] - a(x, y)[c]) > 10;
+      }
+      if (edge) continue;
+      ++inner;
+      int most = 0;
+      for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(a(x, y)[c] - b(x, y)[c]));
+      alike += most <= 2;
+    }
+  return {double(inner) / (a.width() * a.height()), double(alike) / std::max(inner, 1)};
+}
+
+inline Rgba8Image software_frame_of(SoftwareFrames& source, const BuiltinScene& builtin,
+                                    int frame) {
+  const double time = frame_time(builtin.path, frame);
+  EXPECT_TRUE(source.draw(camera_at(builtin.path, time, kWidth, kHeight), time).ok());
+  return source.software_target()->color();
+}
+
+}  // namespace rilievo

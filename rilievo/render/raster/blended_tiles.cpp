@@ -1,0 +1,299 @@
+// Corners are rounded to 1/256 of a pixel, as OpenGL does: edge functions are then whole numbers,
+// and of two triangles that share an edge exactly one covers a sample on it.
+//
+// A tile gathers triangles in their order, until one covers a sample that is taken already: then
+// what was gathered is shaded together (band_shader.h), blended, and a new round begins.
+#include "rilievo/render/raster/blended_tiles.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/render/draw_list.h"
+#include "rilievo/render/raster/near_clip.h"
+#include "rilievo/render/raster/raster_instances.h"
+#include "rilievo/render/raster/tile_samples.h"
+#include "rilievo/render/shading/picture_shader.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kUnit = 256;  // of a pixel
+constexpr int kTile = FrameTile::kSize, kBlock = FrameTile::kBlock, kBlocks = FrameTile::kBlocks;
+
+// In the frame; y points down.
+struct BlendedTriangle {
+  std::int64_t x[3], y[3];         // kUnit a pixel, counter-clockwise where y points up
+  double inverse_z, per_x, per_y;  // at the frame's upper left corner; of a pixel
+  std::uint32_t number;            // as in PlacedMesh
+  int x0, y0, x1, y1;              // pixels that it can cover: x0 <= x < x1
+};
+
+// > 0 left of the edge; 0 on it, if it is the triangle's.
+struct Edge {
+  std::int64_t at, per_x, per_y;
+
+  Edge(const BlendedTriangle& t, int k) {
+    const int a = k, b = (k + 1) % 3;
+    const std::int64_t dx = t.x[b] - t.x[a], dy = t.y[b] - t.y[a];
+    const bool own = dy > 0 || (dy == 0 && dx > 0);
+    per_x = dy, per_y = -dx;
+    at = -dy * t.x[a] + dx * t.y[a] + (own ? 1 : 0);
+  }
+  [[nodiscard]] std::int64_t operator()(std::int64_t x, std::int64_t y) const {
+    return at + per_x * x + per_y * y;
+  }
+};
+
+std::uint32_t blend(std::uint32_t under, std::uint32_t over) {
+  const std::uint32_t through = 255 - (over >> 24);
+  std::uint32_t out = 0;
+  for (int shift = 0; shift < 32; shift += 8) {
+    const std::uint32_t below = (under >> shift & 0xffu) * through;
+    out |= std::min(255u, (over >> shift & 0xffu) + (below + 127) / 255) << shift;
+  }
+  return out;
+}
+
+// One triangle, if any of it is in the frame.
+std::optional<BlendedTriangle> place_triangle(const Camera& camera, const RasterInstance& in,
+                                              std::uint32_t number, const std::uint32_t* corner) {
+  BlendedTriangle t;
+  double per_w[3];
+  for (int k = 0; k < 3; ++k) {
+    const glm::vec4 p(in.positions[corner[k]], 1);
+    const double w = double(glm::dot(in.row_w, p));
+    if (!(w > double(in.min_w)) || w <= 0) return std::nullopt;
+    per_w[k] = 1 / w;
+    const double x = double(glm::dot(in.row_x, p)) / w, y = double(glm::dot(in.row_y, p)) / w;
+    // Far outside, where single precision does not reach either.
+    if (!(std::abs(x) < 1e6 && std::abs(y) < 1e6)) return std::nullopt;
+    t.x[k] = std::llround(x * kUnit), t.y[k] = std::llround((camera.height - y) * kUnit);
+  }
+  std::int64_t area = (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.x[2] - t.x[0]) * (t.y[1] - t.y[0]);
+  if (area == 0 || !(area < 0 ? in.front : in.back)) return std::nullopt;
+  if (area > 0) {
+    std::swap(t.x[1], t.x[2]), std::swap(t.y[1], t.y[2]), std::swap(per_w[1], per_w[2]);
+    area = -area;
+  }
+  const auto pixels = [](std::int64_t a, std::int64_t b, std::int64_t c, int limit, int& from,
+                         int& to) {
+    const auto clamped = [&](std::int64_t v) { return int(std::clamp<std::int64_t>(v, 0, limit)); };
+    from = clamped(std::min({a, b, c}) / kUnit);
+    to = clamped(std::max({a, b, c}) / kUnit + 1);
+  };
+  pixels(t.x[0], t.x[1], t.x[2], camera.width, t.x0, t.x1);
+  pixels(t.y[0], t.y[1], t.y[2], camera.height, t.y0, t.y1);
+  if (t.x0 >= t.x1 || t.y0 >= t.y1) return std::nullopt;
+  // 1 / eye_z is affine.
+  const double x1 = double(t.x[1] - t.x[0]) / kUnit, y1 = double(t.y[1] - t.y[0]) / kUnit,
+               x2 = double(t.x[2] - t.x[0]) / kUnit, y2 = double(t.y[2] - t.y[0]) / kUnit;
+  const double det = x1 * y2 - x2 * y1, d1 = per_w[1] - per_w[0], d2 = per_w[2] - per_w[0];
+  t.per_x = (d1 * y2 - d2 * y1) / det, t.per_y = (d2 * x1 - d1 * x2) / det;
+  t.inverse_z = per_w[0] - (double(t.x[0]) * t.per_x + double(t.y[0]) * t.per_y) / kUnit;
+  t.number = number;
+  return t;
+}
+
+}  // namespace
+
+struct BlendedTiles::State {
+  const Scene& scene;
+  std::optional<SurfaceMaterials> materials;  // none: nothing has been drawn yet
+  DrawList list;
+  std::vector<PlacedMesh> placed;
+  std::vector<RasterInstance> instances;
+  std::vector<RasterMask> masks;
+  std::vector<Light> lights;
+  NearClip clip;
+  std::vector<BlendedTriangle> triangles;    // in their order
+  std::vector<std::uint32_t> first, listed;  // of each tile, as NailboardComposer's
+  int across = 0, down = 0;
+  PictureRays rays;
+  std::optional<SurfaceLights> light;
+  mutable tbb::enumerable_thread_specific<TileSamples> threads;
+
+  explicit State(const Scene& scene) : scene(scene) {}
+
+  void place_all(const Camera& camera, const PlacedScene& from,
+                 std::span<const std::uint32_t> objects);
+  void list_tiles();
+  bool add(FrameTile& tile, const BlendedTriangle& t, TileSamples& into,
+           bool (&found)[kBlocks * kBlocks]) const;
+  void flush(FrameTile& tile, TileSamples& from, bool (&found)[kBlocks * kBlocks]) const;
+};
+
+void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& from,
+                                    std::span<const std::uint32_t> objects) {
+  list.build_back_to_front(scene, camera, objects, from.poses(), from.bounds(),
+                           from.blended_meshes());
+  placed.clear();
+  std::uint64_t count = 0;
+  for (const Batch& batch : list.batches()) {
+    const Mesh& mesh = scene.meshes[batch.mesh];
+    const Placement& at = list.instances()[batch.first];
+    placed.push_back(
+        {&mesh, place_surface(mesh, materials->of_mesh(int(batch.mesh)), at.relative_from_mesh),
+         std::uint32_t(count), std::uint32_t(mesh.triangles()), at.object});
+    count += mesh.triangles();
+  }
+  RILIEVO_EXPECTS(count < 0xFFFFFFFFu);
+  make_instances(camera, placed, instances, masks);
+  clip.clear(std::uint32_t(count));
+  triangles.clear();
+  const float z_near = float(camera.z_near);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    RasterInstance& one = instances[i];
+    const std::size_t pieces = clip.instances().size();
+    if (NearClip::crosses(one, placed[i].mesh->bounds, z_near))
+      clip.cut(*placed[i].mesh, camera.width, camera.height, z_near, one);
+    for (std::uint32_t k = 0; k < one.triangles; ++k)
+      if (const auto t =
+              place_triangle(camera, one, one.first_triangle + k, one.indices + 3 * std::size_t(k)))
+        triangles.push_back(*t);
+    // What reaches behind the eye comes last of its mesh.
+    if (clip.instances().size() == pieces) continue;
+    const RasterInstance& cut = clip.instances().back();
+    for (std::uint32_t k = 0; k < cut.triangles; ++k) {
+      const std::uint32_t number = clip.numbers()[cut.first_triangle + k - std::uint32_t(count)];
+      if (const auto t = place_triangle(camera, cut, number, cut.indices + 3 * std::size_t(k)))
+        triangles.push_back(*t);
+    }
+  }
+  across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
+  rays = picture_rays(camera);
+  light.emplace(surface_lights(scene, camera.position(), lights));
+}
+
+// A list for each tile: counted, then filled.
+void BlendedTiles::State::list_tiles() {
+  const auto each_tile = [&](const BlendedTriangle& t, const auto& visit) {
+    for (int y = t.y0 / kTile; y <= (t.y1 - 1) / kTile; ++y)
+      for (int x = t.x0 / kTile; x <= (t.x1 - 1) / kTile; ++x)
+        visit(std::size_t(y) * std::size_t(across) + std::size_t(x));
+  };
+  first.assign(std::size_t(across) * std::size_t(down) + 2, 0);
+  for (const BlendedTriangle& t : triangles)
+    each_tile(t, [&](std::size_t tile) { ++first[tile + 2]; });
+  for (std::size_t t = 2; t < first.size(); ++t) first[t] += first[t - 1];
+  listed.resize(first.back());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+    each_tile(triangles[i], [&](std::size_t tile) { listed[first[tile + 1]++] = i; });
+}
+
+// Adds a triangle's samples; false, and adds none, if one of them is taken.
+bool BlendedTiles::State::add(FrameTile& tile, const BlendedTriangle& t, TileSamples& into,
+                              bool (&found)[kBlocks * kBlocks]) const {
+  const Edge edges[] = {{t, 0}, {t, 1}, {t, 2}};
+  const int samples = tile.samples;
+  const int x0 = std::max(t.x0 - tile.x, 0), x1 = std::min(t.x1 - tile.x, kTile);
+  const int y0 = std::max(t.y0 - tile.y, 0), y1 = std::min(t.y1 - tile.y, kTile);
+  struct Cover {
+    std::uint32_t at;  // of a sample
+    std::uint8_t block;
+  };
+  static thread_local std::vector<Cover> covers;  // kept, so that drawing does not allocate
+  covers.clear();
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const int block = y / kBlock * kBlocks + x / kBlock;
+      const int pixel = y % kBlock * kBlock + x % kBlock;
+      unsigned mask = 0;
+      for (int s = 0; s < samples; ++s) {
+        const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[s],
+                    sy = samples == 1 ? 0.5f : FrameTile::kSampleY[s];
+        const std::int64_t px = std::int64_t(float(kUnit) * sx) + std::int64_t(tile.x + x) * kUnit;
+        const std::int64_t py = std::int64_t(float(kUnit) * sy) + std::int64_t(tile.y + y) * kUnit;
+        if (edges[0](px, py) > 0 && edges[1](px, py) > 0 && edges[2](px, py) > 0) mask |= 1u << s;
+      }
+      if (mask == 0) continue;
+      if (samples == 4 && mask != 15u) tile.expand(block);
+      const bool apart = samples == 4 && tile.expanded[block];
+      const std::size_t to = first_sample(into.samples, x, y);
+      for (int s = 0; s < samples; ++s) {
+        if (!(mask >> s & 1)) continue;
+        // Where a block has one sample a pixel, that stands for all.
+        const int of = apart ? s : 0;
+        const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[of],
+                    sy = samples == 1 ? 0.5f : FrameTile::kSampleY[of];
+        const float inverse_z = float(t.inverse_z + (double(tile.x + x) + double(sx)) * t.per_x +
+                                      (double(tile.y + y) + double(sy)) * t.per_y);
+        if (!(inverse_z > tile.plane(block, of).inverse_z[pixel])) continue;
+        if (into.samples.depth[to + std::size_t(s)] < 1) return false;
+        covers.push_back({std::uint32_t(to + std::size_t(s)), std::uint8_t(block)});
+      }
+    }
+  for (const Cover& cover : covers) {
+    into.samples.depth[cover.at] = 0;
+    into.samples.triangle[cover.at] = t.number;
+    found[cover.block] = true;
+  }
+  return true;
+}
+
+// Shades and blends what was gathered, and empties it.
+void BlendedTiles::State::flush(FrameTile& tile, TileSamples& from,
+                                bool (&found)[kBlocks * kBlocks]) const {
+  const PictureView view{from.samples, placed, rays, *light, ColorScale::srgb, nullptr};
+  for (int row = 0; row < kBlocks; ++row) {
+    bool* of_row = found + row * kBlocks;
+    if (std::none_of(of_row, of_row + kBlocks, [](bool one) { return one; })) continue;
+    from.shade_blocks(view, tile, row);
+    for (int block = row * kBlocks; block < (row + 1) * kBlocks; ++block) {
+      if (!found[block]) continue;
+      found[block] = false;
+      const int x = block % kBlocks * kBlock, y = row * kBlock;
+      const int planes = tile.samples == 4 ? tile.planes(block) : 1;
+      for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
+        const std::size_t at = first_sample(from.samples, x + i % kBlock, y + i / kBlock);
+        for (int s = 0; s < planes; ++s) {
+          std::uint32_t& content = tile.plane(block, s).content[i];
+          if (from.samples.depth[at + std::size_t(s)] < 1)
+            content = blend(content, from.colors[at + std::size_t(s)]);
+        }
+        for (int s = 0; s < tile.samples; ++s) from.samples.depth[at + std::size_t(s)] = 1;
+      }
+    }
+  }
+}
+
+BlendedTiles::BlendedTiles(const Scene& scene) : state_(new State(scene)) {}
+BlendedTiles::~BlendedTiles() = default;
+
+bool BlendedTiles::any() const { return !state_->triangles.empty(); }
+
+void BlendedTiles::place(const Camera& camera, const PlacedScene& placed,
+                         std::span<const std::uint32_t> objects) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  State& s = *state_;
+  s.triangles.clear();
+  if (objects.empty()) return;
+  if (!s.materials) s.materials.emplace(s.scene, true);
+  s.place_all(camera, placed, objects);
+  s.list_tiles();
+}
+
+void BlendedTiles::draw_tile(FrameTile& tile) const {
+  const State& s = *state_;
+  if (!any() || tile.of != TileContent::color) return;
+  const std::size_t t =
+      std::size_t(tile.y / kTile) * std::size_t(s.across) + std::size_t(tile.x / kTile);
+  if (s.first[t] == s.first[t + 1]) return;
+  TileSamples& local = s.threads.local();
+  local.begin(tile.samples);
+  bool found[kBlocks * kBlocks] = {};
+  for (std::uint32_t i = s.first[t]; i < s.first[t + 1]; ++i) {
+    const BlendedTriangle& triangle = s.triangles[s.listed[i]];
+    if (s.add(tile, triangle, local, found)) continue;
+    s.flush(tile, local, found);
+    [[maybe_unused]] const bool added = s.add(tile, triangle, local, found);
+    RILIEVO_EXPECTS(added);
+  }
+  s.flush(tile, local, found);
+}
+
+}  // namespace rilievo

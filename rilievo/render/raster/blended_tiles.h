@@ -1,0 +1,41 @@
+// How do parts that blend get into a frame that processors draw?
+//
+// As render/opengl draws them: after everything opaque and the sky; objects back to front, their
+// triangles in their order; each sample of a triangle that nothing opaque hides is blended over
+// what is there, premultiplied, in bytes. Writes no depth. A pixel is shaded at its centre, once
+// for each triangle. For few large triangles (windows, water): one thread places all of them, tiles
+// are drawn by all cores. The result does not depend on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/render/placed_scene.h"
+#include "rilievo/render/software/frame_tile.h"
+
+namespace rilievo {
+
+// Draws the blended parts of one scene into the tiles of a SoftwareTarget.
+class BlendedTiles final : public TileDrawer {
+ public:
+  // `scene` must be valid and outlive the object. Makes the mip levels of its textures with the
+  // first parts that blend.
+  explicit BlendedTiles(const Scene& scene);
+  ~BlendedTiles() override;
+
+  // Prepares a frame of colours: the blended parts of `objects`. Requires a perspective camera.
+  void place(const Camera& camera, const PlacedScene& placed,
+             std::span<const std::uint32_t> objects);
+  // Does the last frame show any?
+  [[nodiscard]] bool any() const;
+
+  void draw_tile(FrameTile& tile) const override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,25 @@
+#include "rilievo/representation/cpu/software_factories.h"
+
+#include <array>
+
+#include "rilievo/layered_relief/relief_drawable.h"
+#include "rilievo/layered_relief/relief_kind.h"
+#include "rilievo/nailboard/cpu/memory_boards.h"
+
+namespace rilievo {
+namespace {
+
+Result<std::unique_ptr<DrawableFactory>> make_relief_tiles_factory() {
+  return {make_relief_factory(std::make_unique<MemoryBoards>())};
+}
+
+}  // namespace
+
+std::span<const DrawableRow> software_drawable_rows() {
+  static constexpr std::array rows{
+      DrawableRow{kLayeredReliefName, make_relief_tiles_factory},
+  };
+  return rows;
+}
+
+}  // namespace rilievo
