@@ -92,6 +92,15 @@ TEST_F(SoftwareKindsTest, layered_reliefs) {
                    cameras_around(builtin.scene, 4, 1));
 }
 
+TEST_F(SoftwareKindsTest, layered_impostors) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
+  const Kind& kind = *find_kind(kinds(), "layered-impostor");
+  OptionValues options(kind.bake_options);
+  ASSERT_TRUE(options.set("no-fills", "on").ok());
+  expect_kind_same("layered-impostor", options, OptionValues(kind.draw_options),
+                   cameras_around(builtin.scene, 4, 3));
+}
+
 // Panes and balls that blend, before and behind each other and what is opaque; textured, with
 // colours at the corners, one- and two-sided, and one around the eye.
 BuiltinScene blended_scene() {

@@ -1,0 +1,341 @@
+// The rays of a pixel are those of the frame's camera, moved into the world of the capture: there
+// they are t d with t the frame's eye_z, divided by the scale of the placement.
+#include "rilievo/layered_impostor/cpu/layered_tiles.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rilievo/core/color.h"
+#include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_impostor/drawable_terms.h"
+#include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/layered_impostor/pixel_march.h"
+#include "rilievo/render/software/frame_tile.h"
+#include "rilievo/render/software/line_tiles.h"
+#include "rilievo/warp/surface_pyramid.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kMostViews = 6;  // looked up by a pixel
+constexpr float kNothing = 0;  // 1 / eye_z where there is none
+
+// As frames are encoded, under premultiplied alpha.
+Image<glm::u8vec4> encoded_colors(const ColorImage& color) {
+  Image<glm::u8vec4> out(color.width(), color.height());
+  for (std::size_t i = 0; i < color.texels().size(); ++i) {
+    const glm::vec4 c = color.texels()[i];
+    const float alpha = std::clamp(c.a, 0.0f, 1.0f);
+    glm::vec4 e(0.0f, 0.0f, 0.0f, alpha);
+    for (int k = 0; k < 3 && alpha > 0; ++k) e[k] = alpha * srgb_from_linear(c[k] / c.a);
+    out.texels()[i] = glm::u8vec4(glm::clamp(e, 0.0f, 1.0f) * 255.0f + 0.5f);
+  }
+  return out;
+}
+
+struct LayeredPicture {
+  Image<glm::u8vec4> color;
+  Image<std::uint32_t> object;  // empty if all show one
+  SurfacePyramid pyramid;
+};
+
+// An impostor in a frame.
+struct PlacedLayered {
+  Camera camera;  // in the world of the capture
+  double scale = 1;
+  std::uint32_t object = kNoObject;
+  std::array<int, kMostViews> views{};
+  std::array<float, kMostViews> weights{};
+  int count = 0;
+  double distance = 0;
+  float nearest = 0;  // 1 / eye_z, which nothing exceeds
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+struct SeenLayered {
+  float inverse_z = kNothing;
+  glm::vec4 color{0.0f};
+  std::uint32_t object = kNoObject;
+};
+
+class LayeredTiles final : public Drawable, public TileDrawer {
+ public:
+  LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options);
+
+  [[nodiscard]] std::string_view kind() const override { return kLayeredImpostorName; }
+  void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
+  void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
+  [[nodiscard]] const TileDrawer* tiles() const override { return this; }
+  [[nodiscard]] const TileDrawer* outline_tiles() const override { return &outlines_; }
+  void draw_tile(FrameTile& tile) const override;
+
+  [[nodiscard]] ErrorModel error_model(std::uint32_t) const override { return error_; }
+  [[nodiscard]] CostTerms cost_terms(std::uint32_t) const override { return cost_; }
+  [[nodiscard]] std::size_t bytes() const override { return bytes_; }
+
+ private:
+  [[nodiscard]] bool place(const Camera& frame, const Instance& instance, PlacedLayered& out) const;
+  void draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const;
+  [[nodiscard]] SeenLayered look(const PlacedLayered& placed, double x, double y) const;
+  [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, int view, const PixelRay& ray,
+                                    const SurfaceHit& march) const;
+
+  LayeredImpostor impostor_;  // without colours and depths
+  LayeredOptions options_;
+  ErrorModel error_;
+  CostTerms cost_;
+  std::vector<LayeredPicture> pictures_;
+  bool several_ = false;
+  std::size_t bytes_ = 0;
+  std::vector<PlacedLayered> placed_;  // front to back; kept, so that drawing does not allocate
+  LineTiles outlines_;
+};
+
+LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options)
+    : impostor_(std::move(impostor)),
+      options_(options),
+      error_(layered_error_model(impostor_, options.method)),
+      cost_(layered_cost_terms(impostor_, options.method)) {
+  std::uint32_t only = kNoObject;
+  for (const DepthImage& picture : impostor_.pictures)
+    for (const std::uint32_t object : picture.object.texels()) {
+      if (object == kNoObject) continue;
+      several_ = several_ || (only != kNoObject && object != only);
+      only = object;
+    }
+  pictures_.resize(impostor_.pictures.size());
+  parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
+    DepthImage& picture = impostor_.pictures[i];
+    pictures_[i].color = encoded_colors(picture.color);
+    if (several_) pictures_[i].object = std::move(picture.object);
+    pictures_[i].pyramid = make_surface_pyramid(impostor_.surfaces[i]);
+    picture.color = {}, picture.depth = {}, picture.object = {};
+  });
+  for (std::size_t i = 0; i < pictures_.size(); ++i)
+    bytes_ += pictures_[i].color.texels().size() * (4 + sizeof(SurfaceTexel)) +
+              4 * pictures_[i].object.texels().size();
+}
+
+bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLayered& out) const {
+  const glm::dmat4& motion = instance.world_from_capture;
+  out.scale = glm::length(glm::dvec3(motion[0]));
+  if (!(out.scale > 0)) return false;
+  out.camera = frame;
+  out.camera.world_from_eye = glm::inverse(motion) * frame.world_from_eye;
+  for (int k = 0; k < 3; ++k) out.camera.world_from_eye[k] *= out.scale;
+  out.camera.z_near /= out.scale, out.camera.z_far /= out.scale;
+  out.object = instance.object;
+
+  const glm::dvec3 eye = out.camera.position(), center(impostor_.bounds.center());
+  const glm::dvec3 towards = eye - center;
+  out.distance = glm::length(towards) * out.scale;
+  const auto room =
+      std::span(out.views).first(std::size_t(std::clamp(options_.max_views, 1, kMostViews)));
+  out.count = nearest_views(impostor_.views, towards, room);
+  out.weights = {};
+  handover_weights(impostor_.views, towards, options_.handover * mean_spacing(impostor_.views),
+                   std::span<const int>(out.views.data(), std::size_t(out.count)), out.weights);
+
+  double x0 = 1e30, y0 = 1e30, x1 = -1e30, y1 = -1e30, nearest = 1e300;
+  const double slack = 1e-4 * double(impostor_.bounds.radius());
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 corner = glm::dvec3(i & 1 ? impostor_.bounds.max.x : impostor_.bounds.min.x,
+                                         i & 2 ? impostor_.bounds.max.y : impostor_.bounds.min.y,
+                                         i & 4 ? impostor_.bounds.max.z : impostor_.bounds.min.z);
+    const double eye_z = glm::dot(corner - eye, out.camera.forward()) - slack;
+    nearest = std::min(nearest, eye_z);
+    if (eye_z < out.camera.z_near) continue;
+    const glm::dvec3 at = raster_from_world(out.camera, corner);
+    x0 = std::min(x0, at.x), x1 = std::max(x1, at.x);
+    y0 = std::min(y0, at.y), y1 = std::max(y1, at.y);
+  }
+  if (x0 > x1) return false;  // behind the eye
+  if (nearest < out.camera.z_near) {
+    x0 = y0 = 0, x1 = frame.width, y1 = frame.height;
+    nearest = out.camera.z_near;
+  }
+  const auto limited = [](double v, int most) { return int(std::clamp(v, 0.0, double(most))); };
+  out.x0 = limited(std::floor(x0 - 0.5), frame.width);
+  out.x1 = limited(std::ceil(x1 + 0.5), frame.width);
+  out.y0 = limited(std::floor(y0 - 0.5), frame.height);
+  out.y1 = limited(std::ceil(y1 + 0.5), frame.height);
+  out.nearest = float(1.0001 / (nearest * out.scale));
+  return out.x0 < out.x1 && out.y0 < out.y1;
+}
+
+void LayeredTiles::draw(const Camera& frame, std::span<const Instance> instances, Output) {
+  RILIEVO_EXPECTS(frame.projection == Projection::perspective);
+  placed_.clear();
+  PlacedLayered placed;
+  for (const Instance& instance : instances)
+    if (place(frame, instance, placed)) placed_.push_back(placed);
+  std::stable_sort(
+      placed_.begin(), placed_.end(),
+      [](const PlacedLayered& a, const PlacedLayered& b) { return a.distance < b.distance; });
+}
+
+void LayeredTiles::draw_outlines(const Camera& frame, std::span<const Instance> instances) {
+  outlines_.begin(frame);
+  for (const Instance& instance : instances)
+    outlines_.add_box(glm::dvec3(impostor_.bounds.min), glm::dvec3(impostor_.bounds.max),
+                      instance.world_from_capture);
+}
+
+SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const PixelRay& ray,
+                                  const SurfaceHit& march) const {
+  const auto v = std::size_t(view);
+  const LayeredPicture& picture = pictures_[v];
+  const glm::dvec3 world =
+      world_from_raster(impostor_.pictures[v].camera, glm::dvec2(march.at), 1 / march.at.z);
+  const double t =
+      glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction);
+  SeenLayered seen;
+  seen.inverse_z = float(1 / (t * placed.scale));
+  seen.object = several_ ? picture.object(march.texel.x, march.texel.y) : placed.object;
+
+  // Between the texels that are linked to the one that was hit.
+  const glm::dvec2 offset = glm::dvec2(march.at) - (glm::dvec2(march.texel) + 0.5);
+  const std::uint8_t links = impostor_.surfaces[v].texels(march.texel.x, march.texel.y).links;
+  const int sx = offset.x >= 0 ? 1 : -1, sy = offset.y >= 0 ? 1 : -1;
+  const float fx = float(std::min(std::abs(offset.x), 0.5)),
+              fy = float(std::min(std::abs(offset.y), 0.5));
+  const int x = sx > 0 ? 0 : 4, y = sy > 0 ? 2 : 6,
+            xy = sx > 0 ? (sy > 0 ? 1 : 7) : (sy > 0 ? 3 : 5);
+  glm::vec4 sum(0.0f);
+  float total = 0;
+  const auto add = [&](int dx, int dy, float weight) {
+    sum += weight * glm::vec4(picture.color(march.texel.x + dx, march.texel.y + dy));
+    total += weight;
+  };
+  add(0, 0, (1 - fx) * (1 - fy));
+  if (links >> x & 1) add(sx, 0, fx * (1 - fy));
+  if (links >> y & 1) add(0, sy, (1 - fx) * fy);
+  if (links >> xy & 1) add(sx, sy, fx * fy);
+  seen.color = sum / (255.0f * total);
+  return seen;
+}
+
+// The rules are those of warp_surfaces().
+SeenLayered LayeredTiles::look(const PlacedLayered& placed, double x, double y) const {
+  const std::optional<PixelRay> ray = pixel_ray(impostor_.bounds, placed.camera, {x, y});
+  if (!ray) return {};
+  SeenLayered certain, doubtful, skin;
+  int inside = 0;
+  float surface = 0, nothing = 0, heaviest = 0;
+  glm::vec4 blended(0.0f);
+  for (int i = 0; i < placed.count; ++i) {
+    const float own = placed.weights[std::size_t(i)];
+    if (own == 0 && surface + nothing > 0) break;
+    const float weight = own > 0 ? own : 1.0f;
+    const int view = placed.views[std::size_t(i)];
+    const auto v = std::size_t(view);
+    const std::optional<DisparitySegment> segment =
+        disparity_segment(impostor_.pictures[v].camera, ray->origin + ray->begin * ray->direction,
+                          ray->origin + ray->end * ray->direction);
+    const SurfaceHit march =
+        segment ? intersect(impostor_.surfaces[v], pictures_[v].pyramid, *segment) : SurfaceHit{};
+    if (march.hit) {
+      const SeenLayered seen = seen_at(placed, view, *ray, march);
+      if (seen.inverse_z > doubtful.inverse_z) doubtful = seen;
+      if (march.passed_behind) continue;
+      surface += weight;
+      blended += weight * seen.color;
+      if (weight > heaviest) heaviest = weight, certain = seen;
+    } else if (!march.passed_behind) {
+      if (impostor_.complete[v]) nothing += weight;
+    } else {
+      inside += march.passed_outline ? -1 : 1;
+      if (!march.passed_outline && skin.inverse_z == kNothing)
+        skin = seen_at(placed, view, *ray, march);
+    }
+  }
+  if (nothing > surface) return {};
+  if (doubtful.inverse_z == kNothing && inside > 0 && placed.count > 1) doubtful = skin;
+  if (surface == 0) return doubtful;
+  certain.color = blended / surface;
+  return certain;
+}
+
+void LayeredTiles::draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const {
+  constexpr int kBlock = FrameTile::kBlock;
+  const int x0 = tile.x + block % FrameTile::kBlocks * kBlock,
+            y0 = tile.y + block / FrameTile::kBlocks * kBlock;
+  if (x0 >= placed.x1 || y0 >= placed.y1 || x0 + kBlock <= placed.x0 || y0 + kBlock <= placed.y0)
+    return;
+  const int planes = tile.planes(block);
+  for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
+    const int x = x0 + i % kBlock, y = y0 + i / kBlock;
+    if (x < placed.x0 || y < placed.y0 || x >= placed.x1 || y >= placed.y1) continue;
+    float farthest = tile.plane(block, 0).inverse_z[i];
+    for (int s = 1; s < planes; ++s)
+      farthest = std::min(farthest, tile.plane(block, s).inverse_z[i]);
+    if (placed.nearest <= farthest) continue;
+    const SeenLayered seen = look(placed, x + 0.5, y + 0.5);
+    if (!(seen.inverse_z > farthest)) continue;
+    std::uint32_t content = seen.object;
+    if (tile.of == TileContent::color) {
+      content = 0xff000000u;
+      for (int c = 0; c < 3; ++c)
+        content |=
+            std::uint32_t(std::clamp(seen.color[c] / std::max(seen.color.a, 1e-3f), 0.0f, 1.0f) *
+                              255.0f +
+                          0.5f)
+            << (8 * c);
+    }
+    for (int s = 0; s < planes; ++s) {
+      FrameTile::Plane& plane = tile.plane(block, s);
+      if (!(seen.inverse_z > plane.inverse_z[i])) continue;
+      plane.inverse_z[i] = seen.inverse_z;
+      plane.content[i] = content;
+    }
+    tile.changed[block] = true;
+  }
+}
+
+void LayeredTiles::draw_tile(FrameTile& tile) const {
+  for (const PlacedLayered& placed : placed_) {
+    if (placed.x0 >= tile.x + FrameTile::kSize || placed.x1 <= tile.x ||
+        placed.y0 >= tile.y + FrameTile::kSize || placed.y1 <= tile.y)
+      continue;
+    for (int block = 0; block < FrameTile::kBlockCount; ++block) draw_block(placed, tile, block);
+  }
+}
+
+class LayeredTilesFactory final : public DrawableFactory {
+ public:
+  [[nodiscard]] std::size_t expected_bytes(const OptionValues& bake,
+                                           const OptionValues& draw) const override {
+    const BakeOptions options = layered_bake_options(bake);
+    const int views = int(make_view_set(options.views).directions.size());
+    return layered_texture_bytes(views, options.camera.size, options.camera.size,
+                                 layered_draw_options(draw).method);
+  }
+  void spare(OptionValues& bake, const OptionValues&) const override {
+    (void)bake.set("no-fills", "on");
+  }
+  [[nodiscard]] Result<std::unique_ptr<Drawable>> make_drawable(
+      std::unique_ptr<Representation> representation, const OptionValues& draw) override {
+    auto& layered = dynamic_cast<LayeredRepresentation&>(*representation);
+    return make_layered_tiles(std::move(layered.impostor), layered_draw_options(draw));
+  }
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Drawable>> make_layered_tiles(LayeredImpostor impostor,
+                                                     const LayeredOptions& options) {
+  if (options.method == LayeredMethod::slices)
+    return Error{std::string(kLayeredImpostorName), "slices are drawn by OpenGL only"};
+  return {std::make_unique<LayeredTiles>(std::move(impostor), options)};
+}
+
+Result<std::unique_ptr<DrawableFactory>> make_layered_tiles_factory() {
+  return {std::make_unique<LayeredTilesFactory>()};
+}
+
+}  // namespace rilievo
