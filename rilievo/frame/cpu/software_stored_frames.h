@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rilievo/core/depth_image.h"
+#include "rilievo/core/picture_geometry.h"
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/kind/kind.h"
 
