@@ -1,7 +1,6 @@
 #include "rilievo/frame/cpu/software_frames.h"
 
 #include "rilievo/core/expects.h"
-#include "rilievo/render/draw_list.h"
 
 namespace rilievo {
 
@@ -13,7 +12,7 @@ SoftwareFrames::SoftwareFrames(const Scene& scene, int samples)
       sky_tiles_(scene.sky),
       blended_tiles_(scene) {
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
-    if (placed_.has_blended_parts(i)) blended_.push_back(i);
+    blends_ = blends_ || placed_.has_blended_parts(i);
 }
 
 void SoftwareFrames::place_sets(Output output) {
@@ -29,10 +28,11 @@ void SoftwareFrames::place_sets(Output output) {
 
 void SoftwareFrames::place_blended() {
   blended_in_view_.clear();
-  const Frustum frustum = frustum_of(camera_);
-  for (const std::uint32_t object : blended_)
-    if (!shows_blended(object) && may_touch(frustum, placed_.bounds()[object]))
-      blended_in_view_.push_back(object);
+  if (!blends_) return;
+  placed_.cull(camera_, blended_in_view_);
+  std::erase_if(blended_in_view_, [&](std::uint32_t object) {
+    return !placed_.has_blended_parts(object) || shows_blended(object);
+  });
   blended_tiles_.place(camera_, placed_, blended_in_view_);
   if (blended_tiles_.any()) drawers_.push_back(&blended_tiles_);
 }

@@ -56,7 +56,8 @@ class SoftwareFrames : public FrameSource {
   PolygonTiles polygons_;
   SkyTiles sky_tiles_;
   BlendedTiles blended_tiles_;
-  std::vector<std::uint32_t> blended_, blended_in_view_;  // objects
+  bool blends_ = false;                         // does any part of the scene?
+  std::vector<std::uint32_t> blended_in_view_;  // objects
   FrameContent content_;
   FrameStats stats_;
   std::vector<const TileDrawer*> drawers_;
