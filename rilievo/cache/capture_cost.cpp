@@ -24,6 +24,8 @@ constexpr double kWidest = 2.5;
 // While a picture is in use the eye comes nearer by at most this share of the distance: texels
 // need not be smaller than pixels by more.
 constexpr double kApproach = 0.3;
+// And it goes away by at most this share, so that kMostMinified is not reached before.
+constexpr double kRecede = 0.4;
 constexpr double kShortestLife = 2;  // frames; what lives shorter is captured for one frame
 
 std::array<ViewAxes::Plane, 5> frustum_of(const Camera& camera) {
@@ -118,6 +120,20 @@ bool may_see(const std::array<ViewAxes::Plane, 5>& frustum, const Box& box) {
   return true;
 }
 
+double minification(const PictureGeometry& picture, const Camera& frame) {
+  const Camera& capture = picture.capture;
+  const ImageWindow &w = capture.window, &f = frame.window;
+  const glm::dvec3 middle(0.5 * (w.left + w.right), 0.5 * (w.bottom + w.top), -1);
+  const glm::dvec3 at(capture.world_from_eye * glm::dvec4(picture.plane_z * middle, 1));
+  const double distance = glm::dot(at - frame.position(), frame.forward());
+  if (distance <= 0) return 1;
+  const double texel = picture.plane_z * std::min((w.right - w.left) / capture.width,
+                                                  (w.top - w.bottom) / capture.height);
+  const double pixel =
+      distance * std::max((f.right - f.left) / frame.width, (f.top - f.bottom) / frame.height);
+  return pixel / texel;
+}
+
 double covered_pixels(const ViewAxes& view, const Box& box) {
   const Seen seen = see(view, box, view.eye);
   const ImageWindow& frame = view.camera.window;
@@ -168,6 +184,8 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
   // The eye comes nearer twice as long: before the capture's eye and after.
   const double approach = std::max(0.0, d.z) * (1 + options.anticipation);
   if (approach * e.life > kApproach * seen.front) e.life = kApproach * seen.front / approach;
+  const double recede = std::max(0.0, -d.z) * (1 + options.anticipation);
+  if (recede * e.life > kRecede * seen.front) e.life = kRecede * seen.front / recede;
   e.once = e.life * (1 + options.anticipation) < kShortestLife;
   if (e.once) e.life = 1 / (1 + options.anticipation);
   e.ahead = e.once ? 0 : options.anticipation * e.life;

@@ -60,6 +60,12 @@ struct CaptureCost {
   return e.draw + e.capture / ((1 + options.anticipation) * e.life);
 }
 
+// How many texels does a pixel step over, where the frame sees the middle of the picture's polygon?
+// Above kMostMinified what is between them shows as aliasing. For cameras that look alike; 1 where
+// the polygon is behind the frame's eye.
+inline constexpr double kMostMinified = 1.5;
+[[nodiscard]] double minification(const PictureGeometry& picture, const Camera& frame);
+
 // The number of pixels of the rectangle around the box on the screen; those of the whole frame if
 // the box is too near.
 [[nodiscard]] double covered_pixels(const ViewAxes& view, const Box& box);

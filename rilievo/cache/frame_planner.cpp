@@ -119,7 +119,8 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
     return checked;
   }
   checked.late = checked.now_px > limit || checked.gap_px > gap_limit;
-  if (checked.late) return checked;
+  // Texels that have become too small for pixels alias: time for larger ones.
+  if (checked.late || minification(picture.geometry, frame.camera) > kMostMinified) return checked;
   if (holds_at(picture.lead)) {
     checked.remaining = picture.lead;
     return checked;
