@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "bench/timing.h"
+#include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/raster_source.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/nailboard/gl/nailboard_capture.h"
@@ -32,7 +35,30 @@ struct Measured {
   std::uint64_t triangles = 0;
   double opengl_ms = 0, rasterizer_ms = 0, rays_ms = 0, copy_ms = 0;
   double rasterizer_db = 0, rays_db = 0;  // against OpenGL
+  int lost = 0;                           // objects that OpenGL shows and the rasteriser does not
+  double other_objects = 0;               // share of texels whose centres show another object
 };
+
+// Of the objects in one sample a texel, by the one capture call.
+Result<> compare_objects(SceneRenderer& renderer, const Camera& camera, Measured& m) {
+  OpenGLSource opengl(renderer);
+  RasterSource rasterizer(renderer.placed());
+  const Result<CapturedPicture> a = opengl.capture({.camera = camera, .samples = 1});
+  if (!a) return a.error();
+  const Result<CapturedPicture> b = rasterizer.capture({.camera = camera, .samples = 1});
+  if (!b) return b.error();
+  const auto in_a = a->picture.object.texels(), in_b = b->picture.object.texels();
+  std::vector<std::array<int, 2>> texels(renderer.scene().objects.size() + 1);
+  int other = 0;
+  for (std::size_t i = 0; i < in_a.size(); ++i) {
+    ++texels[in_a[i]][0], ++texels[in_b[i]][1];
+    other += in_a[i] != in_b[i];
+  }
+  m.other_objects = double(other) / double(in_a.size());
+  for (std::size_t object = 1; object < texels.size(); ++object)
+    m.lost += texels[object][0] > 3 && texels[object][1] == 0;
+  return Done{};
+}
 
 Rgba8Image from_top(const RasterPicture& picture) {
   Rgba8Image image(picture.width, picture.height);
@@ -72,6 +98,8 @@ Result<Measured> measure(const Scene& scene, int runs) {
     });
     taken.push_back(atlas.read(*slot, picture_geometry(*camera)));
   }
+  if (Result<> compared = compare_objects(*renderer, *camera, m); !compared)
+    return compared.error();
   m.rasterizer_db = psnr_db(taken[0].color, taken[1].color);
   std::vector<std::uint8_t> copy(std::size_t(kSize) * kSize * 5);  // colour and Delta
   const std::vector<std::uint8_t> source(copy.size(), 1);
@@ -129,7 +157,8 @@ Result<BenchReport> capture(const BenchOptions& options) {
   Table table{
       fmt::format("A scene in one picture of {} x {} texels, four samples each", kSize, kSize),
       {"scene", "triangles", "OpenGL ms", "rasteriser ms", "times", "rays ms", "copies",
-       "OpenGL against rasteriser, dB", "against rays, dB"},
+       "OpenGL against rasteriser, dB", "against rays, dB", "objects lost",
+       "texels of other objects, %"},
       {}};
   Curve by_opengl{"OpenGL", {}, {}}, by_rasterizer{"rasteriser", {}, {}}, by_rays{"rays", {}, {}};
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -142,7 +171,8 @@ Result<BenchReport> capture(const BenchOptions& options) {
         {all[i].name, std::to_string(m->triangles), fmt::format("{:.1f}", m->opengl_ms),
          fmt::format("{:.1f}", m->rasterizer_ms), fmt::format("{:.1f}", times),
          fmt::format("{:.1f}", m->rays_ms), fmt::format("{:.0f}", m->rasterizer_ms / m->copy_ms),
-         fmt::format("{:.1f}", m->rasterizer_db), fmt::format("{:.1f}", m->rays_db)});
+         fmt::format("{:.1f}", m->rasterizer_db), fmt::format("{:.1f}", m->rays_db),
+         std::to_string(m->lost), fmt::format("{:.3f}", 100 * m->other_objects)});
     const std::pair<Curve*, double> points[] = {
         {&by_opengl, m->opengl_ms}, {&by_rasterizer, m->rasterizer_ms}, {&by_rays, m->rays_ms}};
     if (all[i].name == "forest")
@@ -154,6 +184,7 @@ Result<BenchReport> capture(const BenchOptions& options) {
     report.figures.push_back({"psnr_db_" + all[i].key, m->rasterizer_db});
     report.figures.push_back({"rays_times_" + all[i].key, m->opengl_ms / m->rays_ms});
     report.figures.push_back({"rays_psnr_db_" + all[i].key, m->rays_db});
+    report.figures.push_back({"objects_lost_" + all[i].key, double(m->lost)});
     if (options.progress) options.progress(int(i) + 1, int(all.size()));
   }
   report.tables = {std::move(table)};
@@ -167,6 +198,8 @@ Result<BenchReport> capture(const BenchOptions& options) {
   report.notes = {
       "OpenGL and rasteriser: with Delta, blocks and the way to the GPU; `times`: the first by the "
       "second. `copies`: the rasteriser's time by that of a memcpy of colour and Delta.",
+      "Objects lost: those in more than three texels of OpenGL's picture and in none of the "
+      "rasteriser's; none is left to OpenGL.",
       "Rays: by Embree, a ray a sample, shaded as the rasteriser shades.",
       "Models of others are measured if RILIEVO_DATA names the folder that has them."};
   return report;
