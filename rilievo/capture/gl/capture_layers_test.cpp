@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "rilievo/gl/context_test_helpers.h"
-#include "rilievo/layered_relief/relief_set.h"
 #include "rilievo/render/rays/cast_layers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -14,6 +13,14 @@ namespace rilievo {
 namespace {
 
 class CaptureLayers : public gl::ContextTest {};
+
+// A parallel camera from this direction.
+Result<Camera> parallel_camera(const Box& box, const glm::dvec3& direction, int size) {
+  const glm::dvec3 eye = glm::dvec3(box.center()) + 3.0 * double(box.radius()) * direction;
+  Result<Camera> camera = tight_camera(Projection::parallel, eye, {0, 1, 0}, box);
+  if (camera) camera->width = camera->height = size;
+  return camera;
+}
 
 // Does a line of sight of `layers` in the texel or beside it have a sample of this object so deep?
 bool has_within_one_texel(const LayeredDepthImage& layers, int x, int y, const LayerSample& sample,
@@ -54,7 +61,7 @@ TEST_F(CaptureLayers, depth_peeling_and_rays_see_the_same_within_one_texel) {
     const auto rays = RayScene::create(built->scene);
     ASSERT_TRUE(rays);
     const Box box = world_bounds(built->scene);
-    auto camera = relief_camera(box, glm::normalize(glm::dvec3(0.3, 0.4, 1)), 72);
+    auto camera = parallel_camera(box, glm::normalize(glm::dvec3(0.3, 0.4, 1)), 72);
     ASSERT_TRUE(camera);
     std::vector<std::uint32_t> objects(built->scene.objects.size());
     std::iota(objects.begin(), objects.end(), 0u);
@@ -91,7 +98,7 @@ TEST_F(CaptureLayers, what_lies_together_is_merged_as_by_rays) {
   ASSERT_TRUE(renderer.ok());
   const auto rays = RayScene::create(built->scene);
   ASSERT_TRUE(rays);
-  const auto camera = relief_camera(world_bounds(built->scene), {0, 0, 1}, 48);
+  const auto camera = parallel_camera(world_bounds(built->scene), {0, 0, 1}, 48);
   ASSERT_TRUE(camera);
   std::vector<std::uint32_t> objects(built->scene.objects.size());
   std::iota(objects.begin(), objects.end(), 0u);
