@@ -8,13 +8,17 @@
 #include <filesystem>
 #include <string>
 
+#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/capture/ray_source.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_relief/relief_kind.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/scene/files/load_scene.h"
 
@@ -42,6 +46,27 @@ Result<ImageCache> cache_with_reliefs(SceneRenderer& renderer, bool quick) {
   if (!cache) return cache.error();
   cache->add_alternatives(std::move(*drawables), std::move(*factory));
   return cache;
+}
+
+// One relief of everything, warped and drawn without OpenGL.
+Result<std::unique_ptr<FrameSource>> software_reliefs(const Scene& scene, bool quick) {
+  const Result<RayScene> rays = RayScene::create(scene);
+  if (!rays) return rays.error();
+  const Kind& kind = layered_relief_kind();
+  OptionValues bake(kind.bake_options);
+  if (Result<> set = bake.set("size", quick ? "48" : "512"); !set) return set.error();
+  RaySource source(*rays);
+  Result<Baked> baked = kind.bake({source, {}, {}}, bake, {});
+  if (!baked) return baked.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(software_drawable_rows(), kind.name);
+  if (!factory) return factory.error();
+  const Instance instance{glm::dmat4(1.0), 0, baked->representation->only_object()};
+  Result<std::unique_ptr<Drawable>> drawable =
+      (*factory)->make_drawable(std::move(baked->representation), OptionValues(kind.draw_options));
+  if (!drawable) return drawable.error();
+  return {std::make_unique<SoftwareStoredFrames>(
+      scene, 4, std::move(*drawable), std::vector<Instance>{instance}, false, std::move(*factory))};
 }
 
 // Around the object, twice its radius away; as at 70 cm, 2 to 10 cm a frame.
@@ -89,6 +114,7 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
                "bound px", "captures", "polygons", "nailboards", "reliefs"},
               {}};
   double to_nailboards = 1e9, to_rays = 1e9, psnr_db = 1e9;
+  double to_nailboards_software = 1e9, to_rays_software = 1e9;
   for (const char* file :
        {"obj/copperBeech/copperBeech.obj", "models/FlightHelmet/FlightHelmet.gltf"}) {
     const std::filesystem::path path = std::filesystem::path(data) / file;
@@ -106,14 +132,22 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
     if (!nailboards) return nailboards.error();
     Result<ImageCache> reliefs = cache_with_reliefs(*renderer, options.quick);
     if (!reliefs) return reliefs.error();
+    Result<std::unique_ptr<MemoryCache>> nailboards_software =
+        MemoryCache::create(scene, cache_options);
+    if (!nailboards_software) return nailboards_software.error();
+    Result<std::unique_ptr<FrameSource>> reliefs_software = software_reliefs(scene, options.quick);
+    if (!reliefs_software) return reliefs_software.error();
     const auto walk = [&](int frame) {
       return WalkFrame{camera_of(box, frame, compare_options.width, compare_options.height), 0.0};
     };
-    const ComparedSource sources[] = {
-        {"direct", &direct}, {"nailboards", &*nailboards}, {"reliefs", &*reliefs}};
+    const ComparedSource sources[] = {{"direct", &direct},
+                                      {"nailboards", &*nailboards},
+                                      {"reliefs", &*reliefs},
+                                      {"nailboards-software", nailboards_software->get()},
+                                      {"reliefs-software", reliefs_software->get()}};
     const Result<Report> compared = compare(sources, walk, compare_options);
     if (!compared) return compared.error();
-    double nailboard_ms = 0, relief_ms = 0;
+    double nailboard_ms = 0, relief_ms = 0, nailboard_software_ms = 0, relief_software_ms = 0;
     for (const MethodResult& method : compared->methods) {
       std::vector<double> ms;
       double psnr = 0, flip = 0, wrong = 0;
@@ -124,6 +158,8 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
       }
       const double frames = double(method.frames.size()), p50 = percentile(ms, 0.5);
       if (method.name == "nailboards") nailboard_ms = p50;
+      if (method.name == "nailboards-software") nailboard_software_ms = p50;
+      if (method.name == "reliefs-software") relief_software_ms = p50;
       if (method.name == "reliefs") relief_ms = p50, psnr_db = std::min(psnr_db, psnr / frames);
       const auto drawn = [&](std::string_view way) {
         for (const auto& [kind, count] : method.drawn_as)
@@ -149,11 +185,19 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
     report.figures.emplace_back("frame_ms_p50_" + name + "_rays", rays_ms);
     report.figures.emplace_back("p50_ratio_to_nailboards_" + name, nailboard_ms / relief_ms);
     report.figures.emplace_back("p50_ratio_to_rays_" + name, rays_ms / relief_ms);
+    const double software = nailboard_software_ms / relief_software_ms;
+    const double software_to_rays = rays_ms / relief_software_ms;
+    report.figures.emplace_back("p50_ratio_to_nailboards_software_" + name, software);
+    report.figures.emplace_back("p50_ratio_to_rays_software_" + name, software_to_rays);
+    to_nailboards_software = std::min(to_nailboards_software, software);
+    to_rays_software = std::min(to_rays_software, software_to_rays);
     to_nailboards = std::min(to_nailboards, nailboard_ms / relief_ms);
     to_rays = std::min(to_rays, rays_ms / relief_ms);
   }
   report.figures.emplace_back("p50_ratio_to_nailboards", to_nailboards);
   report.figures.emplace_back("p50_ratio_to_rays", to_rays);
+  report.figures.emplace_back("p50_ratio_to_nailboards_software", to_nailboards_software);
+  report.figures.emplace_back("p50_ratio_to_rays_software", to_rays_software);
   report.figures.emplace_back("psnr_db", psnr_db);
   report.tables = {std::move(table)};
   report.notes = {fmt::format(
@@ -161,7 +205,8 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
       "away, "
       "by 2 to 10 cm a frame where that distance is 70 cm. Error {} pixels for both caches. Ratios "
       "are times over the time of the cache that has layered reliefs too: the worse of the two "
-      "objects'. Rays: Embree, as many a pixel as samples, without the sky.",
+      "objects'. Software: without OpenGL, the cache's nailboards and one relief of everything "
+      "instead of a cache. Rays: Embree, as many a pixel as samples, without the sky.",
       compare_options.frames, compare_options.width, compare_options.height,
       compare_options.samples, kErrorPx)};
   return report;
