@@ -55,6 +55,8 @@ Result<std::unique_ptr<FrameSource>> software_reliefs(const Scene& scene, bool q
   const Kind& kind = layered_relief_kind();
   OptionValues bake(kind.bake_options);
   if (Result<> set = bake.set("size", quick ? "48" : "512"); !set) return set.error();
+  // What six directions see edge-on would be missing from between them.
+  if (Result<> set = bake.set("textures", quick ? "6" : "20"); !set) return set.error();
   RaySource source(*rays);
   Result<Baked> baked = kind.bake({source, {}, {}}, bake, {});
   if (!baked) return baked.error();
