@@ -11,6 +11,7 @@
 #include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/capture/ray_source.h"
+#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
@@ -37,8 +38,9 @@ Result<ImageCache> cache_with_reliefs(SceneRenderer& renderer, bool quick) {
                               .progress = {}};
   if (Result<> set = bake.bake.set("size", quick ? "48" : "512"); !set) return set.error();
   bake.max_bytes = kAll;
+  OpenGLSource source(renderer);
   Result<std::vector<ObjectDrawable>> drawables =
-      bake_object_drawables(renderer, kind, **factory, bake);
+      bake_object_drawables(renderer.placed(), source, kind, **factory, bake);
   if (!drawables) return drawables.error();
   ImageCacheOptions options;
   options.error_px = kErrorPx;

@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_impostor/layered_kind.h"
@@ -66,8 +67,9 @@ Result<ImageCache> cache_with(SceneRenderer& renderer, const char* warp, bool qu
     for (const auto& [name, value] : {std::pair{"views", "12"}, {"size", "32"}})
       if (Result<> set = bake.bake.set(name, value); !set) return set.error();
   bake.max_bytes = kAll / 2;
+  OpenGLSource source(renderer);
   Result<std::vector<ObjectDrawable>> drawables =
-      bake_object_drawables(renderer, kind, **factory, bake);
+      bake_object_drawables(renderer.placed(), source, kind, **factory, bake);
   if (!drawables) return drawables.error();
   ImageCacheOptions options;
   options.max_bytes = kAll;

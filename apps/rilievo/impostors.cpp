@@ -3,6 +3,8 @@
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/output.h"
 #include "rilievo/cache/gl/impostor_frames.h"
+#include "rilievo/frame/cpu/software_chosen_frames.h"
+#include "rilievo/nailboard/cpu/memory_boards.h"
 
 namespace rilievo::app {
 
@@ -52,8 +54,9 @@ void add_impostor_options(CLI::App& command, ImpostorOptions& options) {
       ->type_name("N");
 }
 
-Result<std::unique_ptr<FrameSource>> make_impostor_frames(const ImpostorOptions& options,
-                                                          bool outlines, SceneRenderer& renderer) {
+namespace {
+
+Result<ImpostorContent> make_content(const ImpostorOptions& options, const Scene& scene) {
   const auto warn = [](const std::string& text) { complain("warning: " + text); };
   ImpostorContentOptions with;
   with.shader = options.shader;
@@ -63,17 +66,44 @@ Result<std::unique_ptr<FrameSource>> make_impostor_frames(const ImpostorOptions&
   with.store_options.max_bytes = std::uint64_t(options.store_mb) << 20;
   with.exec.warn = warn;
   with.warn = warn;
-  Result<ImpostorContent> content = make_impostor_content(renderer.scene(), 0.0, with);
-  if (!content) return content.error();
-  renderer.set_time(0.0);
+  return make_impostor_content(scene, 0.0, with);
+}
+
+ImpostorFramesOptions frames_options(const ImpostorOptions& options, bool outlines) {
   ImpostorFramesOptions frames;
   frames.workers.size = options.texels;
   frames.workers.samples = options.samples;
   frames.background = options.background;
   if (options.background) frames.workers.nice = 5;
   frames.outlines = outlines;
+  return frames;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> make_impostor_frames(const ImpostorOptions& options,
+                                                          bool outlines, SceneRenderer& renderer) {
+  Result<ImpostorContent> content = make_content(options, renderer.scene());
+  if (!content) return content.error();
+  renderer.set_time(0.0);
   Result<std::unique_ptr<ImpostorFrames>> made =
-      ImpostorFrames::create(renderer, std::move(*content), frames);
+      ImpostorFrames::create(renderer, std::move(*content), frames_options(options, outlines));
+  if (!made) return made.error();
+  return {std::move(*made)};
+}
+
+Result<std::unique_ptr<FrameSource>> make_software_impostor_frames(const ImpostorOptions& options,
+                                                                   bool outlines, int samples,
+                                                                   const Scene& scene) {
+  Result<ImpostorContent> content = make_content(options, scene);
+  if (!content) return content.error();
+  Result<std::unique_ptr<SoftwareChosenFrames>> made = SoftwareChosenFrames::create(
+      scene, samples, outlines,
+      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+        return {std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
+                                                  std::move(*content),
+                                                  frames_options(options, outlines))};
+      });
   if (!made) return made.error();
   return {std::move(*made)};
 }

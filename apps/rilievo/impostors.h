@@ -27,5 +27,8 @@ void add_impostor_options(CLI::App& command, ImpostorOptions& options);
 // `renderer` must outlive the source.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_impostor_frames(
     const ImpostorOptions& options, bool outlines, SceneRenderer& renderer);
+// The same without OpenGL. `scene` must outlive the source.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_software_impostor_frames(
+    const ImpostorOptions& options, bool outlines, int samples, const Scene& scene);
 
 }  // namespace rilievo::app

@@ -13,16 +13,19 @@
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/ray_source.h"
+#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
+#include "rilievo/frame/gl/chosen_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
-#include "rilievo/frame/gl/object_frames.h"
 #include "rilievo/frame/gl/processor_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
-#include "rilievo/frame/gl/surrounding_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/rays/ray_renderer.h"
+#include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
@@ -38,15 +41,15 @@ struct PreparedKind {
   std::unique_ptr<DrawableFactory> factory;
 };
 
-Result<PreparedKind> prepare(const KindMethod& method, const MethodOptions& options) {
+Result<PreparedKind> prepare(const KindMethod& method, const MethodOptions& options,
+                             std::span<const DrawableRow> rows = drawable_rows()) {
   KindOptions values = options.kinds;
   apply(method, values);
   Result<OptionValues> bake = bake_values(*method.kind, values);
   if (!bake) return bake.error();
   Result<OptionValues> draw = draw_values(*method.kind, values);
   if (!draw) return draw.error();
-  Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(drawable_rows(), method.kind->name);
+  Result<std::unique_ptr<DrawableFactory>> factory = make_factory(rows, method.kind->name);
   if (!factory) return factory.error();
   return PreparedKind{std::move(*bake), std::move(*draw), std::move(*factory)};
 }
@@ -70,8 +73,9 @@ Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const Met
   surroundings.beyond =
       options.bake_beyond.value_or(0.1 * double(world_bounds(renderer.scene()).radius()));
   surroundings.progress = [&](int done, int total) { progress.show(done, total); };
-  Result<ObjectDrawable> made =
-      bake_surroundings_drawable(renderer, *method.kind, *kind->factory, surroundings);
+  OpenGLSource source(renderer);
+  Result<ObjectDrawable> made = bake_surroundings_drawable(renderer.placed(), source, *method.kind,
+                                                           *kind->factory, surroundings);
   if (!made) return made.error();
   cache.add_surroundings(std::move(made->drawable), std::move(kind->factory),
                          std::move(made->objects));
@@ -96,8 +100,10 @@ Result<> add_alternatives(ImageCache& cache, const MethodOptions& options,
     Result<PreparedKind> prepared = prepare(method, options);
     if (!prepared) return prepared.error();
     Progress progress("view");
-    Result<std::vector<ObjectDrawable>> drawables = bake_object_drawables(
-        renderer, *method.kind, *prepared->factory, object_options(*prepared, each, progress));
+    OpenGLSource source(renderer);
+    Result<std::vector<ObjectDrawable>> drawables =
+        bake_object_drawables(renderer.placed(), source, *method.kind, *prepared->factory,
+                              object_options(*prepared, each, progress));
     if (!drawables) return drawables.error();
     cache.add_alternatives(std::move(*drawables), std::move(prepared->factory));
   }
@@ -136,10 +142,10 @@ Result<std::unique_ptr<FrameSource>> make_surroundings(const KindMethod& method,
   Result<PreparedKind> kind = prepare(method, options);
   if (!kind) return kind.error();
   Progress progress("view");
-  Result<std::unique_ptr<SurroundingFrames>> frames =
-      SurroundingFrames::create(renderer, *method.kind, std::move(kind->factory),
-                                {kind->bake, kind->draw, options.eyes,
-                                 [&](int done, int total) { progress.show(done, total); }});
+  Result<std::unique_ptr<ChosenFrames>> frames =
+      make_surrounding_frames(renderer, *method.kind, std::move(kind->factory),
+                              {kind->bake, kind->draw, options.eyes,
+                               [&](int done, int total) { progress.show(done, total); }});
   if (!frames) return frames.error();
   return {std::move(*frames)};
 }
@@ -153,9 +159,34 @@ Result<std::unique_ptr<FrameSource>> make_objects(const KindMethod& method,
   Progress progress("view");
   ObjectDrawablesOptions objects =
       object_options(*kind, std::size_t(options.memory_mb) * kMegabyte, progress);
-  Result<std::unique_ptr<ObjectFrames>> frames =
-      ObjectFrames::create(renderer, *method.kind, std::move(kind->factory),
-                           {std::move(objects), options.texel_px, options.outlines});
+  Result<std::unique_ptr<ChosenFrames>> frames =
+      make_object_frames(renderer, *method.kind, std::move(kind->factory),
+                         {std::move(objects), options.texel_px, options.outlines});
+  if (!frames) return frames.error();
+  return {std::move(*frames)};
+}
+
+// The same without OpenGL.
+Result<std::unique_ptr<FrameSource>> make_software_objects(const KindMethod& method,
+                                                           const MethodOptions& options,
+                                                           int samples, const Scene& scene) {
+  Result<PreparedKind> kind = prepare(method, options, software_drawable_rows());
+  if (!kind) return kind.error();
+  Result<RayScene> rays = RayScene::create(scene);
+  if (!rays) return rays.error();
+  Progress progress("view");
+  const ObjectDrawablesOptions objects =
+      object_options(*kind, std::size_t(options.memory_mb) * kMegabyte, progress);
+  RaySource source(*rays);
+  Result<std::unique_ptr<SoftwareChosenFrames>> frames = SoftwareChosenFrames::create(
+      scene, samples, options.outlines,
+      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+        Result<std::unique_ptr<ObjectChooser>> made =
+            ObjectChooser::create(placed, source, *method.kind, std::move(kind->factory),
+                                  {objects, options.texel_px, options.outlines});
+        if (!made) return made.error();
+        return {std::move(*made)};
+      });
   if (!frames) return frames.error();
   return {std::move(*frames)};
 }
@@ -263,8 +294,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
                    "Outline everything that is drawn from a picture");
   command
       .add_option("--draw", options.draw,
-                  "What draws the frames of cache and direct-raster: opengl, software (needs no "
-                  "OpenGL), or automatic: software where OpenGL runs "
+                  "What draws the frames: opengl, software (without OpenGL: cache, direct-raster, "
+                  "relief-impostor, kinds, files), or automatic: software where OpenGL runs "
                   "on processors or is missing (default)")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command
@@ -373,10 +404,31 @@ DepthMode depth_mode(const MethodOptions& options) {
   return options.depth == "linear" ? DepthMode::linear : DepthMode::exact;
 }
 
+// Why software does not draw a kind with these options.
+namespace {
+std::optional<std::string> refused(const std::string& method, const MethodOptions& options) {
+  const KindMethod named = kind_method(method);
+  if (!named.kind) return std::nullopt;
+  KindOptions values = options.kinds;
+  apply(named, values);
+  const Result<OptionValues> draw = draw_values(*named.kind, values);
+  const Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(software_drawable_rows(), named.kind->name);
+  if (!factory) return factory.error().reason;
+  if (!draw) return std::nullopt;  // the error comes when it is drawn
+  const Result<> possible = (*factory)->check(*draw);
+  return possible ? std::nullopt : std::optional<std::string>(possible.error().reason);
+}
+}  // namespace
+
 std::optional<std::string> needs_opengl(const std::string& method, const MethodOptions& options,
                                         int samples, const Scene& scene) {
-  if (method != "cache" && method != "direct-raster")
-    return fmt::format("only cache and direct-raster are drawn without OpenGL, not {}", method);
+  const Kind* kind = kind_method(method).kind;
+  if (method != "cache" && method != "direct-raster" && method != kReliefImpostorName && !kind)
+    return fmt::format("{} is drawn by OpenGL only", method);
+  if (auto reason = refused(method, options)) return reason;
+  if (kind && kind->stands_for == StandsFor::surroundings)
+    return "pictures with a sky, which surroundings are baked from, are captured by OpenGL only";
   if (samples != 1 && samples != 4)
     return "frames drawn without OpenGL have 1 or 4 samples a pixel";
   if (options.bake_mb > 0 && method == "cache")
@@ -390,6 +442,10 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
   if (const auto reason = needs_opengl(method, options, samples, scene))
     return Error{"--draw", *reason};
   if (method == "direct-raster") return {std::make_unique<SoftwareDirectFrames>(scene, samples)};
+  if (method == kReliefImpostorName)
+    return make_software_impostor_frames(options.impostors, options.outlines, samples, scene);
+  if (kind_method(method).kind)
+    return make_software_objects(kind_method(method), options, samples, scene);
   Result<std::unique_ptr<MemoryCache>> cache =
       MemoryCache::create(scene, cache_options(options, samples));
   if (!cache) return Error{"--memory-mb", cache.error().reason};
@@ -399,8 +455,9 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
 Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  const MethodOptions& options, int samples,
                                                  SceneRenderer& renderer) {
-  if (options.draw == "software" || (options.draw == "automatic" && gl::is_software() &&
-                                     !needs_opengl(method, options, samples, renderer.scene())))
+  if (options.draw == "software" ||
+      (options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
+       !needs_opengl(method, options, samples, renderer.scene())))
     return make_software_source(method, options, samples, renderer.scene());
   for (const BuiltinMethod& builtin : kBuiltin)
     if (method == builtin.name) return builtin.make(options, samples, renderer);
@@ -423,7 +480,8 @@ Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method
     if (!made) return made.error();
     context = std::move(*made);
   }
-  if (options.draw == "automatic" && gl::is_software() &&
+  // Kinds are baked by OpenGL where there is one.
+  if (options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
       !needs_opengl(method, options, samples, scene))
     return make_software_source(method, options, samples, scene);
   if (!renderer) {
@@ -454,14 +512,16 @@ Result<std::unique_ptr<FrameSource>> make_software_stored_source(
                                                  std::move(*factory))};
 }
 
-Result<bool> draws_by_software(const MethodOptions& options, int samples,
-                               const gl::Context* context, const Error& missing) {
-  const bool possible = samples == 1 || samples == 4;
-  if (options.draw == "software" && !possible)
-    return Error{"--draw", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
+Result<bool> draws_by_software(const std::string& method, const MethodOptions& options, int samples,
+                               bool has_opengl, const Error& missing) {
+  std::optional<std::string> reason = refused(method, options);
+  if (samples != 1 && samples != 4)
+    reason = "frames drawn without OpenGL have 1 or 4 samples a pixel";
+  const bool possible = !reason;
+  if (options.draw == "software" && !possible) return Error{"--draw", *reason};
   if (options.draw == "software") return true;
-  if (!context && (options.draw == "opengl" || !possible)) return missing;
-  return options.draw == "automatic" && possible && (!context || gl::is_software());
+  if (!has_opengl && (options.draw == "opengl" || !possible)) return missing;
+  return options.draw == "automatic" && possible && (!has_opengl || gl::is_software());
 }
 
 Result<std::unique_ptr<FrameSource>> make_stored_source(

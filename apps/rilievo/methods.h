@@ -84,9 +84,10 @@ void add_method_options(CLI::App& command, MethodOptions& options);
     std::unique_ptr<Representation> representation, const Scene& sky);
 
 // Is what a file holds drawn without OpenGL: because the options ask for it, or leave it open where
-// OpenGL runs on processors or `context` is null? The error, if OpenGL is asked for, is `missing`.
-[[nodiscard]] Result<bool> draws_by_software(const MethodOptions& options, int samples,
-                                             const gl::Context* context, const Error& missing);
+// OpenGL runs on processors or there is none? The error, if OpenGL is asked for, is `missing`.
+[[nodiscard]] Result<bool> draws_by_software(const std::string& method,
+                                             const MethodOptions& options, int samples,
+                                             bool has_opengl, const Error& missing);
 
 // What a file holds, drawn under the sky of `sky`'s scene by a method of its kind. A drawable takes
 // the representation for itself: one load for each source. `sky` must outlive the source.

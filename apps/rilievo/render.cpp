@@ -290,8 +290,8 @@ Result<> render_file(RenderCommand options) {
     else
       missing = context.error();
   }
-  const Result<bool> software =
-      draws_by_software(options.methods, options.frames.samples, backend.context.get(), missing);
+  const Result<bool> software = draws_by_software(
+      options.method, options.methods, options.frames.samples, backend.context != nullptr, missing);
   if (!software) return software.error();
   if (!*software) {
     Result<SceneRenderer> made = SceneRenderer::create(backend.sky);

@@ -18,12 +18,16 @@
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
+#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/gl/object.h"
 #include "rilievo/io/png.h"
 #include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/software/software_target.h"
 
 namespace rilievo::app {
 namespace {
@@ -36,10 +40,15 @@ struct ViewCommand {
   MethodOptions methods;
 };
 
-// Draws a frame into `target`; milliseconds.
+// Draws a frame into `target`, or into the memory of a source that draws without OpenGL;
+// milliseconds.
 Result<double> draw(FrameSource& source, FrameTarget& target, const Camera& camera, double time) {
   gl::finish();
   const Stopwatch watch;
+  if (source.software_target()) {
+    if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
+    return watch.ms();
+  }
   target.begin();
   if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
   target.resolve();
@@ -52,6 +61,31 @@ void show_columns(const FrameTarget& target, int left, int right) {
   glBlitNamedFramebuffer(target.resolved_framebuffer(), 0, left, 0, right, target.height(), left, 0,
                          right, target.height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
+
+// Uploads frames that are in memory, to show them in the window.
+class MemoryWindow {
+ public:
+  // Columns [left, right) of the frame onto the window.
+  void show(const Rgba8Image& frame, int left, int right) {
+    if (frame.width() != width_ || frame.height() != height_) {
+      width_ = frame.width(), height_ = frame.height();
+      texture_ = gl::make_texture_2d(GL_RGBA8, width_, height_);
+      framebuffer_ = gl::make_framebuffer();
+      glNamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, texture_, 0);
+    }
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTextureSubImage2D(texture_, 0, 0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE,
+                        frame.texels().data());
+    // The frame's top row comes first, OpenGL's last.
+    glBlitNamedFramebuffer(framebuffer_, 0, left, height_, right, 0, left, 0, right, height_,
+                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+
+ private:
+  int width_ = 0, height_ = 0;
+  gl::Texture texture_;
+  gl::Framebuffer framebuffer_;
+};
 
 Rgba8Image read_window(int width, int height) {
   Image<glm::u8vec4> image(width, height);
@@ -177,7 +211,13 @@ class Viewer {
     state_.impostors.clear();
     if (const auto* frames = dynamic_cast<const ImpostorFrames*>(source_.get()))
       state_.impostors.assign(frames->statuses().begin(), frames->statuses().end());
-    show_columns(*left_, 0, width_);
+    if (const auto* frames = dynamic_cast<const SoftwareChosenFrames*>(source_.get()))
+      if (const auto* chooser = dynamic_cast<const ImpostorChooser*>(&frames->chooser()))
+        state_.impostors.assign(chooser->statuses().begin(), chooser->statuses().end());
+    if (const SoftwareTarget* memory = source_->software_target())
+      memory_.show(memory->color(), 0, width_);
+    else
+      show_columns(*left_, 0, width_);
     if (state_.split) {
       const Result<double> direct_ms = draw(*subject_.direct, *right_, camera, state_.time);
       if (!direct_ms) return direct_ms.error();
@@ -207,12 +247,8 @@ class Viewer {
       }
     }
     if (!state_.new_source) {
-      if (auto* cache = dynamic_cast<ImageCache*>(source_.get())) {
-        cache->options().error_px = state_.methods.error_px;
-        cache->options().gap_px = state_.methods.gap_px;
-        cache->options().capture_ms = state_.methods.capture_ms;
-        cache->options().outlines = state_.methods.outlines;
-      }
+      if (auto* cache = dynamic_cast<ImageCache*>(source_.get())) change(cache->options());
+      if (auto* cache = dynamic_cast<MemoryCache*>(source_.get())) change(cache->options());
       return Done{};
     }
     state_.new_source = false;
@@ -220,6 +256,14 @@ class Viewer {
     if (!made) return made.error();
     source_ = std::move(*made);
     return Done{};
+  }
+
+  // What the panel changes while the cache runs.
+  void change(ImageCacheOptions& cache) const {
+    cache.error_px = state_.methods.error_px;
+    cache.gap_px = state_.methods.gap_px;
+    cache.capture_ms = state_.methods.capture_ms;
+    cache.outlines = state_.methods.outlines;
   }
 
   // The picture without the panel, if a screenshot was asked for.
@@ -249,6 +293,7 @@ class Viewer {
   ViewState state_;
   std::unique_ptr<FrameSource> source_;
   std::unique_ptr<FrameTarget> left_, right_;
+  MemoryWindow memory_;
   int width_ = 0, height_ = 0;
 };
 
@@ -272,7 +317,6 @@ Result<> view_scene(const ViewCommand& options) {
     if (name != "cache") subject.methods.push_back(name);
   subject.make_source = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
-    methods.draw = "opengl";  // into the window's framebuffer
     methods.impostors.background = true;
     return make_source(method, methods, options.frames.samples, *renderer);
   };
@@ -303,6 +347,11 @@ Result<> view_file(const ViewCommand& options) {
       content = open_representation(options.scene);
       if (!content) return content.error();
     }
+    const Result<bool> software = draws_by_software(method, with, options.frames.samples, true, {});
+    if (!software) return software.error();
+    if (*software)
+      return make_software_stored_source(method, with, options.frames.samples,
+                                         std::move(content->representation), nothing);
     return make_stored_source(method, with, std::move(content->representation), *sky);
   };
   return Viewer(options, subject, **window).run();
@@ -333,8 +382,6 @@ Command view_command(CLI::App& app) {
   command->footer("Example: rilievo view builtin:bridge --split");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->screenshot}); !good) return good;
-            if (options->methods.draw == "software")
-              return Error{"--draw", "a window is drawn by OpenGL"};
             return holds_pictures(options->scene) ? view_file(*options) : view_scene(*options);
           }};
 }

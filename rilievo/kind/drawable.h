@@ -105,6 +105,8 @@ class Drawable {
   // for outlines, if there are none.
   [[nodiscard]] virtual const TileDrawer* tiles() const { return nullptr; }
   [[nodiscard]] virtual const TileDrawer* outline_tiles() const { return nullptr; }
+  // The samples of a pixel in the frames of colours that follow, 1 or 4; for such drawables.
+  virtual void set_samples(int /*samples*/) {}
 
   // The error and the cost of an item.
   [[nodiscard]] virtual ErrorModel error_model(std::uint32_t item) const = 0;

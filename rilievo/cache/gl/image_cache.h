@@ -13,7 +13,7 @@
 #include "rilievo/cache/scene_cache.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/nailboard/gl/nailboard_set.h"
-#include "rilievo/representation/gl/object_drawables.h"
+#include "rilievo/representation/bake_objects.h"
 
 namespace rilievo {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/measure/psnr.h"
@@ -91,7 +92,8 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
     ObjectDrawablesOptions bake{OptionValues(kind.bake_options), OptionValues(kind.draw_options)};
     ASSERT_TRUE(bake.bake.set("views", "12").ok() && bake.bake.set("size", "48").ok());
     ASSERT_TRUE(bake.draw.set("warp", warp).ok());
-    auto drawables = bake_object_drawables(*renderer, kind, **factory, bake);
+    OpenGLSource source(*renderer);
+    auto drawables = bake_object_drawables(renderer->placed(), source, kind, **factory, bake);
     ASSERT_TRUE(drawables.ok()) << drawables.error().message();
     ASSERT_EQ(drawables->size(), 2u);
     std::size_t baked_bytes = 0;

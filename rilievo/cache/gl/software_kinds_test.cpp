@@ -6,12 +6,18 @@
 
 #include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
+#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
+#include "rilievo/frame/gl/chosen_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
@@ -97,8 +103,89 @@ TEST_F(SoftwareKindsTest, layered_impostors) {
   const Kind& kind = *find_kind(kinds(), "layered-impostor");
   OptionValues options(kind.bake_options);
   ASSERT_TRUE(options.set("no-fills", "on").ok());
+  ASSERT_TRUE(options.set("views", "12").ok() && options.set("size", "96").ok());
   expect_kind_same("layered-impostor", options, OptionValues(kind.draw_options),
                    cameras_around(builtin.scene, 4, 3));
+}
+
+TEST_F(SoftwareKindsTest, environment_nodes) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:stonehenge?triangles=30000"));
+  const Kind& kind = *find_kind(kinds(), "environment-nodes");
+  OptionValues options(kind.bake_options);
+  ASSERT_TRUE(options.set("face", "128").ok());
+  const Camera start = camera_at(builtin.path, 0, kWidth, kHeight);
+  const glm::vec3 eye(start.position());
+  const Box eyes{eye - 2.0f, eye + 2.0f};
+  std::vector<Camera> cameras;
+  for (const int frame : {0, 4, 8}) {
+    const double time = frame_time(builtin.path, frame);
+    cameras.push_back(camera_at(builtin.path, time, kWidth, kHeight));
+  }
+  for (const char* merge : {"positional", "layering", "binary", "weighted", "first"})
+    for (const bool gaps : {false, true}) {
+      SCOPED_TRACE(std::string(merge) + (gaps ? ", gaps" : ""));
+      OptionValues draw(kind.draw_options);
+      ASSERT_TRUE(draw.set("merge", merge).ok());
+      if (gaps) ASSERT_TRUE(draw.set("gaps", "on").ok());
+      expect_kind_same("environment-nodes", options, draw, cameras, eyes);
+    }
+}
+
+TEST_F(SoftwareKindsTest, relief_impostors) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
+  const auto content = [&] { return make_impostor_content(builtin.scene, 0.0, {}); };
+  ImpostorFramesOptions options;
+  options.workers.size = 256;
+  auto first = content();
+  ASSERT_TRUE(first.ok());
+  auto opengl = ImpostorFrames::create(*renderer, std::move(*first), options);
+  auto software = SoftwareChosenFrames::create(
+      builtin.scene, 4, false,
+      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+        auto second = content();
+        if (!second) return second.error();
+        return {std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
+                                                  std::move(*second), options)};
+      });
+  ASSERT_TRUE(opengl.ok() && software.ok());
+  int shown = 0;
+  for (const Camera& camera : cameras_around(builtin.scene, 3, 4)) {
+    expect_same(**opengl, **software, camera, 0.2);
+    shown += (*software)->stats().count(kReliefImpostorName);
+  }
+  EXPECT_GT(shown, 0);
+}
+
+// Objects baked one by one, chosen by the same code.
+TEST_F(SoftwareKindsTest, baked_objects_of_a_scene) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
+  const Kind& kind = *find_kind(kinds(), "layered-impostor");
+  ObjectFramesOptions options;
+  options.objects.bake = OptionValues(kind.bake_options);
+  options.objects.draw = OptionValues(kind.draw_options);
+  ASSERT_TRUE(options.objects.bake.set("views", "12").ok());
+  ASSERT_TRUE(options.objects.bake.set("size", "64").ok());
+  options.max_texel_px = 1e9;
+  const auto rays = RayScene::create(builtin.scene);
+  ASSERT_TRUE(rays.ok());
+  RaySource source(*rays);
+  const auto chooser = [&](const PlacedScene& placed, std::span<const DrawableRow> rows) {
+    auto factory = make_factory(rows, kind.name);
+    EXPECT_TRUE(factory.ok());
+    auto made = ObjectChooser::create(placed, source, kind, std::move(*factory), options);
+    EXPECT_TRUE(made.ok());
+    return std::unique_ptr<FrameChooser>(std::move(*made));
+  };
+  ChosenFrames opengl(*renderer, chooser(renderer->placed(), drawable_rows()), false);
+  auto software = SoftwareChosenFrames::create(
+      builtin.scene, 4, false,
+      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+        return chooser(placed, software_drawable_rows());
+      });
+  ASSERT_TRUE(software.ok());
+  for (const Camera& camera : cameras_around(builtin.scene, 3, 6))
+    expect_same(opengl, **software, camera, 0.2);
+  EXPECT_GT((*software)->stats().count(kind.name), 0);
 }
 
 // Panes and balls that blend, before and behind each other and what is opaque; textured, with

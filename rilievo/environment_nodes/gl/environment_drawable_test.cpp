@@ -1,4 +1,4 @@
-#include "rilievo/environment_nodes/gl/environment_drawable.h"
+#include "rilievo/environment_nodes/environment_drawable.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 
 #include "rilievo/core/random.h"
 #include "rilievo/environment_nodes/environment_kind.h"
+#include "rilievo/environment_nodes/gl/node_textures.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -59,7 +60,8 @@ TEST_F(EnvironmentDrawing, at_most_four_of_thirty_two_nodes_are_in_memory) {
   ASSERT_TRUE(drawer.ok());
   Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 1);
   ASSERT_TRUE(target.ok());
-  EnvironmentDrawable nodes(room_nodes(grid_of_eyes(32), 16), *drawer, {});
+  EnvironmentDrawable nodes(room_nodes(grid_of_eyes(32), 16),
+                            std::make_unique<NodeTextures>(*drawer), {});
   const Instance instance;
   std::vector<Rgba8Image> first;
   // The same walk twice: what is drawn follows from the eye, not from what was loaded before.
@@ -87,7 +89,8 @@ TEST_F(EnvironmentDrawing, identifiers_are_those_of_what_is_seen) {
   ASSERT_TRUE(drawer.ok());
   Result<ProbeTarget> target = ProbeTarget::create(kWidth, kHeight);
   ASSERT_TRUE(target.ok());
-  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}, 64), *drawer, {});
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}, 64),
+                            std::make_unique<NodeTextures>(*drawer), {});
   const Camera frame =
       look_at({0.5, 0.2, 0.3}, {4, 0.3, 1.9}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.05, 50);
   for (const std::uint32_t asked : {std::uint32_t(kNoObject), 7u}) {
@@ -115,7 +118,8 @@ TEST_F(EnvironmentDrawing, an_instance_is_drawn_where_it_was_moved_to) {
   ASSERT_TRUE(drawer.ok());
   Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 1);
   ASSERT_TRUE(target.ok());
-  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}), *drawer, {});
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}),
+                            std::make_unique<NodeTextures>(*drawer), {});
   const Camera frame =
       look_at({0.5, 0.2, 0.3}, {3, -0.3, 2}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.05, 50);
   const auto picture = [&](const Camera& from, const glm::dmat4& motion) {
@@ -146,7 +150,8 @@ TEST_F(EnvironmentDrawing, an_instance_is_drawn_where_it_was_moved_to) {
 TEST_F(EnvironmentDrawing, the_bound_is_known_before_anything_is_drawn_and_none_at_a_node) {
   Result<NodeDrawer> drawer = NodeDrawer::create();
   ASSERT_TRUE(drawer.ok());
-  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}), *drawer, {});
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}, {1, 0.5, -1}}),
+                            std::make_unique<NodeTextures>(*drawer), {});
   const ErrorModel model = nodes.error_model(0);
   const Camera frame =
       look_at({0.5, 0.2, 0.3}, {3, -0.3, 2}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.05, 50);

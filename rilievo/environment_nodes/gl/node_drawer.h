@@ -13,6 +13,7 @@
 
 #include "rilievo/environment_nodes/gl/node_shaders.h"
 #include "rilievo/environment_nodes/node_mesh.h"
+#include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/environment_nodes/visible_faces.h"
 #include "rilievo/gl/object.h"
 
@@ -38,25 +39,6 @@ class StoredNode {
   gl::Buffer vertices_, indices_, quality_;
   gl::VertexArray vertex_array_;
   std::size_t bytes_ = 0, triangles_ = 0;
-};
-
-// How pixels covered by several nodes are merged.
-enum class NodeMerge {
-  layering,    // one z-buffer for all nodes
-  binary,      // of surfaces at about the same depth, the triangle with the best quality
-  weighted,    // ... the mean, weighted by quality
-  positional,  // ... the mean, weighted by quality and by nearness of the eye to the node
-  first,       // the first node; others only in its gaps (S3.8)
-};
-
-// How nodes are merged and gaps are filled.
-struct NodeDrawOptions {
-  NodeMerge merge = NodeMerge::positional;
-  // Fills gaps with skins of the first node where no node shows a surface. Otherwise gaps stay
-  // open, except for cracks.
-  bool skin = false;
-  // Surfaces are equal if their distances differ by at most this share.
-  float tolerance = 0.03f;
 };
 
 // The programs and buffers that draw nodes.

@@ -20,6 +20,7 @@ void SoftwareFrames::place_sets(Output output) {
   drawers_.push_back(&polygons_);
   for (const FrameContent::Set& set : content_.sets) {
     if (set.instances.empty()) continue;
+    set.drawable->set_samples(samples_);
     set.drawable->draw(camera_, set.instances, output);
     RILIEVO_EXPECTS(set.drawable->tiles() != nullptr);
     drawers_.push_back(set.drawable->tiles());

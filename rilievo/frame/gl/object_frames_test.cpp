@@ -1,5 +1,5 @@
 // Against direct drawing of the same scene: the truth.
-#include "rilievo/frame/gl/object_frames.h"
+#include "rilievo/frame/gl/chosen_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -83,10 +83,10 @@ class ObjectFramesTest : public gl::ContextTest {
     EXPECT_TRUE(gl::check_errors("draw").ok());
     return probe_->read_objects();
   }
-  std::unique_ptr<ObjectFrames> make() {
+  std::unique_ptr<ChosenFrames> make() {
     auto factory = make_layered_drawable_factory();
     EXPECT_TRUE(factory.ok()) << (factory.ok() ? "" : factory.error().message());
-    auto made = ObjectFrames::create(*renderer_, kind_, std::move(*factory), options_);
+    auto made = make_object_frames(*renderer_, kind_, std::move(*factory), options_);
     EXPECT_TRUE(made.ok()) << (made.ok() ? "" : made.error().message());
     return std::move(*made);
   }

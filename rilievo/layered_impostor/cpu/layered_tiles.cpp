@@ -318,20 +318,24 @@ class LayeredTilesFactory final : public DrawableFactory {
   void spare(OptionValues& bake, const OptionValues&) const override {
     (void)bake.set("no-fills", "on");
   }
+  [[nodiscard]] Result<> check(const OptionValues& draw) const override {
+    if (layered_draw_options(draw).method != LayeredMethod::slices) return Done{};
+    return Error{std::string(kLayeredImpostorName), "slices are drawn by OpenGL only"};
+  }
   [[nodiscard]] Result<std::unique_ptr<Drawable>> make_drawable(
       std::unique_ptr<Representation> representation, const OptionValues& draw) override {
+    if (Result<> possible = check(draw); !possible) return possible.error();
     auto& layered = dynamic_cast<LayeredRepresentation&>(*representation);
-    return make_layered_tiles(std::move(layered.impostor), layered_draw_options(draw));
+    return {make_layered_tiles(std::move(layered.impostor), layered_draw_options(draw))};
   }
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Drawable>> make_layered_tiles(LayeredImpostor impostor,
-                                                     const LayeredOptions& options) {
-  if (options.method == LayeredMethod::slices)
-    return Error{std::string(kLayeredImpostorName), "slices are drawn by OpenGL only"};
-  return {std::make_unique<LayeredTiles>(std::move(impostor), options)};
+std::unique_ptr<Drawable> make_layered_tiles(LayeredImpostor impostor,
+                                             const LayeredOptions& options) {
+  RILIEVO_EXPECTS(options.method == LayeredMethod::surfaces);
+  return std::make_unique<LayeredTiles>(std::move(impostor), options);
 }
 
 Result<std::unique_ptr<DrawableFactory>> make_layered_tiles_factory() {

@@ -14,9 +14,9 @@
 
 namespace rilievo {
 
-// Draws an impostor into tiles. Fails for LayeredMethod::slices, which OpenGL alone draws.
-[[nodiscard]] Result<std::unique_ptr<Drawable>> make_layered_tiles(LayeredImpostor impostor,
-                                                                   const LayeredOptions& options);
+// Draws an impostor into tiles. Requires LayeredMethod::surfaces: slices are drawn by OpenGL only.
+[[nodiscard]] std::unique_ptr<Drawable> make_layered_tiles(LayeredImpostor impostor,
+                                                           const LayeredOptions& options);
 
 // The factory of the kind.
 [[nodiscard]] Result<std::unique_ptr<DrawableFactory>> make_layered_tiles_factory();

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "rilievo/environment_nodes/cpu/node_tiles.h"
+#include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/layered_impostor/cpu/layered_tiles.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/layered_relief/relief_drawable.h"
@@ -20,6 +22,7 @@ Result<std::unique_ptr<DrawableFactory>> make_relief_tiles_factory() {
 std::span<const DrawableRow> software_drawable_rows() {
   static constexpr std::array rows{
       DrawableRow{kLayeredImpostorName, make_layered_tiles_factory},
+      DrawableRow{kEnvironmentNodesName, make_environment_tiles_factory},
       DrawableRow{kLayeredReliefName, make_relief_tiles_factory},
   };
   return rows;

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "rilievo/environment_nodes/environment_kind.h"
-#include "rilievo/environment_nodes/gl/environment_drawable.h"
+#include "rilievo/environment_nodes/gl/node_textures.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/layered_relief/relief_drawable.h"

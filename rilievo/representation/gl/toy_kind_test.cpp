@@ -14,7 +14,7 @@
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/file_test_helpers.h"
-#include "rilievo/frame/gl/object_frames.h"
+#include "rilievo/frame/gl/chosen_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/representation/gl/factories.h"
@@ -300,7 +300,7 @@ TEST_F(ToyKind, is_baked_saved_loaded_described_and_drawn) {
 }
 
 TEST_F(ToyKind, stands_for_the_objects_of_a_scene_and_is_compared_like_any_method) {
-  auto frames = ObjectFrames::create(*renderer, *kind, std::move(factory), {objects, 1e9});
+  auto frames = make_object_frames(*renderer, *kind, std::move(factory), {objects, 1e9});
   ASSERT_TRUE(frames.ok()) << frames.error().message();
   for (const double time : {0.0, 0.7}) EXPECT_EQ(wrong(**frames, time), 0) << time;
   EXPECT_EQ((*frames)->stats().count(kName), 3);
@@ -330,7 +330,8 @@ TEST_F(ToyKind, stands_for_the_objects_of_a_scene_and_is_compared_like_any_metho
 TEST_F(ToyKind, is_an_alternative_of_the_cache_by_its_bound_and_its_cost) {
   auto cache = ImageCache::create(*renderer, {});
   ASSERT_TRUE(cache.ok());
-  auto drawables = bake_object_drawables(*renderer, *kind, *factory, objects);
+  OpenGLSource source(*renderer);
+  auto drawables = bake_object_drawables(renderer->placed(), source, *kind, *factory, objects);
   ASSERT_TRUE(drawables.ok()) << drawables.error().message();
   cache->add_alternatives(std::move(*drawables), std::move(factory));
   for (int frame = 0; frame < 4; ++frame) {

@@ -1,4 +1,4 @@
-#include "rilievo/environment_nodes/gl/environment_drawable.h"
+#include "rilievo/environment_nodes/environment_drawable.h"
 
 #include <algorithm>
 #include <limits>
@@ -53,22 +53,24 @@ Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& valu
 }
 
 struct EnvironmentDrawable::State {
-  State(EnvironmentNodes made, NodeDrawer& with, const EnvironmentDrawOptions& how)
-      : nodes(std::move(made)), drawer(with), options(how), working(nodes, how.resident) {}
+  State(EnvironmentNodes made, std::unique_ptr<NodeStore> with, const EnvironmentDrawOptions& how)
+      : nodes(std::move(made)),
+        store(std::move(with)),
+        options(how),
+        working(nodes, how.resident) {}
 
   EnvironmentNodes nodes;
-  NodeDrawer& drawer;
+  std::unique_ptr<NodeStore> store;
   EnvironmentDrawOptions options;
-  std::map<std::size_t, StoredNode> stored;
   // Of nodes that have been in memory, or asked for.
   mutable std::map<std::size_t, NodeErrorModel> errors;
   mutable std::mutex errors_mutex;
   NodeWorkingSet working;
-  std::vector<const StoredNode*> drawn;
+  std::vector<std::size_t> drawn;
 
   void take_all() {
     while (std::optional<LoadedNode> loaded = working.take()) {
-      stored.insert_or_assign(loaded->node, StoredNode::create(loaded->map, loaded->mesh));
+      store->keep(loaded->node, loaded->map, loaded->mesh);
       const std::lock_guard lock(errors_mutex);
       errors.insert_or_assign(loaded->node, std::move(loaded->error));
     }
@@ -77,16 +79,14 @@ struct EnvironmentDrawable::State {
   // Into `drawn`, the best first.
   void choose(const glm::dvec3& eye) {
     const std::vector<std::size_t> order = nodes_for_eye(nodes, eye);
-    working.want(order, [&](std::size_t node) { stored.erase(node); });
+    working.want(order, [&](std::size_t node) { store->drop(node); });
     drawn.clear();
     for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
       take_all();
-      if (stored.find(order[k]) == stored.end() && working.wait_for(order[k])) take_all();
+      if (!store->holds(order[k]) && working.wait_for(order[k])) take_all();
     }
-    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
-      const auto found = stored.find(order[k]);
-      if (found != stored.end()) drawn.push_back(&found->second);
-    }
+    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k)
+      if (store->holds(order[k])) drawn.push_back(order[k]);
   }
 
   [[nodiscard]] double bound(const Camera& frame) const {
@@ -111,9 +111,9 @@ struct EnvironmentDrawable::State {
   }
 };
 
-EnvironmentDrawable::EnvironmentDrawable(EnvironmentNodes nodes, NodeDrawer& drawer,
+EnvironmentDrawable::EnvironmentDrawable(EnvironmentNodes nodes, std::unique_ptr<NodeStore> store,
                                          const EnvironmentDrawOptions& options)
-    : state_(std::make_unique<State>(std::move(nodes), drawer, options)) {}
+    : state_(std::make_unique<State>(std::move(nodes), std::move(store), options)) {}
 
 EnvironmentDrawable::~EnvironmentDrawable() = default;
 
@@ -122,20 +122,22 @@ std::string_view EnvironmentDrawable::kind() const { return kEnvironmentNodesNam
 void EnvironmentDrawable::draw(const Camera& frame, std::span<const Instance> instances,
                                Output output) {
   State& s = *state_;
+  s.store->begin();
   for (const Instance& instance : instances) {
     const std::optional<Camera> captured = captured_frame(frame, instance.world_from_capture);
     if (!captured) continue;
     s.choose(captured->position());
     if (s.drawn.empty()) continue;
-    if (output == Output::object_id)
-      s.drawer.draw_objects(*captured, s.drawn, instance.object, s.options.draw);
-    else
-      // Fails only if the driver has no memory for the layers: then nothing is drawn.
-      (void)s.drawer.draw(*captured, s.drawn, s.options.draw);
+    s.store->draw(*captured, glm::length(glm::dvec3(instance.world_from_capture[0])), s.drawn,
+                  output, instance.object, s.options.draw);
   }
 }
 
 void EnvironmentDrawable::draw_outlines(const Camera&, std::span<const Instance>) {}
+
+void EnvironmentDrawable::set_samples(int samples) { state_->store->set_samples(samples); }
+
+const TileDrawer* EnvironmentDrawable::tiles() const { return state_->store->tiles(); }
 
 ErrorModel EnvironmentDrawable::error_model(std::uint32_t) const {
   ErrorModel model;
@@ -158,9 +160,7 @@ CostTerms EnvironmentDrawable::cost_terms(std::uint32_t) const {
 }
 
 std::size_t EnvironmentDrawable::bytes() const {
-  std::size_t sum = state_->nodes.bytes();
-  for (const auto& [node, stored] : state_->stored) sum += stored.bytes();
-  return sum;
+  return state_->nodes.bytes() + state_->store->bytes();
 }
 
 std::size_t EnvironmentDrawable::most_in_memory() const { return state_->working.most_in_memory(); }
@@ -171,7 +171,7 @@ namespace {
 
 class EnvironmentFactory final : public DrawableFactory {
  public:
-  explicit EnvironmentFactory(NodeDrawer drawer) : drawer_(std::move(drawer)) {}
+  explicit EnvironmentFactory(MakeNodeStore make_store) : make_store_(std::move(make_store)) {}
 
   [[nodiscard]] std::size_t expected_bytes(const OptionValues& bake,
                                            const OptionValues& draw) const override {
@@ -187,19 +187,18 @@ class EnvironmentFactory final : public DrawableFactory {
     const Result<EnvironmentDrawOptions> options = environment_draw_options(draw);
     if (!options) return options.error();
     auto& environment = dynamic_cast<EnvironmentRepresentation&>(*representation);
-    return {std::make_unique<EnvironmentDrawable>(std::move(environment.nodes), drawer_, *options)};
+    return {std::make_unique<EnvironmentDrawable>(std::move(environment.nodes), make_store_(),
+                                                  *options)};
   }
 
  private:
-  NodeDrawer drawer_;
+  MakeNodeStore make_store_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<DrawableFactory>> make_environment_drawable_factory() {
-  Result<NodeDrawer> drawer = NodeDrawer::create();
-  if (!drawer) return drawer.error();
-  return {std::make_unique<EnvironmentFactory>(std::move(*drawer))};
+std::unique_ptr<DrawableFactory> make_environment_factory(MakeNodeStore make_store) {
+  return std::make_unique<EnvironmentFactory>(std::move(make_store));
 }
 
 }  // namespace rilievo

@@ -1,21 +1,20 @@
-#include "rilievo/frame/gl/object_frames.h"
+#include "rilievo/frame/object_chooser.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
 #include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
 
-Result<std::unique_ptr<ObjectFrames>> ObjectFrames::create(SceneRenderer& renderer,
-                                                           const Kind& kind,
-                                                           std::unique_ptr<DrawableFactory> factory,
-                                                           const ObjectFramesOptions& options) {
-  std::unique_ptr<ObjectFrames> frames(new ObjectFrames(renderer));
+Result<std::unique_ptr<ObjectChooser>> ObjectChooser::create(
+    const PlacedScene& placed, CaptureSource& source, const Kind& kind,
+    std::unique_ptr<DrawableFactory> factory, const ObjectFramesOptions& options) {
+  std::unique_ptr<ObjectChooser> frames(new ObjectChooser);
   frames->factory_ = std::move(factory);
   frames->max_texel_px_ = options.max_texel_px;
-  frames->outlines_ = options.outlines;
-  frames->baked_of_.assign(renderer.scene().objects.size(), -1);
+  frames->baked_of_.assign(placed.scene().objects.size(), -1);
 
   const Stopwatch watch;
   ObjectDrawablesOptions bake = options.objects;
@@ -24,13 +23,12 @@ Result<std::unique_ptr<ObjectFrames>> ObjectFrames::create(SceneRenderer& render
     if (options.objects.progress) options.objects.progress(done, total);
   };
   Result<std::vector<ObjectDrawable>> made =
-      bake_object_drawables(renderer, kind, *frames->factory_, bake);
+      bake_object_drawables(placed, source, kind, *frames->factory_, bake);
   if (!made) return made.error();
   for (ObjectDrawable& object : *made) {
     for (const std::uint32_t served : object.objects)
       frames->baked_of_[served] = int(frames->baked_.size());
     frames->bytes_ += object.drawable->bytes();
-    frames->content().sets.push_back({object.drawable.get(), {}});
     const ErrorModel error = object.drawable->error_model(0);
     frames->baked_.push_back({std::move(object), error});
   }
@@ -38,12 +36,12 @@ Result<std::unique_ptr<ObjectFrames>> ObjectFrames::create(SceneRenderer& render
   return {std::move(frames)};
 }
 
-std::optional<Instance> ObjectFrames::instance_of(std::uint32_t object,
-                                                  const Camera& camera) const {
+std::optional<Instance> ObjectChooser::instance_of(std::uint32_t object, const Camera& camera,
+                                                   const PlacedScene& placed) const {
   const int i = baked_of_[object];
   if (i < 0) return std::nullopt;
   const Baked& baked = baked_[std::size_t(i)];
-  const std::optional<glm::dmat4> motion = motion_of(baked.object, renderer().poses()[object]);
+  const std::optional<glm::dmat4> motion = motion_of(baked.object, placed.poses()[object]);
   if (!motion || !std::isfinite(baked.error.bound_px(*motion, camera))) return std::nullopt;
   const double scale = glm::length(glm::dvec3((*motion)[0]));
   const glm::dvec3 center(*motion * glm::dvec4(baked.error.bounds.center(), 1));
@@ -53,11 +51,16 @@ std::optional<Instance> ObjectFrames::instance_of(std::uint32_t object,
   return Instance{*motion, 0, object + 1};
 }
 
-Result<> ObjectFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+void ObjectChooser::add_sets(FrameContent& content) {
+  for (const Baked& baked : baked_) content.sets.push_back({baked.object.drawable.get(), {}});
+}
+
+Result<> ObjectChooser::choose(const Camera& camera, const PlacedScene& placed,
+                               FrameContent& content, FrameStats& stats) {
   visible_.clear();
-  renderer().cull(camera, visible_);
+  placed.cull(camera, visible_);
   for (const std::uint32_t object : visible_) {
-    const std::optional<Instance> instance = instance_of(object, camera);
+    const std::optional<Instance> instance = instance_of(object, camera, placed);
     if (!instance) {
       content.polygons.push_back(object);
       continue;

@@ -1,28 +1,26 @@
-#include "rilievo/frame/gl/surrounding_frames.h"
+#include "rilievo/frame/surrounding_chooser.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
 
-Result<std::unique_ptr<SurroundingFrames>> SurroundingFrames::create(
-    SceneRenderer& renderer, const Kind& kind, std::unique_ptr<DrawableFactory> factory,
-    const SurroundingFramesOptions& options) {
+Result<std::unique_ptr<SurroundingChooser>> SurroundingChooser::create(
+    const PlacedScene& placed, CaptureSource& source, const Kind& kind,
+    std::unique_ptr<DrawableFactory> factory, const SurroundingFramesOptions& options) {
   RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
-  std::unique_ptr<SurroundingFrames> frames(new SurroundingFrames(renderer));
+  std::unique_ptr<SurroundingChooser> frames(new SurroundingChooser);
   frames->factory_ = std::move(factory);
   const Stopwatch watch;
-  const std::vector<Object>& objects = renderer.scene().objects;
+  const std::vector<Object>& objects = placed.scene().objects;
   std::vector<std::uint32_t> still;
   for (std::uint32_t object = 0; object < objects.size(); ++object)
     if (!objects[object].moving) still.push_back(object);
   frames->baked_.assign(objects.size(), false);
   for (const std::uint32_t object : still) frames->baked_[object] = true;
-  OpenGLSource source(renderer);
   const auto progress = [&](int done, int total) {
     frames->captures_ = std::max(frames->captures_, done);
     if (options.progress) options.progress(done, total);
@@ -35,15 +33,19 @@ Result<std::unique_ptr<SurroundingFrames>> SurroundingFrames::create(
       frames->factory_->make_drawable(std::move(baked->representation), options.draw);
   if (!drawable) return drawable.error();
   frames->drawable_ = std::move(*drawable);
-  frames->content().sets.push_back({frames->drawable_.get(), {}});
   frames->capture_ms_ = watch.ms();
   return {std::move(frames)};
 }
 
-Result<> SurroundingFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+void SurroundingChooser::add_sets(FrameContent& content) {
+  content.sets.push_back({drawable_.get(), {}});
+}
+
+Result<> SurroundingChooser::choose(const Camera& camera, const PlacedScene& placed,
+                                    FrameContent& content, FrameStats& stats) {
   content.sets[0].instances.push_back({});
   visible_.clear();
-  renderer().cull(camera, visible_);
+  placed.cull(camera, visible_);
   for (const std::uint32_t object : visible_)
     if (!baked_[object]) content.polygons.push_back(object);
   stats.captures = std::exchange(captures_, 0);

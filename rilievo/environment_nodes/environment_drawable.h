@@ -2,13 +2,13 @@
 //
 // The nodes that are drawn depend only on the eye, so that frames are reproducible. A frame waits
 // for a node that it draws; the nodes that are likely next are loaded meanwhile (working_set.h).
-// Needs a current OpenGL context.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "rilievo/environment_nodes/environment_nodes.h"
-#include "rilievo/environment_nodes/gl/node_drawer.h"
+#include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/kind/kind.h"
 
 namespace rilievo {
@@ -22,14 +22,14 @@ struct EnvironmentDrawOptions {
 // Typed options from the values of the kind's draw_options.
 [[nodiscard]] Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& values);
 
-// Compiles the shaders.
-[[nodiscard]] Result<std::unique_ptr<DrawableFactory>> make_environment_drawable_factory();
+// Makes a store, which decides on the backend, for each drawable.
+using MakeNodeStore = std::function<std::unique_ptr<NodeStore>()>;
+[[nodiscard]] std::unique_ptr<DrawableFactory> make_environment_factory(MakeNodeStore make_store);
 
 // Environment nodes, ready to be drawn.
 class EnvironmentDrawable final : public Drawable {
  public:
-  // `drawer` must outlive the object.
-  EnvironmentDrawable(EnvironmentNodes nodes, NodeDrawer& drawer,
+  EnvironmentDrawable(EnvironmentNodes nodes, std::unique_ptr<NodeStore> store,
                       const EnvironmentDrawOptions& options);
   ~EnvironmentDrawable() override;
 
@@ -37,6 +37,8 @@ class EnvironmentDrawable final : public Drawable {
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
   // Draws nothing: surroundings have no outline.
   void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
+  void set_samples(int samples) override;
+  [[nodiscard]] const TileDrawer* tiles() const override;
   // Loads a node that it has not met before: the first bound near it takes tens of milliseconds.
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;

@@ -11,8 +11,9 @@
 #include <optional>
 #include <vector>
 
+#include "rilievo/capture/capture_source.h"
 #include "rilievo/kind/kind.h"
-#include "rilievo/render/opengl/scene_renderer.h"
+#include "rilievo/render/placed_scene.h"
 #include "rilievo/representation/object_drawable.h"
 
 namespace rilievo {
@@ -27,10 +28,11 @@ struct ObjectDrawablesOptions {
   Progress progress;  // of all objects together
 };
 
-// Bakes at the renderer's time. Objects that nothing can be captured of, and those beyond the
-// memory limit, get no representation. `factory` must outlive the drawables.
+// Bakes the scene as it is placed; `source` shows the same. Objects that nothing can be captured
+// of, and those beyond the memory limit, get no representation. `factory` must outlive the
+// drawables.
 [[nodiscard]] Result<std::vector<ObjectDrawable>> bake_object_drawables(
-    SceneRenderer& renderer, const Kind& kind, DrawableFactory& factory,
+    const PlacedScene& placed, CaptureSource& source, const Kind& kind, DrawableFactory& factory,
     const ObjectDrawablesOptions& options);
 
 // What to bake as surroundings, and how.
@@ -42,7 +44,8 @@ struct SurroundingsOptions {
 };
 
 // Bakes all objects that stand still and lie beyond a distance as one. Fails if there are none.
-[[nodiscard]] Result<ObjectDrawable> bake_surroundings_drawable(SceneRenderer& renderer,
+[[nodiscard]] Result<ObjectDrawable> bake_surroundings_drawable(const PlacedScene& placed,
+                                                                CaptureSource& source,
                                                                 const Kind& kind,
                                                                 DrawableFactory& factory,
                                                                 const SurroundingsOptions& options);

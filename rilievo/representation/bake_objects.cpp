@@ -1,4 +1,4 @@
-#include "rilievo/representation/gl/object_drawables.h"
+#include "rilievo/representation/bake_objects.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
@@ -38,14 +37,14 @@ bool is_invertible(const glm::mat4& pose) {
 }
 
 // Heavy objects, those first whose drawable saves most triangles.
-std::vector<Group> heavy_groups(const SceneRenderer& renderer, std::uint64_t min_triangles) {
-  const Scene& scene = renderer.scene();
+std::vector<Group> heavy_groups(const PlacedScene& placed, std::uint64_t min_triangles) {
+  const Scene& scene = placed.scene();
   std::map<GroupKey, Group> by_key;
   for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
     const int model = scene.objects[object].model;
-    const glm::mat4& pose = renderer.poses()[object];
+    const glm::mat4& pose = placed.poses()[object];
     const std::uint64_t triangles = scene.models[std::size_t(model)].triangles;
-    if (triangles < min_triangles || !renderer.has_opaque_parts(object) || !is_invertible(pose))
+    if (triangles < min_triangles || !placed.has_opaque_parts(object) || !is_invertible(pose))
       continue;
     Group& group = by_key[key_of(model, pose)];
     group.objects.push_back(object);
@@ -62,14 +61,14 @@ std::vector<Group> heavy_groups(const SceneRenderer& renderer, std::uint64_t min
 
 }  // namespace
 
-Result<std::vector<ObjectDrawable>> bake_object_drawables(SceneRenderer& renderer, const Kind& kind,
+Result<std::vector<ObjectDrawable>> bake_object_drawables(const PlacedScene& placed,
+                                                          CaptureSource& source, const Kind& kind,
                                                           DrawableFactory& factory,
                                                           const ObjectDrawablesOptions& options) {
   const std::size_t bytes =
       std::max<std::size_t>(1, factory.expected_bytes(options.bake, options.draw));
-  std::vector<Group> groups = heavy_groups(renderer, options.min_triangles);
+  std::vector<Group> groups = heavy_groups(placed, options.min_triangles);
   groups.resize(std::min(groups.size(), options.max_bytes / bytes));
-  OpenGLSource source(renderer);
   OptionValues bake = options.bake;
   factory.spare(bake, options.draw);
   std::vector<ObjectDrawable> drawables;
@@ -86,27 +85,26 @@ Result<std::vector<ObjectDrawable>> bake_object_drawables(SceneRenderer& rendere
         factory.make_drawable(std::move(baked->representation), options.draw);
     if (!drawable) return drawable.error();
     drawables.push_back({std::move(*drawable), std::move(groups[g].objects),
-                         glm::inverse(glm::dmat4(renderer.poses()[object]))});
+                         glm::inverse(glm::dmat4(placed.poses()[object]))});
   }
   return drawables;
 }
 
-Result<ObjectDrawable> bake_surroundings_drawable(SceneRenderer& renderer, const Kind& kind,
-                                                  DrawableFactory& factory,
+Result<ObjectDrawable> bake_surroundings_drawable(const PlacedScene& placed, CaptureSource& source,
+                                                  const Kind& kind, DrawableFactory& factory,
                                                   const SurroundingsOptions& options) {
   RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
-  const std::vector<Object>& objects = renderer.scene().objects;
+  const std::vector<Object>& objects = placed.scene().objects;
   ObjectDrawable surroundings;
   surroundings.together = true;
   for (std::uint32_t object = 0; object < objects.size(); ++object) {
-    if (objects[object].moving || !renderer.has_opaque_parts(object)) continue;
-    if (distance_between(renderer.object_bounds(object), options.eyes) < options.beyond) continue;
+    if (objects[object].moving || !placed.has_opaque_parts(object)) continue;
+    if (distance_between(placed.bounds()[object], options.eyes) < options.beyond) continue;
     surroundings.objects.push_back(object);
   }
   if (surroundings.objects.empty())
     return Error{std::string(kind.name),
                  "no object that stands still lies beyond the distance asked for"};
-  OpenGLSource source(renderer);
   Result<Baked> baked =
       kind.bake({source, surroundings.objects, options.eyes}, options.bake, options.progress);
   if (!baked) return baked.error();

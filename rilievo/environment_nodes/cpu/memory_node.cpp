@@ -1,0 +1,96 @@
+#include "rilievo/environment_nodes/cpu/memory_node.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/color.h"
+#include "rilievo/environment_nodes/cube_grid.h"
+
+namespace rilievo {
+namespace {
+
+// Where a direction meets a face: u to the right and v downwards, each from 0 to 1 within it.
+struct FacePoint {
+  int face = 0;
+  float u = 0, v = 0;
+};
+
+FacePoint face_point(const glm::vec3& d) {
+  const glm::vec3 a = glm::abs(d);
+  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  FacePoint point{2 * axis + (d[axis] < 0), 0, 0};
+  const FaceAxes& axes = face_axes()[std::size_t(point.face)];
+  const float depth = a[axis];
+  point.u = 0.5f + 0.5f * glm::dot(d, glm::vec3(axes.right)) / depth;
+  point.v = 0.5f - 0.5f * glm::dot(d, glm::vec3(axes.up)) / depth;
+  return point;
+}
+
+int texel_at(float share, int size) { return std::clamp(int(share * float(size)), 0, size - 1); }
+
+}  // namespace
+
+MemoryNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
+  MemoryNode node;
+  node.mesh = mesh;
+  node.reaches = side_reaches(mesh);
+  const int size = mesh.face_size, wide = size + 2;
+  std::array<Rgba8Image, 6> faces;
+  for (std::size_t f = 0; f < 6; ++f) faces[f] = srgb8_from_linear(map.faces[f].color);
+  const auto word = [](const glm::u8vec4& c) {
+    return std::uint32_t(c.r) | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16;
+  };
+  for (std::size_t f = 0; f < 6; ++f) {
+    const FaceAxes& axes = face_axes()[f];
+    node.color[f].resize(std::size_t(wide) * std::size_t(wide));
+    for (int y = -1; y <= size; ++y)
+      for (int x = -1; x <= size; ++x) {
+        std::uint32_t& to =
+            node.color[f][std::size_t(y + 1) * std::size_t(wide) + std::size_t(x + 1)];
+        if (x >= 0 && y >= 0 && x < size && y < size) {
+          to = word(faces[f](x, y));
+          continue;
+        }
+        // What lies beyond the edge is in the neighbour.
+        const float u = 2 * (float(x) + 0.5f) / float(size) - 1,
+                    v = 1 - 2 * (float(y) + 0.5f) / float(size);
+        const FacePoint at = face_point(glm::vec3(axes.forward) + u * glm::vec3(axes.right) +
+                                        v * glm::vec3(axes.up));
+        to = word(faces[std::size_t(at.face)](texel_at(at.u, size), texel_at(at.v, size)));
+      }
+  }
+  if (!map.faces[0].object.empty())
+    for (std::size_t f = 0; f < 6; ++f) {
+      node.object[f] = map.faces[f].object;
+      if (node.object[f].empty()) node.object[f] = Image<std::uint32_t>(size, size, kNoObject);
+    }
+  return node;
+}
+
+std::size_t MemoryNode::bytes() const {
+  const auto texels = std::size_t(mesh.face_size) * std::size_t(mesh.face_size);
+  return rilievo::bytes(mesh) + 6 * texels * (has_objects() ? 8 : 4);
+}
+
+glm::vec3 MemoryNode::color_in(const glm::vec3& direction) const {
+  const FacePoint at = face_point(direction);
+  const int size = mesh.face_size, wide = size + 2;
+  const float u = at.u * float(size) + 0.5f, v = at.v * float(size) + 0.5f;
+  const int x = std::clamp(int(u), 0, size), y = std::clamp(int(v), 0, size);
+  const float fx = std::clamp(u - float(x), 0.0f, 1.0f), fy = std::clamp(v - float(y), 0.0f, 1.0f);
+  const std::uint32_t* row =
+      &color[std::size_t(at.face)][std::size_t(y) * std::size_t(wide) + std::size_t(x)];
+  const auto texel = [](std::uint32_t c) {
+    return glm::vec3(float(c & 0xffu), float(c >> 8 & 0xffu), float(c >> 16 & 0xffu));
+  };
+  return glm::mix(glm::mix(texel(row[0]), texel(row[1]), fx),
+                  glm::mix(texel(row[wide]), texel(row[wide + 1]), fx), fy);
+}
+
+std::uint32_t MemoryNode::object_in(const glm::vec3& direction) const {
+  const FacePoint at = face_point(direction);
+  return object[std::size_t(at.face)](texel_at(at.u, mesh.face_size),
+                                      texel_at(at.v, mesh.face_size));
+}
+
+}  // namespace rilievo

@@ -1,0 +1,230 @@
+// A vertex is homogeneous (c, d), c / d from the node (node_mesh.h), and so is (x w, y w, w), its
+// place in the frame: nothing is infinite where d = 0. Its eye_z is w / d. Texture directions t are
+// interpolated with perspective correction by that w (gl/node_shaders.cpp): at pixel p = (x, y, 1)
+//
+//   sum b_i t_i,   b = (m_0, m_1, m_2)^-1 p,   m_i = (x w, y w, w) of corner i
+//
+// up to a factor, which does not change a direction.
+//
+// The rasteriser's depth is a - nearest / eye_z, with a just below 1, so that the sky is drawn.
+#include "rilievo/environment_nodes/cpu/node_layer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+constexpr double kSkyDepth = 1 - 0x1p-20;
+// Nodes are drawn from the eye; nearer than this share of the frame's near plane is nothing.
+constexpr double kNearShare = 0.25;
+// Triangles are cut so many frames beside the frame, where single precision would not suffice.
+constexpr double kGuard = 8;
+
+struct ClipCorner {
+  glm::dvec3 raster;  // (x w, y w, w)
+  double disparity;
+};
+
+// How far inside of plane 0 to 4 is the corner?
+double inside(const ClipCorner& c, int plane, double nearest, const glm::dvec2& size) {
+  const double w = c.raster.z;
+  const glm::dvec2 at = 2.0 * glm::dvec2(c.raster) / size - w;  // -w to w in the frame
+  switch (plane) {
+    case 0:
+      return w - nearest * c.disparity;
+    case 1:
+      return kGuard * w - at.x;
+    case 2:
+      return kGuard * w + at.x;
+    case 3:
+      return kGuard * w - at.y;
+    default:
+      return kGuard * w + at.y;
+  }
+}
+
+// [Sutherland and Hodgman 1974]; returns the number of corners.
+int cut(ClipCorner (&polygon)[9], double nearest, const glm::dvec2& size) {
+  int count = 3;
+  for (int plane = 0; plane < 5 && count >= 3; ++plane) {
+    ClipCorner out[9];
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+      const ClipCorner &a = polygon[i], &b = polygon[(i + 1) % count];
+      const double at_a = inside(a, plane, nearest, size), at_b = inside(b, plane, nearest, size);
+      if (at_a >= 0) out[kept++] = a;
+      if ((at_a >= 0) == (at_b >= 0)) continue;
+      // From the corner inside, so that two triangles that share the edge get the same corner.
+      const bool forward = at_a >= 0;
+      const ClipCorner &in = forward ? a : b, &beyond = forward ? b : a;
+      const double from = forward ? at_a : at_b, to = forward ? at_b : at_a;
+      const double share = from / (from - to);
+      out[kept++] = {glm::mix(in.raster, beyond.raster, share),
+                     glm::mix(in.disparity, beyond.disparity, share)};
+    }
+    std::copy_n(out, kept, polygon);
+    count = kept;
+  }
+  return count;
+}
+
+}  // namespace
+
+void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes) {
+  RILIEVO_EXPECTS(frame.projection == Projection::perspective);
+  width_ = frame.width, height_ = frame.height, samples_ = samples;
+  nearest_ = kNearShare * frame.z_near;
+  nodes_.clear();
+  for (Soup* soup : {&surfaces_, &skins_}) {
+    soup->positions.clear(), soup->indices.clear(), soup->node.clear(), soup->triangle.clear();
+    soup->instances.clear();
+  }
+  for (const DrawnNode& drawn : nodes) {
+    const glm::dmat4 clip = glm::transpose(clip_from_node(drawn.node->mesh, frame));
+    nodes_.push_back(
+        {drawn, 0.5 * width_ * (clip[0] + clip[3]), 0.5 * height_ * (clip[1] + clip[3]), clip[3]});
+    const auto number = std::uint32_t(nodes_.size() - 1);
+    const Placed& placed = nodes_.back();
+    corners_.clear();
+    for (const NodeVertex& v : drawn.node->mesh.vertices) {
+      const glm::dvec4 p(v.direction, v.disparity);
+      corners_.emplace_back(glm::dot(placed.row_x, p), glm::dot(placed.row_y, p),
+                            glm::dot(placed.row_w, p));
+    }
+    const std::array<bool, 6> visible = visible_faces(drawn.node->mesh, drawn.node->reaches, frame);
+    add(number, visible, false, surfaces_);
+    add(number, visible, true, skins_);
+  }
+  rasterize(surfaces_);
+  rasterize(skins_);
+}
+
+void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, bool skins,
+                    Soup& soup) {
+  const NodeMesh& mesh = nodes_[node].drawn.node->mesh;
+  const glm::dvec2 size(width_, height_);
+  RasterInstance instance;
+  instance.first_triangle = std::uint32_t(soup.triangle.size());
+  instance.row_x = {1, 0, 0, 0}, instance.row_y = {0, 1, 0, 0};
+  instance.row_z = {0, 0, 1, 0}, instance.row_w = {0, 0, 0, 1};
+  instance.front = true, instance.back = skins || !nodes_[node].drawn.front_only;
+  for (std::size_t f = 0; f < 6; ++f) {
+    if (!visible[f]) continue;
+    const TriangleRange& range = skins ? mesh.skins[f] : mesh.surfaces[f];
+    for (std::uint32_t t = range.first; t < range.first + range.count; ++t) {
+      ClipCorner polygon[9];
+      int outside = 0x1f;
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t v = mesh.indices[3 * std::size_t(t) + std::size_t(k)];
+        polygon[k] = {corners_[v], double(mesh.vertices[v].disparity)};
+        const glm::dvec3& c = corners_[v];
+        outside &= int(c.x < 0 && c.z > 0) | int(c.x > size.x * c.z && c.z > 0) << 1 |
+                   int(c.y < 0 && c.z > 0) << 2 | int(c.y > size.y * c.z && c.z > 0) << 3 |
+                   int(c.z <= 0) << 4;
+      }
+      if (outside) continue;
+      const int count = cut(polygon, nearest_, size);
+      const auto first = std::uint32_t(soup.positions.size());
+      for (int k = 0; k < count; ++k) {
+        const ClipCorner& c = polygon[k];
+        const double w = std::max(c.raster.z, 1e-30);
+        soup.positions.emplace_back(c.raster.x / w, c.raster.y / w,
+                                    kSkyDepth - nearest_ * c.disparity / w);
+      }
+      for (int k = 2; k < count; ++k) {
+        soup.indices.insert(soup.indices.end(),
+                            {first, first + std::uint32_t(k) - 1, first + std::uint32_t(k)});
+        soup.node.push_back(node);
+        soup.triangle.push_back(t);
+      }
+    }
+  }
+  instance.triangles = std::uint32_t(soup.triangle.size()) - instance.first_triangle;
+  soup.instances.push_back(instance);
+}
+
+void NodeLayer::rasterize(Soup& soup) {
+  soup.raster.begin(width_, height_, samples_);
+  for (RasterInstance& instance : soup.instances) {
+    instance.positions = soup.positions.data();
+    instance.indices = soup.indices.data() + 3 * std::size_t(instance.first_triangle);
+  }
+  soup.raster.draw(soup.instances);
+}
+
+float NodeLayer::inverse_z(float depth) const {
+  return float((kSkyDepth - double(depth)) / nearest_);
+}
+
+NodeLayer::Weights NodeLayer::weights(const Placed& placed, std::uint32_t triangle) const {
+  const NodeMesh& mesh = placed.drawn.node->mesh;
+  glm::dvec3 m[3];
+  for (int k = 0; k < 3; ++k) {
+    const NodeVertex& v = mesh.vertices[mesh.indices[3 * std::size_t(triangle) + std::size_t(k)]];
+    const glm::dvec4 p(v.direction, v.disparity);
+    m[k] = {glm::dot(placed.row_x, p), glm::dot(placed.row_y, p), glm::dot(placed.row_w, p)};
+  }
+  Weights out{{glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])}};
+  if (glm::dot(m[0], out.of[0]) < 0)
+    for (glm::dvec3& of : out.of) of = -of;
+  return out;
+}
+
+glm::vec3 NodeLayer::direction(const NodeSample& sample, int x, int y) const {
+  const Placed& placed = nodes_[sample.node];
+  const NodeMesh& mesh = placed.drawn.node->mesh;
+  const Weights w = weights(placed, sample.triangle);
+  const glm::dvec3 p(x + 0.5, height_ - y - 0.5, 1);
+  glm::dvec3 sum(0.0);
+  for (int k = 0; k < 3; ++k)
+    sum +=
+        glm::dot(w.of[k], p) *
+        glm::dvec3(
+            mesh.vertices[mesh.indices[3 * std::size_t(sample.triangle) + std::size_t(k)]].texture);
+  return glm::vec3(glm::normalize(sum));
+}
+
+// Of a skin: the rate at which its stretch changes over the frame tells its width.
+bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, int x, int y) const {
+  const NodeMesh& mesh = placed.drawn.node->mesh;
+  const Weights w = weights(placed, triangle);
+  const auto stretch = [&](double px, double py) {
+    double sum = 0, weights = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double b = glm::dot(w.of[k], glm::dvec3(px, py, 1));
+      sum +=
+          b *
+          double(mesh.vertices[mesh.indices[3 * std::size_t(triangle) + std::size_t(k)]].stretch);
+      weights += b;
+    }
+    return sum / weights;
+  };
+  const double px = x + 0.5, py = height_ - y - 0.5, here = stretch(px, py);
+  if (!(here >= 0)) return true;
+  const double change = std::abs(stretch(px + 1, py) - here) + std::abs(stretch(px, py + 1) - here);
+  return !(change * double(placed.drawn.widest_skin) < 1);
+}
+
+NodeSample NodeLayer::at(int x, int y, int s) const {
+  const auto sample_of = [&](const Soup& soup, bool skin) {
+    NodeSample sample;
+    const SampleBuffer& seen = soup.raster.seen();
+    const std::size_t i =
+        seen.row(height_ - 1 - y) + std::size_t(x) * std::size_t(samples_) + std::size_t(s);
+    if (seen.depth[i] >= 1) return sample;
+    sample.inverse_z = std::max(inverse_z(seen.depth[i]), 1e-30f);
+    sample.node = soup.node[seen.triangle[i]], sample.triangle = soup.triangle[seen.triangle[i]];
+    sample.skin = skin;
+    return sample;
+  };
+  const NodeSample surface = sample_of(surfaces_, false), skin = sample_of(skins_, true);
+  if (skin.inverse_z >= surface.inverse_z && skin.inverse_z > 0 &&
+      is_narrow(nodes_[skin.node], skin.triangle, x, y))
+    return skin;
+  return surface;
+}
+
+}  // namespace rilievo

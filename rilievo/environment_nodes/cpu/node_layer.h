@@ -1,0 +1,77 @@
+// Which triangle of which node does each sample of a frame show? Internal to environment_nodes/cpu.
+//
+// Surfaces and skins are rasterised apart, because a skin is drawn only where it is narrow enough,
+// which is known once it is seen: where a wide one hides a narrow one, neither is drawn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/environment_nodes/cpu/memory_node.h"
+#include "rilievo/render/raster/sample_raster.h"
+
+namespace rilievo {
+
+// A node to draw.
+struct DrawnNode {
+  const MemoryNode* node = nullptr;
+  float widest_skin = 0;    // pixels: wider ones are left open
+  bool front_only = false;  // of surfaces only what the eye sees from the front
+};
+
+// What a sample shows.
+struct NodeSample {
+  float inverse_z = 0;                   // 1 / eye_z, of the frame that was placed; 0: nothing
+  std::uint32_t node = 0, triangle = 0;  // of the drawn nodes; of the node's mesh
+  bool skin = false;
+};
+
+// Nodes in one z-buffer.
+class NodeLayer {
+ public:
+  // Requires a perspective camera.
+  void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes);
+
+  [[nodiscard]] int samples() const { return samples_; }
+  [[nodiscard]] const DrawnNode& drawn(std::uint32_t node) const { return nodes_[node].drawn; }
+  // Sample s of pixel (x, y); y counts from the top.
+  [[nodiscard]] NodeSample at(int x, int y, int s) const;
+  // The direction, in node space, whose colour a triangle has at the pixel's centre.
+  [[nodiscard]] glm::vec3 direction(const NodeSample& sample, int x, int y) const;
+
+ private:
+  struct Placed {
+    DrawnNode drawn;
+    glm::dvec4 row_x, row_y,
+        row_w;  // (x w, y w, w) in pixels, y upwards, of (direction, disparity)
+  };
+  // Triangles that are ready to be rasterised: corners in pixels with their depth.
+  struct Soup {
+    std::vector<glm::vec3> positions;
+    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t> node, triangle;  // of each
+    std::vector<RasterInstance> instances;
+    SampleRaster raster;
+  };
+  // The corners of a triangle as rows give them, and the planes through them: a pixel's weights.
+  struct Weights {
+    glm::dvec3 of[3];
+  };
+  [[nodiscard]] Weights weights(const Placed& placed, std::uint32_t triangle) const;
+  [[nodiscard]] bool is_narrow(const Placed& placed, std::uint32_t triangle, int x, int y) const;
+  void add(std::uint32_t node, const std::array<bool, 6>& visible, bool skins, Soup& soup);
+  void rasterize(Soup& soup);
+  [[nodiscard]] float inverse_z(float depth) const;
+
+  int width_ = 0, height_ = 0, samples_ = 1;
+  double nearest_ = 1;  // eye_z of the plane at which triangles are cut
+  std::vector<Placed> nodes_;
+  std::vector<glm::dvec3> corners_;  // of a node's vertices
+  Soup surfaces_, skins_;
+};
+
+}  // namespace rilievo

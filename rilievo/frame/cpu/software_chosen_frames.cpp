@@ -1,0 +1,27 @@
+#include "rilievo/frame/cpu/software_chosen_frames.h"
+
+#include <utility>
+
+namespace rilievo {
+
+Result<std::unique_ptr<SoftwareChosenFrames>> SoftwareChosenFrames::create(
+    const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser) {
+  std::unique_ptr<SoftwareChosenFrames> frames(new SoftwareChosenFrames(scene, samples));
+  Result<std::unique_ptr<FrameChooser>> chooser = make_chooser(frames->placed());
+  if (!chooser) return chooser.error();
+  frames->chooser_ = std::move(*chooser);
+  frames->chooser_->add_sets(frames->content());
+  frames->outlines_ = outlines;
+  return {std::move(frames)};
+}
+
+Result<> SoftwareChosenFrames::choose(const Camera& camera, FrameContent& content,
+                                      FrameStats& stats) {
+  return chooser_->choose(camera, placed(), content, stats);
+}
+
+bool SoftwareChosenFrames::shows_blended(std::uint32_t object) const {
+  return chooser_->shows_blended(object);
+}
+
+}  // namespace rilievo

@@ -1,0 +1,31 @@
+// How are frames drawn without OpenGL that a chooser of its own chooses?
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/frame/frame_chooser.h"
+
+namespace rilievo {
+
+// Draws what a FrameChooser chooses.
+class SoftwareChosenFrames final : public SoftwareFrames {
+ public:
+  // Makes a chooser for the scene as it is placed at time 0.
+  using MakeChooser = std::function<Result<std::unique_ptr<FrameChooser>>(const PlacedScene&)>;
+  // `scene` must be valid and outlive the source. Fails where the chooser cannot be made.
+  [[nodiscard]] static Result<std::unique_ptr<SoftwareChosenFrames>> create(
+      const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser);
+
+  [[nodiscard]] const FrameChooser& chooser() const { return *chooser_; }
+
+ private:
+  using SoftwareFrames::SoftwareFrames;
+  Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
+  [[nodiscard]] bool shows_blended(std::uint32_t object) const override;
+
+  std::unique_ptr<FrameChooser> chooser_;
+};
+
+}  // namespace rilievo

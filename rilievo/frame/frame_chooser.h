@@ -1,0 +1,31 @@
+// What is each object of a frame drawn from? The choice, apart from who draws it.
+//
+// frame/gl/scene_frames.h draws what is chosen with OpenGL, frame/cpu/software_frames.h without.
+#pragma once
+
+#include <cstdint>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/core/result.h"
+#include "rilievo/frame/frame_content.h"
+#include "rilievo/render/placed_scene.h"
+
+namespace rilievo {
+
+// Chooses the frames of one scene.
+class FrameChooser {
+ public:
+  virtual ~FrameChooser() = default;
+
+  // Appends the sets of what it draws from to an empty `content`; called once, before choose().
+  virtual void add_sets(FrameContent& content) = 0;
+  // Fills `content`, which is cleared, and in `stats` the captures, memory and bound. `placed` is
+  // at the frame's time, and the same in all frames.
+  virtual Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
+                          FrameStats& stats) = 0;
+  // Does what stands for the object in this frame hold its blended parts, too? Otherwise they are
+  // drawn as polygons.
+  [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }
+};
+
+}  // namespace rilievo
