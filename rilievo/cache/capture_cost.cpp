@@ -28,7 +28,7 @@ constexpr double kApproach = 0.3;
 constexpr double kRecede = 0.4;
 constexpr double kShortestLife = 2;  // frames; what lives shorter is captured for one frame
 
-std::array<ViewAxes::Plane, 5> frustum_of(const Camera& camera) {
+std::array<ViewAxes::Plane, 5> sides_of(const Camera& camera) {
   const glm::dvec3 eye = camera.position();
   const glm::dvec3 right(camera.world_from_eye[0]), up(camera.world_from_eye[1]);
   const glm::dvec3 forward = camera.forward();
@@ -107,8 +107,8 @@ ViewAxes view_axes(const FrameView& view, double frames_ahead) {
   axes.velocity = view.velocity;
   axes.px = c.width / (c.window.right - c.window.left);
   axes.py = c.height / (c.window.top - c.window.bottom);
-  axes.now = frustum_of(c);
-  axes.ahead = frustum_of(camera_ahead(view, frames_ahead));
+  axes.now = sides_of(c);
+  axes.ahead = sides_of(camera_ahead(view, frames_ahead));
   return axes;
 }
 

@@ -23,10 +23,7 @@ constexpr double kNearShare = 0.25;
 // Triangles are cut so many frames beside the frame, where single precision would not suffice.
 constexpr double kGuard = 8;
 
-struct ClipCorner {
-  glm::dvec3 raster;  // (x w, y w, w)
-  double disparity;
-};
+using ClipCorner = NodeLayer::ClipCorner;
 
 // How far inside of plane 0 to 4 is the corner?
 double inside(const ClipCorner& c, int plane, double nearest, const glm::dvec2& size) {
@@ -77,8 +74,9 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   width_ = frame.width, height_ = frame.height, samples_ = samples;
   nearest_ = kNearShare * frame.z_near;
+  z_far_ = frame.z_far;
   nodes_.clear();
-  for (Soup* soup : {&surfaces_, &skins_}) {
+  for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) {
     soup->positions.clear(), soup->indices.clear(), soup->node.clear(), soup->triangle.clear();
     soup->instances.clear();
   }
@@ -86,35 +84,37 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
     const glm::dmat4 clip = glm::transpose(clip_from_node(drawn.node->mesh, frame));
     nodes_.push_back(
         {drawn, 0.5 * width_ * (clip[0] + clip[3]), 0.5 * height_ * (clip[1] + clip[3]), clip[3]});
-    const auto number = std::uint32_t(nodes_.size() - 1);
-    const Placed& placed = nodes_.back();
+  }
+  // Of equal depths OpenGL shows the last, the rasteriser the first: beyond the far plane.
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    const Placed& placed = nodes_[i];
+    const MemoryNode& node = *placed.drawn.node;
     corners_.clear();
-    for (const NodeVertex& v : drawn.node->mesh.vertices) {
+    for (const NodeVertex& v : node.mesh.vertices) {
       const glm::dvec4 p(v.direction, v.disparity);
       corners_.emplace_back(glm::dot(placed.row_x, p), glm::dot(placed.row_y, p),
                             glm::dot(placed.row_w, p));
     }
-    const std::array<bool, 6> visible = visible_faces(drawn.node->mesh, drawn.node->reaches, frame);
-    add(number, visible, false, surfaces_);
-    add(number, visible, true, skins_);
+    const std::array<bool, 6> visible = visible_faces(node.mesh, node.reaches, frame);
+    add(std::uint32_t(i), visible, Part::surfaces, surfaces_);
+    add(std::uint32_t(i), visible, Part::skins, skins_);
+    add(std::uint32_t(i), visible, Part::doubtful, doubtful_);
   }
-  rasterize(surfaces_);
-  rasterize(skins_);
+  for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) rasterize(*soup);
 }
 
-void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, bool skins,
-                    Soup& soup) {
+void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup) {
   const NodeMesh& mesh = nodes_[node].drawn.node->mesh;
   const glm::dvec2 size(width_, height_);
   RasterInstance instance;
   instance.first_triangle = std::uint32_t(soup.triangle.size());
   instance.row_x = {1, 0, 0, 0}, instance.row_y = {0, 1, 0, 0};
   instance.row_z = {0, 0, 1, 0}, instance.row_w = {0, 0, 0, 1};
-  instance.front = true, instance.back = skins || !nodes_[node].drawn.front_only;
-  for (std::size_t f = 0; f < 6; ++f) {
+  instance.front = true, instance.back = part != Part::surfaces || !nodes_[node].drawn.front_only;
+  for (std::size_t f = 6; f-- > 0;) {
     if (!visible[f]) continue;
-    const TriangleRange& range = skins ? mesh.skins[f] : mesh.surfaces[f];
-    for (std::uint32_t t = range.first; t < range.first + range.count; ++t) {
+    const TriangleRange& range = part == Part::surfaces ? mesh.surfaces[f] : mesh.skins[f];
+    for (std::uint32_t t = range.first + range.count; t-- > range.first;) {
       ClipCorner polygon[9];
       int outside = 0x1f;
       for (int k = 0; k < 3; ++k) {
@@ -127,12 +127,16 @@ void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, bool
       }
       if (outside) continue;
       const int count = cut(polygon, nearest_, size);
+      if (part != Part::surfaces &&
+          narrowness(nodes_[node], t, {polygon, std::size_t(std::max(count, 0))}) !=
+              (part == Part::skins ? 2 : 1))
+        continue;
       const auto first = std::uint32_t(soup.positions.size());
       for (int k = 0; k < count; ++k) {
         const ClipCorner& c = polygon[k];
         const double w = std::max(c.raster.z, 1e-30);
         soup.positions.emplace_back(c.raster.x / w, c.raster.y / w,
-                                    kSkyDepth - nearest_ * c.disparity / w);
+                                    kSkyDepth - nearest_ * std::max(c.disparity / w, 1 / z_far_));
       }
       for (int k = 2; k < count; ++k) {
         soup.indices.insert(soup.indices.end(),
@@ -147,6 +151,7 @@ void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, bool
 }
 
 void NodeLayer::rasterize(Soup& soup) {
+  if (soup.triangle.empty()) return;
   soup.raster.begin(width_, height_, samples_);
   for (RasterInstance& instance : soup.instances) {
     instance.positions = soup.positions.data();
@@ -188,7 +193,8 @@ glm::vec3 NodeLayer::direction(const NodeSample& sample, int x, int y) const {
 }
 
 // Of a skin: the rate at which its stretch changes over the frame tells its width.
-bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, int x, int y) const {
+bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, double px,
+                          double py) const {
   const NodeMesh& mesh = placed.drawn.node->mesh;
   const Weights w = weights(placed, triangle);
   const auto stretch = [&](double px, double py) {
@@ -202,15 +208,28 @@ bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, int x, i
     }
     return sum / weights;
   };
-  const double px = x + 0.5, py = height_ - y - 0.5, here = stretch(px, py);
+  const double here = stretch(px, py);
   if (!(here >= 0)) return true;
   const double change = std::abs(stretch(px + 1, py) - here) + std::abs(stretch(px, py + 1) - here);
   return !(change * double(placed.drawn.widest_skin) < 1);
 }
 
+// Where is a skin narrow? Everywhere 2, somewhere 1, nowhere 0: as at its corners.
+int NodeLayer::narrowness(const Placed& placed, std::uint32_t triangle,
+                          std::span<const ClipCorner> corners) const {
+  if (placed.drawn.widest_skin > kNodeCrack) return 2;
+  std::size_t narrow = 0;
+  for (const ClipCorner& c : corners) {
+    const double w = std::max(c.raster.z, 1e-30);
+    narrow += is_narrow(placed, triangle, c.raster.x / w, c.raster.y / w);
+  }
+  return narrow == 0 ? 0 : narrow == corners.size() ? 2 : 1;
+}
+
 NodeSample NodeLayer::at(int x, int y, int s) const {
   const auto sample_of = [&](const Soup& soup, bool skin) {
     NodeSample sample;
+    if (soup.triangle.empty()) return sample;
     const SampleBuffer& seen = soup.raster.seen();
     const std::size_t i =
         seen.row(height_ - 1 - y) + std::size_t(x) * std::size_t(samples_) + std::size_t(s);
@@ -220,11 +239,13 @@ NodeSample NodeLayer::at(int x, int y, int s) const {
     sample.skin = skin;
     return sample;
   };
-  const NodeSample surface = sample_of(surfaces_, false), skin = sample_of(skins_, true);
-  if (skin.inverse_z >= surface.inverse_z && skin.inverse_z > 0 &&
-      is_narrow(nodes_[skin.node], skin.triangle, x, y))
-    return skin;
-  return surface;
+  NodeSample shown = sample_of(surfaces_, false);
+  const NodeSample skin = sample_of(skins_, true), doubtful = sample_of(doubtful_, true);
+  if (skin.inverse_z > 0 && skin.inverse_z >= shown.inverse_z) shown = skin;
+  if (doubtful.inverse_z > 0 && doubtful.inverse_z >= shown.inverse_z &&
+      is_narrow(nodes_[doubtful.node], doubtful.triangle, x + 0.5, height_ - y - 0.5))
+    shown = doubtful;
+  return shown;
 }
 
 }  // namespace rilievo

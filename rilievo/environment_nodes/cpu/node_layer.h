@@ -1,7 +1,8 @@
 // Which triangle of which node does each sample of a frame show? Internal to environment_nodes/cpu.
 //
-// Surfaces and skins are rasterised apart, because a skin is drawn only where it is narrow enough,
-// which is known once it is seen: where a wide one hides a narrow one, neither is drawn.
+// A skin is drawn only where it is narrow enough. Skins that are so everywhere are rasterised apart
+// from those of which it is known only once they are seen: where one of these is too wide, another
+// one of them behind it is not drawn either.
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 
 #include "rilievo/core/camera.h"
 #include "rilievo/environment_nodes/cpu/memory_node.h"
+#include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/render/raster/sample_raster.h"
 
 namespace rilievo {
@@ -43,6 +45,12 @@ class NodeLayer {
   // The direction, in node space, whose colour a triangle has at the pixel's centre.
   [[nodiscard]] glm::vec3 direction(const NodeSample& sample, int x, int y) const;
 
+  // A corner of a triangle, in the frame.
+  struct ClipCorner {
+    glm::dvec3 raster;  // (x w, y w, w), y upwards
+    double disparity;
+  };
+
  private:
   struct Placed {
     DrawnNode drawn;
@@ -62,16 +70,21 @@ class NodeLayer {
     glm::dvec3 of[3];
   };
   [[nodiscard]] Weights weights(const Placed& placed, std::uint32_t triangle) const;
-  [[nodiscard]] bool is_narrow(const Placed& placed, std::uint32_t triangle, int x, int y) const;
-  void add(std::uint32_t node, const std::array<bool, 6>& visible, bool skins, Soup& soup);
+  [[nodiscard]] bool is_narrow(const Placed& placed, std::uint32_t triangle, double px,
+                               double py) const;  // y upwards
+  [[nodiscard]] int narrowness(const Placed& placed, std::uint32_t triangle,
+                               std::span<const ClipCorner> corners) const;
+  enum class Part { surfaces, skins, doubtful };
+  void add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup);
   void rasterize(Soup& soup);
   [[nodiscard]] float inverse_z(float depth) const;
 
   int width_ = 0, height_ = 0, samples_ = 1;
   double nearest_ = 1;  // eye_z of the plane at which triangles are cut
+  double z_far_ = 1;    // farther is drawn there
   std::vector<Placed> nodes_;
-  std::vector<glm::dvec3> corners_;  // of a node's vertices
-  Soup surfaces_, skins_;
+  std::vector<glm::dvec3> corners_;   // of a node's vertices
+  Soup surfaces_, skins_, doubtful_;  // doubtful: skins that are narrow in part
 };
 
 }  // namespace rilievo

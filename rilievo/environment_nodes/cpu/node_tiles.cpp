@@ -39,7 +39,7 @@ struct PlacedNodes {
   double scale = 1;
   std::uint32_t object = kNoObject;
   NodeDrawOptions options;
-  bool merged = false;  // one layer a node; else one with all
+  bool merged = false;  // else one is drawn over the other
   std::size_t count = 0;
   std::array<float, kMaxDrawnNodes> nearness{};
   std::array<NodeLayer, kMaxDrawnNodes> layers;
@@ -102,7 +102,8 @@ struct NodeTiles::State {
                                const FrameTile& tile) const {
     return std::max(inverse_z / float(placed.scale), tile.nothing * kBeforeFar);
   }
-  void draw_direct(const PlacedNodes& placed, FrameTile& tile, int block, int x0, int y0) const;
+  void draw_direct(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& tile, int block,
+                   int x0, int y0) const;
   void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x0, int y0) const;
 };
 
@@ -162,8 +163,9 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, s.drawn[i].node->eye())) / sum));
   const std::span<const DrawnNode> all(s.drawn);
   if (!placed.merged) {
-    placed.count = 1;
-    placed.layers[0].place(frame, output == Output::color ? s.samples : 1, all);
+    placed.count = all.size();
+    for (std::size_t i = 0; i < all.size(); ++i)
+      placed.layers[i].place(frame, output == Output::color ? s.samples : 1, all.subspan(i, 1));
   } else if (options.merge == NodeMerge::first) {
     placed.count = 2;
     placed.layers[0].place(frame, 1, all.first(1));
@@ -175,10 +177,9 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
   }
 }
 
-void NodeTiles::State::draw_direct(const PlacedNodes& placed, FrameTile& tile, int block, int x0,
-                                   int y0) const {
+void NodeTiles::State::draw_direct(const PlacedNodes& placed, const NodeLayer& layer,
+                                   FrameTile& tile, int block, int x0, int y0) const {
   constexpr int kBlock = FrameTile::kBlock;
-  const NodeLayer& layer = placed.layers[0];
   const int samples = layer.samples();
   for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
     const int x = x0 + i % kBlock, y = y0 + i / kBlock;
@@ -200,7 +201,7 @@ void NodeTiles::State::draw_direct(const PlacedNodes& placed, FrameTile& tile, i
       if (sample.inverse_z == 0) continue;
       const float inverse_z = in_frame(placed, sample.inverse_z, tile);
       FrameTile::Plane& plane = tile.plane(block, k);
-      if (!(inverse_z > plane.inverse_z[i])) continue;
+      if (!(inverse_z >= plane.inverse_z[i])) continue;
       if (!shaded || shaded->node != sample.node || shaded->triangle != sample.triangle) {
         const MemoryNode& node = *layer.drawn(sample.node).node;
         const glm::vec3 direction = layer.direction(sample, x, y);
@@ -266,7 +267,8 @@ void NodeTiles::draw_tile(FrameTile& tile) const {
       if (placed.merged)
         s.draw_merged(placed, tile, block, x, y);
       else
-        s.draw_direct(placed, tile, block, x, y);
+        for (std::size_t k = 0; k < placed.count; ++k)
+          s.draw_direct(placed, placed.layers[k], tile, block, x, y);
     }
   }
 }
