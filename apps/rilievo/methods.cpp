@@ -422,7 +422,7 @@ std::optional<std::string> refused(const std::string& method, const MethodOption
 }  // namespace
 
 std::optional<std::string> needs_opengl(const std::string& method, const MethodOptions& options,
-                                        int samples, const Scene& scene) {
+                                        int samples, const Scene& /*scene*/) {
   const Kind* kind = kind_method(method).kind;
   if (method != "cache" && method != "direct-raster" && method != kReliefImpostorName && !kind)
     return fmt::format("{} is drawn by OpenGL only", method);
