@@ -10,8 +10,8 @@
 
 #include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/ray_source.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
