@@ -143,6 +143,34 @@ TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
   }
 }
 
+// A capture that would take long to pay is not missed: its objects are polygons as before.
+TEST(BudgetTest, only_what_is_due_is_in_the_fallback) {
+  PlanObjects blocks = blocks_on_a_grid(16);
+  for (std::size_t i = 0; i < blocks.triangles.size(); ++i)
+    blocks.triangles[i] = i % 2 ? 20'000 : 500;
+  blocks.build();
+  CacheOptions options;  // captures are dear
+  options.picture_triangles = 600;  // no pictures of several blocks
+  options.capture_cost = 1;
+  Loop run;
+  std::size_t waiting = 0, in_fallback = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    const FrameView view = standing(frame, 0.3);
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    std::vector<std::uint8_t> due(blocks.boxes.size(), 0);
+    for (const auto& request : run.scratch.requests) {
+      waiting += !request.due;
+      const HierarchyNode& node = blocks.tree.nodes[request.entity];
+      for (std::uint32_t k = 0; k < node.count && request.due; ++k)
+        due[blocks.tree.order[node.first + k]] = 1;
+    }
+    for (const std::uint32_t object : run.plan.fallback.objects) EXPECT_TRUE(due[object]);
+    in_fallback += run.plan.fallback.objects.size();
+  }
+  EXPECT_GT(in_fallback, 100u);
+  EXPECT_GT(waiting, 100u);
+}
+
 // An eye that moves on while the budget suffices for one block in some frames.
 TEST(BudgetTest, a_picture_is_late_rather_than_missing_and_the_latest_is_captured_first) {
   const PlanObjects blocks = blocks_on_a_grid(8);

@@ -80,6 +80,45 @@ TEST(PolicyCost, captures_are_scheduled_at_the_price_of_their_estimates) {
   }
 }
 
+// By definition: the lowest rate at which what is saved up pays for each request by its deadline.
+double lowest_rate(std::vector<PlanScratch::Request> requests) {
+  std::sort(requests.begin(), requests.end(),
+            [](const auto& a, const auto& b) { return a.deadline < b.deadline; });
+  const auto suffices = [&](double rate) {
+    double paid = 0;
+    for (const auto& request : requests) {
+      paid += double(request.cost);
+      if (paid > rate * std::max(1.0, double(request.deadline))) return false;
+    }
+    return true;
+  };
+  double low = 0, high = 1;
+  while (!suffices(high)) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (suffices(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+TEST(PolicyCost, what_is_saved_up_grows_at_the_lowest_rate_that_meets_all_deadlines) {
+  const PlanObjects forest = plant(700);
+  const CacheOptions options;
+  const double budget = double(options.capture_triangles) * options.cost.capture_triangle;
+  Loop run;
+  int saving = 0;
+  for (int f = 0; f < 200; ++f) {
+    const double before = run.state.credit;
+    ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, walk(1, f), options));
+    const auto& requests = run.scratch.requests;
+    double credit = requests.empty() ? 0 : before + lowest_rate(requests);
+    for (const Capture& capture : run.plan.captures) credit = std::max(0.0, credit - capture.cost);
+    EXPECT_NEAR(run.plan.credit, std::min(credit, budget), 1e-6 * budget) << f;
+    saving += !requests.empty() && requests.front().deadline > 1;
+  }
+  EXPECT_GT(saving, 20);
+}
+
 struct Cost {
   double median, largest_after_start;  // triangles of polygons and captures in a frame
   double price;  // of them, texels and all, as the schedule keeps it even: mean after 20 frames
