@@ -149,7 +149,7 @@ TEST(BudgetTest, only_what_is_due_is_in_the_fallback) {
   for (std::size_t i = 0; i < blocks.triangles.size(); ++i)
     blocks.triangles[i] = i % 2 ? 20'000 : 500;
   blocks.build();
-  CacheOptions options;  // captures are dear
+  CacheOptions options;             // captures are dear
   options.picture_triangles = 600;  // no pictures of several blocks
   options.capture_cost = 1;
   Loop run;

@@ -151,5 +151,16 @@ TEST(EyeMotion, goes_on_as_it_went_and_ignores_jumps) {
   }
 }
 
+TEST(EyeMotion, of_an_eye_that_stands_and_turns_is_its_turn_and_no_jerk) {
+  EyeMotion motion;
+  const double angles[] = {0, 0.01, 0.02, 0.5, 0.51};
+  for (int f = 0; f < 5; ++f) {
+    const glm::dvec3 to(std::sin(angles[f]), 0, -std::cos(angles[f]));
+    const FrameView view = follow(motion, look_at({}, to, {0, 1, 0}, 1, 64, 64, 0.1, 10));
+    EXPECT_EQ(view.velocity, glm::dvec3(0));
+    EXPECT_NEAR(glm::length(view.turn), f == 0 ? 0 : 0.01, 1e-9) << f;
+  }
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -244,6 +244,30 @@ TEST(Policy, what_is_refused_is_drawn_as_polygons) {
   EXPECT_GT(run.textures.size(), 10u);
 }
 
+TEST(Policy, a_capture_is_good_only_if_the_frame_sees_no_wider_gap_than_is_allowed) {
+  const PlanObjects forest = plant(300);
+  CacheOptions options;
+  options.gap_px = 0.2;  // far below what pictures from an eye ahead may have
+  Loop run;
+  int asked = 0, ahead = 0;
+  for (int f = 0; f < 40; ++f) {
+    const FrameView view = walk(1, f);
+    plan_frame(forest.tree, {}, run.state, view, options, run.scratch, run.plan);
+    for (std::size_t i = 0; i < run.plan.captures.size(); ++i) {
+      const PictureGeometry geometry = run.plan.captures[i].geometry;
+      const GapTable none, unknown = unknown_gaps(geometry.capture);
+      const double gap_px = bound_gap_px(geometry, unknown, view.camera);
+      EXPECT_EQ(narrow_capture(run.plan, i, view.camera, {}, options, unknown),
+                gap_px <= gap_limit_px(options));
+      EXPECT_TRUE(narrow_capture(run.plan, i, view.camera, {}, options, none));
+      ++asked, ahead += gap_px > gap_limit_px(options);
+    }
+    commit(run.plan, run.state);
+  }
+  EXPECT_GT(asked, 20);
+  EXPECT_GT(ahead, 5);
+}
+
 TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_bound) {
   const PlanObjects forest = plant(500);
   const CacheOptions options;
