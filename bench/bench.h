@@ -22,6 +22,8 @@ struct BenchOptions {
   // What draws the cache's frames, for `real`: opengl, software, or automatic, which is software
   // where OpenGL runs on processors.
   std::string draw = "automatic";
+  // For `program-walk`: who shades, raytrace, sdf:NAME or exec:PROGRAM; empty: raytrace.
+  std::string shader;
   // Scene files, for benches that take some besides the built-in ones.
   std::vector<std::string> scenes;
   // For `real`: the size of frames (0: its own), and the cache's time for captures per frame, ms

@@ -15,6 +15,7 @@
 #include "bench/nodes.h"
 #include "bench/pop.h"
 #include "bench/prewarp.h"
+#include "bench/program_walk.h"
 #include "bench/real.h"
 #include "bench/relief.h"
 #include "bench/relief_run.h"
@@ -64,6 +65,8 @@ std::span<const Bench> benches() {
       Bench{"decoupling",
             "Do frames stay fast and right while their pictures take long? (S5.1, S5.7)", true,
             decoupling},
+      Bench{"program-walk", "Does a walk go on while another program renders? (S5.8)", true,
+            program_walk},
       Bench{"relief-run", "What do layered reliefs cost over 300 turns? (S4.4, S4.7)", false,
             relief_run},
       Bench{"deep-objects", "What do layered reliefs gain for deep objects near the eye?", true,

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <numbers>
 
+#include "bench/clock_walk.h"
 #include "bench/impostor_judge.h"
 #include "bench/slow_source.h"
-#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
@@ -20,8 +20,6 @@ namespace {
 constexpr double kTurn = std::numbers::pi / 6;  // of the orbit, a second
 constexpr int kFrameWidth = 1280, kFrameHeight = 720, kFrameSamples = 4;
 constexpr int kWalkWidth = 640, kWalkHeight = 360;  // of the walks by the clock
-constexpr double kPaceMs = 1000.0 / 30;             // frames are not drawn faster
-constexpr int kKeptFrames = 8;                      // of a walk, to be judged
 
 WorkerOptions worker_options() {
   WorkerOptions options;
@@ -79,16 +77,6 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
 }
 
 // --- S5.7: what a steady frame costs more, and how right the object is once it is refined.
-
-Result<double> steady_ms(FrameSource& source, FrameTarget& target, const Camera& camera) {
-  gl::finish();
-  const Stopwatch watch;
-  target.begin();
-  if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
-  target.resolve();
-  gl::finish();
-  return watch.ms();
-}
 
 Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchReport& report) {
   const Camera camera = orbit_camera(traced, 0.4, kFrameWidth, kFrameHeight);
@@ -156,73 +144,21 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
 
 // --- A walk by the clock, with a tracer that is slower and slower.
 
-struct KeptFrame {
-  Camera camera;
-  Prewarped board;                 // what was shown; empty: polygons
-  std::optional<DepthImage> last;  // the last picture there was
-};
-
-struct ClockWalk {
-  std::vector<double> frame_ms, latency_ms;
-  std::vector<KeptFrame> kept;
-  WorkerStats stats;
-  int shown = 0, frames = 0;
-};
-
-Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer, double factor,
-                                bool busy, double seconds) {
+// With a tracer that is `factor` times as slow.
+Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer& renderer,
+                                        double factor, bool busy, double seconds) {
   ImpostorContentOptions options;
   options.objects = {fmt::format("#{}", traced.object)};
   Result<ImpostorContent> content = make_impostor_content(*traced.scene, 0.0, options);
   if (!content) return content.error();
   SlowSource slow(*content->shaders[0], factor, busy);
   content->sources[0] = std::make_unique<KeptSource>(slow, nullptr, KeptOptions{});
-  renderer.set_time(0.0);
-  ImpostorFramesOptions with{.workers = worker_options(), .background = true};
-  with.workers.nice = 5;
-  with.workers.predict_s = 20;
-  // Whatever there is of the impostor is shown, never polygons: it is to be judged.
-  with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;
-  auto frames = ImpostorFrames::create(renderer, std::move(*content), with);
-  if (!frames) return frames.error();
-  Result<FrameTarget> target = FrameTarget::create(kWalkWidth, kWalkHeight, kFrameSamples);
-  if (!target) return target.error();
-  ClockWalk walk;
-  const Stopwatch clock;
-  double next_ms = 0;
-  while (clock.ms() < 1e3 * seconds) {
-    const Camera camera = orbit_camera(traced, kTurn * clock.ms() / 1e3, kWalkWidth, kWalkHeight);
-    const Result<double> ms = steady_ms(**frames, *target, camera);
-    if (!ms) return ms.error();
-    ++walk.frames;
-    // The first frames compile shaders.
-    if (walk.frames > 3) walk.frame_ms.push_back(*ms);
-    const ImpostorFrame& frame = (*frames)->statuses()[0].frame;
-    walk.shown += frame.board != nullptr;
-    if (frame.latency_ms > 0) walk.latency_ms.push_back(frame.latency_ms);
-    if (double(walk.kept.size()) + 1 <= clock.ms() / 1e3 / seconds * (kKeptFrames + 1) &&
-        int(walk.kept.size()) < kKeptFrames)
-      walk.kept.push_back({camera, frame.board ? *frame.board : Prewarped{}, slow.last()});
-    next_ms = std::max(next_ms + kPaceMs, clock.ms());
-    std::this_thread::sleep_for(
-        std::chrono::microseconds(std::int64_t(1e3 * std::max(0.0, next_ms - clock.ms()))));
-  }
-  walk.stats = (*frames)->workers().stats();
-  return walk;
-}
-
-std::string histogram(const std::vector<double>& ms) {
-  std::string text;
-  double from = 0;
-  for (const double to : {50.0, 100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 1e9}) {
-    const auto count =
-        std::count_if(ms.begin(), ms.end(), [&](double v) { return v >= from && v < to; });
-    if (count > 0)
-      text += fmt::format("{}{}{:.0f}: {}", text.empty() ? "" : ", ",
-                          to < 1e8 ? "<" : ">=", to < 1e8 ? to : from, count);
-    from = to;
-  }
-  return text.empty() ? "none" : text;
+  ClockWalkOptions walk;
+  walk.seconds = seconds, walk.turn = kTurn;
+  walk.width = kWalkWidth, walk.height = kWalkHeight, walk.samples = kFrameSamples;
+  walk.workers = worker_options();
+  walk.last = [&] { return slow.last(); };
+  return walk_by_clock(traced, renderer, std::move(*content), walk);
 }
 
 // The time of copying as much as is read and written for a board.
@@ -252,7 +188,8 @@ Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchR
   for (const bool busy : {false, true})
     for (const double factor : {1.0, 10.0, 50.0}) {
       if (bench.quick && (busy || factor == 10)) continue;
-      const Result<ClockWalk> walk = walk_by_clock(traced, *renderer, factor, busy, seconds);
+      const Result<ClockWalk> walk =
+          walk_with_slow_tracer(traced, *renderer, factor, busy, seconds);
       if (!walk) return walk.error();
       std::vector<ImpostorQuality> shown, plane;
       std::size_t texels = 0;
@@ -278,7 +215,7 @@ Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchR
            std::to_string(walk->stats.coarse), std::to_string(walk->stats.cancelled),
            fmt::format("{:.0f}", 100.0 * walk->shown / std::max(1, walk->frames)),
            shown.empty() ? "-" : decibels(w.psnr_db), plane.empty() ? "-" : decibels(p.psnr_db),
-           histogram(walk->latency_ms)});
+           latency_histogram(walk->latency_ms)});
       const std::string suffix = fmt::format("slow{:.0f}{}", factor, busy ? "_busy" : "");
       report.figures.emplace_back("p50_ms_" + suffix, ms.p50);
       report.figures.emplace_back("p99_over_p50_" + suffix, ms.p99 / ms.p50);
@@ -318,7 +255,7 @@ Result<BenchReport> decoupling(const BenchOptions& options) {
           "Frames are drawn at most every {:.0f} ms; one worker, one thread that warps, both "
           "giving way to the frame. Needed to shown: from the first order of a picture to "
           "the frame that shows one.",
-          kPaceMs)};
+          ClockWalkOptions{}.pace_ms)};
   return report;
 }
 

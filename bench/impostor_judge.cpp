@@ -118,15 +118,15 @@ Result<DepthImage> ImpostorJudge::shade(const Camera& seen_from, const WorkerOpt
 }
 
 Result<ImpostorQuality> ImpostorJudge::judge(const Prewarped& board, const Camera& camera) {
-  const std::uint32_t objects[] = {traced_->object};
   if (!(truth_camera_ == camera)) {
     RayTracer tracer(*traced_->rays);
     CaptureRequest request;
     request.camera = camera;
-    request.objects = objects;
-    request.samples = 4;
+    request.objects = truth_objects_;
+    request.samples = samples_;
     request.identifiers = false;
-    const Result<CapturedPicture> captured = tracer.capture(request);
+    const Result<CapturedPicture> captured =
+        source_ ? source_->capture(request) : tracer.capture(request);
     if (!captured) return captured.error();
     truth_premultiplied_ = make_nailboard(captured->picture, 16).color;
     truth_camera_ = camera;

@@ -44,6 +44,11 @@ class ImpostorJudge {
                                                     int height, int samples);
   // The picture that a worker would make.
   [[nodiscard]] Result<DepthImage> shade(const Camera& seen_from, const WorkerOptions& options);
+  // The truth is what `source` shows of `objects` with so many samples, instead of the object
+  // ray-traced; it must outlive the judge.
+  void judge_by(CaptureSource& source, std::vector<std::uint32_t> objects, int samples) {
+    source_ = &source, truth_objects_ = std::move(objects), samples_ = samples;
+  }
   // Draws a board, as a frame does, and compares it with the object traced for `camera`.
   [[nodiscard]] Result<ImpostorQuality> judge(const Prewarped& board, const Camera& camera);
   // The last two that were compared.
@@ -53,13 +58,19 @@ class ImpostorJudge {
  private:
   ImpostorJudge(const TracedScene& traced, FrameTarget target,
                 std::unique_ptr<ImpostorDrawable> drawable)
-      : traced_(&traced), target_(std::move(target)), drawable_(std::move(drawable)) {}
+      : traced_(&traced),
+        target_(std::move(target)),
+        drawable_(std::move(drawable)),
+        truth_objects_{traced.object} {}
 
   const TracedScene* traced_;
   FrameTarget target_;
   std::unique_ptr<ImpostorDrawable> drawable_;
   std::uint64_t number_ = 0;
   Camera truth_camera_;
+  CaptureSource* source_ = nullptr;  // null: rays
+  std::vector<std::uint32_t> truth_objects_;
+  int samples_ = 4;
   Rgba8Image truth_premultiplied_, drawn_, truth_;
 };
 

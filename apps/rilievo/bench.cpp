@@ -20,7 +20,7 @@ namespace rilievo::app {
 namespace {
 
 struct BenchCommand {
-  std::string name, json, html, capture;
+  std::string name, json, html, capture, shader;
   std::vector<std::string> scenes;
   std::string draw = "automatic";
   bool quick = false, full = false;
@@ -59,6 +59,7 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.draw = options.draw;
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
+  bench_options.shader = options.shader;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
   if (!report) return report.error();
@@ -95,6 +96,11 @@ Command bench_command(CLI::App& app) {
           "For rgbd: a folder of photographs with depth (transforms.json, trajectory.log or "
           "*.pose.txt)")
       ->type_name("DIR");
+  command
+      ->add_option("--shader", options->shader,
+                   "For program-walk: raytrace, sdf:NAME, or exec:PROGRAM, which is started "
+                   "(default raytrace)")
+      ->type_name("SHADER");
   command
       ->add_option("--scene", options->scenes,
                    "For node-places: scenes besides stonehenge; for real: scenes instead of its "

@@ -422,7 +422,7 @@ std::optional<std::string> refused(const std::string& method, const MethodOption
 }  // namespace
 
 std::optional<std::string> needs_opengl(const std::string& method, const MethodOptions& options,
-                                        int samples, const Scene& /*scene*/) {
+                                        int samples) {
   const Kind* kind = kind_method(method).kind;
   if (method != "cache" && method != "direct-raster" && method != kReliefImpostorName && !kind)
     return fmt::format("{} is drawn by OpenGL only", method);
@@ -439,8 +439,7 @@ std::optional<std::string> needs_opengl(const std::string& method, const MethodO
 Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& method,
                                                           const MethodOptions& options, int samples,
                                                           const Scene& scene) {
-  if (const auto reason = needs_opengl(method, options, samples, scene))
-    return Error{"--draw", *reason};
+  if (const auto reason = needs_opengl(method, options, samples)) return Error{"--draw", *reason};
   if (method == "direct-raster") return {std::make_unique<SoftwareDirectFrames>(scene, samples)};
   if (method == kReliefImpostorName)
     return make_software_impostor_frames(options.impostors, options.outlines, samples, scene);
@@ -457,7 +456,7 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  SceneRenderer& renderer) {
   if (options.draw == "software" ||
       (options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
-       !needs_opengl(method, options, samples, renderer.scene())))
+       !needs_opengl(method, options, samples)))
     return make_software_source(method, options, samples, renderer.scene());
   for (const BuiltinMethod& builtin : kBuiltin)
     if (method == builtin.name) return builtin.make(options, samples, renderer);
@@ -475,14 +474,14 @@ Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method
   if (options.draw == "software") return make_software_source(method, options, samples, scene);
   if (!context) {
     Result<std::unique_ptr<gl::Context>> made = gl::Context::create();
-    if (!made && options.draw == "automatic" && !needs_opengl(method, options, samples, scene))
+    if (!made && options.draw == "automatic" && !needs_opengl(method, options, samples))
       return make_software_source(method, options, samples, scene);
     if (!made) return made.error();
     context = std::move(*made);
   }
   // Kinds are baked by OpenGL where there is one.
   if (options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
-      !needs_opengl(method, options, samples, scene))
+      !needs_opengl(method, options, samples))
     return make_software_source(method, options, samples, scene);
   if (!renderer) {
     Result<SceneRenderer> made = SceneRenderer::create(scene);

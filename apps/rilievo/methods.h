@@ -55,10 +55,9 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 [[nodiscard]] Result<> expect_method_of(const Kind& kind, const std::string& method,
                                         const std::string& option);
 
-// Why a method's frames of a scene cannot be drawn without OpenGL; none: they can.
+// Why a method's frames cannot be drawn without OpenGL; none: they can.
 [[nodiscard]] std::optional<std::string> needs_opengl(const std::string& method,
-                                                      const MethodOptions& options, int samples,
-                                                      const Scene& scene);
+                                                      const MethodOptions& options, int samples);
 // Draws without OpenGL (FrameSource::software_target). `scene` must outlive the source. Fails where
 // OpenGL is needed.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_software_source(

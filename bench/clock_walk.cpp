@@ -1,0 +1,77 @@
+#include "bench/clock_walk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/gl/context.h"
+
+namespace rilievo::bench {
+
+Result<double> steady_ms(FrameSource& source, FrameTarget& target, const Camera& camera) {
+  gl::finish();
+  const Stopwatch watch;
+  target.begin();
+  if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
+  target.resolve();
+  gl::finish();
+  return watch.ms();
+}
+
+Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+                                ImpostorContent content, const ClockWalkOptions& options) {
+  renderer.set_time(0.0);
+  ImpostorFramesOptions with{.workers = options.workers, .background = true};
+  with.workers.nice = 5;
+  with.workers.predict_s = 20;
+  // It is to be judged.
+  with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;
+  auto frames = ImpostorFrames::create(renderer, std::move(content), with);
+  if (!frames) return frames.error();
+  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
+  if (!target) return target.error();
+  ClockWalk walk;
+  const Stopwatch clock;
+  double next_ms = 0;
+  while (clock.ms() < 1e3 * options.seconds) {
+    const Camera camera =
+        orbit_camera(traced, options.turn * clock.ms() / 1e3, options.width, options.height);
+    const Result<double> ms = steady_ms(**frames, *target, camera);
+    if (!ms) return ms.error();
+    ++walk.frames;
+    // The first frames compile shaders.
+    if (walk.frames > 3) walk.frame_ms.push_back(*ms);
+    const ImpostorFrame& frame = (*frames)->statuses()[0].frame;
+    walk.shown += frame.board != nullptr;
+    if (frame.latency_ms > 0) walk.latency_ms.push_back(frame.latency_ms);
+    const double gone = clock.ms() / 1e3 / options.seconds;
+    if (double(walk.kept.size()) + 1 <= gone * (options.kept + 1) &&
+        int(walk.kept.size()) < options.kept)
+      walk.kept.push_back({camera, frame.board ? *frame.board : Prewarped{},
+                           options.last ? options.last() : std::nullopt});
+    next_ms = std::max(next_ms + options.pace_ms, clock.ms());
+    std::this_thread::sleep_for(
+        std::chrono::microseconds(std::int64_t(1e3 * std::max(0.0, next_ms - clock.ms()))));
+  }
+  walk.stats = (*frames)->workers().stats();
+  return walk;
+}
+
+std::string latency_histogram(const std::vector<double>& ms) {
+  std::string text;
+  double from = 0;
+  for (const double to : {50.0, 100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0, 6400.0, 1e9}) {
+    const auto count =
+        std::count_if(ms.begin(), ms.end(), [&](double v) { return v >= from && v < to; });
+    if (count > 0)
+      text += fmt::format("{}{}{:.0f}: {}", text.empty() ? "" : ", ",
+                          to < 1e8 ? "<" : ">=", to < 1e8 ? to : from, count);
+    from = to;
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace rilievo::bench

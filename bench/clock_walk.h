@@ -1,0 +1,53 @@
+// An orbit by the clock, in frames with one relief impostor that is made in the background.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/impostor_judge.h"
+#include "rilievo/cache/gl/impostor_frames.h"
+
+namespace rilievo::bench {
+
+// How the eye goes, and what it sees. Angles in radians.
+struct ClockWalkOptions {
+  double seconds = 8;
+  double turn = 0.5;             // of the orbit, a second
+  double pace_ms = 1000.0 / 30;  // frames are not drawn faster
+  int width = 640, height = 360, samples = 4;
+  int kept = 8;  // frames to be judged
+  WorkerOptions workers = {};
+  // The last picture there was, coarse or not; may be empty.
+  std::function<std::optional<DepthImage>()> last = {};
+};
+
+// A frame to be judged.
+struct KeptFrame {
+  Camera camera;
+  Prewarped board;                 // what was shown; empty: polygons, or nothing
+  std::optional<DepthImage> last;  // the last picture there was
+};
+
+struct ClockWalk {
+  std::vector<double> frame_ms, latency_ms;
+  std::vector<KeptFrame> kept;
+  WorkerStats stats;
+  int shown = 0, frames = 0;
+};
+
+// Walks. Whatever there is of the impostor is shown, never polygons. Needs a current OpenGL
+// context.
+[[nodiscard]] Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+                                              ImpostorContent content,
+                                              const ClockWalkOptions& options);
+
+// The time of one frame, finished, ms.
+[[nodiscard]] Result<double> steady_ms(FrameSource& source, FrameTarget& target,
+                                       const Camera& camera);
+
+// How many latencies lie below 50 ms, 100 ms, ...
+[[nodiscard]] std::string latency_histogram(const std::vector<double>& ms);
+
+}  // namespace rilievo::bench
