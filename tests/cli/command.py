@@ -1,5 +1,6 @@
 """What the tests of the command line share: the program under test, and cases with a folder."""
 
+import hashlib
 import os
 import pathlib
 import shutil
@@ -24,8 +25,8 @@ def run(*arguments, **options):
 
 
 def files_below(folder):
-    """Name -> content of every file below `folder`."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes()
+    """Name -> hash of every file below `folder`: a difference of contents takes minutes to print."""
+    return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
             for path in sorted(folder.rglob("*")) if path.is_file()}
 
 

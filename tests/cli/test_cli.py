@@ -147,10 +147,10 @@ class Results(Folder):
     def test_saved_pictures_draw_the_frame_they_were_saved_from(self):
         frame = ("--frames", "1", "--size", "320x180")
         for bits in ["8", "16"]:
-            self.succeeds("render", "builtin:teapot?triangles=5000", *frame, "--delta-bits", bits, "-o",
+            self.succeeds("render", "builtin:teapot?triangles=5000", *frame, "--delta-bits", bits, "--draw", "opengl", "-o",
                       self.folder / "live", "--save-pictures", self.folder / "pictures")
-            self.succeeds("render", self.folder / "pictures" / "pictures_00000.exr", "-o",
-                      self.folder / "again")
+            self.succeeds("render", self.folder / "pictures" / "pictures_00000.exr", "--draw", "opengl",
+                      "-o", self.folder / "again")
             self.assertEqual(files_below(self.folder / "again"), files_below(self.folder / "live"))
         info = self.succeeds("info", self.folder / "pictures" / "pictures_00000.exr", "--json", "-")
         self.assertEqual(len(json.loads(info.stdout)["pictures"]), 1)
