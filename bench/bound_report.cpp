@@ -83,7 +83,7 @@ Result<BenchReport> bound(const BenchOptions& options) {
           "its centroid, because identifiers are taken at the centres of pixels and "
           "texels; and by the strip of a ball's far side that its picture lacks: "
           "r (1 - cos a) for a ball of r pixels seen from an angle a beside the capture.",
-          outline_slack_px(1), kCentroidSlackPx)};
+          outline_slack_px(1), centroid_slack_px(1))};
   return report;
 }
 

@@ -186,7 +186,7 @@ class DrawnCases {
       const double bound = scale_ * object.bound_px + object.unseen * radius;
       stats.centroid_excess_px = std::max(stats.centroid_excess_px, centroid - bound);
       stats.outline_excess_px = std::max(stats.outline_excess_px, outline - bound);
-      stats.violations += centroid > bound + kCentroidSlackPx ||
+      stats.violations += centroid > bound + centroid_slack_px(object.texel_px) ||
                           outline > bound + outline_slack_px(object.texel_px);
       stats.unseen_px_max = std::max(stats.unseen_px_max, object.unseen * radius);
       if (centroid > 0.5) tightness.push_back(object.bound_px / centroid);

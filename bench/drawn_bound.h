@@ -20,8 +20,10 @@ namespace rilievo::bench {
 [[nodiscard]] inline double outline_slack_px(double texel_px) {
   return 0.1 + 1.11804 + 0.70711 * texel_px;
 }
-// And its centroid: over an outline of twenty pixels or more the mean of that is far below this.
-inline constexpr double kCentroidSlackPx = 0.5;
+// And its centroid: where texels are as large as pixels and lie between them, each pixel takes its
+// identifier from the same side, by up to half of a texel's diagonal. What is left of the rest in
+// the mean over an outline of twenty pixels or more is below a tenth of a pixel.
+[[nodiscard]] inline double centroid_slack_px(double texel_px) { return 0.1 + 0.70711 * texel_px; }
 
 struct DrawnBoundOptions {
   int cases = 10000;    // balls seen in frames, at least
