@@ -79,7 +79,7 @@ Result<BenchReport> bound(const BenchOptions& options) {
       "the depths that the capture saw, without what was hidden.",
       fmt::format(
           "What is drawn may exceed the bound by {:.1f} px at its outline, where texels are "
-          "as large as pixels, and by {} px in "
+          "as large as pixels, and by {:.1f} px in "
           "its centroid, because identifiers are taken at the centres of pixels and "
           "texels; and by the strip of a ball's far side that its picture lacks: "
           "r (1 - cos a) for a ball of r pixels seen from an angle a beside the capture.",
