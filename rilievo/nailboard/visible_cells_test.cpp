@@ -126,10 +126,21 @@ struct Frame {
   Image<int> picture{kWidth, kHeight, -1};
 };
 
+// Are all the texels opaque whose colours the bilinear filter takes at (u, v)?
+bool opaque_around(const Picture& p, double u, double v) {
+  for (const double du : {-0.5, 0.5})
+    for (const double dv : {-0.5, 0.5}) {
+      const int x = std::clamp(int(std::floor(u + du)), 0, p.texels.width() - 1);
+      const int y = std::clamp(int(std::floor(v + dv)), 0, p.texels.height() - 1);
+      if (!p.texels(x, y).opaque) return false;
+    }
+  return true;
+}
+
 // Draws what `draw` admits of `p`, by intersecting every pixel's ray with the polygon.
 template <class Draw>
 void draw_into(Frame& frame, const Picture& p, int name, const glm::dmat4& clip_from_relative,
-               Draw draw) {
+               Draw draw, bool filtered = false) {
   const PlacedPolygon& s = p.standing;
   const glm::dmat4 inverse = glm::inverse(clip_from_relative);
   const glm::dvec3 normal = glm::cross(s.u_axis, s.v_axis);
@@ -144,7 +155,8 @@ void draw_into(Frame& frame, const Picture& p, int name, const glm::dmat4& clip_
       const double u = glm::dot(from, s.u_axis) / glm::dot(s.u_axis, s.u_axis) * p.slot.width;
       const double v = glm::dot(from, s.v_axis) / glm::dot(s.v_axis, s.v_axis) * p.slot.height;
       if (u < 0 || v < 0 || u >= p.slot.width || v >= p.slot.height) continue;
-      const Texel& texel = p.texels(int(u), int(v));
+      Texel texel = p.texels(int(u), int(v));
+      if (filtered) texel.opaque = opaque_around(p, u, v);
       if (texel.delta < 0 || !draw(texel, x, y)) continue;
       const double d = 1 / (1 / s.z_near + texel.delta * (1 / s.z_far - 1 / s.z_near));
       const glm::dvec3 surface = s.relief ? s.eye + (at - s.eye) * (d / s.plane_z) : at;
@@ -214,20 +226,21 @@ TEST(VisibleCells, leave_out_nothing_that_shows) {
       return i == 8 ? !even : i == 1 || i == 4 ? even : true;
     };
 
-    // Texels that are not opaque may show or not: both ways.
-    for (const bool ragged : {true, false}) {
+    // Texels that are not opaque may show or not: both ways; and what a filter mixes with them.
+    for (const auto& [ragged, filtered] : {std::pair{true, false}, {false, false}, {false, true}}) {
       Frame all, some;
       for (std::size_t i = 0; i < pictures.size(); ++i) {
-        const auto shows = [&](const Texel& texel) {
-          return texel.opaque || (ragged && pictures[i].standing.hides);
+        const auto shows = [&, mixed = ragged](const Texel& texel) {
+          return texel.opaque || (mixed && pictures[i].standing.hides);
         };
         const auto show = [&](const Texel& texel, int x, int y) {
           return shows(texel) && has_pixel(i, x, y);
         };
-        draw_into(all, pictures[i], int(i), clip, show);
-        draw_into(some, pictures[i], int(i), clip, [&](const Texel& texel, int x, int y) {
+        const auto show_some = [&](const Texel& texel, int x, int y) {
           return show(texel, x, y) && drawn_pixels[i](x, y);
-        });
+        };
+        draw_into(all, pictures[i], int(i), clip, show, filtered);
+        draw_into(some, pictures[i], int(i), clip, show_some, filtered);
       }
       ASSERT_EQ(all.picture, some.picture) << "round " << round;
       ASSERT_EQ(all.eye_z, some.eye_z) << "round " << round;
@@ -306,6 +319,21 @@ TEST(VisibleCells, a_polygon_that_reaches_behind_the_eye_is_drawn_whole) {
   visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far, standing);
   ASSERT_EQ(visible.drawn().size(), 1u);
   EXPECT_EQ(visible.drawn()[0].picture, 0u);
+  EXPECT_TRUE(visible.drawn()[0].whole());
+}
+
+// What is cut off by the near plane hides nothing.
+TEST(VisibleCells, a_polygon_that_reaches_before_the_near_plane_is_drawn_whole) {
+  std::mt19937 rng(2);
+  const Gallery gallery(rng, 1);
+  std::vector<PlacedPolygon> standing = gallery.standing();
+  const Camera camera = frame_camera();
+  standing[0].origin = {-0.5, -1, -0.6 * camera.z_near};
+  standing[0].u_axis = {1, 0, -20};
+  standing[0].v_axis = {0, 2, 0};
+  VisibleCells visible;
+  visible.find(clip_from_eye(camera), kWidth, kHeight, camera.z_near, camera.z_far, standing);
+  ASSERT_EQ(visible.drawn().size(), 1u);
   EXPECT_TRUE(visible.drawn()[0].whole());
 }
 
