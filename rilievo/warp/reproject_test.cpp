@@ -357,6 +357,24 @@ TEST(Reproject, holes_are_what_no_photograph_knows) {
   EXPECT_EQ(made.total.holes, 0u);
 }
 
+// A quarter of a pixel beyond the centres of 10 x 10 pixels, in which the box is seen.
+TEST(Reproject, a_hole_is_where_the_ray_of_a_pixels_centre_meets_the_box) {
+  const std::vector<DepthImage> photographs{wall_photograph()};
+  const double eye_z = 2, front = -0.9, half_fov = 0.2;
+  const Camera target = look_at({0, 0, eye_z}, {0, 0, 0}, {0, 1, 0}, 2 * half_fov, 32, 32, 0.1, 10);
+  const auto half = float(4.75 / 16 * std::tan(half_fov) * (eye_z - front));
+  const Box box{{-half, -half, float(front) - 1e-4f}, {half, half, float(front)}};
+  const Reprojection made = reproject(photographs, std::span(&target, 1), {.box = box});
+  EXPECT_EQ(made.total.filled, 0u);
+  EXPECT_EQ(made.total.holes, 100u);
+  const auto is_hole = [&](int x, int y) {
+    return made.pictures[0].color(x, y) == glm::vec4(0, 0, 0, 1);
+  };
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x)
+      EXPECT_EQ(is_hole(x, y), x >= 11 && x < 21 && y >= 11 && y < 21) << x << ' ' << y;
+}
+
 TEST(Reproject, same_bytes_for_any_number_of_threads) {
   std::mt19937 rng(5);
   const Scene scene = random_scene(rng);
