@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <glm/glm.hpp>
+#include <span>
 #include <utility>
 
 #include "apps/rilievo/checks.h"
@@ -451,12 +452,20 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
   return {std::move(*cache)};
 }
 
+namespace {
+
+// Does `automatic` draw without OpenGL though there is one? Kinds are baked by it where there is.
+bool chooses_software(const std::string& method, const MethodOptions& options, int samples) {
+  return options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
+         !needs_opengl(method, options, samples);
+}
+
+}  // namespace
+
 Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
                                                  const MethodOptions& options, int samples,
                                                  SceneRenderer& renderer) {
-  if (options.draw == "software" ||
-      (options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
-       !needs_opengl(method, options, samples)))
+  if (options.draw == "software" || chooses_software(method, options, samples))
     return make_software_source(method, options, samples, renderer.scene());
   for (const BuiltinMethod& builtin : kBuiltin)
     if (method == builtin.name) return builtin.make(options, samples, renderer);
@@ -479,9 +488,7 @@ Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method
     if (!made) return made.error();
     context = std::move(*made);
   }
-  // Kinds are baked by OpenGL where there is one.
-  if (options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
-      !needs_opengl(method, options, samples))
+  if (chooses_software(method, options, samples))
     return make_software_source(method, options, samples, scene);
   if (!renderer) {
     Result<SceneRenderer> made = SceneRenderer::create(scene);
@@ -491,24 +498,43 @@ Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method
   return make_source(method, options, samples, *renderer);
 }
 
-Result<std::unique_ptr<FrameSource>> make_software_stored_source(
-    const std::string& method, const MethodOptions& options, int samples,
-    std::unique_ptr<Representation> representation, const Scene& sky) {
+namespace {
+
+// What a file holds, by one of the factories of `rows`, which outlives the drawable.
+struct StoredDrawable {
+  std::unique_ptr<DrawableFactory> factory;
+  std::unique_ptr<Drawable> drawable;
+  Instance instance;
+};
+
+Result<StoredDrawable> make_stored_drawable(const std::string& method, const MethodOptions& options,
+                                            std::span<const DrawableRow> rows,
+                                            std::unique_ptr<Representation> representation) {
   const KindMethod named = kind_method(method);
   KindOptions values = options.kinds;
   apply(named, values);
   const Result<OptionValues> draw = draw_values(*named.kind, values);
   if (!draw) return draw.error();
-  Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(software_drawable_rows(), named.kind->name);
+  Result<std::unique_ptr<DrawableFactory>> factory = make_factory(rows, named.kind->name);
   if (!factory) return factory.error();
   const Instance instance{glm::dmat4(1.0), 0, representation->only_object()};
   Result<std::unique_ptr<Drawable>> drawable =
       (*factory)->make_drawable(std::move(representation), *draw);
   if (!drawable) return drawable.error();
-  return {std::make_unique<SoftwareStoredFrames>(sky, samples, std::move(*drawable),
-                                                 std::vector<Instance>{instance}, options.outlines,
-                                                 std::move(*factory))};
+  return StoredDrawable{std::move(*factory), std::move(*drawable), instance};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> make_software_stored_source(
+    const std::string& method, const MethodOptions& options, int samples,
+    std::unique_ptr<Representation> representation, const Scene& sky) {
+  Result<StoredDrawable> made =
+      make_stored_drawable(method, options, software_drawable_rows(), std::move(representation));
+  if (!made) return made.error();
+  return {std::make_unique<SoftwareStoredFrames>(sky, samples, std::move(made->drawable),
+                                                 std::vector<Instance>{made->instance},
+                                                 options.outlines, std::move(made->factory))};
 }
 
 Result<bool> draws_by_software(const std::string& method, const MethodOptions& options, int samples,
@@ -526,20 +552,11 @@ Result<bool> draws_by_software(const std::string& method, const MethodOptions& o
 Result<std::unique_ptr<FrameSource>> make_stored_source(
     const std::string& method, const MethodOptions& options,
     std::unique_ptr<Representation> representation, SceneRenderer& sky) {
-  const KindMethod named = kind_method(method);
-  KindOptions values = options.kinds;
-  apply(named, values);
-  const Result<OptionValues> draw = draw_values(*named.kind, values);
-  if (!draw) return draw.error();
-  Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(drawable_rows(), named.kind->name);
-  if (!factory) return factory.error();
-  const Instance instance{glm::dmat4(1.0), 0, representation->only_object()};
-  Result<std::unique_ptr<Drawable>> drawable =
-      (*factory)->make_drawable(std::move(representation), *draw);
-  if (!drawable) return drawable.error();
-  return {std::make_unique<StoredSource>(std::move(*factory), std::move(*drawable), instance,
-                                         options.outlines, sky)};
+  Result<StoredDrawable> made =
+      make_stored_drawable(method, options, drawable_rows(), std::move(representation));
+  if (!made) return made.error();
+  return {std::make_unique<StoredSource>(std::move(made->factory), std::move(made->drawable),
+                                         made->instance, options.outlines, sky)};
 }
 
 }  // namespace rilievo::app
