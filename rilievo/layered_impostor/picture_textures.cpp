@@ -1,5 +1,7 @@
 #include "rilievo/layered_impostor/picture_textures.h"
 
+#include <algorithm>
+
 #include "rilievo/layered_impostor/draw_options.h"
 
 namespace rilievo {
@@ -24,6 +26,18 @@ std::size_t layered_texture_bytes(int views, int width, int height, LayeredMetho
               ? texels * (kColorBytes + kQBytes + kSlopeBytes + kLinksBytes) +
                     std::size_t(cells.columns) * std::size_t(cells.rows) * kCellBytes
               : texels * (kColorBytes + kIntervalBytes));
+}
+
+Image<glm::u8vec4> encoded_colors(const ColorImage& color) {
+  Image<glm::u8vec4> out(color.width(), color.height());
+  for (std::size_t i = 0; i < color.texels().size(); ++i) {
+    const glm::vec4 c = color.texels()[i];
+    const float alpha = std::clamp(c.a, 0.0f, 1.0f);
+    glm::vec4 e(0.0f, 0.0f, 0.0f, alpha);
+    for (int k = 0; k < 3 && alpha > 0; ++k) e[k] = alpha * srgb_from_linear(c[k] / c.a);
+    out.texels()[i] = glm::u8vec4(glm::clamp(e, 0.0f, 1.0f) * 255.0f + 0.5f);
+  }
+  return out;
 }
 
 }  // namespace rilievo

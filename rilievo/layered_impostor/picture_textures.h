@@ -1,9 +1,11 @@
-// Which textures hold a picture of a layered impostor, and how large are they? Internal to
+// What is a picture of a layered impostor kept as for drawing, and how large is it? Internal to
 // `layered_impostor`.
 #pragma once
 
 #include <array>
 
+#include "rilievo/core/color.h"
+#include "rilievo/core/image.h"
 #include "rilievo/warp/surface_pyramid.h"
 
 namespace rilievo {
@@ -22,5 +24,8 @@ struct CellTexture {
   std::array<int, SurfacePyramid::kLevels> level_at{};
 };
 [[nodiscard]] CellTexture cell_texture(int width, int height);
+
+// Linear, premultiplied colours as frames are encoded: sRGB, which alpha then multiplies.
+[[nodiscard]] Image<glm::u8vec4> encoded_colors(const ColorImage& color);
 
 }  // namespace rilievo

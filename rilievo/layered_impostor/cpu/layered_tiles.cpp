@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/drawable_terms.h"
 #include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/render/software/frame_tile.h"
 #include "rilievo/render/software/line_tiles.h"
@@ -24,19 +24,6 @@ namespace {
 
 constexpr int kMostViews = 6;  // looked up by a pixel
 constexpr float kNothing = 0;  // 1 / eye_z where there is none
-
-// As frames are encoded, under premultiplied alpha.
-Image<glm::u8vec4> encoded_colors(const ColorImage& color) {
-  Image<glm::u8vec4> out(color.width(), color.height());
-  for (std::size_t i = 0; i < color.texels().size(); ++i) {
-    const glm::vec4 c = color.texels()[i];
-    const float alpha = std::clamp(c.a, 0.0f, 1.0f);
-    glm::vec4 e(0.0f, 0.0f, 0.0f, alpha);
-    for (int k = 0; k < 3 && alpha > 0; ++k) e[k] = alpha * srgb_from_linear(c[k] / c.a);
-    out.texels()[i] = glm::u8vec4(glm::clamp(e, 0.0f, 1.0f) * 255.0f + 0.5f);
-  }
-  return out;
-}
 
 struct LayeredPicture {
   Image<glm::u8vec4> color;

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/core/color.h"
 #include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/slice_rects.h"
 
@@ -21,19 +20,6 @@ void upload(GLuint texture, int layer, const Image<T>& image, GLenum format, GLe
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage3D(texture, 0, 0, 0, layer, image.width(), image.height(), 1, format, type,
                       image.texels().data());
-}
-
-// Frames are sRGB-encoded; so are the colours under the premultiplied alpha.
-Image<glm::u8vec4> encoded(const ColorImage& color) {
-  Image<glm::u8vec4> out(color.width(), color.height());
-  for (std::size_t i = 0; i < color.texels().size(); ++i) {
-    const glm::vec4 c = color.texels()[i];
-    const float alpha = std::clamp(c.a, 0.0f, 1.0f);
-    glm::vec4 e(0.0f, 0.0f, 0.0f, alpha);
-    for (int k = 0; k < 3 && alpha > 0; ++k) e[k] = alpha * srgb_from_linear(c[k] / c.a);
-    out.texels()[i] = glm::u8vec4(glm::clamp(e, 0.0f, 1.0f) * 255.0f + 0.5f);
-  }
-  return out;
 }
 
 // The pyramid's levels side by side, as the shader wants them: empty cells are in front of nothing.
@@ -99,7 +85,8 @@ Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
 
   pictures.color_ = pictures.make_array(GL_RGBA8, pictures.width_, pictures.height_, kColorBytes);
   for (std::size_t v = 0; v < source.pictures.size(); ++v)
-    upload(pictures.color_, int(v), encoded(source.pictures[v].color), GL_RGBA, GL_UNSIGNED_BYTE);
+    upload(pictures.color_, int(v), encoded_colors(source.pictures[v].color), GL_RGBA,
+           GL_UNSIGNED_BYTE);
   if (shows_several_objects(source)) {
     pictures.object_ = pictures.make_array(GL_R32UI, pictures.width_, pictures.height_, 4);
     for (std::size_t v = 0; v < source.pictures.size(); ++v)
