@@ -35,6 +35,8 @@ namespace rilievo::app {
 namespace {
 
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
+constexpr char kSurroundingsNeedOpenGL[] =
+    "pictures with a sky, which surroundings are baked from, are captured by OpenGL only";
 
 // A kind with its options for baking and drawing, and its factory.
 struct PreparedKind {
@@ -64,18 +66,30 @@ ObjectDrawablesOptions object_options(const PreparedKind& kind, std::size_t max_
   return objects;
 }
 
+// Does a kind of --bake-as stand for what lies around the eyes?
+bool surrounds(const std::string& name) {
+  return kind_method(name).kind->stands_for == StandsFor::surroundings;
+}
+
+// What the cache's alternatives are baked from, and what draws them.
+struct BakeFrom {
+  const PlacedScene& placed;
+  CaptureSource& source;
+  std::span<const DrawableRow> rows;
+};
+
 // What lies far around the eyes, as one.
-Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const MethodOptions& options,
-                          SceneRenderer& renderer) {
-  Result<PreparedKind> kind = prepare(method, options);
+template <class Cache>
+Result<> add_surroundings(Cache& cache, const KindMethod& method, const MethodOptions& options,
+                          const BakeFrom& from) {
+  Result<PreparedKind> kind = prepare(method, options, from.rows);
   if (!kind) return kind.error();
   Progress progress("view");
   SurroundingsOptions surroundings{kind->bake, kind->draw, options.eyes};
   surroundings.beyond =
-      options.bake_beyond.value_or(0.1 * double(world_bounds(renderer.scene()).radius()));
+      options.bake_beyond.value_or(0.1 * double(world_bounds(from.placed.scene()).radius()));
   surroundings.progress = [&](int done, int total) { progress.show(done, total); };
-  OpenGLSource source(renderer);
-  Result<ObjectDrawable> made = bake_surroundings_drawable(renderer.placed(), source, *method.kind,
+  Result<ObjectDrawable> made = bake_surroundings_drawable(from.placed, from.source, *method.kind,
                                                            *kind->factory, surroundings);
   if (!made) return made.error();
   cache.add_surroundings(std::move(made->drawable), std::move(kind->factory),
@@ -84,31 +98,32 @@ Result<> add_surroundings(ImageCache& cache, const KindMethod& method, const Met
 }
 
 // The kinds of --bake-as share --bake-mb evenly.
-Result<> add_alternatives(ImageCache& cache, const MethodOptions& options,
-                          SceneRenderer& renderer) {
-  const auto surrounds = [](const std::string& name) {
-    return kind_method(name).kind->stands_for == StandsFor::surroundings;
-  };
+template <class Cache>
+Result<> add_alternatives(Cache& cache, const MethodOptions& options, const BakeFrom& from) {
   if (std::count_if(options.bake_as.begin(), options.bake_as.end(), surrounds) > 1)
     return Error{"--bake-as", "names more than one kind of surroundings"};
   const std::size_t each = std::size_t(options.bake_mb) * kMegabyte / options.bake_as.size();
   for (const std::string& name : options.bake_as) {
     const KindMethod method = kind_method(name);
     if (surrounds(name)) {
-      if (Result<> added = add_surroundings(cache, method, options, renderer); !added) return added;
+      if (Result<> added = add_surroundings(cache, method, options, from); !added) return added;
       continue;
     }
-    Result<PreparedKind> prepared = prepare(method, options);
+    Result<PreparedKind> prepared = prepare(method, options, from.rows);
     if (!prepared) return prepared.error();
     Progress progress("view");
-    OpenGLSource source(renderer);
     Result<std::vector<ObjectDrawable>> drawables =
-        bake_object_drawables(renderer.placed(), source, *method.kind, *prepared->factory,
+        bake_object_drawables(from.placed, from.source, *method.kind, *prepared->factory,
                               object_options(*prepared, each, progress));
     if (!drawables) return drawables.error();
     cache.add_alternatives(std::move(*drawables), std::move(prepared->factory));
   }
   return Done{};
+}
+
+Result<> expect_memory(const MethodOptions& options) {
+  if (options.bake_mb < options.memory_mb) return Done{};
+  return Error{"--bake-mb", "must be less than --memory-mb, so that pictures get memory, too"};
 }
 
 ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
@@ -127,13 +142,33 @@ ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
 
 Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, int samples,
                                                 SceneRenderer& renderer) {
-  if (options.bake_mb >= options.memory_mb)
-    return Error{"--bake-mb", "must be less than --memory-mb, so that pictures get memory, too"};
+  if (Result<> enough = expect_memory(options); !enough) return enough.error();
   Result<ImageCache> made = ImageCache::create(renderer, cache_options(options, samples));
   if (!made) return made.error();
-  if (options.bake_mb > 0)
-    if (Result<> added = add_alternatives(*made, options, renderer); !added) return added.error();
+  if (options.bake_mb > 0) {
+    OpenGLSource source(renderer);
+    const BakeFrom from{renderer.placed(), source, drawable_rows()};
+    if (Result<> added = add_alternatives(*made, options, from); !added) return added.error();
+  }
   return {std::make_unique<ImageCache>(std::move(*made))};
+}
+
+// The same without OpenGL.
+Result<std::unique_ptr<FrameSource>> make_software_cache(const MethodOptions& options, int samples,
+                                                         const Scene& scene) {
+  if (Result<> enough = expect_memory(options); !enough) return enough.error();
+  Result<std::unique_ptr<MemoryCache>> made =
+      MemoryCache::create(scene, cache_options(options, samples));
+  if (!made) return Error{"--memory-mb", made.error().reason};
+  if (options.bake_mb > 0) {
+    Result<RayScene> rays = RayScene::create(scene);
+    if (!rays) return rays.error();
+    RaySource source(*rays);
+    const PlacedScene placed(scene);
+    const BakeFrom from{placed, source, software_drawable_rows()};
+    if (Result<> added = add_alternatives(**made, options, from); !added) return added.error();
+  }
+  return {std::move(*made)};
 }
 
 // All that stands still by one bake, what moves as polygons.
@@ -428,12 +463,14 @@ std::optional<std::string> needs_opengl(const std::string& method, const MethodO
   if (method != "cache" && method != "direct-raster" && method != kReliefImpostorName && !kind)
     return fmt::format("{} is drawn by OpenGL only", method);
   if (auto reason = refused(method, options)) return reason;
-  if (kind && kind->stands_for == StandsFor::surroundings)
-    return "pictures with a sky, which surroundings are baked from, are captured by OpenGL only";
+  if (kind && kind->stands_for == StandsFor::surroundings) return kSurroundingsNeedOpenGL;
   if (samples != 1 && samples != 4)
     return "frames drawn without OpenGL have 1 or 4 samples a pixel";
   if (options.bake_mb > 0 && method == "cache")
-    return "what --bake-mb bakes is drawn by OpenGL only";
+    for (const std::string& name : options.bake_as) {
+      if (auto reason = refused(name, options)) return reason;
+      if (surrounds(name)) return kSurroundingsNeedOpenGL;
+    }
   return std::nullopt;
 }
 
@@ -446,10 +483,7 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
     return make_software_impostor_frames(options.impostors, options.outlines, samples, scene);
   if (kind_method(method).kind)
     return make_software_objects(kind_method(method), options, samples, scene);
-  Result<std::unique_ptr<MemoryCache>> cache =
-      MemoryCache::create(scene, cache_options(options, samples));
-  if (!cache) return Error{"--memory-mb", cache.error().reason};
-  return {std::move(*cache)};
+  return make_software_cache(options, samples, scene);
 }
 
 namespace {

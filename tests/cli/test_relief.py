@@ -57,6 +57,27 @@ class Relief(command.Case):
         methods = json.loads(done.stdout)["methods"]
         self.assertEqual(set(methods), {"direct", "layered-relief", "cache"})
 
+    def test_the_cache_chooses_the_same_with_and_without_opengl(self):
+        drawn = {}
+        for draw in ("opengl", "software"):
+            done = self.succeeds("compare", "builtin:fern?triangles=200000", "--methods", "cache",
+                                 "--draw", draw, "--bake-as", "layered-relief", "--bake-mb", "64",
+                                 "--view-size", "128", "--error-px", "4", "--size", "192x128",
+                                 "--frames", "3", "--orbit", "30", "-o", self.folder / draw,
+                                 "--json", "-")
+            cache = json.loads(done.stdout)["methods"]["cache"]
+            self.assertLessEqual(cache["bound_px"]["max"], 4)
+            drawn[draw] = cache["drawn_as"]["layered-relief"]
+        self.assertGreater(drawn["software"], 0)
+        self.assertEqual(drawn["software"], drawn["opengl"])
+
+    def test_what_only_opengl_bakes_or_draws_is_refused_without(self):
+        out = ("-o", self.folder / "none")
+        for arguments, named in ((("--bake-as", "environment-nodes"), "sky"),
+                                 (("--warp", "slices"), "slices")):
+            self.refused(("compare", "builtin:teapots", "--methods", "cache", "--draw", "software",
+                          "--bake-mb", "8", *arguments, *out), "--draw", named)
+
     def test_bad_input_ends_in_one_line_and_leaves_no_file(self):
         out = ("-o", self.folder / "out.exr")
         for arguments, named in (

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/nailboard/cpu/memory_nailboard_set.h"
@@ -132,6 +133,15 @@ Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
   return {std::unique_ptr<MemoryCache>(new MemoryCache(scene, options))};
 }
 
+void MemoryCache::add_alternatives(std::vector<ObjectDrawable> drawables,
+                                   std::unique_ptr<DrawableFactory> factory) {
+  cache_->add_alternatives(std::move(drawables), std::move(factory), content());
+}
+void MemoryCache::add_surroundings(std::unique_ptr<Drawable> drawable,
+                                   std::unique_ptr<DrawableFactory> factory,
+                                   std::vector<std::uint32_t> objects) {
+  cache_->add_surroundings(std::move(drawable), std::move(factory), std::move(objects), content());
+}
 void MemoryCache::invalidate() { cache_->invalidate(content()); }
 void MemoryCache::invalidate_object(std::uint32_t object) { cache_->invalidate_object(object); }
 ImageCacheOptions& MemoryCache::options() { return cache_->options(); }

@@ -1,9 +1,11 @@
 // How is a scene drawn from pictures within an error in pixels, without OpenGL?
 //
 // scene_cache.h says what is drawn, the same as for OpenGL whose pictures the rasteriser captures;
-// this class keeps the pictures in memory, and composes the frames there.
+// this class keeps the pictures in memory, and composes the frames there. What was baked stands for
+// objects by the same rules, and is drawn into the same tiles.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -21,7 +23,12 @@ class MemoryCache final : public SoftwareFrames {
       const Scene& scene, const ImageCacheOptions& options);
   ~MemoryCache() override;
 
-  // As ImageCache's.
+  // As ImageCache's; drawables and factories are those without OpenGL (software_drawable_rows).
+  void add_alternatives(std::vector<ObjectDrawable> drawables,
+                        std::unique_ptr<DrawableFactory> factory);
+  void add_surroundings(std::unique_ptr<Drawable> drawable,
+                        std::unique_ptr<DrawableFactory> factory,
+                        std::vector<std::uint32_t> objects);
   void invalidate();
   void invalidate_object(std::uint32_t object);
   [[nodiscard]] ImageCacheOptions& options();
