@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "bench/random.h"
-#include "rilievo/compare/real_time.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
 
@@ -147,7 +146,7 @@ Result<Scene> planted(Result<std::vector<Scene>> models, const PlantOptions& opt
 // Among things, turning; `scale` is how far ahead one looks.
 RealWalk inside_walk(double height, double speed, double scale, double z_near, double z_far,
                      glm::dvec3 start = {0, 0, 0}) {
-  RealWalk walk{"inside", {}, {}};
+  RealWalk walk{"inside", {}};
   walk.path.z_near = z_near, walk.path.z_far = z_far;
   double gaze = 0.3;
   constexpr double kStep = 5 / kFramesPerSecond;
@@ -169,7 +168,7 @@ PathKey key_around(double time, double angle, double radius, double height) {
 
 // Around, looking in.
 RealWalk fly_walk(double radius, double height, double z_near, double z_far) {
-  RealWalk walk{"fly", {}, {}};
+  RealWalk walk{"fly", {}};
   walk.path.z_near = z_near, walk.path.z_far = z_far;
   for (int i = 0; i <= int(kPathSeconds * 4); ++i)
     walk.path.keys.push_back(key_around(i / 4.0, 0.2 * i / 4.0, radius, height));
@@ -178,12 +177,11 @@ RealWalk fly_walk(double radius, double height, double z_near, double z_far) {
 
 // Stands, jumps, stands.
 RealWalk cut_walk(double radius, double height, double z_near, double z_far) {
-  RealWalk walk{"cut", {}, {}};
+  RealWalk walk{"cut", {}};
   walk.path.z_near = z_near, walk.path.z_far = z_far;
   for (int i = 0; i * kCutSeconds < kPathSeconds; ++i)
     for (const double time : {i * kCutSeconds, (i + 1) * kCutSeconds - 0.001})
       walk.path.keys.push_back(key_around(time, 1.1 * i, radius, height));
-  walk.cuts = cuts_of(walk.path);
   return walk;
 }
 
@@ -316,11 +314,11 @@ RealScene scene_of_file(const fs::path& file) {
       if (!name.starts_with(start) || entry.path().extension() != ".json") continue;
       Result<CameraPath> path = load_path(entry.path());
       if (!path) continue;
-      found.push_back({entry.path().stem().string().substr(start.size()), *path, cuts_of(*path)});
+      found.push_back({entry.path().stem().string().substr(start.size()), *path});
     }
     std::sort(found.begin(), found.end(),
               [](const RealWalk& a, const RealWalk& b) { return a.name < b.name; });
-    if (found.empty()) found.push_back({"orbit", orbit_path(world_bounds(scene), 3600), {}});
+    if (found.empty()) found.push_back({"orbit", orbit_path(world_bounds(scene), 3600)});
     return found;
   };
   return {file.stem().string(), load, walks};

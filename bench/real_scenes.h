@@ -16,8 +16,7 @@ namespace rilievo::bench {
 
 struct RealWalk {
   std::string name;
-  CameraPath path;           // its times are those of the clock
-  std::vector<double> cuts;  // seconds at which the eye jumps
+  CameraPath path;  // its times are those of the clock
 };
 
 // Made when it is its turn: some take gigabytes.

@@ -127,6 +127,22 @@ Camera camera_at(const CameraPath& path, double time, int width, int height) {
   return camera;
 }
 
+CameraPath there_and_back(const CameraPath& path, double seconds) {
+  RILIEVO_EXPECTS(!path.keys.empty());
+  const double start = path.keys.front().time, length = path.keys.back().time - start;
+  CameraPath longer = path;
+  if (!(length > 0)) return longer;
+  bool back = true;
+  for (double turn = length; turn < seconds; turn += length, back = !back)
+    for (std::size_t i = 1; i < path.keys.size(); ++i) {
+      PathKey key = path.keys[back ? path.keys.size() - 1 - i : i];
+      const double since = key.time - start;
+      key.time = start + turn + (back ? length - since : since);
+      longer.keys.push_back(key);
+    }
+  return longer;
+}
+
 CameraPath orbit_path(const Box& bounds, int frames, const Vantage& vantage) {
   RILIEVO_EXPECTS_GE(frames, 1);
   const Framing framing(bounds, vantage);

@@ -80,6 +80,10 @@ struct Vantage {
 // of 10 m radius.
 [[nodiscard]] CameraPath walk_path(const Box& bounds, int frames, const Vantage& vantage = {});
 
+// The path, and back again, and so on, until it lasts at least `seconds`: an eye that does not stop
+// where a path is shorter than a walk. A path of one key stays as it is. Requires a valid path.
+[[nodiscard]] CameraPath there_and_back(const CameraPath& path, double seconds);
+
 // Checks that there is a key, that times ascend, and that every number is finite and in range.
 [[nodiscard]] Result<> validate(const CameraPath& path);
 

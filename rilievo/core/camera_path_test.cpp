@@ -53,6 +53,36 @@ TEST(CameraPath, passes_through_every_key_and_stands_still_outside) {
   }
 }
 
+TEST(CameraPath, there_and_back_never_stands_still) {
+  std::mt19937 rng(6);
+  for (int n = 2; n < 8; ++n) {
+    const CameraPath path = random_path(rng, n);
+    const double start = path.keys.front().time, length = path.keys.back().time - start;
+    for (const double lengths : {0.5, 1.0, 2.5, 7.0}) {
+      const CameraPath longer = there_and_back(path, lengths * length);
+      ASSERT_TRUE(validate(longer).ok());
+      EXPECT_GE(longer.keys.back().time - start, lengths * length * (1 - 1e-12));
+      // Not longer than it must be; 1e-9: a sum of lengths may fall short by rounding.
+      EXPECT_LT(longer.keys.back().time - start,
+                (std::max(lengths, 1.0) + 1) * length * (1 + 1e-9));
+      // Through the keys of the path, forth and back.
+      for (const PathKey& key : path.keys)
+        for (double turn = 0; turn < lengths; turn += 2) {
+          const double since = key.time - start;
+          for (const double time : {turn * length + since, (turn + 2) * length - since}) {
+            if (start + time > longer.keys.back().time) continue;
+            // 1e-9: times are sums, and the eye's speed is below 1000.
+            EXPECT_LT(glm::length(camera_at(longer, start + time, 8, 8).position() - key.eye), 1e-9)
+                << n << " " << lengths << " " << time;
+          }
+        }
+    }
+  }
+  CameraPath one;
+  one.keys.push_back({});
+  EXPECT_EQ(there_and_back(one, 9).keys.size(), 1u);
+}
+
 TEST(CameraPath, the_eye_moves_smoothly) {
   std::mt19937 rng(4);
   const CameraPath path = random_path(rng, 7);
