@@ -9,6 +9,7 @@
 #include "rilievo/render/raster/sample_raster.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -240,6 +241,24 @@ Mask in_share(const RasterInstance& instance, vfloat x, vfloat y) {
                  hn::Lt(hash.v, hn::Set(F(), instance.share_to)));
 }
 
+// Which of the triangles [place, place + count) have any of the rows [low, high)? Ascending;
+// returns how many they are. Most strips have few of a piece's triangles, or none.
+std::uint32_t find_in_rows(const Triangles& in, std::uint32_t place, std::uint32_t count, int low,
+                           int high, std::uint32_t* found) {
+  const I i;
+  const U u;
+  const auto lanes = std::uint32_t(hn::Lanes(i));
+  std::uint32_t size = 0;
+  for (std::uint32_t t = 0; t < count; t += lanes) {
+    const auto first = hn::LoadU(i, &in.low[place + t]), last = hn::LoadU(i, &in.high[place + t]);
+    auto meets = hn::And(hn::Lt(first, hn::Set(i, high)), hn::Gt(last, hn::Set(i, low - 1)));
+    if (count - t < lanes) meets = hn::And(meets, hn::FirstN(i, count - t));
+    size += std::uint32_t(
+        hn::CompressStore(hn::Iota(u, place + t), hn::RebindMask(u, meets), u, found + size));
+  }
+  return size;
+}
+
 // Rows [low, high) of what the triangles [place, place + count) of the instance cover. Without
 // holes and cross-fades a loop of its own: it has no register to spare.
 template <bool kMasked>
@@ -254,9 +273,14 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
   const int lanes = int(hn::Lanes(f)), parts = std::max(1, samples / lanes);
   Pattern patterns[kMaxParts];
   for (int part = 0; part < parts; ++part) patterns[part] = make_pattern(part, samples, lanes);
-  for (std::uint32_t t = place; t < place + count; ++t) {
+  // A vector holds one texel, a part of one, or several: a power of two.
+  const int texels = std::max(1, lanes / samples);
+  const int shift = std::countr_zero(unsigned(texels));
+  std::uint32_t found[SampleRaster::kPiece + kMaxLanes];
+  const std::uint32_t size = find_in_rows(in, place, count, low, high, found);
+  for (std::uint32_t n = 0; n < size; ++n) {
+    const std::uint32_t t = found[n];
     const int from = std::max(in.low[t], low), to = std::min(in.high[t], high - 1);
-    if (from > to) continue;
     const auto get = [&](Triangles::Field field) { return in.field[field][t]; };
     const float x0 = get(Triangles::x0), y0 = get(Triangles::y0);
     const float x1 = get(Triangles::x1), y1 = get(Triangles::y1);
@@ -272,8 +296,8 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
       if (instance.mask) masked = masked_triangle(in, t, instance);
     const float left = std::max(std::min(std::min(x0, x1), x2), 0.0f);
     const float right = std::min(std::max(std::max(x0, x1), x2), float(width) - 0.5f);
-    // Vectors of a row.
-    const int first = int(left) * samples / lanes, last = ((int(right) + 1) * samples - 1) / lanes;
+    // Groups of a row that are `texels` wide.
+    const int first = int(left) >> shift, last = int(right) >> shift;
     for (int part = 0; part < parts; ++part) {
       const vfloat pattern_x(hn::LoadU(f, patterns[part].x)),
           pattern_y(hn::LoadU(f, patterns[part].y));
@@ -282,15 +306,16 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
         const vfloat z_row = z0 + z_per_y * (y - y0);
         vfloat across[3] = {0.0f, 0.0f, 0.0f};
         for (int k = 0; k < 3; ++k) across[k] = edges[k].along_x * (y - edges[k].y);
-        for (int vector = first + part; vector <= last; vector += parts) {
-          const vfloat x = pattern_x + float((vector - part) * lanes / samples);
+        for (int group = first; group <= last; ++group) {
+          const vfloat x = pattern_x + float(group << shift);
           const auto inside = [&](int k) {
             const vfloat e = across[k] - edges[k].along_y * (x - edges[k].x);
             return hn::Xor(hn::Ge(e.v, hn::Zero(f)), edges[k].turned);
           };
           Mask covered = hn::And(hn::And(inside(0), inside(1)), inside(2));
           const vfloat z = min(max(z_row + z_per_x * (x - x0), z_min), z_max);
-          const std::size_t at = std::size_t(row) * stride + std::size_t(vector * lanes);
+          const std::size_t at =
+              std::size_t(row) * stride + std::size_t((group * parts + part) * lanes);
           const auto nearest = hn::LoadU(f, depths + at);
           covered = hn::And(covered, hn::Lt(z.v, nearest));
           if (hn::AllFalse(f, covered)) continue;
@@ -362,7 +387,7 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
   for (std::uint32_t i = 0; i < instances.size(); ++i)
     for (std::uint32_t first = 0; first < instances[i].triangles;) {
       const std::uint32_t count = std::min(kPiece, instances[i].triangles - first);
-      pieces_.push_back({i, first, count, place, 0});
+      pieces_.push_back({i, first, count, place, 0, 0, -1});
       first += count;
       // Some processors store whole vectors: no piece may reach into the next one, which another
       // thread fills.
@@ -391,12 +416,20 @@ void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
     piece.kept = HWY_DYNAMIC_DISPATCH(set_up)(instances[piece.instance], piece.first, piece.count,
                                               seen_.width, seen_.height, seen_.samples, triangles_,
                                               piece.place);
+    const auto at = [&](const std::vector<std::int32_t>& rows) {
+      return std::span(rows).subspan(piece.place, piece.kept);
+    };
+    const bool any = piece.kept > 0;
+    piece.low = any ? *std::min_element(at(triangles_.low).begin(), at(triangles_.low).end()) : 0;
+    piece.high =
+        any ? *std::max_element(at(triangles_.high).begin(), at(triangles_.high).end()) : -1;
   });
   constexpr int kRows = 32;
   parallel_for(0, (seen_.height + kRows - 1) / kRows, [&](int strip) {
-    for (const Piece& piece : pieces_) HWY_DYNAMIC_DISPATCH(fill)
-    (triangles_, piece.place, piece.kept, instances[piece.instance], strip * kRows,
-     std::min((strip + 1) * kRows, seen_.height), seen_);
+    const int low = strip * kRows, high = std::min(low + kRows, seen_.height);
+    for (const Piece& piece : pieces_)
+      if (piece.low < high && piece.high >= low) HWY_DYNAMIC_DISPATCH(fill)
+    (triangles_, piece.place, piece.kept, instances[piece.instance], low, high, seen_);
   });
 }
 

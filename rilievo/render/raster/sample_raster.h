@@ -98,6 +98,7 @@ class SampleRaster {
   struct Piece {
     std::uint32_t instance, first, count;  // triangles of the instance
     std::uint32_t place, kept;             // in Triangles
+    std::int32_t low, high;                // their first and last row of texels
   };
   // Of a round, its last piece, and a vector after it.
   static constexpr std::size_t kCapacity = kRound + kPiece + kMaxLanes;
