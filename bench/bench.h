@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "rilievo/cache/machine_costs.h"
 #include "rilievo/core/result.h"
 #include "rilievo/measure/bench_report.h"
 
@@ -30,6 +32,8 @@ struct BenchOptions {
   // (0: a budget of triangles instead).
   int width = 0, height = 0;
   double capture_ms = 0;
+  // For `real`: what the cache compares; none: the costs built in.
+  std::optional<MachineCosts> machine;
   // Called now and then with what is done and how much there is.
   std::function<void(int done, int total)> progress;
 };

@@ -50,10 +50,11 @@ struct Figures {
   std::vector<std::pair<std::string, double>> baseline_ms;  // medians
 };
 
-struct Sizes {
-  int width, height;
-  double seconds;
-  double capture_ms;
+struct RealRun {
+  int width = 1280, height = 720;
+  double seconds = 4;
+  std::string draw;
+  ImageCacheOptions cache;
 };
 
 Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double error_px) {
@@ -174,51 +175,48 @@ Result<std::unique_ptr<FrameSource>> make_cache(SceneRenderer& renderer,
   return {std::make_unique<ImageCache>(std::move(*made))};
 }
 
-Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, const std::string& draw,
-                       Table& table, BenchReport& report, const std::function<void()>& walk_done) {
+Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& table,
+                       BenchReport& report, const std::function<void()>& walk_done) {
   Result<Scene> scene = real_scene.make();
   if (!scene) return scene.error();
   Result<SceneRenderer> renderer = SceneRenderer::create(*scene);
   if (!renderer) return renderer.error();
-  Result<FrameTarget> target = FrameTarget::create(sizes.width, sizes.height, kSamples);
+  Result<FrameTarget> target = FrameTarget::create(run.width, run.height, kSamples);
   if (!target) return target.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(sizes.width, sizes.height);
+  Result<ProbeTarget> probe = ProbeTarget::create(run.width, run.height);
   if (!probe) return probe.error();
-  ImageCacheOptions cache_options;
-  cache_options.samples = kSamples;
-  cache_options.capture_ms = sizes.capture_ms;
-  Result<std::vector<Baseline>> baselines = make_baselines(*renderer, cache_options.error_px);
+  Result<std::vector<Baseline>> baselines = make_baselines(*renderer, run.cache.error_px);
   if (!baselines) return baselines.error();
   report.notes.push_back(fmt::format(
       "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
       scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
-  const bool automatic = draw == "automatic";
-  const bool software = draw == "software" || (automatic && gl::is_software());
+  const bool automatic = run.draw == "automatic";
+  const bool software = run.draw == "software" || (automatic && gl::is_software());
   report.notes.push_back(fmt::format("{}: the cache is drawn by {}.", real_scene.name,
                                      software ? "software" : "OpenGL"));
   for (const RealWalk& walk : real_scene.walks(*scene)) {
-    Result<std::unique_ptr<FrameSource>> cache = make_cache(*renderer, cache_options, software);
+    Result<std::unique_ptr<FrameSource>> cache = make_cache(*renderer, run.cache, software);
     if (!cache) return cache.error();
     // Whoever stands still finds every picture at hand.
     const CameraPath path = there_and_back(walk.path, kLongestWalk);
     const double start = path.keys.front().time;
     const auto at = [&](double seconds) {
-      return WalkFrame{camera_at(path, start + seconds, sizes.width, sizes.height), seconds};
+      return WalkFrame{camera_at(path, start + seconds, run.width, run.height), seconds};
     };
     // Shaders are compiled, textures are read for the first time.
     for (Baseline& baseline : *baselines)
       if (Result<double> ms = time_frame(*baseline.source, *target, at(0)); !ms) return ms.error();
     RealTimeOptions options;
-    options.seconds = sizes.seconds;
+    options.seconds = run.seconds;
     options.kept = kKept;
-    options.error_px = cache_options.error_px;
+    options.error_px = run.cache.error_px;
     options.cuts = cuts_of(path);
     Figures figures;
     Result<RealTimeWalk> walked = walk_in_real_time(**cache, {&*target, &*probe}, at, options);
     if (!walked) return walked.error();
     figures.walk = std::move(*walked);
     if (software && automatic) {
-      Result<std::unique_ptr<FrameSource>> other = make_cache(*renderer, cache_options, false);
+      Result<std::unique_ptr<FrameSource>> other = make_cache(*renderer, run.cache, false);
       if (!other) return other.error();
       walked = walk_in_real_time(**other, {&*target, &*probe}, at, options);
       if (!walked) return walked.error();
@@ -236,33 +234,36 @@ Result<> measure_scene(const RealScene& real_scene, const Sizes& sizes, const st
 }  // namespace
 
 Result<BenchReport> real(const BenchOptions& options) {
-  Sizes sizes = options.quick ? Sizes{160, 90, 0.2, 0} : Sizes{1280, 720, 4, 0};
-  if (options.width > 0) sizes.width = options.width, sizes.height = options.height;
-  sizes.capture_ms = options.capture_ms;
+  RealRun run;
+  if (options.quick) run.width = 160, run.height = 90, run.seconds = 0.2;
+  if (options.width > 0) run.width = options.width, run.height = options.height;
+  run.draw = options.draw;
+  run.cache.samples = kSamples;
+  run.cache.capture_ms = options.capture_ms;
+  run.cache.machine = options.machine;
   std::vector<RealScene> scenes;
   for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
   const char* data = std::getenv("RILIEVO_DATA");
   const bool has_data = data && *data && !options.quick;
   if (scenes.empty()) scenes = real_scenes(has_data ? data : "", options.quick);
   BenchReport report;
-  Table table{fmt::format("The cache in real time, {} x {}, {} samples{}", sizes.width,
-                          sizes.height, kSamples,
-                          sizes.capture_ms > 0
-                              ? fmt::format(", captures for {:g} ms a frame", sizes.capture_ms)
-                              : ""),
-              {"walk",    "frames",        "first ms",     "p50 ms",       "p99 ms",
-               "cut ms",  "until fine ms", "PSNR dB",      "wrong %",      "counted wrong %",
-               "missing", "gap px",        "over bound %", "by OpenGL ms", "direct ms",
-               "rays ms", "raster ms",     "lod ms",       "speed-up",     "over"},
-              {}};
+  Table table{
+      fmt::format("The cache in real time, {} x {}, {} samples{}", run.width, run.height, kSamples,
+                  run.cache.capture_ms > 0
+                      ? fmt::format(", captures for {:g} ms a frame", run.cache.capture_ms)
+                      : ""),
+      {"walk",    "frames",        "first ms",     "p50 ms",       "p99 ms",
+       "cut ms",  "until fine ms", "PSNR dB",      "wrong %",      "counted wrong %",
+       "missing", "gap px",        "over bound %", "by OpenGL ms", "direct ms",
+       "rays ms", "raster ms",     "lod ms",       "speed-up",     "over"},
+      {}};
   const Stopwatch watch;
   int done = 0;
   for (const RealScene& scene : scenes) {
     const auto walk_done = [&] {
       if (options.progress) options.progress(++done, int(3 * scenes.size()));
     };
-    if (Result<> measured = measure_scene(scene, sizes, options.draw, table, report, walk_done);
-        !measured)
+    if (Result<> measured = measure_scene(scene, run, table, report, walk_done); !measured)
       return measured.error();
   }
   report.figures.emplace_back("seconds", watch.ms() / 1000);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
+#include "apps/rilievo/machine.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "bench/bench.h"
@@ -26,6 +28,7 @@ struct BenchCommand {
   bool quick = false, full = false;
   int width = 0, height = 0;
   double capture_ms = 0;
+  std::optional<MachineCosts> machine;
 };
 
 const bench::Bench* find(const std::string& name) {
@@ -59,6 +62,7 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.draw = options.draw;
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
+  bench_options.machine = options.machine;
   bench_options.shader = options.shader;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
@@ -119,6 +123,7 @@ Command bench_command(CLI::App& app) {
                    "triangles instead)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
+  add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,
                    "For real: what draws the cache's frames: opengl, software, or automatic: "

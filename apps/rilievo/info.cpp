@@ -1,4 +1,4 @@
-// rilievo info FILE: what is in it?
+// rilievo info FILE: what is in it? rilievo info --machine: how fast is this machine?
 
 #include <fmt/format.h>
 
@@ -10,6 +10,7 @@
 
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/command.h"
+#include "apps/rilievo/machine.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/scene_file.h"
@@ -19,6 +20,7 @@ namespace {
 
 struct InfoCommand {
   std::string file, json;
+  bool machine = false;
   FileLimits limits;
 };
 
@@ -138,16 +140,22 @@ Command info_command(CLI::App& app) {
   auto options = std::make_shared<InfoCommand>();
   CLI::App* command =
       app.add_subcommand("info", "Show what a scene or a file of pictures contains");
+  CLI::Option* file = command->add_option(
+      "FILE", options->file,
+      std::string(kSceneHelp) + ", pictures in OpenEXR, or a folder of photographs with depth");
   command
-      ->add_option(
-          "FILE", options->file,
-          std::string(kSceneHelp) + ", pictures in OpenEXR, or a folder of photographs with depth")
-      ->required();
+      ->add_flag("--machine", options->machine,
+                 "Measure what drawing and capturing take on this machine instead, in a second or "
+                 "two; the file of --json is what --machine of other commands reads")
+      ->excludes(file);
   add_json_option(*command, options->json);
   add_file_limits(*command, options->limits);
-  command->footer("Example: rilievo info model.glb");
+  command->footer(
+      "Example: rilievo info model.glb\n         rilievo info --machine --json machine.json");
   return {command, [options](const std::string&) -> Result<> {
             if (Result<> good = expect_outputs({options->json}); !good) return good;
+            if (options->machine) return describe_machine(options->json);
+            if (options->file.empty()) return Error{"info", "FILE or --machine is required"};
             if (is_capture(options->file))
               return describe_capture(options->file, options->json, options->limits);
             return holds_pictures(options->file) ? describe_pictures(*options)

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apps/rilievo/checks.h"
+#include "apps/rilievo/machine.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
@@ -137,6 +138,7 @@ ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   cache.depth_mode = depth_mode(options);
   cache.samples = samples;
   cache.outlines = options.outlines;
+  cache.machine = options.machine;
   return cache;
 }
 
@@ -144,6 +146,7 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
                                                 SceneRenderer& renderer) {
   if (Result<> enough = expect_memory(options); !enough) return enough.error();
   Result<ImageCache> made = ImageCache::create(renderer, cache_options(options, samples));
+  if (!made && made.error().where == "machine") return Error{"--machine", made.error().reason};
   if (!made) return made.error();
   if (options.bake_mb > 0) {
     OpenGLSource source(renderer);
@@ -373,6 +376,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
           "before the first frame; they carry the light of the bake along (default 0)")
       ->check(in_range(0, 65536))
       ->type_name("MB");
+  add_machine_option(command, "cache", options.machine);
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
   command
       .add_option("--texel-px", options.texel_px,

@@ -10,6 +10,7 @@
 
 #include "apps/rilievo/impostors.h"
 #include "apps/rilievo/kinds.h"
+#include "rilievo/cache/machine_costs.h"
 #include "rilievo/core/picture_geometry.h"
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/gl/context.h"
@@ -34,8 +35,9 @@ struct MethodOptions {
   std::optional<double> bake_beyond;      // cache: metres
   double texel_px = 4;                    // kinds drawn for objects
   KindOptions kinds;
-  ImpostorOptions impostors;  // relief-impostor
-  Box eyes = {};              // where eyes will be; empty: not known
+  ImpostorOptions impostors;                 // relief-impostor
+  Box eyes = {};                             // where eyes will be; empty: not known
+  std::optional<MachineCosts> machine = {};  // cache; none: the costs built in
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "rilievo/cache/machine_costs.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/picture_geometry.h"
 #include "rilievo/nailboard/gap_table.h"
@@ -30,6 +31,8 @@ class CachePictures {
   [[nodiscard]] virtual std::uint64_t max_texels() const = 0;
   // The memory of pictures, bytes.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
+  // Who draws frames from the pictures?
+  [[nodiscard]] virtual DrawnBy drawn_by() const = 0;
   // Are pictures captured by the rasteriser? Its captures cost other things than OpenGL's.
   [[nodiscard]] virtual bool rasterizes() const = 0;
 

@@ -34,7 +34,7 @@ namespace rilievo {
 
 // The cost of drawing, in triangles: as many as the renderer draws in the same time. The defaults
 // were measured on a software rasteriser with four samples per pixel: a triangle takes 280 ns, a
-// pixel of a picture 5 ns, a pixel of shaded polygons 30 ns.
+// pixel of a picture 5 ns, a pixel of shaded polygons 30 ns. machine_costs.h has other machines'.
 struct CostModel {
   double picture = 10;          // one picture drawn
   double picture_pixel = 0.02;  // one pixel of its rectangle

@@ -42,6 +42,8 @@ void SceneCache::build() {
   build_tree({});
 
   policy_ = store_.rasterizes() ? rasterized_cache_options() : CacheOptions{};
+  if (options_.machine)
+    use_machine(*options_.machine, store_.drawn_by(), store_.rasterizes(), policy_, clock_);
   policy_.max_texels = store_.max_picture_size();
   policy_.texel_cell = store_.texel_cell();
   policy_.delta_bits = options_.delta_bits;
@@ -93,7 +95,8 @@ void SceneCache::index_alternatives() {
 }
 
 void SceneCache::add_drawable(ObjectDrawable drawable, FrameContent& content) {
-  Alternative alternative{drawable.drawable->error_model(0), drawable.drawable->cost_terms(0)};
+  Alternative alternative{drawable.drawable->error_model(0),
+                          terms_for(drawable.drawable->cost_terms(0), policy_.cost)};
   alternative.drawable = std::uint32_t(drawables_.size());
   for (const std::uint32_t object : drawable.objects) {
     // What shows all objects at once was baked where they are.

@@ -42,6 +42,9 @@ struct ImageCacheOptions {
   CaptureBy capture_by = CaptureBy::automatic;
   bool outlines = false;
   bool sky = true;  // draw the scene's sky behind everything
+  // What the planner compares; none: the costs built in (policy.h), so that frames are the same on
+  // all machines, as they are with the same costs of any one machine.
+  std::optional<MachineCosts> machine = {};
 };
 
 // Chooses a scene's frames, and captures for them.

@@ -156,7 +156,7 @@ ErrorModel EnvironmentDrawable::error_model(std::uint32_t) const {
 CostTerms EnvironmentDrawable::cost_terms(std::uint32_t) const {
   const double triangles =
       state_->nodes.mesh.triangles > 0 ? double(state_->nodes.mesh.triangles) : kTriangles;
-  return {triangles * double(state_->options.nodes), kPixel};
+  return {0, kPixel, triangles * double(state_->options.nodes)};
 }
 
 std::size_t EnvironmentDrawable::bytes() const {

@@ -81,10 +81,12 @@ struct ErrorModel {
   std::array<std::byte, 384> terms_{};
 };
 
-// The cost of drawing an instance, in triangles: as many as the renderer draws in the same time.
+// The cost of drawing an instance. Work is in triangles that take 280 ns each, as those of the
+// machine that the defaults of the cache were measured on (cache/policy.h).
 struct CostTerms {
-  double fixed = 0;
-  double per_pixel = 0;  // of the rectangle around the instance on the screen
+  double fixed = 0;      // work
+  double per_pixel = 0;  // work, of the rectangle around the instance on the screen
+  double triangles = 0;  // the number that is drawn as such, whatever one takes
 };
 
 // A representation, or a set of them, ready to be drawn.

@@ -95,6 +95,50 @@ class Results(Folder):
         self.assertLessEqual(abs(info["triangles"] - 20000), 1000)
         self.assertEqual(result.stderr, "")  # no progress in a pipe
 
+    def test_a_machine_is_measured_and_stored_and_its_costs_are_used(self):
+        file = self.folder / "machine.json"
+        self.succeeds("info", "--machine", "--json", file)
+        machine = json.loads(file.read_text())
+        self.assertEqual(machine["schema"], "rilievo-machine-1")
+        text = self.succeeds("info", "--machine").stdout
+        for name in ["software", "rasterizer", "rays", machine["cpu"]]:
+            self.assertIn(name, text)
+        frames = {}
+        for name, triangle_ns in [("cheap", 1.0), ("dear", 1e5)]:
+            machine["draw"]["software"]["triangle_ns"] = triangle_ns
+            stored = self.write(name + ".json", json.dumps(machine))
+            out = self.folder / name
+            done = self.succeeds("compare", "builtin:bridge?triangles=100000", "--methods", "cache",
+                                 "--draw", "software", "--machine", stored, "--size", "96x64",
+                                 "--frames", "3", "-o", out, "--json", "-")
+            frames[name] = json.loads(done.stdout)["methods"]["cache"]
+        self.assertGreater(frames["dear"]["captures"], frames["cheap"]["captures"])
+
+    def test_a_broken_file_of_a_machine_is_named(self):
+        good = {"schema": "rilievo-machine-1",
+                "draw": {"software": {"picture_ns": 1, "picture_pixel_ns": 1, "object_ns": 1,
+                                      "triangle_ns": 1, "polygon_pixel_ns": 1}},
+                "capture": {"rasterizer": {"picture_ns": 1, "triangle_ns": 1, "texel_ns": 1},
+                            "rays": {"texel_ns": 1}}}
+        text = json.dumps(good)
+        frame = ("render", TEAPOTS, "--method", "cache", "--size", "32x32", "--frames", "1",
+                 "-o", self.folder / "out", "--machine")
+        for name, content in [("empty", ""), ("nan", text.replace("1", "NaN")),
+                              ("negative", text.replace(" 1", " -1")), ("cut", text[:-9]),
+                              ("huge", text.replace(" 1", " 1e300")), ("schema", "{}"),
+                              ("missing", text.replace("object_ns", "objects"))]:
+            with self.subTest(name=name):
+                file = self.write(name, content)
+                self.assertIn(str(file), self.refused(*frame, file))
+        self.assertIn("none.json", self.refused(*frame, self.folder / "none.json"))
+        self.assertFalse((self.folder / "out").exists())
+        # It knows nothing of OpenGL.
+        line = self.refused(*frame, self.write("good", text), "--draw", "opengl")
+        self.assertIn("--machine", line)
+        self.succeeds(*frame, self.folder / "good", "--draw", "software")
+        self.refused("info", "--machine", "builtin:teapots")
+        self.refused("info")
+
     def test_compare_reports_every_method_and_direct_drawing(self):
         out = self.folder / "new" / "report"
         result = self.succeeds("compare", TEAPOTS, "--methods", "nailboard,flat", "--frames", "3",

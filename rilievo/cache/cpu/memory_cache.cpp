@@ -43,6 +43,7 @@ class MemoryCache::Store final : public CachePictures {
   [[nodiscard]] int texel_cell() const override { return 2 * kRowPadding; }
   [[nodiscard]] std::uint64_t max_texels() const override { return max_bytes_ / kTexelBytes; }
   [[nodiscard]] std::size_t bytes() const override { return bytes_; }
+  [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::software; }
   [[nodiscard]] bool rasterizes() const override { return true; }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
@@ -118,6 +119,11 @@ MemoryCache::MemoryCache(const Scene& scene, const ImageCacheOptions& options)
       cache_(std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options,
                                           content())) {}
 MemoryCache::~MemoryCache() = default;
+
+std::unique_ptr<CachePictures> MemoryCache::make_pictures(const PlacedScene& placed,
+                                                          const ImageCacheOptions& options) {
+  return std::make_unique<Store>(placed, options);
+}
 
 Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
                                                          const ImageCacheOptions& options) {

@@ -22,6 +22,10 @@ class MemoryCache final : public SoftwareFrames {
   [[nodiscard]] static Result<std::unique_ptr<MemoryCache>> create(
       const Scene& scene, const ImageCacheOptions& options);
   ~MemoryCache() override;
+  // Only what keeps the cache's pictures, to measure it (cache/measure_costs.h). `placed` must
+  // outlive it.
+  [[nodiscard]] static std::unique_ptr<CachePictures> make_pictures(
+      const PlacedScene& placed, const ImageCacheOptions& options);
 
   // As ImageCache's; drawables and factories are those without OpenGL (software_drawable_rows).
   void add_alternatives(std::vector<ObjectDrawable> drawables,

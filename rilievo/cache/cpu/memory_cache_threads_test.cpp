@@ -47,6 +47,30 @@ TEST(MemoryCache, draws_the_same_bytes_with_any_number_of_threads) {
   EXPECT_GT(together.captures, 1);
 }
 
+// A machine's costs decide what is captured; the same costs, the same frames.
+TEST(MemoryCache, draws_the_same_bytes_with_the_costs_of_one_machine) {
+  const auto made = make_builtin("builtin:bridge?triangles=100000");
+  ASSERT_TRUE(made.ok());
+  MachineCosts costs;
+  costs.draw_software = {2000, 1, 500, 20, 10};
+  costs.capture_rasterizer = {10000, 20, 60};
+  costs.ray_texel_ns = 200;
+  ImageCacheOptions options;
+  options.machine = costs;
+  const Walked cheap = walk_through(*made, 4, options);
+  {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+    const Walked alone = walk_through(*made, 4, options);
+    EXPECT_EQ(cheap.colors, alone.colors);
+    EXPECT_EQ(cheap.objects, alone.objects);
+  }
+  // Where triangles are a hundred times as dear, pictures are captured instead of polygons drawn.
+  options.machine->draw_software.triangle_ns *= 100;
+  const Walked dear = walk_through(*made, 4, options);
+  EXPECT_LT(dear.polygons, cheap.polygons);
+  EXPECT_GT(dear.captures, cheap.captures);
+}
+
 TEST(MemoryCache, keeps_to_its_memory_and_refuses_what_is_too_little) {
   const auto made = make_builtin("builtin:forest?triangles=200000");
   ASSERT_TRUE(made.ok());

@@ -25,6 +25,7 @@ class ImageCache::Store final : public CachePictures {
            AtlasAllocator::kLayerSize * AtlasAllocator::kLayerSize;
   }
   [[nodiscard]] std::size_t bytes() const override { return pictures_.set().bytes(); }
+  [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::opengl; }
   [[nodiscard]] bool rasterizes() const override { return pictures_.rasterizes(); }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
@@ -75,12 +76,30 @@ ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<Store> store,
 ImageCache::~ImageCache() = default;
 ImageCache::ImageCache(ImageCache&&) noexcept = default;
 
-Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
+Result<std::unique_ptr<ImageCache::Store>> ImageCache::make_store(
+    SceneRenderer& renderer, const ImageCacheOptions& options) {
   Result<NailboardCapture> pictures = NailboardCapture::create(
       renderer, options.capture_by, {options.max_bytes, options.delta_bits, options.samples},
       options.depth_mode);
   if (!pictures) return pictures.error();
-  return ImageCache(renderer, std::make_unique<Store>(renderer, std::move(*pictures)), options);
+  return {std::make_unique<Store>(renderer, std::move(*pictures))};
+}
+
+Result<std::unique_ptr<CachePictures>> ImageCache::make_pictures(SceneRenderer& renderer,
+                                                                 const ImageCacheOptions& options) {
+  Result<std::unique_ptr<Store>> store = make_store(renderer, options);
+  if (!store) return store.error();
+  return {std::move(*store)};
+}
+
+Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
+  Result<std::unique_ptr<Store>> store = make_store(renderer, options);
+  if (!store) return store.error();
+  if (options.machine)
+    if (Result<> known = expect_costs(*options.machine, DrawnBy::opengl, (*store)->rasterizes());
+        !known)
+      return known.error();
+  return ImageCache(renderer, std::move(*store), options);
 }
 
 void ImageCache::add_alternatives(std::vector<ObjectDrawable> drawables,

@@ -23,9 +23,14 @@ class ImageCache final : public SceneFrames {
   ~ImageCache() override;
   ImageCache(ImageCache&&) noexcept;
 
-  // `renderer` must outlive the cache. Fails where the atlas cannot be allocated.
+  // `renderer` must outlive the cache. Fails where the atlas cannot be allocated, and where
+  // options.machine was measured without OpenGL.
   [[nodiscard]] static Result<ImageCache> create(SceneRenderer& renderer,
                                                  const ImageCacheOptions& options);
+  // Only what keeps the cache's pictures, to measure it (cache/measure_costs.h). `renderer` must
+  // outlive it.
+  [[nodiscard]] static Result<std::unique_ptr<CachePictures>> make_pictures(
+      SceneRenderer& renderer, const ImageCacheOptions& options);
 
   // Adds baked representations. The cache draws them where they stay within error_px and cost less
   // than polygons and pictures. They use memory beyond max_bytes, count in picture_bytes, and are
@@ -61,6 +66,8 @@ class ImageCache final : public SceneFrames {
 
  private:
   class Store;
+  [[nodiscard]] static Result<std::unique_ptr<Store>> make_store(SceneRenderer& renderer,
+                                                                 const ImageCacheOptions& options);
   ImageCache(SceneRenderer& renderer, std::unique_ptr<Store> store,
              const ImageCacheOptions& options);
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;

@@ -34,8 +34,9 @@ class SoftwareAlternativesTest : public SceneTest {
   void add_baked(Cache& cache, std::span<const DrawableRow> rows, const char* kind_name,
                  std::span<const BakeSetting> settings) {
     const Kind& kind = *find_kind(kinds(), kind_name);
-    ObjectDrawablesOptions options{
-        .bake = OptionValues(kind.bake_options), .draw = OptionValues(kind.draw_options), .progress = {}};
+    ObjectDrawablesOptions options{.bake = OptionValues(kind.bake_options),
+                                   .draw = OptionValues(kind.draw_options),
+                                   .progress = {}};
     for (const auto& [name, value] : settings) ASSERT_TRUE(options.bake.set(name, value).ok());
     const auto rays = RayScene::create(builtin.scene);
     ASSERT_TRUE(rays.ok());
@@ -54,8 +55,8 @@ class SoftwareAlternativesTest : public SceneTest {
     const Box box = world_bounds(builtin.scene);
     const glm::dvec3 center(box.center());
     const double radius = double(box.radius()), angle = 0.5 + 0.1 * frame;
-    return look_at(center + distance * radius * glm::normalize(glm::dvec3(
-                                                    std::sin(angle), 0.25, std::cos(angle))),
+    return look_at(center + distance * radius *
+                                glm::normalize(glm::dvec3(std::sin(angle), 0.25, std::cos(angle))),
                    center, {0, 1, 0}, 0.7, kWidth, kHeight, 0.05 * radius, 20 * radius);
   }
 
@@ -129,7 +130,8 @@ TEST_F(SoftwareAlternativesTest, frames_without_one_stay_the_same_byte_for_byte)
   // Texels of a tenth of the object: never within a pixel.
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "10"}};
   for (MemoryCache* cache : {coarse.get(), dropped.get()}) {
-    ASSERT_NO_FATAL_FAILURE(add_baked(*cache, software_drawable_rows(), "layered-relief", settings));
+    ASSERT_NO_FATAL_FAILURE(
+        add_baked(*cache, software_drawable_rows(), "layered-relief", settings));
   }
   EXPECT_EQ(none->stats().picture_bytes, 0u);
   dropped->invalidate();

@@ -1,0 +1,95 @@
+#include "rilievo/cache/cpu/measure_software.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/measure_costs.h"
+#include "rilievo/capture/coarse_capture.h"
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/cpu/software_stored_frames.h"
+
+namespace rilievo {
+namespace {
+
+// Draws what it is told, without a sky.
+class ToldFrames final : public SoftwareFrames {
+ public:
+  ToldFrames(const MeasuredScene& scene, SoftwarePictures pictures)
+      : SoftwareFrames(scene.scene, 4), pictures_(std::move(pictures)) {
+    sky_ = false;
+    content().sets.push_back({pictures_.set.get(), {}});
+  }
+  void tell(const MeasuredRun& objects, const MeasuredRun& pictures) {
+    objects_ = objects, shown_ = pictures;
+  }
+
+ private:
+  Result<> choose(const Camera&, FrameContent& content, FrameStats&) override {
+    content.polygons.resize(objects_.count);
+    std::iota(content.polygons.begin(), content.polygons.end(), objects_.first);
+    const auto first = pictures_.instances.begin() + shown_.first;
+    content.sets[0].instances.assign(first, first + shown_.count);
+    return Done{};
+  }
+
+  SoftwarePictures pictures_;
+  MeasuredRun objects_, shown_;
+};
+
+class SoftwareMeasured final : public MeasuredFrames {
+ public:
+  SoftwareMeasured(const MeasuredScene& scene, SoftwarePictures pictures)
+      : frame_(scene.frame), frames_(scene, std::move(pictures)) {}
+  Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
+    frames_.tell(objects, pictures);
+    return frames_.draw(frame_, 0);
+  }
+
+ private:
+  Camera frame_;
+  ToldFrames frames_;
+};
+
+// A texel of a coarse picture of all balls, written into the store.
+double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, CachePictures& store) {
+  Camera camera = scene.frame;
+  camera.width /= 2, camera.height /= 2;
+  std::vector<std::uint32_t> objects(scene.heavy.count);
+  std::iota(objects.begin(), objects.end(), scene.heavy.first);
+  double least_ms = std::numeric_limits<double>::infinity();
+  for (int run = 0; run < 4; ++run) {
+    const Stopwatch watch;
+    [[maybe_unused]] const bool room = store.allocate(0, camera.width, camera.height);
+    RILIEVO_EXPECTS(room);
+    store.write(0, coarse.capture(camera, objects));
+    least_ms = std::min(least_ms, watch.ms());
+    store.free(0);
+  }
+  return 1e6 * least_ms / (double(camera.width) * camera.height);
+}
+
+}  // namespace
+
+Result<MachineCosts> measure_software() {
+  const MeasuredScene scene = measured_scene();
+  Result<SoftwarePictures> pictures =
+      make_software_pictures(scene.pictures, DepthMode::exact, ImageCacheOptions{}.delta_bits);
+  if (!pictures) return pictures.error();
+  MachineCosts costs;
+  SoftwareMeasured frames(scene, std::move(*pictures));
+  const Result<DrawTimes> drawing = measure_drawing(scene, frames);
+  if (!drawing) return drawing.error();
+  costs.draw_software = *drawing;
+
+  const PlacedScene placed(scene.scene);
+  const std::unique_ptr<CachePictures> store = MemoryCache::make_pictures(placed, {});
+  costs.capture_rasterizer = measure_captures(scene, *store);
+  Result<std::unique_ptr<CoarseCapture>> coarse = CoarseCapture::create(scene.scene);
+  if (!coarse) return coarse.error();
+  costs.ray_texel_ns = rounded_ns(measure_rays(scene, **coarse, *store));
+  return costs;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,12 @@
+// How long do frames, captures and rays take without OpenGL, on this machine?
+#pragma once
+
+#include "rilievo/cache/machine_costs.h"
+
+namespace rilievo {
+
+// Measures them on all cores, in about half a second on two. Leaves out what names the machine, and
+// OpenGL. Fails if memory does not suffice.
+[[nodiscard]] Result<MachineCosts> measure_software();
+
+}  // namespace rilievo

@@ -1,0 +1,12 @@
+// How long do frames and captures take with the OpenGL that is current?
+#pragma once
+
+#include "rilievo/cache/machine_costs.h"
+
+namespace rilievo {
+
+// Measures them and adds them, and the renderer's name, to `costs`. A second or two where OpenGL
+// runs on two cores. Needs a current OpenGL context. Fails where the driver does.
+[[nodiscard]] Result<> measure_opengl(MachineCosts& costs);
+
+}  // namespace rilievo
