@@ -103,6 +103,8 @@ template <class Cache>
 Result<> add_alternatives(Cache& cache, const MethodOptions& options, const BakeFrom& from) {
   if (std::count_if(options.bake_as.begin(), options.bake_as.end(), surrounds) > 1)
     return Error{"--bake-as", "names more than one kind of surroundings"};
+  if (options.bake_together && (options.bake_as.size() > 1 || surrounds(options.bake_as[0])))
+    return Error{"--bake-together", "is for one kind of objects"};
   const std::size_t each = std::size_t(options.bake_mb) * kMegabyte / options.bake_as.size();
   for (const std::string& name : options.bake_as) {
     const KindMethod method = kind_method(name);
@@ -113,9 +115,17 @@ Result<> add_alternatives(Cache& cache, const MethodOptions& options, const Bake
     Result<PreparedKind> prepared = prepare(method, options, from.rows);
     if (!prepared) return prepared.error();
     Progress progress("view");
+    const ObjectDrawablesOptions objects = object_options(*prepared, each, progress);
+    if (options.bake_together) {
+      Result<ObjectDrawable> one = bake_together_drawable(from.placed, from.source, *method.kind,
+                                                          *prepared->factory, objects);
+      if (!one) return one.error();
+      cache.add_surroundings(std::move(one->drawable), std::move(prepared->factory),
+                             std::move(one->objects));
+      continue;
+    }
     Result<std::vector<ObjectDrawable>> drawables =
-        bake_object_drawables(from.placed, from.source, *method.kind, *prepared->factory,
-                              object_options(*prepared, each, progress));
+        bake_object_drawables(from.placed, from.source, *method.kind, *prepared->factory, objects);
     if (!drawables) return drawables.error();
     cache.add_alternatives(std::move(*drawables), std::move(prepared->factory));
   }
@@ -377,6 +387,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(0, 65536))
       ->type_name("MB");
   add_machine_option(command, "cache", options.machine);
+  command.add_flag("--bake-together", options.bake_together,
+                   "cache: bake all objects that stand still as one, a thing of many parts");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
   command
       .add_option("--texel-px", options.texel_px,

@@ -33,6 +33,7 @@ struct MethodOptions {
   std::vector<std::string> bake_as{
       std::string(default_kind().name)};  // cache: kinds that are baked
   std::optional<double> bake_beyond;      // cache: metres
+  bool bake_together = false;             // cache: all that stands still as one
   double texel_px = 4;                    // kinds drawn for objects
   KindOptions kinds;
   ImpostorOptions impostors;                 // relief-impostor

@@ -12,11 +12,8 @@ namespace rilievo {
 namespace {
 
 // In triangles, on a software rasteriser with two cores: 280 ns each. A sample is warped in some 4
-// ns, and again where tiles overlap; a pixel of the result is written out, encoded, uploaded and
-// drawn.
-constexpr double kReliefFixed = 500;
+// ns, and again where tiles overlap.
 constexpr double kReliefSample = 0.02;
-constexpr double kReliefPixel = 0.08;
 
 constexpr int kLargestPiece = 1024;
 
@@ -87,7 +84,9 @@ class ReliefDrawable final : public Drawable {
     std::size_t samples = 0;
     for (const LayeredRelief& relief : colors_.reliefs)
       samples = std::max(samples, relief.samples());
-    return {kReliefFixed + kReliefSample * double(samples), kReliefPixel};
+    CostTerms cost = boards_.cost_terms();
+    cost.fixed += kReliefSample * double(samples);
+    return cost;
   }
   [[nodiscard]] std::size_t bytes() const override {
     std::size_t sum = 0;
@@ -168,8 +167,7 @@ class ReliefDrawable final : public Drawable {
         shown.camera = {};
         return false;
       }
-      encode_prewarped(result, piece, encoded_);
-      boards_.write(*board, encoded_);
+      boards_.write(*board, result, piece);
       shown.parts.push_back({*board, geometry_of(result.geometry, piece)});
     }
     if (identifiers) write_identifiers(index, camera, level, shown);
@@ -211,7 +209,6 @@ class ReliefDrawable final : public Drawable {
   std::vector<Shown> shown_;
   std::vector<PlacedBoard> placed_;
   Prewarped whole_, halved_, scratch_;
-  EncodedPiece encoded_;
 };
 
 class ReliefFactory final : public DrawableFactory {

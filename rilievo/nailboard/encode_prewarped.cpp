@@ -72,10 +72,10 @@ void halve(const Prewarped& picture, int level, Prewarped& halved, Prewarped& sc
   }
 }
 
-// A row of the piece, and of texels beyond its ends: the nearest Delta of those above, at and below
-// it.
-void nearest_of_column(const Prewarped& picture, const PicturePiece& piece, int y,
-                       std::vector<std::uint16_t>& nearest) {
+// Of row `y` of the picture, within the piece and one texel beyond its ends: the nearest Delta of
+// the texels above, at and below.
+void nearest_of_columns(const Prewarped& picture, const PicturePiece& piece, int y,
+                        std::vector<std::uint16_t>& nearest) {
   const int w = picture.width(), h = picture.height();
   nearest.assign(std::size_t(piece.width) + 2, std::uint16_t(kEmptyDelta));
   const int from = std::max(piece.x - 1, 0), to = std::min(piece.x + piece.width + 1, w);
@@ -130,6 +130,19 @@ PictureGeometry placed(PictureGeometry geometry, const glm::dmat4& world_from_ca
   return geometry;
 }
 
+void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y, std::uint16_t* codes,
+                  std::vector<std::uint16_t>& nearest) {
+  const int v = piece.y + y;
+  nearest_of_columns(picture, piece, v, nearest);
+  const std::uint16_t* around = nearest.data();
+  const std::uint16_t* delta =
+      picture.delta.data() + std::size_t(v) * std::size_t(picture.width()) + std::size_t(piece.x);
+  for (std::size_t x = 0; x < std::size_t(piece.width); ++x) {
+    const std::uint16_t beside = std::min(std::min(around[x], around[x + 1]), around[x + 2]);
+    codes[x] = delta[x] == kEmptyDelta ? beside : delta[x];
+  }
+}
+
 void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, EncodedPiece& encoded) {
   const std::size_t width = std::size_t(piece.width), texels = width * std::size_t(piece.height);
   encoded.color.resize(texels);
@@ -140,16 +153,11 @@ void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, Encod
     static thread_local std::vector<std::uint16_t> nearest;
     const int begin = row * kBlockTexels, end = std::min(piece.height, begin + kBlockTexels);
     for (int y = begin; y < end; ++y) {
-      const int v = piece.y + piece.height - 1 - y;  // from the top, of the whole
+      const int row_of = piece.height - 1 - y;  // from the top
+      codes_of_row(picture, piece, row_of, encoded.picture.codes16.data() + std::size_t(y) * width,
+                   nearest);
       const std::size_t source =
-          std::size_t(v) * std::size_t(picture.width()) + std::size_t(piece.x);
-      nearest_of_column(picture, piece, v, nearest);
-      const std::uint16_t* delta = picture.delta.data() + source;
-      std::uint16_t* codes = encoded.picture.codes16.data() + std::size_t(y) * width;
-      for (std::size_t x = 0; x < width; ++x) {
-        const std::uint16_t around = std::min(std::min(nearest[x], nearest[x + 1]), nearest[x + 2]);
-        codes[x] = delta[x] == kEmptyDelta ? around : delta[x];
-      }
+          std::size_t(piece.y + row_of) * std::size_t(picture.width()) + std::size_t(piece.x);
       std::copy_n(picture.color.data() + source, width,
                   encoded.color.data() + std::size_t(y) * width);
     }

@@ -32,12 +32,17 @@ struct PicturePiece {
 [[nodiscard]] PictureGeometry placed(PictureGeometry geometry,
                                      const glm::dmat4& world_from_capture);
 
+// The codes of row `y` of a piece, from the top: an empty texel gets the nearest Delta beside it,
+// in the piece or around it, or the code of emptiness. `codes` has the piece's width; `nearest` is
+// scratch memory.
+void codes_of_row(const Prewarped& picture, const PicturePiece& piece, int y, std::uint16_t* codes,
+                  std::vector<std::uint16_t>& nearest);
+
 // A piece as an atlas takes it.
 struct EncodedPiece {
   std::vector<glm::u8vec4> color;  // rows from the bottom
   AtlasPicture picture;            // codes16 and blocks
 };
-// Around the piece, too, empty texels get the nearest Delta beside them.
 void encode_prewarped(const Prewarped& picture, const PicturePiece& piece, EncodedPiece& encoded);
 
 }  // namespace rilievo

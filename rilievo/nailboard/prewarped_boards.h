@@ -52,11 +52,16 @@ class PrewarpedBoards {
   // Is it still there? Then it stays.
   [[nodiscard]] virtual bool use(const PrewarpedBoard& board) = 0;
   virtual void release(const PrewarpedBoard& board) = 0;
-  // The picture, of the size that was asked for; and the identifiers of its texels, rows from the
-  // bottom.
+  // The picture, of the size that was asked for: encoded before, or a piece of one that is not; and
+  // the identifiers of its texels, rows from the bottom.
   virtual void write(const PrewarpedBoard& board, const EncodedPiece& picture) = 0;
+  virtual void write(const PrewarpedBoard& board, const Prewarped& picture,
+                     const PicturePiece& piece) = 0;
   virtual void write_objects(const PrewarpedBoard& board,
                              std::span<const std::uint32_t> objects) = 0;
+  // What a picture costs besides its warp, in triangles: to be written, and drawn; per_pixel of the
+  // frame.
+  [[nodiscard]] virtual CostTerms cost_terms() const = 0;
   // A drawer, which the store must outlive.
   [[nodiscard]] virtual std::unique_ptr<BoardDrawer> make_drawer() = 0;
 };

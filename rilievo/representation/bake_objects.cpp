@@ -59,6 +59,22 @@ std::vector<Group> heavy_groups(const PlacedScene& placed, std::uint64_t min_tri
   return groups;
 }
 
+// What is baked as one, where it is.
+Result<ObjectDrawable> bake_as_one(const BakeInput& input, const Kind& kind,
+                                   DrawableFactory& factory, const OptionValues& bake,
+                                   const OptionValues& draw, const Progress& progress) {
+  Result<Baked> baked = kind.bake(input, bake, progress);
+  if (!baked) return baked.error();
+  Result<std::unique_ptr<Drawable>> drawable =
+      factory.make_drawable(std::move(baked->representation), draw);
+  if (!drawable) return drawable.error();
+  ObjectDrawable made;
+  made.drawable = std::move(*drawable);
+  made.objects.assign(input.objects.begin(), input.objects.end());
+  made.together = true;
+  return made;
+}
+
 }  // namespace
 
 Result<std::vector<ObjectDrawable>> bake_object_drawables(const PlacedScene& placed,
@@ -95,24 +111,33 @@ Result<ObjectDrawable> bake_surroundings_drawable(const PlacedScene& placed, Cap
                                                   const SurroundingsOptions& options) {
   RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
   const std::vector<Object>& objects = placed.scene().objects;
-  ObjectDrawable surroundings;
-  surroundings.together = true;
+  std::vector<std::uint32_t> beyond;
   for (std::uint32_t object = 0; object < objects.size(); ++object) {
     if (objects[object].moving || !placed.has_opaque_parts(object)) continue;
-    if (distance_between(placed.bounds()[object], options.eyes) < options.beyond) continue;
-    surroundings.objects.push_back(object);
+    if (distance_between(placed.bounds()[object], options.eyes) >= options.beyond)
+      beyond.push_back(object);
   }
-  if (surroundings.objects.empty())
+  if (beyond.empty())
     return Error{std::string(kind.name),
                  "no object that stands still lies beyond the distance asked for"};
-  Result<Baked> baked =
-      kind.bake({source, surroundings.objects, options.eyes}, options.bake, options.progress);
-  if (!baked) return baked.error();
-  Result<std::unique_ptr<Drawable>> drawable =
-      factory.make_drawable(std::move(baked->representation), options.draw);
-  if (!drawable) return drawable.error();
-  surroundings.drawable = std::move(*drawable);
-  return surroundings;
+  return bake_as_one({source, beyond, options.eyes}, kind, factory, options.bake, options.draw,
+                     options.progress);
+}
+
+Result<ObjectDrawable> bake_together_drawable(const PlacedScene& placed, CaptureSource& source,
+                                              const Kind& kind, DrawableFactory& factory,
+                                              const ObjectDrawablesOptions& options) {
+  RILIEVO_EXPECTS(kind.stands_for != StandsFor::surroundings);
+  const std::vector<Object>& objects = placed.scene().objects;
+  std::vector<std::uint32_t> still;
+  for (std::uint32_t object = 0; object < objects.size(); ++object)
+    if (!objects[object].moving && placed.has_opaque_parts(object)) still.push_back(object);
+  if (still.empty()) return Error{std::string(kind.name), "no object stands still"};
+  OptionValues bake = options.bake;
+  factory.spare(bake, options.draw);
+  if (factory.expected_bytes(bake, options.draw) > options.max_bytes)
+    return Error{std::string(kind.name), "takes more memory than there is for it"};
+  return bake_as_one({source, still, {}}, kind, factory, bake, options.draw, options.progress);
 }
 
 }  // namespace rilievo

@@ -35,6 +35,14 @@ struct ObjectDrawablesOptions {
     const PlacedScene& placed, CaptureSource& source, const Kind& kind, DrawableFactory& factory,
     const ObjectDrawablesOptions& options);
 
+// Bakes all objects that stand still as one: a thing of many parts that hide each other, which
+// would overlap where each is drawn for itself. Of the options, min_triangles is not used. Fails if
+// nothing stands still or max_bytes does not suffice.
+[[nodiscard]] Result<ObjectDrawable> bake_together_drawable(const PlacedScene& placed,
+                                                            CaptureSource& source, const Kind& kind,
+                                                            DrawableFactory& factory,
+                                                            const ObjectDrawablesOptions& options);
+
 // What to bake as surroundings, and how.
 struct SurroundingsOptions {
   OptionValues bake, draw;  // of the kind

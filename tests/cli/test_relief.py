@@ -78,6 +78,16 @@ class Relief(command.Case):
             self.refused(("compare", "builtin:teapots", "--methods", "cache", "--draw", "software",
                           "--bake-mb", "8", *arguments, *out), "--draw", named)
 
+    def test_all_that_stands_still_is_baked_as_one(self):
+        one = ("--method", "cache", "--bake-together", "--bake-mb", "8", "--bake-as",
+               "layered-relief")
+        out = ("-o", self.folder / "out")
+        self.succeeds("render", command.TEAPOTS, *one, "--view-size", "64", "--size", "96x64", "--frames",
+                      "1", *out)
+        self.refused(("render", command.TEAPOTS, *one, *out), "memory")
+        self.refused(("render", command.TEAPOTS, *one, "--bake-as", "layered-impostor", *out),
+                     "--bake-together")
+
     def test_bad_input_ends_in_one_line_and_leaves_no_file(self):
         out = ("-o", self.folder / "out.exr")
         for arguments, named in (

@@ -39,8 +39,8 @@ class ImageCache final : public SceneFrames {
                         std::unique_ptr<DrawableFactory> factory);
 
   // Adds an alternative that stands for all these objects at once where its bound allows it: the
-  // surroundings of the eyes. The objects stand still, have opaque parts, and were baked where they
-  // are; ascending. Before the first frame, once.
+  // surroundings of the eyes, or a thing of many parts. The objects stand still, have opaque parts,
+  // and were baked where they are; ascending. Before the first frame, once.
   void add_surroundings(std::unique_ptr<Drawable> drawable,
                         std::unique_ptr<DrawableFactory> factory,
                         std::vector<std::uint32_t> objects);

@@ -68,6 +68,12 @@ void MemoryBoards::write(const PrewarpedBoard& board, const EncodedPiece& pictur
   place.picture->assign(place.width, place.height, picture.color, picture.picture, kBoardBits);
 }
 
+void MemoryBoards::write(const PrewarpedBoard& board, const Prewarped& picture,
+                         const PicturePiece& piece) {
+  RILIEVO_EXPECTS(use(board));
+  places_[board.index].picture->assign(picture, piece);
+}
+
 void MemoryBoards::write_objects(const PrewarpedBoard& board,
                                  std::span<const std::uint32_t> objects) {
   RILIEVO_EXPECTS(use(board));

@@ -1,13 +1,27 @@
 #include "rilievo/nailboard/cpu/memory_nailboard.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
 #include <cstring>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
+namespace {
 
-void MemoryNailboard::resize(int width, int height, int delta_bits) {
+static_assert(std::endian::native == std::endian::little, "two codes make a word");
+
+constexpr std::uint16_t kNoCode = 0xffff;
+constexpr std::uint32_t kNoPair = 0xffffffff;
+
+}  // namespace
+
+// Rows are written and looked at by bands of cells. `row(y, codes)` fills in the codes of row y,
+// from the top, and returns its colours.
+template <class Row>
+void MemoryNailboard::fill(int width, int height, int delta_bits, const Row& row) {
   RILIEVO_EXPECTS(1 <= width && width <= 16384 && 1 <= height && height <= 16384);
   RILIEVO_EXPECTS(2 <= delta_bits && delta_bits <= 16);
   width_ = width, height_ = height, delta_bits_ = delta_bits;
@@ -15,59 +29,75 @@ void MemoryNailboard::resize(int width, int height, int delta_bits) {
   // no power of two apart: those of a block would meet in one set of the cache.
   stride_ = (width + 1 + 15) / 16 * 16;
   if (stride_ % 256 == 0) stride_ += 16;
-  const std::size_t texels = std::size_t(stride_) * std::size_t(height + 2);
-  color_.assign(texels + kReadBeyond, 0);
-  code_pairs_.assign(texels / 2 + kReadBeyond, 0xffffffffu);
+  const std::size_t stride = std::size_t(stride_), shown = stride * std::size_t(height);
+  color_.resize(shown + 2 * stride + kReadBeyond);
+  code_pairs_.resize(shown / 2 + stride + kReadBeyond);
+  std::fill(color_.begin() + std::ptrdiff_t(shown), color_.end(), 0);
+  std::fill(code_pairs_.begin() + std::ptrdiff_t(shown / 2), code_pairs_.end(), kNoPair);
   objects_.clear();
-}
-
-template <class Code>
-void MemoryNailboard::set_row(int y, const glm::u8vec4* color, const Code* codes) {
-  const std::size_t row = std::size_t(y) * std::size_t(stride_);
-  std::memcpy(&color_[row], color, std::size_t(width_) * sizeof *color);
-  for (int x = 0; x < width_; ++x) {
-    const int shift = 16 * (x & 1);
-    std::uint32_t& pair = code_pairs_[(row + std::size_t(x)) / 2];
-    pair = (pair & ~(0xffffu << shift)) | std::uint32_t(codes[x]) << shift;
-  }
-}
-
-void MemoryNailboard::find_cells() {
-  const std::size_t count = std::size_t(cells_across()) * std::size_t(cells_down());
-  cell_nearest_.assign(count, 0xffff);
-  cell_opaque_.assign(count, 1);
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x) {
-      const std::size_t cell =
-          std::size_t(y / kCell) * std::size_t(cells_across()) + std::size_t(x / kCell);
-      const std::uint32_t here = code(x, y);
-      cell_nearest_[cell] = std::min(cell_nearest_[cell], std::uint16_t(here));
-      const std::size_t texel = std::size_t(y) * std::size_t(stride_) + std::size_t(x);
-      if (color_[texel] >> 24 != 255 || here > steps()) cell_opaque_[cell] = 0;
+  cell_nearest_.resize(std::size_t(cells_across()) * std::size_t(cells_down()));
+  cell_opaque_.resize(cell_nearest_.size());
+  parallel_for(0, cells_down(), [&](int band) {
+    // Of each column within the band.
+    static thread_local std::vector<std::uint16_t> codes, nearest, farthest;
+    static thread_local std::vector<std::uint32_t> common;
+    codes.assign(stride, kNoCode);
+    nearest.assign(stride, kNoCode), farthest.assign(stride, 0), common.assign(stride, ~0u);
+    const int end = std::min(height_, (band + 1) * kCell);
+    for (int y = band * kCell; y < end; ++y) {
+      std::uint32_t* const color = &color_[std::size_t(y) * stride];
+      std::memcpy(color, row(y, codes.data()), std::size_t(width_) * sizeof *color);
+      std::fill(color + width_, color + stride, 0);
+      std::memcpy(&code_pairs_[std::size_t(y) * stride / 2], codes.data(),
+                  stride * sizeof(std::uint16_t));
+      const std::uint16_t* const code = codes.data();
+      for (int x = 0; x < width_; ++x) nearest[x] = std::min(nearest[x], code[x]);
+      for (int x = 0; x < width_; ++x) farthest[x] = std::max(farthest[x], code[x]);
+      for (int x = 0; x < width_; ++x) common[x] &= color[x];
     }
+    for (int cell = 0; cell < cells_across(); ++cell) {
+      std::uint16_t least = kNoCode;
+      bool opaque = true;
+      for (int x = cell * kCell; x < std::min(width_, (cell + 1) * kCell); ++x) {
+        least = std::min(least, nearest[x]);
+        opaque = opaque && farthest[x] <= steps() && common[x] >> 24 == 255;
+      }
+      const std::size_t i = std::size_t(band) * std::size_t(cells_across()) + std::size_t(cell);
+      cell_nearest_[i] = least;
+      cell_opaque_[i] = opaque;
+    }
+  });
   nearest_ = *std::min_element(cell_nearest_.begin(), cell_nearest_.end());
 }
 
 void MemoryNailboard::assign(const Nailboard& nailboard) {
-  const int width = nailboard.color.width(), height = nailboard.color.height();
-  resize(width, height, nailboard.geometry.delta_bits);
-  for (int y = 0; y < height; ++y)
-    set_row(y, nailboard.color.row(y).data(), nailboard.delta.row(y).data());
-  find_cells();
+  fill(nailboard.color.width(), nailboard.color.height(), nailboard.geometry.delta_bits,
+       [&](int y, std::uint16_t* codes) {
+         std::ranges::copy(nailboard.delta.row(y), codes);
+         return nailboard.color.row(y).data();
+       });
 }
 
 void MemoryNailboard::assign(int width, int height, std::span<const glm::u8vec4> color,
                              const AtlasPicture& encoded, int delta_bits) {
   RILIEVO_EXPECTS_EQ(color.size(), std::size_t(width) * std::size_t(height));
-  resize(width, height, delta_bits);
-  for (int y = 0; y < height; ++y) {
+  fill(width, height, delta_bits, [&](int y, std::uint16_t* codes) {
     const std::size_t from = std::size_t(height - 1 - y) * std::size_t(width);
     if (delta_bits > 8)
-      set_row(y, &color[from], &encoded.codes16[from]);
+      std::copy_n(&encoded.codes16[from], width, codes);
     else
-      set_row(y, &color[from], &encoded.codes8[from]);
-  }
-  find_cells();
+      std::copy_n(&encoded.codes8[from], width, codes);
+    return &color[from];
+  });
+}
+
+void MemoryNailboard::assign(const Prewarped& picture, const PicturePiece& piece) {
+  fill(piece.width, piece.height, picture.geometry.delta_bits, [&](int y, std::uint16_t* codes) {
+    static thread_local std::vector<std::uint16_t> nearest;
+    codes_of_row(picture, piece, y, codes, nearest);
+    return &picture.color[std::size_t(piece.y + y) * std::size_t(picture.width()) +
+                          std::size_t(piece.x)];
+  });
 }
 
 void MemoryNailboard::assign_objects(std::span<const std::uint32_t> objects, bool from_bottom) {

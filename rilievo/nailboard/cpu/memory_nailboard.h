@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "rilievo/nailboard/encode_picture.h"
+#include "rilievo/nailboard/encode_prewarped.h"
 #include "rilievo/nailboard/nailboard.h"
 
 namespace rilievo {
 
-// A nailboard in memory. Filled anew, it allocates only if it grows.
+// A nailboard in memory. Filled anew, it allocates only if it grows; filling uses all cores.
 class MemoryNailboard {
  public:
   static constexpr int kCell = 8;  // texels a side
@@ -27,6 +28,8 @@ class MemoryNailboard {
   // Copies a picture as an atlas takes it: rows from the bottom, encoded with `delta_bits`.
   void assign(int width, int height, std::span<const glm::u8vec4> color,
               const AtlasPicture& encoded, int delta_bits);
+  // Copies a piece of a pre-warped picture, as encode_prewarped() encodes it.
+  void assign(const Prewarped& picture, const PicturePiece& piece);
   // The identifiers of the objects that the texels show; `from_bottom`: the bottom row first.
   void assign_objects(std::span<const std::uint32_t> objects, bool from_bottom);
 
@@ -63,10 +66,8 @@ class MemoryNailboard {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  void resize(int width, int height, int delta_bits);
-  template <class Code>
-  void set_row(int y, const glm::u8vec4* color, const Code* codes);
-  void find_cells();
+  template <class Row>
+  void fill(int width, int height, int delta_bits, const Row& row);
 
   int width_ = 0, height_ = 0, stride_ = 0, delta_bits_ = 0;
   std::uint32_t nearest_ = 0;

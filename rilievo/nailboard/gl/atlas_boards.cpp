@@ -89,6 +89,12 @@ void AtlasBoards::write(const PrewarpedBoard& board, const EncodedPiece& picture
   atlas_.write(places_[board.index].slot, picture.color, picture.picture);
 }
 
+void AtlasBoards::write(const PrewarpedBoard& board, const Prewarped& picture,
+                        const PicturePiece& piece) {
+  encode_prewarped(picture, piece, encoded_);
+  write(board, encoded_);
+}
+
 void AtlasBoards::write_objects(const PrewarpedBoard& board,
                                 std::span<const std::uint32_t> objects) {
   atlas_.write_objects(places_[board.index].slot, objects);

@@ -26,7 +26,12 @@ class AtlasBoards final : public PrewarpedBoards {
   [[nodiscard]] bool use(const PrewarpedBoard& board) override;
   void release(const PrewarpedBoard& board) override;
   void write(const PrewarpedBoard& board, const EncodedPiece& picture) override;
+  void write(const PrewarpedBoard& board, const Prewarped& picture,
+             const PicturePiece& piece) override;
   void write_objects(const PrewarpedBoard& board, std::span<const std::uint32_t> objects) override;
+  // On a software rasteriser with two cores, where a triangle takes 280 ns: a pixel is encoded,
+  // uploaded and drawn.
+  [[nodiscard]] CostTerms cost_terms() const override { return {500, 0.08}; }
   [[nodiscard]] std::unique_ptr<BoardDrawer> make_drawer() override;
 
  private:
@@ -45,6 +50,7 @@ class AtlasBoards final : public PrewarpedBoards {
   NailboardDrawer drawer_;
   std::vector<Place> places_;
   std::uint64_t now_ = 0;
+  EncodedPiece encoded_;  // kept, so that writing does not allocate
 };
 
 }  // namespace rilievo
