@@ -143,7 +143,7 @@ void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& fro
   }
   RILIEVO_EXPECTS(count < 0xFFFFFFFFu);
   make_instances(camera, placed, instances, masks);
-  clip.clear(std::uint32_t(count));
+  clip.clear();
   triangles.clear();
   const float z_near = float(camera.z_near);
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -158,11 +158,10 @@ void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& fro
     // What reaches behind the eye comes last of its mesh.
     if (clip.instances().size() == pieces) continue;
     const RasterInstance& cut = clip.instances().back();
-    for (std::uint32_t k = 0; k < cut.triangles; ++k) {
-      const std::uint32_t number = clip.numbers()[cut.first_triangle + k - std::uint32_t(count)];
-      if (const auto t = place_triangle(camera, cut, number, cut.indices + 3 * std::size_t(k)))
+    for (std::uint32_t k = 0; k < cut.triangles; ++k)
+      if (const auto t =
+              place_triangle(camera, cut, cut.numbers[k], cut.indices + 3 * std::size_t(k)))
         triangles.push_back(*t);
-    }
   }
   across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
   rays = picture_rays(camera);

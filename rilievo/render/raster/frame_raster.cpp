@@ -28,9 +28,7 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
     raster_.draw(instances_);
     return;
   }
-  const std::uint32_t triangles =
-      placed_.empty() ? 0 : placed_.back().first_triangle + placed_.back().triangles;
-  near_clip_.clear(triangles);
+  near_clip_.clear();
   instances_.resize(placed_.size());  // without the pieces of the last time
   const float z_near = float(camera.z_near);
   for (std::size_t i = 0; i < placed_.size(); ++i)
@@ -38,7 +36,6 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
       near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]);
   instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
   raster_.draw(instances_);
-  raster_.renumber(triangles, near_clip_.numbers());
 }
 
 Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedScene& scene,

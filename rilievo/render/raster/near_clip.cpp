@@ -57,11 +57,9 @@ void clip(int plane, float z_near, std::vector<ClipVertex>& polygon,
 
 }  // namespace
 
-void NearClip::clear(std::uint32_t first) {
+void NearClip::clear() {
   pieces_.clear();
   instances_.clear();
-  numbers_.clear();
-  first_ = first;
 }
 
 bool NearClip::crosses(const RasterInstance& instance, const Box& bounds, float z_near) {
@@ -90,7 +88,6 @@ void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
   };
   std::vector<ClipVertex> polygon, scratch;
   Pieces pieces;
-  const std::uint32_t first_piece = std::uint32_t(numbers_.size());
   for (std::uint32_t t = 0; t < instance.triangles; ++t) {
     const std::uint32_t* corner = &mesh.indices[3 * std::size_t(t)];
     int beyond = 0;
@@ -109,7 +106,7 @@ void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
     }
     for (std::uint32_t k = 2; k < polygon.size(); ++k) {
       pieces.indices.insert(pieces.indices.end(), {first, first + k - 1, first + k});
-      numbers_.push_back(instance.first_triangle + t);
+      pieces.numbers.push_back(instance.first_triangle + t);
     }
   }
   if (pieces.indices.empty()) return;
@@ -119,7 +116,7 @@ void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
   cut.positions = kept.positions.data();
   cut.indices = kept.indices.data();
   cut.triangles = std::uint32_t(kept.indices.size() / 3);
-  cut.first_triangle = first_ + first_piece;
+  cut.numbers = kept.numbers.data();
   cut.min_w = 0;
   if (mask) {
     kept.mask = *mask;

@@ -18,8 +18,8 @@ namespace rilievo {
 // The cut pieces of meshes, as instances of their own.
 class NearClip {
  public:
-  // Removes all pieces. Those of the next frame get triangle numbers from `first` on.
-  void clear(std::uint32_t first);
+  // Removes all pieces.
+  void clear();
   // Does the box reach to the near plane, at w = `z_near`?
   [[nodiscard]] static bool crosses(const RasterInstance& instance, const Box& bounds,
                                     float z_near);
@@ -27,23 +27,20 @@ class NearClip {
   // width x height texels; it then draws only triangles beyond the plane.
   void cut(const Mesh& mesh, int width, int height, float z_near, RasterInstance& instance);
 
-  // The pieces, ready to be drawn, and for each of their triangles the one that it is cut from.
-  // Valid until clear().
-  [[nodiscard]] std::vector<RasterInstance>& instances() { return instances_; }
-  [[nodiscard]] const std::vector<std::uint32_t>& numbers() const { return numbers_; }
+  // The pieces, ready to be drawn; their triangles have the numbers of those that they are cut
+  // from. Valid until clear().
+  [[nodiscard]] const std::vector<RasterInstance>& instances() const { return instances_; }
 
  private:
   struct Pieces {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec2> uv;
     std::vector<glm::vec4> colors;
-    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t> indices, numbers;
     RasterMask mask;
   };
   std::deque<Pieces> pieces_;  // instances point into them
   std::vector<RasterInstance> instances_;
-  std::vector<std::uint32_t> numbers_;
-  std::uint32_t first_ = 0;
 };
 
 }  // namespace rilievo

@@ -22,12 +22,29 @@ namespace rilievo {
 namespace {
 
 // Do all samples of a pixel show one triangle?
-bool is_whole(const SampleBuffer& in, std::size_t first) {
+template <int kSamples>
+bool is_whole(const float* depths, const std::uint32_t* triangles) {
   bool whole = true;
-  for (std::size_t i = first; i < first + std::size_t(in.samples); ++i)
-    whole &= in.depth[i] < 1 && in.triangle[i] == in.triangle[first];
+  for (int s = 0; s < kSamples; ++s) whole &= (depths[s] < 1) & (triangles[s] == triangles[0]);
   return whole;
 }
+
+template <int kSamples>
+bool is_covered(const float* depths) {
+  bool covered = false;
+  for (int s = 0; s < kSamples; ++s) covered |= depths[s] < 1;
+  return covered;
+}
+
+// A block of a tile, its part within the frame.
+struct BlockRange {
+  int x, y, columns, rows;
+  BlockRange(const FrameTile& tile, int block)
+      : x(tile.x + block % FrameTile::kBlocks * FrameTile::kBlock),
+        y(tile.y + block / FrameTile::kBlocks * FrameTile::kBlock),
+        columns(std::min(FrameTile::kBlock, tile.width - x)),
+        rows(std::min(FrameTile::kBlock, tile.height - y)) {}
+};
 
 }  // namespace
 
@@ -44,16 +61,21 @@ struct PolygonTiles::State {
   std::optional<PictureView> view;      // of the frame of colours
   bool any = false;                     // does the frame show any?
   ObjectPicture objects;
-  std::vector<std::uint8_t> covered;  // of each row, of each 8 pixels: is any sample covered?
+  // Of each block of the frame: is any sample covered? draw_tile() finds it, shade_tile() uses it.
+  mutable std::vector<std::uint8_t> covered;
   double inverse_near = 1, inverse_range = 1;  // 1 / eye_z = inverse_near - window_z inverse_range
   mutable tbb::enumerable_thread_specific<TileSamples> threads;
   Shading shading;
 
   explicit State(const Scene& scene) : scene(scene), shading(*this) {}
 
-  // The number of blocks across; rows are the SampleBuffer's.
-  [[nodiscard]] static std::size_t across(int width) {
-    return std::size_t(width + FrameTile::kBlock - 1) / FrameTile::kBlock;
+  [[nodiscard]] std::uint8_t& covered_at(const BlockRange& block) const {
+    const SampleBuffer& in = raster->seen();
+    return covered[std::size_t(block.y / FrameTile::kBlock) * blocks_in(in.width) +
+                   std::size_t(block.x / FrameTile::kBlock)];
+  }
+  [[nodiscard]] static std::size_t blocks_in(int pixels) {
+    return std::size_t(pixels + FrameTile::kBlock - 1) / FrameTile::kBlock;
   }
   [[nodiscard]] float inverse_z(float window_z) const {
     return float(inverse_near - double(window_z) * inverse_range);
@@ -61,10 +83,13 @@ struct PolygonTiles::State {
 
   Result<> rasterize(const Camera& camera, int samples, const PlacedScene& placed,
                      std::span<const std::uint32_t> drawn, std::span<const CrossFade> fading);
-  [[nodiscard]] bool shows_any(int x, int y) const;
-  void draw_block(FrameTile& tile, int block, int x, int y) const;
+  template <int kSamples>
+  [[nodiscard]] bool shows_any(const BlockRange& range) const;
+  template <int kSamples>
+  void draw_block(FrameTile& tile, int block, const BlockRange& range) const;
   void shade_tile(FrameTile& tile) const;
-  bool copy_visible(FrameTile& tile, int block, int x, int y, TileSamples& out) const;
+  template <int kSamples>
+  bool copy_visible(FrameTile& tile, int block, const BlockRange& range, TileSamples& out) const;
   static void write_colors(FrameTile& tile, int block, int x, int y, const TileSamples& from);
 };
 
@@ -82,17 +107,7 @@ Result<> PolygonTiles::State::rasterize(const Camera& camera, int samples,
   inverse_near = 1 / camera.z_near;
   inverse_range = 1 / camera.z_near - 1 / camera.z_far;
   const SampleBuffer& in = raster->seen();
-  covered.resize(across(in.width) * std::size_t(in.height));
-  parallel_for(0, in.height, [&](int y) {
-    const float* depths = in.depths(y);
-    std::uint8_t* flags = &covered[std::size_t(y) * across(in.width)];
-    for (int x = 0; x < in.width; x += FrameTile::kBlock) {
-      const int end = std::min(x + FrameTile::kBlock, in.width) * in.samples;
-      float nearest = 1;
-      for (int i = x * in.samples; i < end; ++i) nearest = std::min(nearest, depths[i]);
-      flags[x / FrameTile::kBlock] = nearest < 1;
-    }
-  });
+  covered.assign(blocks_in(in.width) * blocks_in(in.height), 0);
   return Done{};
 }
 
@@ -120,49 +135,51 @@ Result<> PolygonTiles::place_objects(const Camera& camera, const PlacedScene& pl
   return Done{};
 }
 
-// Is any sample covered in the block whose upper left pixel in the frame is (x, y)?
-bool PolygonTiles::State::shows_any(int x, int y) const {
+template <int kSamples>
+bool PolygonTiles::State::shows_any(const BlockRange& range) const {
   const SampleBuffer& in = raster->seen();
-  if (x >= in.width || y >= in.height) return false;
-  bool shown = false;
-  for (int row = y; row < std::min(y + FrameTile::kBlock, in.height); ++row)
-    shown |= covered[std::size_t(in.height - 1 - row) * across(in.width) +
-                     std::size_t(x / FrameTile::kBlock)] != 0;
-  return shown;
+  float nearest = 1;
+  for (int row = 0; row < range.rows; ++row) {
+    const float* depths = &in.depth[first_sample(in, range.x, range.y + row)];
+    for (int i = 0; i < range.columns * kSamples; ++i) nearest = std::min(nearest, depths[i]);
+  }
+  return nearest < 1;
 }
 
-void PolygonTiles::State::draw_block(FrameTile& tile, int block, int x, int y) const {
+template <int kSamples>
+void PolygonTiles::State::draw_block(FrameTile& tile, int block, const BlockRange& range) const {
   constexpr int kBlock = FrameTile::kBlock;
   const SampleBuffer& in = raster->seen();
-  const int columns = std::min(kBlock, in.width - x), rows = std::min(kBlock, in.height - y);
-  const bool identify = tile.of == TileContent::object_id;
-  if (in.samples == 4 && !tile.expanded[block]) {
+  if (kSamples == 4 && !tile.expanded[block]) {
     bool partial = false;
-    for (int py = 0; py < rows; ++py)
-      for (int px = 0; px < columns; ++px) {
-        const std::size_t i = first_sample(in, x + px, y + py);
-        bool any_covered = false;
-        for (std::size_t s = 0; s < 4; ++s) any_covered |= in.depth[i + s] < 1;
-        partial |= any_covered && !is_whole(in, i);
+    for (int py = 0; py < range.rows; ++py)
+      for (int px = 0; px < range.columns; ++px) {
+        const std::size_t i = first_sample(in, range.x + px, range.y + py);
+        partial |=
+            is_covered<kSamples>(&in.depth[i]) & !is_whole<kSamples>(&in.depth[i], &in.triangle[i]);
       }
     if (partial) tile.expand(block);
   }
-  const int planes = in.samples == 4 ? tile.planes(block) : 1;
+  const bool identify = tile.of == TileContent::object_id;
+  const int planes = kSamples == 4 ? tile.planes(block) : 1;
   for (int s = 0; s < planes; ++s) {
     FrameTile::Plane& plane = tile.plane(block, s);
-    for (int py = 0; py < rows; ++py)
-      for (int px = 0; px < columns; ++px) {
-        const std::size_t i = first_sample(in, x + px, y + py) + std::size_t(s);
-        if (in.depth[i] >= 1) continue;
-        const float depth = inverse_z(in.depth[i]);
+    for (int py = 0; py < range.rows; ++py) {
+      const float* depths = &in.depth[first_sample(in, range.x, range.y + py) + std::size_t(s)];
+      for (int px = 0; px < range.columns; ++px) {
+        const float window_z = depths[px * kSamples];
+        if (window_z >= 1) continue;
+        const float depth = inverse_z(window_z);
         const int to = py * kBlock + px;
         if (!(depth > plane.inverse_z[to])) continue;
         plane.inverse_z[to] = depth;
         plane.content[to] =
-            identify ? objects.object[std::size_t(in.height - 1 - y - py) * std::size_t(in.width) +
-                                      std::size_t(x + px)]
-                     : 0xff000000u;  // until it is shaded
+            identify
+                ? objects.object[std::size_t(in.height - 1 - range.y - py) * std::size_t(in.width) +
+                                 std::size_t(range.x + px)]
+                : 0xff000000u;  // until it is shaded
       }
+    }
   }
   tile.changed[block] = true;
 }
@@ -170,38 +187,46 @@ void PolygonTiles::State::draw_block(FrameTile& tile, int block, int x, int y) c
 void PolygonTiles::draw_tile(FrameTile& tile) const {
   const State& s = *state_;
   if (!s.any) return;
-  [[maybe_unused]] const SampleBuffer& in = s.raster->seen();
+  const SampleBuffer& in = s.raster->seen();
   RILIEVO_EXPECTS(in.width == tile.width && in.height == tile.height && in.samples == tile.samples);
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
-    const int x = tile.x + block % FrameTile::kBlocks * FrameTile::kBlock,
-              y = tile.y + block / FrameTile::kBlocks * FrameTile::kBlock;
-    if (s.shows_any(x, y)) s.draw_block(tile, block, x, y);
+    const BlockRange range(tile, block);
+    if (range.columns <= 0 || range.rows <= 0) continue;
+    const bool shown = in.samples == 4 ? s.shows_any<4>(range) : s.shows_any<1>(range);
+    s.covered_at(range) = shown;
+    if (!shown) continue;
+    in.samples == 4 ? s.draw_block<4>(tile, block, range) : s.draw_block<1>(tile, block, range);
   }
 }
 
 // Copies the samples of a block that are not hidden; is there any?
-bool PolygonTiles::State::copy_visible(FrameTile& tile, int block, int x, int y,
+template <int kSamples>
+bool PolygonTiles::State::copy_visible(FrameTile& tile, int block, const BlockRange& range,
                                        TileSamples& out) const {
   constexpr int kBlock = FrameTile::kBlock;
   const SampleBuffer& in = raster->seen();
-  const int columns = std::min(kBlock, in.width - x), rows = std::min(kBlock, in.height - y);
-  const int planes = in.samples == 4 ? tile.planes(block) : 1;
+  const int planes = kSamples == 4 ? tile.planes(block) : 1;
+  const FrameTile::Plane* plane[kSamples];
+  for (int s = 0; s < kSamples; ++s) plane[s] = &tile.plane(block, planes == 1 ? 0 : s);
   bool found = false;
-  for (int py = 0; py < rows; ++py)
-    for (int px = 0; px < columns; ++px) {
-      const std::size_t from = first_sample(in, x + px, y + py);
-      const std::size_t to = first_sample(out.samples, x + px - tile.x, y + py - tile.y);
+  for (int py = 0; py < range.rows; ++py)
+    for (int px = 0; px < range.columns; ++px) {
+      const std::size_t from = first_sample(in, range.x + px, range.y + py);
+      const std::size_t to =
+          first_sample(out.samples, range.x + px - tile.x, range.y + py - tile.y);
+      const float* depths = &in.depth[from];
+      const std::uint32_t* triangles = &in.triangle[from];
       const int at = py * kBlock + px;
-      const bool whole = is_whole(in, from);
-      for (std::size_t s = 0; s < std::size_t(in.samples); ++s) {
-        if (in.depth[from + s] >= 1) continue;
+      const bool whole = is_whole<kSamples>(depths, triangles);
+      const float first = inverse_z(depths[0]);
+      for (int s = 0; s < kSamples; ++s) {
         // A block that was expanded later has the first sample's depth in all of them.
-        const float now = tile.plane(block, planes == 1 ? 0 : int(s)).inverse_z[at];
-        if (now != inverse_z(in.depth[from + s]) && !(whole && now == inverse_z(in.depth[from])))
-          continue;
-        out.samples.depth[to + s] = in.depth[from + s];
-        out.samples.triangle[to + s] = in.triangle[from + s];
-        found = true;
+        const float now = plane[s]->inverse_z[at];
+        const bool visible =
+            (depths[s] < 1) & ((now == inverse_z(depths[s])) | (whole & (now == first)));
+        out.samples.depth[to + std::size_t(s)] = visible ? depths[s] : 1.0f;
+        out.samples.triangle[to + std::size_t(s)] = triangles[s];
+        found |= visible;
       }
     }
   return found;
@@ -228,11 +253,12 @@ void PolygonTiles::State::shade_tile(FrameTile& tile) const {
   TileSamples& local = threads.local();
   bool begun = false, found[FrameTile::kBlockCount] = {};
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
-    const int x = tile.x + block % kBlocks * kBlock, y = tile.y + block / kBlocks * kBlock;
-    if (!shows_any(x, y)) continue;
+    const BlockRange range(tile, block);
+    if (range.columns <= 0 || range.rows <= 0 || !covered_at(range)) continue;
     if (!begun) local.begin(tile.samples);
     begun = true;
-    found[block] = copy_visible(tile, block, x, y, local);
+    found[block] = tile.samples == 4 ? copy_visible<4>(tile, block, range, local)
+                                     : copy_visible<1>(tile, block, range, local);
   }
   if (!begun) return;
   for (int row = 0; row < kBlocks; ++row) {

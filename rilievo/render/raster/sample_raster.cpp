@@ -141,9 +141,8 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
     const auto whole = hn::RebindMask(i, keep);
     hn::CompressBlendedStore(texels(first_row), whole, i, &out.low[kept]);
     hn::CompressBlendedStore(texels(last_row), whole, i, &out.high[kept]);
-    const auto triangles = hn::Add(hn::Iota(u, 0), hn::Set(u, instance.first_triangle + first + t));
-    kept += std::uint32_t(
-        hn::CompressBlendedStore(triangles, hn::RebindMask(u, keep), u, &out.triangle[kept]));
+    kept += std::uint32_t(hn::CompressBlendedStore(hn::Iota(u, first + t), hn::RebindMask(u, keep),
+                                                   u, &out.index[kept]));
   }
   return kept - place;
 }
@@ -190,8 +189,7 @@ MaskedTriangle masked_triangle(const Triangles& in, std::uint32_t t,
                                const RasterInstance& instance) {
   const auto get = [&](int field) { return in.field[field][t]; };
   const RasterMask& mask = *instance.mask;
-  const std::uint32_t* at =
-      instance.indices + 3 * std::size_t(in.triangle[t] - instance.first_triangle);
+  const std::uint32_t* at = instance.indices + 3 * std::size_t(in.index[t]);
   const bool exchanged = get(Triangles::exchanged) > 0;
   MaskedTriangle out;
   out.mask = &mask;
@@ -290,7 +288,8 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
     const vfloat z0 = get(Triangles::z0), z_min = get(Triangles::z_min),
                  z_max = get(Triangles::z_max);
     const vfloat z_per_x = get(Triangles::z_per_x), z_per_y = get(Triangles::z_per_y);
-    const auto triangle = hn::Set(u, in.triangle[t]);
+    const auto triangle = hn::Set(u, instance.numbers ? instance.numbers[in.index[t]]
+                                                      : instance.first_triangle + in.index[t]);
     [[maybe_unused]] MaskedTriangle masked;
     if constexpr (kMasked)
       if (instance.mask) masked = masked_triangle(in, t, instance);
@@ -374,9 +373,9 @@ std::size_t SampleRaster::bytes(int size, int samples) {
 void SampleRaster::begin(int width, int height, int samples) {
   RILIEVO_EXPECTS(width <= kMaxSize && height <= kMaxSize);
   seen_.begin(width, height, samples);
-  if (!triangles_.triangle.empty()) return;
+  if (!triangles_.index.empty()) return;
   for (std::vector<float>& field : triangles_.field) field.resize(kCapacity);
-  triangles_.triangle.resize(kCapacity);
+  triangles_.index.resize(kCapacity);
   triangles_.low.resize(kCapacity);
   triangles_.high.resize(kCapacity);
 }
@@ -398,16 +397,6 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
       place = 0;
     }
   if (!pieces_.empty()) draw_round(instances);
-}
-
-void SampleRaster::renumber(std::uint32_t first, std::span<const std::uint32_t> numbers) {
-  if (numbers.empty()) return;
-  parallel_for(0, seen_.height, [&](int y) {
-    std::uint32_t* triangles = &seen_.triangle[seen_.row(y)];
-    const float* depths = seen_.depths(y);
-    for (int i = 0; i < seen_.width * seen_.samples; ++i)
-      if (depths[i] < 1 && triangles[i] >= first) triangles[i] = numbers[triangles[i] - first];
-  });
 }
 
 void SampleRaster::draw_round(std::span<const RasterInstance> instances) {

@@ -37,6 +37,8 @@ struct RasterInstance {
   const std::uint32_t* indices = nullptr;  // three for each triangle
   std::uint32_t triangles = 0;
   std::uint32_t first_triangle = 0;  // primitive index of its first triangle in the SampleBuffer
+  // If not null: the primitive index of each of its triangles instead.
+  const std::uint32_t* numbers = nullptr;
   glm::vec4 row_x, row_y, row_z, row_w;
   // The visible faces; front is counter-clockwise in the raster.
   bool front = true, back = false;
@@ -58,8 +60,6 @@ class SampleRaster {
   void begin(int width, int height, int samples);
   // Draws instances; of equal depths, the first one stays.
   void draw(std::span<const RasterInstance> instances);
-  // Gives samples that show triangle first + i the number numbers[i].
-  void renumber(std::uint32_t first, std::span<const std::uint32_t> numbers);
 
   [[nodiscard]] const SampleBuffer& seen() const { return seen_; }
 
@@ -90,7 +90,7 @@ class SampleRaster {
       kFields
     };
     std::vector<float> field[kFields];
-    std::vector<std::uint32_t> triangle;  // as in the SampleBuffer
+    std::vector<std::uint32_t> index;     // in the instance
     std::vector<std::int32_t> low, high;  // the first and the last row of texels
   };
 

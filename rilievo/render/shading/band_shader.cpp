@@ -13,10 +13,10 @@ void BandShader::shade(const PictureView& view, int from, int to) {
   seen_.clear();
   first_of_.resize(view.meshes.size(), kNone);
   mesh_ = 0;
-  from_ = from;
   covered_.resize(texels);
   nearest_.resize(texels);
-  for (int y = from; y < to; ++y) find_seen(view, y, y - from);
+  for (int y = from; y < to; ++y)
+    view.samples.samples == 4 ? find_seen<4>(view, y, y - from) : find_seen<1>(view, y, y - from);
   // ... is shaded mesh by mesh: what belongs to one is placed and made alike.
   if (!view.sample_colors) sums_.assign(texels, glm::vec3(0.0f));
   surfaces_.count = 0;
@@ -29,8 +29,9 @@ void BandShader::shade(const PictureView& view, int from, int to) {
 }
 
 // Depth and coverage of a row, and what is to be shaded there.
+template <int samples>
 void BandShader::find_seen(const PictureView& view, int y, int row) {
-  const int samples = view.samples.samples, width = view.samples.width;
+  const int width = view.samples.width;
   const float* depths = view.samples.depths(y);
   const std::uint32_t* triangles = view.samples.triangles(y);
   const std::size_t first = std::size_t(row) * std::size_t(width);
@@ -86,8 +87,10 @@ void BandShader::add_mesh(const PictureView& view, const PlacedMesh& placed, std
   for (std::uint32_t s = first; s != kNone; s = seen_[s].next) {
     const Seen& seen = seen_[s];
     const std::size_t i = rays_.count++;
-    waiting_[surfaces_.count + i] = {seen.row * width + seen.x, float(seen.samples),
-                                     placed.first_triangle + seen.triangle};
+    waiting_[surfaces_.count + i] = {
+        seen.row * width + seen.x,
+        view.samples.row(from + seen.row) + std::size_t(seen.x) * std::size_t(view.samples.samples),
+        float(seen.samples), placed.first_triangle + seen.triangle};
     const glm::vec3 ray = view.rays.first + float(seen.x) * view.rays.per_x +
                           float(from + int(seen.row)) * view.rays.per_y;
     const std::uint32_t* corner = &mesh.indices[3 * std::size_t(seen.triangle)];
@@ -127,21 +130,21 @@ void BandShader::flush(const PictureView& view) {
   for (std::size_t i = 0; !view.sample_colors && i < surfaces_.count; ++i)
     sums_[waiting_[i].texel] +=
         waiting_[i].samples * glm::vec3(colors_.rgb[0][i], colors_.rgb[1][i], colors_.rgb[2][i]);
-  if (view.sample_colors) write_samples(view);
+  if (view.sample_colors)
+    view.samples.samples == 4 ? write_samples<4>(view) : write_samples<1>(view);
   surfaces_.count = 0;
 }
 
 // The colours of the surfaces into the samples that show them.
+template <std::size_t samples>
 void BandShader::write_samples(const PictureView& view) const {
   const SampleBuffer& in = view.samples;
-  const auto width = std::size_t(in.width), samples = std::size_t(in.samples);
   for (std::size_t i = 0; i < surfaces_.count; ++i) {
     const float alpha = std::clamp(surfaces_.field[Surfaces::alpha][i], 0.0f, 1.0f);
     std::uint32_t color = std::uint32_t(alpha * 255.0f + 0.5f) << 24;
     for (int c = 0; c < 3; ++c)
       color |= std::uint32_t(colors_.rgb[c][i] * alpha * 255.0f + 0.5f) << (8 * c);
-    const std::size_t texel = waiting_[i].texel;
-    const std::size_t first = in.row(from_ + int(texel / width)) + texel % width * samples;
+    const std::size_t first = waiting_[i].first_sample;
     for (std::size_t at = first; at < first + samples; ++at)
       if (in.depth[at] < 1 && in.triangle[at] == waiting_[i].triangle)
         view.sample_colors[at] = color;

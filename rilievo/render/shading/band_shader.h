@@ -65,23 +65,25 @@ class BandShader {
   };
   // Of a surface that waits to be shaded.
   struct Waiting {
-    std::size_t texel;  // of the band
+    std::size_t texel;         // of the band
+    std::size_t first_sample;  // of the texel, in the SampleBuffer
     float samples;
     std::uint32_t triangle;  // of the SampleBuffer
   };
 
+  template <int samples>  // of a texel
   void find_seen(const PictureView& view, int y, int row);
   void add_seen(const PictureView& view, std::uint32_t triangle, int x, int row, int samples);
   void add_mesh(const PictureView& view, const PlacedMesh& placed, std::uint32_t first, int from);
   void append(const PictureView& view, const PlacedMesh& placed);
   void flush(const PictureView& view);
+  template <std::size_t samples>
   void write_samples(const PictureView& view) const;
 
   std::vector<Seen> seen_;
   std::vector<std::uint32_t> first_of_;  // by mesh: index into seen_, or kNone
   std::vector<std::uint32_t> met_;       // meshes that are seen
   std::uint32_t mesh_ = 0;               // the last one met
-  int from_ = 0;                         // the first row
   TriangleRays rays_;
   Surfaces surfaces_;
   SurfaceColors colors_;
