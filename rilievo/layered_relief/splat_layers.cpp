@@ -123,7 +123,8 @@ void map_picture(const Prewarped& picture, SplattedFrame& frame) {
   const double down = h / (from.window.top - from.window.bottom);
   const glm::dmat3 texel_from_ray({across, 0, 0}, {0, -down, 0},
                                   {from.window.left * across, -from.window.top * down, -1});
-  const auto& [l, r, b, t] = camera.window;
+  const double l = camera.window.left, r = camera.window.right;
+  const double b = camera.window.bottom, t = camera.window.top;
   const glm::dmat3 texel_from_eye = texel_from_ray * from_eye;
   const glm::dvec3 step = texel_from_eye * glm::dvec3((r - l) / camera.width, 0, 0);
   parallel_for(0, camera.height, [&](int y) {

@@ -30,10 +30,10 @@ void LineTiles::add(const glm::dvec3& from, const glm::dvec3& to) {
       const double share = (z_near + ends[k].z) / (ends[k].z - ends[1 - k].z);
       ends[k] += share * (ends[1 - k] - ends[k]);
     }
-  const auto& [left, right, bottom, top] = camera_.window;
+  const ImageWindow& w = camera_.window;
   const auto raster = [&](const glm::dvec3& p) {
-    return glm::dvec2((p.x / -p.z - left) / (right - left) * camera_.width,
-                      (top - p.y / -p.z) / (top - bottom) * camera_.height);
+    return glm::dvec2((p.x / -p.z - w.left) / (w.right - w.left) * camera_.width,
+                      (w.top - p.y / -p.z) / (w.top - w.bottom) * camera_.height);
   };
   const glm::dvec2 a = raster(ends[0]), b = raster(ends[1]);
   Line line;
