@@ -170,7 +170,9 @@ FramePlanner::Standing FramePlanner::stands_for(Entity e, double cost) const {
     const double drawn = candidate.cost.fixed + pixels * candidate.cost.per_pixel;
     if (!candidate.present || drawn >= standing.cost) continue;
     const double bound_px = candidate.error.bound_px(candidate.world_from_capture, frame.camera);
-    if (bound_px <= options.error_px) standing = {&candidate, bound_px, drawn};
+    if (bound_px > options.error_px) continue;
+    const double gap_px = candidate.error.gap_px(candidate.world_from_capture, frame.camera);
+    if (gap_px <= gap_limit_px(options)) standing = {&candidate, bound_px, drawn, gap_px};
   }
   return standing;
 }
@@ -305,6 +307,7 @@ void FramePlanner::emit(const Standing& standing) {
   plan.alternatives.push_back(
       {std::uint32_t(standing.alternative - alternatives.list.data()), float(standing.bound_px)});
   plan.bound_px = std::max(plan.bound_px, standing.bound_px);
+  plan.gap_px = std::max(plan.gap_px, standing.gap_px);
 }
 
 void FramePlanner::draw_below(Entity e, float from, float to) {

@@ -88,6 +88,7 @@ struct FramePlanner {
   struct Standing {
     const Alternative* alternative = nullptr;
     double bound_px = 0, cost = 0;  // cost: as given if there is none
+    double gap_px = 0;
   };
   [[nodiscard]] Standing stands_for(Entity e, double cost) const;
   [[nodiscard]] double polygon_cost(Entity e) const;

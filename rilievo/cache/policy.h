@@ -248,7 +248,7 @@ struct Plan {
   std::uint64_t bytes = 0;        // of all pictures, after evictions and captures
   int single = 0, hierarchy = 0;  // drawn pictures of one object, and of several
   double bound_px = 0;            // the largest of what is drawn
-  double gap_px = 0;              // the largest bound_gap_px of the pictures drawn
+  double gap_px = 0;              // the largest bound_gap_px of the pictures drawn, and of cracks
   int starved = 0;                // captures for which memory did not suffice
   double credit = 0, texel_scale = 1;
 };

@@ -53,6 +53,8 @@ struct ErrorModel {
   using Bound = double (*)(const ErrorModel&, const glm::dmat4& world_from_capture,
                            const Camera& frame);
   Bound bound = nullptr;
+  // An upper bound of the width of cracks, in pixels, beside the error; null: there are none.
+  Bound gap = nullptr;
   Box bounds;        // of what is shown, world space at capture
   double texel = 0;  // the coarsest texel at the centre of the bounds, metres
 
@@ -60,6 +62,11 @@ struct ErrorModel {
   [[nodiscard]] double bound_px(const glm::dmat4& world_from_capture, const Camera& frame) const {
     return bound ? bound(*this, world_from_capture, frame)
                  : std::numeric_limits<double>::infinity();
+  }
+
+  // The bound of cracks.
+  [[nodiscard]] double gap_px(const glm::dmat4& world_from_capture, const Camera& frame) const {
+    return gap ? gap(*this, world_from_capture, frame) : 0;
   }
 
   // Stores the kind's own terms, a trivially copyable struct.

@@ -63,7 +63,7 @@ double obliqueness(const Camera& camera, const Box& bounds) {
 }  // namespace
 
 ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
-                         const PrewarpOptions& options) {
+                         const PrewarpOptions& options, double lacks) {
   RILIEVO_EXPECTS(!set.reliefs.empty() && set.reliefs.size() <= ReliefStats::kMaxCount);
   ReliefStats stats;
   stats.count = int(set.reliefs.size());
@@ -72,6 +72,7 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
   stats.resolution = float(options.resolution);
   stats.reuse_error = float(options.reuse_error);
   stats.moved = float(moved);
+  if (lacks > 0) stats.lacks = std::nextafter(float(lacks), std::numeric_limits<float>::max());
   double least = kInfinity, largest = 0, depth = 0;
   const double radius = std::max(double(bounds.radius()), 1e-30);
   for (int i = 0; i < stats.count; ++i) {
@@ -92,6 +93,20 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
   stats.largest_texel = std::nextafter(float(largest), std::numeric_limits<float>::max());
   stats.depth = std::nextafter(float(depth), std::numeric_limits<float>::max());
   return stats;
+}
+
+double relief_gap_px(const ReliefStats& stats, const Box& bounds, const Camera& camera) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  const int picked = pick_relief(stats, bounds, camera.position());
+  if (picked < 0) return kInfinity;
+  if (stats.lacks == 0) return 0;
+  const Sight sight = sight_of(stats, bounds, picked, camera.position());
+  // From a point of a surface to the edge of the nearest splat; a strip ends at both its sides.
+  const double beyond =
+      std::max(0.0, double(stats.lacks) - 0.5 * double(stats.splat_size * stats.least_texel));
+  const double focal = std::max(camera.width / (camera.window.right - camera.window.left),
+                                camera.height / (camera.window.top - camera.window.bottom));
+  return 2 * focal * beyond / sight.nearest * obliqueness(camera, bounds);
 }
 
 int pick_relief(const ReliefStats& stats, const Box& bounds, const glm::dvec3& eye) {

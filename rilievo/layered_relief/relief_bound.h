@@ -30,13 +30,14 @@ struct ReliefStats {
   float largest_texel = 0, least_texel = 0;  // a side, metres
   float depth = 0;                           // merged and rounded, metres
   float moved = 0;                           // before they came, metres
+  float lacks = 0;                           // as ReliefPictures::Picture's
   float splat_size = 1, resolution = 1, reuse_error = 0;
   float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
 };
 
-// `moved`: the largest of the pictures'. At most kMaxCount reliefs.
+// `moved`, `lacks`: the largest of the pictures'. At most kMaxCount reliefs.
 [[nodiscard]] ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
-                                       const PrewarpOptions& options);
+                                       const PrewarpOptions& options, double lacks = 0);
 
 // The relief that faces `eye` most, of those that can surely be warped for it; -1: none. `bounds`
 // as for relief_stats.
@@ -53,6 +54,11 @@ struct ReliefStats {
 // microsecond.
 [[nodiscard]] double relief_bound_px(const ReliefStats& stats, const Box& bounds,
                                      const Camera& camera);
+
+// An upper bound of the width of cracks, pixels: strips that should show a surface wider than that
+// and have no sample of it. Infinite if no relief can surely be warped; 0 if nothing is known.
+[[nodiscard]] double relief_gap_px(const ReliefStats& stats, const Box& bounds,
+                                   const Camera& camera);
 
 // How many times the texels of a result, `texel_px` pixels large, may be averaged by two.
 [[nodiscard]] int relief_level(double texel_px, double most_px);

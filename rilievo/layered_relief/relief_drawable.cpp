@@ -24,6 +24,12 @@ double bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
   return relief_bound_px(model.load<ReliefStats>(), model.bounds, *camera);
 }
 
+double gap_px(const ErrorModel& model, const glm::dmat4& world_from_capture, const Camera& frame) {
+  const std::optional<Camera> camera = camera_at_capture(frame, world_from_capture);
+  if (!camera) return std::numeric_limits<double>::infinity();
+  return relief_gap_px(model.load<ReliefStats>(), model.bounds, *camera);
+}
+
 class ReliefDrawable final : public Drawable {
  public:
   ReliefDrawable(ReliefSet colors, ReliefSet identifiers, const ReliefStats& stats,
@@ -75,6 +81,7 @@ class ReliefDrawable final : public Drawable {
   [[nodiscard]] ErrorModel error_model(std::uint32_t) const override {
     ErrorModel model;
     model.bound = bound_px;
+    model.gap = gap_px;
     model.bounds = bounds_;
     model.texel = double(stats_.largest_texel);
     model.store(stats_);
@@ -245,10 +252,15 @@ Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pic
     if (!made) return made.error();
     identifiers = *std::move(made);
   }
-  double moved = 0;
-  for (const ReliefPictures::Picture& picture : pictures.pictures)
+  double moved = 0, lacks = 0;
+  bool known = true;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
     moved = std::max(moved, picture.moved);
-  const ReliefStats stats = relief_stats(*colors, pictures.bounds, moved, options);
+    lacks = std::max(lacks, picture.lacks);
+    known = known && picture.lacks > 0;
+  }
+  const ReliefStats stats =
+      relief_stats(*colors, pictures.bounds, moved, options, known ? lacks : 0);
   return {std::make_unique<ReliefDrawable>(*std::move(colors), std::move(identifiers), stats,
                                            pictures.bounds, options, boards)};
 }

@@ -17,6 +17,7 @@ constexpr const char* kRepresentation = "representation";
 constexpr const char* kLayeredRelief = "layered-relief";
 constexpr const char* kMerged = "merged";
 constexpr const char* kMoved = "moved";
+constexpr const char* kLacks = "lacks";
 
 // A length that is there, finite and not negative.
 std::optional<double> metres(const Attributes& attributes, const char* key) {
@@ -40,6 +41,7 @@ Result<> save_relief_pictures(const std::filesystem::path& path, const ReliefPic
     layers.push_back(picture.layers);
     attributes.pictures.push_back(
         {{kMerged, fmt::format("{}", picture.merged)}, {kMoved, fmt::format("{}", picture.moved)}});
+    if (picture.lacks > 0) attributes.pictures.back()[kLacks] = fmt::format("{}", picture.lacks);
   }
   return save_layers(path, layers, attributes);
 }
@@ -71,7 +73,8 @@ Result<ReliefPictures> relief_pictures_from(PictureFile file, const std::filesys
       return error(fmt::format("part {}: does not say how far its samples were moved", i));
     if (file.layers[i].camera.projection != Projection::parallel)
       return error(fmt::format("part {}: a layered relief is in parallel projection", i));
-    pictures.pictures.push_back({std::move(file.layers[i]), *merged, *moved});
+    pictures.pictures.push_back(
+        {std::move(file.layers[i]), *merged, *moved, metres(attributes, kLacks).value_or(0.0)});
   }
   pictures.bounds = bounds_of(pictures);
   if (pictures.bounds.empty()) return error("its pictures show nothing");

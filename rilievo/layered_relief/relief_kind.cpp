@@ -31,6 +31,14 @@ const std::array kBakeOptions{
            .unit = "TEXELS",
            .min = 0,
            .max = 1000},
+    Option{.name = "share",
+           .type = OptionType::number,
+           .default_value = "0",
+           .help = "Faces that a texture sees edge-on get samples of the others, so many texels "
+                   "apart, and cracks have a bound; 0: neither",
+           .unit = "TEXELS",
+           .min = 0,
+           .max = 100},
     Option{.name = "max-depth",
            .type = OptionType::number,
            .default_value = "0",
@@ -68,6 +76,8 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
   const std::span<const LayeredDepthImage> deep = input.source.deep_images();
   if (!deep.empty() && values.given("textures"))
     return Error{"--textures", "is for scenes: a deep image is one texture"};
+  if (!deep.empty() && values.given("share"))
+    return Error{"--share", "is for scenes: a deep image is one texture"};
   if (deep.empty() && values.given("max-depth"))
     return Error{"--max-depth", "is for deep images, not for scenes"};
   Result<ReliefPictures> pictures =
@@ -169,6 +179,7 @@ ReliefCaptureOptions relief_capture_options(const OptionValues& values) {
   options.size = values.integer("size");
   options.textures = int(values.number("textures"));
   options.merge_texels = values.number("merge");
+  options.share_texels = values.number("share");
   options.max_depth = values.number("max-depth");
   return options;
 }

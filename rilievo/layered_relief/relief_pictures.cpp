@@ -5,6 +5,7 @@
 
 #include "rilievo/layered_relief/merge_layers.h"
 #include "rilievo/layered_relief/resample_layers.h"
+#include "rilievo/layered_relief/share_samples.h"
 
 namespace rilievo {
 
@@ -52,8 +53,9 @@ Result<ReliefPictures> capture_relief_pictures(CaptureSource& source,
         source.capture_layers({.camera = *camera, .objects = objects, .merge = merge});
     if (!layers) return layers.error();
     if (progress) progress(int(made.pictures.size()) + 1, int(directions->size()));
-    made.pictures.push_back({*std::move(layers), merge, 0});
+    made.pictures.push_back({*std::move(layers), merge, 0, 0});
   }
+  if (options.share_texels > 0) share_samples(made, options.share_texels);
   made.bounds = bounds_of(made);
   if (made.bounds.empty()) return Error{std::string(source.name()), "shows nothing"};
   return made;

@@ -21,8 +21,10 @@ struct ReliefPictures {
   struct Picture {
     LayeredDepthImage layers;  // parallel
     double merged = 0;         // how far a sample may stand before one that was merged into it
-    double moved = 0;          // how far samples may stand from where they were seen: of resampled
-                               // deep images
+    double moved = 0;  // how far samples may stand from where they were seen: of resampled deep
+                       // images, and of samples that come from other pictures
+    double lacks = 0;  // how far from a point of a surface the nearest sample is, at most, if the
+                       // surface is wider than that; 0: not known
   };
   std::vector<Picture> pictures;  // at least one
   Box bounds;                     // of all samples
@@ -33,7 +35,10 @@ struct ReliefCaptureOptions {
   int textures = 6;           // 1, 2, 6, 12, 20 or 32 (relief_directions)
   int size = 512;             // texels of the longer side
   double merge_texels = 0.5;  // samples closer along a line of sight than that share of a texel
-  double max_depth = 0;       // of deep images: nothing that is farther away, metres; 0: all
+  // Faces that a texture sees edge-on get the samples of the others where its own are farther apart
+  // along a line of sight than so many texels (share_samples.h); 0: they do not.
+  double share_texels = 0;
+  double max_depth = 0;  // of deep images: nothing that is farther away, metres; 0: all
 };
 
 // Called with what is done and how much there is, in pictures; may be empty.

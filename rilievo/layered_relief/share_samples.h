@@ -1,0 +1,26 @@
+// What do the lines of sight of one picture miss that those of the others hit? Faces that they
+// graze.
+//
+// A face seen edge-on has samples far apart, or none, and turned towards the eye it shows cracks.
+// Lines of sight along three axes hit every face at no less than 35 degrees (a layered depth cube
+// [Lischinski, Rappoport 1998]), so each picture gets from the others what it has not got. World
+// space, metres.
+#pragma once
+
+#include <span>
+
+#include "rilievo/layered_relief/relief_pictures.h"
+
+namespace rilievo {
+
+// Adds to each picture the samples of the others beside which it has none: in the same texel,
+// within `reach` texels along the line of sight. They stand in the middle of that texel then, up to
+// half its diagonal from where they were seen (Picture::moved); and Picture::lacks is set. Requires
+// parallel pictures.
+void share_samples(ReliefPictures& pictures, double reach);
+
+// The least share of a face's area that one of these (unit) directions sees, whichever way the face
+// looks: 0 where some face is seen edge-on by all.
+[[nodiscard]] double least_facing(std::span<const glm::dvec3> directions);
+
+}  // namespace rilievo

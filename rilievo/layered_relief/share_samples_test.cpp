@@ -1,0 +1,226 @@
+// What do pictures lack of faces that they graze, before and after they share samples?
+#include "rilievo/layered_relief/share_samples.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "rilievo/capture/ray_source.h"
+#include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/core/random.h"
+#include "rilievo/core/sanitized_test_helpers.h"
+#include "rilievo/layered_relief/relief_bound.h"
+#include "rilievo/layered_relief/relief_drawable.h"
+#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/render/software/software_target.h"
+#include "rilievo/scene/mesh_tools.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kPixels = 96;
+
+glm::vec3 random_direction(Random& random) {
+  for (;;) {
+    const float x = random.between(-1, 1), y = random.between(-1, 1), z = random.between(-1, 1);
+    const glm::vec3 v(x, y, z);
+    if (const float length = glm::length(v); length > 0.1f && length < 1) return v / length;
+  }
+}
+
+// Boxes and balls that hide parts of each other; some boxes stand along the axes, so that pictures
+// see their sides edge-on.
+Scene random_scene(Random& random) {
+  Scene scene;
+  for (int i = 0; i < 4; ++i) {
+    const glm::vec3 at = 0.6f * random_direction(random);
+    glm::mat4 pose = glm::translate(glm::mat4(1), at);
+    if (i % 2) {
+      const float turn = random.between(0, 3);
+      pose = glm::rotate(pose, turn, random_direction(random));
+    }
+    const float size = random.between(0.25f, 0.5f);
+    const glm::vec3 color(random.unit(), 0.5f, 0.3f);
+    test_shapes::add(scene, i == 3 ? test_shapes::sphere(size) : test_shapes::box(glm::vec3(size)),
+                     color, pose);
+  }
+  finish(scene);
+  return scene;
+}
+
+// Of the pixels that show something.
+struct Lacking {
+  int pixels = 0, cracks = 0, violations = 0;
+  double largest = 0;  // distance to where it is shown, over the bound
+};
+
+// How far, in pixels, is the nearest pixel that shows what the truth shows, or something before it?
+double distance_to_shown(const Image<float>& shown, int x, int y, float farthest, int most) {
+  double least = 1e9;
+  for (int v = std::max(0, y - most); v <= std::min(shown.height() - 1, y + most); ++v)
+    for (int u = std::max(0, x - most); u <= std::min(shown.width() - 1, x + most); ++u)
+      if (shown(u, v) <= farthest) least = std::min(least, std::hypot(u - x, v - y));
+  return least;
+}
+
+// Draws what was captured for random eyes around it, as frames are drawn, beside the truth by rays.
+// `reach`: metres to the nearest sample, as far as is known.
+Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach, Random& random,
+             int eyes) {
+  MemoryBoards boards;
+  PrewarpOptions options;
+  options.splat_size = 1.5;
+  options.max_size = 2048;
+  auto drawable = make_relief_drawable(pictures, boards, options);
+  EXPECT_TRUE(drawable.ok());
+  const ErrorModel model = (*drawable)->error_model(0);
+  (*drawable)->set_samples(1);
+  SoftwareTarget target(kPixels, kPixels, 1);
+  const Box box = world_bounds(rays.scene());
+  const double radius = double(box.radius());
+  Lacking found;
+  for (int e = 0; e < eyes; ++e) {
+    const glm::dvec3 to(random_direction(random));
+    const double distance = double(random.between(2.2f, 5)) * radius;
+    const glm::dvec3 center(box.center());
+    const Camera camera =
+        look_at(center + distance * to, center, glm::dvec3(0.1, 1, 0.2), 2.1 * radius / distance,
+                kPixels, kPixels, 0.05 * radius, 20 * radius);
+    const double gap_px = model.gap_px(glm::dmat4(1), camera);
+    if (!std::isfinite(model.bound_px(glm::dmat4(1), camera))) continue;
+    const Instance instance;
+    (*drawable)->draw(camera, {&instance, 1}, Output::color);
+    const TileDrawer* drawers[] = {(*drawable)->tiles()};
+    target.draw(camera.z_far, drawers);
+    const Image<float> shown = target.eye_z();
+    const DepthImage truth = cast_picture(rays, camera);
+    // From a pixel's centre to the texel that shows it, and back.
+    const double slack = 2 * std::sqrt(0.5);
+    for (int y = 0; y < kPixels; ++y)
+      for (int x = 0; x < kPixels; ++x) {
+        if (!truth.covered(x, y)) continue;
+        ++found.pixels;
+        const double z =
+            eye_z_from(truth.depth_kind, double(truth.depth(x, y)), camera, {x + 0.5, y + 0.5});
+        // A sample of the same surface may lie deeper by as much as it is away.
+        const float farthest = float(z + reach);
+        if (shown(x, y) <= farthest) continue;
+        ++found.cracks;
+        const double allowed = 0.5 * gap_px + slack;
+        const double px = distance_to_shown(shown, x, y, farthest, int(std::ceil(allowed)));
+        found.violations += px > allowed;
+        found.largest = std::max(found.largest, px / allowed);
+      }
+  }
+  return found;
+}
+
+ReliefPictures captured(const RayScene& rays, double share, int size) {
+  RaySource source(rays);
+  auto made = capture_relief_pictures(source, {}, {.size = size, .share_texels = share});
+  EXPECT_TRUE(made.ok());
+  return *std::move(made);
+}
+
+std::size_t samples_of(const ReliefPictures& pictures) {
+  std::size_t sum = 0;
+  for (const ReliefPictures::Picture& picture : pictures.pictures)
+    sum += picture.layers.samples.size();
+  return sum;
+}
+
+TEST(ShareSamples, no_crack_is_wider_than_the_bound) {
+  Random random(31);
+  Lacking shared, own;
+  double ratio = 0;
+  constexpr int kScenes = 12;
+  for (int i = 0; i < kScenes; ++i) {
+    const Scene scene = random_scene(random);
+    const auto rays = RayScene::create(scene);
+    ASSERT_TRUE(rays.ok());
+    const ReliefPictures with = captured(*rays, 1, 64), without = captured(*rays, 0, 64);
+    ratio += double(samples_of(with)) / double(samples_of(without)) / kScenes;
+    const auto add = [](Lacking& to, const Lacking& one) {
+      to.pixels += one.pixels, to.cracks += one.cracks, to.violations += one.violations;
+      to.largest = std::max(to.largest, one.largest);
+    };
+    Random again = random;
+    const int eyes = sanitized_cases(200);
+    double reach = 0;
+    for (const ReliefPictures::Picture& picture : with.pictures)
+      reach = std::max(reach, picture.lacks);
+    add(shared, look(*rays, with, reach, random, eyes));
+    add(own, look(*rays, without, reach, again, std::max(1, eyes / 8)));
+  }
+  const double shared_share = double(shared.cracks) / shared.pixels,
+               own_share = double(own.cracks) / own.pixels;
+  RecordProperty("cracks", std::to_string(shared_share));
+  RecordProperty("cracks_without", std::to_string(own_share));
+  RecordProperty("largest_over_bound", std::to_string(shared.largest));
+  RecordProperty("samples_over_own", std::to_string(ratio));
+  EXPECT_EQ(shared.violations, 0) << "of " << shared.pixels << " pixels";
+  EXPECT_LT(shared_share, 0.2 * own_share);
+  EXPECT_GT(shared.largest, 0.2);  // the bound is no more than five times too large
+  if (std::getenv("RILIEVO_SHOW"))
+    std::printf(
+        "cracks %.4f %% (without sharing %.4f %%), widest %.2f of the bound, samples %.2f\n",
+        100 * shared_share, 100 * own_share, shared.largest, ratio);
+}
+
+TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen) {
+  Random random(32);
+  const Scene scene = random_scene(random);
+  const auto rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  const ReliefPictures before = captured(*rays, 0, 24);
+  ReliefPictures after = before;
+  share_samples(after, 1);
+  const auto places = [](const LayeredDepthImage& layers) {
+    std::vector<glm::dvec3> places;
+    const int width = layers.camera.width;
+    for (std::size_t i = 0; i + 1 < layers.first.size(); ++i)
+      for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+        const glm::dvec2 at(int(i) % width + 0.5, int(i) / width + 0.5);
+        places.push_back(world_from_raster(
+            layers.camera, at,
+            eye_z_from(layers.depth_kind, double(layers.samples[s].depth), layers.camera, at)));
+      }
+    return places;
+  };
+  std::vector<glm::dvec3> seen;
+  for (const ReliefPictures::Picture& picture : before.pictures)
+    for (const glm::dvec3& p : places(picture.layers)) seen.push_back(p);
+  for (std::size_t k = 0; k < after.pictures.size(); ++k) {
+    const ReliefPictures::Picture& picture = after.pictures[k];
+    EXPECT_TRUE(validate(picture.layers).ok());
+    EXPECT_GT(picture.layers.samples.size(), before.pictures[k].layers.samples.size());
+    EXPECT_GT(picture.moved, 0);
+    const std::vector<glm::dvec3> now = places(picture.layers);
+    for (const glm::dvec3& p : now) {
+      double least = 1e9;
+      for (const glm::dvec3& q : seen) least = std::min(least, glm::distance(p, q));
+      ASSERT_LE(least, picture.moved + 1e-5);  // depths are floats
+    }
+    // And each that was seen has one beside it, as lacks claims.
+    for (std::size_t i = 0; i < seen.size(); i += 7) {
+      double least = 1e9;
+      for (const glm::dvec3& p : now) least = std::min(least, glm::distance(p, seen[i]));
+      ASSERT_LE(least, picture.lacks);
+    }
+  }
+}
+
+TEST(ShareSamples, axes_see_each_face_and_one_axis_does_not) {
+  EXPECT_NEAR(least_facing(*relief_directions(6)), 1 / std::sqrt(3.0), 0.035);
+  EXPECT_LE(least_facing(*relief_directions(6)), 1 / std::sqrt(3.0));
+  EXPECT_EQ(least_facing(*relief_directions(2)), 0);
+  EXPECT_GT(least_facing(*relief_directions(20)), least_facing(*relief_directions(6)));
+}
+
+}  // namespace
+}  // namespace rilievo
