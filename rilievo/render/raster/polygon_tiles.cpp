@@ -155,8 +155,9 @@ void PolygonTiles::State::draw_block(FrameTile& tile, int block, const BlockRang
     for (int py = 0; py < range.rows; ++py)
       for (int px = 0; px < range.columns; ++px) {
         const std::size_t i = first_sample(in, range.x + px, range.y + py);
-        partial |=
-            is_covered<kSamples>(&in.depth[i]) & !is_whole<kSamples>(&in.depth[i], &in.triangle[i]);
+        // Without branches: vectors of pixels.
+        partial |= bool(int(is_covered<kSamples>(&in.depth[i])) &
+                        int(!is_whole<kSamples>(&in.depth[i], &in.triangle[i])));
       }
     if (partial) tile.expand(block);
   }
