@@ -26,6 +26,8 @@ namespace {
 
 #include "rilievo/nailboard/cpu/texel_span.inl"
 
+#include "rilievo/nailboard/cpu/block_look.inl"
+
 // Alpha 1 in 15 bits, as all channels.
 constexpr int kOne = 255 * 128;
 // Sample s is covered where alpha is above kThreshold[s]: OpenGL's alpha to coverage, as Mesa has
@@ -43,26 +45,6 @@ struct Centers {
 };
 constexpr Centers kCenters;
 
-// Affine over the tile.
-struct Plane {
-  float at, per_x, per_y;
-};
-
-// A nailboard over one tile, with `at` at the tile's corner.
-struct Board {
-  const PlacedNailboard& placed;
-  const MemoryNailboard& picture;
-  Plane u, v, w;
-};
-
-// A block's planes, its texels, and what is known of it.
-struct Patch {
-  float u, v, w;                // at its upper left corner
-  bool inside = false;          // all of it is, and no colour comes from beyond the picture's edge
-  bool opaque = false;          // all its texels are
-  float low_u = 0, high_v = 0;  // of its texels, if its corners were looked at
-};
-
 // What the first pass leaves to the others.
 struct Found {
   HWY_ALIGN float u[kPixels], v[kPixels];  // texels, less one half
@@ -74,103 +56,6 @@ struct Found {
   bool cut;                                     // the polygon's edge passes between samples
   std::uint64_t groups;                         // bit g: the g-th vector has something to draw
 };
-
-float find_farthest(const FrameTile& tile, int block) {
-  const F f;
-  VF least = hn::Set(f, std::numeric_limits<float>::infinity());
-  const auto look = [&](const FrameTile::Plane& plane) {
-    for (int i = 0; i < kPixels; i += int(hn::Lanes(f)))
-      least = hn::Min(least, hn::Load(f, plane.inverse_z + i));
-  };
-  look(tile.first[block]);
-  if (tile.expanded[block])
-    for (const FrameTile::Plane& plane : tile.more[block]) look(plane);
-  return hn::GetLane(hn::MinOfLanes(f, least));
-}
-
-HWY_INLINE float farthest(FrameTile& tile, int block) {
-  if (tile.changed[block]) {
-    tile.farthest[block] = find_farthest(tile, block);
-    tile.changed[block] = false;
-  }
-  return tile.farthest[block];
-}
-
-// Looks at the block's corners and at the cells between them: is there anything to draw?
-HWY_INLINE bool look_at_block(const Board& board, FrameTile& tile, int block, Patch& patch) {
-  const MemoryNailboard& picture = board.picture;
-  const PlacedNailboard& placed = board.placed;
-  float u[4], v[4], w[4];
-  float low_w = std::numeric_limits<float>::infinity(), high_w = -low_w;
-  for (int i = 0; i < 4; ++i) {
-    const float x = float((i & 1) * kBlock), y = float((i >> 1) * kBlock);
-    w[i] = patch.w + x * board.w.per_x + y * board.w.per_y;
-    low_w = std::min(low_w, w[i]), high_w = std::max(high_w, w[i]);
-  }
-  if (high_w <= tile.nothing || low_w >= placed.inverse_near) return false;
-  // Where the polygon passes the eye's plane in the block, nothing is known of it.
-  if (low_w <= tile.nothing) return true;
-  float low_u = std::numeric_limits<float>::infinity(), high_u = -low_u, low_v = low_u,
-        high_v = -low_u;
-  for (int i = 0; i < 4; ++i) {
-    const float x = float((i & 1) * kBlock), y = float((i >> 1) * kBlock);
-    const float eye_z = 1 / w[i];
-    u[i] = (patch.u + x * board.u.per_x + y * board.u.per_y) * eye_z;
-    v[i] = (patch.v + x * board.v.per_x + y * board.v.per_y) * eye_z;
-    low_u = std::min(low_u, u[i]), high_u = std::max(high_u, u[i]);
-    low_v = std::min(low_v, v[i]), high_v = std::max(high_v, v[i]);
-  }
-  patch.low_u = low_u, patch.high_v = high_v;
-  const float width = float(picture.width()), height = float(picture.height());
-  if (high_u < 0 || high_v < 0 || low_u >= width || low_v >= height) return false;
-  // Rounded otherwise than the pixels between, by less than this.
-  constexpr float kSlack = 1.0f / 64;
-  constexpr float kReach = 0.5f + kSlack;  // of interpolation
-  patch.inside = low_u >= kReach && low_v >= kReach && high_u <= width - kReach &&
-                 high_v <= height - kReach && high_w < placed.inverse_near;
-  const auto cells = [&](float low, float high, int texels, int& from, int& to) {
-    constexpr int kCell = MemoryNailboard::kCell;
-    from = int(std::max(0.0f, low - kReach)) / kCell;
-    to = std::min(int(std::min(high + kReach, float(texels))), texels - 1) / kCell;
-  };
-  int x0, x1, y0, y1;
-  cells(low_u, high_u, picture.width(), x0, x1);
-  cells(low_v, high_v, picture.height(), y0, y1);
-  if ((x1 - x0) * (y1 - y0) > 64) return true;  // many texels a pixel: a look costs more
-  std::uint32_t nearest = 0xffff;
-  bool opaque = true;
-  for (int y = y0; y <= y1; ++y) {
-    const int row = y * picture.cells_across();
-    for (int x = x0; x <= x1; ++x) {
-      nearest = std::min<std::uint32_t>(nearest, picture.cell_nearest()[row + x]);
-      opaque = opaque && picture.cell_opaque()[row + x];
-    }
-  }
-  if (nearest > picture.steps()) return false;
-  patch.opaque = patch.inside && opaque;
-  // The nearest that the block can show: see nailboard_composer.cpp.
-  if (placed.nearest < std::numeric_limits<float>::infinity()) {
-    const float q = placed.q_first + placed.q_per_code * float(nearest);
-    const float most =
-        placed.exact ? q / (q * placed.eye_z + 1 / high_w - placed.eye_z) : q * high_w;
-    if (most * 1.0001f <= farthest(tile, block) && most > 0) return false;
-  }
-  return true;
-}
-
-// Begins to load the texels of the block below this one, which comes a row of blocks later.
-HWY_INLINE void prefetch_below(const Board& board, const Patch& patch) {
-  const MemoryNailboard& picture = board.picture;
-  const int column = int(std::clamp(patch.low_u, 0.0f, float(picture.width() - 1)));
-  const int row = int(std::clamp(patch.high_v, 0.0f, float(picture.height() - 1)));
-  const int last = std::min(row + kBlock, picture.height());
-  for (int y = row; y <= last; ++y) {
-    const std::size_t texel = std::size_t(y) * std::size_t(picture.stride()) + std::size_t(column);
-    hwy::Prefetch(picture.color() + texel);
-    hwy::Prefetch(picture.color() + texel + kBlock);
-    hwy::Prefetch(picture.code_pairs() + texel / 2);
-  }
-}
 
 // In [0, 1): shader::kPixelHash, of the pixels at an offset from the block's corner. Rows count
 // from the bottom there.
