@@ -95,6 +95,15 @@ std::string text_of(const MachineJson& json, const char* name) {
 
 }  // namespace
 
+MachineCosts builtin_software_costs() {
+  MachineCosts costs;
+  costs.threads = 2;
+  costs.draw_software = {2800, 5.6, 1400, 28, 14};
+  costs.capture_rasterizer = {11'200, 28, 84};
+  costs.ray_texel_ns = 224;
+  return costs;
+}
+
 std::string machine_json(const MachineCosts& costs) {
   MachineJson json{{"schema", kMachineSchema}, {"cpu", costs.cpu}, {"threads", costs.threads}};
   if (!costs.gl_renderer.empty()) json["gl_renderer"] = costs.gl_renderer;

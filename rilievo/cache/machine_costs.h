@@ -54,6 +54,10 @@ struct MachineCosts {
   friend bool operator==(const MachineCosts&, const MachineCosts&) = default;
 };
 
+// What the cache assumes of frames drawn by software where it is told of no machine: two cores on
+// which OpenGL takes the 280 ns a triangle of policy.h. Triangles are dear only there.
+[[nodiscard]] MachineCosts builtin_software_costs();
+
 // Every time lies between these: nothing real is faster or slower.
 inline constexpr double kLeastNs = 1e-4, kMostNs = 1e9;
 

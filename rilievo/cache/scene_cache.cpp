@@ -44,6 +44,8 @@ void SceneCache::build() {
   policy_ = store_.rasterizes() ? rasterized_cache_options() : CacheOptions{};
   if (options_.machine)
     use_machine(*options_.machine, store_.drawn_by(), store_.rasterizes(), policy_, clock_);
+  else if (store_.drawn_by() == DrawnBy::software)
+    use_machine(builtin_software_costs(), DrawnBy::software, true, policy_, clock_);
   policy_.max_texels = store_.max_picture_size();
   policy_.texel_cell = store_.texel_cell();
   policy_.delta_bits = options_.delta_bits;

@@ -48,6 +48,7 @@ TEST_F(MemoryCacheTest, draws_the_cache_s_frames_as_opengl_draws_them) {
     ASSERT_NO_FATAL_FAILURE(load(spec));
     ImageCacheOptions options;
     options.capture_by = CaptureBy::rasterizer;
+    options.machine = costs_of_both();
     auto opengl = ImageCache::create(*renderer, options);
     auto memory = MemoryCache::create(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && memory.ok());

@@ -114,6 +114,7 @@ TEST_F(SoftwareAlternativesTest, a_layered_relief_stands_for_a_deep_object_near_
   ImageCacheOptions options;
   options.error_px = 3;
   options.capture_by = CaptureBy::rasterizer;
+  options.machine = costs_of_both();
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "256"}};
   expect_same_frames("layered-relief", settings, options, 2.2);
 }
@@ -124,6 +125,7 @@ TEST_F(SoftwareAlternativesTest, one_relief_stands_for_a_thing_of_many_parts) {
   ImageCacheOptions options;
   options.error_px = 6;
   options.capture_by = CaptureBy::rasterizer;
+  options.machine = costs_of_both();
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "256"}};
   expect_same_frames("layered-relief", settings, options, 2.2, true);
 }
@@ -136,6 +138,7 @@ TEST_F(SoftwareAlternativesTest, a_layered_impostor_stands_for_a_heavy_object) {
   ImageCacheOptions options;
   options.error_px = 4;
   options.capture_by = CaptureBy::rasterizer;
+  options.machine = costs_of_both();
   const BakeSetting settings[] = {{"views", "12"}, {"size", "96"}, {"no-fills", "on"}};
   expect_same_frames("layered-impostor", settings, options, 3);
 }

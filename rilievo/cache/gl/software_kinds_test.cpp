@@ -223,6 +223,7 @@ TEST_F(SoftwareKindsTest, outlines) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:forest?triangles=200000"));
   ImageCacheOptions options;
   options.capture_by = CaptureBy::rasterizer;
+  options.machine = costs_of_both();
   options.outlines = true;
   auto opengl = ImageCache::create(*renderer, options);
   auto memory = MemoryCache::create(builtin.scene, options);

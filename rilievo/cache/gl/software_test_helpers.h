@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/cache/machine_costs.h"
 #include "rilievo/frame/cpu/software_frames.h"
 
 namespace rilievo {
@@ -36,6 +37,14 @@ inline Alike compare_frames(const Rgba8Image& a, const Rgba8Image& b,
       alike += most <= 2;
     }
   return {double(inner) / (a.width() * a.height()), double(alike) / std::max(inner, 1)};
+}
+
+// The same costs for OpenGL and software, so that both choose the same; triangles are dear.
+inline MachineCosts costs_of_both() {
+  MachineCosts costs = builtin_software_costs();
+  costs.draw_software.triangle_ns = 280;
+  costs.draw_opengl = costs.draw_software;
+  return costs;
 }
 
 inline Rgba8Image software_frame_of(SoftwareFrames& source, const BuiltinScene& builtin,
