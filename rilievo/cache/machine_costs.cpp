@@ -21,6 +21,9 @@ constexpr int kMostThreads = 1 << 20;
 constexpr double kBuiltinTriangleNs = 280;
 const double kCapturesNs = kBuiltinTriangleNs * double(CacheOptions{}.capture_triangles);
 const double kPictureNs = kBuiltinTriangleNs * double(CacheOptions{}.picture_triangles);
+// By software polygons are cheap: with fewer captures in a frame the slowest frames take less time,
+// and the others no more.
+constexpr double kSoftwareCapturesNs = 40e6;
 
 // The members by name, the same for reading and writing.
 template <typename Times, typename Visit>
@@ -188,7 +191,8 @@ void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
   const auto in_time = [&](double ns) {
     return std::uint64_t(std::max(1.0, std::round(ns / capture.triangle_ns)));
   };
-  options.capture_triangles = in_time(kCapturesNs);
+  options.capture_triangles =
+      in_time(drawn_by == DrawnBy::software ? kSoftwareCapturesNs : kCapturesNs);
   options.picture_triangles = in_time(kPictureNs);
 }
 
