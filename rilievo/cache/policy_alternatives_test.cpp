@@ -119,6 +119,23 @@ TEST(PolicyAlternatives, the_cheapest_of_several_is_drawn_and_none_that_is_absen
   EXPECT_EQ(run.plan.moving_polygons.size(), 1u);
 }
 
+TEST(PolicyAlternatives, one_with_cracks_wider_than_the_limit_on_gaps_is_not_drawn) {
+  MovingObject object = top(0, 0, 10'000'000);
+  object.deforms = true;
+  Alternatives alternatives = alternative_of(object, {1e-6, 0}, {1000, 0});
+  alternatives.list[0].error.gap = [](const ErrorModel&, const glm::dmat4&, const Camera&) {
+    return 1.5;
+  };
+  CacheOptions options;
+  for (const double limit : {2.0, 1.0}) {
+    options.gap_px = limit;
+    AlternativesLoop run;
+    run.frame(object, alternatives, eye_at(10), options);
+    EXPECT_EQ(run.plan.alternatives.size(), limit > 1.5 ? 1u : 0u);
+    EXPECT_DOUBLE_EQ(run.plan.gap_px, limit > 1.5 ? 1.5 : 0.0);
+  }
+}
+
 TEST(PolicyAlternatives, what_spins_is_drawn_from_one_and_what_rests_from_a_picture) {
   for (const double spin : {0.3, 0.0}) {
     AlternativesLoop run;
