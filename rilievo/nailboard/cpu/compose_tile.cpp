@@ -34,6 +34,9 @@ constexpr int kOne = 255 * 128;
 // it, and what its shader discards. With one sample: where alpha is not below one half.
 constexpr int kThreshold[4] = {kOne / 8 - 1, kOne / 4, kOne / 2, kOne * 3 / 4};
 constexpr int kThresholdAlone = kOne / 2 - 1;
+// The same of SampleRounding::nearest.
+constexpr int kThresholdNearest[4] = {kOne / 8 - 1, kOne * 3 / 8 - 1, kOne * 5 / 8 - 1,
+                                      kOne * 7 / 8 - 1};
 
 // The centres of a block's pixels.
 struct Centers {
@@ -247,8 +250,8 @@ HWY_INLINE void put(FrameTile::Plane& plane, int i, const Found& found, hn::Mask
 
 // Pass 3.
 template <class Group>
-HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const Found& found,
-                            const Group& each_group) {
+HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const int* threshold,
+                            const Found& found, const Group& each_group) {
   const F f;
   const I i32;
   const U u32;
@@ -256,8 +259,8 @@ HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const Found
   const auto covered = [&](int i, int s) {
     return hn::Ne(hn::Load(u32, found.covered[s] + i), hn::Zero(u32));
   };
-  const auto above = [&](int i, int threshold) {
-    return hn::RebindMask(u32, hn::Gt(hn::Load(i32, found.alpha + i), hn::Set(i32, threshold)));
+  const auto above = [&](int i, int least) {
+    return hn::RebindMask(u32, hn::Gt(hn::Load(i32, found.alpha + i), hn::Set(i32, least)));
   };
   if (tile.samples == 1) {
     each_group([&](int i) {
@@ -270,7 +273,7 @@ HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const Found
   if (!opaque && !tile.expanded[block]) {
     bool partial = found.cut;
     each_group([&](int i) {
-      const auto some = hn::AndNot(above(i, kThreshold[3]), above(i, kThreshold[0]));
+      const auto some = hn::AndNot(above(i, threshold[3]), above(i, threshold[0]));
       partial = partial || !hn::AllFalse(u32, hn::And(shown(i), some));
     });
     if (partial) tile.expand(block);
@@ -280,7 +283,7 @@ HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const Found
     FrameTile::Plane& plane = tile.plane(block, s);
     each_group([&](int i) {
       auto where = shown(i);
-      if (!opaque) where = hn::And(where, above(i, kThreshold[s]));
+      if (!opaque) where = hn::And(where, above(i, threshold[s]));
       if (found.cut) where = hn::And(where, covered(i, s));
       // Pass 1 compared with the farthest of the samples.
       if (planes > 1)
@@ -318,7 +321,8 @@ void draw_board(const Board& board, FrameTile& tile) {
       };
       find_colors(board.picture, patch.opaque, found, each_group);
       if (tile.of == TileContent::object_id) find_objects(board, found, each_group);
-      put_samples(tile, block, patch.opaque, found, each_group);
+      put_samples(tile, block, patch.opaque,
+                  placed.nearest_coverage ? kThresholdNearest : kThreshold, found, each_group);
       tile.changed[block] = true;
     }
 }

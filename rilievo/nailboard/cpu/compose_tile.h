@@ -19,6 +19,7 @@ struct PlacedNailboard {
   // Exact: with q = q_first + q_per_code code, 1 / eye_z = q / (q eye_z + 1 / w - eye_z), where
   // eye_z is the capturing eye's. Otherwise 1 / eye_z = w q.
   bool exact = true;
+  bool nearest_coverage = false;  // SampleRounding::nearest
   float q_first = 1, q_per_code = 0, eye_z = 0;
   // No pixel shows anything nearer than this 1 / eye_z; infinite: unknown.
   float nearest = 0;

@@ -38,7 +38,7 @@ class MemoryBoards::Drawer final : public BoardDrawer {
 
   MemoryBoards& boards_;
   std::vector<MemoryNailboardInstance> placed_;  // kept, so that drawing does not allocate
-  NailboardComposer composer_;
+  NailboardComposer composer_{SampleRounding::nearest};
   LineTiles outlines_;
 };
 

@@ -139,6 +139,7 @@ void NailboardComposer::place(const Camera& frame, DepthMode mode,
     for (std::size_t i = piece * kPiece; i < end; ++i) {
       order_[i].index = std::uint32_t(i);
       place_one(frame, eye_from, mode, instances[i], placed_[i], order_[i].distance);
+      placed_[i].nearest_coverage = rounding_ == SampleRounding::nearest;
     }
   });
   std::erase_if(order_, [&](const Key& key) { return placed_[key.index].x1 == 0; });

@@ -14,6 +14,7 @@
 #include "rilievo/core/depth_image.h"
 #include "rilievo/nailboard/cpu/compose_tile.h"
 #include "rilievo/nailboard/cpu/memory_nailboard.h"
+#include "rilievo/nailboard/sample_rounding.h"
 #include "rilievo/render/software/frame_tile.h"
 #include "rilievo/render/software/line_tiles.h"
 
@@ -38,6 +39,8 @@ void place_outlines(const Camera& frame, std::span<const MemoryNailboardInstance
 // Draws nailboards into the tiles of a SoftwareTarget.
 class NailboardComposer final : public TileDrawer {
  public:
+  explicit NailboardComposer(SampleRounding rounding = SampleRounding::up) : rounding_(rounding) {}
+
   // Prepares a frame of `frame`'s size. Requires a perspective camera.
   void place(const Camera& frame, DepthMode mode,
              std::span<const MemoryNailboardInstance> instances);
@@ -48,6 +51,7 @@ class NailboardComposer final : public TileDrawer {
   [[nodiscard]] std::uint64_t placed_pixels() const { return placed_pixels_; }
 
  private:
+  SampleRounding rounding_;
   struct Key {
     double distance;
     std::uint32_t index;

@@ -43,7 +43,7 @@ Result<std::unique_ptr<AtlasBoards>> AtlasBoards::create() {
   Result<NailboardAtlas> atlas =
       NailboardAtlas::create({.max_bytes = kBoardBytes, .delta_bits = 16, .samples = 1});
   if (!atlas) return atlas.error();
-  Result<NailboardDrawer> drawer = NailboardDrawer::create();
+  Result<NailboardDrawer> drawer = NailboardDrawer::create(SampleRounding::nearest);
   if (!drawer) return drawer.error();
   return std::unique_ptr<AtlasBoards>(new AtlasBoards(std::move(*atlas), std::move(*drawer)));
 }

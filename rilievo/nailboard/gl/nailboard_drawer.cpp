@@ -26,8 +26,9 @@ Polygon polygon_of(const PictureGeometry& geometry) {
 
 }  // namespace
 
-Result<NailboardDrawer> NailboardDrawer::create() {
+Result<NailboardDrawer> NailboardDrawer::create(SampleRounding rounding) {
   NailboardDrawer drawer;
+  drawer.rounding_ = rounding;
   for (int mode = 0; mode < 3; ++mode)
     for (int output = 0; output < 3; ++output) {
       Result<gl::Program> program =
@@ -147,7 +148,9 @@ void NailboardDrawer::draw_cells(const NailboardAtlas& atlas, DepthMode mode,
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
-  if (objects)
+  const bool nearest = rounding_ == SampleRounding::nearest;
+  if (!objects) glUniform1i(4, nearest);
+  if (objects || nearest)
     glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   else
     glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);

@@ -20,6 +20,7 @@
 #include "rilievo/nailboard/gl/nailboard_atlas.h"
 #include "rilievo/nailboard/gl/nailboard_shaders.h"
 #include "rilievo/nailboard/nailboard.h"
+#include "rilievo/nailboard/sample_rounding.h"
 #include "rilievo/nailboard/visible_cells.h"
 
 namespace rilievo {
@@ -43,7 +44,7 @@ struct NailboardInstance {
 class NailboardDrawer {
  public:
   // Compiles the shaders.
-  [[nodiscard]] static Result<NailboardDrawer> create();
+  [[nodiscard]] static Result<NailboardDrawer> create(SampleRounding rounding = SampleRounding::up);
 
   // Draws sRGB-encoded colours.
   void draw(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,
@@ -67,6 +68,7 @@ class NailboardDrawer {
   void draw_cells(const NailboardAtlas& atlas, DepthMode mode, shader::NailboardOutput output,
                   std::size_t first, std::size_t count);
 
+  SampleRounding rounding_ = SampleRounding::up;
   gl::Program programs_[3][3];  // by DepthMode and output
   gl::Program outline_;
   gl::VertexArray vertex_array_;

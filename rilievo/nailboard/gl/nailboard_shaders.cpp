@@ -148,6 +148,7 @@ layout(binding = 2) uniform usampler2DArray object_texture;
 flat in uint v_object;
 layout(location = 0) out uint out_object;
 #else
+layout(location = 4) uniform bool nearest_coverage;  // SampleRounding::nearest
 layout(location = 0) out vec4 out_color;
 #endif
 
@@ -177,6 +178,8 @@ void main() {
 #else
   if (color.a < (gl_NumSamples > 1 ? 0.125 : 0.5)) discard;
   out_color = vec4(color.rgb / color.a, color.a);
+  int samples = int(float(gl_NumSamples) * color.a + 0.5);
+  gl_SampleMask[0] = nearest_coverage ? (1 << samples) - 1 : -1;
 #endif
 }
 )";
