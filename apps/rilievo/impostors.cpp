@@ -43,8 +43,10 @@ void add_impostor_options(CLI::App& command, ImpostorOptions& options) {
       ->check(in_range(1, 1 << 20))
       ->type_name("MB");
   command
-      .add_option("--impostor-texels", options.texels,
-                  "relief-impostor: the most texels a side of a picture (default 512)")
+      .add_option(
+          "--impostor-texels", options.texels,
+          "relief-impostor: the most texels a side of a picture, which otherwise has one for "
+          "each pixel (default 1024)")
       ->check(in_range(16, 1024))
       ->type_name("N");
   command
@@ -56,6 +58,9 @@ void add_impostor_options(CLI::App& command, ImpostorOptions& options) {
 
 namespace {
 
+// How far who shades in the background gives way to frames, as of nice(1).
+constexpr int kGiveWay = 10;
+
 Result<ImpostorContent> make_content(const ImpostorOptions& options, const Scene& scene) {
   const auto warn = [](const std::string& text) { complain("warning: " + text); };
   ImpostorContentOptions with;
@@ -65,6 +70,7 @@ Result<ImpostorContent> make_content(const ImpostorOptions& options, const Scene
   with.store = options.store;
   with.store_options.max_bytes = std::uint64_t(options.store_mb) << 20;
   with.exec.warn = warn;
+  if (options.background) with.exec.nice = kGiveWay;
   with.warn = warn;
   return make_impostor_content(scene, 0.0, with);
 }
@@ -74,7 +80,7 @@ ImpostorFramesOptions frames_options(const ImpostorOptions& options, bool outlin
   frames.workers.size = options.texels;
   frames.workers.samples = options.samples;
   frames.background = options.background;
-  if (options.background) frames.workers.nice = 5;
+  if (options.background) frames.workers.nice = kGiveWay;
   frames.outlines = outlines;
   return frames;
 }

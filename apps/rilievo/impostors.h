@@ -17,8 +17,8 @@ struct ImpostorOptions {
   int workers = 1;
   std::string store;
   int store_mb = 4096;
-  int texels = 512;  // of a picture's longer side, at most
-  int samples = 4;   // of a texel
+  int texels = 1024;  // of a picture's longer side, at most
+  int samples = 4;    // of a texel
   bool background = false;
 };
 

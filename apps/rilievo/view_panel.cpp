@@ -155,9 +155,15 @@ const char* shown_as(const ImpostorStatus& status) {
 
 // Each impostor: what is shown of it, how stretched its picture is, how far off its warp, how old.
 void impostor_panel(const ViewState& state) {
-  if (state.impostors.empty() || !ImGui::CollapsingHeader("impostors")) return;
-  if (!ImGui::BeginTable("impostors", 6, ImGuiTableFlags_ScrollY, ImVec2(0, 180))) return;
-  for (const char* name : {"object", "shown", "stretch", "off, px", "age, s", "working"})
+  if (state.impostors.empty() ||
+      !ImGui::CollapsingHeader("impostors", ImGuiTreeNodeFlags_DefaultOpen))
+    return;
+  // As wide as what they show.
+  constexpr ImGuiTableFlags look =
+      ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg;
+  if (!ImGui::BeginTable("impostors", 6, look, ImVec2(0, 180))) return;
+  ImGui::TableSetupScrollFreeze(0, 1);
+  for (const char* name : {"object", "shown   ", "stretch", "off, px", "age, s", "working  "})
     ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   for (const ImpostorStatus& status : state.impostors) {
@@ -170,7 +176,7 @@ void impostor_panel(const ViewState& state) {
     cell(shown_as(status));
     const bool has = frame.picture > 0;
     cell(has ? fmt::format("{:.2f}", frame.stretch) : "");
-    cell(has ? fmt::format("{:.1f}", frame.moved_px) : "");
+    cell(has ? fmt::format("{:.1f}", std::max(frame.moved_px, frame.deformed_px)) : "");
     cell(frame.age_ms > 0 ? fmt::format("{:.1f}", frame.age_ms / 1e3) : "");
     cell(frame.rendering ? "rendering" : frame.warping ? "warping" : "");
   }
@@ -191,7 +197,7 @@ void show_panel(ViewState& state) {
     over.AddText(ImVec2(x + 8, size.y - 24), white, "direct");
   }
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize(ImVec2(330, 0), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize(ImVec2(430, 0), ImGuiCond_FirstUseEver);
   ImGui::Begin("Rilievo");
   camera_panel(state);
   ImGui::Separator();

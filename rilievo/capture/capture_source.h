@@ -42,6 +42,7 @@ struct CaptureRequest {
   bool farthest = false;                    // capture CapturedPicture::farthest
   bool with_sky = false;                    // otherwise texels without an object stay empty
   const CaptureControl* control = nullptr;  // null: not stopped, and no coarse pictures
+  double time = 0;                          // seconds, for sources whose content deforms
 };
 
 // A capture. Depth is the eye_z of the nearest surface at the texel's centre, or of the farthest

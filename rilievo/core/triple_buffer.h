@@ -23,6 +23,8 @@ class TripleBuffer {
                          kIndex);
   }
 
+  // The reader: would update() take one?
+  [[nodiscard]] bool has_news() const { return between_.load(std::memory_order_relaxed) & kNew; }
   // The reader: takes the newest result, if there is one since the last call.
   bool update() {
     if (!(between_.load(std::memory_order_relaxed) & kNew)) return false;

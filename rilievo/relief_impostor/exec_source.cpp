@@ -182,7 +182,7 @@ Result<std::string> ExecSource::ask(const std::string& request, std::uint64_t id
       return Error{name_, "has failed too often in a row and is given up"};
     if (!process_) {
       Result<std::unique_ptr<LineProcess>> started =
-          LineProcess::start(name_.substr(5), options_.arguments);
+          LineProcess::start(name_.substr(5), options_.arguments, options_.nice);
       if (!started) return failed(started.error().reason);
       process_ = *std::move(started);
     }
@@ -229,6 +229,7 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
                       {"request", "picture"},
                       {"file", file.string()},
                       {"samples", request.samples},
+                      {"time", request.time},
                       {"camera", json_of_camera(camera)}};
   const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
   const Result<std::string> line = ask(json.dump(), id, stop);

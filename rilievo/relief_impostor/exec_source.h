@@ -5,7 +5,8 @@
 //
 //   -> {"rilievo":1,"id":1,"request":"bounds"}
 //   <- {"id":1,"bounds":[[-1,0,-1],[1,2,1]]}
-//   -> {"rilievo":1,"id":2,"request":"picture","file":"/tmp/.../2.exr","samples":16,"camera":{...}}
+//   -> {"rilievo":1,"id":2,"request":"picture","file":"/tmp/.../2.exr","samples":16,"time":0,
+//       "camera":{...}}
 //   <- {"id":2,"done":true}          or, if it cannot:  {"id":2,"error":"why"}
 //
 // `bounds`: two corners in world space (y up, metres). `file`: the OpenEXR file to write: R G B
@@ -37,6 +38,7 @@ struct ExecOptions {
   std::vector<std::string> arguments = {};  // of the program
   double limit_s = 600;                     // for one answer
   int tile = 0;                             // texels a side of a tile; 0: whole pictures
+  int nice = 0;                             // how far it gives way to the caller, 0 to 19
   int max_failures = 3;                     // in a row; then it is not started again
   // Gets one line at the first failure, and one when the program is given up.
   std::function<void(const std::string&)> warn = {};

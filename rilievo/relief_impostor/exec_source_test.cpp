@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "rilievo/core/file_test_helpers.h"
+#include "rilievo/relief_impostor/line_process.h"
 #include "rilievo/relief_impostor/software_shader.h"
 
 namespace rilievo {
@@ -247,6 +250,23 @@ TEST_F(ExecSourceTest, shaders_have_names) {
   EXPECT_EQ((*field)->name(), "torus");
   options_.arguments = {"none", "0"};
   EXPECT_TRUE(make_shader("exec:" + path_, {.exec = options_}).ok());
+}
+
+TEST(LineProcess, a_program_gives_way_as_far_as_it_is_told) {
+  // nice(1) without arguments says how far.
+  const auto nice_of = [](int nice) {
+    const std::string arguments[] = {"-c", "read line; nice"};
+    auto process = LineProcess::start("sh", arguments, nice);
+    EXPECT_TRUE(process.ok());
+    EXPECT_TRUE((*process)->send("go"));
+    std::string line;
+    EXPECT_EQ((*process)->receive(line, LineProcess::Clock::now() + std::chrono::seconds(60), {}),
+              LineProcess::Heard::line);
+    return std::stoi(line);
+  };
+  // Nobody gives way farther than 19.
+  const int own = nice_of(0);
+  EXPECT_EQ(nice_of(7), std::min(19, own + 7));
 }
 
 }  // namespace

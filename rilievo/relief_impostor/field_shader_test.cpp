@@ -107,12 +107,18 @@ TEST(FieldShader, pictures_have_their_depths_on_the_surface) {
       const Result<CapturedPicture> captured =
           shader.capture({.camera = camera, .samples = 4, .farthest = true});
       ASSERT_TRUE(captured.ok());
+      const Result<CapturedPicture> centers = shader.capture({.camera = camera, .samples = 1});
+      ASSERT_TRUE(centers.ok());
+      const CapturedPicture& plain = *centers;
       const DepthImage& picture = captured->picture;
       ASSERT_TRUE(validate(picture).ok());
       int covered = 0;
       for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 40; ++x) {
           if (!picture.covered(x, y)) continue;
+          EXPECT_GT(picture.color(x, y).a, 0);
+          // Beside a silhouette, the depth is that of a sample off the centre.
+          if (!plain.picture.covered(x, y)) continue;
           ++covered;
           const glm::dvec3 world =
               world_from_raster(camera, {x + 0.5, y + 0.5}, double(picture.depth(x, y)));
@@ -121,7 +127,6 @@ TEST(FieldShader, pictures_have_their_depths_on_the_surface) {
           if (!camera.keeps_farthest()) {
             EXPECT_LE(picture.depth(x, y), captured->farthest(x, y));
           }
-          EXPECT_GT(picture.color(x, y).a, 0);
         }
       EXPECT_GT(covered, 200) << field.name;
       const Box bounds = shader.bounds({});

@@ -80,11 +80,13 @@ Result<std::string> content_of(const Scene& scene, double time,
 }
 
 std::string shader_of(const ImpostorContentOptions& options) {
-  if (options.shader != "raytrace") return options.shader;
+  // Changed where the same options make other pictures: they are not in older stores.
+  const std::string version = " silhouettes";
+  if (options.shader != "raytrace") return options.shader + version;
   const TraceOptions& t = options.trace;
   return "raytrace " + std::to_string(t.bounces) + ' ' + std::to_string(t.light_samples) + ' ' +
          std::to_string(t.sun_degrees) + ' ' + std::to_string(t.light_radius) + ' ' +
-         std::to_string(t.seed);
+         std::to_string(t.seed) + version;
 }
 
 Box placed_bounds(const Scene& scene, std::uint32_t object, std::span<const glm::mat4> poses) {

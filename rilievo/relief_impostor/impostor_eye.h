@@ -15,6 +15,7 @@ struct ImpostorEye {
   glm::dvec3 turn{0.0};      // of the velocity: radians per second about its direction
   glm::dvec3 up{0, 1, 0};
   double focal_px = 500;  // of the frame: pixels per tangent
+  double time = 0;        // of what is seen, seconds
   // Where the frame's pixels are, for pictures whose texels lie on them: the frame's rotation, and
   // the lower left corner of its window, tangents. None: pictures look straight at the object.
   struct Grid {

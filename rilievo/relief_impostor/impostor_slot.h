@@ -14,6 +14,7 @@
 #include "rilievo/core/triple_buffer.h"
 #include "rilievo/relief_impostor/critical_points.h"
 #include "rilievo/relief_impostor/impostor_workers.h"
+#include "rilievo/relief_impostor/merge_warps.h"
 
 namespace rilievo {
 
@@ -23,6 +24,7 @@ struct ImpostorJudgement {
   std::vector<CriticalPair> pairs;
   bool final = false;
   std::uint64_t picture = 0;
+  double time = 0;  // of what it shows
   Stopwatch made;
 };
 
@@ -33,6 +35,7 @@ struct ImpostorWarpResult {
   Stopwatch made;  // the picture
   double interpolated = 0;
   std::uint64_t picture = 0;
+  double time = 0;  // of what it shows
 };
 
 // A picture, to the warping worker.
@@ -40,6 +43,8 @@ struct NumberedImpostor {
   ImpostorPicture picture;
   Stopwatch made;
   std::uint64_t number = 0;
+  bool final = false;
+  double time = 0;
 };
 
 // A kind of work of one object: ordered by the frame, taken by one worker at a time.
@@ -75,10 +80,14 @@ struct ImpostorSlot {
   TripleBuffer<std::stop_source> stops;
   std::atomic<double> render_s{0.1};  // the last picture took
   std::atomic<std::uint64_t> published{0};
+  std::atomic<bool> coarse_helps{true};  // from the frame: what is there is worse than a coarse one
   // From the warping worker to the frame.
   TripleBuffer<ImpostorWarpResult> boards;
-  ImpostorWarpScratch scratch;
+  // The warping worker's own: the last finished picture of another eye than the newest one's.
+  WarpPairScratch scratch;
+  NumberedImpostor before;
   // The frame's own.
+  ImpostorJudgement judged_before;  // of that picture
   glm::dvec3 ordered_eye{0.0};
   Stopwatch ordered;
   std::optional<Stopwatch> needed;  // since when a picture is

@@ -10,12 +10,13 @@ ImpostorStep next_step(const ImpostorSituation& now, const ImpostorLimits& limit
   const bool usable = now.picture && now.stretch <= std::numeric_limits<double>::max();
   const bool good = usable && (now.stretch <= limits.drop || !now.drawable);
 
-  // What is seen.
+  // What is seen: wrong by its eye, or because it has deformed, which no warp mends.
+  const double off_px = std::max(now.moved_px, now.shown_deformed_px);
   if (!good || !now.warped)
     step.shown = otherwise;
-  else if (now.moved_px <= limits.still_px)
+  else if (off_px <= limits.still_px)
     step.shown = ImpostorShown::fresh;
-  else if (now.moved_px <= limits.stale_px || !now.drawable)
+  else if (off_px <= limits.stale_px || !now.drawable)
     step.shown = ImpostorShown::stale;
   else
     step.shown = otherwise;
@@ -27,7 +28,8 @@ ImpostorStep next_step(const ImpostorSituation& now, const ImpostorLimits& limit
   step.order_warp = good && !now.warping && (!now.warped || now.moved_px > limits.still_px);
 
   // A picture is rendered if there is none that will do, or a better one can be had.
-  const bool wanted = !usable || now.stretch > limits.refresh || !now.final;
+  const bool wanted = !usable || now.deformed_px > limits.still_px ||
+                      std::max(now.stretch, now.later_stretch) > limits.refresh || !now.final;
   const bool serves = now.rendering && now.rendered_stretch <= std::max(limits.refresh, 1.0);
   // What is on its way is given up only if the one that is there is bad and it would be no better.
   step.cancel_render =

@@ -28,6 +28,11 @@ struct ImpostorSituation {
   bool warping = false;    // is a warp ordered or being made?
   bool rendering = false;  // is a picture ordered or being made?
   double rendered_stretch = 0;  // its error for this eye, once it is done
+  // The error of the picture that is there, for where the eye will be when another one could be.
+  double later_stretch = 0;
+  // What the picture shows has deformed since by this much at most, pixels.
+  double deformed_px = 0;
+  double shown_deformed_px = 0;  // ... and what the warp shows
 };
 
 // When is what good enough?

@@ -134,6 +134,17 @@ TEST(ImpostorState, no_work_is_ordered_twice_and_nothing_is_warped_that_is_not_t
   EXPECT_EQ(seen, 64 * 36);
 }
 
+TEST(ImpostorState, the_next_picture_is_ordered_before_the_last_one_is_bad) {
+  ImpostorSituation now{.picture = true, .final = true, .stretch = 1.1, .warped = true};
+  EXPECT_FALSE(next_step(now, {}).order_render);
+  now.later_stretch = 1.4;
+  EXPECT_TRUE(next_step(now, {}).order_render);
+  EXPECT_EQ(next_step(now, {}).shown, Shown::fresh);
+  // It is on its way, and serves.
+  now.rendering = true, now.rendered_stretch = 1.2;
+  EXPECT_FALSE(next_step(now, {}).order_render);
+}
+
 TEST(ImpostorState, what_has_no_picture_is_rendered_first_then_the_worst) {
   const ImpostorSituation none{}, nothing{.drawable = false};
   const ImpostorSituation bad{.picture = true, .final = true, .stretch = 3},

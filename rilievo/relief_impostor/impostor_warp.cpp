@@ -127,18 +127,27 @@ std::optional<WarpedTexels> warp_impostor(const ImpostorPicture& picture, const 
   if (!warp) return std::nullopt;
   const std::optional<Interval> nearness = nearness_of(picture.geometry, *warp);
   if (!nearness) return std::nullopt;
-  const Interval x = covered(warp->x, picture.min.x, picture.max.x, nearness->min, nearness->max);
-  const Interval y = covered(warp->y, picture.min.y, picture.max.y, nearness->min, nearness->max);
-
-  // The grid of the result stands still on the plane: texel k begins at k / resolution.
+  // The grid of the result stands still on the plane: texel k begins at k / resolution. Silhouettes
+  // fade over half a sample beyond their texels, which is cut off rather than all made coarser.
   double resolution = options.resolution;
   glm::dvec2 low(0), high(0);
-  for (;; resolution /= 2) {
-    low = glm::floor(resolution * glm::dvec2(x.min, y.min) + 1e-4);
-    high = glm::ceil(resolution * glm::dvec2(x.max, y.max) - 1e-4);
+  const auto fits = [&](double beyond, bool with_room) {
+    const Interval x = covered(warp->x, picture.min.x - beyond, picture.max.x + beyond,
+                               nearness->min, nearness->max);
+    const Interval y = covered(warp->y, picture.min.y - beyond, picture.max.y + beyond,
+                               nearness->min, nearness->max);
+    glm::dvec2 first(x.min, y.min), last(x.max, y.max);
+    if (with_room) {
+      first = glm::min(first, glm::dvec2(options.room->x, options.room->y));
+      last = glm::max(last, glm::dvec2(options.room->z, options.room->w));
+    }
+    low = glm::floor(resolution * first + 1e-4);
+    high = glm::ceil(resolution * last - 1e-4);
     high = glm::max(high, low + 1.0);
-    if (std::max(high.x - low.x, high.y - low.y) <= options.max_size) break;
-  }
+    return std::max(high.x - low.x, high.y - low.y) <= options.max_size;
+  };
+  while (!(options.room && fits(0.5, true)) && !fits(0.5, false) && !fits(0, false))
+    resolution /= 2;
   const int width = int(high.x - low.x), height = int(high.y - low.y);
 
   // The result's camera. Its depths are a little wider than the samples', so that no code is out of
@@ -197,6 +206,9 @@ std::optional<WarpedTexels> warp_impostor(const ImpostorPicture& picture, const 
   std::fill_n(scratch.between.end() - pitch, pitch, WarpTexel{0, kEmptyWarped});
   result.color.resize(texels);
   result.delta.resize(texels);
+  scratch.flags.resize(texels);
+  const WarpPlanes planes{reinterpret_cast<std::uint32_t*>(result.color.data()),
+                          result.delta.data(), scratch.flags.data(), std::size_t(width)};
   const int bands = (rows + kRowsAtOnce - 1) / kRowsAtOnce,
             strips = (width + kWarpStrip - 1) / kWarpStrip;
   const std::size_t row_bytes = (row_pass_scratch(columns, width) + 63) / 64 * 64,
@@ -216,10 +228,9 @@ std::optional<WarpedTexels> warp_impostor(const ImpostorPicture& picture, const 
   };
   const auto do_strip = [&](int strip) {
     const int first = strip * kWarpStrip;
-    scratch.counts[std::size_t(strip)] = column_pass(
-        down, scratch.between.data(), pitch, rows, first, std::min(kWarpStrip, width - first),
-        reinterpret_cast<std::uint32_t*>(result.color.data()), result.delta.data(),
-        std::size_t(width), height, bytes_of(strip, column_bytes));
+    scratch.counts[std::size_t(strip)] = column_pass(down, scratch.between.data(), pitch, rows,
+                                                     first, std::min(kWarpStrip, width - first),
+                                                     planes, height, bytes_of(strip, column_bytes));
   };
   if (options.parallel) {
     parallel_for(0, bands, do_band);

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct ImpostorWarpOptions {
   int max_size = 1024;
   // On all cores; otherwise on the calling thread alone. The result is the same.
   bool parallel = true;
+  // A rectangle of the picture's raster (left, top, right, bottom) that the result has room for,
+  // too, if it fits into max_size: for merge_warps().
+  std::optional<glm::dvec4> room = {};
 };
 
 // The formula above in raster positions of the picture, for one axis: p' = (a0 + a1 p) + B (b0 + b1
@@ -69,6 +73,8 @@ struct ImpostorWarpScratch {
   std::vector<std::uint32_t> table;
   std::vector<std::byte> bytes;
   std::vector<WarpedTexels> counts;
+  // Of the last warp, by texel of its result: 1 where it is interpolated, 2 where torn; or both.
+  std::vector<std::uint16_t> flags;
 };
 
 // Warps the picture. None if it is empty, or if `eye` sees any of it from behind its plane, or too

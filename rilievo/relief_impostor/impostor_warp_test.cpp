@@ -14,8 +14,8 @@ Camera warp_test_camera(int width, int height) {
   return look_at({0.3, 0.2, 3}, {0, 0, 0}, {0, 1, 0}, 0.5, width, height, 2.0, 4.0);
 }
 
-// Depths in steps and slopes, with holes.
-ImpostorPicture random_impostor(std::mt19937& rng, int width, int height) {
+// Depths in steps and slopes, with holes; `thin`: and with texels that are not opaque.
+ImpostorPicture random_impostor(std::mt19937& rng, int width, int height, bool thin = false) {
   Nailboard board;
   board.geometry = picture_geometry(warp_test_camera(width, height));
   board.geometry.delta_bits = kLevelBits;
@@ -28,13 +28,33 @@ ImpostorPicture random_impostor(std::mt19937& rng, int width, int height) {
       if (byte(rng) < 40) at = level(rng);
       at = std::clamp(at + (byte(rng) - 128) / 16, 0, int(delta_steps(kLevelBits)));
       const bool hole = byte(rng) < 30;
-      board.color(x, y) = glm::u8vec4(byte(rng), byte(rng), byte(rng), hole ? 0 : 255);
+      const int alpha = hole ? 0 : thin && byte(rng) < 30 ? 1 + byte(rng) % 255 : 255;
+      const int red = byte(rng) * alpha / 255, green = byte(rng) * alpha / 255;
+      board.color(x, y) = glm::u8vec4(red, green, byte(rng) * alpha / 255, alpha);
       board.delta(x, y) = std::uint16_t(hole ? kEmptyLevel : at);
     }
   return impostor_picture(board);
 }
 
-// One row or column, one sample at a time; the same operations on floats in the same order.
+// Colours, premultiplied: `a` mixed with `b` by 256ths; `front` before `behind`.
+std::uint32_t slow_mix(std::uint32_t a, std::uint32_t b, std::uint32_t weight) {
+  std::uint32_t color = 0;
+  for (int c = 0; c < 32; c += 8)
+    color |= (((a >> c & 255) * (256 - weight) + (b >> c & 255) * weight + 128) >> 8) << c;
+  return color;
+}
+std::uint32_t slow_over(std::uint32_t front, std::uint32_t behind) {
+  std::uint32_t color = 0;
+  for (int c = 0; c < 32; c += 8) {
+    const double sum = double(front >> c & 255) +
+                       std::floor(double(behind >> c & 255) * (255 - (front >> 24)) / 255 + 0.5);
+    color |= std::uint32_t(std::min(255.0, sum)) << c;
+  }
+  return color;
+}
+
+// One row or column, one sample at a time; the same operations on floats in the same order. First
+// what is opaque, then silhouettes.
 std::vector<WarpTexel> slow_pass(const AxisWarp& k, const std::vector<WarpTexel>& in,
                                  int out_count) {
   const int count = int(in.size());
@@ -42,37 +62,63 @@ std::vector<WarpTexel> slow_pass(const AxisWarp& k, const std::vector<WarpTexel>
   const auto code = [&](int i) {
     return i < 0 || i >= count ? kEmptyWarped : in[std::size_t(i)].code & 0xffff;
   };
+  const auto opaque = [&](int i) { return in[std::size_t(i)].color >> 24 == 255; };
   const auto position = [&](int i) {
     return (k.a0 + k.a1 * float(i)) + float(code(i)) * (k.b0 + k.b1 * float(i));
   };
-  const auto piece = [&](int i) {
+  const auto cell = [&](float x) { return int(std::clamp(x + 0.5f, 0.0f, float(out_count))); };
+  const auto put = [&](int x, const WarpTexel& front) {
+    WarpTexel& texel = out[std::size_t(x)];
+    if (front.color >> 24 < kFaintAlpha) return;
+    if (texel.code == kEmptyWarped) {
+      texel = front;
+      return;
+    }
+    const WarpTexel was = texel;
+    const bool nearer = (front.code & 0xffff) <= (was.code & 0xffff);
+    const WarpTexel &first = nearer ? front : was, &second = nearer ? was : front;
+    texel.color = slow_over(first.color, second.color);
+    texel.code = first.color >> 24 >= 128 ? first.code : second.code;
+  };
+  const auto mixed = [&](int i, int x) {
+    const float p = position(i), center = float(x) + 0.5f, next = position(i + 1);
+    const float t = std::clamp((center - p) / (next - p), 0.0f, 1.0f);
+    const WarpTexel &a = in[std::size_t(i)], &b = in[std::size_t(i + 1)];
+    WarpTexel texel{slow_mix(a.color, b.color, std::uint32_t(t * 256.0f + 0.5f)), 0};
+    const auto qa = float(code(i)), qb = float(code(i + 1));
+    texel.code = std::uint32_t(qa + t * (qb - qa) + 0.5f);
+    texel.code |= (t < 0.5f ? a : b).code & (kInterpolatedBit | kTornBit);
+    if (std::abs(center - p) > k.reach && std::abs(next - center) > k.reach)
+      texel.code |= kInterpolatedBit;
+    if (next - p > kTear) texel.code |= kTornBit;
+    return texel;
+  };
+  const auto piece = [&](int i, bool silhouettes) {
     if (code(i) == kEmptyWarped) return;
-    const float p = position(i), size = 0.5f * (k.a1 + float(code(i)) * k.b1);
+    const WarpTexel& a = in[std::size_t(i)];
+    const float p = position(i), size = k.a1 + float(code(i)) * k.b1;
+    const auto fade = [&](float from, float to) {
+      for (int x = cell(from); x < cell(to); ++x) {
+        const float t = std::min(std::abs(float(x) + 0.5f - p) / size, 1.0f);
+        put(x, {slow_mix(a.color, 0, std::uint32_t(t * 256.0f + 0.5f)), a.code});
+      }
+    };
     const bool linked = code(i + 1) != kEmptyWarped;
-    const float begin = code(i - 1) == kEmptyWarped ? p - size : p;
-    const float end = linked ? position(i + 1) : p + size;
-    const auto cell = [&](float x) { return int(std::clamp(x + 0.5f, 0.0f, float(out_count))); };
-    for (int x = cell(begin); x < cell(end); ++x) {
-      const float center = float(x) + 0.5f, next = linked ? position(i + 1) : 0;
-      const float t = linked ? std::clamp((center - p) / (next - p), 0.0f, 1.0f) : 0.0f;
-      const auto weight = std::uint32_t(t * 256.0f + 0.5f);
-      const WarpTexel &a = in[std::size_t(i)], &b = linked ? in[std::size_t(i + 1)] : a;
-      WarpTexel& texel = out[std::size_t(x)];
-      texel.color = 0;
-      for (int c = 0; c < 32; c += 8)
-        texel.color |=
-            (((a.color >> c & 255) * (256 - weight) + (b.color >> c & 255) * weight + 128) >> 8)
-            << c;
-      const auto qa = float(code(i)), qb = linked ? float(code(i + 1)) : 0.0f;
-      texel.code = std::uint32_t(qa + t * (qb - qa) + 0.5f);
-      if ((t < 0.5f ? a : b).code & kInterpolatedBit) texel.code |= kInterpolatedBit;
-      if (std::abs(center - p) > k.reach && !(linked && std::abs(next - center) <= k.reach))
-        texel.code |= kInterpolatedBit;
+    const bool solid = linked && opaque(i) && opaque(i + 1);
+    if (silhouettes && code(i - 1) == kEmptyWarped && size > 0) fade(p - size, p);
+    if (silhouettes && !linked && size > 0) fade(p, p + size);
+    if (!linked || solid == silhouettes) return;
+    for (int x = cell(p); x < cell(position(i + 1)); ++x) {
+      if (silhouettes)
+        put(x, mixed(i, x));
+      else
+        out[std::size_t(x)] = mixed(i, x);
     }
   };
-  for (const AxisWarp::Range& range : k.ranges)
-    for (int n = 0; n < range.to - range.from; ++n)
-      piece(range.up ? range.from + n : range.to - 1 - n);
+  for (const bool silhouettes : {false, true})
+    for (const AxisWarp::Range& range : k.ranges)
+      for (int n = 0; n < range.to - range.from; ++n)
+        piece(range.up ? range.from + n : range.to - 1 - n, silhouettes);
   return out;
 }
 
@@ -94,7 +140,7 @@ TEST(ImpostorWarp, passes_equal_the_slow_definition_to_the_byte) {
     const int height = std::uniform_int_distribution<int>(1, 90)(rng);
     const int out_width = std::uniform_int_distribution<int>(1, 170)(rng);
     const int out_height = std::uniform_int_distribution<int>(1, 100)(rng);
-    const ImpostorPicture picture = random_impostor(rng, width, height);
+    const ImpostorPicture picture = random_impostor(rng, width, height, round % 3 > 0);
     std::vector<std::uint32_t> table(kEmptyLevel + 1);
     level_table({1.4f, -1e-4f, 1.1f, 1e-5f, 90000, -64000}, table.data());
     for (std::uint32_t level = 0; level < kEmptyLevel; ++level) {
@@ -123,13 +169,14 @@ TEST(ImpostorWarp, passes_equal_the_slow_definition_to_the_byte) {
     }
     const std::size_t plane_pitch = std::size_t(out_width) + 3;
     std::vector<std::uint32_t> color(plane_pitch * std::size_t(out_height), 7);
-    std::vector<std::uint16_t> delta(color.size(), 7);
+    std::vector<std::uint16_t> delta(color.size(), 7), flags(color.size(), 7);
+    const WarpPlanes planes{color.data(), delta.data(), flags.data(), plane_pitch};
     scratch.resize(column_pass_scratch(height, out_height));
     WarpedTexels counted, wanted;
     for (int x = 0; x < out_width; x += kWarpStrip) {
-      const WarpedTexels part = column_pass(down, between.data(), int(pitch), height, x,
-                                            std::min(kWarpStrip, out_width - x), color.data(),
-                                            delta.data(), plane_pitch, out_height, scratch.data());
+      const WarpedTexels part =
+          column_pass(down, between.data(), int(pitch), height, x,
+                      std::min(kWarpStrip, out_width - x), planes, out_height, scratch.data());
       counted.covered += part.covered, counted.interpolated += part.interpolated;
     }
     for (int x = 0; x < out_width; ++x) {
@@ -141,6 +188,7 @@ TEST(ImpostorWarp, passes_equal_the_slow_definition_to_the_byte) {
         const WarpTexel& texel = drawn[std::size_t(y)];
         ASSERT_EQ(color[at], texel.color) << x << ' ' << y;
         ASSERT_EQ(delta[at], texel.code & 0xffff) << x << ' ' << y;
+        ASSERT_EQ(flags[at], texel.code == kEmptyWarped ? 0 : texel.code >> 16) << x << ' ' << y;
         wanted.covered += texel.code != kEmptyWarped;
         wanted.interpolated += (texel.code & kInterpolatedBit) != 0;
       }
@@ -212,9 +260,9 @@ TEST(ImpostorWarp, what_it_shows_of_a_plane_lies_on_the_plane_in_the_right_colou
         const double z = eye_z_from(DepthKind::window_z, double(decode_delta(code, 16)),
                                     result.geometry.capture, raster);
         const glm::dvec3 point = world_from_raster(result.geometry.capture, raster, z);
-        // A level of the source is 0.5 mm of depth. At the ends, half a texel has its end's depth:
-        // at most 8 mm along each axis, on a slope of at most 0.6.
-        EXPECT_NEAR(glm::dot(normal, point), 0, 0.01);
+        // A level of the source is 0.5 mm of depth. At the ends, a texel that fades has its end's
+        // depth: at most 16 mm along each axis, on a slope of at most 0.6.
+        EXPECT_NEAR(glm::dot(normal, point), 0, 0.02);
       }
     EXPECT_EQ(shown, counted->covered);
     EXPECT_GT(shown, 5000u);
@@ -230,14 +278,15 @@ TEST(ImpostorWarp, its_own_eye_sees_the_picture_unchanged) {
       warp_impostor(picture, picture.geometry.capture.position(), {}, scratch, result);
   ASSERT_TRUE(counted);
   EXPECT_EQ(counted->interpolated, 0u);
+  // A texel of room for silhouettes on each side.
   const glm::ivec2 size = picture.max - picture.min;
-  ASSERT_EQ(result.width(), size.x);
-  ASSERT_EQ(result.height(), size.y);
+  ASSERT_EQ(result.width(), size.x + 2);
+  ASSERT_EQ(result.height(), size.y + 2);
   for (int y = 0; y < size.y; ++y)
     for (int x = 0; x < size.x; ++x) {
       const WarpTexel& from = picture.at(picture.min.x + x, picture.min.y + y);
       const auto to = std::bit_cast<glm::u8vec4>(from.color);
-      const glm::u8vec4 found = result.color[std::size_t(y * size.x + x)];
+      const glm::u8vec4 found = result.color[std::size_t((y + 1) * result.width() + x + 1)];
       // Positions are rounded to floats: up to one 256th of a neighbour, in each pass.
       for (int c = 0; c < 4; ++c) EXPECT_NEAR(int(found[c]), int(to[c]), 2) << x << ' ' << y;
     }
@@ -256,11 +305,11 @@ TEST(ImpostorWarp, threads_change_nothing_and_a_second_warp_allocates_nothing) {
   EXPECT_EQ(first->interpolated, second->interpolated);
   EXPECT_GT(first->share(), 0.05);
   const void* before[] = {alone.between.data(), alone.bytes.data(), alone.table.data(),
-                          a.color.data(), a.delta.data()};
+                          a.color.data(),       a.delta.data(),     alone.flags.data()};
   ASSERT_TRUE(warp_impostor(picture, eye, {.parallel = false}, alone, a));
   const void* after[] = {alone.between.data(), alone.bytes.data(), alone.table.data(),
-                         a.color.data(), a.delta.data()};
-  EXPECT_TRUE(std::equal(before, before + 5, after));
+                         a.color.data(),       a.delta.data(),     alone.flags.data()};
+  EXPECT_TRUE(std::equal(before, before + 6, after));
 }
 
 // Rows alone: the surface that is drawn last is the nearest of those that cover a texel.

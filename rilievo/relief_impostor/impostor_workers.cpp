@@ -37,6 +37,10 @@ double coarseness(const PictureGeometry& picture, const PlaneWarp& warp, double 
   return texel / std::max(finest, warp.height / focal_px / options.texels_per_px);
 }
 
+double distance_from(const Box& box, const glm::dvec3& eye) {
+  return glm::distance(eye, glm::clamp(eye, glm::dvec3(box.min), glm::dvec3(box.max)));
+}
+
 // The widest that a picture may reach beside the frame's axis, tangents: 68 degrees.
 constexpr double kWidest = 2.5;
 
@@ -84,6 +88,18 @@ Result<Camera> impostor_camera(const Box& bounds, const ImpostorEye& eye,
   camera->height = std::max(1, int(std::ceil(down / texel - 1e-9)));
   return camera;
 }
+
+namespace {
+
+// The newest value. The last one before it that is finished goes to `before`.
+template <class Value>
+void take_newest(TripleBuffer<Value>& buffer, Value& before) {
+  if (!buffer.has_news()) return;
+  if (buffer.front().final) std::swap(buffer.front(), before);
+  (void)buffer.update();
+}
+
+}  // namespace
 
 struct ImpostorWorkers::State {
   WorkerOptions options;
@@ -140,17 +156,22 @@ struct ImpostorWorkers::State {
 
   void do_warp(ImpostorSlot& slot) {
     slot.warp_eyes.update();
-    slot.pictures.update();
-    const NumberedImpostor& from = slot.pictures.front();
+    take_newest(slot.pictures, slot.before);
+    const NumberedImpostor &from = slot.pictures.front(), &before = slot.before;
     ImpostorWarpResult& result = slot.boards.back();
     const Stopwatch watch;
-    const auto counted = warp_impostor(from.picture, slot.warp_eyes.front(), {.parallel = false},
-                                       slot.scratch, result.board);
+    const glm::dvec3& eye = slot.warp_eyes.front();
+    const ImpostorWarpOptions alone{.parallel = false};
+    const auto counted =
+        from.final && before.final && !options.alone && slot.object.deforms == 0
+            ? warp_pair(from.picture, before.picture, eye, alone, slot.scratch, result.board)
+            : warp_impostor(from.picture, eye, alone, slot.scratch.main, result.board);
     if (!counted) return;
     encode_prewarped(result.board, {0, 0, result.board.width(), result.board.height()},
                      result.encoded);
     result.interpolated = counted->share();
     result.picture = from.number;
+    result.time = from.time;
     result.made = from.made;
     slot.boards.publish();
     warps.fetch_add(1, std::memory_order_relaxed);
@@ -158,15 +179,18 @@ struct ImpostorWorkers::State {
   }
 
   // A picture is complete: to the frame and to the warping worker.
-  void publish(ImpostorSlot& slot, const DepthImage& picture, bool final) {
+  void publish(ImpostorSlot& slot, const DepthImage& picture, bool final, double time) {
     NumberedImpostor& to = slot.pictures.back();
     to.picture = impostor_picture(picture);
     if (to.picture.empty()) return;
+    to.final = final;
+    to.time = time;
     to.number = slot.published.fetch_add(1, std::memory_order_relaxed) + 1;
     ImpostorJudgement& judged = slot.judgements.back();
     judged.geometry = to.picture.geometry;
     judged.pairs = critical_pairs(to.picture, options.regions);
     judged.final = final;
+    judged.time = time;
     judged.picture = to.number;
     judged.made = to.made = Stopwatch();
     slot.pictures.publish();
@@ -194,7 +218,8 @@ struct ImpostorWorkers::State {
     CaptureControl control;
     control.stop = stop.get_token();
     control.refined = [&](const CapturedPicture& coarser) {
-      if (!stop.stop_requested()) publish(slot, coarser.picture, false);
+      if (!stop.stop_requested() && slot.coarse_helps.load(std::memory_order_relaxed))
+        publish(slot, coarser.picture, false, order.time);
     };
     CaptureRequest request;
     request.camera = *camera;
@@ -202,6 +227,7 @@ struct ImpostorWorkers::State {
     request.samples = options.samples;
     request.identifiers = false;
     request.control = &control;
+    request.time = order.time;
     const Stopwatch watch;
     const Result<CapturedPicture> captured = source.capture(request);
     const double took = watch.ms();
@@ -215,7 +241,7 @@ struct ImpostorWorkers::State {
     }
     if (!captured) return fail(captured.error());
     slot.render_s.store(took / 1e3, std::memory_order_relaxed);
-    publish(slot, captured->picture, true);
+    publish(slot, captured->picture, true, order.time);
   }
 };
 
@@ -259,26 +285,34 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   ImpostorSituation now;
   now.warping = slot.warp.pending();
   now.rendering = slot.render.pending();
-  slot.judgements.update();
+  take_newest(slot.judgements, slot.judged_before);
   const bool changed = slot.boards.update();
   slot.boards_seen += changed;
   slot.stops.update();
 
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const ImpostorJudgement& judged = slot.judgements.front();
+  const ImpostorJudgement &judged = slot.judgements.front(), &before = slot.judged_before;
   const ImpostorWarpResult& board = slot.boards.front();
   now.drawable = slot.object.drawable;
   now.picture = judged.picture > 0;
   now.final = judged.final;
-  const auto stretch_from = [&](const glm::dvec3& from) {
-    const auto warp = plane_warp(judged.geometry, from);
-    if (!warp || !std::isfinite(largest_move(judged.geometry, *warp))) return kNever;
-    const double coarse = coarseness(judged.geometry, *warp, eye.focal_px, s.options);
+  const auto stretch_of_one = [&](const ImpostorJudgement& of, const glm::dvec3& from) {
+    const auto warp = plane_warp(of.geometry, from);
+    if (!warp || !std::isfinite(largest_move(of.geometry, *warp))) return kNever;
+    const double coarse = coarseness(of.geometry, *warp, eye.focal_px, s.options);
     // Texels that are up to 1.5 times too small are only slow.
-    return stretch_of(judged.geometry, judged.pairs, *warp).mean *
+    return stretch_of(of.geometry, of.pairs, *warp).mean *
            std::max({1.0, coarse, 1 / (1.5 * coarse)});
   };
+  // Of two pictures, the better one.
+  const bool pair = judged.final && before.final && !s.options.alone && slot.object.deforms == 0;
+  const auto stretch_from = [&](const glm::dvec3& from) {
+    const double one = stretch_of_one(judged, from);
+    return pair ? std::min(one, stretch_of_one(before, from)) : one;
+  };
   now.stretch = now.picture ? stretch_from(eye.position) : kNever;
+  slot.coarse_helps.store(!(judged.final && now.stretch <= s.options.limits.drop),
+                          std::memory_order_relaxed);
   now.warped = board.picture > 0;
   if (now.warped) {
     const PictureGeometry& geometry = board.board.geometry;
@@ -290,16 +324,26 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
     if (board.picture < judged.picture)
       now.moved_px = std::max(now.moved_px, 1.01 * s.options.limits.still_px);
   }
+  // What deforms has moved by so much since, at the nearest place where it can be.
+  const double nearest = std::max(1e-9, distance_from(slot.bounds, eye.position));
+  const auto deformed_px = [&](double since) {
+    return slot.object.deforms * std::abs(eye.time - since) / nearest * eye.focal_px;
+  };
+  if (now.picture) now.deformed_px = deformed_px(judged.time);
+  if (now.warped) now.shown_deformed_px = deformed_px(board.time);
   // Of a picture that is on its way, the relief is not known yet: as stretched as this one would be
   // if it had been taken as far from where the eye is when it is done.
   const double render_s =
       std::min(slot.render_s.load(std::memory_order_relaxed), s.options.predict_s);
+  // Pictures are for the end of their time, so that the eye is between the last two of them.
+  const double ahead_s = std::min(2 * render_s, s.options.predict_s), lead_s = ahead_s - render_s;
+  if (now.picture) now.later_stretch = stretch_from(predicted_eye(eye, render_s));
   if (now.rendering) {
     const double remaining = std::max(0.0, render_s - slot.ordered.ms() / 1e3);
-    const glm::dvec3 beside = predicted_eye(eye, remaining) - slot.ordered_eye;
+    const glm::dvec3 beside = predicted_eye(eye, remaining + lead_s) - slot.ordered_eye;
     now.rendered_stretch =
         now.picture
-            ? stretch_from(judged.geometry.capture.position() + beside)
+            ? stretch_of_one(judged, judged.geometry.capture.position() + beside)
             : 1 + glm::length(beside) /
                       std::max(1e-9, glm::length(eye.position - glm::dvec3(slot.bounds.center())));
   }
@@ -307,7 +351,7 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   const ImpostorStep step = next_step(now, s.options.limits);
   if (step.cancel_render) slot.stops.front().request_stop();
   if (step.order_render) {
-    slot.ordered_eye = predicted_eye(eye, render_s);
+    slot.ordered_eye = predicted_eye(eye, ahead_s);
     slot.ordered = Stopwatch();
     slot.render_orders.back() = eye;
     slot.render_orders.back().position = slot.ordered_eye;
@@ -344,6 +388,7 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   frame.board_number = slot.boards_seen;
   frame.stretch = now.stretch;
   frame.moved_px = now.moved_px;
+  frame.deformed_px = now.shown_deformed_px;
   frame.interpolated = board.interpolated;
   return frame;
 }

@@ -22,18 +22,23 @@ namespace rilievo {
 struct ImpostorObject {
   std::vector<std::uint32_t> objects;  // of the sources; empty: all
   bool drawable = true;                // can the frame draw it without an impostor?
+  // How fast its surface deforms at most, metres per second of ImpostorEye::time, besides its rigid
+  // motion; 0: not at all.
+  double deforms = 0;
 };
 
 // How pictures are made, and when.
 struct WorkerOptions {
   ImpostorLimits limits;
-  int size = 256;  // texels of a picture's longer side; fewer where they are smaller than
-                   // a pixel over texels_per_px
+  // The most texels of a picture's longer side. A picture has texels_per_px texels a pixel where
+  // that is fewer, so that its size follows its object's in the frame. A board has room for 1024.
+  int size = 1024;
   double texels_per_px = 1;
   int samples = 4;         // of a picture
   int regions = 8;         // for the critical points
-  double predict_s = 1.0;  // pictures are made for where the eye is when they are done, as it moves
-                           // now, but at most so long ahead
+  double predict_s = 1.0;  // pictures are made for where the eye is when the next one is done, as
+                           // it moves now, but at most so long ahead
+  bool alone = false;      // shows the newest picture alone, never merged with the one before it
   int nice = 0;            // the workers give way to other threads: 0 (not at all) to 19
 };
 
@@ -53,6 +58,7 @@ struct ImpostorFrame {
   std::uint64_t board_number = 0;         // another one where the board is another one
   double stretch = 0;                     // of the picture
   double moved_px = 0;                    // of the warp
+  double deformed_px = 0;                 // what it shows has deformed since: an upper bound
   double interpolated = 0;                // share of the warp's texels
   std::uint64_t picture = 0;              // counts the pictures that were published; 0: none yet
   bool final = false;  // is the newest picture of full resolution and all samples?

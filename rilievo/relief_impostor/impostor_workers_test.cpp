@@ -15,7 +15,7 @@ namespace rilievo {
 namespace {
 
 // A ball of radius 1 with a coloured half, shaded on the spot.
-CapturedPicture ball_picture(const Camera& camera, float blue) {
+CapturedPicture ball_picture(const Camera& camera, float blue, double radius = 1) {
   CapturedPicture made;
   DepthImage& picture = made.picture;
   picture.camera = camera;
@@ -26,7 +26,8 @@ CapturedPicture ball_picture(const Camera& camera, float blue) {
     for (int x = 0; x < camera.width; ++x) {
       const glm::dvec3 at = camera.position();
       const glm::dvec3 way = world_from_raster(camera, {x + 0.5, y + 0.5}, 1) - at;
-      const double a = glm::dot(way, way), b = glm::dot(way, at), c = glm::dot(at, at) - 1;
+      const double a = glm::dot(way, way), b = glm::dot(way, at),
+                   c = glm::dot(at, at) - radius * radius;
       const double root = b * b - a * c;
       const bool hit = root > 0;
       picture.depth(x, y) = hit ? float((-b - std::sqrt(root)) / a) : kNoDepth;
@@ -143,8 +144,52 @@ TEST(ImpostorWorkers, pictures_are_made_for_where_the_eye_will_be) {
   eye.velocity = {10, 0, 0};
   (void)workers.frame(0, eye);
   workers.wait_until_idle();
-  // Before the first picture, one is assumed to take a tenth of a second.
-  EXPECT_NEAR(last_x, 1.0, 1e-9);
+  // Before the first picture, one is assumed to take a tenth of a second; and so the next, until
+  // which this one is shown.
+  EXPECT_NEAR(last_x, 2.0, 1e-9);
+}
+
+// A ball that shrinks by 0.3 metres a second.
+TEST(ImpostorWorkers, what_deforms_is_shown_for_no_longer_than_it_is_right) {
+  const auto radius = [](double time) { return 1 - 0.3 * time; };
+  CallableSource ball("ball", kBall, [&](const CaptureRequest& request) -> Result<CapturedPicture> {
+    return ball_picture(request.camera, 0.1f, radius(request.time));
+  });
+  ImpostorWorkers workers({&ball}, {{.deforms = 0.3}}, {.size = 64});
+  ImpostorEye eye = eye_at(0);
+  EXPECT_EQ(settle(workers, 0, eye).shown, ImpostorShown::fresh);
+  EXPECT_EQ(workers.stats().pictures, 1u);
+  const double away = glm::length(eye.position);
+  // Where the silhouette is seen, pixels from the middle.
+  const auto silhouette_px = [&](double time) {
+    return eye.focal_px * std::tan(std::asin(radius(time) / away));
+  };
+  double shown_time = 0;
+  std::uint64_t pictures = 1;
+  for (const double time : {0.002, 0.05, 0.051, 0.06, 0.9, 1.3}) {
+    eye.time = time;
+    const ImpostorFrame frame = workers.frame(0, eye);
+    // It is never off by more than it says.
+    EXPECT_GE(frame.deformed_px + 1e-9, silhouette_px(shown_time) - silhouette_px(time)) << time;
+    // Nearest to the eye, a metre is 500 / 3 pixels.
+    const double most = 0.3 * (time - shown_time) * eye.focal_px / (away - 1.5);
+    EXPECT_LE(frame.deformed_px, most) << time;
+    EXPECT_EQ(frame.shown, frame.deformed_px <= 0.5 ? ImpostorShown::fresh
+                           : frame.deformed_px <= 8 ? ImpostorShown::stale
+                                                    : ImpostorShown::object)
+        << time;
+    EXPECT_EQ(frame.rendering, frame.deformed_px > 0.5) << time;
+    const bool renewed = frame.rendering;
+    const ImpostorFrame then = settle(workers, 0, eye);
+    EXPECT_EQ(then.shown, ImpostorShown::fresh);
+    pictures += renewed;
+    EXPECT_EQ(workers.stats().pictures, pictures);
+    if (renewed) {
+      EXPECT_EQ(then.deformed_px, 0);
+      shown_time = time;
+    }
+  }
+  EXPECT_EQ(pictures, 4u);
 }
 
 TEST(ImpostorWorkers, a_picture_for_an_eye_left_behind_is_given_up) {

@@ -19,6 +19,7 @@ PictureKey kept_key(const CaptureRequest& request, const Box& bounds, const Kept
   key.content = options.content;
   for (const std::uint32_t object : request.objects) key.content += ' ' + std::to_string(object);
   key.shader = options.shader + " samples " + std::to_string(request.samples);
+  if (request.time != 0) key.shader += " time " + std::to_string(request.time);
   if (request.identifiers) key.shader += " identifiers";
   key.cell = camera_cell(request.camera, side);
   key.width = request.camera.width, key.height = request.camera.height;

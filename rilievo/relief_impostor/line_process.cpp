@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/eventfd.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 
@@ -50,7 +51,8 @@ struct SpawnPlan {
 }  // namespace
 
 Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& program,
-                                                        std::span<const std::string> arguments) {
+                                                        std::span<const std::string> arguments,
+                                                        int nice) {
   const auto error = [&](int number) {
     return Error{program, std::string("cannot be started: ") + std::strerror(number)};
   };
@@ -70,6 +72,10 @@ Result<std::unique_ptr<LineProcess>> LineProcess::start(const std::string& progr
   if (const int failed = ::posix_spawnp(&id, program.c_str(), &plan.actions, &plan.attributes,
                                         argv.data(), environ))
     return error(failed);
+  // It has one thread yet; what it starts later inherits this.
+  errno = 0;
+  const int own = ::getpriority(PRIO_PROCESS, 0);
+  if (nice > 0 && errno == 0) (void)::setpriority(PRIO_PROCESS, id_t(id), own + nice);
   return std::unique_ptr<LineProcess>(
       new LineProcess(id, std::exchange(ours.fd, -1), std::exchange(from.fd, -1)));
 }

@@ -27,9 +27,10 @@ class LineProcess {
   // How waiting for a line ended.
   enum class Heard { line, stopped, late, ended, too_long };
 
-  // `program`: a path, or a name without a slash, which is searched in PATH.
+  // `program`: a path, or a name without a slash, which is searched in PATH. `nice`: how far it
+  // gives way to the caller, 0 to 19; its own children and threads do, too.
   [[nodiscard]] static Result<std::unique_ptr<LineProcess>> start(
-      const std::string& program, std::span<const std::string> arguments);
+      const std::string& program, std::span<const std::string> arguments, int nice = 0);
   ~LineProcess();
   LineProcess(const LineProcess&) = delete;
   LineProcess& operator=(const LineProcess&) = delete;

@@ -50,12 +50,34 @@ class RefinedPicture {
     });
   }
 
-  // The samples [from, to) of all texels, from 1.
-  void more_samples(int from, int to) {
+  // Texels beside those whose centre shows something: a silhouette may go through them.
+  void find_edges() {
+    edge_ = Image<std::uint8_t>(camera_.width, camera_.height);
+    const auto shows = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < camera_.width && y < camera_.height &&
+             out_.picture.covered(x, y);
+    };
     parallel_for(0, camera_.height, [&](int y) {
       for (int x = 0; x < camera_.width; ++x)
-        for (int s = from; s < to && !stopped(); ++s)
-          if (out_.picture.covered(x, y)) out_.picture.color(x, y) += sampled(x, y, s);
+        edge_(x, y) =
+            !shows(x, y) && (shows(x - 1, y) || shows(x + 1, y) || shows(x, y - 1) ||
+                             shows(x, y + 1) || shows(x - 1, y - 1) || shows(x + 1, y - 1) ||
+                             shows(x - 1, y + 1) || shows(x + 1, y + 1));
+    });
+  }
+
+  // The samples [from, to) of all texels, from 1; of those beside silhouettes the first, too.
+  void more_samples(int from, int to) {
+    parallel_for(0, camera_.height, [&](int y) {
+      for (int x = 0; x < camera_.width; ++x) {
+        const bool edge = edge_(x, y);
+        if (!edge && !out_.picture.covered(x, y)) continue;
+        for (int s = edge && from == 1 ? 0 : from; s < to && !stopped(); ++s) {
+          const glm::vec4 light = sampled(x, y, s);
+          if (edge && light.a > 0 && !out_.picture.covered(x, y)) start_beside(x, y, s);
+          if (out_.picture.covered(x, y)) out_.picture.color(x, y) += light;
+        }
+      }
     });
   }
 
@@ -89,6 +111,14 @@ class RefinedPicture {
     out_.picture.object(x, y) = seen->object;
     out_.picture.color(x, y) = sampled(x, y, 0);
   }
+  // What a sample shows of a texel whose centre shows nothing.
+  void start_beside(int x, int y, int sample) {
+    const glm::dvec2 place = place_of_sample(sample, request_.samples);
+    const auto seen = shader_.nearest({x + place.x, y + 1 - place.y});
+    if (!seen) return;
+    out_.picture.depth(x, y) = seen->eye_z;
+    out_.picture.object(x, y) = seen->object;
+  }
   [[nodiscard]] glm::vec4 sampled(int x, int y, int sample) const {
     return shader_.light(x, y, place_of_sample(sample, request_.samples), sample);
   }
@@ -97,6 +127,7 @@ class RefinedPicture {
   const CaptureRequest& request_;
   const Camera& camera_;
   CapturedPicture out_;  // colours: sums over the samples
+  Image<std::uint8_t> edge_;
 };
 
 }  // namespace
@@ -116,6 +147,7 @@ Result<CapturedPicture> refine_picture(const RayShader& shader, const CaptureReq
     if (picture.watched() && (step > 1 || request.samples > 1))
       request.control->refined(picture.so_far(1, step));
   }
+  if (request.samples > 1) picture.find_edges();
   for (int from = 1; from < request.samples; from *= 4) {
     const int to = std::min(4 * from, request.samples);
     picture.more_samples(from, to);

@@ -2,10 +2,12 @@
 // found for a vector of samples; the samples' indices are copied there one by one, in their order,
 // without a branch; then each texel of the result gathers the two ends of its piece and
 // interpolates. The second pass does so for kWarpStrip columns at once, whose indices stay in the
-// first-level cache.
+// first-level cache. Silhouettes are few: their pieces are found by bits and drawn one by one.
 #include "rilievo/relief_impostor/warp_passes.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 
 // This file is compiled once for each instruction set.
@@ -42,27 +44,24 @@ HWY_INLINE VF position(const AxisWarp& k, VF i, VF q) {
   return hn::Add(a, hn::Mul(q, b));
 }
 
-// The texels [first, first + count) of [0, limit) of the pieces that begin at samples of index i;
-// `missed` and a count of 0 or 1 if there is none.
+// The texels [first, first + count) of [0, limit) of the pieces of solid surface that begin at
+// samples of index i; `missed` and a count of 0 or 1 if there is none.
 struct Cells {
   VI first, count;
 };
-HWY_INLINE Cells cells_of(const AxisWarp& k, VF i, VU before, VU code, VU after, int limit,
-                          VI missed) {
+HWY_INLINE Cells cells_of(const AxisWarp& k, VF i, VU code, VU after, int limit, VI missed) {
   const F f;
   const I n;
-  const VF q = as_float(code), half = hn::Set(f, 0.5f);
-  const VF p = position(k, i, q);
-  const VF size = hn::Mul(half, hn::Add(hn::Set(f, k.a1), hn::Mul(q, hn::Set(f, k.b1))));
-  const VF next = position(k, hn::Add(i, hn::Set(f, 1.0f)), as_float(after));
-  const VF begin = hn::IfThenElse(hn::RebindMask(f, is_empty(before)), hn::Sub(p, size), p);
-  const VF end = hn::IfThenElse(hn::RebindMask(f, is_empty(after)), hn::Add(p, size), next);
+  const VF half = hn::Set(f, 0.5f);
+  const VF begin = position(k, i, as_float(code));
+  const VF end = position(k, hn::Add(i, hn::Set(f, 1.0f)), as_float(after));
   const VF low = hn::Zero(f), high = hn::Set(f, float(limit));
   const auto cell = [&](VF at) {
     return hn::ConvertTo(n, hn::Min(hn::Max(hn::Add(at, half), low), high));
   };
   const VI first = cell(begin), count = hn::Sub(cell(end), first);
-  const auto covers = hn::AndNot(hn::RebindMask(n, is_empty(code)), hn::Gt(count, hn::Zero(n)));
+  const auto none = hn::RebindMask(n, hn::Or(is_empty(code), is_empty(after)));
+  const auto covers = hn::AndNot(none, hn::Gt(count, hn::Zero(n)));
   return {hn::IfThenElse(covers, first, missed), hn::IfThenElseZero(covers, count)};
 }
 
@@ -117,27 +116,107 @@ HWY_INLINE void between(const AxisWarp& k, const Ends& ends, int n, VF index, VF
   VU color_a, bits_a, color_b, bits_b;
   hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(ends.a + n), color_a, bits_a);
   hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(ends.b + n), color_b, bits_b);
-  const VU code_a = code_of(bits_a), code_b = code_of(bits_b);
-  const auto linked = hn::Not(hn::RebindMask(f, is_empty(code_b)));
-  const VF qa = as_float(code_a), qb = as_float(code_b);
+  const VF qa = as_float(code_of(bits_a)), qb = as_float(code_of(bits_b));
   const VF pa = position(k, index, qa);
   const VF pb = position(k, hn::Add(index, hn::Set(f, 1.0f)), qb);
   const VF from_a = hn::Sub(center, pa), to_b = hn::Sub(pb, center);
-  const VF ratio = hn::IfThenElseZero(linked, hn::Div(from_a, hn::Sub(pb, pa)));
-  const VF t = hn::Min(hn::Max(ratio, hn::Zero(f)), hn::Set(f, 1.0f));
+  const VF t = hn::Min(hn::Max(hn::Div(from_a, hn::Sub(pb, pa)), hn::Zero(f)), hn::Set(f, 1.0f));
   const VF half = hn::Set(f, 0.5f);
   const VI t8 = hn::ConvertTo(I(), hn::Add(hn::Mul(t, hn::Set(f, 256.0f)), half));
   color = mix_bytes(color_a, color_b, hn::BitCast(u, t8));
-  // Where b shows nothing, its code counts with weight 0.
   const VF q = hn::Add(qa, hn::Mul(t, hn::Sub(qb, qa)));
   const VU mixed = hn::BitCast(u, hn::ConvertTo(I(), hn::Add(q, half)));
   const VF reach = hn::Set(f, k.reach);
-  const auto far = hn::And(hn::Gt(hn::Abs(from_a), reach),
-                           hn::Not(hn::And(linked, hn::Le(hn::Abs(to_b), reach))));
-  const VU bit = hn::Set(u, kInterpolatedBit);
-  const VU before =
-      hn::And(hn::IfThenElse(hn::RebindMask(u, hn::Lt(t, half)), bits_a, bits_b), bit);
-  code = hn::Or(mixed, hn::Or(before, hn::IfThenElseZero(hn::RebindMask(u, far), bit)));
+  const auto far = hn::And(hn::Gt(hn::Abs(from_a), reach), hn::Gt(hn::Abs(to_b), reach));
+  const auto torn = hn::Gt(hn::Sub(pb, pa), hn::Set(f, kTear));
+  const VU before = hn::And(hn::IfThenElse(hn::RebindMask(u, hn::Lt(t, half)), bits_a, bits_b),
+                            hn::Set(u, kInterpolatedBit | kTornBit));
+  const auto bit = [&](auto where, std::uint32_t value) {
+    return hn::IfThenElseZero(hn::RebindMask(u, where), hn::Set(u, value));
+  };
+  code = hn::Or(hn::Or(mixed, before), hn::Or(bit(far, kInterpolatedBit), bit(torn, kTornBit)));
+}
+
+// Is a texel opaque?
+HWY_INLINE auto is_opaque(VU color) { return hn::Eq(hn::ShiftRight<24>(color), hn::Set(U(), 255)); }
+
+// The bits of a mask.
+template <class Mask>
+HWY_INLINE std::uint64_t bits_of(Mask mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(U(), mask, bytes);
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, bytes, 8);
+  return bits & ((std::uint64_t(1) << hn::Lanes(U())) - 1);
+}
+
+// --- Silhouettes, one at a time.
+
+std::uint32_t mix_colors(std::uint32_t a, std::uint32_t b, std::uint32_t t) {
+  const auto pair = [&](std::uint32_t from, std::uint32_t to) {
+    const std::uint32_t low = 0x00ff00ff;
+    return ((from & low) * (256 - t) + (to & low) * t + 0x00800080) >> 8 & low;
+  };
+  return pair(a, b) | pair(a >> 8, b >> 8) << 8;
+}
+
+// Premultiplied `front` before `behind`.
+std::uint32_t over(std::uint32_t front, std::uint32_t behind) {
+  const std::uint32_t through = 255 - (front >> 24);
+  std::uint32_t sum = 0;
+  for (int c = 0; c < 32; c += 8)
+    sum |= std::min(255u, (front >> c & 255) + ((behind >> c & 255) * through + 127) / 255) << c;
+  return sum;
+}
+
+// Adds a texel to what is there already.
+void blend(WarpTexel& to, std::uint32_t color, std::uint32_t code) {
+  if (color >> 24 < kFaintAlpha) return;
+  const bool empty = to.code == kEmptyWarped;
+  if (empty || (code & 0xffff) <= (to.code & 0xffff)) {
+    to.color = empty ? color : over(color, to.color);
+    if (empty || color >> 24 >= 128) to.code = code;
+  } else if (to.color >> 24 < 255) {
+    if (to.color >> 24 < 128) to.code = code;
+    to.color = over(to.color, color);
+  }
+}
+
+// Draws the pieces that begin at sample `a` of index i, and the one that ends there if nothing is
+// before it. `put(x, color, code)` blends a texel.
+template <class Put>
+void draw_silhouette(const AxisWarp& k, int i, const WarpTexel* before, const WarpTexel& a,
+                     const WarpTexel* after, int limit, Put&& put) {
+  const auto at = [&](int index, std::uint32_t code) {
+    return (k.a0 + k.a1 * float(index)) + float(code) * (k.b0 + k.b1 * float(index));
+  };
+  const auto cell = [&](float x) { return int(std::clamp(x + 0.5f, 0.0f, float(limit))); };
+  const std::uint32_t qa = a.code & 0xffff;
+  const float p = at(i, qa), size = k.a1 + float(qa) * k.b1;
+  const auto fade = [&](float from, float to) {
+    for (int x = cell(from), end = cell(to); x < end; ++x) {
+      const float t = std::min(std::abs(float(x) + 0.5f - p) / size, 1.0f);
+      put(x, mix_colors(a.color, 0, std::uint32_t(t * 256.0f + 0.5f)), a.code);
+    }
+  };
+  if (!before && size > 0) fade(p - size, p);
+  if (!after) {
+    if (size > 0) fade(p, p + size);
+  } else if (a.color >> 24 < 255 || after->color >> 24 < 255) {
+    const std::uint32_t qb = after->code & 0xffff;
+    const float next = at(i + 1, qb);
+    for (int x = cell(p), end = cell(next); x < end; ++x) {
+      const float center = float(x) + 0.5f;
+      const float t = std::clamp((center - p) / (next - p), 0.0f, 1.0f);
+      const auto q = std::uint32_t(float(qa) + t * (float(qb) - float(qa)) + 0.5f);
+      const bool far = std::abs(center - p) > k.reach && std::abs(next - center) > k.reach;
+      const std::uint32_t before_bits =
+          (t < 0.5f ? a : *after).code & (kInterpolatedBit | kTornBit);
+      const std::uint32_t bits =
+          before_bits | (far ? kInterpolatedBit : 0) | (next - p > kTear ? kTornBit : 0);
+      put(x, mix_colors(a.color, after->color, std::uint32_t(t * 256.0f + 0.5f)), q | bits);
+    }
+  }
 }
 
 // Writes the index of a piece to all of its texels. Most pieces cover one or two.
@@ -147,6 +226,26 @@ HWY_INLINE void write_piece(std::uint16_t* pieces, std::int32_t first, std::int3
   *to = index;
   to[count > 1 ? step : 0] = index;
   for (std::int32_t n = 2; n < count; ++n) to[n * step] = index;
+}
+
+// Calls `draw` with each index whose bit is set, in the order of the pieces.
+template <class Word, class Draw>
+void for_bits(const AxisWarp& k, Word&& word_of, Draw&& draw) {
+  for (const AxisWarp::Range& range : k.ranges) {
+    if (range.from >= range.to) continue;
+    const int first = range.from / 64, last = (range.to - 1) / 64;
+    for (int n = 0; n <= last - first; ++n) {
+      const int word = range.up ? first + n : last - n;
+      std::uint64_t bits = word_of(word);
+      if (word == first) bits &= ~std::uint64_t(0) << (range.from % 64);
+      if (word == last) bits &= ~std::uint64_t(0) >> (63 - (range.to - 1) % 64);
+      while (bits) {
+        const int bit = range.up ? std::countr_zero(bits) : 63 - std::countl_zero(bits);
+        bits &= ~(std::uint64_t(1) << bit);
+        draw(64 * word + bit);
+      }
+    }
+  }
 }
 
 void do_row(const AxisWarp& k, const std::uint32_t* table, const WarpTexel* in, int width,
@@ -160,23 +259,31 @@ void do_row(const AxisWarp& k, const std::uint32_t* table, const WarpTexel* in, 
   auto* codes = reinterpret_cast<std::uint32_t*>(texels + pitch) + 16;
   auto* first = reinterpret_cast<std::int32_t*>(codes + pitch);
   auto* count = first + pitch;
-  auto* pieces = reinterpret_cast<std::uint16_t*>(count + pitch);
-  codes[-1] = kEmptyWarped;
+  // By sample, a bit: does it show something, and is it opaque? A word beyond each end.
+  const int words = (width + 63) / 64 + 2;
+  auto* shows = reinterpret_cast<std::uint64_t*>(count + pitch) + 1;
+  auto* solid = shows + words;
+  auto* pieces = reinterpret_cast<std::uint16_t*>(solid + words - 1);
+  std::fill(shows - 1, shows - 1 + 2 * words, 0);
   int done = 0;
   for (; done < width; done += lanes) {
     VU color, level;
     hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(in + done), color, level);
     const VU code = hn::GatherIndex(u, table, hn::BitCast(n, level));
     hn::StoreInterleaved2(color, code, u, reinterpret_cast<std::uint32_t*>(texels + done));
-    hn::StoreU(code, u, codes + done);
+    const auto opaque = is_opaque(color);
+    hn::StoreU(hn::IfThenElse(opaque, code, hn::Set(u, kEmptyWarped)), u, codes + done);
+    const auto there = hn::Not(is_empty(code));
+    shows[done / 64] |= bits_of(there) << (done % 64);
+    solid[done / 64] |= bits_of(hn::And(there, opaque)) << (done % 64);
   }
   codes[done] = kEmptyWarped;
   texels[done] = {0, kEmptyWarped};
   const VI missed = hn::Set(n, out_pitch - 1);
   for (int i = 0; i < width; i += lanes) {
     const VF index = hn::ConvertTo(f, hn::Iota(n, i));
-    const Cells cells = cells_of(k, index, hn::LoadU(u, codes + i - 1), hn::LoadU(u, codes + i),
-                                 hn::LoadU(u, codes + i + 1), out_width, missed);
+    const Cells cells =
+        cells_of(k, index, hn::LoadU(u, codes + i), hn::LoadU(u, codes + i + 1), out_width, missed);
     hn::StoreU(cells.first, n, first + i);
     hn::StoreU(cells.count, n, count + i);
   }
@@ -210,17 +317,33 @@ void do_row(const AxisWarp& k, const std::uint32_t* table, const WarpTexel* in, 
                             reinterpret_cast<std::uint32_t*>(out + begin + c));
     }
   }
+  const auto draw_edge = [&](int i) {
+    const auto beside = [&](int j) { return (shows[j >> 6] >> (j & 63) & 1) != 0; };
+    draw_silhouette(
+        k, i, i > 0 && beside(i - 1) ? texels + i - 1 : nullptr, texels[i],
+        beside(i + 1) ? texels + i + 1 : nullptr, out_width,
+        [&](int x, std::uint32_t color, std::uint32_t code) { blend(out[x], color, code); });
+  };
+  const auto edges = [&](int word) {
+    const std::uint64_t here = solid[word], left = here << 1 | solid[word - 1] >> 63,
+                        right = here >> 1 | solid[word + 1] << 63;
+    return shows[word] & ~(here & left & right);
+  };
+  for_bits(k, edges, draw_edge);
 }
 
 WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int height, int x,
-                        int columns, std::uint32_t* color_plane, std::uint16_t* delta_plane,
-                        std::size_t plane_pitch, int out_height, std::byte* scratch) {
+                        int columns, const WarpPlanes& to, int out_height, std::byte* scratch) {
   const F f;
   const I n;
   const U u;
   const int lanes = int(hn::Lanes(f));
   auto* codes = reinterpret_cast<std::uint32_t*>(scratch);  // height + 2 rows
-  auto* pieces = reinterpret_cast<std::uint16_t*>(codes + (height + 2) * kWarpStrip);
+  // A bit for each column, by row: does it show something, and is it opaque?
+  auto* shows = reinterpret_cast<std::uint64_t*>(codes + (height + 2) * kWarpStrip) + 1;
+  auto* solid = shows + height + 2;
+  auto* pieces = reinterpret_cast<std::uint16_t*>(solid + height + 1);
+  std::fill(shows - 1, shows - 1 + 2 * (height + 2), 0);
   std::fill_n(codes, kWarpStrip, kEmptyWarped);
   std::fill_n(codes + (height + 1) * kWarpStrip, kWarpStrip, kEmptyWarped);
   std::memset(pieces, 0xff, std::size_t(out_height + 1) * kWarpStrip * sizeof(std::uint16_t));
@@ -231,7 +354,14 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
       hn::LoadInterleaved2(
           u, reinterpret_cast<const std::uint32_t*>(from + std::ptrdiff_t(v) * pitch + c), color,
           code);
-      hn::StoreU(code_of(code), u, codes + (v + 1) * kWarpStrip + c);
+      const auto opaque = is_opaque(color);
+      const VU plain = code_of(code);
+      hn::StoreU(hn::IfThenElse(opaque, plain, hn::Set(u, kEmptyWarped)), u,
+                 codes + (v + 1) * kWarpStrip + c);
+      const auto there =
+          hn::AndNot(is_empty(plain), hn::FirstN(u, std::size_t(std::max(0, columns - c))));
+      shows[v] |= bits_of(there) << c;
+      solid[v] |= bits_of(hn::And(there, opaque)) << c;
     }
   HWY_ALIGN std::int32_t first[kWarpStrip], count[kWarpStrip];
   const VI missed = hn::Set(n, out_height);
@@ -239,9 +369,8 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
     const std::uint32_t* row = codes + (v + 1) * kWarpStrip;
     const VF index = hn::Set(f, float(v));
     for (int c = 0; c < columns; c += lanes) {
-      const Cells cells =
-          cells_of(k, index, hn::LoadU(u, row - kWarpStrip + c), hn::LoadU(u, row + c),
-                   hn::LoadU(u, row + kWarpStrip + c), out_height, missed);
+      const Cells cells = cells_of(k, index, hn::LoadU(u, row + c),
+                                   hn::LoadU(u, row + kWarpStrip + c), out_height, missed);
       hn::StoreU(hn::Mul(cells.first, hn::Set(n, kWarpStrip)), n, first + c);
       hn::StoreU(cells.count, n, count + c);
     }
@@ -256,7 +385,7 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
   }
   WarpedTexels counted;
   HWY_ALIGN std::uint32_t colors[16];
-  HWY_ALIGN std::uint16_t deltas[16];
+  HWY_ALIGN std::uint16_t deltas[16], bits[16];
   HWY_ALIGN std::int32_t at[kWarpStrip];
   Ends ends;
   for (int y = 0; y < out_height; ++y) {
@@ -273,8 +402,7 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
       const auto inside = hn::FirstN(n, std::size_t(columns - c));
       const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), row + c));
       const auto none = hn::Or(hn::Eq(piece, hn::Set(n, kNoPiece)), hn::Not(inside));
-      std::uint32_t* color_to = color_plane + std::size_t(y) * plane_pitch + std::size_t(x + c);
-      std::uint16_t* delta_to = delta_plane + std::size_t(y) * plane_pitch + std::size_t(x + c);
+      const std::size_t at_texel = std::size_t(y) * to.pitch + std::size_t(x + c);
       VU mixed_color, mixed;
       between(k, ends, c, hn::ConvertTo(f, piece), center, mixed_color, mixed);
       const auto empty = hn::RebindMask(u, none);
@@ -284,17 +412,51 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
       counted.covered += std::size_t(lanes) - hn::CountTrue(n, none);
       counted.interpolated += hn::CountTrue(u, hn::Eq(hn::And(code, bit), bit));
       const auto delta = hn::DemoteTo(U16(), hn::BitCast(n, code_of(code)));
+      const auto flags = hn::DemoteTo(U16(), hn::BitCast(n, hn::ShiftRight<16>(code)));
       if (c + lanes <= columns) {
-        hn::StoreU(color, u, color_to);
-        hn::StoreU(delta, U16(), delta_to);
+        hn::StoreU(color, u, to.color + at_texel);
+        hn::StoreU(delta, U16(), to.delta + at_texel);
+        hn::StoreU(flags, U16(), to.flags + at_texel);
       } else {
         // The rest by way of memory of our own: beyond it lies what others write.
         hn::StoreU(color, u, colors);
         hn::StoreU(delta, U16(), deltas);
-        std::copy_n(colors, columns - c, color_to);
-        std::copy_n(deltas, columns - c, delta_to);
+        hn::StoreU(flags, U16(), bits);
+        std::copy_n(colors, columns - c, to.color + at_texel);
+        std::copy_n(deltas, columns - c, to.delta + at_texel);
+        std::copy_n(bits, columns - c, to.flags + at_texel);
       }
     }
+  }
+  const auto draw_edges = [&](int v) {
+    const std::uint64_t edges = shows[v] & ~(solid[v - 1] & solid[v] & solid[v + 1]);
+    for (std::uint64_t bits = edges; bits; bits &= bits - 1) {
+      const int c = std::countr_zero(bits);
+      const auto texel = [&](int row) -> const WarpTexel* {
+        return shows[row] >> c & 1 ? from + std::ptrdiff_t(row) * pitch + c : nullptr;
+      };
+      draw_silhouette(k, v, texel(v - 1), *texel(v), texel(v + 1), out_height,
+                      [&](int y, std::uint32_t color, std::uint32_t code) {
+                        const std::size_t at = std::size_t(y) * to.pitch + std::size_t(x + c);
+                        const bool was_empty = to.delta[at] == kEmptyWarped;
+                        const std::uint32_t before = was_empty ? 0 : to.flags[at];
+                        WarpTexel texel{to.color[at], to.delta[at] | before << 16};
+                        blend(texel, color, code);
+                        const bool empty = texel.code == kEmptyWarped;
+                        to.color[at] = texel.color;
+                        to.delta[at] = std::uint16_t(texel.code & 0xffff);
+                        to.flags[at] = empty ? std::uint16_t(0) : std::uint16_t(texel.code >> 16);
+                        counted.covered += was_empty && !empty;
+                        counted.interpolated += to.flags[at] & 1;
+                        counted.interpolated -= before & 1;
+                      });
+    }
+  };
+  for (const AxisWarp::Range& range : k.ranges) {
+    if (range.up)
+      for (int v = range.from; v < range.to; ++v) draw_edges(v);
+    else
+      for (int v = range.to - 1; v >= range.from; --v) draw_edges(v);
   }
   return counted;
 }
@@ -329,11 +491,13 @@ HWY_EXPORT(do_table);
 
 std::size_t row_pass_scratch(int width, int out_width) {
   return std::size_t(warp_pitch(width) + 16) * 20 + 64 +
+         std::size_t((width + 63) / 64 + 2) * 2 * sizeof(std::uint64_t) +
          std::size_t(warp_pitch(out_width)) * sizeof(std::uint16_t);
 }
 
 std::size_t column_pass_scratch(int height, int out_height) {
-  return std::size_t(kWarpStrip) * (std::size_t(height + 2) * 4 + std::size_t(out_height + 1) * 2);
+  return std::size_t(kWarpStrip) * (std::size_t(height + 2) * 4 + std::size_t(out_height + 1) * 2) +
+         std::size_t(height + 2) * 2 * sizeof(std::uint64_t);
 }
 
 void row_pass(const AxisWarp& axis, const std::uint32_t* table, const WarpTexel* in, int width,
@@ -342,10 +506,9 @@ void row_pass(const AxisWarp& axis, const std::uint32_t* table, const WarpTexel*
 }
 
 WarpedTexels column_pass(const AxisWarp& axis, const WarpTexel* in, int pitch, int height, int x,
-                         int columns, std::uint32_t* color, std::uint16_t* delta,
-                         std::size_t plane_pitch, int out_height, std::byte* scratch) {
-  return HWY_DYNAMIC_DISPATCH(do_columns)(axis, in, pitch, height, x, columns, color, delta,
-                                          plane_pitch, out_height, scratch);
+                         int columns, const WarpPlanes& to, int out_height, std::byte* scratch) {
+  return HWY_DYNAMIC_DISPATCH(do_columns)(axis, in, pitch, height, x, columns, to, out_height,
+                                          scratch);
 }
 
 void level_table(const LevelCodes& codes, std::uint32_t* table) {

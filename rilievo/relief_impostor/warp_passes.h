@@ -8,8 +8,12 @@
 //
 // texels of the result along that row (column). Neighbours that both show something are the ends of
 // a piece of surface, which covers the texels whose centres lie in (p_i, p_i+1]; colours and codes
-// are interpolated along it. Where the neighbour shows nothing, a sample reaches half its own size,
-// (a1 + q b1) / 2. Pieces that are turned over cover nothing.
+// are interpolated along it. Pieces that are turned over cover nothing.
+//
+// Silhouettes keep their antialiasing. Where the neighbour shows nothing, a sample fades into
+// nothing over its own size, a1 + q b1, as a texture with a transparent border does. Such fades,
+// and pieces with an end that is not opaque, are blended with the opaque pieces of their texel
+// after these: before or behind them by their codes.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +28,13 @@ namespace rilievo {
 constexpr std::uint32_t kEmptyWarped = 0xffff;
 // Beside it, between the passes: no sample of the row landed within `reach` of the texel's centre.
 constexpr std::uint32_t kInterpolatedBit = 0x10000;
+
+// A piece that is longer may lie between two surfaces; texels of the result.
+constexpr float kTear = 3;
+// Beside the code, too: the piece is longer than kTear.
+constexpr std::uint32_t kTornBit = 0x20000;
+// What is so transparent is not there.
+constexpr std::uint32_t kFaintAlpha = 4;
 
 // Texels from row to row of `width` texels: room for whole vectors, and rows that do not share
 // their places in the processor's cache.
@@ -56,10 +67,18 @@ void row_pass(const AxisWarp& axis, const std::uint32_t* table, const WarpTexel*
               WarpTexel* out, int out_width, std::byte* scratch);
 [[nodiscard]] std::size_t row_pass_scratch(int width, int out_width);
 
+// What the second pass writes: colours, Deltas, and what is true of a texel: 1 interpolated, 2
+// torn.
+struct WarpPlanes {
+  std::uint32_t* color = nullptr;
+  std::uint16_t* delta = nullptr;
+  std::uint16_t* flags = nullptr;
+  std::size_t pitch = 0;  // texels from row to row
+};
+
 // Columns [x, x + columns) of `height` rows to `out_height` rows of planes. At most kWarpStrip.
 WarpedTexels column_pass(const AxisWarp& axis, const WarpTexel* in, int pitch, int height, int x,
-                         int columns, std::uint32_t* color, std::uint16_t* delta,
-                         std::size_t plane_pitch, int out_height, std::byte* scratch);
+                         int columns, const WarpPlanes& to, int out_height, std::byte* scratch);
 [[nodiscard]] std::size_t column_pass_scratch(int height, int out_height);
 
 // The codes of levels 0 ... farthest: B = (r0 + r1 level) / (c0 + c1 level), code = m0 + m1 B. The
