@@ -25,7 +25,7 @@ Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& render
                                 ImpostorContent content, const ClockWalkOptions& options) {
   renderer.set_time(0.0);
   ImpostorFramesOptions with{.workers = options.workers, .background = true};
-  with.workers.nice = 5;
+  with.workers.nice = options.nice;
   with.workers.predict_s = 20;
   // It is to be judged.
   with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;

@@ -17,7 +17,8 @@ struct ClockWalkOptions {
   double turn = 0.5;             // of the orbit, a second
   double pace_ms = 1000.0 / 30;  // frames are not drawn faster
   int width = 640, height = 360, samples = 4;
-  int kept = 8;  // frames to be judged
+  int kept = 8;   // frames to be judged
+  int nice = 10;  // how far the workers give way to the frame
   WorkerOptions workers = {};
   // The last picture there was, coarse or not; may be empty.
   std::function<std::optional<DepthImage>()> last = {};

@@ -10,6 +10,7 @@
 #include "bench/clock_walk.h"
 #include "bench/impostor_judge.h"
 #include "bench/slow_source.h"
+#include "bench/stale_parts.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
@@ -21,11 +22,8 @@ constexpr double kTurn = std::numbers::pi / 6;  // of the orbit, a second
 constexpr int kFrameWidth = 1280, kFrameHeight = 720, kFrameSamples = 4;
 constexpr int kWalkWidth = 640, kWalkHeight = 360;  // of the walks by the clock
 
-WorkerOptions worker_options() {
-  WorkerOptions options;
-  options.size = 512;  // no limit for an object that fills a third of the frame
-  return options;
-}
+// A texel a pixel: the default.
+WorkerOptions worker_options() { return {}; }
 
 std::string decibels(double db) { return fmt::format("{:.1f}", db); }
 
@@ -39,14 +37,22 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
       "How right are pictures that are not fresh? " + traced.name,
       {"age ms", "turned by", "warped PSNR", "SSIM", "FLIP", "as one plane PSNR", "SSIM", "FLIP"},
       {}};
+  Table pairs{"Two pictures, merged; " + traced.name,
+              {"ms", "one, as old, PSNR", "with one twice as old",
+               "in the middle of two so far apart", "SSIM", "FLIP"},
+              {}};
   const int eyes = bench.quick ? 1 : 6;
   for (const double age : {0.0, 0.1, 0.5}) {
-    std::vector<ImpostorQuality> warped, plane;
+    std::vector<ImpostorQuality> warped, plane, behind, between;
     for (int i = 0; i < eyes; ++i) {
       const double angle = 2 * std::numbers::pi * i / eyes;
       const Camera now = orbit_camera(traced, angle, kFrameWidth, kFrameHeight);
-      const Camera before = orbit_camera(traced, angle - kTurn * age, kFrameWidth, kFrameHeight);
-      const Result<DepthImage> picture = judge->shade(before, worker_options());
+      const auto shade_at = [&](double seconds) {
+        return judge->shade(
+            orbit_camera(traced, angle + kTurn * seconds, kFrameWidth, kFrameHeight),
+            worker_options());
+      };
+      const Result<DepthImage> picture = shade_at(-age);
       if (!picture) return picture.error();
       const Result<ImpostorQuality> a = judge->judge(warped_for(*picture, now.position()), now);
       if (!a) return a.error();
@@ -54,6 +60,26 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
       if (i == 0)
         report.pictures.push_back({fmt::format("warped, {:.0f} ms old", 1e3 * age),
                                    {"image/png", encode_png(judge->drawn())}});
+      if (age > 0) {
+        // Pictures that come every `age`, for the eye that was; and for the eye that will be, when
+        // it is in the middle between two of them, the worst place.
+        const Result<DepthImage> older = shade_at(-2 * age), half = shade_at(-0.5 * age),
+                                 ahead = shade_at(0.5 * age);
+        for (const auto* one : {&older, &half, &ahead})
+          if (!*one) return one->error();
+        const Result<ImpostorQuality> two =
+            judge->judge(merged_for(*picture, *older, now.position()), now);
+        if (!two) return two.error();
+        behind.push_back(*two);
+        const Result<ImpostorQuality> both =
+            judge->judge(merged_for(*half, *ahead, now.position()), now);
+        if (!both) return both.error();
+        between.push_back(*both);
+        if (i == 0)
+          report.pictures.push_back(
+              {fmt::format("between two pictures, {:.0f} ms apart", 1e3 * age),
+               {"image/png", encode_png(judge->drawn())}});
+      }
       const Result<ImpostorQuality> b = judge->judge(as_one_plane(*picture), now);
       if (!b) return b.error();
       plane.push_back(*b);
@@ -68,12 +94,20 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
         {fmt::format("{:.0f}", 1e3 * age), fmt::format("{:.0f}", age * kTurn * 57.29578),
          decibels(w.psnr_db), fmt::format("{:.4f}", w.ssim), fmt::format("{:.4f}", w.flip),
          decibels(p.psnr_db), fmt::format("{:.4f}", p.ssim), fmt::format("{:.4f}", p.flip)});
+    if (age > 0) {
+      const ImpostorQuality last = mean_quality(behind), both = mean_quality(between);
+      pairs.rows.push_back({fmt::format("{:.0f}", 1e3 * age), decibels(w.psnr_db),
+                            decibels(last.psnr_db), decibels(both.psnr_db),
+                            fmt::format("{:.4f}", both.ssim), fmt::format("{:.4f}", both.flip)});
+      report.figures.emplace_back(fmt::format("psnr_db_between_{:.0f}ms", 1e3 * age), both.psnr_db);
+    }
     const std::string suffix = age == 0 ? "fresh" : fmt::format("{:.0f}ms", 1e3 * age);
     report.figures.emplace_back("psnr_db_" + suffix, w.psnr_db);
     report.figures.emplace_back("psnr_db_plane_" + suffix, p.psnr_db);
   }
   report.tables.push_back(std::move(table));
-  return Done{};
+  report.tables.push_back(std::move(pairs));
+  return stale_parts(traced, *judge, kTurn, eyes, worker_options(), report);
 }
 
 // --- S5.7: what a steady frame costs more, and how right the object is once it is refined.
@@ -127,7 +161,7 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
   if (!judge) return judge.error();
   for (const double fine : {1.0, 2.0}) {
     WorkerOptions options = worker_options();
-    options.texels_per_px = fine, options.size = 1024;
+    options.texels_per_px = fine;
     options.samples = fine > 1 ? 1 : 4;
     const Result<DepthImage> picture = judge->shade(camera, options);
     if (!picture) return picture.error();

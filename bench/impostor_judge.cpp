@@ -9,6 +9,7 @@
 #include "rilievo/measure/ssim.h"
 #include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/relief_impostor/impostor_warp.h"
+#include "rilievo/relief_impostor/merge_warps.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
 
@@ -143,11 +144,16 @@ Result<ImpostorQuality> ImpostorJudge::judge(const Prewarped& board, const Camer
     drawable_->draw(camera, {&instance, 1}, Output::color);
   }
   target_.resolve();
-  const glm::ivec4 crop = around(truth_premultiplied_);
-  if (crop.z - crop.x < 16 || crop.w - crop.y < 16) return Error{traced_->name, "is not in view"};
-  drawn_ = cropped(target_.read(), crop);
-  truth_ = cropped(truth_premultiplied_, crop);
+  crop_ = around(truth_premultiplied_);
+  if (crop_.z - crop_.x < 16 || crop_.w - crop_.y < 16)
+    return Error{traced_->name, "is not in view"};
+  drawn_ = cropped(target_.read(), crop_);
+  truth_ = cropped(truth_premultiplied_, crop_);
   return ImpostorQuality{psnr_db(drawn_, truth_), ssim(drawn_, truth_), flip(truth_, drawn_)};
+}
+
+Rgba8Image ImpostorJudge::same_part(const DepthImage& picture) const {
+  return cropped(make_nailboard(picture, 16).color, crop_);
 }
 
 Prewarped as_one_plane(const DepthImage& picture) {
@@ -157,6 +163,13 @@ Prewarped as_one_plane(const DepthImage& picture) {
   plane.color.assign(board.color.texels().begin(), board.color.texels().end());
   plane.delta.assign(board.delta.texels().begin(), board.delta.texels().end());
   return plane;
+}
+
+Prewarped merged_for(const DepthImage& one, const DepthImage& two, const glm::dvec3& eye) {
+  WarpPairScratch scratch;
+  Prewarped result;
+  if (!warp_pair(impostor_picture(one), impostor_picture(two), eye, {}, scratch, result)) return {};
+  return result;
 }
 
 Prewarped warped_for(const DepthImage& picture, const glm::dvec3& eye) {

@@ -51,9 +51,14 @@ class ImpostorJudge {
   }
   // Draws a board, as a frame does, and compares it with the object traced for `camera`.
   [[nodiscard]] Result<ImpostorQuality> judge(const Prewarped& board, const Camera& camera);
+  [[nodiscard]] int width() const { return target_.width(); }
+  [[nodiscard]] int height() const { return target_.height(); }
   // The last two that were compared.
   [[nodiscard]] const Rgba8Image& drawn() const { return drawn_; }
   [[nodiscard]] const Rgba8Image& truth() const { return truth_; }
+  // The part of a picture by the same camera that these two are, and its upper left corner.
+  [[nodiscard]] Rgba8Image same_part(const DepthImage& picture) const;
+  [[nodiscard]] glm::ivec2 corner() const { return {crop_.x, crop_.y}; }
 
  private:
   ImpostorJudge(const TracedScene& traced, FrameTarget target,
@@ -71,12 +76,16 @@ class ImpostorJudge {
   CaptureSource* source_ = nullptr;  // null: rays
   std::vector<std::uint32_t> truth_objects_;
   int samples_ = 4;
+  glm::ivec4 crop_{0};  // left, top, right, bottom
   Rgba8Image truth_premultiplied_, drawn_, truth_;
 };
 
 // The picture as it is, one plane with the colours of its eye: drawn from another one, a homography
 // moves it (what reprojection of the last frame does).
 [[nodiscard]] Prewarped as_one_plane(const DepthImage& picture);
+// Two pictures warped for an eye and merged, as the workers do; empty if they cannot be.
+[[nodiscard]] Prewarped merged_for(const DepthImage& one, const DepthImage& two,
+                                   const glm::dvec3& eye);
 // ... warped for an eye; empty if it cannot be.
 [[nodiscard]] Prewarped warped_for(const DepthImage& picture, const glm::dvec3& eye);
 
