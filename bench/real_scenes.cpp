@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPathSeconds = 60;  // a slow method walks on until it has drawn its frames
-constexpr double kCutSeconds = 1.5;  // from jump to jump
+constexpr double kPathSeconds = 60;   // a slow method walks on until it has drawn its frames
+constexpr double kShotSeconds = 1.5;  // from jump to jump
 
 // ---- models
 
@@ -179,8 +179,8 @@ RealWalk fly_walk(double radius, double height, double z_near, double z_far) {
 RealWalk cut_walk(double radius, double height, double z_near, double z_far) {
   RealWalk walk{"cut", {}};
   walk.path.z_near = z_near, walk.path.z_far = z_far;
-  for (int i = 0; i * kCutSeconds < kPathSeconds; ++i)
-    for (const double time : {i * kCutSeconds, (i + 1) * kCutSeconds - 0.001})
+  for (int i = 0; i * kShotSeconds < kPathSeconds; ++i)
+    for (const double time : {i * kShotSeconds, (i + 1) * kShotSeconds - 0.001})
       walk.path.keys.push_back(key_around(time, 1.1 * i, radius, height));
   return walk;
 }

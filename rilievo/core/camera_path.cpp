@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <span>
 
 namespace rilievo {
 namespace {
@@ -12,10 +13,24 @@ constexpr double kOrbitSpeed = 10.0 * glm::pi<double>() / 180.0;
 constexpr double kFirstAzimuth = 0.5;  // from +z towards +x
 constexpr double kElevation = 15.0 * glm::pi<double>() / 180.0;
 
+// Does the eye jump from key `i` to the next?
+bool is_cut(std::span<const PathKey> keys, std::size_t i) {
+  return keys[i + 1].time - keys[i].time <= kCutSeconds;
+}
+
+// The keys around `i` that no cut separates from it.
+std::span<const PathKey> shot_of(std::span<const PathKey> keys, std::size_t i) {
+  std::size_t first = i, last = i;
+  // Three on each side: no more are asked for.
+  while (first > 0 && i - first < 3 && !is_cut(keys, first - 1)) --first;
+  while (last + 1 < keys.size() && last - i < 3 && !is_cut(keys, last)) ++last;
+  return keys.subspan(first, last - first + 1);
+}
+
 // Velocity of the eye at key `k`: the slope there of the parabola through three neighbouring keys
 // (k in their middle where there are keys on both sides). A straight walk at constant speed stays
 // one; a circle with a key every h radians is left by about h^2 / 6 of the step.
-glm::dvec3 velocity(const std::vector<PathKey>& keys, std::size_t k) {
+glm::dvec3 velocity(std::span<const PathKey> keys, std::size_t k) {
   const auto step = [&](std::size_t i) { return keys[i + 1].time - keys[i].time; };
   const auto chord = [&](std::size_t i) { return (keys[i + 1].eye - keys[i].eye) / step(i); };
   if (keys.size() == 2) return chord(0);
@@ -33,14 +48,18 @@ PathKey between(const std::vector<PathKey>& keys, double time) {
   const auto above = std::upper_bound(keys.begin(), keys.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
   const std::size_t i = std::size_t(above - keys.begin()) - 1;
+  if (is_cut(keys, i)) return keys[i];
   const PathKey &a = keys[i], &b = keys[i + 1];
+  const std::span<const PathKey> shot = shot_of(keys, i);
+  const auto in_shot = std::size_t(&a - shot.data());
   const double step = b.time - a.time, s = (time - a.time) / step;
   // Cubic Hermite: C1 through every key.
   const double s2 = s * s, s3 = s2 * s;
   PathKey p;
   p.time = time;
   p.eye = a.eye * (2 * s3 - 3 * s2 + 1) + b.eye * (3 * s2 - 2 * s3) +
-          step * (velocity(keys, i) * (s3 - 2 * s2 + s) + velocity(keys, i + 1) * (s3 - s2));
+          step * (velocity(shot, in_shot) * (s3 - 2 * s2 + s) +
+                  velocity(shot, in_shot + 1) * (s3 - s2));
   p.world_from_eye = glm::normalize(glm::slerp(a.world_from_eye, b.world_from_eye, s));
   p.vertical_fov = glm::mix(a.vertical_fov, b.vertical_fov, s);
   return p;

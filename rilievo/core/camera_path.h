@@ -32,6 +32,9 @@ inline constexpr double kFramesPerSecond = 60.0;
 // The speed of a person on foot.
 inline constexpr double kWalkingSpeed = 1.4;  // metres a second
 
+// Two keys that are not farther apart are a cut: the eye jumps from one to the other.
+inline constexpr double kCutSeconds = 0.002;
+
 // A pose that the path passes through.
 struct PathKey {
   double time = 0.0;  // seconds
@@ -56,7 +59,8 @@ struct CameraPath {
 [[nodiscard]] double frame_time(const CameraPath& path, int frame);
 
 // The camera at `time`: at the first key before the path begins, at the last after it ends. The
-// curve passes through every key. Requires a valid path.
+// curve passes through every key, and knows nothing of what lies beyond a cut. Requires a valid
+// path.
 [[nodiscard]] Camera camera_at(const CameraPath& path, double time, int width, int height);
 
 // From where is an object, or a place, best viewed?

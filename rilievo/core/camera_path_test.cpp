@@ -83,6 +83,22 @@ TEST(CameraPath, there_and_back_never_stands_still) {
   EXPECT_EQ(there_and_back(one, 9).keys.size(), 1u);
 }
 
+TEST(CameraPath, an_eye_that_jumps_stands_before_and_after) {
+  // Stands, jumps, stands; then a shot of three keys.
+  CameraPath path;
+  const auto add = [&](double time, double x) {
+    path.keys.push_back(look_key(time, {x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 0.9));
+  };
+  add(0, 0), add(1.499, 0), add(1.5, 100), add(2.999, 100);
+  add(3, -50), add(3.5, -49), add(4, -48);
+  const auto x_at = [&](double time) { return camera_at(path, time, 8, 8).position().x; };
+  for (double time = 0; time <= 4; time += 1.0 / 512) {
+    const double expected = time < 1.5 ? 0 : time < 3 ? 100 : -50 + 2 * (time - 3);
+    // 1e-9: rounding of doubles.
+    ASSERT_NEAR(x_at(time), expected, 1e-9) << time;
+  }
+}
+
 TEST(CameraPath, the_eye_moves_smoothly) {
   std::mt19937 rng(4);
   const CameraPath path = random_path(rng, 7);
