@@ -150,9 +150,15 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
     const Box place = placed_bounds(scene, object, content.rays->poses());
     if (runs || place.empty()) continue;
     places.push_back(place);
-    content.impostors.push_back({{{object}, traces}, {object}});
+    ShadedImpostor& impostor = content.impostors.emplace_back();
+    impostor.shown.objects = impostor.objects = {object};
+    impostor.shown.drawable = traces;
   }
-  if (runs) content.impostors.push_back({{{}, !objects->empty()}, *objects});
+  if (runs) {
+    ShadedImpostor& impostor = content.impostors.emplace_back();
+    impostor.shown.drawable = !objects->empty();
+    impostor.objects = *objects;
+  }
 
   if (!options.store.empty()) {
     Result<ImpostorStore> store = ImpostorStore::open(options.store, options.store_options);

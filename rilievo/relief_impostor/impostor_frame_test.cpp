@@ -31,9 +31,9 @@ void* counted_allocation(std::size_t size) {
 
 }  // namespace
 
-// Counted for each thread; the rest as usual.
-void* operator new(std::size_t size) { return counted_allocation(size); }
-void* operator new[](std::size_t size) { return counted_allocation(size); }
+// Counted for each thread; the rest as usual. Not inlined: GCC warns of pairs that it looks into.
+[[gnu::noinline]] void* operator new(std::size_t size) { return counted_allocation(size); }
+[[gnu::noinline]] void* operator new[](std::size_t size) { return counted_allocation(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++allocations_here;
   return std::malloc(size ? size : 1);
@@ -42,10 +42,10 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
   ++allocations_here;
   return std::malloc(size ? size : 1);
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete[](void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
 #endif
 
