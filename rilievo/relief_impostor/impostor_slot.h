@@ -81,8 +81,9 @@ struct ImpostorSlot {
   std::atomic<double> render_s{0.1};  // the last picture took
   std::atomic<std::uint64_t> published{0};
   std::atomic<bool> coarse_helps{true};  // from the frame: what is there is worse than a coarse one
-  // From the warping worker to the frame.
+  // From the warping worker to the frame; the numbers of the pictures that it has.
   TripleBuffer<ImpostorWarpResult> boards;
+  std::atomic<std::uint64_t> warps_from{0}, warps_before{0};
   // The warping worker's own: the last finished picture of another eye than the newest one's.
   WarpPairScratch scratch;
   NumberedImpostor before;

@@ -158,6 +158,8 @@ struct ImpostorWorkers::State {
     slot.warp_eyes.update();
     take_newest(slot.pictures, slot.before);
     const NumberedImpostor &from = slot.pictures.front(), &before = slot.before;
+    slot.warps_before.store(before.number, std::memory_order_relaxed);
+    slot.warps_from.store(from.number, std::memory_order_release);
     ImpostorWarpResult& result = slot.boards.back();
     const Stopwatch watch;
     const glm::dvec3& eye = slot.warp_eyes.front();
@@ -304,8 +306,12 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
     return stretch_of(of.geometry, of.pairs, *warp).mean *
            std::max({1.0, coarse, 1 / (1.5 * coarse)});
   };
-  // Of two pictures, the better one.
-  const bool pair = judged.final && before.final && !s.options.alone && slot.object.deforms == 0;
+  // Of two pictures, the better one; but the warping worker may have missed one of those that the
+  // frame has seen, and have another one before.
+  const bool missed = slot.warps_from.load(std::memory_order_acquire) == judged.picture &&
+                      slot.warps_before.load(std::memory_order_relaxed) != before.picture;
+  const bool pair =
+      judged.final && before.final && !missed && !s.options.alone && slot.object.deforms == 0;
   const auto stretch_from = [&](const glm::dvec3& from) {
     const double one = stretch_of_one(judged, from);
     return pair ? std::min(one, stretch_of_one(before, from)) : one;
