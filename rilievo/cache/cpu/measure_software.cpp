@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "rilievo/cache/cpu/memory_cache.h"
-#include "rilievo/cache/measure_costs.h"
+#include "rilievo/cache/told_frames.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
@@ -13,35 +13,10 @@
 namespace rilievo {
 namespace {
 
-// Draws what it is told, without a sky.
-class ToldFrames final : public SoftwareFrames {
- public:
-  ToldFrames(const MeasuredScene& scene, SoftwarePictures pictures)
-      : SoftwareFrames(scene.scene, 4), pictures_(std::move(pictures)) {
-    sky_ = false;
-    content().sets.push_back({pictures_.set.get(), {}});
-  }
-  void tell(const MeasuredRun& objects, const MeasuredRun& pictures) {
-    objects_ = objects, shown_ = pictures;
-  }
-
- private:
-  Result<> choose(const Camera&, FrameContent& content, FrameStats&) override {
-    content.polygons.resize(objects_.count);
-    std::iota(content.polygons.begin(), content.polygons.end(), objects_.first);
-    const auto first = pictures_.instances.begin() + shown_.first;
-    content.sets[0].instances.assign(first, first + shown_.count);
-    return Done{};
-  }
-
-  SoftwarePictures pictures_;
-  MeasuredRun objects_, shown_;
-};
-
 class SoftwareMeasured final : public MeasuredFrames {
  public:
   SoftwareMeasured(const MeasuredScene& scene, SoftwarePictures pictures)
-      : frame_(scene.frame), frames_(scene, std::move(pictures)) {}
+      : frame_(scene.frame), frames_(std::move(pictures), scene.scene, 4) {}
   Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
     frames_.tell(objects, pictures);
     return frames_.draw(frame_, 0);
@@ -49,7 +24,7 @@ class SoftwareMeasured final : public MeasuredFrames {
 
  private:
   Camera frame_;
-  ToldFrames frames_;
+  ToldFrames<SoftwareFrames, SoftwarePictures> frames_;
 };
 
 // A texel of a coarse picture of all balls, written into the store.

@@ -1,10 +1,9 @@
 #include "rilievo/cache/gl/measure_opengl.h"
 
 #include <memory>
-#include <numeric>
 
 #include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/measure_costs.h"
+#include "rilievo/cache/told_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -12,36 +11,11 @@
 namespace rilievo {
 namespace {
 
-// Draws what it is told, without a sky.
-class ToldGlFrames final : public SceneFrames {
- public:
-  ToldGlFrames(SceneRenderer& renderer, StoredPictures pictures)
-      : SceneFrames(renderer), pictures_(std::move(pictures)) {
-    sky_ = false;
-    content().sets.push_back({pictures_.set.get(), {}});
-  }
-  void tell(const MeasuredRun& objects, const MeasuredRun& pictures) {
-    objects_ = objects, shown_ = pictures;
-  }
-
- private:
-  Result<> choose(const Camera&, FrameContent& content, FrameStats&) override {
-    content.polygons.resize(objects_.count);
-    std::iota(content.polygons.begin(), content.polygons.end(), objects_.first);
-    const auto first = pictures_.instances.begin() + shown_.first;
-    content.sets[0].instances.assign(first, first + shown_.count);
-    return Done{};
-  }
-
-  StoredPictures pictures_;
-  MeasuredRun objects_, shown_;
-};
-
 class GlMeasured final : public MeasuredFrames {
  public:
   GlMeasured(const Camera& frame, SceneRenderer& renderer, StoredPictures pictures,
              FrameTarget target)
-      : frame_(frame), frames_(renderer, std::move(pictures)), target_(std::move(target)) {}
+      : frame_(frame), frames_(std::move(pictures), renderer), target_(std::move(target)) {}
   Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
     frames_.tell(objects, pictures);
     target_.begin();
@@ -53,7 +27,7 @@ class GlMeasured final : public MeasuredFrames {
 
  private:
   Camera frame_;
-  ToldGlFrames frames_;
+  ToldFrames<SceneFrames, StoredPictures> frames_;
   FrameTarget target_;
 };
 
