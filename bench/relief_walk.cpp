@@ -80,7 +80,9 @@ Result<WalkResult> walk_around(const Scene& scene, int frames, double refresh) {
     if (!camera) return camera.error();
     const glm::dvec3 eye = camera->position();
     const auto warp = frame > 0 ? plane_warp(picture.geometry, eye) : std::nullopt;
-    const bool again = !warp || stretch_of(picture.geometry, pairs, *warp).mean > refresh;
+    // The critical points may all be in front of an eye that some other texel is not.
+    const bool again = !warp || !std::isfinite(largest_move(picture.geometry, *warp)) ||
+                       stretch_of(picture.geometry, pairs, *warp).mean > refresh;
     if (again) {
       const Stopwatch watch;
       const Result<CapturedPicture> captured = trace(*camera);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "rilievo/render/shading/simd_test_helpers.h"
+
 namespace rilievo {
 namespace {
 
@@ -133,7 +135,7 @@ AxisWarp random_axis(std::mt19937& rng, int count) {
   return k;
 }
 
-TEST(ImpostorWarp, passes_equal_the_slow_definition_to_the_byte) {
+void expect_passes_equal_the_slow_definition() {
   std::mt19937 rng(1);
   for (int round = 0; round < 60; ++round) {
     const int width = std::uniform_int_distribution<int>(1, 150)(rng);
@@ -200,6 +202,13 @@ TEST(ImpostorWarp, passes_equal_the_slow_definition_to_the_byte) {
     EXPECT_EQ(counted.covered, wanted.covered);
     EXPECT_EQ(counted.interpolated, wanted.interpolated);
   }
+}
+
+TEST(ImpostorWarp, passes_equal_the_slow_definition_to_the_byte_whatever_the_instruction_set) {
+  for_each_instruction_set([](const char* name) {
+    SCOPED_TRACE(name);
+    expect_passes_equal_the_slow_definition();
+  });
 }
 
 TEST(ImpostorWarp, its_formula_projects_points_of_the_picture_onto_the_plane) {

@@ -5,104 +5,48 @@
 #include "rilievo/relief_impostor/merge_warps.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
-#include "rilievo/relief_impostor/warp_passes.h"
+#include "rilievo/core/parallel_for.h"
+#include "rilievo/relief_impostor/merge_rows.h"
 
 namespace rilievo {
 namespace {
 
-// Depths that differ by a smaller share belong to the same surface: pictures have 12 bits of depth,
-// and where surfaces are seen at a grazing angle, a texel's error is several times its size.
-constexpr float kSame = 0.01f;
-// Of a texel's flags.
-constexpr std::uint16_t kTorn = kTornBit >> 16;
 // A picture is alone where the other's eye is so many times as far.
 constexpr double kOwnEye = 0.01;
 
-// 1 / eye_z = first + per_code code.
-struct InverseDepth {
-  float first = 0, per_code = 0;
-  explicit InverseDepth(const PictureGeometry& geometry) {
-    const double n = geometry.capture.z_near, f = geometry.capture.z_far;
-    first = float(1 / n), per_code = float((1 / f - 1 / n) / delta_steps(16));
-  }
-  [[nodiscard]] float of(std::uint32_t code) const { return first + per_code * float(code); }
-  [[nodiscard]] std::uint16_t code(float inverse) const {
-    return std::uint16_t(
-        std::clamp((inverse - first) / per_code + 0.5f, 0.0f, float(kEmptyWarped - 1)));
-  }
-};
-
-// What the other warp shows at a place.
-struct Tap {
-  float color[4] = {};  // premultiplied, 0 to 255
-  float inverse_depth = 0;
-  bool known = false;  // seen, not torn
-};
-
-class OtherWarp {
- public:
-  OtherWarp(const Prewarped& warp, std::span<const std::uint16_t> flags)
-      : warp_(warp), flags_(flags), depth_(warp.geometry) {}
-
-  // Between four texels, without those of other surfaces.
-  [[nodiscard]] Tap at(float u, float v) const {
-    Tap tap;
-    const float x = u - 0.5f, y = v - 0.5f;
-    if (!(x > -1 && y > -1 && x < float(warp_.width()) && y < float(warp_.height()))) return tap;
-    const int left = int(std::floor(x)), top = int(std::floor(y));
-    const float fx = x - float(left), fy = y - float(top);
-    const float weights[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-    std::size_t texels[4];
-    bool inside[4];
-    int best = -1;
-    for (int k = 0; k < 4; ++k) {
-      const int column = left + (k & 1), row = top + (k >> 1);
-      inside[k] = column >= 0 && row >= 0 && column < warp_.width() && row < warp_.height();
-      texels[k] =
-          inside[k] ? std::size_t(row) * std::size_t(warp_.width()) + std::size_t(column) : 0;
-      inside[k] = inside[k] && warp_.delta[texels[k]] != kEmptyWarped;
-      if (inside[k] && (best < 0 || weights[k] > weights[best])) best = k;
-    }
-    if (best < 0 || (flags_[texels[best]] & kTorn)) return tap;
-    tap.known = true;
-    tap.inverse_depth = depth_.of(warp_.delta[texels[best]]);
-    float sum = 0;
-    for (int k = 0; k < 4; ++k) {
-      if (!inside[k]) {
-        sum += weights[k];  // transparent
-        continue;
-      }
-      const float inverse = depth_.of(warp_.delta[texels[k]]);
-      if (std::abs(inverse - tap.inverse_depth) > kSame * tap.inverse_depth) continue;
-      sum += weights[k];
-      for (int c = 0; c < 4; ++c) tap.color[c] += weights[k] * float(warp_.color[texels[k]][c]);
-    }
-    for (float& channel : tap.color) channel /= sum;
-    return tap;
-  }
-
- private:
-  const Prewarped& warp_;
-  std::span<const std::uint16_t> flags_;
-  InverseDepth depth_;
-};
-
-glm::u8vec4 rounded(const float (&color)[4]) {
-  glm::u8vec4 bytes;
-  for (int c = 0; c < 4; ++c) bytes[c] = std::uint8_t(std::min(color[c] + 0.5f, 255.0f));
-  return bytes;
+InverseDepth inverse_depth(const PictureGeometry& geometry) {
+  const double n = geometry.capture.z_near, f = geometry.capture.z_far;
+  return {float(1 / n), float((1 / f - 1 / n) / delta_steps(16))};
 }
 
-// Premultiplied `front` before `behind`.
-glm::u8vec4 over(const glm::u8vec4& front, const glm::u8vec4& behind) {
-  const float through = 1 - float(front.a) / 255;
-  float sum[4];
-  for (int c = 0; c < 4; ++c) sum[c] = float(front[c]) + through * float(behind[c]);
-  return rounded(sum);
+// Calls body(row) for each row, on all cores or on this thread alone.
+template <class Body>
+void for_rows(int rows, bool parallel, const Body& body) {
+  if (parallel) return parallel_for(0, rows, body);
+  for (int row = 0; row < rows; ++row) body(row);
+}
+
+// With a texel that shows nothing beyond each side; its texels from row to row.
+int pack(const Prewarped& warp, std::span<const std::uint16_t> flags, bool parallel,
+         std::vector<WarpTexel>& texels) {
+  const int width = warp.width(), height = warp.height(), pitch = warp_pitch(width + 2);
+  texels.resize(std::size_t(pitch) * std::size_t(height + 2));
+  for_rows(height + 2, parallel, [&, width, height, pitch](int row) {
+    constexpr WarpTexel kNothing{0, kEmptyWarped};
+    WarpTexel* to = texels.data() + std::size_t(row) * std::size_t(pitch);
+    if (row == 0 || row > height) {
+      std::fill_n(to, width + 2, kNothing);
+      return;
+    }
+    const std::size_t from = std::size_t(row - 1) * std::size_t(width);
+    to[0] = to[width + 1] = kNothing;
+    pack_row(reinterpret_cast<const std::uint32_t*>(warp.color.data()) + from,
+             warp.delta.data() + from, flags.data() + from, width, to + 1);
+  });
+  return pitch;
 }
 
 }  // namespace
@@ -126,7 +70,8 @@ std::optional<glm::dvec4> rectangle_on(const PictureGeometry& picture, const Pre
 }
 
 void merge_warps(Prewarped& main, std::span<std::uint16_t> main_flags, const Prewarped& other,
-                 std::span<const std::uint16_t> other_flags, double share) {
+                 std::span<const std::uint16_t> other_flags, double share,
+                 std::vector<WarpTexel>& texels, bool parallel) {
   RILIEVO_EXPECTS(main_flags.size() == main.color.size());
   RILIEVO_EXPECTS(other_flags.size() == other.color.size());
   const Camera &to = main.geometry.capture, &from = other.geometry.capture;
@@ -140,50 +85,22 @@ void merge_warps(Prewarped& main, std::span<std::uint16_t> main_flags, const Pre
   const double across = from.width / (b.right - b.left), down = from.height / (b.top - b.bottom);
   const glm::dmat3 texel(glm::dvec3(across, 0, 0), glm::dvec3(0, -down, 0),
                          glm::dvec3(b.left * across, -b.top * down, -1));
-  const glm::mat3 map(texel * turn * direction);
+  const glm::dmat3 map = texel * turn * direction;
 
-  const OtherWarp source(other, other_flags);
-  const InverseDepth depth(main.geometry);
-  const auto part = float(share);
-  for (int y = 0; y < main.height(); ++y)
-    for (int x = 0; x < main.width(); ++x) {
-      const glm::vec3 at = map * glm::vec3(float(x) + 0.5f, float(y) + 0.5f, 1.0f);
-      if (!(at.z > 0)) continue;
-      const Tap tap = source.at(at.x / at.z, at.y / at.z);
-      if (!tap.known || tap.color[3] < float(kFaintAlpha)) continue;
-      const std::size_t i = std::size_t(y) * std::size_t(main.width()) + std::size_t(x);
-      glm::u8vec4& color = main.color[i];
-      std::uint16_t& code = main.delta[i];
-      const float inverse = at.z * tap.inverse_depth;
-      const auto take = [&] {
-        color = rounded(tap.color);
-        code = depth.code(inverse);
-        main_flags[i] = 0;
-      };
-      if (code == kEmptyWarped || (main_flags[i] & kTorn)) {
-        take();
-        continue;
-      }
-      const float own = depth.of(code);
-      if (std::abs(inverse - own) <= kSame * own) {
-        // The same surface. Where one picture has its silhouette, the other may know more.
-        if (tap.color[3] > float(color.a) + 0.5f) {
-          take();
-        } else if (tap.color[3] >= 254.5f && part > 0) {
-          float mixed[4];
-          for (int c = 0; c < 4; ++c)
-            mixed[c] = float(color[c]) + part * (tap.color[c] - float(color[c]));
-          color = rounded(mixed);
-        }
-      } else if (inverse > own) {
-        const glm::u8vec4 behind = color;
-        color = over(rounded(tap.color), behind);
-        if (tap.color[3] >= 128) code = depth.code(inverse);
-      } else if (color.a < 255) {
-        if (color.a < 128) code = depth.code(inverse);
-        color = over(color, rounded(tap.color));
-      }
-    }
+  MergeInput input;
+  for (int k = 0; k < 9; ++k) input.map[k / 3][k % 3] = float(map[k / 3][k % 3]);
+  input.other_pitch = pack(other, other_flags, parallel, texels);
+  input.other = texels.data();
+  input.other_width = other.width(), input.other_height = other.height();
+  input.other_depth = inverse_depth(other.geometry);
+  input.main_depth = inverse_depth(main.geometry);
+  input.share = float(share);
+  const int width = main.width();
+  for_rows(main.height(), parallel, [&, width](int y) {
+    const std::size_t row = std::size_t(y) * std::size_t(width);
+    merge_row(input, y, width, reinterpret_cast<std::uint32_t*>(main.color.data()) + row,
+              main.delta.data() + row, main_flags.data() + row);
+  });
 }
 
 std::optional<WarpedTexels> warp_pair(const ImpostorPicture& one, const ImpostorPicture& two,
@@ -206,7 +123,7 @@ std::optional<WarpedTexels> warp_pair(const ImpostorPicture& one, const Impostor
   const bool between =
       glm::dot(one.geometry.capture.position() - eye, two.geometry.capture.position() - eye) < 0;
   merge_warps(result, scratch.main.flags, scratch.board, scratch.other.flags,
-              between ? near / (near + far) : 0.0);
+              between ? near / (near + far) : 0.0, scratch.texels, options.parallel);
   return counted;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "rilievo/relief_impostor/impostor_warp.h"
 
@@ -22,14 +23,17 @@ namespace rilievo {
 
 // Adds what `other` shows to `main`. The flags are those of ImpostorWarpScratch; texels of `main`
 // that are replaced lose them. `share`: of other's colours, where both show the same surface; 0
-// to 1. Requires 16 bits of Delta and one eye.
+// to 1. Requires 16 bits of Delta and one eye. `texels` is a buffer that is kept from merge to
+// merge. On all cores, or on the calling thread alone, with the same result.
 void merge_warps(Prewarped& main, std::span<std::uint16_t> main_flags, const Prewarped& other,
-                 std::span<const std::uint16_t> other_flags, double share);
+                 std::span<const std::uint16_t> other_flags, double share,
+                 std::vector<WarpTexel>& texels, bool parallel);
 
 // Buffers that are kept from pair to pair.
 struct WarpPairScratch {
   ImpostorWarpScratch main, other;
   Prewarped board;  // of the other
+  std::vector<WarpTexel> texels;
 };
 
 // Warps two pictures for an eye and merges them. The one whose eye is nearer is the main one: alone

@@ -74,6 +74,9 @@ TEST(MergeWarps, what_one_picture_does_not_know_the_other_shows_where_it_is) {
     const Judged alone = judge(single);
     ASSERT_TRUE(warp_pair(one, two, eye, {}, scratch, both));
     const Judged merged = judge(both);
+    Prewarped by_one_thread;
+    ASSERT_TRUE(warp_pair(one, two, eye, {.parallel = false}, scratch, by_one_thread));
+    EXPECT_TRUE(both.color == by_one_thread.color && both.delta == by_one_thread.delta);
     // A gap beside the ball, over which the wall's and the ball's texels are interpolated.
     EXPECT_GT(alone.wrong, 100) << round;
     EXPECT_LT(merged.wrong, alone.wrong / 3) << round;

@@ -65,19 +65,24 @@ HWY_INLINE Cells cells_of(const AxisWarp& k, VF i, VU code, VU after, int limit,
   return {hn::IfThenElse(covers, first, missed), hn::IfThenElseZero(covers, count)};
 }
 
-// The ends of the pieces of up to kWarpStrip texels: `b` follows `a`. Copied one by one: gather
-// instructions are slower, on processors with mitigations several times.
+// The ends of the pieces of up to kWarpStrip texels, both of a piece in turn. Copied one by one:
+// gather instructions are slower, on processors with mitigations several times.
 struct Ends {
-  HWY_ALIGN std::uint64_t a[kWarpStrip], b[kWarpStrip];
+  HWY_ALIGN std::uint32_t words[4 * kWarpStrip];
 };
 static_assert(sizeof(WarpTexel) == 8, "copied as one word");
 
+// `step`: from a piece's one end to the other.
 HWY_INLINE void copy_ends(const WarpTexel* texels, std::ptrdiff_t step, const std::int32_t* at,
-                          int count, Ends& ends) {
-  for (int n = 0; n < count; ++n) {
+                          int from, int to, Ends& ends) {
+  for (int n = from; n < to; ++n) {
     const WarpTexel* a = texels + at[n];
-    std::memcpy(&ends.a[n], a, 8);
-    std::memcpy(&ends.b[n], a + step, 8);
+    if (step == 1) {
+      std::memcpy(ends.words + 4 * n, a, 16);
+    } else {
+      std::memcpy(ends.words + 4 * n, a, 8);
+      std::memcpy(ends.words + 4 * n + 2, a + step, 8);
+    }
   }
 }
 
@@ -114,8 +119,7 @@ HWY_INLINE void between(const AxisWarp& k, const Ends& ends, int n, VF index, VF
   const F f;
   const U u;
   VU color_a, bits_a, color_b, bits_b;
-  hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(ends.a + n), color_a, bits_a);
-  hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(ends.b + n), color_b, bits_b);
+  hn::LoadInterleaved4(u, ends.words + 4 * n, color_a, bits_a, color_b, bits_b);
   const VF qa = as_float(code_of(bits_a)), qb = as_float(code_of(bits_b));
   const VF pa = position(k, index, qa);
   const VF pb = position(k, hn::Add(index, hn::Set(f, 1.0f)), qb);
@@ -279,6 +283,15 @@ void do_row(const AxisWarp& k, const std::uint32_t* table, const WarpTexel* in, 
   }
   codes[done] = kEmptyWarped;
   texels[done] = {0, kEmptyWarped};
+  const auto fill_empty = [&](int from, int to) {
+    for (int x = from; x < to; ++x) out[x] = {0, kEmptyWarped};
+  };
+  std::uint64_t any = 0;
+  for (int word = 0; word < words - 2; ++word) any |= shows[word];
+  if (!any) {
+    fill_empty(0, out_width);
+    return;
+  }
   const VI missed = hn::Set(n, out_pitch - 1);
   for (int i = 0; i < width; i += lanes) {
     const VF index = hn::ConvertTo(f, hn::Iota(n, i));
@@ -288,33 +301,47 @@ void do_row(const AxisWarp& k, const std::uint32_t* table, const WarpTexel* in, 
     hn::StoreU(cells.count, n, count + i);
   }
   std::memset(pieces, 0xff, std::size_t(out_pitch) * sizeof(std::uint16_t));
+  const auto write = [&](int i) { write_piece(pieces, first[i], count[i], 1, std::uint16_t(i)); };
+  // Of 64 samples at a time, those that have something opaque.
   for (const AxisWarp::Range& range : k.ranges) {
-    if (range.up)
-      for (int i = range.from; i < range.to; ++i)
-        write_piece(pieces, first[i], count[i], 1, std::uint16_t(i));
-    else
-      for (int i = range.to - 1; i >= range.from; --i)
-        write_piece(pieces, first[i], count[i], 1, std::uint16_t(i));
+    if (range.from >= range.to) continue;
+    const int low = range.from / 64, high = (range.to - 1) / 64;
+    for (int step = 0; step <= high - low; ++step) {
+      const int word = range.up ? low + step : high - step;
+      if (!solid[word]) continue;
+      const int from = std::max(range.from, 64 * word), to = std::min(range.to, 64 * word + 64);
+      if (range.up)
+        for (int i = from; i < to; ++i) write(i);
+      else
+        for (int i = to - 1; i >= from; --i) write(i);
+    }
   }
   const VF half = hn::Set(f, 0.5f);
   HWY_ALIGN std::int32_t at[kWarpStrip];
+  bool empty[kWarpStrip];
   Ends ends;
   for (int begin = 0; begin < out_width; begin += kWarpStrip) {
     const int columns = std::min(kWarpStrip, out_width - begin);
     for (int c = 0; c < columns; c += lanes) {
       const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), pieces + begin + c));
-      hn::Store(hn::IfThenZeroElse(hn::Eq(piece, hn::Set(n, kNoPiece)), piece), n, at + c);
+      const auto none = hn::Eq(piece, hn::Set(n, kNoPiece));
+      hn::Store(hn::IfThenZeroElse(none, piece), n, at + c);
+      empty[c / lanes] = hn::AllTrue(n, none);
+      if (!empty[c / lanes]) copy_ends(texels, 1, at, c, c + lanes, ends);
     }
-    copy_ends(texels, 1, at, columns, ends);
     for (int c = 0; c < columns; c += lanes) {
+      auto* to = reinterpret_cast<std::uint32_t*>(out + begin + c);
+      if (empty[c / lanes]) {
+        hn::StoreInterleaved2(hn::Zero(u), hn::Set(u, kEmptyWarped), u, to);
+        continue;
+      }
       const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), pieces + begin + c));
       const VF center = hn::Add(hn::ConvertTo(f, hn::Iota(n, begin + c)), half);
       VU color, code;
       between(k, ends, c, hn::ConvertTo(f, piece), center, color, code);
-      const auto empty = hn::RebindMask(u, hn::Eq(piece, hn::Set(n, kNoPiece)));
-      hn::StoreInterleaved2(hn::IfThenZeroElse(empty, color),
-                            hn::IfThenElse(empty, hn::Set(u, kEmptyWarped), code), u,
-                            reinterpret_cast<std::uint32_t*>(out + begin + c));
+      const auto none = hn::RebindMask(u, hn::Eq(piece, hn::Set(n, kNoPiece)));
+      hn::StoreInterleaved2(hn::IfThenZeroElse(none, color),
+                            hn::IfThenElse(none, hn::Set(u, kEmptyWarped), code), u, to);
     }
   }
   const auto draw_edge = [&](int i) {
@@ -366,6 +393,7 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
   HWY_ALIGN std::int32_t first[kWarpStrip], count[kWarpStrip];
   const VI missed = hn::Set(n, out_height);
   const auto draw_row = [&](int v) {
+    if (!solid[v]) return;
     const std::uint32_t* row = codes + (v + 1) * kWarpStrip;
     const VF index = hn::Set(f, float(v));
     for (int c = 0; c < columns; c += lanes) {
@@ -387,18 +415,28 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
   HWY_ALIGN std::uint32_t colors[16];
   HWY_ALIGN std::uint16_t deltas[16], bits[16];
   HWY_ALIGN std::int32_t at[kWarpStrip];
+  bool empty[kWarpStrip];
   Ends ends;
   for (int y = 0; y < out_height; ++y) {
     const VF center = hn::Set(f, float(y) + 0.5f);
     const std::uint16_t* row = pieces + y * kWarpStrip;
     for (int c = 0; c < columns; c += lanes) {
       const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), row + c));
+      const auto none = hn::Eq(piece, hn::Set(n, kNoPiece));
       const VI to = hn::Add(hn::Mul(piece, hn::Set(n, pitch)), hn::Iota(n, c));
-      hn::Store(hn::IfThenZeroElse(hn::Eq(piece, hn::Set(n, kNoPiece)), to), n, at + c);
+      hn::Store(hn::IfThenZeroElse(none, to), n, at + c);
+      // The row after the last shows nothing.
+      empty[c / lanes] = hn::AllTrue(n, none);
+      if (!empty[c / lanes]) copy_ends(from, pitch, at, c, c + lanes, ends);
     }
-    // The row after the last shows nothing.
-    copy_ends(from, pitch, at, columns, ends);
     for (int c = 0; c < columns; c += lanes) {
+      if (empty[c / lanes] && c + lanes <= columns) {
+        const std::size_t at_texel = std::size_t(y) * to.pitch + std::size_t(x + c);
+        hn::StoreU(hn::Zero(u), u, to.color + at_texel);
+        hn::StoreU(hn::Set(U16(), kNoPiece), U16(), to.delta + at_texel);
+        hn::StoreU(hn::Zero(U16()), U16(), to.flags + at_texel);
+        continue;
+      }
       const auto inside = hn::FirstN(n, std::size_t(columns - c));
       const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), row + c));
       const auto none = hn::Or(hn::Eq(piece, hn::Set(n, kNoPiece)), hn::Not(inside));
