@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,14 @@
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/deep_image_source.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/ray_source.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/deep_exr.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
@@ -205,21 +208,31 @@ Result<> run_bake(const BakeCommand& options) {
   const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
   if (!opened) return opened.error();
   if (Result<> made = make_folder(folder); !made) return made;
+  // Without OpenGL rays take the pictures.
   const auto context = gl::Context::create();
-  if (!context) return context.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
-  if (!renderer) return renderer.error();
-  OpenGLSource source(*renderer);
+  std::optional<SceneRenderer> renderer;
+  std::optional<RayScene> rays;
+  std::unique_ptr<CaptureSource> source;
+  if (context) {
+    Result<SceneRenderer> made = SceneRenderer::create(opened->scene);
+    if (!made) return made.error();
+    source = std::make_unique<OpenGLSource>(renderer.emplace(std::move(*made)));
+  } else {
+    Result<RayScene> made = RayScene::create(opened->scene);
+    if (!made) return made.error();
+    source = std::make_unique<RaySource>(rays.emplace(std::move(*made)));
+  }
   // Where a built-in scene is walked through: around its own path; else not known.
   const Box eyes = opened->walk ? eyes_of(*opened->walk, frame_count(*opened->walk)) : Box{};
-  const Result<Baked> baked = bake(options, kind, *values, source, eyes, times);
+  const Result<Baked> baked = bake(options, kind, *values, *source, eyes, times);
   if (!baked) return baked.error();
   if (options.json.empty()) {
     print_made(options, kind, *baked, times);
     return Done{};
   }
   nlohmann::json json = report_of(options, kind, *values, *baked, times);
-  if (Result<> added = add_direct(*values, times, *renderer, json); !added) return added;
+  if (renderer)
+    if (Result<> added = add_direct(*values, times, *renderer, json); !added) return added;
   return write_json(options.json, json);
 }
 

@@ -36,8 +36,6 @@ namespace rilievo::app {
 namespace {
 
 constexpr std::size_t kMegabyte = std::size_t(1) << 20;
-constexpr char kSurroundingsNeedOpenGL[] =
-    "pictures with a sky, which surroundings are baked from, are captured by OpenGL only";
 
 // A kind with its options for baking and drawing, and its factory.
 struct PreparedKind {
@@ -195,6 +193,30 @@ Result<std::unique_ptr<FrameSource>> make_surroundings(const KindMethod& method,
       make_surrounding_frames(renderer, *method.kind, std::move(kind->factory),
                               {kind->bake, kind->draw, options.eyes,
                                [&](int done, int total) { progress.show(done, total); }});
+  if (!frames) return frames.error();
+  return {std::move(*frames)};
+}
+
+// The same without OpenGL.
+Result<std::unique_ptr<FrameSource>> make_software_surroundings(const KindMethod& method,
+                                                                const MethodOptions& options,
+                                                                int samples, const Scene& scene) {
+  Result<PreparedKind> kind = prepare(method, options, software_drawable_rows());
+  if (!kind) return kind.error();
+  Result<RayScene> rays = RayScene::create(scene);
+  if (!rays) return rays.error();
+  Progress progress("view");
+  RaySource source(*rays);
+  Result<std::unique_ptr<SoftwareChosenFrames>> frames = SoftwareChosenFrames::create(
+      scene, samples, false,
+      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+        Result<std::unique_ptr<SurroundingChooser>> made =
+            SurroundingChooser::create(placed, source, *method.kind, std::move(kind->factory),
+                                       {kind->bake, kind->draw, options.eyes,
+                                        [&](int done, int total) { progress.show(done, total); }});
+        if (!made) return made.error();
+        return {std::move(*made)};
+      });
   if (!frames) return frames.error();
   return {std::move(*frames)};
 }
@@ -479,14 +501,11 @@ std::optional<std::string> needs_opengl(const std::string& method, const MethodO
   if (method != "cache" && method != "direct-raster" && method != kReliefImpostorName && !kind)
     return fmt::format("{} is drawn by OpenGL only", method);
   if (auto reason = refused(method, options)) return reason;
-  if (kind && kind->stands_for == StandsFor::surroundings) return kSurroundingsNeedOpenGL;
   if (samples != 1 && samples != 4)
     return "frames drawn without OpenGL have 1 or 4 samples a pixel";
   if (options.bake_mb > 0 && method == "cache")
-    for (const std::string& name : options.bake_as) {
+    for (const std::string& name : options.bake_as)
       if (auto reason = refused(name, options)) return reason;
-      if (surrounds(name)) return kSurroundingsNeedOpenGL;
-    }
   return std::nullopt;
 }
 
@@ -497,8 +516,10 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
   if (method == "direct-raster") return {std::make_unique<SoftwareDirectFrames>(scene, samples)};
   if (method == kReliefImpostorName)
     return make_software_impostor_frames(options.impostors, options.outlines, samples, scene);
-  if (kind_method(method).kind)
-    return make_software_objects(kind_method(method), options, samples, scene);
+  if (const KindMethod named = kind_method(method); named.kind)
+    return named.kind->stands_for == StandsFor::surroundings
+               ? make_software_surroundings(named, options, samples, scene)
+               : make_software_objects(named, options, samples, scene);
   return make_software_cache(options, samples, scene);
 }
 

@@ -34,7 +34,6 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
                                           " texels a side"};
   if (!can_sample(request.samples))
     return refuse("the rasteriser captures 1 or 4 samples per texel");
-  if (request.with_sky) return refuse("the rasteriser captures no sky");
   std::span<const std::uint32_t> objects = request.objects;
   if (objects.empty()) {
     visible_.clear();
@@ -45,8 +44,8 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
     for (const std::uint32_t object : objects)
       if (farthest_of(camera, placed_.bounds()[object]) > camera.z_far)
         return refuse("the rasteriser needs a far plane behind all of the objects' surfaces");
-  CapturedPicture captured{rasterizer_.capture(camera, objects, placed_.poses(), request.samples),
-                           {}};
+  CapturedPicture captured{
+      rasterizer_.capture(camera, objects, placed_.poses(), request.samples, request.with_sky), {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest)

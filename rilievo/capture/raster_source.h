@@ -31,7 +31,7 @@ class RasterSource final : public CaptureSource {
   [[nodiscard]] std::string_view name() const override { return placed_.scene().name; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
   // Fails for an invalid camera, or one that is not perspective or larger than
-  // SampleRaster::kMaxSize, for other numbers of samples than 1 and 4, with_sky, and `farthest` of
+  // SampleRaster::kMaxSize, for other numbers of samples than 1 and 4, and for `farthest` of
   // objects that reach beyond the far plane.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   [[nodiscard]] const Scene* scene() const override { return &placed_.scene(); }

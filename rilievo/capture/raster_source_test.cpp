@@ -111,7 +111,6 @@ TEST(RasterSource, what_it_cannot_do_is_refused) {
   EXPECT_TRUE(captured->picture.object.empty());
   EXPECT_TRUE(captured->farthest.empty());
   EXPECT_FALSE(source.capture({.camera = camera, .samples = 2}));
-  EXPECT_FALSE(source.capture({.camera = camera, .with_sky = true}));
   EXPECT_FALSE(source.capture_layers({.camera = camera}));
   Camera other = camera;
   other.width = 5000;

@@ -47,9 +47,11 @@ Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
   if (Result<> valid = validate(request.camera); !valid) return valid.error();
   if (request.samples != 1 && request.samples != 4)
     return Error{std::string(name()), "rays capture 1 or 4 samples per texel"};
-  if (request.with_sky) return Error{std::string(name()), "rays capture no sky"};
-  CapturedPicture captured{cast_picture(rays_, request.camera, {request.objects, request.samples}),
-                           {}};
+  if (request.with_sky && request.camera.keeps_farthest())
+    return Error{std::string(name()), "a back-perspective camera sees no sky"};
+  CapturedPicture captured{
+      cast_picture(rays_, request.camera, {request.objects, request.samples, request.with_sky}),
+      {}};
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest) captured.farthest = cast_farthest(rays_, request.camera, request.objects);

@@ -18,7 +18,8 @@ class RaySource final : public CaptureSource {
 
   [[nodiscard]] std::string_view name() const override { return rays_.scene().name; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
-  // Fails for an invalid camera, for other numbers of samples than 1 and 4, and with_sky.
+  // Fails for an invalid camera, for other numbers of samples than 1 and 4, and for the
+  // sky behind a back-perspective camera.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   // By cast_layers(). Fails for a back-perspective camera.
   [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;

@@ -148,8 +148,8 @@ TEST(RaySource, what_it_cannot_do_is_refused) {
   Camera camera = camera_around(world_bounds(built->scene), random, Projection::perspective);
   EXPECT_TRUE(source.capture({.camera = camera}));
   EXPECT_FALSE(source.capture({.camera = camera, .samples = 2}));
-  EXPECT_FALSE(source.capture({.camera = camera, .with_sky = true}));
   camera.projection = Projection::back_perspective;
+  EXPECT_FALSE(source.capture({.camera = camera, .with_sky = true}));
   EXPECT_FALSE(source.capture_layers({.camera = camera}));
   camera.z_near = std::nan("");
   EXPECT_FALSE(source.capture({.camera = camera}));

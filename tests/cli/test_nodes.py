@@ -72,6 +72,11 @@ class Nodes(command.Case):
                                  "--auto", "2", *FRAME, "-o", self.folder / name, "--json", "-")
             self.assertEqual(list(json.loads(done.stdout)["methods"]), methods)
 
+    def test_a_scene_is_baked_and_drawn_without_opengl(self):
+        self.succeeds("render", STONES, "--method", "environment-nodes", "--face", "32", "--auto", "2",
+                      "--draw", "software", *FRAME, "-o", self.folder / "frames")
+        self.assertEqual(len(files_below(self.folder / "frames")), 2)
+
     def test_nodes_stand_for_what_is_far_in_the_cache(self):
         def cache(*arguments):
             done = self.succeeds("compare", "builtin:stonehenge", "--methods", "cache", *arguments,

@@ -88,7 +88,8 @@ void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t
 }
 
 DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std::uint32_t> objects,
-                                      std::span<const glm::mat4> poses, int samples) {
+                                      std::span<const glm::mat4> poses, int samples,
+                                      bool with_sky) {
   FrameRaster& raster = state_->raster;
   // Depth and identifiers at the texels' centres, where they mean one surface ...
   raster.place(camera, objects, poses);
@@ -107,7 +108,7 @@ DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std:
   if (samples > 1) raster.fill(camera, samples, NearPlane::cuts);
   PictureView view = raster.view(camera);
   view.scale = ColorScale::linear;
-  state_->shader.shade(view, picture);
+  state_->shader.shade(view, picture, with_sky);
   return picture;
 }
 

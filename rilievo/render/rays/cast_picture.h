@@ -1,8 +1,8 @@
 // What does a camera see of a Scene, by ray casting?
 //
 // Gives the pictures of the rasterisers without OpenGL: the same surfaces, depths, object
-// identifiers and shading (shading_model.inl). Blended parts and the sky are left out. Uses all
-// cores; the result does not depend on the number of threads.
+// identifiers and shading (shading_model.inl). Blended parts are left out. Uses all cores;
+// the result does not depend on the number of threads.
 #pragma once
 
 #include <memory>
@@ -19,11 +19,13 @@ namespace rilievo {
 struct CastOptions {
   std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
   int samples = 1;                              // rays of a texel for its colour: 1 or 4
+  bool sky = false;                             // behind what covers a texel in part or not at all
 };
 
 // Casts a ray through each texel's centre: eye_z, object, and linear light. With 4 samples colours
 // are averaged over other rays, and alpha is coverage; where the centre shows nothing, so does the
-// texel. Requires a valid camera.
+// texel, unless there is a sky: then every texel has a colour, and is opaque. Requires a valid
+// camera.
 [[nodiscard]] DepthImage cast_picture(const RayScene& scene, const Camera& camera,
                                       const CastOptions& options = {});
 

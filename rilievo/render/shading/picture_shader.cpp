@@ -7,6 +7,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/shading/shading_model.h"
 
 namespace rilievo {
 
@@ -58,6 +59,33 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
     }
 }
 
+namespace {
+
+// Where the sky is, behind the centres of texels.
+class SkyRays {
+ public:
+  explicit SkyRays(const Camera& camera) {
+    const glm::dmat3 axes(camera.world_from_eye);
+    const ImageWindow& w = camera.window;
+    const bool parallel = camera.projection == Projection::parallel;
+    per_x_ = (parallel ? 0 : (w.right - w.left) / camera.width) * axes[0];
+    per_y_ = (parallel ? 0 : (w.top - w.bottom) / camera.height) * axes[1];
+    first_ = (parallel ? glm::dvec3(0) : axes * glm::dvec3(w.left, w.bottom, 0)) - axes[2] +
+             0.5 * (per_x_ + per_y_);
+  }
+  // y from the bottom.
+  [[nodiscard]] glm::vec3 radiance(const Sky& sky, int x, int y) const {
+    const glm::dvec3 to = glm::normalize(first_ + double(x) * per_x_ + double(y) * per_y_);
+    const auto color = shading_model::sky_radiance(sky, float(to.y));
+    return {color.x, color.y, color.z};
+  }
+
+ private:
+  glm::dvec3 first_, per_x_, per_y_;
+};
+
+}  // namespace
+
 struct PictureShader::State {
   tbb::enumerable_thread_specific<BandShader> shaders;
 };
@@ -101,19 +129,23 @@ void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
   });
 }
 
-void PictureShader::shade(const PictureView& view, DepthImage& picture) {
+void PictureShader::shade(const PictureView& view, DepthImage& picture, bool with_sky) {
   RILIEVO_EXPECTS(view.scale == ColorScale::linear);
   const int columns = view.samples.width, last = view.samples.height - 1;  // rows from the top
   picture.color = ColorImage(columns, last + 1);
   const std::size_t width = std::size_t(columns);
   const float share = 1.0f / float(view.samples.samples);
+  const SkyRays sky(picture.camera);
   shade(view, [&](const BandShader& shaded, int from, int to) {
     for (int y = from; y < to; ++y)
       for (int x = 0; x < columns; ++x) {
         const std::size_t i = std::size_t(y - from) * width + std::size_t(x);
-        if (picture.covered(x, last - y))
-          picture.color(x, last - y) =
-              share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
+        if (!with_sky && !picture.covered(x, last - y)) continue;
+        glm::vec4& color = picture.color(x, last - y);
+        color = share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
+        if (with_sky && color.a < 1)
+          color = glm::vec4(glm::vec3(color) + (1 - color.a) * sky.radiance(view.lights.sky, x, y),
+                            1.0f);
       }
   });
 }

@@ -55,9 +55,10 @@ class PictureShader {
              const std::function<void(const BandShader& shaded, int from, int to)>& write);
   // Fills the picture. Requires ColorScale::srgb.
   void shade(const PictureView& view, RasterPicture& picture);
-  // Sets the colours: coverage in alpha; 0 where the depth, which must be there, is kNoDepth.
-  // Requires ColorScale::linear.
-  void shade(const PictureView& view, DepthImage& picture);
+  // Sets the colours: coverage in alpha; 0 where the depth, which must be there, is kNoDepth. Or,
+  // `with_sky`: whatever no surface covers of a texel shows the sky of view.lights, and alpha is 1.
+  // Requires ColorScale::linear, and the picture's camera.
+  void shade(const PictureView& view, DepthImage& picture, bool with_sky = false);
 
  private:
   struct State;
