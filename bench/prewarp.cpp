@@ -62,7 +62,7 @@ Result<BenchReport> prewarp(const BenchOptions& options) {
   for (const int size : {256, 512, 1024}) {
     if (options.quick && size > 512) break;
     const int runs = options.quick ? 3 : std::max(12, 300 * 256 * 256 / (size * size));
-    const Result<LayeredDepthImage> layers = relief_layers(*fern, size, {0, 0.26, 0.97}, 1.0);
+    const Result<LayeredDepthImage> layers = relief_layers(*fern, size, {0, 0.26, 0.97});
     if (!layers) return layers.error();
     const Result<LayeredRelief> relief = build_layered_relief(*layers);
     if (!relief) return relief.error();

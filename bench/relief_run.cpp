@@ -132,6 +132,7 @@ Result<BenchReport> relief_run(const BenchOptions& options) {
     const Result<std::vector<glm::dvec3>> six = relief_directions(6);
     ReliefBakeOptions bake;
     bake.size = size / 2;
+    bake.ball = paper_ball(*object);
     const Result<ReliefSet> set = bake_reliefs(*object->rays, *six, bake);
     if (!set) return set.error();
     double samples = 0, memory = 0;

@@ -24,6 +24,14 @@ const std::array kBakeOptions{
            .default_value = "6",
            .help = "Directions that the object is looked at from",
            .choices = {"1", "2", "6", "12", "20", "32"}},
+    Option{.name = "ball",
+           .type = OptionType::number,
+           .default_value = "0",
+           .help = "Textures are squares, so many times as wide as the ball around the object: "
+                   "texels are of one size from all sides; 0: they fit the object",
+           .unit = "X",
+           .min = 0,
+           .max = 100},
     Option{.name = "merge",
            .type = OptionType::number,
            .default_value = "0.5",
@@ -74,6 +82,10 @@ const std::array kDrawOptions{
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   const ReliefCaptureOptions options = relief_capture_options(values);
   const std::span<const LayeredDepthImage> deep = input.source.deep_images();
+  if (options.ball > 0 && options.ball < 1)
+    return Error{"--ball", "must be 0 or at least 1: the ball would be cut off"};
+  if (!deep.empty() && values.given("ball"))
+    return Error{"--ball", "is for scenes: a deep image is framed"};
   if (!deep.empty() && values.given("textures"))
     return Error{"--textures", "is for scenes: a deep image is one texture"};
   if (!deep.empty() && values.given("share"))
@@ -178,6 +190,7 @@ ReliefCaptureOptions relief_capture_options(const OptionValues& values) {
   ReliefCaptureOptions options;
   options.size = values.integer("size");
   options.textures = int(values.number("textures"));
+  options.ball = values.number("ball");
   options.merge_texels = values.number("merge");
   options.share_texels = values.number("share");
   options.max_depth = values.number("max-depth");

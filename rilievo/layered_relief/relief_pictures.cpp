@@ -46,7 +46,7 @@ Result<ReliefPictures> capture_relief_pictures(CaptureSource& source,
   if (box.empty()) return Error{std::string(source.name()), "has nothing to take pictures of"};
   ReliefPictures made;
   for (const glm::dvec3& direction : *directions) {
-    const Result<Camera> camera = relief_camera(box, direction, options.size);
+    const Result<Camera> camera = relief_camera(box, direction, options.size, options.ball);
     if (!camera) return camera.error();
     const double merge = options.merge_texels * texel_angle(*camera);
     Result<LayeredDepthImage> layers =

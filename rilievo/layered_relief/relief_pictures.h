@@ -34,6 +34,7 @@ struct ReliefPictures {
 struct ReliefCaptureOptions {
   int textures = 6;           // 1, 2, 6, 12, 20 or 32 (relief_directions)
   int size = 512;             // texels of the longer side
+  double ball = 0;            // as for relief_camera
   double merge_texels = 0.5;  // samples closer along a line of sight than that share of a texel
   // Faces that a texture sees edge-on get the samples of the others where its own are farther apart
   // along a line of sight than so many texels (share_samples.h); 0: they do not.

@@ -70,11 +70,19 @@ Result<std::vector<glm::dvec3>> relief_directions(int count) {
   }
 }
 
-Result<Camera> relief_camera(const Box& box, const glm::dvec3& direction, int size) {
+Result<Camera> relief_camera(const Box& box, const glm::dvec3& direction, int size, double ball) {
+  RILIEVO_EXPECTS(ball == 0 || ball >= 1);
   const glm::dvec3 eye = glm::dvec3(box.center()) + 3.0 * double(box.radius()) * direction;
   Result<Camera> camera = tight_camera(Projection::parallel, eye, {0, 1, 0}, box);
   if (!camera) return camera;
   ImageWindow& w = camera->window;
+  if (ball > 0) {
+    // A point has a window too.
+    const double half = std::max(ball * double(box.radius()), 0.5 * (w.right - w.left));
+    w = {-half, half, -half, half};
+    camera->width = camera->height = size;
+    return camera;
+  }
   const double step = std::max(w.right - w.left, w.top - w.bottom) / size;
   camera->width = std::clamp(int(std::ceil((w.right - w.left) / step - 1e-9)), 1, size);
   camera->height = std::clamp(int(std::ceil((w.top - w.bottom) / step - 1e-9)), 1, size);
@@ -91,7 +99,7 @@ Result<ReliefSet> bake_reliefs(const RayScene& scene, std::span<const glm::dvec3
     box.add(transformed(scene.poses()[i],
                         scene.scene().models[std::size_t(scene.scene().objects[i].model)].bounds));
   for (const glm::dvec3& direction : directions) {
-    const Result<Camera> camera = relief_camera(box, direction, options.size);
+    const Result<Camera> camera = relief_camera(box, direction, options.size, options.ball);
     if (!camera) return camera.error();
     LayeredDepthImage layers =
         cast_layers(scene, *camera, {.merge = options.merge_texels * texel_angle(*camera)});

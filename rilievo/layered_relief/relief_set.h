@@ -37,12 +37,15 @@ struct ReliefSet {
 struct ReliefBakeOptions {
   int size = 512;              // texels of the longer side; texels are square
   double merge_texels = 0.01;  // samples within this share of a texel along a ray become one
+  double ball = 0;             // as for relief_camera
   LayeredReliefOptions relief;
 };
 
 // A parallel camera around `box` whose viewers are in `direction`; `size` texels on the longer
-// side.
-[[nodiscard]] Result<Camera> relief_camera(const Box& box, const glm::dvec3& direction, int size);
+// side. ball > 0: a square, so many times as wide as the ball around the box, so that texels are of
+// one size from all directions. At least 1.
+[[nodiscard]] Result<Camera> relief_camera(const Box& box, const glm::dvec3& direction, int size,
+                                           double ball = 0);
 
 // Bakes the whole scene by ray casting, one relief for each direction.
 [[nodiscard]] Result<ReliefSet> bake_reliefs(const RayScene& scene,

@@ -51,6 +51,20 @@ TEST(GatherLayers, translucent_samples_become_one_that_hides_as_much) {
   EXPECT_EQ(gathered.samples[1].color, glm::vec4(0, 0, 1, 1));
 }
 
+TEST(ReliefSet, frames_of_the_ball_hold_the_box_and_have_texels_of_one_size) {
+  const Box box{{-1, 2, 0}, {3, 3, 1.5f}};
+  for (const glm::dvec3& direction : {glm::dvec3(0, 0, 1), glm::dvec3(0, 1, 0), {0.6, 0, 0.8}}) {
+    const Result<Camera> camera = relief_camera(box, direction, 64, 1.25);
+    ASSERT_TRUE(camera);
+    EXPECT_TRUE(camera->width == 64 && camera->height == 64);
+    EXPECT_NEAR(texel_angle(*camera), 2.5 * double(box.radius()) / 64, 1e-9);
+    for (const glm::vec3& corner : box.corners()) {
+      const glm::dvec3 at = raster_from_world(*camera, corner);
+      EXPECT_TRUE(at.x >= 0 && at.x <= 64 && at.y >= 0 && at.y <= 64);
+    }
+  }
+}
+
 TEST(ReliefSet, the_relief_is_switched_before_its_rectangle_stretches) {
   const Result<BuiltinScene> built = make_builtin("builtin:fish?triangles=3000");
   ASSERT_TRUE(built);
