@@ -46,9 +46,8 @@ inline std::vector<Rgba8Image> draw(const EnvironmentNodes& nodes, const Scene& 
                                     const std::vector<Camera>& cameras) {
   auto factory = make_environment_tiles_factory();
   EXPECT_TRUE(factory.ok());
-  auto drawable =
-      (*factory)->make_drawable(std::make_unique<EnvironmentRepresentation>(nodes),
-                                OptionValues(environment_nodes_kind().draw_options));
+  auto drawable = (*factory)->make_drawable(std::make_unique<EnvironmentRepresentation>(nodes),
+                                            OptionValues(environment_nodes_kind().draw_options));
   EXPECT_TRUE(drawable.ok());
   SoftwareStoredFrames frames(sky, 4, std::move(*drawable), {Instance{}}, false);
   std::vector<Rgba8Image> drawn;

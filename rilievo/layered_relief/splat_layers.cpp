@@ -170,12 +170,13 @@ Rgba8Image frame_over(const SplattedFrame& frame, const glm::vec3& background) {
   Rgba8Image out(w, h);
   glm::vec3 behind;
   for (int c = 0; c < 3; ++c) behind[c] = srgb_from_linear(background[c]);
-  for (int y = 0; y < h; ++y)
+  parallel_for(0, h, [&](int y) {
     for (int x = 0; x < w; ++x) {
       const glm::vec4& color = frame.color(x, y);
       const glm::vec3 sum = glm::vec3(color) + (1 - color.a) * behind;
-      out(x, y) = glm::u8vec4(glm::u8vec3(glm::round(255.0f * glm::clamp(sum, 0.0f, 1.0f))), 255);
+      out(x, y) = glm::u8vec4(glm::u8vec3(255.0f * glm::clamp(sum, 0.0f, 1.0f) + 0.5f), 255);
     }
+  });
   return out;
 }
 

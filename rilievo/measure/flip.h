@@ -5,8 +5,13 @@
 // sensitivity, amplified where edges or points appear or vanish. Frames are 8-bit sRGB; alpha is
 // ignored. Values lie between 0 (no difference) and 1.
 //
-// Strips of rows run in parallel; the result does not depend on the number of threads.
+// Where frames are equal within the filters' reach it costs next to nothing.
+//
+// Strips of rows run in parallel; the result depends neither on the number of threads nor on the
+// instruction set.
 #pragma once
+
+#include <memory>
 
 #include "rilievo/core/color.h"
 
@@ -26,5 +31,23 @@ struct FlipOptions {
 // The mean of the map: the single number that the authors recommend.
 [[nodiscard]] double flip(const Rgba8Image& truth, const Rgba8Image& frame,
                           const FlipOptions& options = {});
+
+// A frame that several others are compared with: its filters run once.
+class FlipTruth {
+ public:
+  // `truth` must outlive the object.
+  explicit FlipTruth(const Rgba8Image& truth, const FlipOptions& options = {});
+  ~FlipTruth();
+  FlipTruth(FlipTruth&&) = delete;
+
+  // The same number as flip(truth, frame, options). Any thread may call it.
+  [[nodiscard]] double flip(const Rgba8Image& frame) const;
+
+ private:
+  struct State;
+  friend Image<float> flip_map(const Rgba8Image& truth, const Rgba8Image& frame,
+                               const FlipOptions& options);
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace rilievo

@@ -185,6 +185,38 @@ TEST(Flip, a_point_that_vanishes_is_worse_than_its_colour_alone) {
   EXPECT_EQ(map(30, 41), 0);
 }
 
+TEST(Flip, of_frames_that_differ_in_a_part_is_that_of_whole_frames) {
+  // Columns that are equal in both frames are left out; in noise beside them, which both have,
+  // a difference of one level in the corners prevents that.
+  FramePair pair = frame_pair(150, 130, 12);
+  Rgba8Image part = pair.a;
+  for (int y = 60; y < 70; ++y)
+    for (int x = 70; x < 75; ++x) part(x, y) = pair.b(x, y);
+  Rgba8Image whole = part;
+  for (const int y : {0, 47, 48, 95, 96, 129})
+    for (const int x : {0, 149}) whole(x, y).g = std::uint8_t(whole(x, y).g ^ 1);
+  const Image<float> a = flip_map(pair.a, part), b = flip_map(pair.a, whole);
+  int inside = 0;
+  for (int y = 25; y < 105; ++y)
+    for (int x = 20; x < 130; ++x) {
+      ASSERT_EQ(a(x, y), b(x, y)) << x << " " << y;
+      inside += a(x, y) > 0;
+    }
+  EXPECT_GT(inside, 300);
+}
+
+TEST(Flip, a_kept_truth_yields_the_same) {
+  for (const auto& [width, height] : {std::pair(131, 77), {16, 48}, {1, 1}, {50, 97}}) {
+    const FramePair pair = frame_pair(width, height, 13);
+    const FlipTruth truth(pair.a);
+    EXPECT_EQ(truth.flip(pair.b), flip(pair.a, pair.b));
+    EXPECT_EQ(truth.flip(pair.a), 0);
+    Rgba8Image part = pair.a;
+    part(width / 2, height / 3).r ^= 16;
+    EXPECT_EQ(truth.flip(part), flip(pair.a, part));
+  }
+}
+
 TEST(Flip, moves_with_its_frames) {
   const FramePair pair = frame_pair(80, 120, 9);
   const auto part = [](const Rgba8Image& from, int y0) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/measure/flip_rows.h"
 
 namespace rilievo {
 namespace {
@@ -26,17 +27,15 @@ constexpr int kPlanes = 4;
 constexpr float kMiddle = 128.0f;
 constexpr float kC1 = 0.01f * 255 * 0.01f * 255, kC2 = 0.03f * 255 * 0.03f * 255;
 
-using Window = std::array<float, kSsimWindow>;
-
-Window gaussian() {
+FlipKernel gaussian() {
   std::array<double, kSsimWindow> w{};
   double sum = 0;
   for (int i = 0; i < kSsimWindow; ++i) {
     const double d = (i - kSsimWindow / 2) / 1.5;
     sum += w[i] = std::exp(-0.5 * d * d);
   }
-  Window out{};
-  for (int i = 0; i < kSsimWindow; ++i) out[i] = float(w[i] / sum);
+  FlipKernel out;
+  for (int i = 0; i < kSsimWindow; ++i) out.push_back(float(w[i] / sum));
   return out;
 }
 
@@ -47,10 +46,10 @@ void luma(std::span<const glm::u8vec4> row, float* out) {
 }
 
 // out[x] = sum of window[k] * in[x + k * step], x in [0, count).
-void blur(const Window& window, const float* in, int step, int count, float* out) {
-  for (int x = 0; x < count; ++x) out[x] = window[0] * in[x];
-  for (int k = 1; k < kSsimWindow; ++k)
-    for (int x = 0; x < count; ++x) out[x] += window[k] * in[x + k * step];
+void blur(const FlipKernel& window, const float* in, int step, int count, float* out) {
+  std::array<const float*, kSsimWindow> from;
+  for (int k = 0; k < kSsimWindow; ++k) from[std::size_t(k)] = in + k * step;
+  flip_filter(window, from.data(), count, out);
 }
 
 float ssim_of(float ma, float mb, float squares, float products) {
@@ -62,29 +61,33 @@ float ssim_of(float ma, float mb, float squares, float products) {
 }
 
 // The sum of SSIM over each of `sums.size()` windows' rows from row `first` on.
-void strip(const Rgba8Image& a, const Rgba8Image& b, const Window& window, int first,
+void strip(const Rgba8Image& a, const Rgba8Image& b, const FlipKernel& window, int first,
            std::span<double> sums) {
-  const int width = a.width(), inside = width - kSsimWindow + 1;
-  const int in_rows = int(sums.size()) + kSsimWindow - 1;
-  std::vector<float> planes(std::size_t(kPlanes) * width);
-  std::vector<float> blurred(std::size_t(kPlanes) * inside * in_rows);
+  const int width = a.width(), inside = width - kSsimWindow + 1, pitch = flip_padded(inside);
+  const int in_rows = int(sums.size()) + kSsimWindow - 1, in_pitch = pitch + kSsimWindow;
+  std::vector<float> planes(std::size_t(kPlanes) * std::size_t(in_pitch));
+  std::vector<float> blurred(std::size_t(kPlanes) * std::size_t(pitch) * std::size_t(in_rows));
   float* const pa = planes.data();
-  float *const pb = pa + width, *const squares = pb + width, *const products = squares + width;
+  float *const pb = pa + in_pitch, *const squares = pb + in_pitch,
+               *const products = squares + in_pitch;
   for (int y = 0; y < in_rows; ++y) {
     luma(a.row(first + y), pa);
     luma(b.row(first + y), pb);
     for (int x = 0; x < width; ++x) squares[x] = pa[x] * pa[x] + pb[x] * pb[x];
     for (int x = 0; x < width; ++x) products[x] = pa[x] * pb[x];
     for (int p = 0; p < kPlanes; ++p)
-      blur(window, pa + p * width, 1, inside, &blurred[std::size_t(y * kPlanes + p) * inside]);
+      blur(window, pa + p * in_pitch, 1, pitch,
+           &blurred[std::size_t(y * kPlanes + p) * std::size_t(pitch)]);
   }
-  std::vector<float> means(std::size_t(kPlanes) * inside);
+  std::vector<float> means(std::size_t(kPlanes) * std::size_t(pitch));
   for (std::size_t y = 0; y < sums.size(); ++y) {
-    blur(window, &blurred[y * kPlanes * inside], kPlanes * inside, kPlanes * inside, means.data());
-    const float* const m = means.data();
-    double sum = 0;
+    blur(window, &blurred[y * kPlanes * std::size_t(pitch)], kPlanes * pitch, kPlanes * pitch,
+         means.data());
+    float* const m = means.data();
     for (int x = 0; x < inside; ++x)
-      sum += double(ssim_of(m[x], m[inside + x], m[2 * inside + x], m[3 * inside + x]));
+      m[x] = ssim_of(m[x], m[pitch + x], m[2 * pitch + x], m[3 * pitch + x]);
+    double sum = 0;
+    for (int x = 0; x < inside; ++x) sum += double(m[x]);
     sums[y] = sum;
   }
 }
@@ -94,7 +97,7 @@ void strip(const Rgba8Image& a, const Rgba8Image& b, const Window& window, int f
 double ssim(const Rgba8Image& a, const Rgba8Image& b) {
   RILIEVO_EXPECTS(a.width() == b.width() && a.height() == b.height());
   RILIEVO_EXPECTS(a.width() >= kSsimWindow && a.height() >= kSsimWindow);
-  const Window window = gaussian();
+  const FlipKernel window = gaussian();
   const int rows = a.height() - kSsimWindow + 1;
   std::vector<double> sums(std::size_t(rows), 0.0);
   parallel_for(0, (rows + kSsimRows - 1) / kSsimRows, [&](int i) {

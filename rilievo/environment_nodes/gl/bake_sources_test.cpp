@@ -13,7 +13,8 @@ namespace {
 class BakeSources : public gl::ContextTest {};
 
 TEST_F(BakeSources, nodes_of_rays_are_those_of_OpenGL) {
-  for (const char* name : {"builtin:stonehenge?triangles=20000", "builtin:bridge?triangles=100000"}) {
+  for (const char* name :
+       {"builtin:stonehenge?triangles=20000", "builtin:bridge?triangles=100000"}) {
     SCOPED_TRACE(name);
     const auto built = make_builtin(name);
     ASSERT_TRUE(built);
