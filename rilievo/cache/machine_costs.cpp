@@ -101,7 +101,7 @@ std::string text_of(const MachineJson& json, const char* name) {
 MachineCosts builtin_software_costs() {
   MachineCosts costs;
   costs.threads = 2;
-  costs.draw_software = {2800, 5.6, 1400, 28, 14};
+  costs.draw_software = {2800, 5.6, 1400, 28, 24};
   costs.capture_rasterizer = {11'200, 28, 84};
   costs.ray_texel_ns = 224;
   return costs;
