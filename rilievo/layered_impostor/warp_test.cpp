@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -107,6 +108,57 @@ TEST(LayeredWarp, surfaces_lie_where_the_object_lies) {
     EXPECT_LT(share_uncovered_inside(truth, frame), 0.002);
   }
   EXPECT_LT(worst_share, 0.04);
+}
+
+// Of two neighbours one sees the jug and one, which sees everything there, does not.
+TEST(LayeredWarp, the_weighted_majority_of_views_decides_where_the_outline_is) {
+  std::vector<DepthImage> pictures = test_shapes::cast_views(
+      test_shapes::jug(), make_view_set({.spread = ViewSpread::faces_12}), {.size = 64});
+  const int blind = 0;
+  pictures[blind].depth = Image<float>(64, 64, kNoDepth);
+  pictures[blind].color = ColorImage(64, 64);
+  const Result<LayeredImpostor> impostor = make_layered_impostor(pictures, {.layers = 16});
+  ASSERT_TRUE(impostor);
+  const ViewSet& views = impostor->views;
+  std::array<int, 2> pair;
+  ASSERT_EQ(nearest_views(views, views.directions[blind], pair), 2);
+  ASSERT_EQ(pair[0], blind);
+  const glm::dvec3 from = views.directions[blind], to = views.directions[std::size_t(pair[1])];
+  const double zone = kHandover * mean_spacing(views);
+  int shared = 0, decided_by_seeing = 0;
+  for (int i = 0; i <= 80; ++i) {
+    const glm::dvec3 towards = glm::normalize(glm::mix(from, to, 0.4 + 0.2 * i / 80));
+    std::array<float, 2> weights;
+    nearest_views(views, towards, pair);
+    handover_weights(views, towards, zone, pair, weights);
+    const bool first_is_blind = pair[0] == blind;
+    const float blind_weight = weights[first_is_blind ? 0 : 1],
+                seeing_weight = weights[first_is_blind ? 1 : 0];
+    const Camera camera = frame_camera(impostor->bounds, towards, 4, 48);
+    const DepthImage frame = warp_surfaces(*impostor, camera, {.max_views = 2});
+    // What the seeing view has there, and what it is certain of: its own neighbourhood is.
+    DepthImage alone;
+    if (!first_is_blind) alone = warp_surfaces(*impostor, camera, {.max_views = 1});
+    shared += blind_weight > 0 && seeing_weight > 0;
+    int covered = 0, of_seeing = 0;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 48; ++x) {
+        covered += frame.covered(x, y);
+        if (first_is_blind) continue;
+        of_seeing += alone.covered(x, y);
+        EXPECT_LE(frame.covered(x, y), alone.covered(x, y));
+      }
+    if (blind_weight > seeing_weight) {
+      EXPECT_EQ(covered, 0) << i;
+    } else if (seeing_weight > blind_weight) {
+      ++decided_by_seeing;
+      // Behind its edges the seeing view is not certain: there the blind one has the word.
+      EXPECT_GT(covered, 0.9 * of_seeing) << i;
+      EXPECT_GT(of_seeing, 300);
+    }
+  }
+  EXPECT_GT(shared, 10);
+  EXPECT_GT(decided_by_seeing, 20);
 }
 
 TEST(LayeredWarp, back_perspective_views_fill_each_others_holes) {
