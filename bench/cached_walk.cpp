@@ -1,8 +1,11 @@
 #include "bench/cached_walk.h"
 
+#include <ctime>
 #include <memory>
 
+#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/compare/drawn_frame.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
@@ -69,6 +72,32 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
     walks[i].flip = summarize(flips[i]).mean;
   }
   return walks;
+}
+
+Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOptions cache,
+                                     const CachedWalkOptions& options) {
+  cache.samples = options.samples;
+  Result<std::unique_ptr<MemoryCache>> source = MemoryCache::create(builtin.scene, cache);
+  if (!source) return source.error();
+  CachedWalk walk;
+  std::vector<double> times, busy;
+  for (int frame = 0; frame < options.frames; ++frame) {
+    const double time = frame_time(builtin.path, frame);
+    const Camera camera = camera_at(builtin.path, time, options.width, options.height);
+    const std::clock_t before = std::clock();
+    const Stopwatch watch;
+    if (Result<> drawn = (*source)->draw(camera, time); !drawn) return drawn.error();
+    const double ms = watch.ms();
+    walk.captures += (*source)->stats().captures;
+    walk.bound_px = std::max(walk.bound_px, (*source)->stats().bound_px);
+    if (frame == 0) walk.first_frame_ms = ms;
+    if (frame == 0 && options.frames > 1) continue;
+    times.push_back(ms);
+    busy.push_back(1e3 * double(std::clock() - before) / CLOCKS_PER_SEC);
+  }
+  walk.frame_ms = summarize(times);
+  walk.busy_ms_p50 = percentile(busy, 0.5);
+  return walk;
 }
 
 }  // namespace rilievo::bench

@@ -22,6 +22,7 @@ struct CachedWalkOptions {
 struct CachedWalk {
   Summary frame_ms;  // the first frame, which fills the cache, is not among them
   double first_frame_ms = 0;
+  double busy_ms_p50 = 0;                  // of processors; by walk_memory_cache() only
   double direct_ms_p50 = 0;                // of the frames compared
   double psnr_db = 0, ssim = 0, flip = 0;  // means over the frames compared
   double bound_px = 0;
@@ -33,5 +34,10 @@ struct CachedWalk {
 [[nodiscard]] Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
                                                           std::span<const ImageCacheOptions> caches,
                                                           const CachedWalkOptions& options);
+
+// The same walk, drawn without OpenGL; nothing is compared.
+[[nodiscard]] Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin,
+                                                   ImageCacheOptions cache,
+                                                   const CachedWalkOptions& options);
 
 }  // namespace rilievo::bench

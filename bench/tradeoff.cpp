@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <memory>
 
 #include "bench/cached_walk.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo::bench {
@@ -115,54 +118,83 @@ Result<BenchReport> tradeoff(const BenchOptions& options) {
 }
 
 Result<BenchReport> scaling(const BenchOptions& options) {
-  const std::vector<int> sizes = options.quick
-                                     ? std::vector<int>{10'000, 100'000}
-                                     : std::vector<int>{100'000, 1'000'000, 10'000'000, 50'000'000};
+  const std::vector<int> sizes =
+      options.quick ? std::vector<int>{10'000, 100'000}
+                    : std::vector<int>{100'000, 1'000'000, 10'000'000, 100'000'000};
   CachedWalkOptions walk;
   walk.compare_every = 0;
   if (options.quick) walk.width = 160, walk.height = 90, walk.frames = 4;
+  Result<std::unique_ptr<gl::Context>> context = gl::Context::create();
+  BenchReport report;
+  if (context) report.machine.gl_renderer = gl::renderer_name();
   // Walks of one size differ by a tenth and more from run to run: all sizes in turn, and the
   // medians.
   const int rounds = options.quick ? 1 : 3;
-  std::vector<std::vector<double>> p50(sizes.size()), p99(sizes.size()), first(sizes.size());
-  std::vector<int> captures(sizes.size());
+  struct Walks {
+    std::vector<double> p50, p99, first, busy;
+    int captures = 0;  // the same in each round
+    void add(const CachedWalk& one) {
+      p50.push_back(one.frame_ms.p50), p99.push_back(one.frame_ms.p99);
+      first.push_back(one.first_frame_ms), busy.push_back(one.busy_ms_p50);
+      captures = one.captures;
+    }
+  };
+  std::vector<Walks> software(sizes.size()), opengl(sizes.size());
   for (int round = 0; round < rounds; ++round)
     for (std::size_t i = 0; i < sizes.size(); ++i) {
       const Result<BuiltinScene> built =
           make_builtin(fmt::format("builtin:forest?triangles={}", sizes[i]));
       if (!built) return built.error();
       const ImageCacheOptions cache;
-      const Result<std::vector<CachedWalk>> walks = walk_cached(*built, {&cache, 1}, walk);
-      if (!walks) return walks.error();
-      p50[i].push_back(walks->front().frame_ms.p50);
-      p99[i].push_back(walks->front().frame_ms.p99);
-      first[i].push_back(walks->front().first_frame_ms);
-      captures[i] = walks->front().captures;  // the same in each round
+      const Result<CachedWalk> in_memory = walk_memory_cache(*built, cache, walk);
+      if (!in_memory) return in_memory.error();
+      software[i].add(*in_memory);
+      if (context) {
+        const Result<std::vector<CachedWalk>> walks = walk_cached(*built, {&cache, 1}, walk);
+        if (!walks) return walks.error();
+        opengl[i].add(walks->front());
+      }
       if (options.progress)
         options.progress(round * int(sizes.size()) + int(i) + 1, rounds * int(sizes.size()));
     }
-  BenchReport report;
-  Table table{"The same walk through a growing forest",
-              {"triangles", "p50 ms", "of the rounds", "p99 ms", "first frame ms", "captures"},
-              {}};
-  Curve curve{"cached, p50", {}, {}};
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const auto [least, most] = std::minmax_element(p50[i].begin(), p50[i].end());
-    const double median = percentile(p50[i], 0.5);
-    table.rows.push_back({std::to_string(sizes[i]), fmt::format("{:.1f}", median),
-                          fmt::format("{:.1f} to {:.1f}", *least, *most),
-                          fmt::format("{:.1f}", percentile(p99[i], 0.5)),
-                          fmt::format("{:.0f}", percentile(first[i], 0.5)),
-                          std::to_string(captures[i])});
-    report.figures.emplace_back(fmt::format("frame_ms_p50_{}", sizes[i]), median);
-    curve.x.push_back(sizes[i]);
-    curve.y.push_back(median);
-  }
-  report.figures.emplace_back("growth_ratio", curve.y.back() / curve.y.front());
-  report.tables = {std::move(table)};
-  report.plots = {{"Cost of a cached frame", "triangles", "ms", {curve}, true, false, true}};
+  report.plots = {{"Cost of a cached frame", "triangles", "ms", {}, true, false, true}};
+  const auto show = [&](const char* name, const std::vector<Walks>& walks, bool by_software) {
+    Table table{fmt::format("The same walk through a growing forest, {}", name),
+                {"triangles", "p50 ms", "of the rounds", "p99 ms", "first frame ms", "captures"},
+                {}};
+    if (by_software) table.columns.emplace_back("p50 of processors, ms");
+    Curve curve{fmt::format("{}, p50", name), {}, {}};
+    std::vector<double> busy;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      const Walks& w = walks[i];
+      const auto [least, most] = std::minmax_element(w.p50.begin(), w.p50.end());
+      const double median = percentile(w.p50, 0.5);
+      busy.push_back(percentile(w.busy, 0.5));
+      table.rows.push_back({std::to_string(sizes[i]), fmt::format("{:.1f}", median),
+                            fmt::format("{:.1f} to {:.1f}", *least, *most),
+                            fmt::format("{:.1f}", percentile(w.p99, 0.5)),
+                            fmt::format("{:.0f}", percentile(w.first, 0.5)),
+                            std::to_string(w.captures)});
+      report.figures.emplace_back(
+          fmt::format("{}_ms_p50_{}", by_software ? "software" : "frame", sizes[i]), median);
+      curve.x.push_back(sizes[i]);
+      curve.y.push_back(median);
+      if (!by_software) continue;
+      table.rows.back().push_back(fmt::format("{:.1f}", busy.back()));
+      report.figures.emplace_back(fmt::format("software_busy_ms_p50_{}", sizes[i]), busy.back());
+    }
+    report.figures.emplace_back(by_software ? "software_growth_ratio" : "growth_ratio",
+                                curve.y.back() / curve.y.front());
+    if (by_software)
+      report.figures.emplace_back("software_busy_growth_ratio", busy.back() / busy.front());
+    report.tables.push_back(std::move(table));
+    report.plots[0].curves.push_back(std::move(curve));
+  };
+  show("software", software, true);
+  if (context) show("OpenGL", opengl, false);
   report.notes = {
       "A larger forest reaches farther on all sides of the same path; what stood near stays."};
+  if (!context) report.notes.push_back("No OpenGL to compare with: " + context.error().message());
   return report;
 }
 

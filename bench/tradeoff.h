@@ -9,8 +9,10 @@ namespace rilievo::bench {
 // bound_px_max_Epx, and direct_ms_p50, embree_ms.
 [[nodiscard]] Result<BenchReport> tradeoff(const BenchOptions& options);
 
-// The cached walk's p50 from 10^5 to 5 x 10^7 triangles of the same forest, seen from the same
-// path: figures frame_ms_p50_N and growth_ratio, the last over the first.
+// The cached walk's p50 from 10^5 to 10^8 triangles of the same forest, seen from the same path, by
+// software and, if there is one, by OpenGL: figures software_ms_p50_N, software_busy_ms_p50_N (of
+// processors), frame_ms_p50_N; software_growth_ratio, software_busy_growth_ratio and growth_ratio,
+// the last over the first.
 [[nodiscard]] Result<BenchReport> scaling(const BenchOptions& options);
 
 }  // namespace rilievo::bench
