@@ -19,7 +19,25 @@ struct Patch {
   bool inside = false;          // all of it is, and no colour comes from beyond the picture's edge
   bool opaque = false;          // all its texels are
   float low_u = 0, high_v = 0;  // of its texels, if its corners were looked at
+  Reach reach = Reach::any;     // of the texels of a row of its pixels
 };
+
+// How far do texels lie apart in rows of the block's pixels? Between two pixels of a row, u changes
+// by no more than at the block's upper and lower edges: within 7/8 of that and the square of the
+// ratio of w, which bounds how much du/dx varies; and what u(y) of an edge is off a straight line,
+// which is a quarter of its change by that ratio less 1, for both edges.
+HWY_INLINE Reach find_reach(const float (&u)[4], const float (&v)[4], float range_u, float range_v,
+                            float w_ratio) {
+  constexpr float kSlack = 1.0f / 64;  // rounded otherwise than the pixels
+  const auto most = [&](const float(&a)[4], float range) {
+    const float edges = std::max(std::abs(a[1] - a[0]), std::abs(a[3] - a[2]));
+    return (0.875f * edges + 0.5f * range * (w_ratio - 1)) * w_ratio * w_ratio + kSlack;
+  };
+  if (!(most(v, range_v) < 1)) return Reach::any;
+  const float across = most(u, range_u);
+  return across < float(kBlock - 1) ? Reach::block : across < float(kSpan - 2) ? Reach::span
+                                                                               : Reach::any;
+}
 
 float find_farthest(const FrameTile& tile, int block) {
   const F f;
@@ -42,30 +60,36 @@ HWY_INLINE float farthest(FrameTile& tile, int block) {
   return tile.farthest[block];
 }
 
+alignas(16) constexpr float kCornerX[4] = {0, kBlock, 0, kBlock},
+                            kCornerY[4] = {0, 0, kBlock, kBlock};
+
 // Looks at the block's corners and at the cells between them: is there anything to draw?
 HWY_INLINE bool look_at_block(const Board& board, FrameTile& tile, int block, Patch& patch) {
   const MemoryNailboard& picture = board.picture;
   const PlacedNailboard& placed = board.placed;
-  float u[4], v[4], w[4];
-  float low_w = std::numeric_limits<float>::infinity(), high_w = -low_w;
-  for (int i = 0; i < 4; ++i) {
-    const float x = float((i & 1) * kBlock), y = float((i >> 1) * kBlock);
-    w[i] = patch.w + x * board.w.per_x + y * board.w.per_y;
-    low_w = std::min(low_w, w[i]), high_w = std::max(high_w, w[i]);
-  }
+  HWY_ALIGN float u[4], v[4], w[4];
+  const hn::CappedTag<float, 4> corners;
+  const auto at_corners = [&](float at, const Plane& plane, int i) {
+    return hn::Add(hn::Set(corners, at),
+                   hn::Add(hn::Mul(hn::Load(corners, kCornerX + i), hn::Set(corners, plane.per_x)),
+                           hn::Mul(hn::Load(corners, kCornerY + i), hn::Set(corners, plane.per_y))));
+  };
+  for (int i = 0; i < 4; i += int(hn::Lanes(corners)))
+    hn::Store(at_corners(patch.w, board.w, i), corners, w + i);
+  const float low_w = std::min(std::min(w[0], w[1]), std::min(w[2], w[3])),
+              high_w = std::max(std::max(w[0], w[1]), std::max(w[2], w[3]));
   if (high_w <= tile.nothing || low_w >= placed.inverse_near) return false;
   // Where the polygon passes the eye's plane in the block, nothing is known of it.
   if (low_w <= tile.nothing) return true;
-  float low_u = std::numeric_limits<float>::infinity(), high_u = -low_u, low_v = low_u,
-        high_v = -low_u;
-  for (int i = 0; i < 4; ++i) {
-    const float x = float((i & 1) * kBlock), y = float((i >> 1) * kBlock);
-    const float eye_z = 1 / w[i];
-    u[i] = (patch.u + x * board.u.per_x + y * board.u.per_y) * eye_z;
-    v[i] = (patch.v + x * board.v.per_x + y * board.v.per_y) * eye_z;
-    low_u = std::min(low_u, u[i]), high_u = std::max(high_u, u[i]);
-    low_v = std::min(low_v, v[i]), high_v = std::max(high_v, v[i]);
+  for (int i = 0; i < 4; i += int(hn::Lanes(corners))) {
+    const auto eye_z = hn::Div(hn::Set(corners, 1.0f), hn::Load(corners, w + i));
+    hn::Store(hn::Mul(at_corners(patch.u, board.u, i), eye_z), corners, u + i);
+    hn::Store(hn::Mul(at_corners(patch.v, board.v, i), eye_z), corners, v + i);
   }
+  const float low_u = std::min(std::min(u[0], u[1]), std::min(u[2], u[3])),
+              high_u = std::max(std::max(u[0], u[1]), std::max(u[2], u[3])),
+              low_v = std::min(std::min(v[0], v[1]), std::min(v[2], v[3])),
+              high_v = std::max(std::max(v[0], v[1]), std::max(v[2], v[3]));
   patch.low_u = low_u, patch.high_v = high_v;
   const float width = float(picture.width()), height = float(picture.height());
   if (high_u < 0 || high_v < 0 || low_u >= width || low_v >= height) return false;
@@ -74,6 +98,8 @@ HWY_INLINE bool look_at_block(const Board& board, FrameTile& tile, int block, Pa
   constexpr float kReach = 0.5f + kSlack;  // of interpolation
   patch.inside = low_u >= kReach && low_v >= kReach && high_u <= width - kReach &&
                  high_v <= height - kReach && high_w < placed.inverse_near;
+  if (high_w < placed.inverse_near)
+    patch.reach = find_reach(u, v, high_u - low_u, high_v - low_v, high_w / low_w);
   const auto cells = [&](float low, float high, int texels, int& from, int& to) {
     constexpr int kCell = MemoryNailboard::kCell;
     from = int(std::max(0.0f, low - kReach)) / kCell;

@@ -99,6 +99,7 @@ HWY_INLINE MF find_covered(const Board& board, VF u, VF v, VF w, int i, Found& f
 }
 
 // Pass 1: which pixels show the picture, and are nearer than a sample of the block?
+template <Reach reach, bool inside>
 HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block, int x, int y,
                             const Patch& patch, Found& found) {
   const F f;
@@ -110,7 +111,7 @@ HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block
   const VF width = hn::Set(f, float(picture.width())), height = hn::Set(f, float(picture.height()));
   const VF inverse_near = hn::Set(f, placed.inverse_near);
   const bool share = placed.share_from > 0 || placed.share_to < 1;
-  const bool by_sample = !patch.inside && tile.samples == 4;
+  const bool by_sample = !inside && tile.samples == 4;
   found.cut = false;
   std::uint64_t groups = 0;
   int group = 0;
@@ -122,14 +123,14 @@ HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block
     };
     VF w = at(patch.w, board.w);
     MF shown = hn::Gt(w, hn::Set(f, tile.nothing));
-    if (!patch.inside) {
+    if constexpr (!inside) {
       shown = hn::And(shown, hn::Le(w, inverse_near));
       w = hn::IfThenElse(shown, w, one);
     }
     const VF eye_z = hn::Div(one, w);
     const VF u_w = at(patch.u, board.u), v_w = at(patch.v, board.v);
     VF u = hn::Mul(u_w, eye_z), v = hn::Mul(v_w, eye_z);
-    if (!patch.inside) {
+    if constexpr (!inside) {
       const VF zero = hn::Zero(f);
       const MF covered = by_sample ? find_covered(board, u_w, v_w, w, i, found)
                                    : hn::And(hn::And(hn::Ge(u, zero), hn::Lt(u, width)),
@@ -139,7 +140,7 @@ HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block
       u = hn::Min(hn::Max(u, half), hn::Sub(width, half));
       v = hn::Min(hn::Max(v, half), hn::Sub(height, half));
     }
-    const VU code = codes_of(picture, span_of(hn::ConvertTo(i32, u), hn::ConvertTo(i32, v)));
+    const VU code = codes_of<reach>(picture, hn::ConvertTo(i32, u), hn::ConvertTo(i32, v));
     const VF steps = hn::ConvertTo(f, hn::BitCast(i32, code));
     shown = hn::And(shown, hn::Le(steps, hn::Set(f, float(picture.steps()))));
     const VF q = hn::Add(hn::Set(f, placed.q_first), hn::Mul(hn::Set(f, placed.q_per_code), steps));
@@ -173,9 +174,8 @@ HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block
 }
 
 // Pass 2: colours between four texels, un-premultiplied; alpha in 15 bits.
-template <class Group>
-HWY_INLINE void find_colors(const MemoryNailboard& picture, bool opaque, Found& found,
-                            const Group& each_group) {
+template <Reach reach, bool opaque, class Group>
+HWY_INLINE void find_colors(const MemoryNailboard& picture, Found& found, const Group& each_group) {
   const F f;
   const I i32;
   const U u32;
@@ -188,16 +188,17 @@ HWY_INLINE void find_colors(const MemoryNailboard& picture, bool opaque, Found& 
       return hn::Or(bits, hn::ShiftLeft<16>(bits));
     };
     const VU x = weight(u, column), y = weight(v, row);
-    const auto [a, b, c, d] = colors_of(picture, span_of(column, row));
-    const VU bytes = hn::Set(u32, 0x00ff00ffu);
-    const auto even = [&](VU t) { return hn::ShiftLeft<7>(hn::And(t, bytes)); };
-    const auto odd = [&](VU t) { return hn::ShiftLeft<7>(hn::And(hn::ShiftRight<8>(t), bytes)); };
+    const auto [a, b, c, d] = colors_of<reach>(picture, column, row);
+    // Bytes 0 and 2, and 1 and 3, by 128.
+    const VU bits = hn::Set(u32, 0x7f807f80u);
+    const auto even = [&](VU t) { return hn::And(hn::ShiftLeft<7>(t), bits); };
+    const auto odd = [&](VU t) { return hn::And(hn::ShiftRight<1>(t), bits); };
     const VU rb = between(even(a), even(b), even(c), even(d), x, y);
     const VU ga = between(odd(a), odd(b), odd(c), odd(d), x, y);
     const auto join = [&](VU low, VU high) {
       return hn::Or(hn::Or(low, hn::ShiftLeft<8>(high)), hn::Set(u32, 0xff000000u));
     };
-    if (opaque) {
+    if constexpr (opaque) {
       hn::Store(join(to_bytes(rb), to_bytes(ga)), u32, found.color + i);
       return;
     }
@@ -294,6 +295,32 @@ HWY_INLINE void put_samples(FrameTile& tile, int block, bool opaque, const int* 
   }
 }
 
+// All passes over a block; has it changed?
+template <Reach reach, bool inside, bool opaque>
+HWY_NOINLINE bool draw_block(const Board& board, FrameTile& tile, int block, int x, int y,
+                             const Patch& patch) {
+  Found found;
+  if (!find_depths<reach, inside>(board, tile, block, x, y, patch, found)) return false;
+  const auto each_group = [&](const auto& visit) {
+    const F f;
+    for (std::uint64_t left = found.groups; left != 0; left &= left - 1)
+      visit(int(hwy::Num0BitsBelowLS1Bit_Nonzero64(left) * hn::Lanes(f)));
+  };
+  find_colors<reach, opaque>(board.picture, found, each_group);
+  if (tile.of == TileContent::object_id) find_objects(board, found, each_group);
+  put_samples(tile, block, opaque, board.placed.nearest_coverage ? kThresholdNearest : kThreshold,
+              found, each_group);
+  return true;
+}
+
+template <Reach reach>
+HWY_INLINE bool draw_block(const Board& board, FrameTile& tile, int block, int x, int y,
+                           const Patch& patch) {
+  if (!patch.inside) return draw_block<reach, false, false>(board, tile, block, x, y, patch);
+  if (!patch.opaque) return draw_block<reach, true, false>(board, tile, block, x, y, patch);
+  return draw_block<reach, true, true>(board, tile, block, x, y, patch);
+}
+
 void draw_board(const Board& board, FrameTile& tile) {
   const PlacedNailboard& placed = board.placed;
   const auto block_of = [](int pixel, int corner) { return (pixel - corner) / kBlock; };
@@ -301,7 +328,6 @@ void draw_board(const Board& board, FrameTile& tile) {
             y0 = block_of(std::max(placed.y0, tile.y), tile.y),
             x1 = block_of(std::min(placed.x1, tile.x + FrameTile::kSize) - 1, tile.x),
             y1 = block_of(std::min(placed.y1, tile.y + FrameTile::kSize) - 1, tile.y);
-  Found found;
   for (int by = y0; by <= y1; ++by)
     for (int bx = x0; bx <= x1; ++bx) {
       const int block = by * FrameTile::kBlocks + bx;
@@ -311,18 +337,12 @@ void draw_board(const Board& board, FrameTile& tile) {
       Patch patch{at(board.u), at(board.v), at(board.w)};
       if (!look_at_block(board, tile, block, patch)) continue;
       prefetch_below(board, patch);
-      if (!find_depths(board, tile, block, tile.x + bx * kBlock, tile.y + by * kBlock, patch,
-                       found))
-        continue;
-      const auto each_group = [&](const auto& visit) {
-        const F f;
-        for (std::uint64_t left = found.groups; left != 0; left &= left - 1)
-          visit(int(hwy::Num0BitsBelowLS1Bit_Nonzero64(left) * hn::Lanes(f)));
-      };
-      find_colors(board.picture, patch.opaque, found, each_group);
-      if (tile.of == TileContent::object_id) find_objects(board, found, each_group);
-      put_samples(tile, block, patch.opaque,
-                  placed.nearest_coverage ? kThresholdNearest : kThreshold, found, each_group);
+      const int px = tile.x + bx * kBlock, py = tile.y + by * kBlock;
+      const bool changed =
+          patch.reach == Reach::block  ? draw_block<Reach::block>(board, tile, block, px, py, patch)
+          : patch.reach == Reach::span ? draw_block<Reach::span>(board, tile, block, px, py, patch)
+                                       : draw_block<Reach::any>(board, tile, block, px, py, patch);
+      if (!changed) continue;
       tile.changed[block] = true;
     }
 }

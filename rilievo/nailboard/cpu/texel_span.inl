@@ -23,92 +23,114 @@ constexpr int kRows = std::max(1, kLanes / kBlock);  // of pixels in a vector
 constexpr int kSpan = 16;                            // texels
 static_assert(kSpan <= MemoryNailboard::kReadBeyond);
 
-// The texels of a vector of pixels.
-struct Span {
-  VI column, row;        // of each
-  bool near = false;     // they lie in the spans from `first_...` on, in this row and the next
-  bool one_row = false;  // in this row only
-  int first_column[kRows], first_row[kRows];
+// The texels of every row of a block's pixels: in how many columns, of two rows of texels?
+enum class Reach {
+  any,    // nothing is known
+  span,   // kSpan, and their right neighbours
+  block,  // kBlock, and their right neighbours
 };
 
-HWY_INLINE Span span_of(VI column, VI row) {
-  Span span{column, row};
-  if constexpr (kLanes >= kBlock) {
-    const I i32;
-    HWY_ALIGN std::int32_t columns[kLanes], rows[kLanes];
-    hn::Store(column, i32, columns);
-    hn::Store(row, i32, rows);
-    span.near = span.one_row = true;
-    for (int r = 0; r < kRows; ++r) {
-      // Monotone along a row of pixels: the ends are the extremes.
-      const int a = r * kBlock, b = a + kBlock - 1;
-      span.first_column[r] = std::min(columns[a], columns[b]);
-      span.first_row[r] = std::min(rows[a], rows[b]);
-      const int wide = std::abs(columns[a] - columns[b]), high = std::abs(rows[a] - rows[b]);
-      span.near = span.near && wide <= kSpan - 2 && high <= 1;
-      span.one_row = span.one_row && high == 0;
-    }
+// Where the texels of a vector of pixels begin: for each row of pixels the first column and the
+// upper one of two rows.
+struct Span {
+  VI column, row;              // of each texel
+  VI in_span;                  // its column, less the first one
+  MF lower;                    // it lies in the lower row
+  int first[kRows];            // the texel in the first column of the upper row
+};
+
+#if HWY_TARGET == HWY_SCALAR
+constexpr bool kSpans = false;
+#else
+constexpr bool kSpans = kLanes >= kBlock;
+#endif
+
+// Of the two ends of each row of pixels the left one, and the right one.
+struct Ends {
+  HWY_ALIGN std::int32_t left[16], right[16];
+  constexpr Ends() : left(), right() {
+    for (int i = 0; i < 16; ++i) left[i] = i / kBlock * kBlock, right[i] = left[i] + kBlock - 1;
   }
+};
+constexpr Ends kEnds;
+
+// Requires kSpans, and a row of pixels whose texels reach no farther than `Reach::span`.
+HWY_INLINE Span span_of(const MemoryNailboard& picture, VI column, VI row) {
+  const I i32;
+  const F f;
+  // Monotone along a row of pixels: the ends are the extremes.
+  const auto left = hn::SetTableIndices(i32, kEnds.left), right = hn::SetTableIndices(i32, kEnds.right);
+  const auto least = [&](VI a) {
+    return hn::Min(hn::TableLookupLanes(a, left), hn::TableLookupLanes(a, right));
+  };
+  const VI first_column = least(column), first_row = least(row);
+  Span span{column, row, hn::Sub(column, first_column),
+            hn::RebindMask(f, hn::Gt(row, first_row)), {}};
+  const VI first =
+      hn::Add(hn::Mul(first_row, hn::Set(i32, picture.stride())), first_column);
+  span.first[0] = hn::GetLane(first);
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (kRows == 2) span.first[1] = hn::GetLane(hn::UpperHalf(hn::Half<I>(), first));
+#endif
   return span;
 }
 
-// One number for each row of pixels of a vector.
-HWY_INLINE VI by_row(const int* values) {
-  const I i32;
-  if constexpr (kRows == 2)
-    return hn::IfThenElse(hn::FirstN(i32, kBlock), hn::Set(i32, values[0]),
-                          hn::Set(i32, values[1]));
-  return hn::Set(i32, values[0]);
-}
-
-// Words of a table of `kSpan` for each row of pixels, at words + first[row].
+// Words of a table for each row of pixels, at words + first[row]: kBlock or kSpan of them.
+template <Reach reach>
 HWY_INLINE VU look_up(const std::uint32_t* words, const int* first, VI index) {
   const U u32;
-#if HWY_TARGET == HWY_SCALAR
-  return hn::GatherIndex(u32, words + first[0], index);
-#else
+#if HWY_TARGET != HWY_SCALAR
   if constexpr (kRows == 2) {
+    if constexpr (reach == Reach::block) {
+      const hn::Half<U> half;
+      const I i32;
+      HWY_ALIGN static constexpr std::int32_t kSecond[16] = {0, 0, 0, 0, 0, 0, 0, 0,
+                                                             8, 8, 8, 8, 8, 8, 8, 8};
+      const VU table = hn::Combine(u32, hn::LoadU(half, words + first[1]), hn::LoadU(half, words + first[0]));
+      return hn::TableLookupLanes(table, hn::IndicesFromVec(u32, hn::Or(index, hn::Load(i32, kSecond))));
+    }
     const auto at = hn::IndicesFromVec(u32, index);
     return hn::IfThenElse(hn::FirstN(u32, kBlock),
                           hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), at),
                           hn::TableLookupLanes(hn::LoadU(u32, words + first[1]), at));
   } else if constexpr (kLanes == kBlock) {
     const I i32;
+    if constexpr (reach == Reach::block)
+      return hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), hn::IndicesFromVec(u32, index));
     const auto at = hn::IndicesFromVec(u32, hn::And(index, hn::Set(i32, kBlock - 1)));
     const auto low = hn::RebindMask(u32, hn::Lt(index, hn::Set(i32, kBlock)));
     return hn::IfThenElse(
         low, hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), at),
         hn::TableLookupLanes(hn::LoadU(u32, words + first[0] + kBlock), at));
   }
-  return hn::GatherIndex(u32, words + first[0], index);
 #endif
+  return hn::GatherIndex(u32, words + first[0], index);
 }
 
 // The code of each texel.
-HWY_INLINE VU codes_of(const MemoryNailboard& picture, const Span& span) {
+template <Reach reach>
+HWY_INLINE VU codes_of(const MemoryNailboard& picture, VI column, VI row) {
   const I i32;
   const U u32;
   const int stride = picture.stride();
-  const VI texel = hn::Add(hn::Mul(span.row, hn::Set(i32, stride)), span.column);
   VU pair;
-  if (span.near) {
+  if constexpr (reach != Reach::any && kSpans) {
+    const Span span = span_of(picture, column, row);
     int first[kRows], next[kRows];
     for (int r = 0; r < kRows; ++r) {
-      first[r] = (span.first_row[r] * stride + span.first_column[r]) / 2;
+      first[r] = span.first[r] / 2;
       next[r] = first[r] + stride / 2;
     }
-    const VI in_row = hn::And(
-        hn::Sub(hn::ShiftRight<1>(span.column), hn::ShiftRight<1>(by_row(span.first_column))),
-        hn::Set(i32, kSpan - 1));
-    pair = look_up(picture.code_pairs(), first, in_row);
-    if (!span.one_row) {
-      const auto upper = hn::RebindMask(u32, hn::Eq(span.row, by_row(span.first_row)));
-      pair = hn::IfThenElse(upper, pair, look_up(picture.code_pairs(), next, in_row));
-    }
+    // Pairs begin at even columns, and rows with one.
+    const VI in_pairs = hn::ShiftRight<1>(hn::Add(span.in_span, hn::And(hn::Sub(span.column, span.in_span), hn::Set(i32, 1))));
+    const VU upper = look_up<reach>(picture.code_pairs(), first, in_pairs);
+    pair = hn::IfThenElse(hn::RebindMask(u32, span.lower),
+                          look_up<reach>(picture.code_pairs(), next, in_pairs), upper);
   } else {
+    const VI texel = hn::Add(hn::Mul(row, hn::Set(i32, stride)), column);
     pair = hn::GatherIndex(u32, picture.code_pairs(), hn::ShiftRight<1>(texel));
   }
-  const auto odd = hn::TestBit(hn::BitCast(u32, span.column), hn::Set(u32, 1));
+  const auto odd = hn::TestBit(hn::BitCast(u32, column), hn::Set(u32, 1));
   return hn::And(hn::IfThenElse(odd, hn::ShiftRight<16>(pair), pair), hn::Set(u32, 0xffffu));
 }
 
@@ -117,31 +139,29 @@ struct Four {
   VU a, b, c, d;
 };
 
-HWY_INLINE Four colors_of(const MemoryNailboard& picture, const Span& span) {
+template <Reach reach>
+HWY_INLINE Four colors_of(const MemoryNailboard& picture, VI column, VI row) {
   const I i32;
   const U u32;
   const int stride = picture.stride();
   const std::uint32_t* above = picture.color();
   const std::uint32_t* below = above + stride;
-  if (!span.near) {
-    const VI texel = hn::Add(hn::Mul(span.row, hn::Set(i32, stride)), span.column);
+  if constexpr (reach == Reach::any || !kSpans) {
+    const VI texel = hn::Add(hn::Mul(row, hn::Set(i32, stride)), column);
     return {hn::GatherIndex(u32, above, texel), hn::GatherIndex(u32, above + 1, texel),
             hn::GatherIndex(u32, below, texel), hn::GatherIndex(u32, below + 1, texel)};
+  } else {
+    const Span span = span_of(picture, column, row);
+    const auto look = [&](const std::uint32_t* words) {
+      return look_up<reach>(words, span.first, span.in_span);
+    };
+    const std::uint32_t* third = below + stride;
+    const Four upper{look(above), look(above + 1), look(below), look(below + 1)};
+    const auto lower = hn::RebindMask(u32, span.lower);
+    return {hn::IfThenElse(lower, upper.c, upper.a), hn::IfThenElse(lower, upper.d, upper.b),
+            hn::IfThenElse(lower, look(third), upper.c),
+            hn::IfThenElse(lower, look(third + 1), upper.d)};
   }
-  int first[kRows];
-  for (int r = 0; r < kRows; ++r)
-    first[r] = span.first_row[r] * stride + span.first_column[r];
-  const VI last = hn::Set(i32, kSpan - 1);
-  const VI left = hn::And(hn::Sub(span.column, by_row(span.first_column)), last);
-  const VI right = hn::And(hn::Add(left, hn::Set(i32, 1)), last);
-  const Four upper{look_up(above, first, left), look_up(above, first, right),
-                   look_up(below, first, left), look_up(below, first, right)};
-  if (span.one_row) return upper;
-  const auto is_upper = hn::RebindMask(u32, hn::Eq(span.row, by_row(span.first_row)));
-  const std::uint32_t* third = below + stride;
-  return {hn::IfThenElse(is_upper, upper.a, upper.c), hn::IfThenElse(is_upper, upper.b, upper.d),
-          hn::IfThenElse(is_upper, upper.c, look_up(third, first, left)),
-          hn::IfThenElse(is_upper, upper.d, look_up(third, first, right))};
 }
 
 // Arithmetic on two channels a lane, 16 bits each: color 128 in 0 ... kOne.
