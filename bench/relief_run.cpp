@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bench/relief_objects.h"
-#include "rilievo/core/parallel_for.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
+#include "rilievo/layered_relief/prewarp_ahead.h"
 #include "rilievo/layered_relief/relief_set.h"
 #include "rilievo/layered_relief/splat_layers.h"
 #include "rilievo/measure/stats.h"
@@ -88,29 +88,15 @@ std::vector<double> overlapped_ms(const ReliefSet& set, const Box& box, int step
     cameras.push_back(camera_at(box, direction, size));
   PrewarpOptions options;
   options.max_size = 2048;
-  std::vector<Prewarp> prewarps;
-  for (const LayeredRelief& relief : set.reliefs) prewarps.emplace_back(relief, options);
-  Prewarped pictures[2];
-  int current = -1;
-  const auto warp = [&](std::size_t i) {
-    const glm::dvec3 eye = cameras[i].position();
-    current = pick_relief(set, eye, current);
-    Prewarped& picture = pictures[i % 2];
-    if (current < 0 || !prewarps[std::size_t(current)].warp(eye, &cameras[i], picture))
-      picture.color.clear();
-  };
-  warp(0);
+  PrewarpAhead ahead(set, options, Overlap::always);
   std::vector<double> ms;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const Stopwatch watch;
-    parallel_for(0, 2, [&](int which) {
-      if (which == 0) {
-        last = empty_frame(cameras[i]);
-        map_picture(pictures[i % 2], last);
-      } else if (i + 1 < cameras.size()) {
-        warp(i + 1);
-      }
-    });
+    ahead.frame(cameras[i], i + 1 < cameras.size() ? &cameras[i + 1] : nullptr,
+                [&](const Prewarped& picture) {
+                  last = empty_frame(cameras[i]);
+                  map_picture(picture, last);
+                });
     ms.push_back(watch.ms());
   }
   return ms;
