@@ -106,11 +106,15 @@ void LineTiles::draw_tile(FrameTile& tile) const {
         const unsigned mask = covered(line, x, y, tile.samples);
         if (mask == 0) continue;
         if (tile.samples == 4 && mask != 15) tile.expand(block);
-        const double along = glm::dot(glm::dvec2(x + 0.5, y + 0.5) - line.from, line.along);
-        const float inverse_z = float(line.inverse_z + along * line.per_px);
         for (int s = 0; s < tile.planes(block); ++s) {
+          if (!(mask >> s & 1)) continue;
+          const glm::dvec2 at = tile.samples == 1
+                                    ? glm::dvec2(0.5)
+                                    : glm::dvec2(FrameTile::kSampleX[s], FrameTile::kSampleY[s]);
+          const double along = glm::dot(glm::dvec2(x, y) + at - line.from, line.along);
           FrameTile::Plane& plane = tile.plane(block, s);
-          if ((mask >> s & 1) && inverse_z >= plane.inverse_z[i]) plane.content[i] = kOutlineColor;
+          if (float(line.inverse_z + along * line.per_px) >= plane.inverse_z[i])
+            plane.content[i] = kOutlineColor;
         }
       }
     }
