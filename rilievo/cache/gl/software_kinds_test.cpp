@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "rilievo/cache/cpu/blended_scene_test_helpers.h"
@@ -42,7 +43,7 @@ class SoftwareKindsTest : public SceneTest {
     return std::move(baked->representation);
   }
   void expect_same(FrameSource& opengl, SoftwareFrames& software, const Camera& camera,
-                   double least_inner = 0.3, double least_db = kLeastDb) {
+                   double least_inner = 0.3) {
     const Rgba8Image truth = frame_of(opengl, camera);
     const auto objects = objects_of(opengl);
     ASSERT_TRUE(software.draw(camera, 0).ok());
@@ -50,7 +51,7 @@ class SoftwareKindsTest : public SceneTest {
     const Alike same = compare_frames(truth, drawn, objects);
     EXPECT_GT(same.inner, least_inner);
     EXPECT_GE(same.alike, kLeastAlike);
-    EXPECT_GT(psnr_db(truth, drawn), least_db);
+    EXPECT_GT(psnr_db(truth, drawn), kLeastDb);
     ASSERT_TRUE(software.draw_objects().ok());
     EXPECT_LE(wrong_inside(objects, software.software_target()->objects()),
               kWidth * kHeight / 1000);
@@ -60,8 +61,7 @@ class SoftwareKindsTest : public SceneTest {
   // Draws `kind` by both backends, seen by each camera. `make` makes the same representation twice.
   void expect_kind_same(const char* name,
                         const std::function<std::unique_ptr<Representation>()>& make,
-                        const OptionValues& draw_options, std::span<const Camera> cameras,
-                        double least_db = kLeastDb) {
+                        const OptionValues& draw_options, std::span<const Camera> cameras) {
     auto by_gl = make_factory(drawable_rows(), name);
     auto by_tiles = make_factory(software_drawable_rows(), name);
     ASSERT_TRUE(by_gl.ok() && by_tiles.ok());
@@ -72,7 +72,7 @@ class SoftwareKindsTest : public SceneTest {
     ASSERT_TRUE(a.ok() && b.ok());
     StoredFrames opengl(*renderer, std::move(*a), {instance}, false);
     SoftwareStoredFrames software(builtin.scene, 4, std::move(*b), {instance}, false);
-    for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2, least_db);
+    for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2);
   }
 };
 
@@ -128,24 +128,20 @@ TEST_F(SoftwareKindsTest, environment_nodes) {
   const std::unique_ptr<Representation> baked = bake(kind, options, eyes);
   const auto& nodes = dynamic_cast<const EnvironmentRepresentation&>(*baked).nodes;
   const auto copy = [&] { return std::make_unique<EnvironmentRepresentation>(nodes); };
-  struct Case {
-    const char* merge;
-    bool gaps;
-    double least_db;
-  };
-  // Of skins that are narrow in part, drawn with four samples, a few are hidden by wider ones.
-  for (const auto& [merge, gaps, least_db] :
-       {Case{"positional", false, kLeastDb}, Case{"positional", true, kLeastDb},
-        Case{"layering", false, kLeastDb}, Case{"layering", true, 42},
-        Case{"binary", false, kLeastDb}, Case{"weighted", true, kLeastDb},
-        Case{"first", true, kLeastDb}}) {
+  for (const auto& [merge, gaps] : {std::pair{"positional", false},
+                                    {"positional", true},
+                                    {"layering", false},
+                                    {"layering", true},
+                                    {"binary", false},
+                                    {"weighted", true},
+                                    {"first", true}}) {
     SCOPED_TRACE(std::string(merge) + (gaps ? ", gaps" : ""));
     OptionValues draw(kind.draw_options);
     ASSERT_TRUE(draw.set("merge", merge).ok());
     if (gaps) {
       ASSERT_TRUE(draw.set("gaps", "on").ok());
     }
-    expect_kind_same("environment-nodes", copy, draw, cameras, least_db);
+    expect_kind_same("environment-nodes", copy, draw, cameras);
   }
 }
 
@@ -238,11 +234,11 @@ TEST_F(SoftwareKindsTest, outlines) {
       ++yellow;
       both += is_line(drawn.texels()[i]);
     }
-    EXPECT_GT(psnr_db(truth, drawn),
-              35);  // edges are drawn sample by sample, not as llvmpipe has them
+    EXPECT_GT(psnr_db(truth, drawn), kLeastDb);
   }
   EXPECT_GT(yellow, 300);
-  EXPECT_GT(both, 0.95 * yellow);
+  // The others are at ends of lines, or where a picture is about as near as its line.
+  EXPECT_GT(both, 0.98 * yellow);
 }
 
 }  // namespace

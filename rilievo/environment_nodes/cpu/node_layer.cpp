@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -68,6 +69,64 @@ int cut(ClipCorner (&polygon)[9], double nearest, const glm::dvec2& size) {
   return count;
 }
 
+// A triangle in the raster, corners rounded to 1/256 of a pixel, as OpenGL has them.
+struct CornerEdges {
+  static constexpr int kUnit = 256;
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels that it can cover: x0 <= x < x1
+  // Of an edge at + per_x x + per_y y: > 0 inside, y upwards; 0 on it, if it is not the triangle's.
+  std::int64_t at[3] = {}, per_x[3] = {}, per_y[3] = {};
+  double z = 0, z_per_x = 0, z_per_y = 0;
+
+  CornerEdges(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const glm::vec3 corner[] = {a, b, c};
+    std::int64_t x[3], y[3];
+    for (int k = 0; k < 3; ++k) {
+      x[k] = std::llround(double(corner[k].x) * kUnit);
+      y[k] = std::llround(double(corner[k].y) * kUnit);
+    }
+    const std::int64_t area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    const glm::dvec3 u = glm::dvec3(b) - glm::dvec3(a), v = glm::dvec3(c) - glm::dvec3(a);
+    const double det = u.x * v.y - u.y * v.x;
+    if (area == 0 || det == 0) return;  // covers nothing
+    const int way = area > 0 ? 1 : -1;
+    for (int k = 0; k < 3; ++k) {
+      const int m = (k + 1) % 3;
+      const std::int64_t dx = way * (x[m] - x[k]), dy = way * (y[m] - y[k]);
+      // Left and lower edges are the triangle's own, as in OpenGL's framebuffers.
+      const bool own = dy < 0 || (dy == 0 && dx > 0);
+      per_x[k] = -dy, per_y[k] = dx;
+      at[k] = dy * x[k] - dx * y[k] + (own ? 1 : 0);
+    }
+    const auto [left, right] = std::minmax({x[0], x[1], x[2]});
+    const auto [low, high] = std::minmax({y[0], y[1], y[2]});
+    const auto pixel = [](std::int64_t v) { return int(std::floor(double(v) / kUnit)); };
+    x0 = pixel(left), x1 = pixel(right) + 1, y0 = pixel(low), y1 = pixel(high) + 1;
+    z_per_x = (u.z * v.y - u.y * v.z) / det, z_per_y = (u.x * v.z - u.z * v.x) / det;
+    z = double(a.z) - z_per_x * double(a.x) - z_per_y * double(a.y);
+  }
+  [[nodiscard]] bool covers(const glm::vec2& p) const {
+    const auto x = std::int64_t(p.x * kUnit), y = std::int64_t(p.y * kUnit);
+    for (int k = 0; k < 3; ++k)
+      if (!(at[k] + per_x[k] * x + per_y[k] * y > 0)) return false;
+    return true;
+  }
+  [[nodiscard]] float depth(const glm::vec2& p) const {
+    return float(z + z_per_x * double(p.x) + z_per_y * double(p.y));
+  }
+  // Keeps of [from, to) what row y of pixels can have covered, and perhaps a pixel more.
+  void narrow_row(int y, int& from, int& to) const {
+    for (int k = 0; k < 3; ++k) {
+      if (per_x[k] == 0) continue;
+      const std::int64_t best = at[k] + per_y[k] * kUnit * (y + (per_y[k] > 0 ? 1 : 0));
+      const double x = std::clamp(-double(best) / double(per_x[k]) / kUnit, x0 - 2.0, x1 + 2.0);
+      if (per_x[k] > 0)
+        from = std::max(from, int(std::floor(x)) - 1);
+      else
+        to = std::min(to, int(std::ceil(x)) + 1);
+    }
+  }
+};
+
 }  // namespace
 
 void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes) {
@@ -100,7 +159,8 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
     add(std::uint32_t(i), visible, Part::skins, skins_);
     add(std::uint32_t(i), visible, Part::doubtful, doubtful_);
   }
-  for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) rasterize(*soup);
+  for (Soup* soup : {&surfaces_, &skins_}) rasterize(*soup, width_, height_, samples_);
+  rasterize_doubtful();
 }
 
 void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup) {
@@ -150,14 +210,56 @@ void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part
   soup.instances.push_back(instance);
 }
 
-void NodeLayer::rasterize(Soup& soup) {
+void NodeLayer::rasterize(Soup& soup, int width, int height, int samples) {
   if (soup.triangle.empty()) return;
-  soup.raster.begin(width_, height_, samples_);
+  soup.raster.begin(width, height, samples);
   for (RasterInstance& instance : soup.instances) {
     instance.positions = soup.positions.data();
     instance.indices = soup.indices.data() + 3 * std::size_t(instance.first_triangle);
   }
   soup.raster.draw(soup.instances);
+}
+
+// One triangle after the other, by bands of rows.
+void NodeLayer::rasterize_doubtful() {
+  const Soup& soup = doubtful_;
+  if (soup.triangle.empty()) return;
+  doubtful_seen_.begin(width_, height_, samples_);
+  // Kept: a steady frame allocates nothing.
+  static thread_local std::vector<CornerEdges> kept;
+  kept.clear();
+  for (std::size_t i = 0; i < soup.indices.size(); i += 3)
+    kept.emplace_back(soup.positions[soup.indices[i]], soup.positions[soup.indices[i + 1]],
+                      soup.positions[soup.indices[i + 2]]);
+  const std::span<const CornerEdges> triangles(kept);
+  constexpr int kBand = 16;
+  parallel_for(0, (height_ + kBand - 1) / kBand, [&](int band) {
+    const int low = band * kBand, high = std::min(low + kBand, height_);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      const CornerEdges& triangle = triangles[t];
+      if (triangle.y1 <= low || triangle.y0 >= high) continue;
+      for (int y = std::max(low, triangle.y0); y < std::min(high, triangle.y1); ++y) {
+        int x0 = std::max(0, triangle.x0), x1 = std::min(width_, triangle.x1);
+        triangle.narrow_row(y, x0, x1);
+        for (int x = x0; x < x1; ++x) {
+          bool asked = false, narrow = false;
+          for (int s = 0; s < samples_; ++s) {
+            const glm::vec2 at = glm::vec2(x, y) + sample_position(s, samples_);
+            if (!triangle.covers(at)) continue;
+            const std::size_t i =
+                doubtful_seen_.row(y) + std::size_t(x) * std::size_t(samples_) + std::size_t(s);
+            const float depth = triangle.depth(at);
+            if (!(depth < doubtful_seen_.depth[i])) continue;
+            if (!asked) narrow = is_narrow(nodes_[soup.node[t]], soup.triangle[t], x, y);
+            asked = true;
+            if (!narrow) break;
+            doubtful_seen_.depth[i] = depth;
+            doubtful_seen_.triangle[i] = t;
+          }
+        }
+      }
+    }
+  });
 }
 
 float NodeLayer::inverse_z(float depth) const {
@@ -192,9 +294,9 @@ glm::vec3 NodeLayer::direction(const NodeSample& sample, int x, int y) const {
   return glm::vec3(glm::normalize(sum));
 }
 
-// Of a skin: the rate at which its stretch changes over the frame tells its width.
-bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, double px,
-                          double py) const {
+// Of a skin: the rate at which its stretch changes over the frame tells its width. OpenGL's
+// derivatives are differences between the pixels of a square of 2 x 2, from even ones on.
+bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, double x, double y) const {
   const NodeMesh& mesh = placed.drawn.node->mesh;
   const Weights w = weights(placed, triangle);
   const auto stretch = [&](double px, double py) {
@@ -208,9 +310,11 @@ bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, double p
     }
     return sum / weights;
   };
-  const double here = stretch(px, py);
-  if (!(here >= 0)) return true;
-  const double change = std::abs(stretch(px + 1, py) - here) + std::abs(stretch(px, py + 1) - here);
+  const double px = x + 0.5, py = y + 0.5;
+  if (!(stretch(px, py) >= 0)) return true;
+  const double left = 2 * std::floor(x / 2) + 0.5, low = 2 * std::floor(y / 2) + 0.5;
+  const double change = std::abs(stretch(left + 1, py) - stretch(left, py)) +
+                        std::abs(stretch(px, low + 1) - stretch(px, low));
   return !(change * double(placed.drawn.widest_skin) < 1);
 }
 
@@ -221,16 +325,15 @@ int NodeLayer::narrowness(const Placed& placed, std::uint32_t triangle,
   std::size_t narrow = 0;
   for (const ClipCorner& c : corners) {
     const double w = std::max(c.raster.z, 1e-30);
-    narrow += is_narrow(placed, triangle, c.raster.x / w, c.raster.y / w);
+    narrow += is_narrow(placed, triangle, std::floor(c.raster.x / w), std::floor(c.raster.y / w));
   }
   return narrow == 0 ? 0 : narrow == corners.size() ? 2 : 1;
 }
 
 NodeSample NodeLayer::at(int x, int y, int s) const {
-  const auto sample_of = [&](const Soup& soup, bool skin) {
+  const auto sample_of = [&](const Soup& soup, const SampleBuffer& seen, bool skin) {
     NodeSample sample;
     if (soup.triangle.empty()) return sample;
-    const SampleBuffer& seen = soup.raster.seen();
     const std::size_t i =
         seen.row(height_ - 1 - y) + std::size_t(x) * std::size_t(samples_) + std::size_t(s);
     if (seen.depth[i] >= 1) return sample;
@@ -239,12 +342,10 @@ NodeSample NodeLayer::at(int x, int y, int s) const {
     sample.skin = skin;
     return sample;
   };
-  NodeSample shown = sample_of(surfaces_, false);
-  const NodeSample skin = sample_of(skins_, true), doubtful = sample_of(doubtful_, true);
-  if (skin.inverse_z > 0 && skin.inverse_z >= shown.inverse_z) shown = skin;
-  if (doubtful.inverse_z > 0 && doubtful.inverse_z >= shown.inverse_z &&
-      is_narrow(nodes_[doubtful.node], doubtful.triangle, x + 0.5, height_ - y - 0.5))
-    shown = doubtful;
+  NodeSample shown = sample_of(surfaces_, surfaces_.raster.seen(), false);
+  for (const NodeSample& skin :
+       {sample_of(skins_, skins_.raster.seen(), true), sample_of(doubtful_, doubtful_seen_, true)})
+    if (skin.inverse_z > 0 && skin.inverse_z >= shown.inverse_z) shown = skin;
   return shown;
 }
 

@@ -1,8 +1,7 @@
 // Which triangle of which node does each sample of a frame show? Internal to environment_nodes/cpu.
 //
-// A skin is drawn only where it is narrow enough. Skins that are so everywhere are rasterised apart
-// from those of which it is known only once they are seen: where one of these is too wide, another
-// one of them behind it is not drawn either.
+// A skin is drawn only where it is narrow enough. Skins that are so everywhere are rasterised by
+// SIMD, as surfaces are; of those that are so in part each pixel is asked before it is drawn.
 #pragma once
 
 #include <array>
@@ -70,13 +69,15 @@ class NodeLayer {
     glm::dvec3 of[3];
   };
   [[nodiscard]] Weights weights(const Placed& placed, std::uint32_t triangle) const;
-  [[nodiscard]] bool is_narrow(const Placed& placed, std::uint32_t triangle, double px,
-                               double py) const;  // y upwards
+  // At the pixel with this lower left corner, y upwards: whole numbers.
+  [[nodiscard]] bool is_narrow(const Placed& placed, std::uint32_t triangle, double x,
+                               double y) const;
   [[nodiscard]] int narrowness(const Placed& placed, std::uint32_t triangle,
                                std::span<const ClipCorner> corners) const;
   enum class Part { surfaces, skins, doubtful };
   void add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup);
-  void rasterize(Soup& soup);
+  static void rasterize(Soup& soup, int width, int height, int samples);
+  void rasterize_doubtful();
   [[nodiscard]] float inverse_z(float depth) const;
 
   int width_ = 0, height_ = 0, samples_ = 1;
@@ -85,6 +86,7 @@ class NodeLayer {
   std::vector<Placed> nodes_;
   std::vector<glm::dvec3> corners_;   // of a node's vertices
   Soup surfaces_, skins_, doubtful_;  // doubtful: skins that are narrow in part
+  SampleBuffer doubtful_seen_;        // where they are
 };
 
 }  // namespace rilievo
