@@ -127,6 +127,12 @@ struct CornerEdges {
   }
 };
 
+// A skin that is narrow in part.
+struct DoubtfulSkin {
+  CornerEdges edges;
+  NodeLayer::SkinWidth width;
+};
+
 }  // namespace
 
 void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNode> nodes) {
@@ -226,17 +232,20 @@ void NodeLayer::rasterize_doubtful() {
   if (soup.triangle.empty()) return;
   doubtful_seen_.begin(width_, height_, samples_);
   // Kept: a steady frame allocates nothing.
-  static thread_local std::vector<CornerEdges> kept;
+  static thread_local std::vector<DoubtfulSkin> kept;
   kept.clear();
-  for (std::size_t i = 0; i < soup.indices.size(); i += 3)
-    kept.emplace_back(soup.positions[soup.indices[i]], soup.positions[soup.indices[i + 1]],
-                      soup.positions[soup.indices[i + 2]]);
-  const std::span<const CornerEdges> triangles(kept);
+  for (std::size_t t = 0; t < soup.triangle.size(); ++t) {
+    const std::uint32_t* corner = &soup.indices[3 * t];
+    kept.push_back({CornerEdges(soup.positions[corner[0]], soup.positions[corner[1]],
+                                soup.positions[corner[2]]),
+                    skin_width(nodes_[soup.node[t]], soup.triangle[t])});
+  }
+  const std::span<const DoubtfulSkin> skins(kept);
   constexpr int kBand = 16;
   parallel_for(0, (height_ + kBand - 1) / kBand, [&](int band) {
     const int low = band * kBand, high = std::min(low + kBand, height_);
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      const CornerEdges& triangle = triangles[t];
+    for (std::uint32_t t = 0; t < skins.size(); ++t) {
+      const CornerEdges& triangle = skins[t].edges;
       if (triangle.y1 <= low || triangle.y0 >= high) continue;
       for (int y = std::max(low, triangle.y0); y < std::min(high, triangle.y1); ++y) {
         int x0 = std::max(0, triangle.x0), x1 = std::min(width_, triangle.x1);
@@ -250,7 +259,7 @@ void NodeLayer::rasterize_doubtful() {
                 doubtful_seen_.row(y) + std::size_t(x) * std::size_t(samples_) + std::size_t(s);
             const float depth = triangle.depth(at);
             if (!(depth < doubtful_seen_.depth[i])) continue;
-            if (!asked) narrow = is_narrow(nodes_[soup.node[t]], soup.triangle[t], x, y);
+            if (!asked) narrow = skins[t].width.is_narrow(x, y);
             asked = true;
             if (!narrow) break;
             doubtful_seen_.depth[i] = depth;
@@ -294,38 +303,44 @@ glm::vec3 NodeLayer::direction(const NodeSample& sample, int x, int y) const {
   return glm::vec3(glm::normalize(sum));
 }
 
-// Of a skin: the rate at which its stretch changes over the frame tells its width. OpenGL's
-// derivatives are differences between the pixels of a square of 2 x 2, from even ones on.
-bool NodeLayer::is_narrow(const Placed& placed, std::uint32_t triangle, double x, double y) const {
+NodeLayer::SkinWidth NodeLayer::skin_width(const Placed& placed, std::uint32_t triangle) const {
   const NodeMesh& mesh = placed.drawn.node->mesh;
   const Weights w = weights(placed, triangle);
-  const auto stretch = [&](double px, double py) {
-    double sum = 0, weights = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double b = glm::dot(w.of[k], glm::dvec3(px, py, 1));
-      sum +=
-          b *
-          double(mesh.vertices[mesh.indices[3 * std::size_t(triangle) + std::size_t(k)]].stretch);
-      weights += b;
-    }
-    return sum / weights;
+  SkinWidth width;
+  width.widest = double(placed.drawn.widest_skin);
+  for (int k = 0; k < 3; ++k) {
+    width.stretch +=
+        double(mesh.vertices[mesh.indices[3 * std::size_t(triangle) + std::size_t(k)]].stretch) *
+        w.of[k];
+    width.weight += w.of[k];
+  }
+  return width;
+}
+
+// The rate at which the stretch changes over the frame tells the width. OpenGL's derivatives are
+// differences between the pixels of a square of 2 x 2, from even ones on.
+bool NodeLayer::SkinWidth::is_narrow(double x, double y) const {
+  const auto at = [&](double px, double py) {
+    return (stretch.x * px + stretch.y * py + stretch.z) /
+           (weight.x * px + weight.y * py + weight.z);
   };
   const double px = x + 0.5, py = y + 0.5;
-  if (!(stretch(px, py) >= 0)) return true;
+  if (!(at(px, py) >= 0)) return true;
   const double left = 2 * std::floor(x / 2) + 0.5, low = 2 * std::floor(y / 2) + 0.5;
-  const double change = std::abs(stretch(left + 1, py) - stretch(left, py)) +
-                        std::abs(stretch(px, low + 1) - stretch(px, low));
-  return !(change * double(placed.drawn.widest_skin) < 1);
+  const double change =
+      std::abs(at(left + 1, py) - at(left, py)) + std::abs(at(px, low + 1) - at(px, low));
+  return !(change * widest < 1);
 }
 
 // Where is a skin narrow? Everywhere 2, somewhere 1, nowhere 0: as at its corners.
 int NodeLayer::narrowness(const Placed& placed, std::uint32_t triangle,
                           std::span<const ClipCorner> corners) const {
   if (placed.drawn.widest_skin > kNodeCrack) return 2;
+  const SkinWidth width = skin_width(placed, triangle);
   std::size_t narrow = 0;
   for (const ClipCorner& c : corners) {
     const double w = std::max(c.raster.z, 1e-30);
-    narrow += is_narrow(placed, triangle, std::floor(c.raster.x / w), std::floor(c.raster.y / w));
+    narrow += width.is_narrow(std::floor(c.raster.x / w), std::floor(c.raster.y / w));
   }
   return narrow == 0 ? 0 : narrow == corners.size() ? 2 : 1;
 }

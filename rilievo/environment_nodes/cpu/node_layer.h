@@ -44,6 +44,13 @@ class NodeLayer {
   // The direction, in node space, whose colour a triangle has at the pixel's centre.
   [[nodiscard]] glm::vec3 direction(const NodeSample& sample, int x, int y) const;
 
+  // How wide a skin is: its stretch at p = (x, y, 1), y upwards, is stretch.p / weight.p.
+  struct SkinWidth {
+    glm::dvec3 stretch{0.0}, weight{0.0};
+    double widest = 0;  // pixels
+    // At the pixel with this lower left corner, whole numbers.
+    [[nodiscard]] bool is_narrow(double x, double y) const;
+  };
   // A corner of a triangle, in the frame.
   struct ClipCorner {
     glm::dvec3 raster;  // (x w, y w, w), y upwards
@@ -69,9 +76,7 @@ class NodeLayer {
     glm::dvec3 of[3];
   };
   [[nodiscard]] Weights weights(const Placed& placed, std::uint32_t triangle) const;
-  // At the pixel with this lower left corner, y upwards: whole numbers.
-  [[nodiscard]] bool is_narrow(const Placed& placed, std::uint32_t triangle, double x,
-                               double y) const;
+  [[nodiscard]] SkinWidth skin_width(const Placed& placed, std::uint32_t triangle) const;
   [[nodiscard]] int narrowness(const Placed& placed, std::uint32_t triangle,
                                std::span<const ClipCorner> corners) const;
   enum class Part { surfaces, skins, doubtful };
