@@ -32,7 +32,8 @@ struct PrewarpAhead::State {
     to.camera = camera;
     to.after = after;
     to.picked = pick_relief(set, camera.position(), after);
-    if (to.picked < 0 || !prewarps[std::size_t(to.picked)].warp(camera.position(), &camera, to.picture)) {
+    if (to.picked < 0 ||
+        !prewarps[std::size_t(to.picked)].warp(camera.position(), &camera, to.picture)) {
       to.picture.color.clear();
       to.picture.delta.clear();
     }
@@ -40,13 +41,13 @@ struct PrewarpAhead::State {
 };
 
 PrewarpAhead::PrewarpAhead(const ReliefSet& set, const PrewarpOptions& options, Overlap overlap)
-    : state_(new State{set,
-                       overlap == Overlap::always ||
-                           (overlap == Overlap::automatic &&
-                            std::thread::hardware_concurrency() >= kLeastCores),
-                       {},
-                       {},
-                       {}}) {
+    : state_(new State{
+          set,
+          overlap == Overlap::always ||
+              (overlap == Overlap::automatic && std::thread::hardware_concurrency() >= kLeastCores),
+          {},
+          {},
+          {}}) {
   RILIEVO_EXPECTS(options.reuse_error == 0);
   for (const LayeredRelief& relief : set.reliefs) state_->prewarps.emplace_back(relief, options);
 }

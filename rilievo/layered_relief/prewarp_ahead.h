@@ -2,8 +2,8 @@
 //
 // Yes, where the next frame's camera is known: along a path, or predicted. Pictures are the same
 // with and without, and after a wrong prediction. Where processors draw, both take all cores:
-// measured on two, it gains nothing (`rilievo bench relief-run`), so that by default it is done from
-// four cores on.
+// measured on two, it gains nothing (`rilievo bench relief-run`), so that by default it is done
+// from four cores on.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,8 @@
 // How it is done fast: positions are found for a block of samples by SIMD, as addresses; then the
 // samples are copied there one by one, in their order, without a branch. A sample that misses the
-// tile is copied to a row that nobody reads. Scatter instructions are no faster than that.
+// tile is copied to a row that nobody reads. Scatter instructions are no faster than that. Nearest
+// samples of one block are copied in turn with finding the next block's positions (alternate): a
+// sixth faster; splats of two by two are bound by their masked stores and gain nothing.
 //
 // A position becomes an index by adding 1.5 * 2^23: the sum's lowest bits are then the nearest
 // integer. One addition, where a conversion needs several instructions to mend what is too large.
@@ -124,36 +126,62 @@ HWY_INLINE void copy_block(ReliefSample* texels, const ReliefSample* samples,
   for (; n < count; ++n) copy(texels + address[n], samples + n);
 }
 
+// Calls find(at, samples, count, half) for each vector of each block of the run, at = 0, lanes,
+// ..., and in turn put(from, to, samples, half) for the same part of the block before: finding
+// positions and storing samples keep different parts of the processor busy. `half`: which of two
+// buffers a block has.
+template <typename Find, typename Put>
+HWY_INLINE void alternate(const PrewarpRun& run, const Find& find, const Put& put) {
+  const std::uint32_t lanes = std::uint32_t(hn::Lanes(F()));
+  std::uint32_t half = 0, begin = 0;
+  for (; begin < run.count; begin += kBlock, half ^= 1) {
+    const std::uint32_t count = std::min(kBlock, run.count - begin);
+    const ReliefSample* samples = run.samples + begin;
+    if (begin == 0) {
+      for (std::uint32_t at = 0; at < count; at += lanes) find(at, samples, count, half);
+      continue;
+    }
+    std::uint32_t at = 0;
+    for (; at < count; at += lanes) {
+      find(at, samples, count, half);
+      put(at, at + lanes, samples - kBlock, half ^ 1);
+    }
+    if (at < kBlock) put(at, kBlock, samples - kBlock, half ^ 1);
+  }
+  if (begin == 0) return;
+  begin -= kBlock;
+  put(0, run.count - begin, run.samples + begin, half ^ 1);
+}
+
 std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
                         const PrewarpTile& tile) {
   const F f;
   const I i;
-  const std::uint32_t lanes = std::uint32_t(hn::Lanes(f));
-  HWY_ALIGN std::int32_t address[kBlock];
+  HWY_ALIGN std::int32_t address[2][kBlock];
   const VI missed = hn::Set(i, tile.missed), pitch = hn::Set(i, tile.pitch);
   const VI width = hn::Set(i, tile.width), height = hn::Set(i, tile.height);
   const VI x_first = hn::Set(i, tile.x + kIndexBits), y_first = hn::Set(i, tile.y + kIndexBits);
   const VF scale = hn::Set(f, k.scale);
   std::size_t drawn = 0;
-  for (std::uint32_t begin = 0; begin < run.count; begin += kBlock) {
-    const std::uint32_t count = std::min(kBlock, run.count - begin);
-    const ReliefSample* samples = run.samples + begin;
-    for (std::uint32_t at = 0; at < count; at += lanes) {
-      const Lanes s = load(k, samples + at);
-      const VF u = hn::Add(hn::ConvertTo(f, s.u), hn::Set(f, run.u));
-      const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
-      const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
-      const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
-      const VI x = hn::Sub(index_of(u, scale, shift_x, s.w), x_first);
-      const VI y = hn::Sub(index_of(v, scale, shift_y, s.w), y_first);
-      auto inside = hn::And(within(x, width), within(y, height));
-      if (!run.all_columns) inside = hn::And(inside, in_columns(run, s.u));
-      const VI to = hn::Add(hn::Mul(y, pitch), x);
-      hn::Store(hn::IfThenElse(inside, to, missed), i, address + at);
-      drawn += count_first(inside, count - at);
-    }
-    copy_block(tile.texels, samples, address, count);
-  }
+  alternate(
+      run,
+      [&](std::uint32_t at, const ReliefSample* samples, std::uint32_t count, std::uint32_t half)
+          HWY_ATTR {
+            const Lanes s = load(k, samples + at);
+            const VF u = hn::Add(hn::ConvertTo(f, s.u), hn::Set(f, run.u));
+            const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
+            const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
+            const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
+            const VI x = hn::Sub(index_of(u, scale, shift_x, s.w), x_first);
+            const VI y = hn::Sub(index_of(v, scale, shift_y, s.w), y_first);
+            auto inside = hn::And(within(x, width), within(y, height));
+            if (!run.all_columns) inside = hn::And(inside, in_columns(run, s.u));
+            const VI to = hn::Add(hn::Mul(y, pitch), x);
+            hn::Store(hn::IfThenElse(inside, to, missed), i, address[half] + at);
+            drawn += count_first(inside, count - at);
+          },
+      [&](std::uint32_t from, std::uint32_t to, const ReliefSample* samples, std::uint32_t half)
+          HWY_ATTR { copy_block(tile.texels, samples + from, address[half] + from, to - from); });
   return drawn;
 }
 
