@@ -36,8 +36,8 @@ struct ReliefCaptureOptions {
   int size = 512;             // texels of the longer side
   double ball = 0;            // as for relief_camera
   double merge_texels = 0.5;  // samples closer along a line of sight than that share of a texel
-  // Faces that a texture sees edge-on get the samples of the others where its own are farther apart
-  // along a line of sight than so many texels (share_samples.h); 0: they do not.
+  // Faces that a texture sees edge-on get the samples of the others that have none of its own
+  // within so many texels (share_samples.h); 0: they do not.
   double share_texels = 0;
   double max_depth = 0;  // of deep images: nothing that is farther away, metres; 0: all
 };

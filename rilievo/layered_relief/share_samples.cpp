@@ -2,9 +2,9 @@
 // wide enough to be hit? Of the directions one sees the share c of the face's area, at least: its
 // line of sight nearest to the point is within half a diagonal, and hits the face within
 // t / (sqrt(2) c) of it. Merging put what was seen there within `merged`. And that has a sample of
-// the picture in its texel, within reach t along the line of sight and half a diagonal across:
+// the picture within reach t, or else stands in the middle of its texel, half a diagonal away:
 //
-//   lacks = t / (sqrt(2) c) + merged + t sqrt(1 / 2 + reach^2)
+//   lacks = t / (sqrt(2) c) + merged + t max(reach, sqrt(1 / 2))
 #include "rilievo/layered_relief/share_samples.h"
 
 #include <algorithm>
@@ -31,18 +31,32 @@ double largest_texel(const Camera& camera) {
                   (camera.window.top - camera.window.bottom) / camera.height);
 }
 
-// Has the line of sight a sample, its own or an added one, within `reach`? In its kind of depth.
-bool is_represented(const LayeredDepthImage& layers, const Added& added, std::size_t line,
-                    double depth, double reach) {
-  for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
-    if (std::abs(double(layers.samples[s].depth) - depth) <= reach) return true;
-  for (std::uint32_t k = added.head[line]; k != kNone; k = added.next[k])
-    if (std::abs(double(added.samples[k].depth) - depth) <= reach) return true;
+// Is there a sample, an own or an added one, within `reach` metres of a place? Looked for in the
+// nine lines of sight around it.
+bool is_represented(const LayeredDepthImage& layers, const Added& added, const glm::dvec2& at,
+                    double depth, double per_metre, double reach) {
+  const Camera& camera = layers.camera;
+  const glm::dvec2 texel((camera.window.right - camera.window.left) / camera.width,
+                         (camera.window.top - camera.window.bottom) / camera.height);
+  const int x0 = std::clamp(int(at.x), 0, camera.width - 1);
+  const int y0 = std::clamp(int(at.y), 0, camera.height - 1);
+  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
+    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x) {
+      const glm::dvec2 across = (glm::dvec2(x + 0.5, y + 0.5) - at) * texel;
+      const double left = reach * reach - glm::dot(across, across);
+      if (left < 0) continue;
+      const double along = std::sqrt(left) * per_metre;
+      const std::size_t line = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+      for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
+        if (std::abs(double(layers.samples[s].depth) - depth) <= along) return true;
+      for (std::uint32_t k = added.head[line]; k != kNone; k = added.next[k])
+        if (std::abs(double(added.samples[k].depth) - depth) <= along) return true;
+    }
   return false;
 }
 
 void add_from(const LayeredDepthImage& from, const LayeredDepthImage& to, double reach,
-              Added& added) {
+              double per_metre, Added& added) {
   const Camera &source = from.camera, &target = to.camera;
   for (std::size_t i = 0; i + 1 < from.first.size(); ++i) {
     const glm::dvec2 at(double(i % std::size_t(source.width)) + 0.5,
@@ -60,7 +74,7 @@ void add_from(const LayeredDepthImage& from, const LayeredDepthImage& to, double
       const std::size_t line = y * std::size_t(target.width) + x;
       const double depth =
           depth_from_eye_z(to.depth_kind, there.z, target, glm::dvec2(x + 0.5, y + 0.5));
-      if (is_represented(to, added, line, depth, reach)) continue;
+      if (is_represented(to, added, glm::dvec2(there), depth, per_metre, reach)) continue;
       sample.depth = sample.back = float(depth);
       added.next.push_back(added.head[line]);
       added.head[line] = std::uint32_t(added.samples.size());
@@ -128,7 +142,7 @@ void share_samples(ReliefPictures& pictures, double reach) {
     Added added;
     added.head.assign(to.first.size() - 1, kNone);
     for (std::size_t k = 0; k < shared.size(); ++k)
-      if (k != i) add_from(pictures.pictures[k].layers, to, metres * per_metre, added);
+      if (k != i) add_from(pictures.pictures[k].layers, to, metres, per_metre, added);
     shared[i] = with(to, added);
   });
   for (std::size_t i = 0; i < shared.size(); ++i) {
@@ -139,7 +153,7 @@ void share_samples(ReliefPictures& pictures, double reach) {
     picture.layers = std::move(shared[i]);
     picture.lacks = facing > 0
                         ? texel / (std::sqrt(2.0) * facing) + merged +
-                              largest_texel(picture.layers.camera) * std::sqrt(0.5 + reach * reach)
+                              largest_texel(picture.layers.camera) * std::max(reach, std::sqrt(0.5))
                         : 0;
   }
 }

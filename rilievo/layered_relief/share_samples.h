@@ -13,10 +13,9 @@
 
 namespace rilievo {
 
-// Adds to each picture the samples of the others beside which it has none: in the same texel,
-// within `reach` texels along the line of sight. They stand in the middle of that texel then, up to
-// half its diagonal from where they were seen (Picture::moved); and Picture::lacks is set. Requires
-// parallel pictures.
+// Adds to each picture the samples of the others that have none within `reach` of its texels, in
+// space. They stand in the middle of the texel that they fall into, up to half its diagonal from
+// where they were seen (Picture::moved); and Picture::lacks is set. Requires parallel pictures.
 void share_samples(ReliefPictures& pictures, double reach);
 
 // The least share of a face's area that one of these (unit) directions sees, whichever way the face
