@@ -107,7 +107,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   // A short life has little time to be replaced in.
   const double life = (1 + options.anticipation) * estimated.life;
   picture.lead =
-      std::uint16_t(std::clamp(life / 3, 1.0, double(options.fade_frames + options.spread_frames)));
+      std::uint16_t(std::clamp(life / 6, 1.0, double(options.fade_frames + options.spread_frames)));
   // Of a frame that begins with polygons all over, only some fade.
   const Picture* old = planner.picture_of(planner.state.current, e);
   const bool over_pictures = planner.valid(old) || planner.pictures_cover_below(e);
