@@ -33,10 +33,9 @@ HWY_INLINE Reach find_reach(const float (&u)[4], const float (&v)[4], float rang
     const float edges = std::max(std::abs(a[1] - a[0]), std::abs(a[3] - a[2]));
     return (0.875f * edges + 0.5f * range * (w_ratio - 1)) * w_ratio * w_ratio + kSlack;
   };
-  if (!(most(v, range_v) < 1)) return Reach::any;
-  const float across = most(u, range_u);
-  return across < float(kBlock - 1) ? Reach::block : across < float(kSpan - 2) ? Reach::span
-                                                                               : Reach::any;
+  const float across = most(u, range_u), down = most(v, range_v);
+  if (across < float(kBlock - 1) && down < 2) return down < 1 ? Reach::block : Reach::steep;
+  return across < float(kSpan - 2) && down < 1 ? Reach::span : Reach::any;
 }
 
 float find_farthest(const FrameTile& tile, int block) {
@@ -70,9 +69,9 @@ HWY_INLINE bool look_at_block(const Board& board, FrameTile& tile, int block, Pa
   HWY_ALIGN float u[4], v[4], w[4];
   const hn::CappedTag<float, 4> corners;
   const auto at_corners = [&](float at, const Plane& plane, int i) {
-    return hn::Add(hn::Set(corners, at),
-                   hn::Add(hn::Mul(hn::Load(corners, kCornerX + i), hn::Set(corners, plane.per_x)),
-                           hn::Mul(hn::Load(corners, kCornerY + i), hn::Set(corners, plane.per_y))));
+    const auto x = hn::Load(corners, kCornerX + i), y = hn::Load(corners, kCornerY + i);
+    return hn::Add(hn::Set(corners, at), hn::Add(hn::Mul(x, hn::Set(corners, plane.per_x)),
+                                                 hn::Mul(y, hn::Set(corners, plane.per_y))));
   };
   for (int i = 0; i < 4; i += int(hn::Lanes(corners)))
     hn::Store(at_corners(patch.w, board.w, i), corners, w + i);

@@ -337,11 +337,14 @@ void draw_board(const Board& board, FrameTile& tile) {
       Patch patch{at(board.u), at(board.v), at(board.w)};
       if (!look_at_block(board, tile, block, patch)) continue;
       prefetch_below(board, patch);
-      const int px = tile.x + bx * kBlock, py = tile.y + by * kBlock;
-      const bool changed =
-          patch.reach == Reach::block  ? draw_block<Reach::block>(board, tile, block, px, py, patch)
-          : patch.reach == Reach::span ? draw_block<Reach::span>(board, tile, block, px, py, patch)
-                                       : draw_block<Reach::any>(board, tile, block, px, py, patch);
+      const auto draw = [&]<Reach reach>() {
+        return draw_block<reach>(board, tile, block, tile.x + bx * kBlock, tile.y + by * kBlock,
+                                 patch);
+      };
+      const bool changed = patch.reach == Reach::block   ? draw.template operator()<Reach::block>()
+                           : patch.reach == Reach::steep ? draw.template operator()<Reach::steep>()
+                           : patch.reach == Reach::span  ? draw.template operator()<Reach::span>()
+                                                         : draw.template operator()<Reach::any>();
       if (!changed) continue;
       tile.changed[block] = true;
     }

@@ -25,12 +25,12 @@ void MemoryNailboard::fill(int width, int height, int delta_bits, const Row& row
   RILIEVO_EXPECTS(1 <= width && width <= 16384 && 1 <= height && height <= 16384);
   RILIEVO_EXPECTS(2 <= delta_bits && delta_bits <= 16);
   width_ = width, height_ = height, delta_bits_ = delta_bits;
-  // One texel beyond the last is read, with weight 0, and one more row, which nobody uses. Rows are
+  // One texel beyond the last is read, with weight 0, and more rows, which nobody uses. Rows are
   // no power of two apart: those of a block would meet in one set of the cache.
   stride_ = (width + 1 + 15) / 16 * 16;
   if (stride_ % 256 == 0) stride_ += 16;
   const std::size_t stride = std::size_t(stride_), shown = stride * std::size_t(height);
-  color_.resize(shown + 2 * stride + kReadBeyond);
+  color_.resize(shown + 3 * stride + kReadBeyond);
   code_pairs_.resize(shown / 2 + stride + kReadBeyond);
   std::fill(color_.begin() + std::ptrdiff_t(shown), color_.end(), 0);
   std::fill(code_pairs_.begin() + std::ptrdiff_t(shown / 2), code_pairs_.end(), kNoPair);

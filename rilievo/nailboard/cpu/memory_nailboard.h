@@ -44,7 +44,7 @@ class MemoryNailboard {
   [[nodiscard]] int cells_across() const { return (width_ + kCell - 1) / kCell; }
   [[nodiscard]] int cells_down() const { return (height_ + kCell - 1) / kCell; }
 
-  // The texels, sRGB, premultiplied, R in the lowest byte. Two rows more than the picture's.
+  // The texels, sRGB, premultiplied, R in the lowest byte. Three rows more than the picture's.
   [[nodiscard]] const std::uint32_t* color() const { return color_.data(); }
   // The codes of two texels a word, the left one in the lower half; above steps(): nothing.
   [[nodiscard]] const std::uint32_t* code_pairs() const { return code_pairs_.data(); }

@@ -23,20 +23,20 @@ constexpr int kRows = std::max(1, kLanes / kBlock);  // of pixels in a vector
 constexpr int kSpan = 16;                            // texels
 static_assert(kSpan <= MemoryNailboard::kReadBeyond);
 
-// The texels of every row of a block's pixels: in how many columns, of two rows of texels?
+// The texels of every row of a block's pixels: in how many columns, of how many rows of texels?
 enum class Reach {
   any,    // nothing is known
-  span,   // kSpan, and their right neighbours
-  block,  // kBlock, and their right neighbours
+  steep,  // kBlock, and their right neighbours, of three rows
+  span,   // kSpan, and their right neighbours, of two rows
+  block,  // kBlock, and their right neighbours, of two rows
 };
 
 // Where the texels of a vector of pixels begin: for each row of pixels the first column and the
-// upper one of two rows.
+// upmost row.
 struct Span {
-  VI column, row;              // of each texel
-  VI in_span;                  // its column, less the first one
-  MF lower;                    // it lies in the lower row
-  int first[kRows];            // the texel in the first column of the upper row
+  VI column;             // of each texel
+  VI in_span, in_rows;   // its column and its row, less the first ones
+  int first[kRows];      // the texel in the first column of the upmost row
 };
 
 #if HWY_TARGET == HWY_SCALAR
@@ -57,15 +57,14 @@ constexpr Ends kEnds;
 // Requires kSpans, and a row of pixels whose texels reach no farther than `Reach::span`.
 HWY_INLINE Span span_of(const MemoryNailboard& picture, VI column, VI row) {
   const I i32;
-  const F f;
   // Monotone along a row of pixels: the ends are the extremes.
-  const auto left = hn::SetTableIndices(i32, kEnds.left), right = hn::SetTableIndices(i32, kEnds.right);
+  const auto left = hn::SetTableIndices(i32, kEnds.left),
+             right = hn::SetTableIndices(i32, kEnds.right);
   const auto least = [&](VI a) {
     return hn::Min(hn::TableLookupLanes(a, left), hn::TableLookupLanes(a, right));
   };
   const VI first_column = least(column), first_row = least(row);
-  Span span{column, row, hn::Sub(column, first_column),
-            hn::RebindMask(f, hn::Gt(row, first_row)), {}};
+  Span span{column, hn::Sub(column, first_column), hn::Sub(row, first_row), {}};
   const VI first =
       hn::Add(hn::Mul(first_row, hn::Set(i32, picture.stride())), first_column);
   span.first[0] = hn::GetLane(first);
@@ -81,13 +80,15 @@ HWY_INLINE VU look_up(const std::uint32_t* words, const int* first, VI index) {
   const U u32;
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (kRows == 2) {
-    if constexpr (reach == Reach::block) {
+    if constexpr (reach != Reach::span) {
       const hn::Half<U> half;
       const I i32;
       HWY_ALIGN static constexpr std::int32_t kSecond[16] = {0, 0, 0, 0, 0, 0, 0, 0,
                                                              8, 8, 8, 8, 8, 8, 8, 8};
-      const VU table = hn::Combine(u32, hn::LoadU(half, words + first[1]), hn::LoadU(half, words + first[0]));
-      return hn::TableLookupLanes(table, hn::IndicesFromVec(u32, hn::Or(index, hn::Load(i32, kSecond))));
+      const VU table = hn::Combine(u32, hn::LoadU(half, words + first[1]),
+                                   hn::LoadU(half, words + first[0]));
+      return hn::TableLookupLanes(
+          table, hn::IndicesFromVec(u32, hn::Or(index, hn::Load(i32, kSecond))));
     }
     const auto at = hn::IndicesFromVec(u32, index);
     return hn::IfThenElse(hn::FirstN(u32, kBlock),
@@ -95,7 +96,7 @@ HWY_INLINE VU look_up(const std::uint32_t* words, const int* first, VI index) {
                           hn::TableLookupLanes(hn::LoadU(u32, words + first[1]), at));
   } else if constexpr (kLanes == kBlock) {
     const I i32;
-    if constexpr (reach == Reach::block)
+    if constexpr (reach != Reach::span)
       return hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), hn::IndicesFromVec(u32, index));
     const auto at = hn::IndicesFromVec(u32, hn::And(index, hn::Set(i32, kBlock - 1)));
     const auto low = hn::RebindMask(u32, hn::Lt(index, hn::Set(i32, kBlock)));
@@ -107,6 +108,12 @@ HWY_INLINE VU look_up(const std::uint32_t* words, const int* first, VI index) {
   return hn::GatherIndex(u32, words + first[0], index);
 }
 
+// Which texels lie below this row of the span?
+template <int above>
+HWY_INLINE hn::Mask<U> is_below(const Span& span) {
+  return hn::RebindMask(U(), hn::Gt(span.in_rows, hn::Set(I(), above)));
+}
+
 // The code of each texel.
 template <Reach reach>
 HWY_INLINE VU codes_of(const MemoryNailboard& picture, VI column, VI row) {
@@ -116,16 +123,16 @@ HWY_INLINE VU codes_of(const MemoryNailboard& picture, VI column, VI row) {
   VU pair;
   if constexpr (reach != Reach::any && kSpans) {
     const Span span = span_of(picture, column, row);
-    int first[kRows], next[kRows];
-    for (int r = 0; r < kRows; ++r) {
-      first[r] = span.first[r] / 2;
-      next[r] = first[r] + stride / 2;
-    }
     // Pairs begin at even columns, and rows with one.
-    const VI in_pairs = hn::ShiftRight<1>(hn::Add(span.in_span, hn::And(hn::Sub(span.column, span.in_span), hn::Set(i32, 1))));
-    const VU upper = look_up<reach>(picture.code_pairs(), first, in_pairs);
-    pair = hn::IfThenElse(hn::RebindMask(u32, span.lower),
-                          look_up<reach>(picture.code_pairs(), next, in_pairs), upper);
+    const VI odd_start = hn::And(hn::Sub(column, span.in_span), hn::Set(i32, 1));
+    const VI in_pairs = hn::ShiftRight<1>(hn::Add(span.in_span, odd_start));
+    const auto look = [&](int down) {
+      int first[kRows];
+      for (int r = 0; r < kRows; ++r) first[r] = (span.first[r] + down * stride) / 2;
+      return look_up<reach>(picture.code_pairs(), first, in_pairs);
+    };
+    pair = hn::IfThenElse(is_below<0>(span), look(1), look(0));
+    if constexpr (reach == Reach::steep) pair = hn::IfThenElse(is_below<1>(span), look(2), pair);
   } else {
     const VI texel = hn::Add(hn::Mul(row, hn::Set(i32, stride)), column);
     pair = hn::GatherIndex(u32, picture.code_pairs(), hn::ShiftRight<1>(texel));
@@ -152,15 +159,19 @@ HWY_INLINE Four colors_of(const MemoryNailboard& picture, VI column, VI row) {
             hn::GatherIndex(u32, below, texel), hn::GatherIndex(u32, below + 1, texel)};
   } else {
     const Span span = span_of(picture, column, row);
-    const auto look = [&](const std::uint32_t* words) {
-      return look_up<reach>(words, span.first, span.in_span);
+    const auto look = [&](int right, int down) {
+      return look_up<reach>(above + down * stride + right, span.first, span.in_span);
     };
-    const std::uint32_t* third = below + stride;
-    const Four upper{look(above), look(above + 1), look(below), look(below + 1)};
-    const auto lower = hn::RebindMask(u32, span.lower);
-    return {hn::IfThenElse(lower, upper.c, upper.a), hn::IfThenElse(lower, upper.d, upper.b),
-            hn::IfThenElse(lower, look(third), upper.c),
-            hn::IfThenElse(lower, look(third + 1), upper.d)};
+    const auto second = is_below<0>(span);
+    const VU b0 = look(0, 1), b1 = look(1, 1), c0 = look(0, 2), c1 = look(1, 2);
+    Four four{hn::IfThenElse(second, b0, look(0, 0)), hn::IfThenElse(second, b1, look(1, 0)),
+              hn::IfThenElse(second, c0, b0), hn::IfThenElse(second, c1, b1)};
+    if constexpr (reach == Reach::steep) {
+      const auto third = is_below<1>(span);
+      four = {hn::IfThenElse(third, c0, four.a), hn::IfThenElse(third, c1, four.b),
+              hn::IfThenElse(third, look(0, 3), four.c), hn::IfThenElse(third, look(1, 3), four.d)};
+    }
+    return four;
   }
 }
 
