@@ -70,6 +70,8 @@ class MemoryBudget {
   std::uint64_t read_ = 0, earned_ = kFree;  // earned and not yet taken
 };
 
+struct Deformations;
+
 // The state of one load.
 struct LoadContext {
   std::string name;                             // of the scene
@@ -79,6 +81,7 @@ struct LoadContext {
   bool allow_outside = false;  // files outside `folder`
   std::vector<std::string> warnings;
   bool skipped_points_or_lines = false;
+  Deformations* deformations = nullptr;  // where what bends meshes goes; null: it is not kept
 
   // Adds a warning once; at most a hundred warnings are kept.
   void warn(const std::string& what);

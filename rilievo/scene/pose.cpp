@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/scene/bend.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -72,26 +73,30 @@ double repeated(double time, double duration) {
   return t < 0.0 ? t + duration : t;
 }
 
+void pose_nodes(std::span<const Node> nodes, std::span<const Channel> channels, double time,
+                std::span<glm::mat4> world_from_node) {
+  RILIEVO_EXPECTS_EQ(nodes.size(), world_from_node.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) world_from_node[i] = packed(nodes[i]);
+  for (const Channel& channel : channels) {
+    RILIEVO_EXPECTS_LT(std::size_t(channel.node), nodes.size());
+    RILIEVO_EXPECTS(!channel.times.empty());
+    world_from_node[std::size_t(channel.node)][int(channel.path)] = sample(channel, time);
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const int parent = nodes[i].parent;
+    RILIEVO_EXPECTS_LT(parent, int(i));
+    const glm::mat4 local = parent_from_node(world_from_node[i]);
+    world_from_node[i] = parent < 0 ? local : world_from_node[std::size_t(parent)] * local;
+  }
+}
+
 void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_model) {
   const double t = repeated(time, double(scene.duration));
 
   // The nodes' matrices live behind the objects' in the caller's buffer, which keeps its capacity.
   world_from_model.resize(scene.objects.size() + scene.nodes.size());
   glm::mat4* const world_from_node = world_from_model.data() + scene.objects.size();
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) world_from_node[i] = packed(scene.nodes[i]);
-
-  for (const Channel& channel : scene.channels) {
-    RILIEVO_EXPECTS_LT(std::size_t(channel.node), scene.nodes.size());
-    RILIEVO_EXPECTS(!channel.times.empty());
-    world_from_node[channel.node][int(channel.path)] = sample(channel, t);
-  }
-
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const int parent = scene.nodes[i].parent;
-    RILIEVO_EXPECTS_LT(parent, int(i));
-    const glm::mat4 local = parent_from_node(world_from_node[i]);
-    world_from_node[i] = parent < 0 ? local : world_from_node[parent] * local;
-  }
+  pose_nodes(scene.nodes, scene.channels, t, {world_from_node, scene.nodes.size()});
 
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Object& object = scene.objects[i];

@@ -68,9 +68,11 @@ std::string kind_of(Bytes file, const std::string& extension) {
   refuse("is of no kind that can be read (.gltf, .glb, .obj, .ply, .stl)");
 }
 
-LoadedScene read(Bytes file, const std::string& extension, LoadContext& context) {
+LoadedScene read(Bytes file, const std::string& extension, bool deformations,
+                 LoadContext& context) {
   const std::string kind = kind_of(file, extension);
   LoadedScene out;
+  if (deformations) context.deformations = &out.deformations;
   out.scene = kind == "gltf"  ? read_gltf(file, context)
               : kind == "obj" ? read_obj(file, context)
               : kind == "ply" ? read_ply(file, context)
@@ -87,11 +89,12 @@ LoadedScene read(Bytes file, const std::string& extension, LoadContext& context)
   return out;
 }
 
-Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, LoadContext& context) {
+Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, bool deformations,
+                            LoadContext& context) {
   const std::string where = path.string();
   try {
     context.budget.earn(file.size());
-    return read(file, lower_extension(path), context);
+    return read(file, lower_extension(path), deformations, context);
   } catch (const LoadError& fault) {
     return Error{where, fault.reason};
   } catch (const std::bad_alloc&) {
@@ -133,14 +136,14 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, const LoadOpti
   if (!file) return file.error();
   LoadContext context{path.stem().string(), path.parent_path(), options.time,
                       MemoryBudget(options.max_bytes), options.allow_outside};
-  return guarded(bytes_of(*file), path, context);
+  return guarded(bytes_of(*file), path, options.deformations, context);
 }
 
 Result<LoadedScene> load_scene(std::span<const std::uint8_t> bytes, const std::string& name,
                                const LoadOptions& options) {
   const std::filesystem::path path(name);
   LoadContext context{path.stem().string(), {}, options.time, MemoryBudget(options.max_bytes)};
-  return guarded(bytes, path, context);
+  return guarded(bytes, path, options.deformations, context);
 }
 
 }  // namespace rilievo

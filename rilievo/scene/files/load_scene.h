@@ -15,7 +15,8 @@
 //
 // How glTF maps to a Scene:
 // - Each node with a mesh is one Object, and so is each of its GPU instances. Meshes are shared.
-// - The first animation moves nodes. Skins and morph targets are posed once, at LoadOptions::time;
+// - The first animation moves nodes. Skins and morph targets are posed once, at LoadOptions::time
+// (bend.h: at others);
 //   skinned objects then stand still in world space.
 // - All lights are scaled by one factor so that they light the scene's centre as the default sun
 //   would: exporters disagree about units by factors of 683 and 4 pi, and there is no exposure.
@@ -33,6 +34,7 @@
 #include <vector>
 
 #include "rilievo/core/result.h"
+#include "rilievo/scene/bend.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -44,11 +46,14 @@ struct LoadOptions {
   std::uint64_t max_bytes = std::uint64_t(4) << 30;
   // --allow-outside: permits files that lie neither in the scene's folder nor below it.
   bool allow_outside = false;
+  // Keeps what bends meshes, so that scene/bend.h can pose them at other times.
+  bool deformations = false;
 };
 
 // A loaded scene, with what the user should know about it.
 struct LoadedScene {
-  Scene scene;  // finished and valid; at least one object
+  Scene scene;                // finished and valid; at least one object
+  Deformations deformations;  // if they were asked for
   std::vector<std::string> warnings;
 };
 

@@ -45,8 +45,8 @@ Mesh read_attributes(const AttributeSource& source, std::vector<std::uint32_t> i
 
 }  // namespace
 
-std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitive,
-                                   const Pose& pose) {
+std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitive, const Pose& pose,
+                                   Deformation* kept) {
   LoadContext& context = *document.context;
   AttributeSource source{document, primitive["attributes"], {}, 0, {}};
   const JsonValue position = source.attributes["POSITION"];
@@ -67,6 +67,7 @@ std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitiv
   use_only(source, indices);
   Mesh mesh = read_attributes(source, std::move(indices));
   mesh.material = primitive["material"].index(document.count("materials"));
+  if (kept) keep_deformation(source, primitive["targets"], pose, mesh, *kept);
   morph(source, primitive["targets"], pose.weights, mesh);
   if (!pose.model_from_joint.empty()) skin(source, pose.model_from_joint, mesh);
 
@@ -82,6 +83,10 @@ std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitiv
     const std::uint64_t each = sizeof(glm::vec3) * 2 + (mesh.uv[0].empty() ? 0 : 8) +
                                (mesh.uv[1].empty() ? 0 : 8) + (mesh.colors.empty() ? 0 : 16);
     context.budget.take(mesh.indices.size(), each);
+    if (kept) {
+      context.budget.take(mesh.indices.size(), sizeof(std::uint32_t));
+      kept->corners = mesh.indices;
+    }
     make_flat(mesh);
   } else {
     repair_normals(mesh);

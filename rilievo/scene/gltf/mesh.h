@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "rilievo/scene/bend.h"
 #include "rilievo/scene/gltf/document.h"
 #include "rilievo/scene/scene.h"
 
@@ -16,8 +17,9 @@ struct Pose {
 };
 
 // The primitive as a mesh with normals, posed; its material is still glTF's index. Nothing if it
-// has no triangles (points and lines are left out with a warning).
+// has no triangles (points and lines are left out with a warning). `kept`: null, or to where the
+// vertices, morph targets and influences that bend it go.
 [[nodiscard]] std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitive,
-                                                 const Pose& pose);
+                                                 const Pose& pose, Deformation* kept = nullptr);
 
 }  // namespace rilievo::gltf

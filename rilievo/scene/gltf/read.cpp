@@ -42,9 +42,16 @@ class Reader {
   void add_bare_meshes();
   void add_object(const std::string& name, int model, int node, const glm::dmat4& placement);
   void keep_animation();
-  int model_of(int mesh, int skin, const Pose& pose);
+  int model_of(int node, int mesh, int skin, const Pose& pose);
   Pose pose_of(int node, int mesh, int skin);
-  std::vector<glm::dmat4> joints_of(int skin);
+  struct SkinJoint {
+    int node = 0;  // of the document
+    glm::dmat4 joint_from_mesh{1.0};
+  };
+  std::vector<SkinJoint> joints_of(int skin);
+  [[nodiscard]] const WeightTrack* track_of(int node) const;
+  void bend_by_time(const WeightTrack* track, int skin, Deformation& deformation);
+  int rig_node_of(int node);
   std::vector<glm::dmat4> instances_of(const JsonValue& instancing);
 
   LoadContext& context_;
@@ -54,20 +61,22 @@ class Reader {
   Tree tree_;
   Animation animation_;
   PosedTree posed_;
-  // Which model a mesh has become, bent by a skin and weights; -1: none, it has no triangles.
-  std::map<std::tuple<int, int, std::vector<float>>, int> models_;
+  // Which model a mesh has become, bent by a skin and weights, and by the curve of a node if these
+  // are kept; -1: none, it has no triangles.
+  std::map<std::tuple<int, int, std::vector<float>, int>, int> models_;
+  std::vector<int> rig_nodes_;                          // by the document's, or -1
+  std::vector<std::vector<std::size_t>> rig_channels_;  // by the document's node
 };
 
-// world_from_joint * joint_from_mesh of every joint.
-std::vector<glm::dmat4> Reader::joints_of(int skin) {
+std::vector<Reader::SkinJoint> Reader::joints_of(int skin) {
   constexpr std::array kSixteen{16};
   const JsonValue from = document_.root()["skins"][std::size_t(skin)];
   const JsonValue joints = from["joints"];
   if (joints.size() == 0) from.fail("has no joints");
-  context_.budget.take(joints.size(), sizeof(glm::dmat4));
-  std::vector<glm::dmat4> out;
+  context_.budget.take(joints.size(), sizeof(SkinJoint));
+  std::vector<SkinJoint> out;
   for (std::size_t i = 0; i < joints.size(); ++i)
-    out.push_back(posed_.world_from_node[joints[i].required_index(tree_.nodes.size())]);
+    out.push_back({int(joints[i].required_index(tree_.nodes.size())), glm::dmat4(1.0)});
   const JsonValue inverse_bind = from["inverseBindMatrices"];
   if (!inverse_bind) return out;
 
@@ -77,12 +86,60 @@ std::vector<glm::dmat4> Reader::joints_of(int skin) {
   if (accessor.component != Component::float32) inverse_bind.fail("does not refer to floats");
   if (accessor.count < out.size()) inverse_bind.fail("has fewer matrices than there are joints");
   const std::vector<float> numbers = read_floats(document_, accessor);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    glm::dmat4 joint_from_mesh(1.0);
-    for (int k = 0; k < 16; ++k) joint_from_mesh[k / 4][k % 4] = double(numbers[16 * i + k]);
-    out[i] = out[i] * joint_from_mesh;
-  }
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (int k = 0; k < 16; ++k)
+      out[i].joint_from_mesh[k / 4][k % 4] = double(numbers[16 * i + std::size_t(k)]);
   return out;
+}
+
+const WeightTrack* Reader::track_of(int node) const {
+  const WeightTrack* last = nullptr;
+  for (const WeightTrack& track : animation_.weights)
+    if (track.node == node) last = &track;
+  return last;
+}
+
+// The rig's node that stands for a node of the document; with all above it, and their curves.
+int Reader::rig_node_of(int node) {
+  Rig& rig = context_.deformations->rig;
+  if (rig_nodes_.empty()) {
+    rig_nodes_.assign(tree_.nodes.size(), -1);
+    rig_channels_.resize(tree_.nodes.size());
+    for (std::size_t i = 0; i < animation_.channels.size(); ++i)
+      rig_channels_[std::size_t(animation_.channels[i].node)].push_back(i);
+  }
+  std::vector<int> missing;
+  for (int i = node; i >= 0 && rig_nodes_[std::size_t(i)] < 0;
+       i = tree_.nodes[std::size_t(i)].parent)
+    missing.push_back(i);
+  for (auto at = missing.rbegin(); at != missing.rend(); ++at) {
+    const TreeNode& from = tree_.nodes[std::size_t(*at)];
+    context_.budget.take(2 * sizeof(Node));
+    const int made =
+        append_node(from, from.parent < 0 ? -1 : rig_nodes_[std::size_t(from.parent)], rig.nodes);
+    rig_nodes_[std::size_t(*at)] = made;
+    for (const std::size_t i : rig_channels_[std::size_t(*at)]) {
+      const Channel& channel = animation_.channels[i];
+      context_.budget.take(channel.values.size(), sizeof(glm::vec4) + sizeof(float));
+      rig.channels.push_back(channel);
+      rig.channels.back().node = made;
+    }
+  }
+  return rig_nodes_[std::size_t(node)];
+}
+
+// The parts of a deformation that a primitive does not have.
+void Reader::bend_by_time(const WeightTrack* track, int skin, Deformation& deformation) {
+  context_.deformations->rig.duration = std::max(animation_.duration, 0.0f);
+  if (track)
+    for (std::size_t t = 0; t < std::min(track->targets.size(), deformation.targets.size()); ++t) {
+      const Channel& curve = track->targets[t];
+      context_.budget.take(curve.values.size(), sizeof(glm::vec4) + sizeof(float));
+      deformation.targets[t].weights = curve;
+    }
+  if (skin < 0) return;
+  for (const SkinJoint& joint : joints_of(skin))
+    deformation.joints.push_back({rig_node_of(joint.node), glm::mat4(joint.joint_from_mesh)});
 }
 
 Pose Reader::pose_of(int node, int mesh, int skin) {
@@ -94,25 +151,36 @@ Pose Reader::pose_of(int node, int mesh, int skin) {
   for (std::size_t i = 0; i < weights.size(); ++i)
     pose.weights.push_back(float(weights[i].number()));
   const double time = repeated(context_.time, double(animation_.duration));
-  for (const WeightTrack& track : animation_.weights) {
-    if (track.node != node) continue;
+  if (const WeightTrack* track = track_of(node)) {
     pose.weights.clear();
-    for (const Channel& target : track.targets) pose.weights.push_back(sample(target, time).x);
+    for (const Channel& target : track->targets) pose.weights.push_back(sample(target, time).x);
   }
-  if (skin >= 0) pose.model_from_joint = joints_of(skin);
+  if (skin >= 0)
+    for (const SkinJoint& joint : joints_of(skin))
+      pose.model_from_joint.push_back(posed_.world_from_node[joint.node] * joint.joint_from_mesh);
   return pose;
 }
 
-int Reader::model_of(int mesh, int skin, const Pose& pose) {
-  const auto [known, fresh] = models_.try_emplace({mesh, skin, pose.weights}, -1);
+int Reader::model_of(int node, int mesh, int skin, const Pose& pose) {
+  const WeightTrack* track = context_.deformations ? track_of(node) : nullptr;
+  const bool bends = context_.deformations && (track || skin >= 0);
+  const auto [known, fresh] =
+      models_.try_emplace({mesh, skin, pose.weights, track ? node : -1}, -1);
   if (!fresh) return known->second;
   const JsonValue from = document_.root()["meshes"][std::size_t(mesh)];
   Model model;
   model.name = from["name"].text("mesh " + std::to_string(mesh));
   const JsonValue primitives = from["primitives"];
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    std::optional<Mesh> read = read_primitive(document_, primitives[i], pose);
+    Deformation deformation;
+    std::optional<Mesh> read =
+        read_primitive(document_, primitives[i], pose, bends ? &deformation : nullptr);
     if (!read) continue;
+    if (bends) {
+      bend_by_time(track, skin, deformation);
+      deformation.mesh = int(scene_.meshes.size());
+      context_.deformations->meshes.push_back(std::move(deformation));
+    }
     read->name = model.name;
     read->material = materials_.use(read->material);
     model.parts.push_back({int(scene_.meshes.size()), glm::mat4(1.0f)});
@@ -176,7 +244,7 @@ void Reader::add_objects(int node) {
   const int mesh = from["mesh"].index(document_.count("meshes"));
   if (mesh < 0) return;
   const int skin = from["skin"].index(document_.count("skins"));
-  const int model = model_of(mesh, skin, pose_of(node, mesh, skin));
+  const int model = model_of(node, mesh, skin, pose_of(node, mesh, skin));
   if (model < 0) return;
   std::string name = from["name"].text("");
   if (name.empty()) name = scene_.models[model].name;
@@ -198,7 +266,7 @@ void Reader::add_bare_meshes() {
   const std::size_t meshes = document_.count("meshes");
   if (meshes > 0) context_.warn("has meshes, but no nodes that place them");
   for (std::size_t i = 0; i < meshes; ++i)
-    if (const int model = model_of(int(i), -1, pose_of(-1, int(i), -1)); model >= 0)
+    if (const int model = model_of(-1, int(i), -1, pose_of(-1, int(i), -1)); model >= 0)
       add_object(scene_.models[model].name, model, -1, glm::dmat4(1.0));
 }
 

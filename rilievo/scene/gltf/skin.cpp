@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "rilievo/scene/mesh_tools.h"
 
@@ -37,27 +38,89 @@ void morph(const AttributeSource& source, const JsonValue& targets, std::span<co
   }
 }
 
-void skin(const AttributeSource& source, std::span<const glm::dmat4> model_from_joint, Mesh& mesh) {
+namespace {
+
+// Calls use(vertex, joint, weight) for each weight above 0.
+template <class Use>
+void for_influences(const AttributeSource& source, std::size_t vertices, std::size_t skin_joints,
+                    Use&& use) {
   constexpr std::array kFour{4};
-  const std::size_t n = mesh.positions.size();
-  std::vector<glm::dmat4> sum(n, glm::dmat4(0.0));
-  std::vector<double> total(n, 0.0);
-  source.document.context->budget.borrow(n, sizeof(glm::dmat4) + sizeof(double));
   for (int set = 0;; ++set) {
     const std::string joints_name = "JOINTS_" + std::to_string(set);
     const std::string weights_name = "WEIGHTS_" + std::to_string(set);
     const Attribute joints = read_attribute(source, joints_name.c_str(), kFour);
     const Attribute weights = read_attribute(source, weights_name.c_str(), kFour);
     if (joints.values.empty() || weights.values.empty()) break;
-    for (std::size_t i = 0; i < 4 * n; ++i) {
+    for (std::size_t i = 0; i < 4 * vertices; ++i) {
       const float joint = joints.values[i], weight = weights.values[i];
       if (!(weight > 0.0f)) continue;  // exporters leave anything in joints without weight
-      if (!(joint >= 0.0f && joint < float(model_from_joint.size())))
+      if (!(joint >= 0.0f && joint < float(skin_joints)))
         source.attributes[joints_name.c_str()].fail("names a joint that the skin does not have");
-      sum[i / 4] += double(weight) * model_from_joint[std::size_t(joint)];
-      total[i / 4] += double(weight);
+      use(i / 4, std::uint32_t(joint), weight);
     }
   }
+}
+
+std::vector<glm::vec3> displacements(const Attribute& from) {
+  std::vector<glm::vec3> out(from.values.size() / 3);
+  for (std::size_t i = 0; i < 3 * out.size(); ++i) out[i / 3][int(i % 3)] = from.values[i];
+  return out;
+}
+
+}  // namespace
+
+void keep_deformation(const AttributeSource& source, const JsonValue& targets, const Pose& pose,
+                      const Mesh& mesh, Deformation& to) {
+  constexpr std::array kThree{3};
+  MemoryBudget& budget = source.document.context->budget;
+  const std::size_t n = mesh.positions.size();
+  budget.take(n, 40 * (1 + targets.size()));
+  to.positions = mesh.positions, to.normals = mesh.normals, to.tangents = mesh.tangents;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const AttributeSource from{source.document, targets[t], {}, source.vertices, source.used};
+    Deformation::Target& target = to.targets.emplace_back();
+    target.positions = displacements(read_attribute(from, "POSITION", kThree));
+    target.normals = displacements(read_attribute(from, "NORMAL", kThree));
+    target.tangents = displacements(read_attribute(from, "TANGENT", kThree));
+    if (t < pose.weights.size()) target.weight = pose.weights[t];
+  }
+  if (pose.model_from_joint.empty()) return;
+
+  std::vector<std::vector<Deformation::Influence>> of(n);
+  budget.borrow(n, sizeof(of[0]) + 4 * sizeof(Deformation::Influence));
+  const std::size_t joints = pose.model_from_joint.size();
+  for_influences(source, n, joints, [&](std::size_t vertex, std::uint32_t joint, float weight) {
+    of[vertex].push_back({joint, weight});
+  });
+  std::size_t count = 0;
+  for (auto& influences : of) {
+    // As skin() has it: weights are divided by their sum, and without any, the first joint's.
+    if (influences.empty()) influences.push_back({0, 1});
+    double sum = 0;
+    for (const auto& influence : influences) sum += double(influence.weight);
+    for (auto& influence : influences) influence.weight = float(double(influence.weight) / sum);
+    count += influences.size();
+  }
+  budget.take(n + 1, sizeof(std::uint32_t));
+  budget.take(count, sizeof(Deformation::Influence));
+  to.influences.reserve(count);
+  for (const auto& influences : of) {
+    to.first_influence.push_back(std::uint32_t(to.influences.size()));
+    to.influences.insert(to.influences.end(), influences.begin(), influences.end());
+  }
+  to.first_influence.push_back(std::uint32_t(count));
+}
+
+void skin(const AttributeSource& source, std::span<const glm::dmat4> model_from_joint, Mesh& mesh) {
+  const std::size_t n = mesh.positions.size();
+  std::vector<glm::dmat4> sum(n, glm::dmat4(0.0));
+  std::vector<double> total(n, 0.0);
+  source.document.context->budget.borrow(n, sizeof(glm::dmat4) + sizeof(double));
+  for_influences(source, n, model_from_joint.size(),
+                 [&](std::size_t vertex, std::uint32_t joint, float weight) {
+                   sum[vertex] += double(weight) * model_from_joint[joint];
+                   total[vertex] += double(weight);
+                 });
 
   std::size_t mirrored = 0;
   for (std::size_t i = 0; i < n; ++i) {
