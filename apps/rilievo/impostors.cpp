@@ -72,6 +72,7 @@ Result<ImpostorContent> make_content(const ImpostorOptions& options, const Scene
   with.exec.warn = warn;
   if (options.background) with.exec.nice = kGiveWay;
   with.warn = warn;
+  with.deformations = options.deformations;
   return make_impostor_content(scene, 0.0, with);
 }
 

@@ -8,6 +8,7 @@
 
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/render/opengl/scene_renderer.h"
+#include "rilievo/scene/bend.h"
 
 namespace rilievo::app {
 
@@ -20,6 +21,7 @@ struct ImpostorOptions {
   int texels = 1024;  // of a picture's longer side, at most
   int samples = 4;    // of a texel
   bool background = false;
+  const Deformations* deformations = nullptr;  // of the scene; null: nothing bends
 };
 
 void add_impostor_options(CLI::App& command, ImpostorOptions& options);

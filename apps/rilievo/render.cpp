@@ -37,6 +37,7 @@ struct RenderCommand {
   std::string scene, output, pictures, json, method;
   FileLimits limits;
   double loop_seconds = 0;
+  std::optional<double> time;  // at which the scene stands still; else it moves with the path
   FrameOptions frames;
   MethodOptions methods;
 };
@@ -44,12 +45,15 @@ struct RenderCommand {
 // Where the eye is in each frame.
 struct Walk {
   FramePlan plan;
-  std::optional<Camera> only;  // instead of the plan's cameras
+  std::optional<Camera> only;        // instead of the plan's cameras
+  std::optional<double> still = {};  // the scene's time, instead of the path's
 
   [[nodiscard]] int frames() const { return only ? 1 : plan.frames; }
-  [[nodiscard]] double time(int frame) const { return only ? 0.0 : frame_time(plan.path, frame); }
+  [[nodiscard]] double time(int frame) const {
+    return still ? *still : only ? 0.0 : frame_time(plan.path, frame);
+  }
   [[nodiscard]] Camera camera(int frame, int width, int height) const {
-    return only ? *only : camera_at(plan.path, time(frame), width, height);
+    return only ? *only : camera_at(plan.path, frame_time(plan.path, frame), width, height);
   }
 };
 
@@ -187,18 +191,21 @@ Result<> render_scene(const RenderCommand& options) {
   if (!options.pictures.empty() && kind_method(options.method).kind)
     return Error{"--save-pictures", fmt::format("{} is saved by rilievo bake",
                                                 kind_method(options.method).kind->name)};
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
+  const Result<OpenedScene> opened =
+      open_scene(options.scene, options.limits, options.time.value_or(0.0),
+                 options.method == "relief-impostor" && !options.time);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   MethodOptions methods = options.methods;
   methods.eyes = eyes_of(plan->path, plan->frames);
+  methods.impostors.deformations = &opened->deformations;
   std::unique_ptr<gl::Context> context;
   std::optional<SceneRenderer> renderer;
   Result<std::unique_ptr<FrameSource>> source = make_scene_source(
       options.method, methods, options.frames.samples, opened->scene, context, renderer);
   if (!source) return source.error();
-  const Walk walk{*plan, {}};
+  const Walk walk{*plan, {}, options.time};
   if (options.loop_seconds > 0) return loop(options, walk, **source);
   return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
 }
@@ -324,6 +331,13 @@ Command render_command(CLI::App& app) {
           ->type_name("S");
   output->excludes(loop_seconds);
   command
+      ->add_option("--time", options->time,
+                   "The scene as it is at this time of its animation, skins and morph targets "
+                   "posed, while the eye follows its path (default: it moves with the path, and "
+                   "what bends is as at 0)")
+      ->check(in_range(0.0, 1e6))
+      ->type_name("SECONDS");
+  command
       ->add_option("--method", options->method,
                    "The drawing method (default nailboard; for a file, its kind)")
       ->check(known_method());
@@ -340,7 +354,10 @@ Command render_command(CLI::App& app) {
             if (options->output.empty() && options->loop_seconds == 0)
               return Error{"-o", "the folder for the frames is missing"};
             if (Result<> good = expect_places(*options); !good) return good;
-            if (holds_pictures(options->scene)) return render_file(*options);
+            if (holds_pictures(options->scene)) {
+              if (options->time) return Error{"--time", "pictures of a file do not move"};
+              return render_file(*options);
+            }
             if (options->method.empty()) options->method = kDefaultMethod;
             return render_scene(*options);
           }};

@@ -16,17 +16,20 @@ void add_file_limits(CLI::App& command, FileLimits& limits) {
                    "Permit a scene to refer to files outside of its folder");
 }
 
-Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits) {
+Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits, double time,
+                               bool deformations) {
   if (is_builtin(text)) {
     Result<BuiltinScene> built = make_builtin(text);
     if (!built) return built.error();
-    return OpenedScene{std::move(built->scene), std::move(built->path)};
+    return OpenedScene{std::move(built->scene), {}, std::move(built->path)};
   }
-  Result<LoadedScene> loaded =
-      load_scene(text, {.max_bytes = limits.bytes(), .allow_outside = limits.allow_outside});
+  Result<LoadedScene> loaded = load_scene(text, {.time = time,
+                                                 .max_bytes = limits.bytes(),
+                                                 .allow_outside = limits.allow_outside,
+                                                 .deformations = deformations});
   if (!loaded) return loaded.error();
   for (const std::string& warning : loaded->warnings) complain(text + ": warning: " + warning);
-  return OpenedScene{std::move(loaded->scene), {}};
+  return OpenedScene{std::move(loaded->scene), std::move(loaded->deformations), {}};
 }
 
 }  // namespace rilievo::app

@@ -8,6 +8,7 @@
 
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
+#include "rilievo/scene/bend.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo::app {
@@ -17,6 +18,7 @@ inline constexpr char kSceneHelp[] =
 
 struct OpenedScene {
   Scene scene;
+  Deformations deformations;       // of a file, if asked for
   std::optional<CameraPath> walk;  // a built-in scene brings its own
 };
 
@@ -30,7 +32,9 @@ struct FileLimits {
 
 void add_file_limits(CLI::App& command, FileLimits& limits);
 
-// Warnings of the loader go to the error output.
-[[nodiscard]] Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits);
+// Warnings of the loader go to the error output. Skins and morph targets are posed at `time`
+// (seconds), or kept to be posed at any.
+[[nodiscard]] Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits,
+                                             double time = 0, bool deformations = false);
 
 }  // namespace rilievo::app

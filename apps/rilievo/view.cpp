@@ -303,7 +303,7 @@ Result<std::unique_ptr<Window>> open_window(const ViewCommand& options) {
 }
 
 Result<> view_scene(const ViewCommand& options) {
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
+  const Result<OpenedScene> opened = open_scene(options.scene, options.limits, 0, true);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -318,6 +318,7 @@ Result<> view_scene(const ViewCommand& options) {
   subject.make_source = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
     methods.impostors.background = true;
+    methods.impostors.deformations = &opened->deformations;
     return make_source(method, methods, options.frames.samples, *renderer);
   };
   return Viewer(options, subject, **window).run();

@@ -6,6 +6,7 @@
 
 #include "rilievo/core/file.h"
 #include "rilievo/relief_impostor/content_hash.h"
+#include "rilievo/relief_impostor/posed_tracer.h"
 #include "rilievo/relief_impostor/ray_tracer.h"
 
 namespace rilievo {
@@ -57,13 +58,58 @@ FieldLook look_in(const Box& place, const DistanceField& field) {
   return look;
 }
 
+bool bends(const ImpostorContentOptions& options) {
+  return options.deformations && !options.deformations->meshes.empty();
+}
+
+template <class T>
+void add_values(const std::vector<T>& values, ContentHash& hash) {
+  hash.add(
+      std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)));
+}
+
+void add_channel(const Channel& channel, ContentHash& hash) {
+  hash.add(std::to_string(channel.node) + ' ' + std::to_string(int(channel.path)) + ' ' +
+           std::to_string(int(channel.interpolation)));
+  add_values(channel.times, hash);
+  add_values(channel.values, hash);
+}
+
+void add_deformations(const Deformations& all, ContentHash& hash) {
+  add_values(all.rig.nodes, hash);
+  for (const Channel& channel : all.rig.channels) add_channel(channel, hash);
+  for (const Deformation& one : all.meshes) {
+    hash.add(std::to_string(one.mesh));
+    add_values(one.positions, hash);
+    add_values(one.normals, hash);
+    add_values(one.tangents, hash);
+    add_values(one.corners, hash);
+    add_values(one.joints, hash);
+    add_values(one.first_influence, hash);
+    add_values(one.influences, hash);
+    for (const Deformation::Target& target : one.targets) {
+      hash.add(std::to_string(target.weight));
+      add_values(target.positions, hash);
+      add_values(target.normals, hash);
+      add_values(target.tangents, hash);
+      add_channel(target.weights, hash);
+    }
+  }
+}
+
 // A scene's own hash does not say what the program or the field shows.
 Result<std::string> content_of(const Scene& scene, double time,
                                const ImpostorContentOptions& options,
                                const std::vector<Box>& places) {
   const std::string_view shader = options.shader;
   ContentHash hash;
-  if (shader == "raytrace") return content_hash(scene, time);
+  if (shader == "raytrace") {
+    Result<std::string> own = content_hash(scene, time);
+    if (!own || !bends(options)) return own;
+    hash.add(*own);
+    add_deformations(*options.deformations, hash);
+    return hash.text();
+  }
   if (shader.starts_with("sdf:")) {
     for (const Box& box : places)
       for (int k = 0; k < 3; ++k)
@@ -153,6 +199,9 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
     ShadedImpostor& impostor = content.impostors.emplace_back();
     impostor.shown.objects = impostor.objects = {object};
     impostor.shown.drawable = traces;
+    if (!traces || !bends(options)) continue;
+    set_deformation(scene, *options.deformations, time, impostor.shown);
+    if (impostor.shown.deforms > 0) impostor.shown.drawable = false;
   }
   if (runs) {
     ShadedImpostor& impostor = content.impostors.emplace_back();
@@ -178,6 +227,11 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
       for (std::size_t i = 0; i < places.size(); ++i)
         fields->place(content.impostors[i].objects[0], field, look_in(places[i], field));
       content.shaders.push_back(std::move(fields));
+    } else if (traces && bends(options)) {
+      Result<std::unique_ptr<PosedTracer>> tracer =
+          PosedTracer::create(scene, *options.deformations, time, options.trace);
+      if (!tracer) return tracer.error();
+      content.shaders.push_back(*std::move(tracer));
     } else {
       Result<std::unique_ptr<CaptureSource>> shader =
           make_shader(options.shader, {content.rays.get(), options.trace, {}, options.exec});

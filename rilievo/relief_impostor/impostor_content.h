@@ -16,6 +16,7 @@
 #include "rilievo/relief_impostor/kept_source.h"
 #include "rilievo/relief_impostor/software_shader.h"
 #include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/scene/bend.h"
 
 namespace rilievo {
 
@@ -30,6 +31,9 @@ struct ImpostorContentOptions {
   TraceOptions trace = {};
   ExecOptions exec = {};
   std::function<void(const std::string&)> warn = {};  // of the store; a line each
+  // What bends the scene's meshes by time, for raytrace; null: nothing. Must outlive the content.
+  // What bends is not drawn as polygons, which would stand still.
+  const Deformations* deformations = nullptr;
 };
 
 // An impostor, and the scene's objects in whose place it stands.

@@ -333,7 +333,12 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   // What deforms has moved by so much since, at the nearest place where it can be.
   const double nearest = std::max(1e-9, distance_from(slot.bounds, eye.position));
   const auto deformed_px = [&](double since) {
-    return slot.object.deforms * std::abs(eye.time - since) / nearest * eye.focal_px;
+    const ImpostorObject& of = slot.object;
+    double metres = of.deforms * std::abs(eye.time - since);
+    if (of.period > 0)
+      metres +=
+          of.jump * std::abs(std::floor(eye.time / of.period) - std::floor(since / of.period));
+    return metres / nearest * eye.focal_px;
   };
   if (now.picture) now.deformed_px = deformed_px(judged.time);
   if (now.warped) now.shown_deformed_px = deformed_px(board.time);

@@ -25,6 +25,9 @@ struct ImpostorObject {
   // How fast its surface deforms at most, metres per second of ImpostorEye::time, besides its rigid
   // motion; 0: not at all.
   double deforms = 0;
+  // It begins again after `period` seconds (0: never), when its surface jumps by at most `jump`
+  // metres.
+  double jump = 0, period = 0;
 };
 
 // How pictures are made, and when.

@@ -4,8 +4,10 @@
     test_impostors.py PATH/TO/rilievo [unittest arguments]
 """
 
+import base64
 import json
 import math
+import struct
 import unittest
 
 import command
@@ -43,6 +45,39 @@ class Impostors(command.Case):
         self.assertEqual(one, again)
         self.assertGreater(captures, 0)
         self.assertEqual(rendered, 0)
+
+    def test_what_bends_is_shown_by_time(self):
+        # A triangle whose third corner rises within a second.
+        data = struct.pack("<9f9f2f2f", 0, 0, 0, 1, 0, 0, 0, 1, 0, *[0] * 6, 0, 1, 0, 0, 1, 0, 1)
+        gltf = {
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}]}]}],
+            "animations": [{"samplers": [{"input": 2, "output": 3}], "channels": [
+                {"sampler": 0, "target": {"node": 0, "path": "weights"}}]}],
+            "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," +
+                         base64.b64encode(data).decode()}],
+            "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
+            "accessors": [{"bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": count,
+                           "type": type} for offset, count, type in
+                          ((0, 3, "VEC3"), (36, 3, "VEC3"), (72, 2, "SCALAR"), (80, 2, "SCALAR"))]}
+        scene = self.write("rises.gltf", json.dumps(gltf))
+        eye = {"eye": [0.5, 1, 5], "target": [0.5, 1, 0], "up": [0, 1, 0], "vertical_fov": 0.6}
+        path = {"schema": "rilievo-path-1", "z_near": 0.1, "z_far": 100,
+                "keys": [{"time": i / 10, **eye} for i in range(10)]}
+        walk = (*SIZE, "--path", self.write("stands.json", json.dumps(path)), "--frames", "10")
+
+        def frames(name, *arguments):
+            self.succeeds("render", scene, *walk, *arguments, "-o", self.folder / name)
+            return list(files_below(self.folder / name).values())
+
+        still = frames("still", "--method", "direct")
+        self.assertEqual(len(set(still)), 1)
+        bends = frames("bends", *METHOD, "--draw", "opengl")
+        self.assertEqual(len(set(bends)), len(bends))
+        later = frames("later", "--method", "direct", "--time", "0.9")
+        self.assertEqual(len(set(later)), 1)
+        self.assertNotEqual(still[0], later[0])
+        self.refused(["render", scene, "--time", "-1", "-o", self.folder / "bad"], "--time")
 
     def test_a_field_and_a_comparison(self):
         field, captures = self.rendered("field", "--shader", "sdf:torus", "--objects", "#1")

@@ -1,0 +1,84 @@
+#include "rilievo/relief_impostor/posed_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/relief_impostor/ray_tracer.h"
+
+namespace rilievo {
+namespace {
+
+// The greatest length of a matrix times a unit vector, at most; exact for rotations and scales.
+double stretch_at_most(const glm::mat4& m) {
+  const glm::dmat3 linear(m), square = glm::transpose(linear) * linear;
+  double most = 0;
+  for (int k = 0; k < 3; ++k)
+    most = std::max(most, std::abs(square[k].x) + std::abs(square[k].y) + std::abs(square[k].z));
+  return std::sqrt(most);
+}
+
+}  // namespace
+
+PosedTracer::PosedTracer(const Scene& scene, const Deformations& deformations, double placed,
+                         const TraceOptions& options)
+    : scene_(scene), deformations_(deformations), placed_(placed), time_(NAN), options_(options) {
+  std::vector<glm::mat4> poses;
+  pose(scene_, placed, poses);
+  for (std::uint32_t object = 0; object < scene_.objects.size(); ++object) {
+    const Model& model = scene_.models[std::size_t(scene_.objects[object].model)];
+    bounds_.push_back(
+        model.parts.empty()
+            ? Box()
+            : transformed(poses[object], deformation_bounds(scene_, deformations_, object).bounds));
+  }
+}
+
+Result<std::unique_ptr<PosedTracer>> PosedTracer::create(const Scene& scene,
+                                                         const Deformations& deformations,
+                                                         double placed,
+                                                         const TraceOptions& options) {
+  std::unique_ptr<PosedTracer> tracer(new PosedTracer(scene, deformations, placed, options));
+  Result<RayScene> rays = RayScene::create(tracer->scene_, placed, RayParts::all);
+  if (!rays) return rays.error();
+  tracer->rays_.emplace(std::move(*rays));
+  return {std::move(tracer)};
+}
+
+Box PosedTracer::bounds(std::span<const std::uint32_t> objects) const {
+  Box all;
+  for (const std::uint32_t object : objects) all.add(bounds_[object]);
+  if (objects.empty())
+    for (const Box& box : bounds_) all.add(box);
+  return all;
+}
+
+Result<CapturedPicture> PosedTracer::capture(const CaptureRequest& request) {
+  if (request.time != time_) {
+    rays_.reset();
+    time_ = NAN;
+    bend(deformations_, request.time, scene_);
+    Result<RayScene> rays = RayScene::create(scene_, placed_, RayParts::all);
+    if (!rays) return rays.error();
+    rays_.emplace(std::move(*rays));
+    time_ = request.time;
+  }
+  return RayTracer(*rays_, options_).capture(request);
+}
+
+void set_deformation(const Scene& scene, const Deformations& deformations, double placed,
+                     ImpostorObject& object) {
+  std::vector<glm::mat4> poses;
+  pose(scene, placed, poses);
+  const auto add = [&](std::uint32_t index) {
+    const DeformationBounds of = deformation_bounds(scene, deformations, index);
+    const double scale = stretch_at_most(poses[index]);
+    object.deforms = std::max(object.deforms, scale * of.speed);
+    object.jump = std::max(object.jump, scale * of.jump);
+    if (of.speed > 0) object.period = of.period;
+  };
+  for (const std::uint32_t index : object.objects) add(index);
+  if (object.objects.empty())
+    for (std::uint32_t index = 0; index < scene.objects.size(); ++index) add(index);
+}
+
+}  // namespace rilievo
