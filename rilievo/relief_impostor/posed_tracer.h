@@ -40,8 +40,8 @@ class PosedTracer final : public CaptureSource {
   std::vector<Box> bounds_;  // of each object, at all times
 };
 
-// Sets how the surface of an impostor's objects moves at most: ImpostorObject::deforms, ::jump and
-// ::period. The objects are where they are at `placed`.
+// Sets how the surface of an impostor's objects moves at most: what ImpostorObject has of speed,
+// jump and period. The objects are where they are at `placed`.
 void set_deformation(const Scene& scene, const Deformations& deformations, double placed,
                      ImpostorObject& object);
 

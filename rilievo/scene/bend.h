@@ -71,11 +71,12 @@ struct DeformationBounds {
 };
 
 // Of an object. `speed` and `bounds` are bounds at all times, not at some that were tried: from the
-// curves' greatest speeds, interval by interval, and the lengths of bones. Curves with steps have
-// kSteppedSpeed.
+// curves' greatest speeds, interval by interval, and the lengths of bones. At most kSteppedSpeed.
 [[nodiscard]] DeformationBounds deformation_bounds(const Scene& scene,
                                                    const Deformations& deformations,
                                                    std::uint32_t object);
+
+// The speed of curves with steps, metres a second.
 constexpr double kSteppedSpeed = 1e9;
 
 // world_from_node of each node at `time` (seconds, not repeated), into as many matrices. pose() is
