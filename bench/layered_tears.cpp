@@ -157,11 +157,12 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   }
   report.tables.push_back(std::move(table));
   report.plots.push_back(std::move(plot));
-  report.notes.push_back(
-      "Tears: every fourth of the 32 views, six eyes around each at 4 radii, no neighbours. The "
-      "walk "
-      "leaves open what the picture does not hold; slices of samples above it are torn. Slices of "
-      "pieces lie below it: they swell by up to a texel over the edges of holes.");
+  report.notes.push_back(fmt::format(
+      "Tears: one of {} of the 32 views, {} eyes around each at 4 radii, no neighbours. The "
+      "ray march leaves open what the picture does not hold; slices of samples above it "
+      "are torn. Slices of pieces lie below it: they swell by up to a texel over the "
+      "edges of holes.",
+      every, azimuths));
   return Done{};
 }
 
