@@ -231,6 +231,7 @@ double speed_of(const Rig& rig, const Deformation& deformation, double from, dou
 // Of the time between two keys; at most so many are looked at, several at once if there are more.
 constexpr double kLongestStep = 1 / 30.0;
 constexpr std::size_t kMostSteps = 256;
+constexpr double kMostPieces = double(kMostSteps);
 
 std::vector<double> times_of(const Rig& rig, const Deformation& deformation) {
   std::set<double> keys{0.0, double(rig.duration)};
@@ -243,7 +244,8 @@ std::vector<double> times_of(const Rig& rig, const Deformation& deformation) {
   std::vector<double> times;
   double last = 0;
   for (const double key : keys) {
-    const int pieces = std::max(1, int(std::ceil((key - last) / kLongestStep)));
+    // A file's keys can be years apart.
+    const double pieces = std::clamp(std::ceil((key - last) / kLongestStep), 1.0, kMostPieces);
     for (int k = 1; k <= pieces && key > 0; ++k) times.push_back(last + (key - last) * k / pieces);
     last = key;
   }

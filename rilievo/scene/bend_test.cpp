@@ -35,8 +35,9 @@ struct Numbers {
 };
 
 // A chain of joints that turn, move and grow, a mesh on it whose two targets come and go, and a
-// mesh with targets alone on a node that moves. `normals`: does the file have any?
-std::string bent_file(unsigned seed, bool normals) {
+// mesh with targets alone on a node that moves. `normals`: does the file have any? `longer`: than a
+// second and a half, by this factor.
+std::string bent_file(unsigned seed, bool normals, float longer = 1) {
   Numbers any{std::mt19937(seed)};
   const std::size_t vertices = 30, joints = 2 + seed % 3, keys = 3;
   GltfBuilder b;
@@ -44,6 +45,7 @@ std::string bent_file(unsigned seed, bool normals) {
   const auto animate = [&](int node, const char* path, const char* type, std::size_t numbers,
                            bool cubic, auto&& value) {
     std::vector<float> times{0.0f, any(0.3f, 0.7f), any(0.9f, 1.5f)}, values;
+    for (float& time : times) time *= longer;
     for (std::size_t k = 0; k < keys * (cubic ? 3 : 1); ++k) {
       const std::vector<float> one =
           cubic && k % 3 != 1 ? any.several(numbers, -0.3f, 0.3f) : value();
@@ -207,6 +209,20 @@ TEST(Bend, no_vertex_is_faster_or_farther_than_its_bound) {
       EXPECT_GT(bounds.speed, 0);
     }
   }
+}
+
+// Of an hour they are bounded, and of 10^30 seconds nothing is kept: no bound would mean anything.
+TEST(Bend, keys_may_be_far_apart) {
+  const Result<LoadedScene> slow = load_bent(bent_file(1, true, 3600), 0, true);
+  ASSERT_TRUE(slow.ok());
+  const DeformationBounds bounds = deformation_bounds(slow->scene, slow->deformations, 0);
+  EXPECT_GT(bounds.speed, 0);
+  EXPECT_LT(bounds.speed, 1);  // metres a second: a few in half an hour, and all joints at once
+  const Result<LoadedScene> ages = load_bent(bent_file(1, true, 1e30f), 0, true);
+  ASSERT_TRUE(ages.ok());
+  EXPECT_TRUE(ages->deformations.meshes.empty());
+  EXPECT_FALSE(ages->warnings.empty());
+  EXPECT_EQ(deformation_bounds(ages->scene, ages->deformations, 0).speed, 0);
 }
 
 TEST(Bend, what_has_no_deformations_stays_as_it_is) {

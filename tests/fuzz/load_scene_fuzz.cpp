@@ -11,8 +11,14 @@ void load(const std::uint8_t* data, std::size_t size, const char* name) {
   rilievo::LoadOptions options;
   options.time = 0.3;
   options.max_bytes = 256u << 20;
+  options.deformations = true;
   const auto loaded = rilievo::load_scene({data, size}, name, options);
   if (loaded && !rilievo::validate(loaded->scene)) std::abort();
+  // What bends by time, at another time.
+  if (loaded && !loaded->deformations.meshes.empty()) {
+    (void)rilievo::deformation_bounds(loaded->scene, loaded->deformations, 0);
+    (void)rilievo::pose_at(loaded->scene, loaded->deformations, 0.7);
+  }
   if (!loaded && (loaded.error().reason.empty() || loaded.error().reason.ends_with(": ")))
     std::abort();
 }

@@ -16,8 +16,7 @@
 // How glTF maps to a Scene:
 // - Each node with a mesh is one Object, and so is each of its GPU instances. Meshes are shared.
 // - The first animation moves nodes. Skins and morph targets are posed once, at LoadOptions::time
-// (bend.h: at others);
-//   skinned objects then stand still in world space.
+//   (at other times: scene/bend.h); skinned objects then stand still in world space.
 // - All lights are scaled by one factor so that they light the scene's centre as the default sun
 //   would: exporters disagree about units by factors of 683 and 4 pi, and there is no exposure.
 // - Transmission becomes blended alpha and specular-glossiness becomes metallic-roughness, both

@@ -161,9 +161,16 @@ Pose Reader::pose_of(int node, int mesh, int skin) {
   return pose;
 }
 
+// Bounds of motion between keys that are farther apart mean nothing.
+constexpr float kLongestBending = 86'400;  // seconds
+
 int Reader::model_of(int node, int mesh, int skin, const Pose& pose) {
   const WeightTrack* track = context_.deformations ? track_of(node) : nullptr;
-  const bool bends = context_.deformations && (track || skin >= 0);
+  bool bends = context_.deformations && (track || skin >= 0);
+  if (bends && animation_.duration > kLongestBending) {
+    context_.warn("has an animation of more than a day, whose meshes do not bend by time");
+    bends = false;
+  }
   const auto [known, fresh] =
       models_.try_emplace({mesh, skin, pose.weights, track ? node : -1}, -1);
   if (!fresh) return known->second;
