@@ -76,6 +76,10 @@ class Nodes(command.Case):
         self.succeeds("render", STONES, "--method", "environment-nodes", "--face", "32", "--auto", "2",
                       "--draw", "software", *FRAME, "-o", self.folder / "frames")
         self.assertEqual(len(files_below(self.folder / "frames")), 2)
+        self.succeeds("render", STONES, "--method", "cache", "--bake-as", "environment-nodes",
+                      "--bake-mb", "64", "--face", "32", "--draw", "software", *FRAME, "-o",
+                      self.folder / "cached")
+        self.assertEqual(len(files_below(self.folder / "cached")), 2)
 
     def test_nodes_stand_for_what_is_far_in_the_cache(self):
         def cache(*arguments):
