@@ -121,8 +121,9 @@ TEST(PosedTracer, what_is_drawn_is_off_by_no_more_than_its_bound_and_right_once_
   std::vector<glm::mat4> poses;
   pose(strip.scene, 0, poses);
   const auto vertices = [&](double time) {
+    const Scene bent = pose_at(strip.scene, strip.deformations, time);
     std::vector<glm::dvec3> all;
-    for (const glm::vec3& p : pose_at(strip.scene, strip.deformations, time).meshes[0].positions)
+    for (const glm::vec3& p : bent.meshes[0].positions)
       all.emplace_back(poses[0] * glm::vec4(p, 1));
     return all;
   };
