@@ -50,7 +50,7 @@ std::span<const Bench> benches() {
       Bench{"coverage", "How much of an object do its pictures hold? (S2, figures 2 and 5)", false,
             coverage},
       Bench{"layered",
-            "What do layered impostors look like from new eyes? A twentieth of them, or --full: "
+            "What do layered impostors look like from new eyes? A fortieth of them, or --full: "
             "all, in a quarter of an hour (S2.3 to S2.6)",
             true, layered},
       Bench{"layered-cost", "What do layered impostors cost? (S2.8: tables 2 and 3, figure 8)",

@@ -34,7 +34,7 @@ Plan make_plan(bool quick, bool full) {
       {12, ViewSpread::faces_12}, {20, ViewSpread::vertices_20}, {32, ViewSpread::both_32}};
   plan.sizes = {64, 128, 256};
   plan.layers = {16, 64, 256};
-  if (!full) plan.eyes = 25, plan.other_eyes = 10;
+  if (!full) plan.eyes = 12, plan.other_eyes = 5;
   if (quick) {
     plan.views = {plan.views.back()};
     plan.sizes = {256};
