@@ -14,6 +14,7 @@
 #include "rilievo/compare/real_time.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/frame/cpu/software_level_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
 #include "rilievo/frame/gl/processor_frames.h"
 #include "rilievo/gl/context.h"
@@ -68,9 +69,12 @@ Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double err
   // Does not pay for a way through OpenGL.
   baselines.push_back(
       {"direct-raster", std::make_unique<SoftwareDirectFrames>(renderer.scene(), kSamples)});
-  auto levels = LevelFrames::create(renderer.scene(), error_px);
-  if (!levels) return levels.error();
-  baselines.push_back({"lod", std::move(*levels)});
+  ObjectLevels levels = make_object_levels(renderer.scene());
+  auto by_opengl = LevelFrames::create(levels, error_px);
+  if (!by_opengl) return by_opengl.error();
+  baselines.push_back({"lod", std::move(*by_opengl)});
+  baselines.push_back(
+      {"lod-raster", SoftwareLevelFrames::create(std::move(levels), kSamples, error_px)});
   return baselines;
 }
 
@@ -252,10 +256,10 @@ Result<BenchReport> real(const BenchOptions& options) {
                   run.cache.capture_ms > 0
                       ? fmt::format(", captures for {:g} ms a frame", run.cache.capture_ms)
                       : ""),
-      {"walk",    "frames",        "first ms",     "p50 ms",       "p99 ms",
-       "cut ms",  "until fine ms", "PSNR dB",      "wrong %",      "counted wrong %",
-       "missing", "gap px",        "over bound %", "by OpenGL ms", "direct ms",
-       "rays ms", "raster ms",     "lod ms",       "speed-up",     "over"},
+      {"walk",          "frames",       "first ms",  "p50 ms",          "p99 ms",    "cut ms",
+       "until fine ms", "PSNR dB",      "wrong %",   "counted wrong %", "missing",   "gap px",
+       "over bound %",  "by OpenGL ms", "direct ms", "rays ms",         "raster ms", "lod ms",
+       "lod raster ms", "speed-up",     "over"},
       {}};
   const Stopwatch watch;
   int done = 0;

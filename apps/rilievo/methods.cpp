@@ -19,6 +19,7 @@
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/frame/cpu/software_level_frames.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/chosen_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
@@ -308,7 +309,7 @@ constexpr BuiltinMethod kBuiltin[] = {
     {"lod",
      [](const MethodOptions& options, int, SceneRenderer& renderer) {
        Result<std::unique_ptr<LevelFrames>> made =
-           LevelFrames::create(renderer.scene(), options.error_px);
+           LevelFrames::create(make_object_levels(renderer.scene()), options.error_px);
        return made ? Result<std::unique_ptr<FrameSource>>(std::move(*made)) : made.error();
      }},
     {"flat",
@@ -364,10 +365,11 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_flag("--outlines", options.outlines,
                    "Outline everything that is drawn from a picture");
   command
-      .add_option("--draw", options.draw,
-                  "What draws the frames: opengl, software (without OpenGL: cache, direct-raster, "
-                  "relief-impostor, kinds, files), or automatic: software where OpenGL runs "
-                  "on processors or is missing (default)")
+      .add_option(
+          "--draw", options.draw,
+          "What draws the frames: opengl, software (without OpenGL: cache, direct-raster, lod, "
+          "relief-impostor, kinds, files), or automatic: software where OpenGL runs "
+          "on processors or is missing (default)")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command
       .add_option(
@@ -498,7 +500,8 @@ std::optional<std::string> refused(const std::string& method, const MethodOption
 std::optional<std::string> needs_opengl(const std::string& method, const MethodOptions& options,
                                         int samples) {
   const Kind* kind = kind_method(method).kind;
-  if (method != "cache" && method != "direct-raster" && method != kReliefImpostorName && !kind)
+  if (method != "cache" && method != "direct-raster" && method != "lod" &&
+      method != kReliefImpostorName && !kind)
     return fmt::format("{} is drawn by OpenGL only", method);
   if (auto reason = refused(method, options)) return reason;
   if (samples != 1 && samples != 4)
@@ -514,6 +517,8 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
                                                           const Scene& scene) {
   if (const auto reason = needs_opengl(method, options, samples)) return Error{"--draw", *reason};
   if (method == "direct-raster") return {std::make_unique<SoftwareDirectFrames>(scene, samples)};
+  if (method == "lod")
+    return {SoftwareLevelFrames::create(make_object_levels(scene), samples, options.error_px)};
   if (method == kReliefImpostorName)
     return make_software_impostor_frames(options.impostors, options.outlines, samples, scene);
   if (const KindMethod named = kind_method(method); named.kind)

@@ -105,7 +105,8 @@ TEST_F(BaselineTest, levels_without_an_error_show_the_true_frame_and_with_one_fe
   ASSERT_TRUE(renderer.ok());
   DirectFrames direct(*renderer);
   const Drawn truth = draw(direct, 4);
-  const auto exact = LevelFrames::create(scene_, 0.0), coarse = LevelFrames::create(scene_, 4.0);
+  const auto exact = LevelFrames::create(make_object_levels(scene_), 0.0),
+             coarse = LevelFrames::create(make_object_levels(scene_), 4.0);
   ASSERT_TRUE(exact.ok() && coarse.ok());
   const Drawn same = draw(**exact, 4), other = draw(**coarse, 4);
   EXPECT_EQ(same.color, truth.color);

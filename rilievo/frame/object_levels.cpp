@@ -1,0 +1,34 @@
+#include "rilievo/frame/object_levels.h"
+
+#include <algorithm>
+
+namespace rilievo {
+
+ObjectLevels make_object_levels(const Scene& scene) {
+  ObjectLevels levels{make_levels(scene), {}};
+  for (const Object& object : scene.objects) levels.model_of.push_back(object.model);
+  return levels;
+}
+
+double choose_levels(const Camera& camera, std::span<const std::uint32_t> objects,
+                     std::span<const glm::mat4> poses, std::span<const Box> bounds, double error_px,
+                     ObjectLevels& levels) {
+  double largest_px = 0;
+  for (const std::uint32_t object : objects) {
+    const std::vector<ModelLevel>& all =
+        levels.leveled.levels[std::size_t(levels.model_of[object])];
+    const Box& box = bounds[object];
+    const glm::dvec3 nearest =
+        glm::clamp(camera.position(), glm::dvec3(box.min), glm::dvec3(box.max));
+    const double distance = std::max(glm::length(nearest - camera.position()), camera.z_near);
+    const double scale = largest_scale(poses[object]);
+    // What one pixel in the middle of the frame shows at this distance.
+    const double pixel = (camera.window.top - camera.window.bottom) / camera.height * distance;
+    const ModelLevel& level = choose_level(all, error_px * pixel / std::max(scale, 1e-30));
+    levels.leveled.scene.objects[object].model = level.model;
+    largest_px = std::max(largest_px, level.error * scale / pixel);
+  }
+  return largest_px;
+}
+
+}  // namespace rilievo
