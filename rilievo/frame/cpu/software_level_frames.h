@@ -14,8 +14,8 @@ namespace rilievo {
 class SoftwareLevelFrames final : public SoftwareFrames {
  public:
   // `samples` of a pixel: 1 or 4.
-  [[nodiscard]] static std::unique_ptr<SoftwareLevelFrames> create(ObjectLevels levels,
-                                                                   int samples, double error_px);
+  [[nodiscard]] static std::unique_ptr<SoftwareLevelFrames> create(ObjectLevels levels, int samples,
+                                                                   double error_px);
 
  private:
   SoftwareLevelFrames(std::unique_ptr<ObjectLevels> levels, int samples, double error_px)
