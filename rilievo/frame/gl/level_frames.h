@@ -13,6 +13,7 @@ namespace rilievo {
 // A frame source with levels of detail, by OpenGL.
 class LevelFrames final : public SceneFrames {
  public:
+  // Fails where OpenGL does.
   [[nodiscard]] static Result<std::unique_ptr<LevelFrames>> create(ObjectLevels levels,
                                                                    double error_px);
   ~LevelFrames() override;
