@@ -21,8 +21,8 @@ struct BenchOptions {
   bool full = false;
   // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
   std::string capture;
-  // What draws the cache's frames, for `real`: opengl, software, or automatic, which is software
-  // where OpenGL runs on processors.
+  // What draws frames, for `real` (the cache's), `decoupling` and `program-walk`: opengl, software,
+  // or automatic, which is software where OpenGL runs on processors.
   std::string draw = "automatic";
   // For `program-walk`: who shades, raytrace, sdf:NAME or exec:PROGRAM; empty: raytrace.
   std::string shader;

@@ -6,45 +6,73 @@
 #include <chrono>
 #include <thread>
 
+#include "rilievo/cache/gl/impostor_frames.h"
+#include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/nailboard/cpu/memory_boards.h"
 
 namespace rilievo::bench {
 
-Result<double> steady_ms(FrameSource& source, FrameTarget& target, const Camera& camera) {
-  gl::finish();
-  const Stopwatch watch;
-  target.begin();
-  if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
-  target.resolve();
-  gl::finish();
-  return watch.ms();
+bool draws_by_software(const BenchOptions& options) {
+  return options.draw == "software" || (options.draw == "automatic" && gl::is_software());
+}
+
+Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer, ImpostorContent content,
+                                       const ImpostorFramesOptions& options, int samples,
+                                       bool software) {
+  ImpostorDrawer made;
+  if (software) {
+    auto frames = SoftwareChosenFrames::create(
+        renderer.scene(), samples, options.outlines,
+        [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+          auto chooser = std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
+                                                           std::move(content), options);
+          made.chooser = chooser.get();
+          return {std::move(chooser)};
+        });
+    if (!frames) return frames.error();
+    made.frames = std::move(*frames);
+    return made;
+  }
+  renderer.set_time(0.0);
+  auto frames = ImpostorFrames::create(renderer, std::move(content), options);
+  if (!frames) return frames.error();
+  made.chooser = &(*frames)->chooser();
+  made.frames = std::move(*frames);
+  return made;
 }
 
 Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
                                 ImpostorContent content, const ClockWalkOptions& options) {
-  renderer.set_time(0.0);
   ImpostorFramesOptions with{.workers = options.workers, .background = true};
   with.workers.nice = options.nice;
   with.workers.predict_s = 20;
   // It is to be judged.
   with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;
-  auto frames = ImpostorFrames::create(renderer, std::move(content), with);
-  if (!frames) return frames.error();
-  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
-  if (!target) return target.error();
+  const Result<ImpostorDrawer> drawer =
+      impostor_drawer(renderer, std::move(content), with, options.samples, options.software);
+  if (!drawer) return drawer.error();
+  std::optional<FrameTarget> target;
+  if (!options.software) {
+    Result<FrameTarget> made = FrameTarget::create(options.width, options.height, options.samples);
+    if (!made) return made.error();
+    target = std::move(*made);
+  }
   ClockWalk walk;
   const Stopwatch clock;
   double next_ms = 0;
   while (clock.ms() < 1e3 * options.seconds) {
     const Camera camera =
         orbit_camera(traced, options.turn * clock.ms() / 1e3, options.width, options.height);
-    const Result<double> ms = steady_ms(**frames, *target, camera);
+    const Result<double> ms =
+        time_frame(*drawer->frames, {target ? &*target : nullptr, nullptr}, {camera, 0});
     if (!ms) return ms.error();
     ++walk.frames;
-    // The first frames compile shaders.
+    // The first frames compile shaders and make each thread's memory.
     if (walk.frames > 3) walk.frame_ms.push_back(*ms);
-    const ImpostorFrame& frame = (*frames)->statuses()[0].frame;
+    const ImpostorFrame& frame = drawer->chooser->statuses()[0].frame;
     walk.shown += frame.board != nullptr;
     if (frame.latency_ms > 0) walk.latency_ms.push_back(frame.latency_ms);
     const double gone = clock.ms() / 1e3 / options.seconds;
@@ -56,7 +84,7 @@ Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& render
     std::this_thread::sleep_for(
         std::chrono::microseconds(std::int64_t(1e3 * std::max(0.0, next_ms - clock.ms()))));
   }
-  walk.stats = (*frames)->workers().stats();
+  walk.stats = drawer->chooser->workers().stats();
   return walk;
 }
 

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bench/bench.h"
 #include "bench/impostor_judge.h"
-#include "rilievo/cache/gl/impostor_frames.h"
+#include "rilievo/cache/impostor_chooser.h"
+#include "rilievo/frame/frame_source.h"
+#include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::bench {
 
@@ -17,8 +21,9 @@ struct ClockWalkOptions {
   double turn = 0.5;             // of the orbit, a second
   double pace_ms = 1000.0 / 30;  // frames are not drawn faster
   int width = 640, height = 360, samples = 4;
-  int kept = 8;   // frames to be judged
-  int nice = 10;  // how far the workers give way to the frame
+  int kept = 8;           // frames to be judged
+  int nice = 10;          // how far the workers give way to the frame
+  bool software = false;  // frames are drawn by the rasteriser, not by OpenGL
   WorkerOptions workers = {};
   // The last picture there was, coarse or not; may be empty.
   std::function<std::optional<DepthImage>()> last = {};
@@ -38,15 +43,26 @@ struct ClockWalk {
   int shown = 0, frames = 0;
 };
 
+// As BenchOptions::draw says, in the current OpenGL context.
+[[nodiscard]] bool draws_by_software(const BenchOptions& options);
+
+// Frames with impostors, and who chooses them.
+struct ImpostorDrawer {
+  std::unique_ptr<FrameSource> frames;
+  ImpostorChooser* chooser = nullptr;  // of `frames`
+};
+// Drawn by the rasteriser or by OpenGL, of the renderer's scene at time 0. `renderer` must outlive
+// the frames.
+[[nodiscard]] Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer,
+                                                     ImpostorContent content,
+                                                     const ImpostorFramesOptions& options,
+                                                     int samples, bool software);
+
 // Walks. Whatever there is of the impostor is shown, never polygons. Needs a current OpenGL
-// context.
+// context unless frames are drawn by software.
 [[nodiscard]] Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
                                               ImpostorContent content,
                                               const ClockWalkOptions& options);
-
-// The time of one frame, finished, ms.
-[[nodiscard]] Result<double> steady_ms(FrameSource& source, FrameTarget& target,
-                                       const Camera& camera);
 
 // How many latencies lie below 50 ms, 100 ms, ...
 [[nodiscard]] std::string latency_histogram(const std::vector<double>& ms);

@@ -11,7 +11,9 @@
 #include "bench/impostor_judge.h"
 #include "bench/slow_source.h"
 #include "bench/stale_parts.h"
-#include "rilievo/gl/context.h"
+#include "rilievo/compare/drawn_frame.h"
+#include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
 
@@ -119,23 +121,29 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
   Result<SceneRenderer> all = SceneRenderer::create(*traced.scene),
                         rest = SceneRenderer::create(without);
   if (!all || !rest) return all ? rest.error() : all.error();
+  const bool software = draws_by_software(bench);
   ImpostorContentOptions content;
   content.objects = {fmt::format("#{}", traced.object)};
   Result<ImpostorContent> made = make_impostor_content(*traced.scene, 0.0, content);
   if (!made) return made.error();
-  all->set_time(0.0), rest->set_time(0.0);
-  auto frames = ImpostorFrames::create(*all, std::move(*made), {.workers = worker_options()});
-  if (!frames) return frames.error();
-  DirectFrames direct(*all), direct_rest(*rest);
+  Result<ImpostorDrawer> impostors = impostor_drawer(
+      *all, std::move(*made), {.workers = worker_options()}, kFrameSamples, software);
+  if (!impostors) return impostors.error();
+  const auto direct_frames = [&](SceneRenderer& of) -> std::unique_ptr<FrameSource> {
+    if (software) return std::make_unique<SoftwareDirectFrames>(of.scene(), kFrameSamples);
+    return std::make_unique<DirectFrames>(of);
+  };
+  const std::unique_ptr<FrameSource> direct = direct_frames(*all),
+                                     direct_rest = direct_frames(*rest);
   Result<FrameTarget> target = FrameTarget::create(kFrameWidth, kFrameHeight, kFrameSamples);
   if (!target) return target.error();
   std::vector<double> with_ms, without_ms, polygons_ms;
   for (int i = 0; i < (bench.quick ? 4 : 60); ++i)
     for (auto& [source, ms] :
-         {std::pair<FrameSource*, std::vector<double>*>{frames->get(), &with_ms},
-          {&direct_rest, &without_ms},
-          {&direct, &polygons_ms}}) {
-      const Result<double> took = steady_ms(*source, *target, camera);
+         {std::pair<FrameSource*, std::vector<double>*>{impostors->frames.get(), &with_ms},
+          {direct_rest.get(), &without_ms},
+          {direct.get(), &polygons_ms}}) {
+      const Result<double> took = time_frame(*source, *target, {camera, 0});
       if (!took) return took.error();
       if (i > 0) ms->push_back(*took);  // the first frame waits for the picture
     }
@@ -180,7 +188,7 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
 
 // With a tracer that is `factor` times as slow.
 Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer& renderer,
-                                        double factor, bool busy, double seconds) {
+                                        double factor, bool busy, double seconds, bool software) {
   ImpostorContentOptions options;
   options.objects = {fmt::format("#{}", traced.object)};
   Result<ImpostorContent> content = make_impostor_content(*traced.scene, 0.0, options);
@@ -190,6 +198,7 @@ Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer
   ClockWalkOptions walk;
   walk.seconds = seconds, walk.turn = kTurn;
   walk.width = kWalkWidth, walk.height = kWalkHeight, walk.samples = kFrameSamples;
+  walk.software = software;
   walk.workers = worker_options();
   walk.last = [&] { return slow.last(); };
   return walk_by_clock(traced, renderer, std::move(*content), walk);
@@ -223,7 +232,7 @@ Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchR
     for (const double factor : {1.0, 10.0, 50.0}) {
       if (bench.quick && (busy || factor == 10)) continue;
       const Result<ClockWalk> walk =
-          walk_with_slow_tracer(traced, *renderer, factor, busy, seconds);
+          walk_with_slow_tracer(traced, *renderer, factor, busy, seconds, draws_by_software(bench));
       if (!walk) return walk.error();
       std::vector<ImpostorQuality> shown, plane;
       std::size_t texels = 0;
@@ -285,11 +294,11 @@ Result<BenchReport> decoupling(const BenchOptions& options) {
           "a ray tracing by the frame's own camera; of frames that show the impostor. As one "
           "plane: the last picture, moved by a homography.",
           kWalkWidth, kWalkHeight, kFrameSamples),
-      fmt::format(
-          "Frames are drawn at most every {:.0f} ms; one worker, one thread that warps, both "
-          "giving way to the frame. Needed to shown: from the first order of a picture to "
-          "the frame that shows one.",
-          ClockWalkOptions{}.pace_ms)};
+      fmt::format("Frames are drawn by {}, at most every {:.0f} ms; one worker, one thread that "
+                  "warps, both "
+                  "giving way to the frame. Needed to shown: from the first order of a picture to "
+                  "the frame that shows one.",
+                  draws_by_software(options) ? "software" : "OpenGL", ClockWalkOptions{}.pace_ms)};
   return report;
 }
 

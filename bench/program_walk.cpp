@@ -78,6 +78,7 @@ Result<BenchReport> program_walk(const BenchOptions& options) {
   ClockWalkOptions walk_options;
   walk_options.seconds = options.quick ? 2 : options.full ? 60 : 20;
   walk_options.turn = kSlowTurn;
+  walk_options.software = draws_by_software(options);
   walk_options.workers.size = kPictureSize, walk_options.workers.samples = kTexelSamples;
   const Result<ClockWalk> walk =
       walk_by_clock(shown->place, *renderer, std::move(shown->content), walk_options);
@@ -110,9 +111,12 @@ Result<BenchReport> program_walk(const BenchOptions& options) {
   report.notes = {fmt::format(
       "The eye goes around by {:.0f} degrees a second, frames of {} x {} at most every {:.0f} ms, "
       "pictures of up to {} texels a side with {} samples. PSNR, SSIM and FLIP of what the frames "
-      "showed, over black, against the shader's own picture by the frame's camera.",
+      "showed, over black, against the shader's own picture by the frame's camera. Frames are "
+      "drawn "
+      "by {}.",
       kSlowTurn * 180 / std::numbers::pi, walk_options.width, walk_options.height,
-      walk_options.pace_ms, kPictureSize, kTexelSamples)};
+      walk_options.pace_ms, kPictureSize, kTexelSamples,
+      walk_options.software ? "software" : "OpenGL")};
   return report;
 }
 

@@ -126,8 +126,9 @@ Command bench_command(CLI::App& app) {
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,
-                   "For real: what draws the cache's frames: opengl, software, or automatic: "
-                   "software where OpenGL runs on processors, and OpenGL's time beside (default)")
+                   "For real, decoupling and program-walk: what draws frames: opengl, software, "
+                   "or automatic: software where OpenGL runs on processors (default); real times "
+                   "OpenGL beside then")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command->add_flag("--quick", options->quick,
                     "Few cases only: a test that the benchmark runs, not a measurement");

@@ -18,6 +18,7 @@ class ImpostorFrames final : public SceneFrames {
   [[nodiscard]] static Result<std::unique_ptr<ImpostorFrames>> create(
       SceneRenderer& renderer, ImpostorContent content, const ImpostorFramesOptions& options);
 
+  [[nodiscard]] ImpostorChooser& chooser() { return *chooser_; }
   // As ImpostorChooser's.
   [[nodiscard]] std::span<const ImpostorStatus> statuses() const { return chooser_->statuses(); }
   [[nodiscard]] ImpostorWorkers& workers() { return chooser_->workers(); }
