@@ -47,7 +47,7 @@ Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer, ImpostorContent 
 Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
                                 ImpostorContent content, const ClockWalkOptions& options) {
   ImpostorFramesOptions with{.workers = options.workers, .background = true};
-  with.workers.nice = options.nice;
+  with.workers.gives_way = true;
   with.workers.predict_s = 20;
   // It is to be judged.
   with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;

@@ -22,7 +22,6 @@ struct ClockWalkOptions {
   double pace_ms = 1000.0 / 30;  // frames are not drawn faster
   int width = 640, height = 360, samples = 4;
   int kept = 8;           // frames to be judged
-  int nice = 10;          // how far the workers give way to the frame
   bool software = false;  // frames are drawn by the rasteriser, not by OpenGL
   WorkerOptions workers = {};
   // The last picture there was, coarse or not; may be empty.

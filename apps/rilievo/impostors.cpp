@@ -58,7 +58,7 @@ void add_impostor_options(CLI::App& command, ImpostorOptions& options) {
 
 namespace {
 
-// How far who shades in the background gives way to frames, as of nice(1).
+// How far programs that shade in the background give way to frames, as of nice(1).
 constexpr int kGiveWay = 10;
 
 Result<ImpostorContent> make_content(const ImpostorOptions& options, const Scene& scene) {
@@ -81,7 +81,7 @@ ImpostorFramesOptions frames_options(const ImpostorOptions& options, bool outlin
   frames.workers.size = options.texels;
   frames.workers.samples = options.samples;
   frames.background = options.background;
-  if (options.background) frames.workers.nice = kGiveWay;
+  frames.workers.gives_way = options.background;
   frames.outlines = outlines;
   return frames;
 }

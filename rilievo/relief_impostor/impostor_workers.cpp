@@ -1,7 +1,6 @@
 #include "rilievo/relief_impostor/impostor_workers.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
@@ -22,9 +21,11 @@
 namespace rilievo {
 namespace {
 
-// On Linux, of this thread alone.
-void give_way(int nice) {
-  if (nice > 0) (void)setpriority(PRIO_PROCESS, id_t(gettid()), nice);
+// Of this thread alone. Niceness does not do: where each core is taken, by the frame or by a nice
+// worker, the frame's threads that wake up may come to share one, and wait for each other.
+void give_way() {
+  const sched_param none{};
+  (void)sched_setscheduler(0, SCHED_IDLE, &none);
 }
 
 // How much too coarse the picture's texels are for the eye; below 1, they are too fine. No finer
@@ -139,7 +140,7 @@ struct ImpostorWorkers::State {
   template <class Do>
   void serve(std::atomic<std::uint32_t>& bell, ImpostorWork ImpostorSlot::*work, Do&& what) {
     const OnThisThread alone;
-    give_way(options.nice);
+    if (options.gives_way) give_way();
     while (!ends.load(std::memory_order_acquire)) {
       const std::uint32_t heard = bell.load(std::memory_order_acquire);
       if (ImpostorSlot* slot = take(work)) {

@@ -42,7 +42,7 @@ struct WorkerOptions {
   double predict_s = 1.0;  // pictures are made for where the eye is when the next one is done, as
                            // it moves now, but at most so long ahead
   bool alone = false;      // shows the newest picture alone, never merged with the one before it
-  int nice = 0;            // the workers give way to other threads: 0 (not at all) to 19
+  bool gives_way = false;  // the workers run only on cores that no other thread wants
 };
 
 // The camera of the picture of what lies within `bounds`, for an eye: with texels on the frame's

@@ -1,6 +1,7 @@
 #include "rilievo/relief_impostor/impostor_workers.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <cmath>
@@ -58,6 +59,20 @@ ImpostorFrame settle(ImpostorWorkers& workers, std::size_t object, const Imposto
     workers.wait_until_idle();
   }
   return workers.frame(object, eye);
+}
+
+TEST(ImpostorWorkers, that_give_way_run_only_where_no_other_thread_does) {
+  for (const bool gives_way : {false, true}) {
+    std::atomic<int> policy{-1};
+    CallableSource source("ball", kBall,
+                          [&](const CaptureRequest& request) -> Result<CapturedPicture> {
+                            policy = sched_getscheduler(0);
+                            return ball_picture(request.camera, 0.1f);
+                          });
+    ImpostorWorkers workers({&source}, {{}}, {.gives_way = gives_way});
+    EXPECT_TRUE(settle(workers, 0, eye_at(0)).board);
+    EXPECT_EQ(policy, gives_way ? SCHED_IDLE : sched_getscheduler(0));
+  }
 }
 
 TEST(TripleBuffer, the_reader_gets_the_newest_whole_result) {
