@@ -6,18 +6,6 @@
 #include "rilievo/relief_impostor/ray_tracer.h"
 
 namespace rilievo {
-namespace {
-
-// The greatest length of a matrix times a unit vector, at most; exact for rotations and scales.
-double stretch_at_most(const glm::mat4& m) {
-  const glm::dmat3 linear(m), square = glm::transpose(linear) * linear;
-  double most = 0;
-  for (int k = 0; k < 3; ++k)
-    most = std::max(most, std::abs(square[k].x) + std::abs(square[k].y) + std::abs(square[k].z));
-  return std::sqrt(most);
-}
-
-}  // namespace
 
 PosedTracer::PosedTracer(const Scene& scene, const Deformations& deformations, double placed,
                          const TraceOptions& options)

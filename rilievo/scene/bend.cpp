@@ -173,17 +173,6 @@ std::vector<NodeBounds> bounds_of_nodes(const Rig& rig, double from, double to) 
   return all;
 }
 
-// The greatest length of a matrix times a unit vector, at most: the square root of the greatest
-// eigenvalue of A^T A, which is not above the greatest sum of a row; exact for rotations and
-// scales.
-double norm(const glm::mat4& m) {
-  const glm::dmat3 linear(m), square = glm::transpose(linear) * linear;
-  double most = 0;
-  for (int k = 0; k < 3; ++k)
-    most = std::max(most, std::abs(square[k].x) + std::abs(square[k].y) + std::abs(square[k].z));
-  return std::sqrt(most);
-}
-
 // How far a deformation's vertices can be displaced by its targets, and how fast, at most.
 CurveBounds bounds_of_targets(const Deformation& deformation, double from, double to) {
   CurveBounds sum;
@@ -215,7 +204,7 @@ double speed_of(const Rig& rig, const Deformation& deformation, double from, dou
   double fastest = 0;
   for (std::size_t j = 0; j < reach.size(); ++j) {
     if (reach[j] < 0) continue;
-    const double into = norm(deformation.joints[j].joint_from_mesh);
+    const double into = stretch_at_most(deformation.joints[j].joint_from_mesh);
     double r = reach[j] + into * targets.most, s = into * targets.speed;
     for (int n = deformation.joints[j].node; n >= 0; n = rig.nodes[std::size_t(n)].parent) {
       const NodeBounds& node = nodes[std::size_t(n)];
@@ -259,7 +248,7 @@ std::vector<double> times_of(const Rig& rig, const Deformation& deformation) {
 
 void add_bounds(const Scene& scene, const Rig& rig, const Deformation& deformation,
                 const glm::mat4& model_from_mesh, DeformationBounds& all) {
-  const double scale = norm(model_from_mesh);
+  const double scale = stretch_at_most(model_from_mesh);
   const std::vector<double> times = times_of(rig, deformation);
   Mesh mesh = scene.meshes[std::size_t(deformation.mesh)];
   std::vector<glm::vec3> first;
@@ -314,6 +303,16 @@ DeformationBounds deformation_bounds(const Scene& scene, const Deformations& def
         add_bounds(scene, deformations.rig, deformation, part.model_from_mesh, all);
   if (all.speed > 0) all.period = double(deformations.rig.duration);
   return all;
+}
+
+// The square root of the greatest eigenvalue of A^T A, which is not above the greatest sum of a
+// row.
+double stretch_at_most(const glm::mat4& m) {
+  const glm::dmat3 linear(m), square = glm::transpose(linear) * linear;
+  double most = 0;
+  for (int k = 0; k < 3; ++k)
+    most = std::max(most, std::abs(square[k].x) + std::abs(square[k].y) + std::abs(square[k].z));
+  return std::sqrt(most);
 }
 
 }  // namespace rilievo

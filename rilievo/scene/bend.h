@@ -76,6 +76,10 @@ struct DeformationBounds {
                                                    const Deformations& deformations,
                                                    std::uint32_t object);
 
+// The greatest length of the matrix' linear part times a unit vector, at most; exact for rotations
+// and scales.
+[[nodiscard]] double stretch_at_most(const glm::mat4& m);
+
 // The speed of curves with steps, metres a second.
 constexpr double kSteppedSpeed = 1e9;
 
