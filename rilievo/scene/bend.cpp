@@ -173,39 +173,55 @@ std::vector<NodeBounds> bounds_of_nodes(const Rig& rig, double from, double to) 
   return all;
 }
 
-// How far a deformation's vertices can be displaced by its targets, and how fast, at most.
-CurveBounds bounds_of_targets(const Deformation& deformation, double from, double to) {
-  CurveBounds sum;
+// How far a deformation's vertices are moved, at any time: by each target of weight 1, at most; and
+// from the origin of each joint at most, before they are morphed, -1: it moves none.
+struct DeformationReach {
+  std::vector<double> targets, joints;
+};
+
+DeformationReach reach_of(const Deformation& deformation) {
+  DeformationReach reach;
   for (const Deformation::Target& target : deformation.targets) {
-    double longest_way = 0;
+    double& longest_way = reach.targets.emplace_back(0.0);
     for (const glm::vec3& way : target.positions)
       longest_way = std::max(longest_way, glm::length(glm::dvec3(way)));
-    CurveBounds weight{std::abs(double(target.weight)), 0};
-    if (!target.weights.times.empty()) weight = bounds_between(target.weights, from, to);
-    sum.most += weight.most * longest_way, sum.speed += weight.speed * longest_way;
   }
-  return sum;
-}
-
-double speed_of(const Rig& rig, const Deformation& deformation, double from, double to) {
-  const CurveBounds targets = bounds_of_targets(deformation, from, to);
-  if (deformation.joints.empty()) return targets.speed;
-  // The farthest vertex of each joint, before it is morphed.
-  std::vector<double> reach(deformation.joints.size(), -1);
+  reach.joints.assign(deformation.joints.size(), -1);
+  if (deformation.joints.empty()) return reach;
   for (std::size_t i = 0; i < deformation.positions.size(); ++i)
     for (std::uint32_t k = deformation.first_influence[i]; k < deformation.first_influence[i + 1];
          ++k) {
       const std::uint32_t joint = deformation.influences[k].joint;
       const glm::dvec3 at(glm::dmat4(deformation.joints[joint].joint_from_mesh) *
                           glm::dvec4(deformation.positions[i], 1));
-      reach[joint] = std::max(reach[joint], glm::length(at));
+      reach.joints[joint] = std::max(reach.joints[joint], glm::length(at));
     }
+  return reach;
+}
+
+// How far a deformation's vertices can be displaced by its targets, and how fast, at most.
+CurveBounds bounds_of_targets(const Deformation& deformation, const DeformationReach& reach,
+                              double from, double to) {
+  CurveBounds sum;
+  for (std::size_t i = 0; i < deformation.targets.size(); ++i) {
+    const Deformation::Target& target = deformation.targets[i];
+    CurveBounds weight{std::abs(double(target.weight)), 0};
+    if (!target.weights.times.empty()) weight = bounds_between(target.weights, from, to);
+    sum.most += weight.most * reach.targets[i], sum.speed += weight.speed * reach.targets[i];
+  }
+  return sum;
+}
+
+double speed_of(const Rig& rig, const Deformation& deformation, const DeformationReach& reach,
+                double from, double to) {
+  const CurveBounds targets = bounds_of_targets(deformation, reach, from, to);
+  if (deformation.joints.empty()) return targets.speed;
   const std::vector<NodeBounds> nodes = bounds_of_nodes(rig, from, to);
   double fastest = 0;
-  for (std::size_t j = 0; j < reach.size(); ++j) {
-    if (reach[j] < 0) continue;
+  for (std::size_t j = 0; j < reach.joints.size(); ++j) {
+    if (reach.joints[j] < 0) continue;
     const double into = stretch_at_most(deformation.joints[j].joint_from_mesh);
-    double r = reach[j] + into * targets.most, s = into * targets.speed;
+    double r = reach.joints[j] + into * targets.most, s = into * targets.speed;
     for (int n = deformation.joints[j].node; n >= 0; n = rig.nodes[std::size_t(n)].parent) {
       const NodeBounds& node = nodes[std::size_t(n)];
       s = node.translation.speed + (node.turn * node.scale.most + node.scale.speed) * r +
@@ -220,7 +236,6 @@ double speed_of(const Rig& rig, const Deformation& deformation, double from, dou
 // Of the time between two keys; at most so many are looked at, several at once if there are more.
 constexpr double kLongestStep = 1 / 30.0;
 constexpr std::size_t kMostSteps = 256;
-constexpr double kMostPieces = double(kMostSteps);
 
 std::vector<double> times_of(const Rig& rig, const Deformation& deformation) {
   std::set<double> keys{0.0, double(rig.duration)};
@@ -234,7 +249,8 @@ std::vector<double> times_of(const Rig& rig, const Deformation& deformation) {
   double last = 0;
   for (const double key : keys) {
     // A file's keys can be years apart.
-    const double pieces = std::clamp(std::ceil((key - last) / kLongestStep), 1.0, kMostPieces);
+    const double pieces =
+        std::clamp(std::ceil((key - last) / kLongestStep), 1.0, double(kMostSteps));
     for (int k = 1; k <= pieces && key > 0; ++k) times.push_back(last + (key - last) * k / pieces);
     last = key;
   }
@@ -250,13 +266,13 @@ void add_bounds(const Scene& scene, const Rig& rig, const Deformation& deformati
                 const glm::mat4& model_from_mesh, DeformationBounds& all) {
   const double scale = stretch_at_most(model_from_mesh);
   const std::vector<double> times = times_of(rig, deformation);
+  const DeformationReach reach = reach_of(deformation);
   Mesh mesh = scene.meshes[std::size_t(deformation.mesh)];
   std::vector<glm::vec3> first;
+  double half_way = 0;  // since the last time
   for (std::size_t i = 0; i < times.size(); ++i) {
     bend_mesh(rig, deformation, times[i], mesh);
     if (i == 0) first = mesh.positions;
-    const double speed = i > 0 ? scale * speed_of(rig, deformation, times[i - 1], times[i]) : 0.0;
-    all.speed = std::max(all.speed, speed);
     // From one time to the next, half of the way from either.
     Box box = transformed(model_from_mesh, mesh.bounds);
     const auto around = [&](double by) {
@@ -264,12 +280,12 @@ void add_bounds(const Scene& scene, const Rig& rig, const Deformation& deformati
       grown.min -= glm::vec3(float(by)), grown.max += glm::vec3(float(by));
       all.bounds.add(grown);
     };
-    if (i > 0) around(0.5 * std::min(speed, 1e6) * (times[i] - times[i - 1]));
-    if (i + 1 < times.size())
-      around(0.5 * scale * std::min(1e6, speed_of(rig, deformation, times[i], times[i + 1])) *
-             (times[i + 1] - times[i]));
-    else
-      around(0);
+    around(half_way);
+    if (i + 1 == times.size()) break;
+    const double speed = scale * speed_of(rig, deformation, reach, times[i], times[i + 1]);
+    all.speed = std::max(all.speed, speed);
+    half_way = 0.5 * std::min(speed, 1e6) * (times[i + 1] - times[i]);
+    around(half_way);
   }
   for (std::size_t i = 0; i < first.size(); ++i)
     all.jump = std::max(all.jump,
