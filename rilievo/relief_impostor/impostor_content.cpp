@@ -191,6 +191,8 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
   Result<RayScene> rays = RayScene::create(scene, time, RayParts::all);
   if (!rays) return rays.error();
   content.rays = std::make_unique<RayScene>(std::move(*rays));
+  std::vector<DeformationBounds> bounds;  // by model
+  if (traces && bends(options)) bounds = deformation_bounds(scene, *options.deformations);
   std::vector<Box> places;
   for (const std::uint32_t object : *objects) {
     const Box place = placed_bounds(scene, object, content.rays->poses());
@@ -200,7 +202,7 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
     impostor.shown.objects = impostor.objects = {object};
     impostor.shown.drawable = traces;
     if (!traces || !bends(options)) continue;
-    set_deformation(scene, *options.deformations, time, impostor.shown);
+    set_deformation(scene, bounds, time, impostor.shown);
     if (impostor.shown.deforms > 0) impostor.shown.drawable = false;
   }
   if (runs) {
@@ -229,7 +231,7 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
       content.shaders.push_back(std::move(fields));
     } else if (traces && bends(options)) {
       Result<std::unique_ptr<PosedTracer>> tracer =
-          PosedTracer::create(scene, *options.deformations, time, options.trace);
+          PosedTracer::create(scene, *options.deformations, bounds, time, options.trace);
       if (!tracer) return tracer.error();
       content.shaders.push_back(*std::move(tracer));
     } else {

@@ -3,29 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/core/expects.h"
 #include "rilievo/relief_impostor/ray_tracer.h"
 
 namespace rilievo {
 
-PosedTracer::PosedTracer(const Scene& scene, const Deformations& deformations, double placed,
+PosedTracer::PosedTracer(const Scene& scene, const Deformations& deformations,
+                         std::span<const DeformationBounds> bounds, double placed,
                          const TraceOptions& options)
     : scene_(scene), deformations_(deformations), placed_(placed), time_(NAN), options_(options) {
   std::vector<glm::mat4> poses;
   pose(scene_, placed, poses);
   for (std::uint32_t object = 0; object < scene_.objects.size(); ++object) {
-    const Model& model = scene_.models[std::size_t(scene_.objects[object].model)];
-    bounds_.push_back(
-        model.parts.empty()
-            ? Box()
-            : transformed(poses[object], deformation_bounds(scene_, deformations_, object).bounds));
+    const auto model = std::size_t(scene_.objects[object].model);
+    bounds_.push_back(scene_.models[model].parts.empty()
+                          ? Box()
+                          : transformed(poses[object], bounds[model].bounds));
   }
 }
 
 Result<std::unique_ptr<PosedTracer>> PosedTracer::create(const Scene& scene,
                                                          const Deformations& deformations,
+                                                         std::span<const DeformationBounds> bounds,
                                                          double placed,
                                                          const TraceOptions& options) {
-  std::unique_ptr<PosedTracer> tracer(new PosedTracer(scene, deformations, placed, options));
+  RILIEVO_EXPECTS(bounds.size() == scene.models.size());
+  std::unique_ptr<PosedTracer> tracer(
+      new PosedTracer(scene, deformations, bounds, placed, options));
   Result<RayScene> rays = RayScene::create(tracer->scene_, placed, RayParts::all);
   if (!rays) return rays.error();
   tracer->rays_.emplace(std::move(*rays));
@@ -53,12 +57,13 @@ Result<CapturedPicture> PosedTracer::capture(const CaptureRequest& request) {
   return RayTracer(*rays_, options_).capture(request);
 }
 
-void set_deformation(const Scene& scene, const Deformations& deformations, double placed,
+void set_deformation(const Scene& scene, std::span<const DeformationBounds> bounds, double placed,
                      ImpostorObject& object) {
+  RILIEVO_EXPECTS(bounds.size() == scene.models.size());
   std::vector<glm::mat4> poses;
   pose(scene, placed, poses);
   const auto add = [&](std::uint32_t index) {
-    const DeformationBounds of = deformation_bounds(scene, deformations, index);
+    const DeformationBounds& of = bounds[std::size_t(scene.objects[index].model)];
     const double scale = stretch_at_most(poses[index]);
     object.deforms = std::max(object.deforms, scale * of.speed);
     object.jump = std::max(object.jump, scale * of.jump);

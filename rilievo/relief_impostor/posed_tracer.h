@@ -18,10 +18,11 @@ namespace rilievo {
 // A scene that bends, ray-traced.
 class PosedTracer final : public CaptureSource {
  public:
-  // `deformations` must outlive the source, and fit the scene. Fails if memory does not suffice.
+  // `deformations` must outlive the source, and fit the scene; `bounds`: deformation_bounds().
+  // Fails if memory does not suffice.
   [[nodiscard]] static Result<std::unique_ptr<PosedTracer>> create(
-      const Scene& scene, const Deformations& deformations, double placed,
-      const TraceOptions& options = {});
+      const Scene& scene, const Deformations& deformations,
+      std::span<const DeformationBounds> bounds, double placed, const TraceOptions& options = {});
 
   [[nodiscard]] std::string_view name() const override { return scene_.name; }
   // At all times.
@@ -29,7 +30,8 @@ class PosedTracer final : public CaptureSource {
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
 
  private:
-  PosedTracer(const Scene& scene, const Deformations& deformations, double placed,
+  PosedTracer(const Scene& scene, const Deformations& deformations,
+              std::span<const DeformationBounds> bounds, double placed,
               const TraceOptions& options);
 
   Scene scene_;
@@ -41,8 +43,8 @@ class PosedTracer final : public CaptureSource {
 };
 
 // Sets how the surface of an impostor's objects moves at most: what ImpostorObject has of speed,
-// jump and period. The objects are where they are at `placed`.
-void set_deformation(const Scene& scene, const Deformations& deformations, double placed,
+// jump and period. `bounds`: deformation_bounds(). The objects are where they are at `placed`.
+void set_deformation(const Scene& scene, std::span<const DeformationBounds> bounds, double placed,
                      ImpostorObject& object);
 
 }  // namespace rilievo

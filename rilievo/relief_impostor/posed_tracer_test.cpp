@@ -79,8 +79,8 @@ Result<CapturedPicture> traced_at(const BendingStrip& strip, double time, const 
 // The slow twin: a scene that is made bent.
 TEST(PosedTracer, a_picture_is_that_of_the_scene_at_its_time) {
   const BendingStrip strip = bending_strip();
-  Result<std::unique_ptr<PosedTracer>> tracer =
-      PosedTracer::create(strip.scene, strip.deformations, 0);
+  Result<std::unique_ptr<PosedTracer>> tracer = PosedTracer::create(
+      strip.scene, strip.deformations, deformation_bounds(strip.scene, strip.deformations), 0);
   ASSERT_TRUE(tracer.ok());
   const Camera camera = look_at({2, 2, 6}, {1, 2, -1}, {0, 1, 0}, 0.8, 90, 90, 1, 20);
   for (const double time : {0.4, 0.9, 0.9, 3.3, 0.0}) {
@@ -106,13 +106,13 @@ double apart_px(const ImpostorEye& eye, const glm::dvec3& a, const glm::dvec3& b
 
 TEST(PosedTracer, what_is_drawn_is_off_by_no_more_than_its_bound_and_right_once_it_is_made_again) {
   const BendingStrip strip = bending_strip();
-  Result<std::unique_ptr<PosedTracer>> tracer =
-      PosedTracer::create(strip.scene, strip.deformations, 0);
+  Result<std::unique_ptr<PosedTracer>> tracer = PosedTracer::create(
+      strip.scene, strip.deformations, deformation_bounds(strip.scene, strip.deformations), 0);
   ASSERT_TRUE(tracer.ok());
   ImpostorObject object;
   object.objects = {0};
   object.drawable = false;
-  set_deformation(strip.scene, strip.deformations, 0, object);
+  set_deformation(strip.scene, deformation_bounds(strip.scene, strip.deformations), 0, object);
   // The tip, 2 metres from the joint at twice the size, 0.9 radians a second; all else is slower.
   EXPECT_GT(object.deforms, 2 * 0.9);
   EXPECT_LT(object.deforms, 3 * 2 * 0.9);

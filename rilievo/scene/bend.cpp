@@ -308,16 +308,18 @@ Scene pose_at(const Scene& scene, const Deformations& deformations, double time)
   return bent;
 }
 
-DeformationBounds deformation_bounds(const Scene& scene, const Deformations& deformations,
-                                     std::uint32_t object) {
-  const Model& model = scene.models[std::size_t(scene.objects[object].model)];
-  DeformationBounds all;
-  all.bounds = model.bounds;
-  for (const Part& part : model.parts)
-    for (const Deformation& deformation : deformations.meshes)
-      if (deformation.mesh == part.mesh)
-        add_bounds(scene, deformations.rig, deformation, part.model_from_mesh, all);
-  if (all.speed > 0) all.period = double(deformations.rig.duration);
+std::vector<DeformationBounds> deformation_bounds(const Scene& scene,
+                                                  const Deformations& deformations) {
+  std::vector<DeformationBounds> all;
+  for (const Model& model : scene.models) {
+    DeformationBounds& one = all.emplace_back();
+    one.bounds = model.bounds;
+    for (const Part& part : model.parts)
+      for (const Deformation& deformation : deformations.meshes)
+        if (deformation.mesh == part.mesh)
+          add_bounds(scene, deformations.rig, deformation, part.model_from_mesh, one);
+    if (one.speed > 0) one.period = double(deformations.rig.duration);
+  }
   return all;
 }
 

@@ -62,7 +62,7 @@ void bend(const Deformations& deformations, double time, Scene& scene);
 // A copy that is bent.
 [[nodiscard]] Scene pose_at(const Scene& scene, const Deformations& deformations, double time);
 
-// How an object's surface can move, besides the object's own motion. Model space.
+// How a model's surface can move, besides its objects' own motion. Model space.
 struct DeformationBounds {
   double speed = 0;   // of any point at most, metres a second; 0: it does not bend
   double jump = 0;    // of any point at most, metres, where the animation begins again
@@ -70,11 +70,11 @@ struct DeformationBounds {
   Box bounds;         // of the surface, at all times
 };
 
-// Of an object. `speed` and `bounds` are bounds at all times, not at some that were tried: from the
-// curves' greatest speeds, interval by interval, and the lengths of bones. At most kSteppedSpeed.
-[[nodiscard]] DeformationBounds deformation_bounds(const Scene& scene,
-                                                   const Deformations& deformations,
-                                                   std::uint32_t object);
+// Of each of Scene::models. `speed` and `bounds` are bounds at all times, not at some that were
+// tried: from the curves' greatest speeds, interval by interval, and the lengths of bones. At most
+// kSteppedSpeed. Slow: bends each mesh up to 257 times.
+[[nodiscard]] std::vector<DeformationBounds> deformation_bounds(const Scene& scene,
+                                                                const Deformations& deformations);
 
 // The greatest length of the matrix' linear part times a unit vector, at most; exact for rotations
 // and scales.

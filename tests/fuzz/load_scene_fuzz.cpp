@@ -16,7 +16,7 @@ void load(const std::uint8_t* data, std::size_t size, const char* name) {
   if (loaded && !rilievo::validate(loaded->scene)) std::abort();
   // What bends by time, at another time.
   if (loaded && !loaded->deformations.meshes.empty()) {
-    (void)rilievo::deformation_bounds(loaded->scene, loaded->deformations, 0);
+    (void)rilievo::deformation_bounds(loaded->scene, loaded->deformations);
     (void)rilievo::pose_at(loaded->scene, loaded->deformations, 0.7);
   }
   if (!loaded && (loaded.error().reason.empty() || loaded.error().reason.ends_with(": ")))
