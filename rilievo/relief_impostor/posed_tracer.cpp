@@ -12,6 +12,7 @@ PosedTracer::PosedTracer(const Scene& scene, const Deformations& deformations,
                          std::span<const DeformationBounds> bounds, double placed,
                          const TraceOptions& options)
     : scene_(scene), deformations_(deformations), placed_(placed), time_(NAN), options_(options) {
+  for (const Deformation& deformation : deformations_.meshes) meshes_.push_back(deformation.mesh);
   std::vector<glm::mat4> poses;
   pose(scene_, placed, poses);
   for (std::uint32_t object = 0; object < scene_.objects.size(); ++object) {
@@ -46,12 +47,9 @@ Box PosedTracer::bounds(std::span<const std::uint32_t> objects) const {
 
 Result<CapturedPicture> PosedTracer::capture(const CaptureRequest& request) {
   if (request.time != time_) {
-    rays_.reset();
     time_ = NAN;
     bend(deformations_, request.time, scene_);
-    Result<RayScene> rays = RayScene::create(scene_, placed_, RayParts::all);
-    if (!rays) return rays.error();
-    rays_.emplace(std::move(*rays));
+    if (Result<> updated = rays_->update_meshes(meshes_); !updated) return updated.error();
     time_ = request.time;
   }
   return RayTracer(*rays_, options_).capture(request);

@@ -1,8 +1,8 @@
 // How does the ray tracer shade what bends by time? (S5.8)
 //
 // A capture source over a scene of its own, which it bends to each request's time (scene/bend.h)
-// before it traces: a picture of another time builds the scene anew. Objects' own motion is the
-// frame's: they are where they are at `placed`. Progressive, and as the RayTracer otherwise.
+// before it traces: a picture of another time builds the models that bend anew. Objects' own motion
+// is the frame's: they are where they are at `placed`. Progressive, and as the RayTracer otherwise.
 #pragma once
 
 #include <memory>
@@ -39,6 +39,7 @@ class PosedTracer final : public CaptureSource {
   double placed_ = 0, time_ = 0;
   TraceOptions options_;
   std::optional<RayScene> rays_;
+  std::vector<int> meshes_;  // that bend
   std::vector<Box> bounds_;  // of each object, at all times
 };
 

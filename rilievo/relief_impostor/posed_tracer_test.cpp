@@ -98,6 +98,51 @@ TEST(PosedTracer, a_picture_is_that_of_the_scene_at_its_time) {
   }
 }
 
+// The slow twin of update_meshes(): a scene that is made anew. Two objects bend, one stands still
+// before them, and all of its triangles stay where they are.
+TEST(PosedTracer, rays_hit_bent_meshes_where_they_would_in_a_scene_made_anew) {
+  BendingStrip strip = bending_strip();
+  Scene& scene = strip.scene;
+  scene.meshes.push_back(scene.meshes[0]);
+  Model still;
+  still.parts = {{1, glm::mat4(1.0f)}};
+  still.parts[0].model_from_mesh[3] = {0.4f, 1, 0, 1};
+  scene.models.push_back(still);
+  Object beside = scene.objects[0], before;
+  beside.placement[3].x = 1.5f;
+  before.model = 1;
+  scene.objects.push_back(beside);
+  scene.objects.push_back(before);
+  finish(scene);
+  Scene bent = scene;
+  Result<RayScene> updated = RayScene::create(bent, 0, RayParts::all);
+  ASSERT_TRUE(updated.ok());
+  const int meshes[] = {0};
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<float> any(-1, 1);
+  int hits[3] = {};
+  for (const double time : {0.3, 1.0, 0.7, 0.0}) {
+    bend(strip.deformations, time, bent);
+    ASSERT_TRUE(updated->update_meshes(meshes).ok());
+    const Result<RayScene> anew = RayScene::create(bent, 0, RayParts::all);
+    ASSERT_TRUE(anew.ok());
+    for (int i = 0; i < 4000; ++i) {
+      const glm::vec3 from(3 * any(rng), 2 + 2 * any(rng), 5),
+          to(1 + 2 * any(rng), 2 + 2 * any(rng), -1);
+      const auto a = updated->first_hit(from, to - from, 0, 10, RaySides::both),
+                 b = anew->first_hit(from, to - from, 0, 10, RaySides::both);
+      ASSERT_EQ(a.has_value(), b.has_value()) << time;
+      if (!a) continue;
+      ++hits[a->object - 1];
+      ASSERT_EQ(a->object, b->object);
+      ASSERT_EQ(a->triangle, b->triangle);
+      ASSERT_EQ(a->distance, b->distance);
+      ASSERT_EQ(a->normal, b->normal);
+    }
+  }
+  for (const int count : hits) EXPECT_GT(count, 100);
+}
+
 // Pixels between two points for this eye, in the middle of a frame.
 double apart_px(const ImpostorEye& eye, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 one = glm::normalize(a - eye.position), two = glm::normalize(b - eye.position);

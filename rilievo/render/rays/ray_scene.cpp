@@ -27,7 +27,7 @@ namespace model = shading_model;
 // What the filter of one geometry needs to know.
 struct PartFilter {
   const Mesh* mesh;
-  const glm::vec3* vertices;  // of the mesh, in model space
+  glm::vec3* vertices;  // of the mesh, in model space: Embree's buffer
   const SurfaceMaterial* material;
   float front;  // -1 where the part's placement mirrors: its front is then clockwise
 };
@@ -123,6 +123,11 @@ void filter_objects(const RTCFilterFunctionNArguments* arguments) {
 // Robust: else rays slip through between triangles that share an edge. And filter_objects() is a
 // filter of the context, which is not called otherwise where a part has none of its own.
 const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+
+void place_vertices(const Part& part, const Mesh& mesh, glm::vec3* vertices) {
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    vertices[v] = glm::vec3(part.model_from_mesh * glm::vec4(mesh.positions[v], 1));
+}
 
 RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_near, float t_far) {
   RTCRay ray{};
@@ -235,8 +240,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time, RayParts part
         rtcReleaseGeometry(geometry);
         return Error{"Embree", "out of memory"};
       }
-      for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-        vertices[v] = glm::vec3(part.model_from_mesh * glm::vec4(mesh.positions[v], 1));
+      place_vertices(part, mesh, vertices);
       std::copy(mesh.indices.begin(), mesh.indices.end() - mesh.indices.size() % 3, indices);
       const bool mirrors = glm::determinant(glm::mat3(part.model_from_mesh)) < 0;
       state->filters.push_back(std::make_unique<PartFilter>(
@@ -283,6 +287,30 @@ Result<> RayScene::set_time(double time) {
     s.normal_from_model[i] = glm::inverseTranspose(glm::mat3(s.poses[i]));
     s.model_from_world[i] = glm::mat4(glm::inverse(glm::dmat4(s.poses[i])));
   }
+  rtcCommitScene(s.world.get());
+  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
+    return Error{"Embree", "the scene cannot be built"};
+  return Done{};
+}
+
+Result<> RayScene::update_meshes(std::span<const int> meshes) {
+  State& s = *state_;
+  std::vector<bool> bent(s.models.size(), false);
+  for (std::size_t m = 0; m < s.models.size(); ++m) {
+    for (unsigned g = 0; g < s.parts[m].size(); ++g) {
+      const Part& part = s.scene->models[m].parts[std::size_t(s.parts[m][g])];
+      if (std::find(meshes.begin(), meshes.end(), part.mesh) == meshes.end()) continue;
+      RTCGeometry geometry = rtcGetGeometry(s.models[m].get(), g);
+      const auto& filter = *static_cast<const PartFilter*>(rtcGetGeometryUserData(geometry));
+      place_vertices(part, *filter.mesh, filter.vertices);
+      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+      rtcCommitGeometry(geometry);
+      bent[m] = true;
+    }
+    if (bent[m]) rtcCommitScene(s.models[m].get());
+  }
+  for (std::size_t i = 0; i < s.instances.size(); ++i)
+    if (bent[std::size_t(s.scene->objects[i].model)]) rtcCommitGeometry(s.instances[i]);
   rtcCommitScene(s.world.get());
   if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
     return Error{"Embree", "the scene cannot be built"};

@@ -94,6 +94,12 @@ class RayScene {
   // does not suffice.
   Result<> set_time(double time);
 
+  // Takes the positions of these meshes' vertices (indices into Scene::meshes) from the scene
+  // again, which has bent them: as many vertices, and the same triangles. Builds their models anew,
+  // and nothing else; the result is that of create(). No other function may run meanwhile. Fails if
+  // memory does not suffice.
+  Result<> update_meshes(std::span<const int> meshes);
+
   // The first hit at a distance in (t_near, t_far), as multiples of the length of `direction`, of
   // the objects for which `objects` is true (empty: of all).
   [[nodiscard]] std::optional<RayHit> first_hit(const glm::vec3& origin, const glm::vec3& direction,
