@@ -211,7 +211,7 @@ std::optional<WarpedTexels> warp_impostor(const ImpostorPicture& picture, const 
                           result.delta.data(), scratch.flags.data(), std::size_t(width)};
   const int bands = (rows + kRowsAtOnce - 1) / kRowsAtOnce,
             strips = (width + kWarpStrip - 1) / kWarpStrip;
-  const std::size_t row_bytes = (row_pass_scratch(columns, width) + 63) / 64 * 64,
+  const std::size_t row_bytes = (row_pass_scratch(columns) + 63) / 64 * 64,
                     column_bytes = (column_pass_scratch(rows, height) + 63) / 64 * 64;
   const std::size_t parts = options.parallel ? std::size_t(std::max(bands, strips)) : 1;
   scratch.bytes.resize(parts * std::max(row_bytes, column_bytes));

@@ -155,7 +155,7 @@ void expect_passes_equal_the_slow_definition() {
 
     const auto pitch = std::size_t(warp_pitch(out_width));
     std::vector<WarpTexel> between(pitch * std::size_t(height + 1), WarpTexel{0, kEmptyWarped});
-    std::vector<std::byte> scratch(row_pass_scratch(width, out_width));
+    std::vector<std::byte> scratch(row_pass_scratch(width));
     std::vector<std::vector<WarpTexel>> expected;
     for (int y = 0; y < height; ++y) {
       row_pass(across, table.data(), &picture.at(0, y), width, &between[std::size_t(y) * pitch],

@@ -1,8 +1,8 @@
-// How it is done fast: three steps, each simple for the processor. Which texels a piece covers is
-// found for a vector of samples; the samples' indices are copied there one by one, in their order,
-// without a branch; then each texel of the result gathers the two ends of its piece and
-// interpolates. The second pass does so for kWarpStrip columns at once, whose indices stay in the
-// first-level cache. Silhouettes are few: their pieces are found by bits and drawn one by one.
+// How it is done fast: a vector of samples beside each other and of those after them are the ends
+// of as many pieces. Most pieces cover one texel or two, whose interpolation needs no gathering
+// then; the results are copied to where they belong one by one, in the pieces' order. Longer pieces
+// are interpolated one by one, a vector of texels at once. The second pass does so for kWarpStrip
+// columns at once. Silhouettes are few: their pieces are found by bits and drawn one by one.
 #include "rilievo/relief_impostor/warp_passes.h"
 
 #include <algorithm>
@@ -30,8 +30,6 @@ using VF = hn::Vec<F>;
 using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 
-constexpr std::uint16_t kNoPiece = 0xffff;
-
 HWY_INLINE VU code_of(VU code) { return hn::And(code, hn::Set(U(), 0xffff)); }
 HWY_INLINE VF as_float(VU value) { return hn::ConvertTo(F(), hn::BitCast(I(), value)); }
 HWY_INLINE auto is_empty(VU code) { return hn::Eq(code, hn::Set(U(), kEmptyWarped)); }
@@ -44,47 +42,18 @@ HWY_INLINE VF position(const AxisWarp& k, VF i, VF q) {
   return hn::Add(a, hn::Mul(q, b));
 }
 
-// The texels [first, first + count) of [0, limit) of the pieces of solid surface that begin at
-// samples of index i; `missed` and a count of 0 or 1 if there is none.
-struct Cells {
-  VI first, count;
+// Pieces of surface: both ends, and where they are.
+struct Pieces {
+  VU color_a, bits_a, color_b, bits_b;
+  VF qa, qb, pa, pb;
 };
-HWY_INLINE Cells cells_of(const AxisWarp& k, VF i, VU code, VU after, int limit, VI missed) {
-  const F f;
-  const I n;
-  const VF half = hn::Set(f, 0.5f);
-  const VF begin = position(k, i, as_float(code));
-  const VF end = position(k, hn::Add(i, hn::Set(f, 1.0f)), as_float(after));
-  const VF low = hn::Zero(f), high = hn::Set(f, float(limit));
-  const auto cell = [&](VF at) {
-    return hn::ConvertTo(n, hn::Min(hn::Max(hn::Add(at, half), low), high));
-  };
-  const VI first = cell(begin), count = hn::Sub(cell(end), first);
-  const auto none = hn::RebindMask(n, hn::Or(is_empty(code), is_empty(after)));
-  const auto covers = hn::AndNot(none, hn::Gt(count, hn::Zero(n)));
-  return {hn::IfThenElse(covers, first, missed), hn::IfThenElseZero(covers, count)};
+HWY_INLINE Pieces pieces_of(const AxisWarp& k, VF i, VU color_a, VU bits_a, VU color_b, VU bits_b) {
+  const VF qa = as_float(code_of(bits_a)), qb = as_float(code_of(bits_b));
+  const VF after = hn::Add(i, hn::Set(F(), 1.0f));
+  return {color_a, bits_a, color_b, bits_b, qa, qb, position(k, i, qa), position(k, after, qb)};
 }
 
-// The ends of the pieces of up to kWarpStrip texels, both of a piece in turn. Copied one by one:
-// gather instructions are slower, on processors with mitigations several times.
-struct Ends {
-  HWY_ALIGN std::uint32_t words[4 * kWarpStrip];
-};
 static_assert(sizeof(WarpTexel) == 8, "copied as one word");
-
-// `step`: from a piece's one end to the other.
-HWY_INLINE void copy_ends(const WarpTexel* texels, std::ptrdiff_t step, const std::int32_t* at,
-                          int from, int to, Ends& ends) {
-  for (int n = from; n < to; ++n) {
-    const WarpTexel* a = texels + at[n];
-    if (step == 1) {
-      std::memcpy(ends.words + 4 * n, a, 16);
-    } else {
-      std::memcpy(ends.words + 4 * n, a, 8);
-      std::memcpy(ends.words + 4 * n + 2, a + step, 8);
-    }
-  }
-}
 
 // Two bytes of colours at a time.
 #if HWY_TARGET == HWY_SCALAR
@@ -113,16 +82,11 @@ HWY_INLINE VU mix_bytes(VU a, VU b, VU t) {
   return hn::Or(even, hn::ShiftLeft<8>(odd));
 }
 
-// Colour and code, with kInterpolatedBit, of the texels with these centres.
-HWY_INLINE void between(const AxisWarp& k, const Ends& ends, int n, VF index, VF center, VU& color,
-                        VU& code) {
+// Colour and code, with kInterpolatedBit, of the texels with these centres, one of each piece.
+HWY_INLINE void between(const AxisWarp& k, const Pieces& of, VF center, VU& color, VU& code) {
   const F f;
   const U u;
-  VU color_a, bits_a, color_b, bits_b;
-  hn::LoadInterleaved4(u, ends.words + 4 * n, color_a, bits_a, color_b, bits_b);
-  const VF qa = as_float(code_of(bits_a)), qb = as_float(code_of(bits_b));
-  const VF pa = position(k, index, qa);
-  const VF pb = position(k, hn::Add(index, hn::Set(f, 1.0f)), qb);
+  const auto& [color_a, bits_a, color_b, bits_b, qa, qb, pa, pb] = of;
   const VF from_a = hn::Sub(center, pa), to_b = hn::Sub(pb, center);
   const VF t = hn::Min(hn::Max(hn::Div(from_a, hn::Sub(pb, pa)), hn::Zero(f)), hn::Set(f, 1.0f));
   const VF half = hn::Set(f, 0.5f);
@@ -223,13 +187,89 @@ void draw_silhouette(const AxisWarp& k, int i, const WarpTexel* before, const Wa
   }
 }
 
-// Writes the index of a piece to all of its texels. Most pieces cover one or two.
-HWY_INLINE void write_piece(std::uint16_t* pieces, std::int32_t first, std::int32_t count,
-                            std::ptrdiff_t step, std::uint16_t index) {
-  std::uint16_t* to = pieces + first;
-  *to = index;
-  to[count > 1 ? step : 0] = index;
-  for (std::int32_t n = 2; n < count; ++n) to[n * step] = index;
+// The first two texels of pieces that begin at samples beside each other, and where they belong.
+struct FirstTexels {
+  HWY_ALIGN WarpTexel one[16], two[16];
+  HWY_ALIGN std::int32_t first[16], second[16], count[16];
+  bool any = false, any_two = false, any_long = false;
+};
+
+// Of the `valid` ones, within [0, limit). Texel x belongs to place `step` x + `beside`; what covers
+// nothing, to `missed`.
+HWY_INLINE void find_texels(const AxisWarp& k, const Pieces& pieces, hn::Mask<I> valid, int limit,
+                            int step, VI beside, VI missed, FirstTexels& to) {
+  const F f;
+  const I n;
+  const U u;
+  const VF half = hn::Set(f, 0.5f), low = hn::Zero(f), high = hn::Set(f, float(limit));
+  const auto cell = [&](VF at) {
+    return hn::ConvertTo(n, hn::Min(hn::Max(hn::Add(at, half), low), high));
+  };
+  const VI first = cell(pieces.pa), count = hn::Sub(cell(pieces.pb), first);
+  const auto covers = hn::And(valid, hn::Gt(count, hn::Zero(n)));
+  to.any = !hn::AllFalse(n, covers);
+  if (!to.any) return;
+  const VI place = hn::Add(hn::Mul(first, hn::Set(n, step)), beside);
+  hn::Store(hn::IfThenElse(covers, place, missed), n, to.first);
+  VU color, code;
+  const VF center = hn::Add(hn::ConvertTo(f, first), half);
+  between(k, pieces, center, color, code);
+  hn::StoreInterleaved2(color, code, u, reinterpret_cast<std::uint32_t*>(to.one));
+  const auto two = hn::And(covers, hn::Gt(count, hn::Set(n, 1)));
+  to.any_two = !hn::AllFalse(n, two);
+  to.any_long = false;
+  if (!to.any_two) return;
+  hn::Store(hn::IfThenElse(two, hn::Add(place, hn::Set(n, step)), missed), n, to.second);
+  between(k, pieces, hn::Add(center, hn::Set(f, 1.0f)), color, code);
+  hn::StoreInterleaved2(color, code, u, reinterpret_cast<std::uint32_t*>(to.two));
+  to.any_long = !hn::AllFalse(n, hn::And(two, hn::Gt(count, hn::Set(n, 2))));
+  if (to.any_long) hn::Store(hn::IfThenElseZero(covers, count), n, to.count);
+}
+
+// `count` texels of one piece from texel x on; `to` is the place of texel 0.
+HWY_INLINE void draw_long(const AxisWarp& k, int i, const WarpTexel& a, const WarpTexel& b, int x,
+                          int count, WarpTexel* to, int step) {
+  const F f;
+  const U u;
+  const int lanes = int(hn::Lanes(f));
+  const Pieces piece = pieces_of(k, hn::Set(f, float(i)), hn::Set(u, a.color), hn::Set(u, a.code),
+                                 hn::Set(u, b.color), hn::Set(u, b.code));
+  HWY_ALIGN WarpTexel texels[16];
+  for (int end = x + count; x < end; x += lanes) {
+    const VF center = hn::Add(hn::ConvertTo(f, hn::Iota(I(), x)), hn::Set(f, 0.5f));
+    VU color, code;
+    between(k, piece, center, color, code);
+    hn::StoreInterleaved2(color, code, u, reinterpret_cast<std::uint32_t*>(texels));
+    for (int n = 0; n < std::min(lanes, end - x); ++n) to[(x + n) * step] = texels[n];
+  }
+}
+
+// Copies texels of `lanes` pieces to their places, in order; `draw_rest(lane)` draws those of a
+// long piece but its first two.
+template <class Rest>
+HWY_INLINE void copy_texels(const FirstTexels& of, int from, int to, bool up, WarpTexel* out,
+                            Rest&& draw_rest) {
+  const auto copy_all = [&](auto&& copy) {
+    if (up)
+      for (int l = from; l < to; ++l) copy(l);
+    else
+      for (int l = to - 1; l >= from; --l) copy(l);
+  };
+  if (!of.any) return;
+  if (!of.any_two) {
+    copy_all([&](int l) { out[of.first[l]] = of.one[l]; });
+  } else if (!of.any_long) {
+    copy_all([&](int l) {
+      out[of.first[l]] = of.one[l];
+      out[of.second[l]] = of.two[l];
+    });
+  } else {
+    copy_all([&](int l) {
+      out[of.first[l]] = of.one[l];
+      out[of.second[l]] = of.two[l];
+      if (of.count[l] > 2) draw_rest(l);
+    });
+  }
 }
 
 // Calls `draw` with each index whose bit is set, in the order of the pieces.
@@ -258,97 +298,63 @@ void do_row(const AxisWarp& k, const std::uint32_t* table, const WarpTexel* in, 
   const I n;
   const U u;
   const int lanes = int(hn::Lanes(f)), pitch = warp_pitch(width), out_pitch = warp_pitch(out_width);
-  // One texel before the row, which shows nothing, and room for vectors.
-  auto* texels = reinterpret_cast<WarpTexel*>(scratch) + 16;
-  auto* codes = reinterpret_cast<std::uint32_t*>(texels + pitch) + 16;
-  auto* first = reinterpret_cast<std::int32_t*>(codes + pitch);
-  auto* count = first + pitch;
+  auto* colors = reinterpret_cast<std::uint32_t*>(scratch);
+  auto* codes = colors + pitch;  // of what is not opaque: empty
   // By sample, a bit: does it show something, and is it opaque? A word beyond each end.
   const int words = (width + 63) / 64 + 2;
-  auto* shows = reinterpret_cast<std::uint64_t*>(count + pitch) + 1;
+  auto* shows = reinterpret_cast<std::uint64_t*>(codes + pitch) + 1;
   auto* solid = shows + words;
-  auto* pieces = reinterpret_cast<std::uint16_t*>(solid + words - 1);
   std::fill(shows - 1, shows - 1 + 2 * words, 0);
   int done = 0;
   for (; done < width; done += lanes) {
     VU color, level;
     hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(in + done), color, level);
     const VU code = hn::GatherIndex(u, table, hn::BitCast(n, level));
-    hn::StoreInterleaved2(color, code, u, reinterpret_cast<std::uint32_t*>(texels + done));
+    hn::StoreU(color, u, colors + done);
     const auto opaque = is_opaque(color);
     hn::StoreU(hn::IfThenElse(opaque, code, hn::Set(u, kEmptyWarped)), u, codes + done);
     const auto there = hn::Not(is_empty(code));
     shows[done / 64] |= bits_of(there) << (done % 64);
     solid[done / 64] |= bits_of(hn::And(there, opaque)) << (done % 64);
   }
-  codes[done] = kEmptyWarped;
-  texels[done] = {0, kEmptyWarped};
-  const auto fill_empty = [&](int from, int to) {
-    for (int x = from; x < to; ++x) out[x] = {0, kEmptyWarped};
-  };
+  codes[done] = kEmptyWarped, colors[done] = 0;
+  for (int x = 0; x < out_width; x += lanes)
+    hn::StoreInterleaved2(hn::Zero(u), hn::Set(u, kEmptyWarped), u,
+                          reinterpret_cast<std::uint32_t*>(out + x));
   std::uint64_t any = 0;
   for (int word = 0; word < words - 2; ++word) any |= shows[word];
-  if (!any) {
-    fill_empty(0, out_width);
-    return;
-  }
+  if (!any) return;
   const VI missed = hn::Set(n, out_pitch - 1);
-  for (int i = 0; i < width; i += lanes) {
-    const VF index = hn::ConvertTo(f, hn::Iota(n, i));
-    const Cells cells =
-        cells_of(k, index, hn::LoadU(u, codes + i), hn::LoadU(u, codes + i + 1), out_width, missed);
-    hn::StoreU(cells.first, n, first + i);
-    hn::StoreU(cells.count, n, count + i);
-  }
-  std::memset(pieces, 0xff, std::size_t(out_pitch) * sizeof(std::uint16_t));
-  const auto write = [&](int i) { write_piece(pieces, first[i], count[i], 1, std::uint16_t(i)); };
-  // Of 64 samples at a time, those that have something opaque.
+  FirstTexels texels;
+  const auto draw_pieces = [&](const AxisWarp::Range& range, int i) {
+    const VU code_a = hn::LoadU(u, codes + i), code_b = hn::LoadU(u, codes + i + 1);
+    const auto valid = hn::Not(hn::RebindMask(n, hn::Or(is_empty(code_a), is_empty(code_b))));
+    if (hn::AllFalse(n, valid)) return;
+    const Pieces pieces = pieces_of(k, hn::ConvertTo(f, hn::Iota(n, i)), hn::LoadU(u, colors + i),
+                                    code_a, hn::LoadU(u, colors + i + 1), code_b);
+    find_texels(k, pieces, valid, out_width, 1, hn::Zero(n), missed, texels);
+    copy_texels(texels, std::max(range.from - i, 0), std::min(range.to - i, lanes), range.up, out,
+                [&](int l) {
+                  draw_long(k, i + l, {colors[i + l], codes[i + l]},
+                            {colors[i + l + 1], codes[i + l + 1]}, texels.first[l] + 2,
+                            texels.count[l] - 2, out, 1);
+                });
+  };
   for (const AxisWarp::Range& range : k.ranges) {
     if (range.from >= range.to) continue;
-    const int low = range.from / 64, high = (range.to - 1) / 64;
-    for (int step = 0; step <= high - low; ++step) {
-      const int word = range.up ? low + step : high - step;
-      if (!solid[word]) continue;
-      const int from = std::max(range.from, 64 * word), to = std::min(range.to, 64 * word + 64);
-      if (range.up)
-        for (int i = from; i < to; ++i) write(i);
-      else
-        for (int i = to - 1; i >= from; --i) write(i);
-    }
-  }
-  const VF half = hn::Set(f, 0.5f);
-  HWY_ALIGN std::int32_t at[kWarpStrip];
-  bool empty[kWarpStrip];
-  Ends ends;
-  for (int begin = 0; begin < out_width; begin += kWarpStrip) {
-    const int columns = std::min(kWarpStrip, out_width - begin);
-    for (int c = 0; c < columns; c += lanes) {
-      const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), pieces + begin + c));
-      const auto none = hn::Eq(piece, hn::Set(n, kNoPiece));
-      hn::Store(hn::IfThenZeroElse(none, piece), n, at + c);
-      empty[c / lanes] = hn::AllTrue(n, none);
-      if (!empty[c / lanes]) copy_ends(texels, 1, at, c, c + lanes, ends);
-    }
-    for (int c = 0; c < columns; c += lanes) {
-      auto* to = reinterpret_cast<std::uint32_t*>(out + begin + c);
-      if (empty[c / lanes]) {
-        hn::StoreInterleaved2(hn::Zero(u), hn::Set(u, kEmptyWarped), u, to);
-        continue;
-      }
-      const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), pieces + begin + c));
-      const VF center = hn::Add(hn::ConvertTo(f, hn::Iota(n, begin + c)), half);
-      VU color, code;
-      between(k, ends, c, hn::ConvertTo(f, piece), center, color, code);
-      const auto none = hn::RebindMask(u, hn::Eq(piece, hn::Set(n, kNoPiece)));
-      hn::StoreInterleaved2(hn::IfThenZeroElse(none, color),
-                            hn::IfThenElse(none, hn::Set(u, kEmptyWarped), code), u, to);
-    }
+    const int low = range.from / lanes * lanes, high = (range.to - 1) / lanes * lanes;
+    if (range.up)
+      for (int i = low; i <= high; i += lanes) draw_pieces(range, i);
+    else
+      for (int i = high; i >= low; i -= lanes) draw_pieces(range, i);
   }
   const auto draw_edge = [&](int i) {
     const auto beside = [&](int j) { return (shows[j >> 6] >> (j & 63) & 1) != 0; };
+    const auto texel = [&](int j) { return WarpTexel{in[j].color, table[in[j].code]}; };
+    const WarpTexel before = i > 0 ? texel(i - 1) : WarpTexel{}, after = texel(i + 1);
     draw_silhouette(
-        k, i, i > 0 && beside(i - 1) ? texels + i - 1 : nullptr, texels[i],
-        beside(i + 1) ? texels + i + 1 : nullptr, out_width,
+        k, i, i > 0 && beside(i - 1) ? &before : nullptr, texel(i),
+        beside(i + 1) ? &after : nullptr, out_width,
         [&](int x, std::uint32_t color, std::uint32_t code) { blend(out[x], color, code); });
   };
   const auto edges = [&](int word) {
@@ -365,45 +371,41 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
   const I n;
   const U u;
   const int lanes = int(hn::Lanes(f));
-  auto* codes = reinterpret_cast<std::uint32_t*>(scratch);  // height + 2 rows
+  auto* drawn = reinterpret_cast<WarpTexel*>(scratch);  // and a row for what covers nothing
+  for (int at = 0; at < out_height * kWarpStrip; at += lanes)
+    hn::StoreInterleaved2(hn::Zero(u), hn::Set(u, kEmptyWarped), u,
+                          reinterpret_cast<std::uint32_t*>(drawn + at));
   // A bit for each column, by row: does it show something, and is it opaque?
-  auto* shows = reinterpret_cast<std::uint64_t*>(codes + (height + 2) * kWarpStrip) + 1;
+  auto* shows = reinterpret_cast<std::uint64_t*>(drawn + (out_height + 1) * kWarpStrip) + 1;
   auto* solid = shows + height + 2;
-  auto* pieces = reinterpret_cast<std::uint16_t*>(solid + height + 1);
   std::fill(shows - 1, shows - 1 + 2 * (height + 2), 0);
-  std::fill_n(codes, kWarpStrip, kEmptyWarped);
-  std::fill_n(codes + (height + 1) * kWarpStrip, kWarpStrip, kEmptyWarped);
-  std::memset(pieces, 0xff, std::size_t(out_height + 1) * kWarpStrip * sizeof(std::uint16_t));
   const WarpTexel* from = in + x;
-  for (int v = 0; v < height; ++v)
-    for (int c = 0; c < columns; c += lanes) {
-      VU color, code;
-      hn::LoadInterleaved2(
-          u, reinterpret_cast<const std::uint32_t*>(from + std::ptrdiff_t(v) * pitch + c), color,
-          code);
-      const auto opaque = is_opaque(color);
-      const VU plain = code_of(code);
-      hn::StoreU(hn::IfThenElse(opaque, plain, hn::Set(u, kEmptyWarped)), u,
-                 codes + (v + 1) * kWarpStrip + c);
-      const auto there =
-          hn::AndNot(is_empty(plain), hn::FirstN(u, std::size_t(std::max(0, columns - c))));
-      shows[v] |= bits_of(there) << c;
-      solid[v] |= bits_of(hn::And(there, opaque)) << c;
-    }
-  HWY_ALIGN std::int32_t first[kWarpStrip], count[kWarpStrip];
-  const VI missed = hn::Set(n, out_height);
+  const VI missed = hn::Set(n, out_height * kWarpStrip);
+  FirstTexels texels;
   const auto draw_row = [&](int v) {
-    if (!solid[v]) return;
-    const std::uint32_t* row = codes + (v + 1) * kWarpStrip;
-    const VF index = hn::Set(f, float(v));
+    const WarpTexel* row = from + std::ptrdiff_t(v) * pitch;
     for (int c = 0; c < columns; c += lanes) {
-      const Cells cells = cells_of(k, index, hn::LoadU(u, row + c),
-                                   hn::LoadU(u, row + kWarpStrip + c), out_height, missed);
-      hn::StoreU(hn::Mul(cells.first, hn::Set(n, kWarpStrip)), n, first + c);
-      hn::StoreU(cells.count, n, count + c);
+      VU color_a, code_a, color_b, code_b;
+      hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(row + c), color_a, code_a);
+      const auto inside = hn::FirstN(u, std::size_t(columns - c));
+      const auto there = hn::AndNot(is_empty(code_of(code_a)), inside);
+      if (hn::AllFalse(u, there)) continue;
+      const auto opaque = hn::And(there, is_opaque(color_a));
+      shows[v] |= bits_of(there) << c;
+      solid[v] |= bits_of(opaque) << c;
+      // The row after the last shows nothing.
+      hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(row + pitch + c), color_b,
+                           code_b);
+      const auto valid = hn::And(hn::AndNot(is_empty(code_of(code_b)), opaque), is_opaque(color_b));
+      if (hn::AllFalse(u, valid)) continue;
+      const Pieces pieces = pieces_of(k, hn::Set(f, float(v)), color_a, code_a, color_b, code_b);
+      find_texels(k, pieces, hn::RebindMask(n, valid), out_height, kWarpStrip, hn::Iota(n, c),
+                  missed, texels);
+      copy_texels(texels, 0, lanes, true, drawn, [&](int l) {
+        draw_long(k, v, row[c + l], row[pitch + c + l], texels.first[l] / kWarpStrip + 2,
+                  texels.count[l] - 2, drawn + c + l, kWarpStrip);
+      });
     }
-    for (int c = 0; c < columns; ++c)
-      write_piece(pieces + c, first[c], count[c], kWarpStrip, std::uint16_t(v));
   };
   for (const AxisWarp::Range& range : k.ranges) {
     if (range.up)
@@ -414,40 +416,14 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
   WarpedTexels counted;
   HWY_ALIGN std::uint32_t colors[16];
   HWY_ALIGN std::uint16_t deltas[16], bits[16];
-  HWY_ALIGN std::int32_t at[kWarpStrip];
-  bool empty[kWarpStrip];
-  Ends ends;
-  for (int y = 0; y < out_height; ++y) {
-    const VF center = hn::Set(f, float(y) + 0.5f);
-    const std::uint16_t* row = pieces + y * kWarpStrip;
+  for (int y = 0; y < out_height; ++y)
     for (int c = 0; c < columns; c += lanes) {
-      const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), row + c));
-      const auto none = hn::Eq(piece, hn::Set(n, kNoPiece));
-      const VI to = hn::Add(hn::Mul(piece, hn::Set(n, pitch)), hn::Iota(n, c));
-      hn::Store(hn::IfThenZeroElse(none, to), n, at + c);
-      // The row after the last shows nothing.
-      empty[c / lanes] = hn::AllTrue(n, none);
-      if (!empty[c / lanes]) copy_ends(from, pitch, at, c, c + lanes, ends);
-    }
-    for (int c = 0; c < columns; c += lanes) {
-      if (empty[c / lanes] && c + lanes <= columns) {
-        const std::size_t at_texel = std::size_t(y) * to.pitch + std::size_t(x + c);
-        hn::StoreU(hn::Zero(u), u, to.color + at_texel);
-        hn::StoreU(hn::Set(U16(), kNoPiece), U16(), to.delta + at_texel);
-        hn::StoreU(hn::Zero(U16()), U16(), to.flags + at_texel);
-        continue;
-      }
-      const auto inside = hn::FirstN(n, std::size_t(columns - c));
-      const VI piece = hn::PromoteTo(n, hn::LoadU(U16(), row + c));
-      const auto none = hn::Or(hn::Eq(piece, hn::Set(n, kNoPiece)), hn::Not(inside));
       const std::size_t at_texel = std::size_t(y) * to.pitch + std::size_t(x + c);
-      VU mixed_color, mixed;
-      between(k, ends, c, hn::ConvertTo(f, piece), center, mixed_color, mixed);
-      const auto empty = hn::RebindMask(u, none);
-      const VU color = hn::IfThenZeroElse(empty, mixed_color);
-      const VU code = hn::IfThenElse(empty, hn::Set(u, kEmptyWarped), mixed);
+      VU color, code;
+      hn::LoadInterleaved2(u, reinterpret_cast<const std::uint32_t*>(drawn + y * kWarpStrip + c),
+                           color, code);
+      counted.covered += std::size_t(lanes) - hn::CountTrue(u, is_empty(code));
       const auto bit = hn::Set(u, kInterpolatedBit);
-      counted.covered += std::size_t(lanes) - hn::CountTrue(n, none);
       counted.interpolated += hn::CountTrue(u, hn::Eq(hn::And(code, bit), bit));
       const auto delta = hn::DemoteTo(U16(), hn::BitCast(n, code_of(code)));
       const auto flags = hn::DemoteTo(U16(), hn::BitCast(n, hn::ShiftRight<16>(code)));
@@ -465,7 +441,6 @@ WarpedTexels do_columns(const AxisWarp& k, const WarpTexel* in, int pitch, int h
         std::copy_n(bits, columns - c, to.flags + at_texel);
       }
     }
-  }
   const auto draw_edges = [&](int v) {
     const std::uint64_t edges = shows[v] & ~(solid[v - 1] & solid[v] & solid[v + 1]);
     for (std::uint64_t bits = edges; bits; bits &= bits - 1) {
@@ -527,14 +502,13 @@ HWY_EXPORT(do_row);
 HWY_EXPORT(do_columns);
 HWY_EXPORT(do_table);
 
-std::size_t row_pass_scratch(int width, int out_width) {
-  return std::size_t(warp_pitch(width) + 16) * 20 + 64 +
-         std::size_t((width + 63) / 64 + 2) * 2 * sizeof(std::uint64_t) +
-         std::size_t(warp_pitch(out_width)) * sizeof(std::uint16_t);
+std::size_t row_pass_scratch(int width) {
+  return std::size_t(warp_pitch(width)) * 2 * sizeof(std::uint32_t) +
+         std::size_t((width + 63) / 64 + 2) * 2 * sizeof(std::uint64_t);
 }
 
 std::size_t column_pass_scratch(int height, int out_height) {
-  return std::size_t(kWarpStrip) * (std::size_t(height + 2) * 4 + std::size_t(out_height + 1) * 2) +
+  return std::size_t(kWarpStrip) * std::size_t(out_height + 1) * sizeof(WarpTexel) +
          std::size_t(height + 2) * 2 * sizeof(std::uint64_t);
 }
 

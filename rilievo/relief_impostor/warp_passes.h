@@ -62,10 +62,10 @@ struct WarpedTexels {
 };
 
 // One row of `width` texels to one of `out_width`. `table` maps levels to codes. Both rows have the
-// pitch of their widths. `scratch` holds row_pass_scratch(width, out_width) bytes.
+// pitch of their widths. `scratch` holds row_pass_scratch(width) bytes.
 void row_pass(const AxisWarp& axis, const std::uint32_t* table, const WarpTexel* in, int width,
               WarpTexel* out, int out_width, std::byte* scratch);
-[[nodiscard]] std::size_t row_pass_scratch(int width, int out_width);
+[[nodiscard]] std::size_t row_pass_scratch(int width);
 
 // What the second pass writes: colours, Deltas, and what is true of a texel: 1 interpolated, 2
 // torn.
