@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,9 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
   bool unlit = false;
+  // For measures: shows where a surface is instead of its colour (scene/position_colors.h). Applied
+  // to mesh space; with `unlit`.
+  std::optional<glm::mat4x3> code_from_mesh = {};
   // The share of light that goes through, for ray tracers; everybody else sees it as blended.
   float transmission = 0.0f;
   float ior = 1.5f;       // index of refraction

@@ -14,6 +14,9 @@ bool finite(const glm::vec<N, float>& v) {
 }
 
 bool finite(const glm::mat3& m) { return finite(m[0]) && finite(m[1]) && finite(m[2]); }
+bool finite(const glm::mat4x3& m) {
+  return finite(m[0]) && finite(m[1]) && finite(m[2]) && finite(m[3]);
+}
 
 // Finite, and the last row is 0 0 0 1.
 bool affine(const glm::mat4& m) {
@@ -64,6 +67,8 @@ Result<> check_materials(const Scene& scene) {
       if (!std::isfinite(v)) return fault("material", i, "has a factor that is not finite");
     if (!finite(m.base_color) || !finite(m.emissive))
       return fault("material", i, "has a colour that is not finite");
+    if (m.code_from_mesh && !finite(*m.code_from_mesh))
+      return fault("material", i, "has a code of positions that is not finite");
   }
   return Done{};
 }

@@ -117,6 +117,11 @@ GpuMaterial convert(const Material& m, TextureStore& store, GpuMaterialBlock& bl
     block.uv_rows[2 * unit] = glm::vec4(rows[0], float(uses[unit]->uv_set));
     block.uv_rows[2 * unit + 1] = glm::vec4(rows[1], 0);
   }
+  if (m.code_from_mesh) {
+    out.features |= shader::kPositionCode;
+    const glm::mat3x4 rows = glm::transpose(*m.code_from_mesh);
+    for (int k = 0; k < 3; ++k) block.code_rows[k] = rows[k];
+  }
   if (textured) out.features |= shader::kTextures;
   if (out.textures[kNormalUnit]) out.features |= shader::kNormalMap;
   if (m.unlit) out.features |= shader::kUnlit;

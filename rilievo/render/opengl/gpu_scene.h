@@ -49,6 +49,7 @@ struct GpuMaterialBlock {
   glm::vec4 metallic_roughness_occlusion_cutoff;
   // For each texture unit, two rows of texture_from_uv; w of the first is the UV set.
   glm::vec4 uv_rows[kMaterialUnits * 2];
+  glm::vec4 code_rows[3];  // of code_from_mesh
 };
 
 // A material's textures and state.

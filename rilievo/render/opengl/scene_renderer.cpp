@@ -79,6 +79,7 @@ Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
   if (!lit_by_one_sun(*scene)) features |= shader::kAnyLights;
   if (scene->lights.size() > shader::kFewLights) features |= shader::kManyLights;
   if (features & (shader::kUnlit | shader::kObjectIds)) features &= ~shader::kOfLight;
+  if (features & shader::kObjectIds) features &= ~shader::kPositionCode;
   const auto found = programs.find(features);
   if (found != programs.end()) return &found->second;
   Result<gl::Program> made = shader::make_scene_program(features);

@@ -52,6 +52,9 @@ flat out uint v_object;
 out vec3 v_relative;
 out vec3 v_normal;
 #endif
+#ifdef POSITION_CODE
+out vec3 v_position;
+#endif
 
 #ifdef PEEL
 invariant gl_Position;  // of identifiers and of colours: depths are compared
@@ -71,6 +74,9 @@ void main() {
   v_normal = sign(dot(row0.xyz, yz)) *
              vec3(dot(yz, normal.xyz), dot(zx, normal.xyz), dot(xy, normal.xyz));
 #endif
+#ifdef POSITION_CODE
+  v_position = position;
+#endif
 #ifdef SHARE
   v_share = share;
 #endif
@@ -89,6 +95,7 @@ layout(std140, binding = 1) uniform Material {
   vec4 emissive_normal_scale;
   vec4 metallic_roughness_occlusion_cutoff;
   vec4 uv_rows[10];
+  vec4 code_rows[3];
 } material;
 
 #ifdef SHARE
@@ -123,6 +130,20 @@ layout(location = 0) out uint out_object;
 in vec3 v_relative;
 in vec3 v_normal;
 layout(location = 0) out vec4 out_color;
+
+#ifdef POSITION_CODE
+in vec3 v_position;
+
+// As a byte shows it: code_of_position(), as linear light.
+vec3 position_color() {
+  vec4 p = vec4(v_position, 1.0);
+  vec3 at = vec3(dot(material.code_rows[0], p), dot(material.code_rows[1], p),
+                 dot(material.code_rows[2], p));
+  vec3 c = at - 2.0 * floor(0.5 * at);
+  c = min(c, 2.0 - c);
+  return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThan(c, vec3(0.04045)));
+}
+#endif
 
 const float kPi = 3.14159265;
 
@@ -295,7 +316,9 @@ void main() {
 #ifdef OBJECT_IDS
   out_object = v_object;
 #else
-#ifdef UNLIT
+#ifdef POSITION_CODE
+  vec3 color = position_color();
+#elif defined(UNLIT)
   vec3 color = base.rgb;
 #else
 #ifdef BACK_PERSPECTIVE
@@ -400,6 +423,7 @@ Result<gl::Program> make_scene_program(unsigned features) {
   define(kEmissive, "EMISSIVE");
   define(kManyLights, "MANY_LIGHTS");
   define(kPeel, "PEEL");
+  define(kPositionCode, "POSITION_CODE");
   const std::string head = std::string(kVersion) + kCommon;
   return gl::make_program("scene", head + kVertex,
                           head + kSky + kSrgbFromLinear + kPixelHash + kFragment, defines);

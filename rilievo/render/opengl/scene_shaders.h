@@ -24,8 +24,9 @@ enum Feature : unsigned {
   kBackPerspective = 1024,  // a back-perspective camera; otherwise another
   kMetallic = 2048,
   kEmissive = 4096,
-  kManyLights = 8192,  // with kAnyLights: any number
-  kPeel = 16384,       // surfaces behind given depths; single-sided back faces look like fronts
+  kManyLights = 8192,     // with kAnyLights: any number
+  kPeel = 16384,          // surfaces behind given depths; single-sided back faces look like fronts
+  kPositionCode = 32768,  // Material::code_from_mesh, with kUnlit
   // The features without effect where there is no light.
   kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive | kManyLights,
 };

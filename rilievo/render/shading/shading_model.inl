@@ -118,6 +118,13 @@ T srgb_from_linear(T c) {
   return select(c < T(0.0031308f), T(12.92f) * c, curve);
 }
 
+// The light of which srgb_from_linear() makes c, 0 <= c <= 1.
+template <class T>
+T linear_from_srgb(T c) {
+  const T base = T(1.0f / 1.055f) * (c + T(0.055f));
+  return select(c < T(0.04045f), T(1.0f / 12.92f) * c, exp2(T(2.4f) * log2(base)));
+}
+
 // --- Textures -----------------------------------------------------------------------------------
 
 // A texture coordinate brought to where texels are; from far away a number keeps no fraction.
@@ -449,6 +456,15 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
       n = mapped_normal(material, normalize(n), side * (b - a), side * (c - a), step(1), step(2),
                         of_set[map.uv_set]);
     }
+  }
+  if (material.code_from_mesh) {
+    // As a byte shows it: code_of_position(), as linear light.
+    const glm::mat4x3& code = *material.code_from_mesh;
+    const Vec3<T> p = mixed(w, in.position);
+    const Vec3<T> at = p.x * Vec3<T>(code[0]) + p.y * Vec3<T>(code[1]) +
+                       (p.z * Vec3<T>(code[2]) + Vec3<T>(code[3]));
+    const auto shown = [](T c) { return linear_from_srgb(wrapped(Wrap::mirrored_repeat, c)); };
+    out.base = {shown(at.x), shown(at.y), shown(at.z)};
   }
   out.normal = n;
   return out;

@@ -158,6 +158,10 @@ inline std::vector<ShadingScene> shading_scenes() {
   add("metal", m, nothing);
   m = plain, m.unlit = true;
   add("unlit", m, nothing);
+  // A few bytes a texel: samples beside a triangle's edge are shaded in different places.
+  m.code_from_mesh =
+      glm::mat4x3(0.5f, 0.1f, -0.1f, -0.1f, 0.5f, 0.2f, 0.1f, 0.2f, 0.6f, 0.1f, 0.4f, 0.7f);
+  add("position code", m, nothing);
   m = plain, m.emissive = {0.2f, 0.05f, 0.1f};
   add("emission", m, nothing);
   add("vertex colours", plain, [](Scene& s) {

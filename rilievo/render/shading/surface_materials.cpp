@@ -66,6 +66,7 @@ SurfaceMaterials::SurfaceMaterials(const Scene& scene, bool blended)
     out.metallic = m.metallic, out.roughness = m.roughness;
     out.normal_scale = m.normal_scale, out.occlusion_strength = m.occlusion_strength;
     out.alpha_cutoff = m.alpha_cutoff;
+    out.code_from_mesh = m.code_from_mesh;
     out.unlit = m.unlit, out.double_sided = m.double_sided;
     out.masked = m.alpha_mode == AlphaMode::mask;
     out.blended = m.alpha_mode == AlphaMode::blend;

@@ -46,7 +46,8 @@ struct SurfaceMaterial {
   float metallic = 0, roughness = 0.8f, normal_scale = 1, occlusion_strength = 1;
   float alpha_cutoff = 0.5f;
   bool unlit = false, masked = false, blended = false, double_sided = false;
-  bool textured = false;  // has any of the following textures
+  std::optional<glm::mat4x3> code_from_mesh;  // Material::code_from_mesh
+  bool textured = false;                      // has any of the following textures
   std::optional<SurfaceTexture> base, metallic_roughness, normal, occlusion, emission;
   bool uses_uv[2] = {false, false};
 };
