@@ -109,7 +109,6 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
   compare_options.width = options.quick ? 128 : 640;
   compare_options.height = options.quick ? 72 : 360;
   compare_options.frames = options.quick ? 4 : options.full ? 60 : 16;
-  compare_options.error_step = 0;
   compare_options.shown_frames = 2;
   compare_options.progress = options.progress;
 

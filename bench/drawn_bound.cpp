@@ -230,9 +230,9 @@ Result<DrawnBoundStats> run_drawn_bound_benchmark(const DrawnBoundOptions& optio
     frame.time = f / 25.0;
     frame.camera = look_at(leg.eye + seconds * leg.velocity, leg.target, {0, 1, 0}, 0.8,
                            kDrawnWidth, kDrawnHeight, 0.1, 200);
-    Result<DrawnFrame> seen = draw_frame(*cache, {&*target, &*probe}, frame, 0);
+    Result<DrawnFrame> seen = draw_frame(*cache, {&*target, &*probe}, frame);
     if (!seen) return seen.error();
-    Result<DrawnFrame> truth = draw_frame(direct, {&*target, &*probe}, frame, 0);
+    Result<DrawnFrame> truth = draw_frame(direct, {&*target, &*probe}, frame);
     if (!truth) return truth.error();
     pose(scene, frame.time, poses);
     cases.add_frame(frame.camera, poses, *truth, *seen, *cache);

@@ -29,7 +29,6 @@ Result<BenchReport> pop(const BenchOptions& options) {
   compare_options.width = options.quick ? 160 : 960;
   compare_options.height = options.quick ? 90 : 540;
   compare_options.frames = options.quick ? 3 : 120;
-  compare_options.error_step = 0;
   compare_options.pop = true;
   compare_options.shown_frames = 2;
   compare_options.progress = options.progress;

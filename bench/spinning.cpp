@@ -87,7 +87,6 @@ Result<BenchReport> spinning(const BenchOptions& options) {
   compare_options.width = options.quick ? 160 : 1280;
   compare_options.height = options.quick ? 90 : 720;
   compare_options.frames = options.quick ? 4 : 60;
-  compare_options.error_step = 0;
   compare_options.shown_frames = 2;
   compare_options.progress = options.progress;
   const int triangles = options.quick ? 20'000 : 200'000, rows = options.quick ? 2 : 5;

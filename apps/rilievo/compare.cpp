@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,8 +22,10 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/compare/compare.h"
+#include "rilievo/compare/drawn_error.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/scene/position_colors.h"
 
 namespace rilievo::app {
 namespace {
@@ -34,7 +37,7 @@ struct CompareCommand {
   std::vector<std::string> methods;
   FrameOptions frames;
   MethodOptions method_options;
-  bool pop = false, real_time = false;
+  bool pop = false, real_time = false, drawn_error = false;
 };
 
 // Direct drawing is always there, and first: it draws the true frames. Without OpenGL, the
@@ -79,6 +82,33 @@ Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
   // `direct`, which comes first, has made it.
   return make_stored_source(method, options.method_options, std::move(content->representation),
                             *renderer);
+}
+
+// All methods walk again, through a scene whose colours tell positions. `truth` draws the scene.
+Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, FrameSource& truth,
+                          const std::function<WalkFrame(int frame)>& walk,
+                          const CompareOptions& compare_options,
+                          std::unique_ptr<gl::Context>& context, Report& report) {
+  const Result<std::vector<double>> half_periods =
+      choose_half_periods(scene, truth, walk, compare_options);
+  if (!half_periods) return half_periods.error();
+  const Scene coded = with_position_colors(scene, *half_periods);
+  // A store knows pictures by their colours, too, but not by codes.
+  CompareCommand of_coded = options;
+  of_coded.method_options.impostors.store.clear();
+  std::optional<SceneRenderer> renderer;
+  std::vector<std::unique_ptr<FrameSource>> sources;
+  std::vector<ComparedSource> compared;
+  for (const MethodResult& method : report.methods) {
+    // Its polygons are others, and show their own positions where they lie.
+    if (method.name == "lod") continue;
+    Result<std::unique_ptr<FrameSource>> source =
+        source_of(method.name, of_coded, coded, context, renderer);
+    if (!source) return source.error();
+    sources.push_back(std::move(*source));
+    compared.push_back({method.name, sources.back().get()});
+  }
+  return measure_drawn_errors(coded, *half_periods, compared, walk, compare_options, report);
 }
 
 Result<> run_compare(CompareCommand options) {
@@ -137,6 +167,11 @@ Result<> run_compare(CompareCommand options) {
       options.real_time ? compare_in_real_time(compared, by_the_clock, compare_options, real_time)
                         : compare(compared, walk, compare_options);
   if (!report) return report.error();
+  if (options.drawn_error)
+    if (Result<> done = add_drawn_errors(options, opened->scene, *sources[0], walk, compare_options,
+                                         context, *report);
+        !done)
+      return done;
   progress.clear();
   report->commit = commit();
   report->scene_name = opened->scene.name.empty() ? options.scene : opened->scene.name;
@@ -156,6 +191,9 @@ Result<> run_compare(CompareCommand options) {
 // Which is the scene, which the file, and which methods there are.
 Result<> settle(CompareCommand& options, const std::string& given, const std::string& truth) {
   const bool is_file = holds_pictures(given);
+  if (is_file && options.drawn_error)
+    return Error{"--drawn-error",
+                 "is for methods that draw a scene: a file has colours of its own"};
   if (is_file && truth.empty())
     return Error{
         given,
@@ -217,6 +255,11 @@ Command compare_command(CLI::App& app) {
                  "The eye moves by the clock: a slow method moves further per frame. Eight frames "
                  "of each method are compared (default: each method draws every frame of the path)")
       ->excludes("--pop");
+  command
+      ->add_flag("--drawn-error", options->drawn_error,
+                 "Also measure how far from their true places surfaces are drawn: all methods walk "
+                 "again, through a scene whose colours tell positions (takes twice as long)")
+      ->excludes("--real-time");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

@@ -344,9 +344,6 @@ class StoredSource final : public FrameSource {
   Result<> draw(const Camera& camera, double time) override { return frames_.draw(camera, time); }
   Result<> draw_objects() override { return frames_.draw_objects(); }
   [[nodiscard]] const FrameStats& stats() const override { return frames_.stats(); }
-  void append_errors(int step, std::vector<float>& errors_px) const override {
-    frames_.append_errors(step, errors_px);
-  }
 
  private:
   std::unique_ptr<DrawableFactory> factory_;

@@ -27,8 +27,6 @@ struct Tally {
   std::map<std::string, std::int64_t> by_kind{{"nailboard", 0}};
   double bound_px = 0, gap_px = 0;
   int over_bound = 0;
-  Histogram errors_px;
-  float largest_error_px = 0;
   Rgba8Image last;  // frame
   Pop pop;
 
@@ -58,10 +56,6 @@ struct Tally {
                              widest_gap_px(truth.objects, truth.eye_z, frame.eye_z)});
     add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_stats(frame.stats);
-    for (const float error : frame.errors_px) {
-      errors_px.add(error);
-      largest_error_px = std::max(largest_error_px, error);
-    }
   }
 
   // FLIP maps between the true frame and the one before it, and between `frame` and the one before
@@ -82,9 +76,6 @@ struct Tally {
   }
 
   MethodResult finish(bool with_pop) {
-    if (errors_px.count() > 0)
-      result.error_px =
-          ErrorPx{errors_px.percentile(0.50), errors_px.percentile(0.99), largest_error_px};
     if (with_pop) result.pop_max = pop.tile, result.pop_frame_max = pop.frame;
     result.depth_error_p50 = depth_errors.percentile(0.50);
     result.depth_error_p99 = depth_errors.percentile(0.99);
@@ -101,30 +92,11 @@ struct Tally {
 
 EncodedPicture jpeg(const Rgba8Image& picture) { return {"image/jpeg", encode_jpeg(picture)}; }
 
-// What OpenGL draws into, if any source needs it.
-struct OwnTargets {
-  std::optional<FrameTarget> frame;
-  std::optional<ProbeTarget> probe;
-
-  [[nodiscard]] DrawTargets targets() {
-    return {frame ? &*frame : nullptr, probe ? &*probe : nullptr};
-  }
-};
-
-Result<OwnTargets> make_targets(std::span<const ComparedSource> sources,
-                                const CompareOptions& options) {
-  OwnTargets made;
-  if (std::all_of(sources.begin(), sources.end(), [](const ComparedSource& one) {
-        return one.source->software_target() != nullptr;
-      }))
-    return made;
-  Result<FrameTarget> frame = FrameTarget::create(options.width, options.height, options.samples);
-  if (!frame) return frame.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(options.width, options.height);
-  if (!probe) return probe.error();
-  made.frame = std::move(*frame);
-  made.probe = std::move(*probe);
-  return made;
+Result<OwnTargets> make_targets_of(std::span<const ComparedSource> sources,
+                                   const CompareOptions& options) {
+  std::vector<FrameSource*> drawing;
+  for (const ComparedSource& one : sources) drawing.push_back(one.source);
+  return make_targets(drawing, options.width, options.height, options.samples);
 }
 
 Report begin_report(const CompareOptions& options, const DrawTargets& targets) {
@@ -154,7 +126,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
   RILIEVO_EXPECTS(!sources.empty());
   RILIEVO_EXPECTS_GE(options.frames, 1);
   RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kMinCompareSize);
-  Result<OwnTargets> own = make_targets(sources, options);
+  Result<OwnTargets> own = make_targets_of(sources, options);
   if (!own) return own.error();
   const DrawTargets targets = own->targets();
 
@@ -181,8 +153,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     std::vector<std::vector<DrawnFrame>> drawn(sources.size());
     for (std::size_t s = 0; s < sources.size(); ++s)
       for (int frame = first; frame < end; ++frame) {
-        Result<DrawnFrame> one =
-            draw_frame(*sources[s].source, targets, walk(frame), options.error_step);
+        Result<DrawnFrame> one = draw_frame(*sources[s].source, targets, walk(frame));
         if (!one) return one.error();
         drawn[s].push_back(std::move(*one));
       }
@@ -215,7 +186,7 @@ Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
                                     const CompareOptions& options,
                                     const RealTimeOptions& real_time) {
   RILIEVO_EXPECTS(!sources.empty());
-  Result<OwnTargets> own = make_targets(sources, options);
+  Result<OwnTargets> own = make_targets_of(sources, options);
   if (!own) return own.error();
   const DrawTargets targets = own->targets();
   Report report = begin_report(options, targets);
@@ -225,7 +196,7 @@ Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
     if (!walked) return walked.error();
     Tally tally;
     for (const auto& [frame, drawn] : walked->kept) {
-      Result<DrawnFrame> truth = draw_frame(*sources[0].source, targets, frame, 0);
+      Result<DrawnFrame> truth = draw_frame(*sources[0].source, targets, frame);
       if (!truth) return truth.error();
       tally.add_frame(*truth, drawn, real_time.error_px);
     }

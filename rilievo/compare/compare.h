@@ -38,8 +38,6 @@ struct CompareOptions {
   int warm_up = 1;
   // Memory for frames that wait to be measured.
   std::size_t max_bytes = std::size_t(256) << 20;
-  // Measures the error of every `error_step`-th texel in x and y of each picture drawn; 0: of none.
-  int error_step = 4;
   // Measures how much more the method's frames change than the true ones (popping.h).
   bool pop = false;
   // The largest number of frames with pictures in the report.

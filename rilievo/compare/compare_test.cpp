@@ -49,10 +49,6 @@ class TwoHalves : public FrameSource {
   // Every second frame has its edge elsewhere.
   void blink(int by) { step_ = by; }
 
-  void append_errors(int step, std::vector<float>& errors_px) const override {
-    for (int i = 0; i < 100; i += step) errors_px.push_back(float(i) / 100.0f);
-  }
-
   [[nodiscard]] const FrameStats& stats() const override {
     stats_.captures = drawn_ == 1 ? 7 : 1;
     stats_.picture_bytes = std::size_t(100 * drawn_);
@@ -163,20 +159,6 @@ TEST_F(CompareTest, counts_what_the_warm_up_captured) {
   const std::vector<std::pair<std::string, std::int64_t>> drawn{
       {"polygons", 0}, {"nailboard", 10}, {"hierarchy", 0}};
   EXPECT_EQ(method.drawn_as, drawn);
-}
-
-TEST_F(CompareTest, sums_up_what_sources_say_of_their_errors) {
-  TwoHalves truth(32);
-  const ComparedSource sources[] = {{"direct", &truth}};
-  options.error_step = 1;
-  const Result<Report> report = compare(sources, still, options);
-  ASSERT_TRUE(report.ok()) << report.error().message();
-  const auto& errors = report->methods[0].error_px;
-  ASSERT_TRUE(errors.has_value());
-  // A histogram's bin is 1 / 64 wide.
-  EXPECT_NEAR(errors->p50, 0.49, 0.49 / 64);
-  EXPECT_NEAR(errors->p99, 0.98, 0.98 / 64);
-  EXPECT_EQ(errors->max, 0.99f);
 }
 
 TEST_F(CompareTest, popping_is_a_change_that_the_true_frames_do_not_have) {

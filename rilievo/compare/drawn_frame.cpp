@@ -1,11 +1,29 @@
 #include "rilievo/compare/drawn_frame.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/software/software_target.h"
 
 namespace rilievo {
+
+Result<OwnTargets> make_targets(std::span<FrameSource* const> sources, int width, int height,
+                                int samples) {
+  OwnTargets made;
+  if (std::all_of(sources.begin(), sources.end(),
+                  [](FrameSource* one) { return one->software_target() != nullptr; }))
+    return made;
+  Result<FrameTarget> frame = FrameTarget::create(width, height, samples);
+  if (!frame) return frame.error();
+  Result<ProbeTarget> probe = ProbeTarget::create(width, height);
+  if (!probe) return probe.error();
+  made.frame = std::move(*frame);
+  made.probe = std::move(*probe);
+  return made;
+}
 
 Result<double> time_frame(FrameSource& source, const DrawTargets& targets, const WalkFrame& frame) {
   if (source.software_target()) {
@@ -30,11 +48,10 @@ Rgba8Image read_frame(const FrameSource& source, const DrawTargets& targets) {
 }
 
 Result<DrawnFrame> draw_frame(FrameSource& source, const DrawTargets& targets,
-                              const WalkFrame& frame, int error_step) {
+                              const WalkFrame& frame) {
   const Result<double> ms = time_frame(source, targets, frame);
   if (!ms) return ms.error();
   DrawnFrame drawn{*ms, source.stats(), read_frame(source, targets)};
-  if (error_step > 0) source.append_errors(error_step, drawn.errors_px);
   const SoftwareTarget* memory = source.software_target();
   if (!memory) {
     RILIEVO_EXPECTS(targets.probe != nullptr);

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <optional>
+#include <span>
 
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
@@ -26,7 +27,6 @@ struct DrawnFrame {
   Rgba8Image color;
   Image<std::uint32_t> objects;  // at pixel centres, as eye_z
   Image<float> eye_z;
-  std::vector<float> errors_px;  // of samples of the pictures drawn
 };
 
 // Where sources that draw with OpenGL draw. Sources with a software_target() need none.
@@ -34,6 +34,20 @@ struct DrawTargets {
   FrameTarget* frame = nullptr;
   ProbeTarget* probe = nullptr;
 };
+
+// What OpenGL draws into, if any source needs it.
+struct OwnTargets {
+  std::optional<FrameTarget> frame;
+  std::optional<ProbeTarget> probe;
+
+  [[nodiscard]] DrawTargets targets() {
+    return {frame ? &*frame : nullptr, probe ? &*probe : nullptr};
+  }
+};
+
+// Makes the targets for `sources`. Needs a current OpenGL context unless all draw without.
+[[nodiscard]] Result<OwnTargets> make_targets(std::span<FrameSource* const> sources, int width,
+                                              int height, int samples);
 
 // Draws and times the frame, without reading it back. Needs a current OpenGL context unless the
 // source draws without.
@@ -47,9 +61,8 @@ struct DrawTargets {
 // The last frame that was drawn into `targets`.
 [[nodiscard]] Rgba8Image read_frame(const FrameSource& source, const DrawTargets& targets);
 
-// Draws and times the frame, then reads back colours, objects and depths, and measures the error of
-// every `error_step`-th texel in x and y unless that is 0.
+// Draws and times the frame, then reads back colours, objects and depths.
 [[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, const DrawTargets& targets,
-                                            const WalkFrame& frame, int error_step);
+                                            const WalkFrame& frame);
 
 }  // namespace rilievo

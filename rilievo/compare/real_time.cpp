@@ -48,7 +48,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
     const bool keep = int(result.kept.size()) < options.kept && clock >= place;
     double ms = 0;
     if (keep) {
-      Result<DrawnFrame> drawn = draw_frame(source, targets, frame, options.error_step);
+      Result<DrawnFrame> drawn = draw_frame(source, targets, frame);
       if (!drawn) return drawn.error();
       ms = drawn->frame_ms;
       result.kept.emplace_back(frame, std::move(*drawn));

@@ -21,7 +21,6 @@ namespace rilievo {
 struct RealTimeOptions {
   double seconds = 4;        // of the walk
   int kept = 8;              // frames to compare, spread evenly over the walk
-  int error_step = 0;        // as in draw_frame(), of frames kept
   double error_px = 1;       // what the method's bounds are held against
   double refresh = 60;       // the most frames that a display shows in a second
   std::vector<double> cuts;  // times at which the eye jumps, ascending

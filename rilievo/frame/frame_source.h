@@ -34,9 +34,6 @@ class FrameSource {
   // What the last draw() did.
   [[nodiscard]] virtual const FrameStats& stats() const = 0;
 
-  // Appends the measured position errors of the last frame's samples, in pixels, at every `step`-th
-  // texel in x and y. Slow. Sources without pictures append nothing.
-  virtual void append_errors(int /*step*/, std::vector<float>& /*errors_px*/) const {}
   // The pictures from which the last frame was drawn, named after what they show.
   [[nodiscard]] virtual std::vector<DepthImage> read_pictures() const { return {}; }
 };

@@ -123,10 +123,6 @@ class Drawable {
   // The memory that it takes to draw, bytes.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
 
-  // Appends the measured position errors of the instances' samples, in pixels, at every `step`-th
-  // texel in x and y. Slow. A kind that cannot measure them appends nothing.
-  virtual void append_errors(const Camera& /*frame*/, std::span<const Instance> /*instances*/,
-                             int /*step*/, std::vector<float>& /*errors_px*/) const {}
   // The pictures from which an instance is drawn, if the kind keeps them.
   [[nodiscard]] virtual std::vector<DepthImage> read_pictures(const Instance& /*instance*/) const {
     return {};

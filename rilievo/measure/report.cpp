@@ -32,7 +32,16 @@ Json method_json(const MethodResult& method) {
   if (method.bound_px_max) out["bound_px"] = {{"max", *method.bound_px_max}};
   if (method.gap_bound_px_max) out["gap_bound_px"] = {{"max", *method.gap_bound_px_max}};
   if (const auto& e = method.error_px)
-    out["error_px"] = {{"p50", e->p50}, {"p99", e->p99}, {"max", e->max}};
+    out["error_px"] = {{"p50", e->p50},
+                       {"p99", e->p99},
+                       {"max", e->max},
+                       {"resolution", e->resolution},
+                       {"measured_share", e->measured},
+                       {"boundary_share", e->boundary},
+                       {"mixed_share", e->mixed},
+                       {"unresolved_share", e->unresolved},
+                       {"over_bound_share", e->over_bound},
+                       {"violations", e->violations}};
   if (method.first_frame_ms) out["first_frame_ms"] = *method.first_frame_ms;
   if (method.cut_ms) out["cut_ms"] = *method.cut_ms;
   if (method.over_bound_share) out["over_bound_share"] = *method.over_bound_share;

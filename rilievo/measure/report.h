@@ -33,9 +33,19 @@ struct FrameResult {
   double gap_px = 0;                           // as widest_gap_px()
 };
 
-// Percentiles of an error in pixels.
+// How far from their true places surfaces were drawn, in pixels (compare/drawn_error.h), and what
+// was measured: shares of the pixels that show an object in the true frames.
 struct ErrorPx {
   double p50 = 0, p99 = 0, max = 0;
+  double resolution = 0;  // what rounding may make of an error of 0, pixels
+  double measured = 0;    // and not measured:
+  double boundary = 0;    // beside an object's boundary, or another object
+  double mixed = 0;       // beside a step of the depth
+  double unresolved = 0;  // too near or too far away
+  // Of those measured: above the bound of their frame by more than the resolution; and the number
+  // of pixels above it by half a pixel's diagonal besides, which bounds leave to texels.
+  double over_bound = 0;
+  std::int64_t violations = 0;
 };
 
 // The measures of one method along the walk.

@@ -102,11 +102,18 @@ const std::array kReportRows = {
         [](const MethodResult& m, const MethodSummary&) {
           return m.gap_bound_px_max ? fmt::format("{:.3g} px", *m.gap_bound_px_max) : std::string();
         }},
-    Row{"Error, median / 99 % / most", "How far samples lie from their true places.",
+    Row{"Error, median / 99 % / most",
+        "How far from their true places surfaces are drawn, by the positions that pixels show.",
         [](const MethodResult& m, const MethodSummary&) {
-          return m.error_px ? fmt::format("{:.3g} / {:.3g} / {:.3g} px", m.error_px->p50,
-                                          m.error_px->p99, m.error_px->max)
+          return m.error_px ? fmt::format("{:.3g} / {:.3g} / {:.3g} px, resolved to {:.2g}",
+                                          m.error_px->p50, m.error_px->p99, m.error_px->max,
+                                          m.error_px->resolution)
                             : std::string();
+        }},
+    Row{"Pixels measured for it",
+        "Of those that show objects; not beside boundaries and steps, nor too near or far away.",
+        [](const MethodResult& m, const MethodSummary&) {
+          return m.error_px ? percent(m.error_px->measured) : std::string();
         }},
     Row{"Pop, most",
         "By how much a frame differs from the one before it (FLIP), above the true frames' change.",

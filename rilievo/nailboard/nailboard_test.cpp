@@ -5,8 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/nailboard/sample_error.h"
-
 namespace rilievo {
 namespace {
 
@@ -133,65 +131,6 @@ TEST(Nailboard, survives_the_way_to_a_picture_and_back_bit_for_bit) {
       ASSERT_EQ(again.color, board.color);
       ASSERT_EQ(again.delta, board.delta);
     }
-}
-
-TEST(SampleError, is_nothing_from_the_capturing_eye_and_the_parallax_from_another) {
-  std::mt19937 rng(6);
-  std::uniform_real_distribution<double> u(-1, 1);
-  int lost = 0;  // samples that belong into the frame and are drawn beside it
-  for (int i = 0; i < 200; ++i) {
-    const Nailboard board = make_nailboard(random_picture(rng), 16);
-    const PictureGeometry& g = board.geometry;
-    Camera frame = look_at(g.capture.position(), {0, 0, 0}, {0, 1, 0}, 1.2, 640, 480, 0.5, 30);
-    std::vector<float> errors;
-    append_sample_errors(board, frame, 1, errors);
-    ASSERT_GT(errors.size(), 90u);               // of 192 texels, two thirds of them covered
-    for (float e : errors) EXPECT_LT(e, 1e-6f);  // rounding
-
-    frame.world_from_eye[3] += glm::dvec4(0.2 * u(rng), 0.2 * u(rng), 0.2 * u(rng), 0);
-    // At times the frame's border runs through the picture.
-    if (i % 2) frame.window = {-0.4, 0.02 * u(rng), -0.4, 0.02 * u(rng)};
-    errors.clear();
-    append_sample_errors(board, frame, 1, errors);
-    // Brute force: the pixels between the sample and its place on the polygon, texel by texel.
-    const auto inside = [](const glm::dvec3& at) {
-      return at.x >= 0 && at.x <= 640 && at.y >= 0 && at.y <= 480;
-    };
-    std::size_t k = 0;
-    for (int y = 0; y < 12; ++y)
-      for (int x = 0; x < 16; ++x) {
-        if (board.color(x, y).a == 0) continue;
-        const glm::dvec2 raster(x + 0.5, y + 0.5);
-        const glm::dvec3 drawn =
-            raster_from_world(frame, world_from_raster(g.capture, raster, g.plane_z));
-        const double z =
-            eye_z_from(DepthKind::window_z, decode_delta(board.delta(x, y), 16), g.capture, raster);
-        const glm::dvec3 truth = raster_from_world(frame, world_from_raster(g.capture, raster, z));
-        if (!inside(drawn) && !inside(truth)) continue;
-        lost += !inside(drawn);
-        ASSERT_LT(k, errors.size());
-        const double px = glm::length(glm::dvec2(drawn - truth));
-        EXPECT_NEAR(errors[k++], px, 1e-4 + 1e-6 * px);  // a float's digits
-      }
-    EXPECT_EQ(k, errors.size());
-  }
-  EXPECT_GT(lost, 40);
-}
-
-TEST(SampleError, is_infinite_where_the_near_plane_cuts_the_polygon_off) {
-  Camera capture = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.5, 8, 8, 10, 20);
-  Nailboard board;
-  board.geometry = picture_geometry(capture);
-  board.geometry.delta_bits = 8;
-  board.color = Rgba8Image(8, 8, glm::u8vec4(255));
-  board.delta = Image<std::uint16_t>(8, 8, std::uint16_t(encode_delta(1, 8)));  // drawn nearer
-  for (const double z_near : {0.1, 15.0}) {
-    capture.z_near = z_near;
-    std::vector<float> errors;
-    append_sample_errors(board, capture, 1, errors);
-    ASSERT_EQ(errors.size(), 64u);
-    for (float e : errors) EXPECT_EQ(std::isinf(e), z_near == 15.0);
-  }
 }
 
 }  // namespace

@@ -73,6 +73,32 @@ class Report(command.Case):
             self.assertNotRegex(tag, r"(src|href)\s*=\s*[\"']?(?!data:|#)")
         self.assertNotRegex(page, r"@import|url\(\s*[\"']?https?:|fetch\(")
 
+    def test_the_error_that_is_drawn_takes_a_second_walk(self):
+        for figures in self.report["methods"].values():
+            self.assertNotIn("error_px", figures)
+        out = self.out / "drawn"
+        done = command.run("compare", TEAPOTS, *SMALL, "--methods", "nailboard,lod", "--drawn-error",
+                           "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        methods = json.loads((out / "report.json").read_text())["methods"]
+        # Its polygons show their own positions.
+        self.assertNotIn("error_px", methods["lod"])
+        for name in ("direct", "nailboard"):
+            error = methods[name]["error_px"]
+            self.assertLessEqual(error["p50"], error["p99"])
+            self.assertLessEqual(error["p99"], error["max"])
+            shares = sum(error[key] for key in ("measured_share", "boundary_share", "mixed_share",
+                                                "unresolved_share"))
+            self.assertAlmostEqual(shares, 1)
+            self.assertGreater(error["measured_share"], 0)
+        direct = methods["direct"]["error_px"]
+        self.assertLess(direct["max"], direct["resolution"])
+        self.assertLess(direct["p50"], methods["nailboard"]["error_px"]["p50"])
+
+    def test_the_error_that_is_drawn_is_of_scenes_and_frames(self):
+        done = command.run("compare", TEAPOTS, *SMALL, "--drawn-error", "--real-time", "-o", self.out)
+        self.assertEqual(done.returncode, 2)
+
 
 if __name__ == "__main__":
     command.main()

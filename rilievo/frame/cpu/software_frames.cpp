@@ -81,12 +81,6 @@ Result<> SoftwareFrames::draw_objects() {
   return Done{};
 }
 
-void SoftwareFrames::append_errors(int step, std::vector<float>& errors_px) const {
-  for (const FrameContent::Set& set : content_.sets)
-    if (!set.instances.empty())
-      set.drawable->append_errors(camera_, set.instances, step, errors_px);
-}
-
 Result<> SoftwareDirectFrames::choose(const Camera& camera, FrameContent& content, FrameStats&) {
   placed().cull(camera, content.polygons);
   return Done{};

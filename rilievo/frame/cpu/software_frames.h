@@ -29,7 +29,6 @@ class SoftwareFrames : public FrameSource {
   Result<> draw_objects() final;
   [[nodiscard]] const SoftwareTarget* software_target() const final { return &target_; }
   [[nodiscard]] const FrameStats& stats() const final { return stats_; }
-  void append_errors(int step, std::vector<float>& errors_px) const final;
 
  protected:
   // As SceneFrames::choose().

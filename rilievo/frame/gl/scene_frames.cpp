@@ -57,12 +57,6 @@ Result<> SceneFrames::draw_objects() {
   return Done{};
 }
 
-void SceneFrames::append_errors(int step, std::vector<float>& errors_px) const {
-  for (const FrameContent::Set& set : content_.sets)
-    if (!set.instances.empty())
-      set.drawable->append_errors(camera_, set.instances, step, errors_px);
-}
-
 Result<> DirectFrames::choose(const Camera& camera, FrameContent& content, FrameStats&) {
   renderer().cull(camera, content.polygons);
   return Done{};

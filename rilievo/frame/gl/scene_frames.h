@@ -24,7 +24,6 @@ class SceneFrames : public FrameSource {
   Result<> draw(const Camera& camera, double time) final;
   Result<> draw_objects() final;
   [[nodiscard]] const FrameStats& stats() const final { return stats_; }
-  void append_errors(int step, std::vector<float>& errors_px) const final;
 
  protected:
   // Fills `content`, and in `stats` the captures, memory and bound. The renderer is already at the

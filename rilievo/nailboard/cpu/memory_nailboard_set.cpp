@@ -4,7 +4,6 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/nailboard/error_model.h"
-#include "rilievo/nailboard/sample_error.h"
 
 namespace rilievo {
 
@@ -53,15 +52,6 @@ std::size_t MemoryNailboardSet::bytes() const {
   std::size_t bytes = 0;
   for (const Item& item : items_) bytes += item.picture ? item.picture->bytes() : 0;
   return bytes;
-}
-
-void MemoryNailboardSet::append_errors(const Camera& frame, std::span<const Instance> instances,
-                                       int step, std::vector<float>& errors_px) const {
-  for (const Instance& instance : instances) {
-    const Item& item = items_[instance.item];
-    append_sample_errors(item.picture->copy(item.geometry),
-                         moved_against(frame, instance.world_from_capture), step, errors_px);
-  }
 }
 
 std::vector<DepthImage> MemoryNailboardSet::read_pictures(const Instance& instance) const {

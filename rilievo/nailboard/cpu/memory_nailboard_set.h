@@ -37,8 +37,6 @@ class MemoryNailboardSet final : public Drawable {
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
   // Of the pictures of all items.
   [[nodiscard]] std::size_t bytes() const override;
-  void append_errors(const Camera& frame, std::span<const Instance> instances, int step,
-                     std::vector<float>& errors_px) const override;
   // One picture, with its camera moved along with the object.
   [[nodiscard]] std::vector<DepthImage> read_pictures(const Instance& instance) const override;
 

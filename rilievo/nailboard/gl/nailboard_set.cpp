@@ -1,7 +1,6 @@
 #include "rilievo/nailboard/gl/nailboard_set.h"
 
 #include "rilievo/core/expects.h"
-#include "rilievo/nailboard/sample_error.h"
 
 namespace rilievo {
 namespace {
@@ -56,15 +55,6 @@ ErrorModel NailboardSet::error_model(std::uint32_t item) const {
 }
 
 CostTerms NailboardSet::cost_terms(std::uint32_t) const { return kCost; }
-
-void NailboardSet::append_errors(const Camera& frame, std::span<const Instance> instances, int step,
-                                 std::vector<float>& errors_px) const {
-  for (const Instance& instance : instances) {
-    const Item& item = items_[instance.item];
-    append_sample_errors(atlas_.read(item.slot, item.geometry),
-                         moved_against(frame, instance.world_from_capture), step, errors_px);
-  }
-}
 
 std::vector<DepthImage> NailboardSet::read_pictures(const Instance& instance) const {
   const Item& item = items_[instance.item];

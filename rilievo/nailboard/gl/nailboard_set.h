@@ -33,8 +33,6 @@ class NailboardSet final : public Drawable {
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
   [[nodiscard]] std::size_t bytes() const override { return atlas_.bytes(); }
-  void append_errors(const Camera& frame, std::span<const Instance> instances, int step,
-                     std::vector<float>& errors_px) const override;
   // One picture, with its camera moved along with the object.
   [[nodiscard]] std::vector<DepthImage> read_pictures(const Instance& instance) const override;
 
