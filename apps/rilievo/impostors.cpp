@@ -110,7 +110,8 @@ Result<std::unique_ptr<FrameSource>> make_software_impostor_frames(const Imposto
         return {std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
                                                   std::move(*content),
                                                   frames_options(options, outlines))};
-      });
+      },
+      options.deformations);
   if (!made) return made.error();
   return {std::move(*made)};
 }

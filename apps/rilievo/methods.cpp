@@ -513,7 +513,8 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
                                                           const MethodOptions& options, int samples,
                                                           const Scene& scene) {
   if (const auto reason = needs_opengl(method, options, samples)) return Error{"--draw", *reason};
-  if (method == "direct-raster") return {std::make_unique<SoftwareDirectFrames>(scene, samples)};
+  if (method == "direct-raster")
+    return {std::make_unique<SoftwareDirectFrames>(scene, samples, options.impostors.deformations)};
   if (method == "lod")
     return {SoftwareLevelFrames::create(make_object_levels(scene), samples, options.error_px)};
   if (method == kReliefImpostorName)

@@ -185,6 +185,11 @@ Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& sourc
   return write_json(options.json, json);
 }
 
+// Does the method show skins and morph targets by time?
+bool bends_by_time(const RenderCommand& options) {
+  return options.method == "relief-impostor" || options.method == "direct-raster";
+}
+
 Result<> render_scene(const RenderCommand& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
@@ -193,7 +198,7 @@ Result<> render_scene(const RenderCommand& options) {
                                                 kind_method(options.method).kind->name)};
   const Result<OpenedScene> opened =
       open_scene(options.scene, options.limits, options.time.value_or(0.0),
-                 options.method == "relief-impostor" && !options.time);
+                 bends_by_time(options) && !options.time);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -334,7 +339,7 @@ Command render_command(CLI::App& app) {
       ->add_option("--time", options->time,
                    "The scene as it is at this time of its animation, skins and morph targets "
                    "posed, while the eye follows its path (default: it moves with the path, and "
-                   "what bends is as at 0)")
+                   "what bends is as at 0, but for relief-impostor, and direct-raster by software)")
       ->check(in_range(0.0, 1e6))
       ->type_name("SECONDS");
   command

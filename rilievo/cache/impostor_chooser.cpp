@@ -81,7 +81,7 @@ std::optional<ImpostorEye> ImpostorChooser::eye_of(std::size_t impostor, const C
   const Camera before = camera_before(camera, followed.motion);
   const FrameView view = follow(followed.eyes, before);
   ImpostorEye eye = impostor_eye(before);
-  if (content_.impostors[impostor].shown.deforms > 0) eye.time = time_;
+  if (content_.impostors[impostor].shown.deforms > 0) eye.time = placed.time();
   // Where frames wait, pictures are for their own eyes: nothing depends on the clock.
   if (options_.background && frame_s_ > 0) {
     const glm::dvec3 step = followed.eyes.step;

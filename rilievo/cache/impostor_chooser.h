@@ -41,8 +41,6 @@ class ImpostorChooser final : public FrameChooser {
   ImpostorChooser(const PlacedScene& placed, std::unique_ptr<PrewarpedBoards> boards,
                   ImpostorContent content, const ImpostorFramesOptions& options);
 
-  // Of the next frame, seconds: for what bends.
-  void set_time(double time) { time_ = time; }
   void add_sets(FrameContent& content) override;
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                   FrameStats& stats) override;
@@ -75,7 +73,6 @@ class ImpostorChooser final : public FrameChooser {
   std::vector<ImpostorStatus> statuses_;
   std::uint64_t rendered_ = 0;  // that have been reported
   double render_ms_ = 0;
-  double time_ = 0;
   Stopwatch since_frame_;
   double frame_s_ = 0;  // from frame to frame
   // Last: its threads end before what they use.

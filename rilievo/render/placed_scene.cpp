@@ -24,14 +24,20 @@ PlacedScene::PlacedScene(const Scene& scene)
 
 bool PlacedScene::set_time(double time) {
   const bool first = std::isnan(time_);
-  if (time == time_ || (!first && scene_->channels.empty())) return false;
+  if (time == time_) return false;
   time_ = time;
+  if (!first && scene_->channels.empty()) return false;
   pose(*scene_, time, poses_);
   bounds_.resize(poses_.size());
   for (std::uint32_t i = 0; i < poses_.size(); ++i)
     if (first || scene_->objects[i].moving)
       bounds_[i] = transformed(poses_[i], scene_->models[model_of(i)].bounds);
   return true;
+}
+
+void PlacedScene::update_bounds() {
+  for (std::uint32_t i = 0; i < poses_.size(); ++i)
+    bounds_[i] = transformed(poses_[i], scene_->models[model_of(i)].bounds);
 }
 
 Box PlacedScene::opaque_bounds(std::span<const std::uint32_t> objects) const {

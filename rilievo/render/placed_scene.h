@@ -25,6 +25,9 @@ class PlacedScene {
 
   // Places each object at `time` (seconds). Returns false if nothing can have moved.
   bool set_time(double time);
+  [[nodiscard]] double time() const { return time_; }
+  // The bounds of models have changed (scene/bend.h).
+  void update_bounds();
 
   [[nodiscard]] const Scene& scene() const { return *scene_; }
   // world_from_model and the bounds of each object.

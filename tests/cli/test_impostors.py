@@ -74,6 +74,9 @@ class Impostors(command.Case):
         self.assertEqual(len(set(still)), 1)
         bends = frames("bends", *METHOD, "--draw", "opengl")
         self.assertEqual(len(set(bends)), len(bends))
+        for method in METHOD, ("--method", "direct-raster"):
+            drawn = frames("software " + method[1], *method, "--draw", "software")
+            self.assertEqual(len(set(drawn)), len(drawn))
         later = frames("later", "--method", "direct", "--time", "0.9")
         self.assertEqual(len(set(later)), 1)
         self.assertNotEqual(still[0], later[0])

@@ -19,7 +19,6 @@ Result<std::unique_ptr<ImpostorFrames>> ImpostorFrames::create(
 }
 
 Result<> ImpostorFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
-  chooser_->set_time(time());
   return chooser_->choose(camera, renderer().placed(), content, stats);
 }
 

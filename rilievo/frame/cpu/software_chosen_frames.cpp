@@ -5,8 +5,10 @@
 namespace rilievo {
 
 Result<std::unique_ptr<SoftwareChosenFrames>> SoftwareChosenFrames::create(
-    const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser) {
-  std::unique_ptr<SoftwareChosenFrames> frames(new SoftwareChosenFrames(scene, samples));
+    const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser,
+    const Deformations* deformations) {
+  std::unique_ptr<SoftwareChosenFrames> frames(
+      new SoftwareChosenFrames(scene, samples, deformations));
   Result<std::unique_ptr<FrameChooser>> chooser = make_chooser(frames->placed());
   if (!chooser) return chooser.error();
   frames->chooser_ = std::move(*chooser);

@@ -14,9 +14,10 @@ class SoftwareChosenFrames final : public SoftwareFrames {
  public:
   // Makes a chooser for the scene as it is placed at time 0.
   using MakeChooser = std::function<Result<std::unique_ptr<FrameChooser>>(const PlacedScene&)>;
-  // `scene` must be valid and outlive the source. Fails where the chooser cannot be made.
+  // As SoftwareFrames. Fails where the chooser cannot be made.
   [[nodiscard]] static Result<std::unique_ptr<SoftwareChosenFrames>> create(
-      const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser);
+      const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser,
+      const Deformations* deformations = nullptr);
 
   [[nodiscard]] const FrameChooser& chooser() const { return *chooser_; }
 

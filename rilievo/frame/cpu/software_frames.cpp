@@ -4,13 +4,16 @@
 
 namespace rilievo {
 
-SoftwareFrames::SoftwareFrames(const Scene& scene, int samples)
-    : placed_(scene),
+SoftwareFrames::SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations)
+    : deformations_(deformations),
+      bent_(deformations && !deformations->meshes.empty() ? std::make_unique<Scene>(scene)
+                                                          : nullptr),
+      placed_(bent_ ? *bent_ : scene),
       samples_(samples),
       target_(1, 1, samples),
-      polygons_(scene),
+      polygons_(placed_.scene()),
       sky_tiles_(scene.sky),
-      blended_tiles_(scene) {
+      blended_tiles_(placed_.scene()) {
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
     blends_ = blends_ || placed_.has_blended_parts(i);
 }
@@ -49,6 +52,11 @@ void SoftwareFrames::place_outlines() {
 Result<> SoftwareFrames::draw(const Camera& camera, double time) {
   camera_ = camera;
   placed_.set_time(time);
+  if (bent_ && time != bent_to_) {
+    bend(*deformations_, time, *bent_);
+    bent_to_ = time;
+    placed_.update_bounds();
+  }
   content_.clear();
   stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = stats_.gap_px = 0;
   if (Result<> chosen = choose(camera, content_, stats_); !chosen) return chosen;

@@ -6,7 +6,9 @@
 // not depend on the number of threads.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "rilievo/frame/frame_source.h"
@@ -15,14 +17,16 @@
 #include "rilievo/render/raster/polygon_tiles.h"
 #include "rilievo/render/software/sky_tiles.h"
 #include "rilievo/render/software/software_target.h"
+#include "rilievo/scene/bend.h"
 
 namespace rilievo {
 
 // A frame source that draws without OpenGL. Derived classes choose what each object is drawn from.
 class SoftwareFrames : public FrameSource {
  public:
-  // `scene` must be valid and outlive the source. `samples` of a pixel: 1 or 4.
-  SoftwareFrames(const Scene& scene, int samples);
+  // `scene` must be valid and outlive the source. `samples` of a pixel: 1 or 4. `deformations`,
+  // if there are any, bend a copy of the scene to each frame's time, and must outlive the source.
+  SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations = nullptr);
 
   // See FrameSource. Fail where a capture or the rasteriser does.
   Result<> draw(const Camera& camera, double time) final;
@@ -49,6 +53,9 @@ class SoftwareFrames : public FrameSource {
   void place_blended();
   void place_outlines();
 
+  const Deformations* deformations_;
+  std::unique_ptr<Scene> bent_;  // null: nothing bends
+  double bent_to_ = NAN;
   PlacedScene placed_;
   int samples_;
   SoftwareTarget target_;

@@ -1,0 +1,51 @@
+#include "rilievo/frame/cpu/software_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/scene/mesh_tools.h"
+
+namespace rilievo {
+namespace {
+
+// The slow twin: a scene that is made as it is at that time. A ball is pulled aside by a target
+// within a second, out of where it was; the one beside it stands still.
+TEST(SoftwareFrames, show_what_bends_as_it_is_at_their_time) {
+  Scene scene;
+  test_shapes::add(scene, test_shapes::sphere(0.8), {0.8f, 0.5f, 0.2f});
+  test_shapes::add(scene, test_shapes::sphere(0.5), {0.3f, 0.7f, 0.2f},
+                   glm::translate(glm::mat4(1), {-1, 0, -2}));
+  for (Mesh& mesh : scene.meshes) make_flat(mesh);
+  finish(scene);
+  Deformations deformations;
+  Deformation& ball = deformations.meshes.emplace_back();
+  ball.positions = scene.meshes[0].positions, ball.normals = scene.meshes[0].normals;
+  Deformation::Target& target = ball.targets.emplace_back();
+  for (const glm::vec3& p : ball.positions) target.positions.push_back({3 + p.y, 0, 0});
+  target.weights.times = {0, 1}, target.weights.values = {{0, 0, 0, 0}, {1, 0, 0, 0}};
+  deformations.rig.duration = 2;
+  // At the end, the ball is out of view of the first camera, and in view of the second.
+  const Camera here = look_at({0, 0.4, 5}, {0, 0, 0}, {0, 1, 0}, 0.6, 96, 64, 0.1, 50),
+               there = look_at({4, 0.4, 5}, {4, 0, 0}, {0, 1, 0}, 0.6, 96, 64, 0.1, 50);
+  for (const int samples : {1, 4}) {
+    SoftwareDirectFrames frames(scene, samples, &deformations);
+    Rgba8Image last;
+    for (const double time : {0.0, 0.4, 1.0, 0.7, 2.4}) {
+      const Scene bent = pose_at(scene, deformations, time);
+      SoftwareDirectFrames truth(bent, samples);
+      for (const Camera& camera : {here, there}) {
+        ASSERT_TRUE(frames.draw(camera, time).ok() && truth.draw(camera, time).ok());
+        EXPECT_EQ(frames.software_target()->color(), truth.software_target()->color()) << time;
+        ASSERT_TRUE(frames.draw_objects().ok() && truth.draw_objects().ok());
+        EXPECT_EQ(frames.software_target()->objects(), truth.software_target()->objects()) << time;
+      }
+      EXPECT_FALSE(frames.software_target()->color() == last);
+      last = frames.software_target()->color();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rilievo
