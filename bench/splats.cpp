@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/relief_objects.h"
+#include "rilievo/core/color.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
@@ -31,12 +32,11 @@ constexpr double kSplatSizes[kWayCount] = {1, 1, 1.5, 1, 1, 2};
 // The object itself, on the background: the mean of four texels with a ray each.
 class Truth {
  public:
-  explicit Truth(const RayScene& rays) : caster_(rays) {
-    for (int i = 0; i < 256; ++i) linear_[std::size_t(i)] = linear_from_srgb(float(i) / 255);
-  }
+  explicit Truth(const RayScene& rays) : caster_(rays) {}
 
   Rgba8Image operator()(Camera camera) {
     const int w = camera.width, h = camera.height;
+    const std::array<float, 256>& linear = linear_of_srgb_bytes();
     camera.width *= 2, camera.height *= 2;
     caster_.draw(camera, {}, 1, fine_);
     Rgba8Image frame(w, h);
@@ -48,7 +48,7 @@ class Truth {
         glm::vec3 sum(0);
         for (int i = 0; i < 4; ++i) {
           const glm::u8vec4 c = rows[std::ptrdiff_t(i >> 1) * 2 * w + 2 * x + (i & 1)];
-          sum += c.a ? glm::vec3(linear_[c.r], linear_[c.g], linear_[c.b]) : kBackground;
+          sum += c.a ? glm::vec3(linear[c.r], linear[c.g], linear[c.b]) : kBackground;
         }
         for (int c = 0; c < 3; ++c)
           frame(x, y)[c] = std::uint8_t(srgb_from_linear(0.25f * sum[c]) * 255 + 0.5f);
@@ -61,7 +61,6 @@ class Truth {
  private:
   PictureCaster caster_;
   RasterPicture fine_;
-  std::array<float, 256> linear_;
 };
 
 struct Sums {

@@ -1,7 +1,6 @@
 #include "rilievo/core/color.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace rilievo {
@@ -14,6 +13,15 @@ float srgb_from_linear(float linear) {
 float linear_from_srgb(float srgb) {
   if (srgb <= 0.04045f) return srgb / 12.92f;
   return std::pow((srgb + 0.055f) / 1.055f, 2.4f);
+}
+
+const std::array<float, 256>& linear_of_srgb_bytes() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> linear{};
+    for (std::size_t i = 0; i < 256; ++i) linear[i] = linear_from_srgb(float(i) / 255.0f);
+    return linear;
+  }();
+  return table;
 }
 
 Rgba8Image srgb8_from_linear(const ColorImage& linear) {
@@ -29,11 +37,7 @@ Rgba8Image srgb8_from_linear(const ColorImage& linear) {
 }
 
 ColorImage linear_from_srgb8(const Rgba8Image& srgb) {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> t{};
-    for (int i = 0; i < 256; ++i) t[i] = linear_from_srgb(float(i) / 255.0f);
-    return t;
-  }();
+  const std::array<float, 256>& table = linear_of_srgb_bytes();
   ColorImage out(srgb.width(), srgb.height());
   for (std::size_t i = 0; i < srgb.texels().size(); ++i) {
     const glm::u8vec4& c = srgb.texels()[i];

@@ -4,6 +4,7 @@
 // alpha.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -14,6 +15,8 @@ namespace rilievo {
 // The transfer function of sRGB, and its inverse, for one channel in [0, 1].
 [[nodiscard]] float srgb_from_linear(float linear);
 [[nodiscard]] float linear_from_srgb(float srgb);
+// The same of i / 255, for each byte i.
+[[nodiscard]] const std::array<float, 256>& linear_of_srgb_bytes();
 
 // 8-bit sRGB and alpha, as files and screens have them.
 using Rgba8Image = Image<glm::u8vec4>;

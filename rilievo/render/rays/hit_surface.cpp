@@ -1,7 +1,8 @@
 #include "rilievo/render/rays/hit_surface.h"
 
-namespace rilievo {
+#include "rilievo/core/color.h"
 
+namespace rilievo {
 namespace {
 
 const Part& part_at_hit(const RayScene& rays, const RayHit& hit) {
@@ -38,7 +39,8 @@ shading_model::SurfacePoint<float> surface_of_hit(const RayScene& rays, const Ra
       corners.uv[set][k] = {uv.x, uv.y};
     }
   }
-  return shading_model::surface_at<float>(picture, placement, ray, corners, linear_of_srgb_bytes());
+  return shading_model::surface_at<float>(picture, placement, ray, corners,
+                                          linear_of_srgb_bytes().data());
 }
 
 }  // namespace rilievo

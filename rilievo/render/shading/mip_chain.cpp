@@ -7,15 +7,15 @@
 #include <array>
 #include <cmath>
 
+#include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
 
-// To linear light by a byte, and back by 12 bits of linear light and a step of the byte found.
+// From linear light to a byte: by 12 bits of it, and a step of the byte found.
 struct Curves {
-  std::array<float, 256> linear;        // of a byte
   std::array<float, 256> upper;         // the least linear light that is rounded to the next byte
   std::array<std::uint8_t, 4097> byte;  // of k / 4096
 };
@@ -23,10 +23,8 @@ struct Curves {
 const Curves& srgb_curves() {
   static const Curves curves = [] {
     Curves c;
-    for (int i = 0; i < 256; ++i) {
-      c.linear[std::size_t(i)] = linear_from_srgb(float(i) / 255.0f);
+    for (int i = 0; i < 256; ++i)
       c.upper[std::size_t(i)] = i < 255 ? linear_from_srgb((float(i) + 0.5f) / 255.0f) : 2.0f;
-    }
     std::uint8_t byte = 0;
     for (int k = 0; k <= 4096; ++k) {
       while (float(k) / 4096.0f >= c.upper[byte]) ++byte;
@@ -80,6 +78,7 @@ MipChain build_mip_chain(const Rgba8Image& texture, bool srgb) {
   chain.texels.resize(size);
   const Curves& curves = srgb_curves();
   for (std::size_t l = 1; l < chain.levels.size(); ++l) {
+    const std::array<float, 256>& linear = linear_of_srgb_bytes();
     const MipChain::Level& above = chain.levels[l - 1];
     const MipChain::Level& level = chain.levels[l];
     const glm::u8vec4* from = l == 1 ? texture.texels().data() : chain.texels.data() + above.offset;
@@ -98,7 +97,7 @@ MipChain build_mip_chain(const Rgba8Image& texture, bool srgb) {
                                        std::size_t(column.first + i)];
             const float weight = rows.weight[j] * column.weight[i];
             const auto part = [&](std::uint8_t byte) {
-              return srgb ? curves.linear[byte] : float(byte) * (1.0f / 255.0f);
+              return srgb ? linear[byte] : float(byte) * (1.0f / 255.0f);
             };
             sum +=
                 weight * glm::vec4(part(c.r), part(c.g), part(c.b), float(c.a) * (1.0f / 255.0f));

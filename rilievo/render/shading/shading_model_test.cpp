@@ -103,11 +103,11 @@ TEST(ShadingModel, samples_textures_as_opengl_defines) {
       if (t.nearest && std::min(to_edge.x, to_edge.y) < 1e-4) continue;
       const double level = v(rng);
       const glm::dvec4 expected = sample_by_definition(levels, t, srgb, uv, level);
-      const model::DecodeColor<double> decode{srgb ? linear_of_srgb_bytes() : nullptr};
+      const model::DecodeColor<double> decode{srgb ? linear_of_srgb_bytes().data() : nullptr};
       const auto found = model::sample_texture<double>(texture.levels, {uv.x, uv.y}, level, decode);
       // The table of sRGB is of floats.
       EXPECT_LE(glm::length(glm::dvec4(found.x, found.y, found.z, found.w) - expected), 1e-6);
-      const model::DecodeColor<float> decode_float{srgb ? linear_of_srgb_bytes() : nullptr};
+      const model::DecodeColor<float> decode_float{srgb ? linear_of_srgb_bytes().data() : nullptr};
       const auto single = model::sample_texture<float>(texture.levels, {float(uv.x), float(uv.y)},
                                                        float(level), decode_float);
       // A float's place, times the steepest slope there is: a whole step from texel to texel.
@@ -196,7 +196,7 @@ TEST(ShadingModel, lanes_give_the_bytes_of_single_numbers) {
       for (std::size_t i = 0; i < in->count; ++i) {
         const auto point =
             model::surface_at<float>(rays, placement, {in->ray[0][i], in->ray[1][i], in->ray[2][i]},
-                                     corners[i], linear_of_srgb_bytes());
+                                     corners[i], linear_of_srgb_bytes().data());
         const auto light = model::shade_point(lights, point);
         const float expected[] = {point.base.x,    point.normal.y,  point.emissive.z,
                                   point.roughness, point.occlusion, light.x,

@@ -1,9 +1,5 @@
 #include "rilievo/render/shading/surface.h"
 
-#include <array>
-
-#include "rilievo/core/color.h"
-
 namespace rilievo {
 
 PictureRays picture_rays(const Camera& camera) {
@@ -34,15 +30,6 @@ SurfacePlacement place_surface(const Mesh& mesh, const SurfaceMaterial& material
   surface.has_colors = !mesh.colors.empty();
   surface.material = &material;
   return surface;
-}
-
-const float* linear_of_srgb_bytes() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> linear{};
-    for (std::size_t i = 0; i < 256; ++i) linear[i] = linear_from_srgb(float(i) / 255.0f);
-    return linear;
-  }();
-  return table.data();
 }
 
 }  // namespace rilievo

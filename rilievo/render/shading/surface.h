@@ -51,7 +51,4 @@ struct SurfaceLights {
   Sky sky;
 };
 
-// A table of 256 entries: the linear light of each sRGB byte.
-[[nodiscard]] const float* linear_of_srgb_bytes();
-
 }  // namespace rilievo

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 
 // This file is compiled once for each instruction set.
@@ -79,7 +80,7 @@ void append_surfaces(const TriangleRays& triangles, const PictureRays& rays,
   RILIEVO_EXPECTS(triangles.count <= TriangleRays::kMaxCount);
   RILIEVO_EXPECTS(surfaces.count + triangles.count <= Surfaces::kMaxCount);
   RILIEVO_EXPECTS(placement.material != nullptr);
-  HWY_DYNAMIC_DISPATCH(append)(triangles, rays, placement, linear_of_srgb_bytes(), surfaces);
+  HWY_DYNAMIC_DISPATCH(append)(triangles, rays, placement, linear_of_srgb_bytes().data(), surfaces);
 }
 
 }  // namespace rilievo
