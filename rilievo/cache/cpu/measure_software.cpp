@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "rilievo/cache/cpu/memory_cache.h"
-#include "rilievo/cache/told_frames.h"
+#include "rilievo/cache/explicit_frames.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_stored_frames.h"
@@ -18,13 +18,13 @@ class SoftwareMeasured final : public MeasuredFrames {
   SoftwareMeasured(const MeasuredScene& scene, SoftwarePictures pictures)
       : frame_(scene.frame), frames_(std::move(pictures), scene.scene, 4) {}
   Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
-    frames_.tell(objects, pictures);
+    frames_.show(objects, pictures);
     return frames_.draw(frame_, 0);
   }
 
  private:
   Camera frame_;
-  ToldFrames<SoftwareFrames, SoftwarePictures> frames_;
+  ExplicitFrames<SoftwareFrames, SoftwarePictures> frames_;
 };
 
 // A texel of a coarse picture of all balls, written into the store.

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "rilievo/cache/explicit_frames.h"
 #include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/told_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -17,7 +17,7 @@ class GlMeasured final : public MeasuredFrames {
              FrameTarget target)
       : frame_(frame), frames_(std::move(pictures), renderer), target_(std::move(target)) {}
   Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
-    frames_.tell(objects, pictures);
+    frames_.show(objects, pictures);
     target_.begin();
     if (Result<> drawn = frames_.draw(frame_, 0); !drawn) return drawn;
     target_.resolve();
@@ -27,7 +27,7 @@ class GlMeasured final : public MeasuredFrames {
 
  private:
   Camera frame_;
-  ToldFrames<SceneFrames, StoredPictures> frames_;
+  ExplicitFrames<SceneFrames, StoredPictures> frames_;
   FrameTarget target_;
 };
 

@@ -1,4 +1,4 @@
-// Which objects and pictures does a measured frame draw? Those it is told, without a sky.
+// A frame of an explicit list of objects and pictures, without a sky: what is measured.
 #pragma once
 
 #include <numeric>
@@ -12,15 +12,15 @@ namespace rilievo {
 // `Frames`: the frame source of a backend, made of what follows the pictures. `Pictures`: a
 // drawable `set` and its `instances`.
 template <typename Frames, typename Pictures>
-class ToldFrames final : public Frames {
+class ExplicitFrames final : public Frames {
  public:
   template <typename Of, typename... Rest>
-  ToldFrames(Pictures pictures, Of& of, Rest... rest)
+  ExplicitFrames(Pictures pictures, Of& of, Rest... rest)
       : Frames(of, rest...), pictures_(std::move(pictures)) {
     this->sky_ = false;
     this->content().sets.push_back({pictures_.set.get(), {}});
   }
-  void tell(const MeasuredRun& objects, const MeasuredRun& pictures) {
+  void show(const MeasuredRun& objects, const MeasuredRun& pictures) {
     objects_ = objects, shown_ = pictures;
   }
 
