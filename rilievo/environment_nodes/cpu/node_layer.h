@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/environment_nodes/cpu/corner_edges.h"
 #include "rilievo/environment_nodes/cpu/memory_node.h"
 #include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/render/raster/sample_raster.h"
@@ -83,6 +84,11 @@ class NodeLayer {
   void add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup);
   static void rasterize(Soup& soup, int width, int height, int samples);
   void rasterize_doubtful();
+  // A skin that is narrow in part.
+  struct DoubtfulSkin {
+    CornerEdges edges;
+    SkinWidth width;
+  };
   [[nodiscard]] float inverse_z(float depth) const;
 
   int width_ = 0, height_ = 0, samples_ = 1;
@@ -91,7 +97,8 @@ class NodeLayer {
   std::vector<Placed> nodes_;
   std::vector<glm::dvec3> corners_;   // of a node's vertices
   Soup surfaces_, skins_, doubtful_;  // doubtful: skins that are narrow in part
-  SampleBuffer doubtful_seen_;        // where they are
+  std::vector<DoubtfulSkin> doubtful_edges_;
+  SampleBuffer doubtful_seen_;  // where they are
 };
 
 }  // namespace rilievo
