@@ -183,81 +183,59 @@ Result<std::unique_ptr<FrameSource>> make_software_cache(const MethodOptions& op
   return {std::move(*made)};
 }
 
-// All that stands still by one bake, what moves as polygons.
-Result<std::unique_ptr<FrameSource>> make_surroundings(const KindMethod& method,
-                                                       const MethodOptions& options,
-                                                       SceneRenderer& renderer) {
+SurroundingFramesOptions surroundings_options(const PreparedKind& kind,
+                                              const MethodOptions& options, Progress& progress) {
+  return {kind.bake, kind.draw, options.eyes,
+          [&](int done, int total) { progress.show(done, total); }};
+}
+
+ObjectFramesOptions object_frames_options(const PreparedKind& kind, const MethodOptions& options,
+                                          Progress& progress) {
+  return {object_options(kind, std::size_t(options.memory_mb) * kMegabyte, progress),
+          options.texel_px, options.outlines};
+}
+
+// Surroundings: all that stands still by one bake, what moves as polygons. Objects: each heavy one
+// by a bake of its own.
+Result<std::unique_ptr<FrameSource>> make_kind(const KindMethod& method,
+                                               const MethodOptions& options,
+                                               SceneRenderer& renderer) {
   Result<PreparedKind> kind = prepare(method, options);
   if (!kind) return kind.error();
   Progress progress("view");
   Result<std::unique_ptr<ChosenFrames>> frames =
-      make_surrounding_frames(renderer, *method.kind, std::move(kind->factory),
-                              {kind->bake, kind->draw, options.eyes,
-                               [&](int done, int total) { progress.show(done, total); }});
+      method.kind->stands_for == StandsFor::surroundings
+          ? make_surrounding_frames(renderer, *method.kind, std::move(kind->factory),
+                                    surroundings_options(*kind, options, progress))
+          : make_object_frames(renderer, *method.kind, std::move(kind->factory),
+                               object_frames_options(*kind, options, progress));
   if (!frames) return frames.error();
   return {std::move(*frames)};
 }
 
 // The same without OpenGL.
-Result<std::unique_ptr<FrameSource>> make_software_surroundings(const KindMethod& method,
-                                                                const MethodOptions& options,
-                                                                int samples, const Scene& scene) {
+Result<std::unique_ptr<FrameSource>> make_software_kind(const KindMethod& method,
+                                                        const MethodOptions& options, int samples,
+                                                        const Scene& scene) {
   Result<PreparedKind> kind = prepare(method, options, software_drawable_rows());
   if (!kind) return kind.error();
   Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
-  Progress progress("view");
   RaySource source(*rays);
-  Result<std::unique_ptr<SoftwareChosenFrames>> frames = SoftwareChosenFrames::create(
-      scene, samples, false,
-      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
-        Result<std::unique_ptr<SurroundingChooser>> made =
-            SurroundingChooser::create(placed, source, *method.kind, std::move(kind->factory),
-                                       {kind->bake, kind->draw, options.eyes,
-                                        [&](int done, int total) { progress.show(done, total); }});
-        if (!made) return made.error();
-        return {std::move(*made)};
-      });
-  if (!frames) return frames.error();
-  return {std::move(*frames)};
-}
-
-// Each heavy object by a bake of its own.
-Result<std::unique_ptr<FrameSource>> make_objects(const KindMethod& method,
-                                                  const MethodOptions& options,
-                                                  SceneRenderer& renderer) {
-  Result<PreparedKind> kind = prepare(method, options);
-  if (!kind) return kind.error();
   Progress progress("view");
-  ObjectDrawablesOptions objects =
-      object_options(*kind, std::size_t(options.memory_mb) * kMegabyte, progress);
-  Result<std::unique_ptr<ChosenFrames>> frames =
-      make_object_frames(renderer, *method.kind, std::move(kind->factory),
-                         {std::move(objects), options.texel_px, options.outlines});
-  if (!frames) return frames.error();
-  return {std::move(*frames)};
-}
-
-// The same without OpenGL.
-Result<std::unique_ptr<FrameSource>> make_software_objects(const KindMethod& method,
-                                                           const MethodOptions& options,
-                                                           int samples, const Scene& scene) {
-  Result<PreparedKind> kind = prepare(method, options, software_drawable_rows());
-  if (!kind) return kind.error();
-  Result<RayScene> rays = RayScene::create(scene);
-  if (!rays) return rays.error();
-  Progress progress("view");
-  const ObjectDrawablesOptions objects =
-      object_options(*kind, std::size_t(options.memory_mb) * kMegabyte, progress);
-  RaySource source(*rays);
+  const bool surroundings = method.kind->stands_for == StandsFor::surroundings;
+  const auto as_chooser = [](auto made) -> Result<std::unique_ptr<FrameChooser>> {
+    if (!made) return made.error();
+    return {std::move(*made)};
+  };
   Result<std::unique_ptr<SoftwareChosenFrames>> frames = SoftwareChosenFrames::create(
-      scene, samples, options.outlines,
-      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
-        Result<std::unique_ptr<ObjectChooser>> made =
-            ObjectChooser::create(placed, source, *method.kind, std::move(kind->factory),
-                                  {objects, options.texel_px, options.outlines});
-        if (!made) return made.error();
-        return {std::move(*made)};
+      scene, samples, options.outlines && !surroundings, [&](const PlacedScene& placed) {
+        return surroundings ? as_chooser(SurroundingChooser::create(
+                                  placed, source, *method.kind, std::move(kind->factory),
+                                  surroundings_options(*kind, options, progress)))
+                            : as_chooser(ObjectChooser::create(
+                                  placed, source, *method.kind, std::move(kind->factory),
+                                  object_frames_options(*kind, options, progress)));
       });
   if (!frames) return frames.error();
   return {std::move(*frames)};
@@ -520,9 +498,7 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
   if (method == kReliefImpostorName)
     return make_software_impostor_frames(options.impostors, options.outlines, samples, scene);
   if (const KindMethod named = kind_method(method); named.kind)
-    return named.kind->stands_for == StandsFor::surroundings
-               ? make_software_surroundings(named, options, samples, scene)
-               : make_software_objects(named, options, samples, scene);
+    return make_software_kind(named, options, samples, scene);
   return make_software_cache(options, samples, scene);
 }
 
@@ -543,10 +519,7 @@ Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
     return make_software_source(method, options, samples, renderer.scene());
   for (const BuiltinMethod& builtin : kBuiltin)
     if (method == builtin.name) return builtin.make(options, samples, renderer);
-  const KindMethod named = kind_method(method);
-  return named.kind->stands_for == StandsFor::surroundings
-             ? make_surroundings(named, options, renderer)
-             : make_objects(named, options, renderer);
+  return make_kind(kind_method(method), options, renderer);
 }
 
 Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method,
