@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "rilievo/capture/gl/opengl_source.h"
@@ -15,28 +17,43 @@
 namespace rilievo {
 namespace {
 
-class SourcesTest : public gl::ContextTest {};
+class SourcesTest : public gl::ContextTest {
+ protected:
+  // The three sources of a built-in scene.
+  void make_sources(const char* name) {
+    rays_.reset(), renderer_.reset();
+    auto built = make_builtin(name);
+    ASSERT_TRUE(built);
+    scene_ = std::make_unique<Scene>(std::move(built->scene));
+    auto renderer = SceneRenderer::create(*scene_);
+    ASSERT_TRUE(renderer);
+    renderer_ = std::make_unique<SceneRenderer>(std::move(*renderer));
+    auto rays = RayScene::create(*scene_);
+    ASSERT_TRUE(rays);
+    rays_ = std::make_unique<RayScene>(std::move(*rays));
+    opengl_ = std::make_unique<OpenGLSource>(*renderer_);
+    raster_ = std::make_unique<RasterSource>(renderer_->placed());
+    by_rays_ = std::make_unique<RaySource>(*rays_);
+  }
+
+  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<SceneRenderer> renderer_;
+  std::unique_ptr<RayScene> rays_;
+  std::unique_ptr<CaptureSource> opengl_, raster_, by_rays_;
+};
 
 TEST_F(SourcesTest, capture_the_same_pictures) {
   for (const char* name : {"builtin:teapots?triangles=20000", "builtin:forest?triangles=30000",
                            "builtin:bridge?triangles=100000"}) {
     SCOPED_TRACE(name);
-    const auto built = make_builtin(name);
-    ASSERT_TRUE(built);
-    auto renderer = SceneRenderer::create(built->scene);
-    ASSERT_TRUE(renderer);
-    const Result<RayScene> rays = RayScene::create(built->scene);
-    ASSERT_TRUE(rays);
-    OpenGLSource opengl(*renderer);
-    RasterSource raster(renderer->placed());
-    RaySource by_rays(*rays);
-    CaptureSource* const others[] = {&opengl, &by_rays};
-    const Box box = raster.bounds({});
+    ASSERT_NO_FATAL_FAILURE(make_sources(name));
+    CaptureSource* const others[] = {opengl_.get(), by_rays_.get()};
+    const Box box = raster_->bounds({});
     for (CaptureSource* const other : others) {
       EXPECT_EQ(other->bounds({}).min, box.min);
       EXPECT_EQ(other->bounds({}).max, box.max);
-      EXPECT_EQ(other->name(), raster.name());
-      EXPECT_EQ(other->scene(), raster.scene());
+      EXPECT_EQ(other->name(), raster_->name());
+      EXPECT_EQ(other->scene(), raster_->scene());
     }
     test_sources::Differences differences[2];
     for (int round = 0; round < 6; ++round) {
@@ -46,11 +63,11 @@ TEST_F(SourcesTest, capture_the_same_pictures) {
       const Camera camera = look_at(eye, glm::dvec3(box.center()), {0, 1, 0}, 0.8, 120, 90,
                                     0.02 * radius, 4 * radius);
       std::vector<std::uint32_t> objects;  // empty: all
-      for (std::uint32_t i = 0; round % 3 && i < built->scene.objects.size(); i += 2)
+      for (std::uint32_t i = 0; round % 3 && i < scene_->objects.size(); i += 2)
         objects.push_back(i);
       CaptureRequest request{.camera = camera, .objects = objects, .farthest = true};
       request.samples = round % 4 < 2 ? 4 : 1;
-      const auto rasterized = raster.capture(request);
+      const auto rasterized = raster_->capture(request);
       ASSERT_TRUE(rasterized) << rasterized.error().message();
       for (int i = 0; i < 2; ++i) {
         const auto captured = others[i]->capture(request);
@@ -76,28 +93,20 @@ TEST_F(SourcesTest, capture_the_same_sky) {
   for (const char* name :
        {"builtin:stonehenge?triangles=20000", "builtin:forest?triangles=30000"}) {
     SCOPED_TRACE(name);
-    const auto built = make_builtin(name);
-    ASSERT_TRUE(built);
-    auto renderer = SceneRenderer::create(built->scene);
-    ASSERT_TRUE(renderer);
-    const Result<RayScene> rays = RayScene::create(built->scene);
-    ASSERT_TRUE(rays);
-    OpenGLSource opengl(*renderer);
-    RasterSource raster(renderer->placed());
-    RaySource by_rays(*rays);
+    ASSERT_NO_FATAL_FAILURE(make_sources(name));
     int texels = 0, surfaces = 0, others[2] = {}, wrong_skies[2] = {};
     for (int round = 0; round < 6; ++round) {
       const double angle = 1.1 * round;
-      const glm::dvec3 eye = glm::dvec3(opengl.bounds({}).center()) + glm::dvec3(0, 1 + round, 0);
+      const glm::dvec3 eye = glm::dvec3(opengl_->bounds({}).center()) + glm::dvec3(0, 1 + round, 0);
       const CaptureRequest request{
           .camera =
               look_at(eye, eye + glm::dvec3(std::cos(angle), 0.3 - 0.1 * round, std::sin(angle)),
                       {0, 1, 0}, 1.2, 120, 90, 0.05, 5000),
           .samples = round % 2 ? 4 : 1,
           .with_sky = true};
-      const auto truth = opengl.capture(request);
-      const Result<CapturedPicture> captured[] = {raster.capture(request),
-                                                  by_rays.capture(request)};
+      const auto truth = opengl_->capture(request);
+      const Result<CapturedPicture> captured[] = {raster_->capture(request),
+                                                  by_rays_->capture(request)};
       ASSERT_TRUE(truth && captured[0] && captured[1]);
       for (int y = 0; y < request.camera.height; ++y)
         for (int x = 0; x < request.camera.width; ++x) {
