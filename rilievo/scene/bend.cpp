@@ -82,8 +82,7 @@ void bend_mesh(const Rig& rig, const Deformation& from, double time, Mesh& mesh)
     make_flat(flat);
     mesh.positions = std::move(flat.positions), mesh.normals = std::move(flat.normals);
   }
-  mesh.bounds = {};
-  for (const std::uint32_t i : mesh.indices) mesh.bounds.add(mesh.positions[i]);
+  update_bounds(mesh);
 }
 
 void update_models(Scene& scene) {

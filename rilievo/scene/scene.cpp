@@ -5,15 +5,10 @@
 namespace rilievo {
 namespace {
 
-// Bounds of the vertices that triangles use: a file may keep vertices that nothing refers to.
-Box bounds_of(const Mesh& mesh, const glm::mat4& to_from_mesh) {
+Box placed_bounds(const Mesh& mesh, const glm::mat4& to_from_mesh) {
   Box box;
-  const bool identity = to_from_mesh == glm::mat4(1.0f);
-  for (std::uint32_t i : mesh.indices) {
-    if (i >= mesh.positions.size()) continue;  // validate() is who complains
-    const glm::vec3& p = mesh.positions[i];
-    box.add(identity ? p : glm::vec3(to_from_mesh * glm::vec4(p, 1.0f)));
-  }
+  for (std::uint32_t i : mesh.indices)
+    if (i < mesh.positions.size()) box.add(to_from_mesh * glm::vec4(mesh.positions[i], 1.0f));
   return box;
 }
 
@@ -54,8 +49,21 @@ Box world_bounds(const Scene& scene, double time) {
   return box;
 }
 
+void update_bounds(Mesh& mesh) {
+  mesh.bounds = {};
+  mesh.run_bounds.clear();
+  for (std::size_t first = 0; first < mesh.indices.size(); first += 3 * Mesh::kRun) {
+    Box& run = mesh.run_bounds.emplace_back();
+    const std::size_t end = std::min<std::size_t>(mesh.indices.size(), first + 3 * Mesh::kRun);
+    for (std::size_t k = first; k < end; ++k)
+      if (mesh.indices[k] < mesh.positions.size())  // validate() is who complains
+        run.add(mesh.positions[mesh.indices[k]]);
+    mesh.bounds.add(run);
+  }
+}
+
 void finish(Scene& scene) {
-  for (Mesh& mesh : scene.meshes) mesh.bounds = bounds_of(mesh, glm::mat4(1.0f));
+  for (Mesh& mesh : scene.meshes) update_bounds(mesh);
 
   for (Model& model : scene.models) {
     model.bounds = {};
@@ -66,7 +74,7 @@ void finish(Scene& scene) {
       model.triangles += mesh.triangles();
       model.bounds.add(part.model_from_mesh == glm::mat4(1.0f)
                            ? mesh.bounds
-                           : bounds_of(mesh, part.model_from_mesh));
+                           : placed_bounds(mesh, part.model_from_mesh));
     }
   }
 

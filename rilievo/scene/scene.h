@@ -78,9 +78,16 @@ struct Mesh {
   std::vector<glm::vec4> colors;  // linear, straight alpha
   std::vector<std::uint32_t> indices;
   Box bounds;
+  // Of each run of triangles, in their order: most meshes have neighbours near each other in it.
+  static constexpr std::uint32_t kRun = 1024;
+  std::vector<Box> run_bounds;
 
   [[nodiscard]] std::uint64_t triangles() const { return indices.size() / 3; }
 };
+
+// Sets a mesh's bounds, and those of its runs, from the vertices that triangles use: a file may
+// keep others.
+void update_bounds(Mesh& mesh);
 
 // A mesh in a model.
 struct Part {

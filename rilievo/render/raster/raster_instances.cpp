@@ -24,6 +24,8 @@ void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
     const bool mirrored = glm::determinant(glm::mat3(p.surface.relative_from_mesh)) < 0;
     instance.front = material.double_sided || !mirrored;
     instance.back = material.double_sided || mirrored;
+    static_assert(SampleRaster::kPiece == Mesh::kRun);
+    instance.boxes = p.mesh->run_bounds;
     if (material.masked) {
       masks[i] = mask_of(*p.mesh, material);
       instance.mask = &masks[i];

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "rilievo/core/expects.h"
@@ -39,113 +40,7 @@ using Mask = hn::Mask<F>;
 
 constexpr std::uint32_t kMaxLanes = SampleRaster::kMaxLanes;
 
-struct Corner {
-  vfloat x, y, z, w;
-};
-
-vfloat dot(const glm::vec4& row, const Vec3<vfloat>& p) {
-  return row.x * p.x + vfloat(row.y) * p.y + (row.z * p.z + vfloat(row.w));
-}
-
-// Of one index a lane.
-Corner project(const RasterInstance& instance, hn::Vec<U> index) {
-  const F f;
-  const float* positions = &instance.positions[0].x;
-  const auto offset = hn::BitCast(I(), hn::Add(hn::Add(index, index), index));  // three floats each
-  const Vec3<vfloat> p(hn::GatherIndex(f, positions, offset),
-                       hn::GatherIndex(f, positions + 1, offset),
-                       hn::GatherIndex(f, positions + 2, offset));
-  const vfloat w = dot(instance.row_w, p), per_w = 1.0f / w;
-  return {per_w * dot(instance.row_x, p), per_w * dot(instance.row_y, p),
-          per_w * dot(instance.row_z, p), w};
-}
-
-// Sets up triangles [first, first + count) of the instance, those that can be seen from `place` on;
-// returns how many they are.
-std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::uint32_t count,
-                     int width, int height, int samples, Triangles& out, std::uint32_t place) {
-  const F f;
-  const I i;
-  const U u;
-  const auto lanes = std::uint32_t(hn::Lanes(f));
-  const float columns = float(width * samples), rows = float(height * samples);
-  std::uint32_t kept = place;
-  for (std::uint32_t t = 0; t < count; t += lanes) {
-    const std::uint32_t* at = instance.indices + 3 * std::size_t(first + t);
-    std::uint32_t padded[3 * kMaxLanes];
-    if (count - t < lanes) {
-      // Its first corner over and over: triangles without an area.
-      std::fill(std::begin(padded), std::end(padded), at[0]);
-      std::copy(at, at + 3 * std::size_t(count - t), padded);
-      at = padded;
-    }
-    hn::Vec<U> index[3];
-    hn::LoadInterleaved3(u, at, index[0], index[1], index[2]);
-    const Corner a = project(instance, index[0]), b = project(instance, index[1]),
-                 c = project(instance, index[2]);
-
-    // Which way round? Nothing that is behind, flat, or not a number.
-    const vfloat bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
-    const vfloat area = bx * cy - cx * by;
-    const Mask turned = hn::Lt(area.v, hn::Zero(f));
-    const auto above = [&](vfloat x, float low) { return hn::Gt(x.v, hn::Set(f, low)); };
-    const float min_w = instance.min_w;
-    Mask keep = hn::And(above(a.w, min_w), hn::And(above(b.w, min_w), above(c.w, min_w)));
-    const vfloat sized =
-        instance.back ? instance.front ? vfloat(hn::Abs(area.v)) : 0.0f - area : area;
-    constexpr float kTooLarge = 1e30f;
-    keep = hn::And(keep, hn::And(above(sized, 0), above(kTooLarge - sized, 0)));
-
-    // Is there a column and a row of samples in its box? A row of texels has as many rows of
-    // samples as samples, the first one half a step from its edge.
-    const auto first_in = [&](vfloat low) {
-      return max(vfloat(hn::Ceil((low * float(samples) - 0.5f).v)), 0.0f);
-    };
-    const auto last_in = [&](vfloat high, float count) {
-      return vfloat(hn::Floor((min(high * float(samples), count - 0.5f) - 0.5f).v));
-    };
-    const vfloat first_column = first_in(min(min(a.x, b.x), c.x));
-    const vfloat last_column = last_in(max(max(a.x, b.x), c.x), columns);
-    const vfloat first_row = first_in(min(min(a.y, b.y), c.y));
-    const vfloat last_row = last_in(max(max(a.y, b.y), c.y), rows);
-    keep = hn::And(keep,
-                   hn::And(hn::Le(first_column.v, last_column.v), hn::Le(first_row.v, last_row.v)));
-    if (hn::AllFalse(f, keep)) continue;
-
-    const auto store = [&](Triangles::Field field, vfloat x) {
-      hn::CompressBlendedStore(x.v, keep, f, &out.field[field][kept]);
-    };
-    // Counter-clockwise from here on.
-    const auto other = [&](vfloat yes, vfloat no) {
-      return vfloat(hn::IfThenElse(turned, yes.v, no.v));
-    };
-    store(Triangles::x0, a.x), store(Triangles::y0, a.y);
-    store(Triangles::x1, other(c.x, b.x)), store(Triangles::y1, other(c.y, b.y));
-    store(Triangles::x2, other(b.x, c.x)), store(Triangles::y2, other(b.y, c.y));
-    // Depth is affine over the raster.
-    const vfloat bz = b.z - a.z, cz = c.z - a.z, per_area = 1.0f / area;
-    store(Triangles::z0, a.z);
-    store(Triangles::z_per_x, (bz * cy - cz * by) * per_area);
-    store(Triangles::z_per_y, (cz * bx - bz * cx) * per_area);
-    store(Triangles::z_min, max(min(min(a.z, b.z), c.z), 0.0f));
-    store(Triangles::z_max, max(max(max(a.z, b.z), c.z), 0.0f));
-    if (instance.mask) {
-      store(Triangles::per_w0, 1.0f / a.w);
-      store(Triangles::per_w1, other(1.0f / c.w, 1.0f / b.w));
-      store(Triangles::per_w2, other(1.0f / b.w, 1.0f / c.w));
-      store(Triangles::exchanged, other(1.0f, 0.0f));
-    }
-    const auto texels = [&](vfloat row) {
-      return hn::ConvertTo(i, hn::Floor((row * (1.0f / float(samples))).v));
-    };
-    const auto whole = hn::RebindMask(i, keep);
-    hn::CompressBlendedStore(texels(first_row), whole, i, &out.low[kept]);
-    hn::CompressBlendedStore(texels(last_row), whole, i, &out.high[kept]);
-    kept += std::uint32_t(hn::CompressBlendedStore(hn::Iota(u, first + t), hn::RebindMask(u, keep),
-                                                   u, &out.index[kept]));
-  }
-  return kept - place;
-}
+#include "rilievo/render/raster/triangle_setup.inl"
 
 // Where the samples of a vector lie, from the left edge of its first texel on.
 struct Pattern {
@@ -257,11 +152,11 @@ std::uint32_t find_in_rows(const Triangles& in, std::uint32_t place, std::uint32
   return size;
 }
 
-// Rows [low, high) of what the triangles [place, place + count) of the instance cover. Without
-// holes and cross-fades a loop of its own: it has no register to spare.
+// Rows [low, high) of what the triangles [place, place + count) of the instance cover; returns how
+// many have any. Without holes and cross-fades a loop of its own: it has no register to spare.
 template <bool kMasked>
-void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
-               const RasterInstance& instance, int low, int high, SampleBuffer& out) {
+std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
+                        const RasterInstance& instance, int low, int high, SampleBuffer& out) {
   const F f;
   const U u;
   const int samples = out.samples, width = out.width;
@@ -276,8 +171,20 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
   const int shift = std::countr_zero(unsigned(texels));
   std::uint32_t found[SampleRaster::kPiece + kMaxLanes];
   const std::uint32_t size = find_in_rows(in, place, count, low, high, found);
+  const std::int32_t begin = std::int32_t(out.row(low)), end = std::int32_t(out.row(high));
   for (std::uint32_t n = 0; n < size; ++n) {
     const std::uint32_t t = found[n];
+    if (!kMasked && in.sample[0][t] != Triangles::kLarge) {
+      const std::uint32_t number =
+          instance.numbers ? instance.numbers[in.index[t]] : instance.first_triangle + in.index[t];
+      for (int k = 0; k < Triangles::kSmallSamples; ++k) {
+        const std::int32_t at = in.sample[k][t];
+        const float z = in.sample_z[k][t];
+        if (at < begin || at >= end || !(z < depths[at])) continue;
+        depths[at] = z, triangles[at] = number;
+      }
+      continue;
+    }
     const int from = std::max(in.low[t], low), to = std::min(in.high[t], high - 1);
     const auto get = [&](Triangles::Field field) { return in.field[field][t]; };
     const float x0 = get(Triangles::x0), y0 = get(Triangles::y0);
@@ -330,14 +237,32 @@ void fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t count,
       }
     }
   }
+  return size;
 }
 
-void fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
-          const RasterInstance& instance, int low, int high, SampleBuffer& out) {
-  if (instance.mask || instance.share_from > 0 || instance.share_to < 1)
-    fill_rows<true>(in, place, count, instance, low, high, out);
-  else
-    fill_rows<false>(in, place, count, instance, low, high, out);
+std::uint32_t fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
+                   const RasterInstance& instance, int low, int high, SampleBuffer& out) {
+  return is_masked(instance) ? fill_rows<true>(in, place, count, instance, low, high, out)
+                             : fill_rows<false>(in, place, count, instance, low, high, out);
+}
+
+// The farthest depths of the blocks in rows [low, high) of texels.
+void find_farthest(const SampleBuffer& seen, int low, int high, FarthestBlocks::Level& small) {
+  constexpr int kSmall = FarthestBlocks::kSmall;
+  const hn::CappedTag<float, kSmall> d;
+  const int lanes = int(hn::Lanes(d)), row_samples = kSmall * seen.samples;
+  // Blocks that reach beyond the picture stay as they are: infinite.
+  for (int y = low; y + kSmall <= high; y += kSmall)
+    for (int x = 0; x + kSmall <= seen.width; x += kSmall) {
+      auto farthest = hn::Zero(d);
+      for (int row = y; row < y + kSmall; ++row) {
+        const float* depths = seen.depths(row) + std::ptrdiff_t(x) * seen.samples;
+        for (int k = 0; k < row_samples; k += lanes)
+          farthest = hn::Max(farthest, hn::LoadU(d, depths + k));
+      }
+      small.depth[std::size_t(y / kSmall * small.columns + x / kSmall)] =
+          hn::GetLane(hn::MaxOfLanes(d, farthest));
+    }
 }
 
 }  // namespace
@@ -350,6 +275,7 @@ namespace rilievo {
 
 HWY_EXPORT(set_up);
 HWY_EXPORT(fill);
+HWY_EXPORT(find_farthest);
 
 RasterMask mask_of(const Mesh& mesh, const SurfaceMaterial& material) {
   RasterMask mask;
@@ -366,28 +292,37 @@ RasterMask mask_of(const Mesh& mesh, const SurfaceMaterial& material) {
 
 std::size_t SampleRaster::bytes(int size, int samples) {
   return SampleBuffer::bytes(size, samples) +
-         kCapacity * (Triangles::kFields * sizeof(float) + sizeof(std::uint32_t) +
-                      2 * sizeof(std::int32_t));
+         kCapacity *
+             ((Triangles::kFields + Triangles::kSmallSamples) * sizeof(float) +
+              sizeof(std::uint32_t) + (2 + Triangles::kSmallSamples) * sizeof(std::int32_t));
 }
 
 void SampleRaster::begin(int width, int height, int samples) {
   RILIEVO_EXPECTS(width <= kMaxSize && height <= kMaxSize);
   seen_.begin(width, height, samples);
+  farthest_.begin(width, height);
+  waiting_.assign(std::size_t(height + kStrip - 1) / kStrip, 0);
+  projected_ = filled_ = 0;
   if (!triangles_.index.empty()) return;
   for (std::vector<float>& field : triangles_.field) field.resize(kCapacity);
   triangles_.index.resize(kCapacity);
   triangles_.low.resize(kCapacity);
   triangles_.high.resize(kCapacity);
+  for (std::vector<std::int32_t>& places : triangles_.sample) places.resize(kCapacity);
+  for (std::vector<float>& depths : triangles_.sample_z) depths.resize(kCapacity);
 }
 
 void SampleRaster::draw(std::span<const RasterInstance> instances) {
   pieces_.clear();
   std::uint32_t place = 0;
-  for (std::uint32_t i = 0; i < instances.size(); ++i)
-    for (std::uint32_t first = 0; first < instances[i].triangles;) {
-      const std::uint32_t count = std::min(kPiece, instances[i].triangles - first);
-      pieces_.push_back({i, first, count, place, 0, 0, -1});
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    const RasterInstance& instance = instances[i];
+    for (std::uint32_t first = 0, box = 0; first < instance.triangles; ++box) {
+      const std::uint32_t begin = first, count = std::min(kPiece, instance.triangles - first);
       first += count;
+      if (box < instance.boxes.size() && !can_be_seen(instance, instance.boxes[box], farthest_))
+        continue;
+      pieces_.push_back({i, begin, count, place, 0, 0, -1});
       // Some processors store whole vectors: no piece may reach into the next one, which another
       // thread fills.
       place += count + kMaxLanes;
@@ -396,6 +331,7 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
       pieces_.clear();
       place = 0;
     }
+  }
   if (!pieces_.empty()) draw_round(instances);
 }
 
@@ -403,8 +339,7 @@ void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
   parallel_for(std::size_t(0), pieces_.size(), [&](std::size_t i) {
     Piece& piece = pieces_[i];
     piece.kept = HWY_DYNAMIC_DISPATCH(set_up)(instances[piece.instance], piece.first, piece.count,
-                                              seen_.width, seen_.height, seen_.samples, triangles_,
-                                              piece.place);
+                                              seen_, farthest_, triangles_, piece.place);
     const auto at = [&](const std::vector<std::int32_t>& rows) {
       return std::span(rows).subspan(piece.place, piece.kept);
     };
@@ -413,13 +348,21 @@ void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
     piece.high =
         any ? *std::max_element(at(triangles_.high).begin(), at(triangles_.high).end()) : -1;
   });
-  constexpr int kRows = 32;
-  parallel_for(0, (seen_.height + kRows - 1) / kRows, [&](int strip) {
-    const int low = strip * kRows, high = std::min(low + kRows, seen_.height);
+  for (const Piece& piece : pieces_) projected_ += piece.count, filled_ += piece.kept;
+  // An update reads each sample of a strip, sixteen at a time: as much work as a triangle or two.
+  const std::uint64_t worth_an_update = std::uint64_t(kStrip) * seen_.stride / 32;
+  parallel_for(std::size_t(0), waiting_.size(), [&](std::size_t strip) {
+    const int low = int(strip) * kStrip, high = std::min(low + kStrip, seen_.height);
     for (const Piece& piece : pieces_)
-      if (piece.low < high && piece.high >= low) HWY_DYNAMIC_DISPATCH(fill)
-    (triangles_, piece.place, piece.kept, instances[piece.instance], low, high, seen_);
+      if (piece.low < high && piece.high >= low)
+        waiting_[strip] += HWY_DYNAMIC_DISPATCH(fill)(triangles_, piece.place, piece.kept,
+                                                      instances[piece.instance], low, high, seen_);
+    if (waiting_[strip] < worth_an_update) return;
+    waiting_[strip] = 0;
+    HWY_DYNAMIC_DISPATCH(find_farthest)(seen_, low, high, farthest_.small);
+    farthest_.update_large(int(strip));
   });
+  farthest_.update_any();
 }
 
 }  // namespace rilievo

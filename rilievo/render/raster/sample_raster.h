@@ -2,9 +2,10 @@
 //
 // A rasteriser for pictures of very many small triangles. It only fills a SampleBuffer (a
 // visibility buffer); shading comes later, once for each pair of a texel and a triangle
-// (raster_picture.h). Depth is window_z. Masked triangles have holes: a sample lies in one if the
-// alpha there is below the cutoff. SIMD on all cores; the result depends neither on the number of
-// threads nor on the instruction set. No OpenGL.
+// (raster_picture.h). What lies behind all that a block of the picture shows is left out early, as
+// in [Greene, Kass and Miller 1993, Hierarchical Z-Buffer Visibility]. Depth is window_z. Masked
+// triangles have holes: a sample lies in one if the alpha there is below the cutoff. SIMD on all
+// cores; the result depends neither on the number of threads nor on the instruction set. No OpenGL.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/core/bounds.h"
+#include "rilievo/render/raster/farthest_blocks.h"
 #include "rilievo/render/shading/sample_buffer.h"
 #include "rilievo/render/shading/surface_materials.h"
 
@@ -43,7 +46,9 @@ struct RasterInstance {
   // The visible faces; front is counter-clockwise in the raster.
   bool front = true, back = false;
   const RasterMask* mask = nullptr;  // null: no holes
-  float min_w = 0;                   // triangles with a corner that is not beyond it are left out
+  // Bounds of each kPiece of its triangles, or none: pieces that cannot be seen are left out.
+  std::span<const Box> boxes;
+  float min_w = 0;  // triangles with a corner that is not beyond it are left out
   // Covers only texels whose hash (shader::kPixelHash) lies in [share_from, share_to).
   float share_from = 0, share_to = 1;
 };
@@ -62,6 +67,9 @@ class SampleRaster {
   void draw(std::span<const RasterInstance> instances);
 
   [[nodiscard]] const SampleBuffer& seen() const { return seen_; }
+  // Triangles since begin() that had to be projected, and those of them that had to be filled.
+  [[nodiscard]] std::uint64_t projected() const { return projected_; }
+  [[nodiscard]] std::uint64_t filled() const { return filled_; }
 
   // The numbers of triangles that are set up together, and by one thread.
   static constexpr std::uint32_t kRound = 16384, kPiece = 1024;
@@ -92,6 +100,12 @@ class SampleRaster {
     std::vector<float> field[kFields];
     std::vector<std::uint32_t> index;     // in the instance
     std::vector<std::int32_t> low, high;  // the first and the last row of texels
+    // Of a small triangle: the places in the SampleBuffer of samples that it changes, or kNone, and
+    // its depths there; it needs no field. The first place of a larger one is kLarge.
+    static constexpr int kSmallSamples = 4;
+    static constexpr std::int32_t kNone = -1, kLarge = -2;
+    std::vector<std::int32_t> sample[kSmallSamples];
+    std::vector<float> sample_z[kSmallSamples];
   };
 
  private:
@@ -103,9 +117,15 @@ class SampleRaster {
   // Of a round, its last piece, and a vector after it.
   static constexpr std::size_t kCapacity = kRound + kPiece + kMaxLanes;
 
+  // Rows that one thread fills at a time.
+  static constexpr int kStrip = FarthestBlocks::kLarge;
+
   void draw_round(std::span<const RasterInstance> instances);
 
   SampleBuffer seen_;
+  FarthestBlocks farthest_;
+  std::vector<std::uint64_t> waiting_;  // of each strip: triangles filled since its last update
+  std::uint64_t projected_ = 0, filled_ = 0;
   Triangles triangles_;
   std::vector<Piece> pieces_;
 };

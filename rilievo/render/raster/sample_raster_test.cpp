@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -193,6 +194,93 @@ TEST(SampleRaster, leaves_no_gap_between_neighbours_and_takes_no_sample_twice) {
   }
 }
 
+// The depth and the triangle of each sample; the triangle of one that shows none is kNothing.
+std::vector<std::uint32_t> bytes_of(const SampleBuffer& seen) {
+  std::vector<std::uint32_t> bytes;
+  for (int y = 0; y < seen.height; ++y)
+    for (int i = 0; i < seen.width * seen.samples; ++i) {
+      const float z = seen.depths(y)[i];
+      bytes.push_back(z < 1 ? seen.triangles(y)[i] : kNothing);
+      bytes.push_back(0);
+      std::memcpy(&bytes.back(), &z, sizeof z);
+    }
+  return bytes;
+}
+
+// Small triangles, neighbours near each other in their order, between z = -1 and 1.
+Soup crowd(std::mt19937& rng, int triangles) {
+  std::uniform_real_distribution<float> u(-1, 1);
+  Soup soup;
+  glm::vec3 center(0);
+  for (int i = 0; i < triangles; ++i) {
+    if (i % int(SampleRaster::kPiece) == 0) center = glm::vec3(2 * u(rng), 2 * u(rng), u(rng));
+    const glm::vec3 at = center + 0.2f * glm::vec3(u(rng), u(rng), 0.2f * u(rng));
+    const float size = 0.08f * std::pow(10.0f, 0.7f * u(rng) - 0.7f);  // 0.1 to 2.5 texels
+    for (int k = 0; k < 3; ++k) {
+      soup.indices.push_back(std::uint32_t(soup.positions.size()));
+      soup.positions.push_back(at + size * glm::vec3(u(rng), u(rng), 0.3f * u(rng)));
+    }
+  }
+  return soup;
+}
+
+// By definition: runs drawn each into a picture of its own, where nothing is known of the others,
+// and of each sample the first that is nearest.
+TEST(SampleRaster, leaves_out_what_is_hidden_and_shows_the_same) {
+  for_each_instruction_set([](const char* name) {
+    std::mt19937 rng(8);
+    for (int round = 0; round < sanitized_cases(12); ++round) {
+      const int samples = round % 2 ? 4 : 1;
+      const int width = 64 + int(rng() % 60), height = 64 + int(rng() % 60);
+      std::vector<Soup> soups;
+      for (int i = 0; i < 3; ++i) soups.push_back(crowd(rng, 40'000));
+      std::vector<std::vector<Box>> boxes(soups.size());
+      std::vector<RasterInstance> instances;
+      std::uint32_t triangles = 0;
+      for (std::size_t i = 0; i < soups.size(); ++i) {
+        Soup& soup = soups[i];
+        look(soup, width, height, 0.1f * float(round));
+        RasterInstance& r = soup.instance;
+        r.back = true;
+        if (round % 3 == 1) r.row_z = r.row_w - r.row_z;  // the farthest are kept
+        r.first_triangle = triangles;
+        triangles += r.triangles;
+        for (std::uint32_t t = 0; t < r.triangles; ++t) {
+          if (t % SampleRaster::kPiece == 0) boxes[i].emplace_back();
+          for (int k = 0; k < 3; ++k)
+            boxes[i].back().add(soup.positions[soup.indices[3 * t + std::uint32_t(k)]]);
+        }
+        r.boxes = boxes[i];
+        instances.push_back(r);
+      }
+      SampleRaster raster, alone;
+      raster.begin(width, height, samples);
+      raster.draw(instances);
+      const auto found = bytes_of(raster.seen());
+      std::vector<std::uint32_t> expected;
+      for (const RasterInstance& instance : instances)
+        for (std::uint32_t first = 0; first < instance.triangles; first += SampleRaster::kPiece) {
+          RasterInstance run = instance;
+          run.indices += 3 * first;
+          run.first_triangle += first;
+          run.triangles = std::min(SampleRaster::kPiece, instance.triangles - first);
+          run.boxes = {};
+          alone.begin(width, height, samples);
+          alone.draw({&run, 1});
+          const auto seen = bytes_of(alone.seen());
+          if (expected.empty()) expected = seen;
+          for (std::size_t i = 0; i < seen.size(); i += 2)
+            if (std::bit_cast<float>(seen[i + 1]) < std::bit_cast<float>(expected[i + 1]))
+              expected[i] = seen[i], expected[i + 1] = seen[i + 1];
+        }
+      ASSERT_EQ(found, expected) << name << ", round " << round;
+      // Most lie behind others, and many runs beside the picture.
+      EXPECT_LT(raster.projected(), triangles * 0.9) << round;
+      EXPECT_LT(raster.filled(), raster.projected() * 0.6) << round;
+    }
+  });
+}
+
 TEST(SampleRaster, gives_the_same_bytes_for_any_number_of_threads_and_instruction_set) {
   std::mt19937 rng(7);
   Soup soup = random_soup(rng, 20'000);  // more than a round
@@ -202,15 +290,7 @@ TEST(SampleRaster, gives_the_same_bytes_for_any_number_of_threads_and_instructio
     SampleRaster raster;
     raster.begin(120, 90, 4);
     raster.draw({&soup.instance, 1});
-    std::vector<std::uint32_t> seen;
-    for (int y = 0; y < 90; ++y)
-      for (int i = 0; i < 480; ++i) {
-        const float z = raster.seen().depths(y)[i];
-        seen.push_back(z < 1 ? raster.seen().triangles(y)[i] : kNothing);
-        seen.push_back(0);
-        std::memcpy(&seen.back(), &z, sizeof z);
-      }
-    return seen;
+    return bytes_of(raster.seen());
   };
   const auto expected = draw();
   {
