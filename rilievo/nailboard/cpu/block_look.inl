@@ -59,8 +59,8 @@ HWY_INLINE float farthest(FrameTile& tile, int block) {
   return tile.farthest[block];
 }
 
-alignas(16) constexpr float kCornerX[4] = {0, kBlock, 0, kBlock},
-                            kCornerY[4] = {0, 0, kBlock, kBlock};
+alignas(16) constexpr float kCornerX[4] = {0, kBlock, 0, kBlock}, kCornerY[4] = {0, 0, kBlock,
+                                                                                 kBlock};
 
 // Looks at the block's corners and at the cells between them: is there anything to draw?
 HWY_INLINE bool look_at_block(const Board& board, FrameTile& tile, int block, Patch& patch) {

@@ -34,9 +34,9 @@ enum class Reach {
 // Where the texels of a vector of pixels begin: for each row of pixels the first column and the
 // upmost row.
 struct Span {
-  VI column;             // of each texel
-  VI in_span, in_rows;   // its column and its row, less the first ones
-  int first[kRows];      // the texel in the first column of the upmost row
+  VI column;            // of each texel
+  VI in_span, in_rows;  // its column and its row, less the first ones
+  int first[kRows];     // the texel in the first column of the upmost row
 };
 
 #if HWY_TARGET == HWY_SCALAR
@@ -65,8 +65,7 @@ HWY_INLINE Span span_of(const MemoryNailboard& picture, VI column, VI row) {
   };
   const VI first_column = least(column), first_row = least(row);
   Span span{column, hn::Sub(column, first_column), hn::Sub(row, first_row), {}};
-  const VI first =
-      hn::Add(hn::Mul(first_row, hn::Set(i32, picture.stride())), first_column);
+  const VI first = hn::Add(hn::Mul(first_row, hn::Set(i32, picture.stride())), first_column);
   span.first[0] = hn::GetLane(first);
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (kRows == 2) span.first[1] = hn::GetLane(hn::UpperHalf(hn::Half<I>(), first));
@@ -85,10 +84,10 @@ HWY_INLINE VU look_up(const std::uint32_t* words, const int* first, VI index) {
       const I i32;
       HWY_ALIGN static constexpr std::int32_t kSecond[16] = {0, 0, 0, 0, 0, 0, 0, 0,
                                                              8, 8, 8, 8, 8, 8, 8, 8};
-      const VU table = hn::Combine(u32, hn::LoadU(half, words + first[1]),
-                                   hn::LoadU(half, words + first[0]));
-      return hn::TableLookupLanes(
-          table, hn::IndicesFromVec(u32, hn::Or(index, hn::Load(i32, kSecond))));
+      const VU table =
+          hn::Combine(u32, hn::LoadU(half, words + first[1]), hn::LoadU(half, words + first[0]));
+      return hn::TableLookupLanes(table,
+                                  hn::IndicesFromVec(u32, hn::Or(index, hn::Load(i32, kSecond))));
     }
     const auto at = hn::IndicesFromVec(u32, index);
     return hn::IfThenElse(hn::FirstN(u32, kBlock),
@@ -100,9 +99,8 @@ HWY_INLINE VU look_up(const std::uint32_t* words, const int* first, VI index) {
       return hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), hn::IndicesFromVec(u32, index));
     const auto at = hn::IndicesFromVec(u32, hn::And(index, hn::Set(i32, kBlock - 1)));
     const auto low = hn::RebindMask(u32, hn::Lt(index, hn::Set(i32, kBlock)));
-    return hn::IfThenElse(
-        low, hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), at),
-        hn::TableLookupLanes(hn::LoadU(u32, words + first[0] + kBlock), at));
+    return hn::IfThenElse(low, hn::TableLookupLanes(hn::LoadU(u32, words + first[0]), at),
+                          hn::TableLookupLanes(hn::LoadU(u32, words + first[0] + kBlock), at));
   }
 #endif
   return hn::GatherIndex(u32, words + first[0], index);

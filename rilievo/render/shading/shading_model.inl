@@ -1,6 +1,6 @@
 // How light leaves a surface: the shading model of processors, a template over the number T (float,
-// double, or several lanes). render/opengl/scene_shaders.cpp is the same in GLSL, pinned to this one by
-// tests, feature by feature.
+// double, or several lanes). render/opengl/scene_shaders.cpp is the same in GLSL, pinned to this
+// one by tests, feature by feature.
 //
 // Metallic-roughness shading after appendix B of the glTF 2.0 specification: GGX distribution,
 // Smith visibility, Schlick's Fresnel; ambient light from a two-colour sky, its mirror part by the
@@ -88,8 +88,7 @@ T exp2(T x) {
   const T series =
       T(1.0f) +
       r * (T(0.69314718f) +
-           r * (T(0.24022651f) +
-                r * (T(0.05550411f) + r * (T(0.00961813f) + r * T(0.00133336f)))));
+           r * (T(0.24022651f) + r * (T(0.05550411f) + r * (T(0.00961813f) + r * T(0.00133336f)))));
   return series * power_of_two(x, to_int(whole));
 }
 
@@ -101,8 +100,9 @@ T log2(T x) {
   const T m = split_power(x, whole);
   const T s = (m - T(1.0f)) / (m + T(1.0f)), s2 = s * s;
   const T series =
-      s * (T(2.88539008f) +
-           s2 * (T(0.96179669f) + s2 * (T(0.57707802f) + s2 * (T(0.41219858f) + s2 * T(0.32059890f)))));
+      s *
+      (T(2.88539008f) +
+       s2 * (T(0.96179669f) + s2 * (T(0.57707802f) + s2 * (T(0.41219858f) + s2 * T(0.32059890f)))));
   return series + to_number(x, whole);
 }
 
@@ -111,10 +111,9 @@ template <class T>
 T srgb_from_linear(T c) {
   c = clamp(c, 0.0f, 1.0f);
   const T s = sqrt(c);
-  const T curve = (((T(-0.30957186f) * s + T(0.84279114f)) * s - T(0.94486092f)) * s +
-                   T(1.44789933f)) *
-                      s -
-                  T(0.03700467f);
+  const T curve =
+      (((T(-0.30957186f) * s + T(0.84279114f)) * s - T(0.94486092f)) * s + T(1.44789933f)) * s -
+      T(0.03700467f);
   return select(c < T(0.0031308f), T(12.92f) * c, curve);
 }
 
@@ -196,10 +195,8 @@ auto sample_level(const TextureLevels& t, T u, T v, IntOf<T> level, Mask sharp,
     return select(smaller, gather(t.smaller, select(smaller, at + offset, Int(0))),
                   gather(t.texels, select(smaller, Int(0), at)));
   };
-  const auto upper =
-      mix(decode(fetch(y0 + x0)), decode(fetch(y0 + x1)), right_part);
-  const auto lower =
-      mix(decode(fetch(y1 + x0)), decode(fetch(y1 + x1)), right_part);
+  const auto upper = mix(decode(fetch(y0 + x0)), decode(fetch(y0 + x1)), right_part);
+  const auto lower = mix(decode(fetch(y1 + x0)), decode(fetch(y1 + x1)), right_part);
   return mix(upper, lower, lower_part);
 }
 
@@ -316,7 +313,8 @@ Footprint<T> footprint(const Weights<T>& w, const Vec2<T> (&uv)[3]) {
 // that meet in the eye, the way; of parallel ones, where it starts.
 template <class T>
 Weights<T> weights_of(const PictureRays& rays, const Vec3<T>& ray, const Vec3<T>& a,
-                      const Vec3<T>& b, const Vec3<T>& c, const Vec3<T>& facing, bool with_changes) {
+                      const Vec3<T>& b, const Vec3<T>& c, const Vec3<T>& facing,
+                      bool with_changes) {
   Vec3<T> of_a, of_b, of_c, along = ray;
   T u, v, w, sign;
   if (rays.parallel) {
@@ -437,8 +435,8 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
       out.roughness = out.roughness * texel.y, out.metallic = out.metallic * texel.z;
     }
     if (material.occlusion)
-      out.occlusion = T(1.0f) + T(material.occlusion_strength) *
-                                    (sample(*material.occlusion).x - T(1.0f));
+      out.occlusion =
+          T(1.0f) + T(material.occlusion_strength) * (sample(*material.occlusion).x - T(1.0f));
     if (material.emission) {
       const Vec4<T> texel = sample(*material.emission);
       out.emissive = out.emissive * Vec3<T>(texel.x, texel.y, texel.z);

@@ -45,9 +45,7 @@ HWY_INLINE vint operator-(vint a, vint b) { return hn::Sub(a.v, b.v); }
 HWY_INLINE vint operator*(vint a, vint b) { return hn::Mul(a.v, b.v); }
 HWY_INLINE vint min(vint a, vint b) { return hn::Min(a.v, b.v); }
 HWY_INLINE vint max(vint a, vint b) { return hn::Max(a.v, b.v); }
-HWY_INLINE vmask operator<(vint a, vint b) {
-  return {hn::RebindMask(F(), hn::Lt(a.v, b.v))};
-}
+HWY_INLINE vmask operator<(vint a, vint b) { return {hn::RebindMask(F(), hn::Lt(a.v, b.v))}; }
 HWY_INLINE vint select(vmask m, vint yes, vint no) {
   return hn::IfThenElse(hn::RebindMask(I(), m.m), yes.v, no.v);
 }
@@ -82,6 +80,6 @@ HWY_INLINE vfloat power_of_two(vfloat, vint whole) {
 HWY_INLINE vfloat split_power(vfloat a, vint& whole) {
   const auto bits = hn::BitCast(I(), a.v);
   whole = hn::Sub(hn::ShiftRight<23>(bits), hn::Set(I(), 127));
-  return hn::BitCast(
-      F(), hn::Or(hn::And(bits, hn::Set(I(), 0x007FFFFF)), hn::Set(I(), 0x3F800000)));
+  return hn::BitCast(F(),
+                     hn::Or(hn::And(bits, hn::Set(I(), 0x007FFFFF)), hn::Set(I(), 0x3F800000)));
 }
