@@ -118,6 +118,7 @@ void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
   cut.triangles = std::uint32_t(kept.indices.size() / 3);
   cut.numbers = kept.numbers.data();
   cut.min_w = 0;
+  cut.boxes = {};  // they are those of the whole mesh's triangles
   if (mask) {
     kept.mask = *mask;
     if (mask->uv) kept.mask.uv = kept.uv.data();

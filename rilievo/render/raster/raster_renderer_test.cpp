@@ -104,6 +104,77 @@ TEST(RasterRenderer, draws_what_rays_meet_when_triangles_reach_behind_the_eye) {
   EXPECT_LE(different, pixels / 200);
 }
 
+// A crumpled floor of many runs, below and behind the eye, and crumpled walls that stand on it.
+Scene fine_scene(std::mt19937& rng) {
+  std::uniform_real_distribution<float> u(-1, 1);
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.materials[0].double_sided = true;
+  constexpr int kSide = 90;
+  for (int m = 0; m < 2; ++m) {
+    Mesh mesh;
+    mesh.material = 0;
+    for (int y = 0; y <= kSide; ++y)
+      for (int x = 0; x <= kSide; ++x) {
+        const glm::vec2 at = 2.0f * glm::vec2(x, y) / float(kSide) - 1.0f;
+        const float up = 0.01f * u(rng);
+        mesh.positions.push_back(m == 0 ? glm::vec3(20 * at.x, up - 1, 20 * at.y)
+                                        : glm::vec3(2 * at.x, 2 * at.y, up));
+        mesh.normals.emplace_back(0, 1, 0);
+      }
+    for (std::uint32_t y = 0; y < kSide; ++y)
+      for (std::uint32_t x = 0; x < kSide; ++x) {
+        const std::uint32_t a = y * (kSide + 1) + x, c = a + kSide + 1;
+        mesh.indices.insert(mesh.indices.end(), {a, a + 1, c, a + 1, c + 1, c});
+      }
+    scene.meshes.push_back(mesh);
+    scene.models.emplace_back();
+    scene.models.back().parts = {{m, glm::mat4(1)}};
+  }
+  for (int i = 0; i < 7; ++i) {
+    Object object;
+    object.model = i > 0;
+    const glm::vec3 at(8 * u(rng), 0.5f * u(rng), 8 * u(rng));
+    if (i > 0)
+      object.placement = glm::rotate(glm::translate(glm::mat4(1), at), 3 * u(rng), {0, 1, 0});
+    scene.objects.push_back(object);
+  }
+  finish(scene);
+  return scene;
+}
+
+// Runs of triangles that cannot be seen are left out, and nothing else: as without their bounds,
+// and as rays see it.
+TEST(RasterRenderer, leaves_out_no_run_that_can_be_seen) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> u(-1, 1);
+  int different = 0, pixels = 0;
+  for (int round = 0; round < 8; ++round) {
+    const Scene scene = fine_scene(rng);
+    Scene without = scene;
+    for (Mesh& mesh : without.meshes) mesh.run_bounds.clear();
+    RasterRenderer raster(scene), all(without);
+    const auto rays = RayRenderer::create(scene);
+    ASSERT_TRUE(rays.ok());
+    for (int view = 0; view < 6; ++view) {
+      const glm::dvec3 eye(6 * u(rng), 0.5 * u(rng), 6 * u(rng));
+      const Camera camera = look_at(eye, eye + glm::dvec3(u(rng), 0.4 * u(rng), u(rng)), {0, 1, 0},
+                                    1.2, 160, 120, 0.05, 100);
+      RasterPicture seen, expected;
+      ASSERT_TRUE(raster.draw(camera, 4, seen).ok());
+      ASSERT_TRUE(all.draw(camera, 4, expected).ok());
+      ASSERT_EQ(seen.color, expected.color) << round << ", " << view;
+      ASSERT_EQ(seen.depth, expected.depth);
+      ObjectPicture drawn, cast;
+      ASSERT_TRUE(raster.draw_objects(camera, drawn).ok());
+      ASSERT_TRUE((*rays)->draw_objects(camera, cast).ok());
+      for (std::size_t i = 0; i < drawn.object.size(); ++i)
+        ++pixels, different += drawn.object[i] != cast.object[i];
+    }
+  }
+  EXPECT_LE(different, pixels / 200);  // centres that lie on an edge, within rounding
+}
+
 TEST(RayRenderer, places_what_moves_as_rays_built_for_that_time_do) {
   std::mt19937 rng(6);
   const Scene scene = scene_around(rng);

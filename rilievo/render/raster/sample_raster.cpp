@@ -317,6 +317,8 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
   std::uint32_t place = 0;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     const RasterInstance& instance = instances[i];
+    RILIEVO_EXPECTS(instance.boxes.empty() ||
+                    instance.boxes.size() == (instance.triangles + kPiece - 1) / kPiece);
     for (std::uint32_t first = 0, box = 0; first < instance.triangles; ++box) {
       const std::uint32_t begin = first, count = std::min(kPiece, instance.triangles - first);
       first += count;

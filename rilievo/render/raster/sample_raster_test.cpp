@@ -215,7 +215,8 @@ Soup crowd(std::mt19937& rng, int triangles) {
   for (int i = 0; i < triangles; ++i) {
     if (i % int(SampleRaster::kPiece) == 0) center = glm::vec3(2 * u(rng), 2 * u(rng), u(rng));
     const glm::vec3 at = center + 0.2f * glm::vec3(u(rng), u(rng), 0.2f * u(rng));
-    const float size = 0.08f * std::pow(10.0f, 0.7f * u(rng) - 0.7f);  // 0.1 to 2.5 texels
+    float size = 0.08f * std::pow(10.0f, 0.7f * u(rng) - 0.7f);  // 0.1 to 2.5 texels
+    if (i % 40 == 0) size *= 12;
     for (int k = 0; k < 3; ++k) {
       soup.indices.push_back(std::uint32_t(soup.positions.size()));
       soup.positions.push_back(at + size * glm::vec3(u(rng), u(rng), 0.3f * u(rng)));

@@ -56,7 +56,8 @@ Mask hidden(const FarthestBlocks& farthest, const TexelRange& at, vfloat z_min, 
   Mask found = hn::And(wanted, hn::Ge(z_min.v, small.v));
   const Mask large = hn::And(wanted, hn::Gt(small.v, hn::Set(F(), 2.0f)));
   if (!hn::AllFalse(F(), large))
-    found = hn::Or(found, hn::Ge(z_min.v, farthest_of(farthest.large, at, large).v));
+    found =
+        hn::Or(found, hn::And(large, hn::Ge(z_min.v, farthest_of(farthest.large, at, large).v)));
   return found;
 }
 
