@@ -14,6 +14,7 @@ struct RasterInstance;
 // The farthest depths of small and of large blocks of texels. Rows from the bottom.
 struct FarthestBlocks {
   static constexpr int kSmall = 8, kLarge = 32;  // texels a side
+  // Blocks of one size.
   struct Level {
     int size = 0, columns = 0, rows = 0;
     std::vector<float> depth;
