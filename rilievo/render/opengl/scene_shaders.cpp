@@ -134,7 +134,7 @@ layout(location = 0) out vec4 out_color;
 #ifdef POSITION_CODE
 in vec3 v_position;
 
-// As a byte shows it: code_of_position(), as linear light.
+// The linear light of the bytes that scene/position_colors.h defines.
 vec3 position_color() {
   vec4 p = vec4(v_position, 1.0);
   vec3 at = vec3(dot(material.code_rows[0], p), dot(material.code_rows[1], p),

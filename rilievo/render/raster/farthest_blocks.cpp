@@ -53,9 +53,8 @@ bool can_be_seen(const RasterInstance& instance, const Box& box, const FarthestB
   bool left_of = true, right_of = true, below = true, above = true, behind = true, before = true;
   glm::dvec3 low(std::numeric_limits<double>::infinity());
   glm::dvec2 high(-std::numeric_limits<double>::infinity());
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec4 p(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                       corner & 4 ? box.max.z : box.min.z, 1);
+  for (const glm::vec3& corner : box.corners()) {
+    const glm::dvec4 p(corner, 1);
     const auto sizes = [&](const glm::dvec4& row) {
       return kRounding * glm::dot(glm::abs(row), glm::abs(p));
     };

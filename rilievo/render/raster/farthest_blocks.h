@@ -1,4 +1,5 @@
-// What is the farthest that a block of a picture shows? What lies behind it cannot be seen.
+// A hierarchical z-buffer of two levels: the farthest depth of each block of a picture. What lies
+// behind it cannot be seen.
 //
 // Depth is window_z; infinite where nothing is known. Internal to render/raster.
 #pragma once

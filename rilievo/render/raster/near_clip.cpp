@@ -63,12 +63,9 @@ void NearClip::clear() {
 }
 
 bool NearClip::crosses(const RasterInstance& instance, const Box& bounds, float z_near) {
-  for (int i = 0; i < 8; ++i) {
-    const glm::vec3 corner(i & 1 ? bounds.max.x : bounds.min.x, i & 2 ? bounds.max.y : bounds.min.y,
-                           i & 4 ? bounds.max.z : bounds.min.z);
-    // Twice as far, for rounding.
+  // Twice as far, for rounding.
+  for (const glm::vec3& corner : bounds.corners())
     if (glm::dot(instance.row_w, glm::vec4(corner, 1)) <= 2 * z_near) return true;
-  }
   return false;
 }
 

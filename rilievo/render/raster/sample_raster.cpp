@@ -174,9 +174,9 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
   const std::int32_t begin = std::int32_t(out.row(low)), end = std::int32_t(out.row(high));
   for (std::uint32_t n = 0; n < size; ++n) {
     const std::uint32_t t = found[n];
+    const std::uint32_t number =
+        instance.numbers ? instance.numbers[in.index[t]] : instance.first_triangle + in.index[t];
     if (!kMasked && in.sample[0][t] != Triangles::kLarge) {
-      const std::uint32_t number =
-          instance.numbers ? instance.numbers[in.index[t]] : instance.first_triangle + in.index[t];
       for (int k = 0; k < Triangles::kSmallSamples; ++k) {
         const std::int32_t at = in.sample[k][t];
         const float z = in.sample_z[k][t];
@@ -195,8 +195,7 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
     const vfloat z0 = get(Triangles::z0), z_min = get(Triangles::z_min),
                  z_max = get(Triangles::z_max);
     const vfloat z_per_x = get(Triangles::z_per_x), z_per_y = get(Triangles::z_per_y);
-    const auto triangle = hn::Set(u, instance.numbers ? instance.numbers[in.index[t]]
-                                                      : instance.first_triangle + in.index[t]);
+    const auto triangle = hn::Set(u, number);
     [[maybe_unused]] MaskedTriangle masked;
     if constexpr (kMasked)
       if (instance.mask) masked = masked_triangle(in, t, instance);

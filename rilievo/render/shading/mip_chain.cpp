@@ -77,8 +77,8 @@ MipChain build_mip_chain(const Rgba8Image& texture, bool srgb) {
   }
   chain.texels.resize(size);
   const Curves& curves = srgb_curves();
+  const std::array<float, 256>& linear = linear_of_srgb_bytes();
   for (std::size_t l = 1; l < chain.levels.size(); ++l) {
-    const std::array<float, 256>& linear = linear_of_srgb_bytes();
     const MipChain::Level& above = chain.levels[l - 1];
     const MipChain::Level& level = chain.levels[l];
     const glm::u8vec4* from = l == 1 ? texture.texels().data() : chain.texels.data() + above.offset;

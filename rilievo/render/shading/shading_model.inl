@@ -456,7 +456,7 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
     }
   }
   if (material.code_from_mesh) {
-    // As a byte shows it: code_of_position(), as linear light.
+    // The linear light of the bytes that scene/position_colors.h defines.
     const glm::mat4x3& code = *material.code_from_mesh;
     const Vec3<T> p = mixed(w, in.position);
     const Vec3<T> at = p.x * Vec3<T>(code[0]) + p.y * Vec3<T>(code[1]) +
