@@ -130,10 +130,7 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
 
   double x0 = 1e30, y0 = 1e30, x1 = -1e30, y1 = -1e30, nearest = 1e300;
   const double slack = 1e-4 * double(impostor_.bounds.radius());
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 corner = glm::dvec3(i & 1 ? impostor_.bounds.max.x : impostor_.bounds.min.x,
-                                         i & 2 ? impostor_.bounds.max.y : impostor_.bounds.min.y,
-                                         i & 4 ? impostor_.bounds.max.z : impostor_.bounds.min.z);
+  for (const glm::dvec3 corner : impostor_.bounds.corners()) {
     const double eye_z = glm::dot(corner - eye, out.camera.forward()) - slack;
     nearest = std::min(nearest, eye_z);
     if (eye_z < out.camera.z_near) continue;
