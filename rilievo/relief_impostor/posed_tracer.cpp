@@ -11,7 +11,7 @@ namespace rilievo {
 PosedTracer::PosedTracer(const Scene& scene, const Deformations& deformations,
                          std::span<const DeformationBounds> bounds, double placed,
                          const TraceOptions& options)
-    : scene_(scene), deformations_(deformations), placed_(placed), time_(NAN), options_(options) {
+    : scene_(scene), deformations_(deformations), time_(NAN), options_(options) {
   for (const Deformation& deformation : deformations_.meshes) meshes_.push_back(deformation.mesh);
   std::vector<glm::mat4> poses;
   pose(scene_, placed, poses);

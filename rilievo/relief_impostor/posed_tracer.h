@@ -36,7 +36,7 @@ class PosedTracer final : public CaptureSource {
 
   Scene scene_;
   const Deformations& deformations_;
-  double placed_ = 0, time_ = 0;
+  double time_ = 0;  // that the meshes are bent to
   TraceOptions options_;
   std::optional<RayScene> rays_;
   std::vector<int> meshes_;  // that bend
