@@ -260,17 +260,18 @@ void SceneCache::capture_fallback(FrameStats& stats) {
   const Stopwatch watch;
   fallback_.camera = fallback.geometry.capture;
   const Camera& eye = fallback_.camera;
-  if (!store_.allocate(kFallbackSlot, eye.width, eye.height)) {
+  fallback_.objects.clear();
+  for (const std::uint32_t object : fallback.objects)
+    fallback_.objects.push_back(static_objects_[object]);
+  const RasterPicture* picture = coarse_->capture(eye, fallback_.objects);
+  if (!picture || !store_.allocate(kFallbackSlot, eye.width, eye.height)) {
     for (const std::uint32_t object : fallback.objects) plan_.polygons.push_back({object, 0, 1});
     fallback.objects.clear();
     return;
   }
   fallback_.held = true;
   fallback_.objects_captured = false;
-  fallback_.objects.clear();
-  for (const std::uint32_t object : fallback.objects)
-    fallback_.objects.push_back(static_objects_[object]);
-  store_.write(kFallbackSlot, coarse_->capture(eye, fallback_.objects));
+  store_.write(kFallbackSlot, *picture);
   if (const auto range = store_.delta_range(kFallbackSlot)) narrow_slab(fallback.geometry, *range);
   clock_.fallback.learn(unlimited_.cost.fallback_texel * eye.width * eye.height, watch.ms());
   ++stats.captures;

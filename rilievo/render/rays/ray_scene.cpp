@@ -153,6 +153,7 @@ struct RayScene::State {
   std::vector<EmbreeScene> models;
   EmbreeScene world;
   std::vector<RTCGeometry> instances;  // by object; owned by `world`
+  std::vector<std::uint8_t> kept;      // by object: can rays hit it?
   double time = NAN;
 
   explicit State(const Scene& scene) : scene(&scene), materials(scene) {}
@@ -268,6 +269,7 @@ Result<RayScene> RayScene::create(const Scene& scene, double time, RayParts part
     rtcAttachGeometry(state->world.get(), instance);
     rtcReleaseGeometry(instance);
   }
+  state->kept.assign(scene.objects.size(), 1);
   RayScene rays(std::move(state));
   if (Result<> placed = rays.set_time(time); !placed) return placed.error();
   return {std::move(rays)};
@@ -312,6 +314,21 @@ Result<> RayScene::update_meshes(std::span<const int> meshes) {
   }
   for (std::size_t i = 0; i < s.instances.size(); ++i)
     if (bent[std::size_t(s.scene->objects[i].model)]) rtcCommitGeometry(s.instances[i]);
+  rtcCommitScene(s.world.get());
+  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
+    return Error{"Embree", "the scene cannot be built"};
+  return Done{};
+}
+
+Result<> RayScene::keep_objects(std::span<const std::uint32_t> objects) {
+  State& s = *state_;
+  std::vector<std::uint8_t> kept(s.instances.size(), objects.empty() ? 1 : 0);
+  for (const std::uint32_t object : objects) kept[object] = 1;
+  if (kept == s.kept) return Done{};
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (kept[i] != s.kept[i])
+      kept[i] ? rtcEnableGeometry(s.instances[i]) : rtcDisableGeometry(s.instances[i]);
+  s.kept.swap(kept);
   rtcCommitScene(s.world.get());
   if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
     return Error{"Embree", "the scene cannot be built"};

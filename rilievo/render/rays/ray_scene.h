@@ -100,6 +100,11 @@ class RayScene {
   // memory does not suffice.
   Result<> update_meshes(std::span<const int> meshes);
 
+  // Lets rays hit these objects only (empty: all), until the next call. Others take a ray no time,
+  // as they do where a function below is told which objects it may hit. No other function may run
+  // meanwhile. Fails if memory does not suffice.
+  Result<> keep_objects(std::span<const std::uint32_t> objects);
+
   // The first hit at a distance in (t_near, t_far), as multiples of the length of `direction`, of
   // the objects for which `objects` is true (empty: of all).
   [[nodiscard]] std::optional<RayHit> first_hit(const glm::vec3& origin, const glm::vec3& direction,

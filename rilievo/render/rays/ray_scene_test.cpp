@@ -128,6 +128,35 @@ TEST(RayScene, meets_what_every_triangle_tried_in_turn_meets) {
   EXPECT_LE(disagreements, 4);
 }
 
+TEST(RayScene, what_is_not_kept_is_passed_as_if_it_were_told_to_be_and_comes_back) {
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<float> u(-1, 1);
+  const Scene scene = scene_to_trace(rng);
+  Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok()) << rays.error().message();
+  const std::vector<std::vector<std::uint32_t>> sets = {{1}, {0, 2}, {2}, {}, {0, 1, 2}};
+  int hits = 0, without = 0;
+  for (const std::vector<std::uint32_t>& objects : sets)
+    for (int i = 0; i < 200; ++i) {
+      const glm::vec3 origin = 6.0f * glm::normalize(glm::vec3(u(rng), u(rng), u(rng)));
+      const glm::vec3 way = 2.0f * glm::vec3(u(rng), u(rng), u(rng)) - origin;
+      ASSERT_TRUE(rays->keep_objects({}).ok());
+      const std::optional<RayHit> told =
+          rays->first_hit(origin, way, 0.0f, 100.0f, RaySides::seen, ObjectSet(scene, objects));
+      ASSERT_TRUE(rays->keep_objects(objects).ok());
+      const std::optional<RayHit> hit = rays->first_hit(origin, way, 0.0f, 100.0f);
+      ASSERT_EQ(hit.has_value(), told.has_value());
+      ++(hit ? hits : without);
+      if (!hit) continue;
+      EXPECT_EQ(hit->object, told->object);
+      EXPECT_EQ(hit->part, told->part);
+      EXPECT_EQ(hit->triangle, told->triangle);
+      EXPECT_EQ(hit->distance, told->distance);
+    }
+  EXPECT_GT(hits, 150);
+  EXPECT_GT(without, 100);
+}
+
 TEST(CastPicture, back_perspective_keeps_the_farthest_and_holds_five_faces_of_a_cube) {
   Scene scene;
   // One material, and so one part, a face: parts tell which face a texel shows.
