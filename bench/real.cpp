@@ -254,6 +254,7 @@ Result<BenchReport> real(const BenchOptions& options) {
   run.draw = options.draw;
   run.cache.samples = kSamples;
   run.cache.capture_ms = options.capture_ms;
+  run.cache.max_spike = options.max_spike;
   run.cache.machine = options.machine;
   std::vector<RealScene> scenes;
   for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));

@@ -27,7 +27,7 @@ struct BenchCommand {
   std::string draw = "automatic";
   bool quick = false, full = false;
   int width = 0, height = 0;
-  double capture_ms = 0;
+  double capture_ms = 0, max_spike = kInteractiveSpike;
   std::optional<MachineCosts> machine;
 };
 
@@ -62,6 +62,7 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.draw = options.draw;
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
+  bench_options.max_spike = options.max_spike;
   bench_options.machine = options.machine;
   bench_options.shader = options.shader;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
@@ -123,6 +124,13 @@ Command bench_command(CLI::App& app) {
                    "triangles instead)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
+  command
+      ->add_option("--max-spike", options->max_spike,
+                   fmt::format("For real: how many times as much as the frames before one may cost "
+                               "(0: no limit; default {:g})",
+                               options->max_spike))
+      ->check(in_range(0.0, 1000.0))
+      ->type_name("X");
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,

@@ -142,6 +142,7 @@ ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   cache.gap_px = options.gap_px;
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
   cache.capture_ms = options.capture_ms;
+  cache.max_spike = options.max_spike;
   if (!options.fade) cache.fade_frames = 1;
   cache.delta_bits = options.delta_bits;
   cache.depth_mode = depth_mode(options);
@@ -378,6 +379,14 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
                   "budget of triangles instead, which makes runs repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
+  command
+      .add_option("--max-spike", options.max_spike,
+                  fmt::format("cache: how many times as much as the frames before one may cost, "
+                              "by the costs of --machine; after a cut, what costs more is coarse "
+                              "for some frames, with a larger error (0: no limit; default {:g})",
+                              options.max_spike))
+      ->check(in_range(0.0, 1000.0))
+      ->type_name("X");
   command
       .add_option(
           "--bake-mb", options.bake_mb,

@@ -28,6 +28,7 @@ struct MethodOptions {
   double error_px = 1;    // cache
   double gap_px = 0;      // cache; 0: twice error_px
   double capture_ms = 0;  // cache; 0: a budget by triangles
+  double max_spike = 0;   // cache; 0: no limit
   bool fade = true;       // cache
   int bake_mb = 0;        // cache; 0: bakes nothing
   std::vector<std::string> bake_as{

@@ -263,6 +263,7 @@ class Viewer {
     cache.error_px = state_.methods.error_px;
     cache.gap_px = state_.methods.gap_px;
     cache.capture_ms = state_.methods.capture_ms;
+    cache.max_spike = state_.methods.max_spike;
     cache.outlines = state_.methods.outlines;
   }
 
@@ -378,6 +379,7 @@ Command view_command(CLI::App& app) {
                    "Play the path once, save the window as a PNG file, and quit")
       ->type_name("FILE");
   add_frame_options(*command, options->frames);
+  options->methods.max_spike = kInteractiveSpike;
   add_method_options(*command, options->methods);
   add_file_limits(*command, options->limits);
   command->footer("Example: rilievo view builtin:bridge --split");

@@ -15,6 +15,11 @@ glm::dvec3 rotation_vector(const glm::dmat3& m) {
   return sine > 1e-12 ? axis / sine * std::atan2(sine, cosine) : glm::dvec3(0);
 }
 
+// More than a frame that took longer explains, or an eye that starts to move faster.
+bool jumps(const glm::dvec3& now, const glm::dvec3& before) {
+  return glm::length(now) > 8 * glm::length(before);
+}
+
 // `now`, no longer than `before`.
 glm::dvec3 no_longer(const glm::dvec3& now, const glm::dvec3& before) {
   const double length = glm::length(now);
@@ -26,6 +31,7 @@ glm::dvec3 no_longer(const glm::dvec3& now, const glm::dvec3& before) {
 FrameView follow(EyeMotion& motion, const Camera& camera) {
   FrameView view;
   view.camera = camera;
+  view.jumped = motion.frames == 0;
   if (motion.frames > 0) {
     const glm::dvec3 step = camera.position() - motion.last.position();
     const glm::dvec3 turn = rotation_vector(glm::dmat3(camera.world_from_eye) *
@@ -33,6 +39,7 @@ FrameView follow(EyeMotion& motion, const Camera& camera) {
     // The first step has nothing to be compared with.
     view.velocity = motion.frames > 1 ? no_longer(step, motion.step) : step;
     view.turn = motion.frames > 1 ? no_longer(turn, motion.turn) : turn;
+    view.jumped = motion.frames > 1 && (jumps(step, motion.step) || jumps(turn, motion.turn));
     motion.step = step, motion.turn = turn;
   }
   motion.last = camera;

@@ -23,6 +23,8 @@ constexpr double kRangeMargin = 0.1;
 constexpr double kPaysSoon = 4, kPaysLate = 16;
 // What is in the fallback is as urgent as a picture that is late by this: twice its limit.
 constexpr double kFallbackDeadline = -1;
+// Of CacheState::limit, from frame to frame.
+constexpr double kLimitGrowth = 1.5;
 
 glm::dmat4 power(const glm::dmat4& m, int n) {
   glm::dmat4 result(1.0);
@@ -273,15 +275,26 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   return ready;
 }
 
+double FramePlanner::cost_limit() const {
+  if (!(options.max_spike > 0)) return 0;
+  const bool limited = state.limit > 0;  // the last frame
+  double limit = limited ? kLimitGrowth * state.limit : state.usual_cost;
+  if (frame.jumped) limit = 0;
+  limit = std::max(limit, options.spike_floor);
+  const double spike = limited ? limit : options.max_spike * state.usual_cost;
+  return cost_at_hand > std::max(options.spike_floor, spike) ? limit : 0;
+}
+
 void FramePlanner::choose() {
   if (nodes() > 0) {
-    evaluate(0);
+    cost_at_hand += evaluate(0).now;
     request(0, 0, false);
   }
   for (Entity e = nodes(); e < plan.entities; ++e) {
-    evaluate(e);
+    cost_at_hand += evaluate(e).now;
     request(e, 0, false);
   }
+  plan.limit = cost_limit();
 }
 
 bool FramePlanner::pictures_cover(Entity e) {
@@ -300,6 +313,9 @@ void FramePlanner::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked
   plan.pictures.push_back({slot, from, to, float(checked.now_px), float(checked.gap_px)});
   plan.bound_px = std::max(plan.bound_px, double(plan.pictures.back().bound_px));
   plan.gap_px = std::max(plan.gap_px, double(plan.pictures.back().gap_px));
+  plan.cost += scratch.captured[e] && plan.captures[scratch.captured[e] - 1].slot == slot
+                   ? plan.captures[scratch.captured[e] - 1].picture.draw_cost
+                   : state.slots[slot].draw_cost;
   ++(is_moving(e) || tree.nodes[e].leaf() ? plan.single : plan.hierarchy);
 }
 
@@ -308,6 +324,7 @@ void FramePlanner::emit(const Standing& standing) {
       {std::uint32_t(standing.alternative - alternatives.list.data()), float(standing.bound_px)});
   plan.bound_px = std::max(plan.bound_px, standing.bound_px);
   plan.gap_px = std::max(plan.gap_px, standing.gap_px);
+  plan.cost += standing.cost;
 }
 
 void FramePlanner::draw_below(Entity e, float from, float to) {
@@ -329,10 +346,14 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
   if (from <= 0 && to >= 1)
     if (const Standing standing = stands_for(e, polygon_cost(e)); standing.alternative)
       return emit(standing);
-  if (is_moving(e))
+  const double cost = polygon_cost(e);
+  if (is_moving(e)) {
     plan.moving_polygons.push_back({e - nodes(), from, to});
-  else
+  } else {
     plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to});
+    scratch.polygons.push_back({e, float(cost)});
+  }
+  plan.cost += cost;
   plan.polygon_triangles += triangles_of(e);
 }
 
@@ -383,6 +404,44 @@ void FramePlanner::draw(Entity e, float from, float to) {
     draw_below(e, middle, to);
 }
 
+// Moves the dearest polygons into the fallback, which costs the same however many it shows, until
+// the frame costs what it may; none where that would cost more.
+void FramePlanner::limit_cost() {
+  if (!(plan.limit > 0)) return;
+  const double frame = double(view.camera.width) * view.camera.height;
+  if (!plan.fallback.objects.empty())
+    plan.cost += options.cost.fallback_texel * frame * fallback_scale * fallback_scale;
+  if (plan.cost <= plan.limit) return;
+  std::vector<std::uint32_t>& dearest = scratch.dearest;
+  dearest.clear();
+  double polygons = 0;
+  for (std::uint32_t i = 0; i < plan.polygons.size(); ++i)
+    if (plan.polygons[i].from <= 0 && plan.polygons[i].to >= 1) {
+      dearest.push_back(i);
+      polygons += double(scratch.polygons[i].cost);
+    }
+  const double coarsest = options.cost.fallback_texel * frame / 4;
+  if (plan.fallback.objects.empty()) {
+    if (polygons <= coarsest) return;
+    plan.cost += coarsest;
+  }
+  std::sort(dearest.begin(), dearest.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const float cost_a = scratch.polygons[a].cost, cost_b = scratch.polygons[b].cost;
+    return cost_a != cost_b ? cost_a > cost_b : a < b;
+  });
+  std::size_t moved = 0;
+  for (; moved < dearest.size() && plan.cost > plan.limit; ++moved) {
+    const auto& [entity, cost] = scratch.polygons[dearest[moved]];
+    plan.fallback.objects.push_back(plan.polygons[dearest[moved]].object);
+    scratch.boxes.push_back(box_of(entity));
+    plan.polygon_triangles -= triangles_of(entity);
+    plan.cost -= double(cost);
+    plan.polygons[dearest[moved]].to = 0;
+  }
+  std::erase_if(plan.polygons, [](const DrawnObject& drawn) { return drawn.to <= 0; });
+  fallback_scale = rilievo::fallback_scale(view, frame, plan.limit - plan.cost + coarsest, options);
+}
+
 void FramePlanner::finish_fallback() {
   plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
   plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
@@ -392,6 +451,8 @@ void FramePlanner::finish_fallback() {
 void FramePlanner::draw() {
   if (nodes() > 0) draw(0, 0, 1);
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
+  for (const Capture& capture : plan.captures) plan.cost += capture.cost;
+  limit_cost();
   if (!plan.fallback.objects.empty()) finish_fallback();
 }
 

@@ -43,6 +43,7 @@ struct FramePlanner {
   std::uint64_t faded_triangles = 0;  // of polygons behind pictures that fade in
   double full_bytes = 0;      // of all pictures kept or requested, if they were at full density
   double fallback_scale = 1;  // of the fallback's texels, 1: a pixel
+  double cost_at_hand = 0;    // of drawing the frame from what is at hand, without captures
 
   FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
                const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
@@ -64,6 +65,10 @@ struct FramePlanner {
   [[nodiscard]] CaptureCost estimate(Entity e) const;
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
+
+  // What the frame may cost (CacheOptions::max_spike), where it would cost more than it may; else
+  // 0.
+  [[nodiscard]] double cost_limit() const;
 
   // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
@@ -103,6 +108,7 @@ struct FramePlanner {
   void draw(Entity e, float from, float to);
   void draw_below(Entity e, float from, float to);
   [[nodiscard]] bool falls_back(Entity e, float from, float to) const;
+  void limit_cost();
   void finish_fallback();
   void emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
             float to);

@@ -46,6 +46,9 @@ struct CostModel {
   double fallback_texel = 0.8;  // a texel of Plan::fallback, by rays: triangles cost nothing
 };
 
+// CacheOptions::max_spike where someone looks on.
+inline constexpr double kInteractiveSpike = 2;
+
 // Limits and preferences of the planner.
 struct CacheOptions {
   double error_px = 1;  // limit on bound_total_px
@@ -67,6 +70,12 @@ struct CacheOptions {
   // Plan::fallback. A capture that costs more alone is made when nothing else is. Infinite: no such
   // budget, nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
+  // A frame that would cost more than so many times what the last ones did, by the CostModel, costs
+  // as much as they did at most, and if the eye jumped, spike_floor (in triangles), which is always
+  // allowed: the dearest polygons are in Plan::fallback instead. The limit grows by half in each of
+  // the frames after it. 0: no such limit.
+  double max_spike = 0;
+  double spike_floor = 360'000;
   // The bounds of a picture that is late may exceed their limits by this factor.
   double late = 3;
   // The largest number of triangles in a picture of several objects, which one frame must capture.
@@ -149,6 +158,7 @@ struct FrameView {
   // The prediction for the next frames (eye_motion.h): the eye's velocity in metres per frame, and
   // its rotation about a world axis in radians per frame.
   glm::dvec3 velocity{0.0}, turn{0.0};
+  bool jumped = false;  // the eye did not come here as it moved before
 };
 
 // A picture in the cache.
@@ -190,7 +200,9 @@ struct CacheState {
   std::vector<std::optional<float>> life_shares;
   float usual_life_share[2] = {1, 1};
   std::uint64_t bytes = 0;
-  double credit = 0;  // triangles saved up for captures
+  double credit = 0;      // triangles saved up for captures
+  double usual_cost = 0;  // of the last frames: Plan::cost, smoothed; 0: there is none
+  double limit = 0;       // on the last frame's, if it had to be limited
 };
 
 // A picture to capture.
@@ -225,8 +237,8 @@ struct DrawnAlternative {
   float bound_px = 0;
 };
 
-// One picture of all static objects for which a frame has neither time nor a picture, as coarse as
-// the time requires: captured for this frame's eye, by rays, and not kept.
+// One picture of static objects for which a frame has neither time nor a picture, as coarse as the
+// time requires: captured for this frame's eye, by rays, and not kept.
 struct Fallback {
   std::vector<std::uint32_t> objects;  // the caller's indices; empty: there is none
   PictureGeometry geometry;            // geometry.capture is the camera to capture with
@@ -251,6 +263,8 @@ struct Plan {
   double gap_px = 0;              // the largest bound_gap_px of the pictures drawn, and of cracks
   int starved = 0;                // captures for which memory did not suffice
   double credit = 0, texel_scale = 1;
+  double cost = 0;   // of drawing and captures, by CostModel, in triangles
+  double limit = 0;  // on it, if it had to be limited
 };
 
 // Buffers of plan_frame; their contents are not used between frames.
@@ -274,6 +288,13 @@ struct PlanScratch {
   std::vector<std::uint8_t> choice;     // by entity
   std::vector<float> now_cost;          // by entity
   std::vector<std::uint32_t> captured;  // by entity: capture + 1
+  // An object's, with what drawing them costs.
+  struct Polygons {
+    Entity entity = 0;
+    float cost = 0;
+  };
+  std::vector<Polygons> polygons;      // of Plan::polygons
+  std::vector<std::uint32_t> dearest;  // indices of those
   std::vector<Request> requests;
   std::vector<std::uint8_t> fallback;  // by entity: due, and there is no time
   std::vector<Box> boxes;              // of Plan::fallback's objects

@@ -184,15 +184,24 @@ void SceneCache::plan(const Camera& camera) {
   plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
 }
 
+// Can a frame cost more than its floor? By polygons, if it shows all of the scene.
+bool SceneCache::may_spike() const {
+  return options_.max_spike > 0 && !hierarchy_.nodes.empty() &&
+         double(hierarchy_.nodes[0].triangles) > policy_.spike_floor;
+}
+
 // Of time, where captures are done when they return.
 void SceneCache::set_budget() {
   policy_.capture_cost = unlimited_.capture_cost;
   policy_.capture_triangles = unlimited_.capture_triangles;
   policy_.picture_triangles = unlimited_.picture_triangles;
+  if (!casts_ && (options_.capture_ms > 0 || may_spike())) {
+    if (store_.rasterizes())
+      if (auto coarse = CoarseCapture::create(placed_.scene())) coarse_ = std::move(*coarse);
+    casts_ = true;
+  }
+  policy_.max_spike = coarse_ ? options_.max_spike : 0;
   if (!(options_.capture_ms > 0)) return;
-  if (!casts_ && store_.rasterizes())
-    if (auto coarse = CoarseCapture::create(placed_.scene())) coarse_ = std::move(*coarse);
-  casts_ = true;
   if (coarse_)
     clock_.set_budget(options_.capture_ms, unlimited_, policy_);
   else if (cost_per_ms_ > 0)

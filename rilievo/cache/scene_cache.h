@@ -35,6 +35,10 @@ struct ImageCacheOptions {
   // does not suffice are late, and what has none is in a coarse picture by rays (policy.h,
   // Fallback). 0: limited by CacheOptions::capture_triangles, which makes runs reproducible.
   double capture_ms = 0;
+  // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
+  // by the costs that the planner compares, shows what costs most, after a cut for instance, in a
+  // coarse picture by rays; bounds say so. Where the rasteriser captures. 0: no such limit.
+  double max_spike = 0;
   int fade_frames = CacheOptions{}.fade_frames;  // 1: a new picture replaces the old one at once
   int delta_bits = 8;
   DepthMode depth_mode = DepthMode::exact;
@@ -98,6 +102,7 @@ class SceneCache {
   void update_moving();
   void plan(const Camera& camera);
   void set_budget();
+  [[nodiscard]] bool may_spike() const;
   void capture(std::size_t index, const std::vector<std::uint32_t>& objects);
   void carry_out_captures(const Camera& camera, FrameStats& stats);
   void capture_fallback(FrameStats& stats);

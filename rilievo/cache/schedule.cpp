@@ -20,6 +20,8 @@ namespace {
 // Of the memory, this much is planned for; the rest holds pictures that fade out.
 constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
+// Of what a frame may cost that would cost more, for its captures.
+constexpr double kLimitedShare = 0.25;
 constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
@@ -179,14 +181,18 @@ void schedule_captures(FramePlanner& planner) {
   double credit = requests.empty() ? 0 : planner.state.credit + even_pace(requests);
   if (std::isfinite(planner.options.capture_cost)) return schedule_in_time(planner, credit);
 
-  const double budget = capture_budget(planner.options);
+  // Where what cannot be captured is coarse instead, no capture is nearly free.
+  const double limit = planner.plan.limit;
+  const double budget = limit > 0 ? std::min(capture_budget(planner.options), kLimitedShare * limit)
+                                  : capture_budget(planner.options);
   double spent = 0;
   for (const auto& request : requests) {
     const double cost = request.cost;
     if (request.deadline > 0 && credit < cost) break;
     // What is captured need not be drawn by other means: in a frame that would draw it as polygons
     // its capture costs next to nothing.
-    const double extra = std::max(0.0, cost - double(planner.scratch.now_cost[request.entity]));
+    const double drawn = limit > 0 ? 0 : double(planner.scratch.now_cost[request.entity]);
+    const double extra = std::max(0.0, cost - drawn);
     if (!planner.plan.captures.empty() &&
         (int(planner.plan.captures.size()) >= planner.options.captures || spent + extra > budget))
       break;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
 #include <optional>
 
 #include "rilievo/cache/cpu/memory_cache.h"
@@ -13,6 +14,7 @@ namespace {
 struct Walked {
   std::vector<Rgba8Image> colors;
   std::vector<Image<std::uint32_t>> objects;
+  std::vector<double> bounds;  // pixels
   int pictures = 0, polygons = 0, captures = 0;
 };
 
@@ -27,6 +29,7 @@ Walked walk_through(const BuiltinScene& made, int frames, ImageCacheOptions opti
     walked.colors.push_back((*cache)->software_target()->color());
     walked.objects.push_back((*cache)->software_target()->objects());
     const FrameStats& stats = (*cache)->stats();
+    walked.bounds.push_back(stats.bound_px);
     walked.pictures += stats.groups + stats.count("nailboard");
     walked.polygons += stats.polygons;
     walked.captures += stats.captures;
@@ -69,6 +72,28 @@ TEST(MemoryCache, draws_the_same_bytes_with_the_costs_of_one_machine) {
   const Walked dear = walk_through(*made, 4, options);
   EXPECT_LT(dear.polygons, cheap.polygons);
   EXPECT_GT(dear.captures, cheap.captures);
+}
+
+// Where triangles take so long that the first frame may not draw them all.
+TEST(MemoryCache, draws_the_same_coarse_frames_with_any_number_of_threads_and_becomes_fine) {
+  const auto made = make_builtin("builtin:bridge?triangles=100000");
+  ASSERT_TRUE(made.ok());
+  ImageCacheOptions options;
+  options.machine = builtin_software_costs();
+  options.machine->draw_software.triangle_ns = options.machine->capture_rasterizer.triangle_ns =
+      5000;
+  const Walked fine = walk_through(*made, 10, options);
+  options.max_spike = 2;
+  const Walked together = walk_through(*made, 10, options);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const Walked alone = walk_through(*made, 10, options);
+  EXPECT_EQ(together.colors, alone.colors);
+  EXPECT_EQ(together.objects, alone.objects);
+  EXPECT_NE(together.colors.front(), fine.colors.front());
+  // Texels of two pixels: half their diagonal less half a pixel's is sqrt(1/2).
+  EXPECT_NEAR(together.bounds.front(), std::sqrt(0.5), 0.05);
+  EXPECT_LE(together.bounds.back(), options.error_px);
+  EXPECT_EQ(fine.bounds.front(), 0);
 }
 
 TEST(MemoryCache, keeps_to_its_memory_and_refuses_what_is_too_little) {

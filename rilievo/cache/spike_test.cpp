@@ -1,0 +1,174 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "rilievo/cache/capture_cost.h"
+#include "rilievo/cache/eye_motion.h"
+#include "rilievo/cache/plan_test_helpers.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 360;
+
+// Blocks of 200 to 60 000 triangles, 4 m apart.
+PlanObjects blocks_of_all_sizes(std::mt19937& rng) {
+  PlanObjects blocks;
+  for (int j = -8; j < 8; ++j)
+    for (int i = -8; i < 8; ++i) {
+      Box box;
+      box.add({4 * i - 1, 0, 4 * j - 1}), box.add({4 * i + 1, 3, 4 * j + 1});
+      blocks.add(box, 200 + rng() % 60'000);
+    }
+  blocks.build();
+  return blocks;
+}
+
+// Walks along an edge of the blocks for 20 frames, and jumps to another place.
+Camera walking(int frame, double step) {
+  const int jump = frame / 20;
+  const glm::dvec3 eye(60 * std::cos(2.0 * jump), 6, 60 * std::sin(2.0 * jump));
+  const glm::dvec3 aside = step * (frame % 20) * glm::dvec3(0, 0, 1);
+  return look_at(eye + aside, glm::dvec3(0, 1, 0) + aside, {0, 1, 0}, 1.0, kWidth, kHeight, 0.1,
+                 400);
+}
+
+// By definition: what the plan draws and captures, and a coarse picture of the frame's size.
+double cost_of(const Loop& run, const PlanObjects& blocks, const FrameView& view,
+               const CacheOptions& options) {
+  const ViewAxes axes = view_axes(view, 0);
+  const CostModel& model = options.cost;
+  double cost = 0;
+  for (const DrawnPicture& drawn : run.plan.pictures)
+    cost += run.state.slots[drawn.slot].draw_cost;
+  for (const DrawnObject& drawn : run.plan.polygons)
+    cost += model.object + double(blocks.triangles[drawn.object]) +
+            model.polygon_pixel * covered_pixels(axes, blocks.boxes[drawn.object]);
+  for (const Capture& capture : run.plan.captures) cost += capture.cost;
+  if (!run.plan.fallback.objects.empty()) {
+    const Camera& eye = run.plan.fallback.geometry.capture;
+    cost += model.fallback_texel * eye.width * eye.height;
+  }
+  return cost;
+}
+
+CacheOptions limited_options() {
+  CacheOptions options = rasterized_cache_options();
+  options.max_spike = 2;
+  options.spike_floor = 250'000;
+  options.picture_triangles = 200'000;
+  options.capture_triangles = 2'000'000;
+  return options;
+}
+
+TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine) {
+  std::mt19937 rng(11);
+  int coarse = 0, cuts = 0;
+  for (const double step : {0.0, 0.02, 0.3}) {
+    const PlanObjects blocks = blocks_of_all_sizes(rng);
+    const CacheOptions options = limited_options();
+    Loop run;
+    EyeMotion motion;
+    double limit = 0;
+    for (int frame = 0; frame < 160; ++frame) {
+      const FrameView view = follow(motion, walking(frame, step));
+      ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+      std::vector<Shares> still(blocks.boxes.size()), moving;
+      add_shares(run, blocks.tree, still, moving);
+      const ViewAxes axes = view_axes(view, 0);
+      for (std::size_t i = 0; i < still.size(); ++i)
+        EXPECT_TRUE(complete(still[i]) || !may_see(axes.now, blocks.boxes[i])) << i;
+      // Texels of two pixels at most.
+      EXPECT_LE(run.plan.bound_px, options.error_px + std::sqrt(0.5) + 1e-9);
+      const double cost = cost_of(run, blocks, view, options);
+      if (run.plan.fallback.objects.empty()) {
+        EXPECT_NEAR(run.plan.cost, cost, 1e-6 * cost);
+      } else {
+        ++coarse;
+        // One object, of 60 000 triangles at most, is moved too few or too many; and one capture of
+        // any size is always allowed. The coarse picture may be finer where there is room.
+        EXPECT_LE(cost, run.plan.limit + 60'000 + 0.1 * run.plan.limit) << frame;
+      }
+      if (frame % 20 == 0) {
+        ++cuts;
+        EXPECT_TRUE(run.plan.limit == 0 || run.plan.limit == options.spike_floor) << frame;
+      } else if (limit > 0 && run.plan.limit > 0) {
+        EXPECT_NEAR(run.plan.limit, 1.5 * limit, 1e-6 * limit);
+      }
+      limit = run.plan.limit;
+      // 1.5^8 = 25 floors are more than all of the blocks cost.
+      if (frame % 20 >= 8) {
+        EXPECT_TRUE(run.plan.fallback.objects.empty()) << frame;
+      }
+    }
+  }
+  EXPECT_GT(coarse, cuts);
+}
+
+TEST(Spike, the_dearest_polygons_are_coarse_and_no_more_of_them_than_must_be) {
+  std::mt19937 rng(12);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  CacheOptions options = limited_options();
+  options.captures = 0;  // but the one that is always allowed
+  Loop run;
+  EyeMotion motion;
+  const FrameView view = follow(motion, walking(0, 0));
+  ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+  ASSERT_GT(run.plan.fallback.objects.size(), 10u);
+  ASSERT_GT(run.plan.polygons.size(), 10u);
+  const ViewAxes axes = view_axes(view, 0);
+  const auto cost_of_one = [&](std::uint32_t object) {
+    return options.cost.object + double(blocks.triangles[object]) +
+           options.cost.polygon_pixel * covered_pixels(axes, blocks.boxes[object]);
+  };
+  double cheapest = INFINITY, dearest = 0;
+  for (const std::uint32_t object : run.plan.fallback.objects)
+    cheapest = std::min(cheapest, cost_of_one(object));
+  for (const DrawnObject& drawn : run.plan.polygons)
+    dearest = std::max(dearest, cost_of_one(drawn.object));
+  EXPECT_GE(cheapest, dearest * (1 - 1e-6));
+  // The cheapest of them as polygons would be too much.
+  EXPECT_LE(run.plan.cost, run.plan.limit);
+  EXPECT_GT(run.plan.cost + cheapest, run.plan.limit);
+}
+
+TEST(Spike, without_a_limit_and_below_the_floor_nothing_is_coarse) {
+  std::mt19937 rng(13);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  CacheOptions options[2] = {limited_options(), limited_options()};
+  options[0].max_spike = 0;
+  options[1].spike_floor = 1e9;
+  for (const CacheOptions& one : options) {
+    Loop run;
+    EyeMotion motion;
+    for (int frame = 0; frame < 60; ++frame) {
+      const FrameView view = follow(motion, walking(frame, 0.02));
+      ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, one));
+      EXPECT_TRUE(run.plan.fallback.objects.empty());
+      EXPECT_EQ(run.plan.limit, 0);
+      EXPECT_LE(run.plan.bound_px, one.error_px);
+    }
+  }
+}
+
+TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
+  EyeMotion motion;
+  const auto at = [](double x) {
+    return look_at({x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.1, 100);
+  };
+  EXPECT_TRUE(follow(motion, at(0)).jumped);  // it was nowhere before
+  EXPECT_FALSE(follow(motion, at(0.1)).jumped);
+  EXPECT_FALSE(follow(motion, at(0.2)).jumped);
+  EXPECT_FALSE(follow(motion, at(0.8)).jumped);  // a frame that took six times as long
+  EXPECT_FALSE(follow(motion, at(0.9)).jumped);
+  EXPECT_TRUE(follow(motion, at(5)).jumped);
+  EXPECT_FALSE(follow(motion, at(5.1)).jumped);
+  Camera turned = at(5.2);
+  turned.world_from_eye = look_at({5.2, 0, 0}, {4, 0, 0}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.1, 100)
+                              .world_from_eye;
+  EXPECT_TRUE(follow(motion, turned).jumped);
+}
+
+}  // namespace
+}  // namespace rilievo
