@@ -55,6 +55,8 @@ class CachePictures {
   // Captures the object identifiers of a picture.
   virtual void capture_objects(std::uint32_t slot, const Camera& camera,
                                std::span<const std::uint32_t> objects) = 0;
+  // Writes identifiers that others have captured: a texel each, rows from the bottom.
+  virtual void write_objects(std::uint32_t slot, std::span<const std::uint32_t> objects) = 0;
   // Item `slot` of the drawable set of pictures is this picture from now on.
   virtual void show(std::uint32_t slot, const PictureGeometry& geometry) = 0;
 };

@@ -342,7 +342,8 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
 // Identifiers of pictures of several objects, where no probe has asked for them before.
 void SceneCache::prepare_objects() {
   if (fallback_.held && !fallback_.objects_captured) {
-    store_.capture_objects(kFallbackSlot, fallback_.camera, fallback_.objects);
+    // Not as other pictures: it may show objects that reach behind the eye.
+    store_.write_objects(kFallbackSlot, coarse_->capture_objects(fallback_.camera));
     fallback_.objects_captured = true;
   }
   for (const DrawnPicture& drawn : plan_.pictures) {

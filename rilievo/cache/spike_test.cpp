@@ -40,8 +40,7 @@ double cost_of(const Loop& run, const PlanObjects& blocks, const FrameView& view
   const ViewAxes axes = view_axes(view, 0);
   const CostModel& model = options.cost;
   double cost = 0;
-  for (const DrawnPicture& drawn : run.plan.pictures)
-    cost += run.state.slots[drawn.slot].draw_cost;
+  for (const DrawnPicture& drawn : run.plan.pictures) cost += run.state.slots[drawn.slot].draw_cost;
   for (const DrawnObject& drawn : run.plan.polygons)
     cost += model.object + double(blocks.triangles[drawn.object]) +
             model.polygon_pixel * covered_pixels(axes, blocks.boxes[drawn.object]);
@@ -165,8 +164,8 @@ TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
   EXPECT_TRUE(follow(motion, at(5)).jumped);
   EXPECT_FALSE(follow(motion, at(5.1)).jumped);
   Camera turned = at(5.2);
-  turned.world_from_eye = look_at({5.2, 0, 0}, {4, 0, 0}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.1, 100)
-                              .world_from_eye;
+  turned.world_from_eye =
+      look_at({5.2, 0, 0}, {4, 0, 0}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.1, 100).world_from_eye;
   EXPECT_TRUE(follow(motion, turned).jumped);
 }
 

@@ -4,6 +4,7 @@
 // are at time 0: none of those that move may be captured.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 
@@ -28,6 +29,12 @@ class CoarseCapture {
     caster_.draw(camera, {}, 1, picture_);
     return &picture_;
   }
+  // The identifiers of the objects captured last, by this camera: a texel each, rows from the
+  // bottom. Valid until the next call.
+  [[nodiscard]] std::span<const std::uint32_t> capture_objects(const Camera& camera) {
+    caster_.draw_objects(camera, objects_);
+    return objects_.object;
+  }
 
  private:
   explicit CoarseCapture(RayScene rays) : rays_(std::move(rays)), caster_(rays_) {}
@@ -35,6 +42,7 @@ class CoarseCapture {
   RayScene rays_;
   PictureCaster caster_;
   RasterPicture picture_;
+  ObjectPicture objects_;
 };
 
 }  // namespace rilievo

@@ -82,7 +82,10 @@ class MemoryCache::Store final : public CachePictures {
   void finish() override {}
   void capture_objects(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) override {
-    slots_[slot]->assign_objects(source_.draw_objects(camera, objects).object, true);
+    write_objects(slot, source_.draw_objects(camera, objects).object);
+  }
+  void write_objects(std::uint32_t slot, std::span<const std::uint32_t> objects) override {
+    slots_[slot]->assign_objects(objects, true);
   }
   void show(std::uint32_t slot, const PictureGeometry& geometry) override {
     pictures_.set_item(slot, *slots_[slot], geometry);

@@ -74,6 +74,20 @@ TEST(MemoryCache, draws_the_same_bytes_with_the_costs_of_one_machine) {
   EXPECT_GT(dear.captures, cheap.captures);
 }
 
+// Of the pixels of `truth`, how many show an object that `drawn` does not show within two pixels?
+int missing_pixels(const Image<std::uint32_t>& truth, const Image<std::uint32_t>& drawn) {
+  constexpr int kReach = 2;
+  int missing = 0;
+  for (int y = kReach; y < truth.height() - kReach; ++y)
+    for (int x = kReach; x < truth.width() - kReach; ++x) {
+      bool found = false;
+      for (int v = y - kReach; v <= y + kReach; ++v)
+        for (int u = x - kReach; u <= x + kReach; ++u) found |= drawn(u, v) == truth(x, y);
+      missing += !found;
+    }
+  return missing;
+}
+
 // Where triangles take so long that the first frame may not draw them all.
 TEST(MemoryCache, draws_the_same_coarse_frames_with_any_number_of_threads_and_becomes_fine) {
   const auto made = make_builtin("builtin:bridge?triangles=100000");
@@ -94,6 +108,9 @@ TEST(MemoryCache, draws_the_same_coarse_frames_with_any_number_of_threads_and_be
   EXPECT_NEAR(together.bounds.front(), std::sqrt(0.5), 0.05);
   EXPECT_LE(together.bounds.back(), options.error_px);
   EXPECT_EQ(fine.bounds.front(), 0);
+  // What is narrower than a texel may be between its rays: 1 % of the pixels.
+  EXPECT_LT(missing_pixels(fine.objects.front(), together.objects.front()), 160 * 90 / 100);
+  EXPECT_LT(missing_pixels(together.objects.front(), fine.objects.front()), 160 * 90 / 100);
 }
 
 TEST(MemoryCache, keeps_to_its_memory_and_refuses_what_is_too_little) {

@@ -57,6 +57,9 @@ class ImageCache::Store final : public CachePictures {
                        std::span<const std::uint32_t> objects) override {
     pictures_.set().atlas().capture_objects(renderer_, camera, objects, *slots_[slot]);
   }
+  void write_objects(std::uint32_t slot, std::span<const std::uint32_t> objects) override {
+    pictures_.set().atlas().write_objects(*slots_[slot], objects);
+  }
   void show(std::uint32_t slot, const PictureGeometry& geometry) override {
     pictures_.set().set_item(slot, *slots_[slot], geometry);
   }
