@@ -68,6 +68,14 @@ AxisWarp axis_warp(const PlaneAxis& axis, double resolution, double offset, doub
 // Rows of the first pass that are one piece of work.
 constexpr int kRowsAtOnce = 32;
 
+// Vectors that begin there lie in one line of the processor's cache.
+constexpr std::size_t kAlignment = 64;
+template <class T>
+T* aligned(T* at) {
+  const auto address = reinterpret_cast<std::uintptr_t>(at);
+  return at + (kAlignment - address % kAlignment) % kAlignment / sizeof(T);
+}
+
 }  // namespace
 
 std::optional<PlaneWarp> plane_warp(const PictureGeometry& picture, const glm::dvec3& eye) {
@@ -200,10 +208,12 @@ std::optional<WarpedTexels> warp_impostor(const ImpostorPicture& picture, const 
   const AxisWarp across = axis_warp(x_axis, resolution, low.x, m0, m1, columns);
   const AxisWarp down = axis_warp(y_axis, resolution, low.y, m0, m1, rows);
 
-  const int pitch = warp_pitch(width);
   const std::size_t texels = std::size_t(width) * std::size_t(height);
-  scratch.between.resize(std::size_t(pitch) * std::size_t(rows + 1));
-  std::fill_n(scratch.between.end() - pitch, pitch, WarpTexel{0, kEmptyWarped});
+  const std::size_t block = warp_block(rows), blocks = std::size_t(width + 15) / 16;
+  scratch.between.resize(blocks * block + kAlignment / 4);
+  std::uint32_t* between = aligned(scratch.between.data());
+  for (std::size_t i = 0; i < blocks; ++i)
+    std::fill_n(between + i * block + std::size_t(rows) * 32, 32, kEmptyWarped);
   result.color.resize(texels);
   result.delta.resize(texels);
   scratch.flags.resize(texels);
@@ -211,26 +221,26 @@ std::optional<WarpedTexels> warp_impostor(const ImpostorPicture& picture, const 
                           result.delta.data(), scratch.flags.data(), std::size_t(width)};
   const int bands = (rows + kRowsAtOnce - 1) / kRowsAtOnce,
             strips = (width + kWarpStrip - 1) / kWarpStrip;
-  const std::size_t row_bytes = (row_pass_scratch(columns) + 63) / 64 * 64,
+  const std::size_t row_bytes = (row_pass_scratch(columns, width) + 63) / 64 * 64,
                     column_bytes = (column_pass_scratch(rows, height) + 63) / 64 * 64;
   const std::size_t parts = options.parallel ? std::size_t(std::max(bands, strips)) : 1;
-  scratch.bytes.resize(parts * std::max(row_bytes, column_bytes));
+  scratch.bytes.resize(parts * std::max(row_bytes, column_bytes) + kAlignment);
+  std::byte* bytes = aligned(scratch.bytes.data());
   scratch.counts.assign(std::size_t(strips), {});
   const auto bytes_of = [&](int part, std::size_t each) {
-    return scratch.bytes.data() + (options.parallel ? std::size_t(part) * each : 0);
+    return bytes + (options.parallel ? std::size_t(part) * each : 0);
   };
   const auto do_band = [&](int band) {
     const int end = std::min((band + 1) * kRowsAtOnce, rows);
     for (int row = band * kRowsAtOnce; row < end; ++row)
-      row_pass(across, scratch.table.data(), &picture.at(picture.min.x, picture.min.y + row),
-               columns, &scratch.between[std::size_t(row) * std::size_t(pitch)], width,
-               bytes_of(band, row_bytes));
+      row_pass(across, codes, scratch.table.data(), &picture.at(picture.min.x, picture.min.y + row),
+               columns, between + std::size_t(row) * 32, block, width, bytes_of(band, row_bytes));
   };
   const auto do_strip = [&](int strip) {
     const int first = strip * kWarpStrip;
-    scratch.counts[std::size_t(strip)] = column_pass(down, scratch.between.data(), pitch, rows,
-                                                     first, std::min(kWarpStrip, width - first),
-                                                     planes, height, bytes_of(strip, column_bytes));
+    scratch.counts[std::size_t(strip)] =
+        column_pass(down, between, block, rows, first, std::min(kWarpStrip, width - first), planes,
+                    height, bytes_of(strip, column_bytes));
   };
   if (options.parallel) {
     parallel_for(0, bands, do_band);

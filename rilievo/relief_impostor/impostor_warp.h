@@ -69,8 +69,7 @@ struct PlaneWarp {
 
 // Buffers that are kept from warp to warp: the second warp of a size allocates nothing.
 struct ImpostorWarpScratch {
-  std::vector<WarpTexel> between;
-  std::vector<std::uint32_t> table;
+  std::vector<std::uint32_t> between, table;
   std::vector<std::byte> bytes;
   std::vector<WarpedTexels> counts;
   // Of the last warp, by texel of its result: 1 where it is interpolated, 2 where torn; or both.

@@ -144,7 +144,8 @@ void expect_passes_equal_the_slow_definition() {
     const int out_height = std::uniform_int_distribution<int>(1, 100)(rng);
     const ImpostorPicture picture = random_impostor(rng, width, height, round % 3 > 0);
     std::vector<std::uint32_t> table(kEmptyLevel + 1);
-    level_table({1.4f, -1e-4f, 1.1f, 1e-5f, 90000, -64000}, table.data());
+    const LevelCodes codes{1.4f, -1e-4f, 1.1f, 1e-5f, 90000, -64000};
+    level_table(codes, table.data());
     for (std::uint32_t level = 0; level < kEmptyLevel; ++level) {
       const float nearness = (1.4f + -1e-4f * float(level)) / (1.1f + 1e-5f * float(level));
       ASSERT_EQ(table[level],
@@ -153,20 +154,25 @@ void expect_passes_equal_the_slow_definition() {
     ASSERT_EQ(table[kEmptyLevel], kEmptyWarped);
     const AxisWarp across = random_axis(rng, width), down = random_axis(rng, height);
 
-    const auto pitch = std::size_t(warp_pitch(out_width));
-    std::vector<WarpTexel> between(pitch * std::size_t(height + 1), WarpTexel{0, kEmptyWarped});
-    std::vector<std::byte> scratch(row_pass_scratch(width));
+    const std::size_t block = warp_block(height);
+    std::vector<std::uint32_t> between(block * ((std::size_t(out_width) + 15) / 16), kEmptyWarped);
+    std::vector<std::byte> scratch(row_pass_scratch(width, out_width));
     std::vector<std::vector<WarpTexel>> expected;
     for (int y = 0; y < height; ++y) {
-      row_pass(across, table.data(), &picture.at(0, y), width, &between[std::size_t(y) * pitch],
-               out_width, scratch.data());
+      row_pass(across, codes, table.data(), &picture.at(0, y), width, &between[std::size_t(y) * 32],
+               block, out_width, scratch.data());
       std::vector<WarpTexel> row(&picture.at(0, y), &picture.at(0, y) + width);
       for (WarpTexel& texel : row) texel.code = table[texel.code];
       expected.push_back(slow_pass(across, row, out_width));
       for (int x = 0; x < out_width; ++x) {
-        const WarpTexel& found = between[std::size_t(y) * pitch + std::size_t(x)];
-        ASSERT_EQ(found.color, expected.back()[std::size_t(x)].color) << x << ' ' << y;
-        ASSERT_EQ(found.code, expected.back()[std::size_t(x)].code) << x << ' ' << y;
+        const WarpTexel& texel = expected.back()[std::size_t(x)];
+        const std::uint32_t* found =
+            &between[std::size_t(x / 16) * block + std::size_t(y * 32 + x % 16)];
+        // A row that shows nothing has no colours.
+        if (texel.code != kEmptyWarped) {
+          ASSERT_EQ(found[0], texel.color) << x << ' ' << y;
+        }
+        ASSERT_EQ(found[16], texel.code) << x << ' ' << y;
       }
     }
     const std::size_t plane_pitch = std::size_t(out_width) + 3;
@@ -177,8 +183,8 @@ void expect_passes_equal_the_slow_definition() {
     WarpedTexels counted, wanted;
     for (int x = 0; x < out_width; x += kWarpStrip) {
       const WarpedTexels part =
-          column_pass(down, between.data(), int(pitch), height, x,
-                      std::min(kWarpStrip, out_width - x), planes, out_height, scratch.data());
+          column_pass(down, between.data(), block, height, x, std::min(kWarpStrip, out_width - x),
+                      planes, out_height, scratch.data());
       counted.covered += part.covered, counted.interpolated += part.interpolated;
     }
     for (int x = 0; x < out_width; ++x) {

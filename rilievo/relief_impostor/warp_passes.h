@@ -38,7 +38,7 @@ constexpr std::uint32_t kFaintAlpha = 4;
 
 // Texels from row to row of `width` texels: room for whole vectors, and rows that do not share
 // their places in the processor's cache.
-[[nodiscard]] constexpr int warp_pitch(int width) { return (width + 15) / 16 * 16 + 24; }
+[[nodiscard]] constexpr int warp_pitch(int width) { return (((width + 15) / 16 + 2) | 1) * 16; }
 // Columns that the second pass does at once.
 constexpr int kWarpStrip = 64;
 
@@ -61,11 +61,27 @@ struct WarpedTexels {
   }
 };
 
-// One row of `width` texels to one of `out_width`. `table` maps levels to codes. Both rows have the
-// pitch of their widths. `scratch` holds row_pass_scratch(width) bytes.
-void row_pass(const AxisWarp& axis, const std::uint32_t* table, const WarpTexel* in, int width,
-              WarpTexel* out, int out_width, std::byte* scratch);
-[[nodiscard]] std::size_t row_pass_scratch(int width);
+// Between the passes, texels lie in blocks of 16 columns, which the second pass reads from row to
+// row: each row of a block is 16 colours, and then 16 codes. Words from block to block, with room
+// for a row after the last, and of a size that does not share its places in the cache:
+[[nodiscard]] constexpr std::size_t warp_block(int rows) {
+  return std::size_t((rows + 1) | 1) * 32;
+}
+
+// The codes of levels 0 ... farthest: B = (r0 + r1 level) / (c0 + c1 level), code = m0 + m1 B. The
+// table has 4096 entries; kEmptyLevel's is kEmptyWarped.
+struct LevelCodes {
+  float r0 = 0, r1 = 0, c0 = 1, c1 = 0, m0 = 0, m1 = 0;
+};
+void level_table(const LevelCodes& codes, std::uint32_t* table);
+
+// One row of `width` texels to one of `out_width`, in the first block at `out`. `table` is that of
+// `codes`. `in` has the pitch of its width. `scratch` holds row_pass_scratch(width, out_width)
+// bytes.
+void row_pass(const AxisWarp& axis, const LevelCodes& codes, const std::uint32_t* table,
+              const WarpTexel* in, int width, std::uint32_t* out, std::size_t block, int out_width,
+              std::byte* scratch);
+[[nodiscard]] std::size_t row_pass_scratch(int width, int out_width);
 
 // What the second pass writes: colours, Deltas, and what is true of a texel: 1 interpolated, 2
 // torn.
@@ -76,16 +92,12 @@ struct WarpPlanes {
   std::size_t pitch = 0;  // texels from row to row
 };
 
-// Columns [x, x + columns) of `height` rows to `out_height` rows of planes. At most kWarpStrip.
-WarpedTexels column_pass(const AxisWarp& axis, const WarpTexel* in, int pitch, int height, int x,
-                         int columns, const WarpPlanes& to, int out_height, std::byte* scratch);
+// Columns [x, x + columns), at most kWarpStrip, of `height` rows of the first pass to `out_height`
+// rows of planes. `in` is the first block; a row that shows nothing is after its last. x is a
+// multiple of 16.
+WarpedTexels column_pass(const AxisWarp& axis, const std::uint32_t* in, std::size_t block,
+                         int height, int x, int columns, const WarpPlanes& to, int out_height,
+                         std::byte* scratch);
 [[nodiscard]] std::size_t column_pass_scratch(int height, int out_height);
-
-// The codes of levels 0 ... farthest: B = (r0 + r1 level) / (c0 + c1 level), code = m0 + m1 B. The
-// table has 4096 entries; kEmptyLevel's is kEmptyWarped.
-struct LevelCodes {
-  float r0 = 0, r1 = 0, c0 = 1, c1 = 0, m0 = 0, m1 = 0;
-};
-void level_table(const LevelCodes& codes, std::uint32_t* table);
 
 }  // namespace rilievo
