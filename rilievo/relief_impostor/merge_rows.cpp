@@ -1,4 +1,4 @@
-// The four texels around a place are copied one by one, as in warp_passes.cpp; all else is done for
+// The four texels around a place are copied one by one; all else is done for
 // a vector of texels. The texel with the largest share of the place, of those that show something,
 // says which surface is there; those of other surfaces do not count, and what is empty is
 // transparent.
