@@ -38,13 +38,13 @@ struct CompareCommand {
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false, real_time = false, drawn_error = false;
+  bool bends = false;  // the scene by time, and some method shows it
 };
 
-// Direct drawing is always there, and first: it draws the true frames. Without OpenGL, the
-// rasteriser does.
-std::vector<std::string> with_direct(const std::vector<std::string>& methods,
-                                     const std::string& draw) {
-  std::vector<std::string> all{draw == "software" ? "direct-raster" : "direct"};
+// Direct drawing is always there, and first: it draws the true frames. Without OpenGL, and where
+// something bends by time, the rasteriser does.
+std::vector<std::string> with_direct(const std::vector<std::string>& methods, bool raster) {
+  std::vector<std::string> all{raster ? "direct-raster" : "direct"};
   for (const std::string& method : methods)
     if (std::find(all.begin(), all.end(), method) == all.end()) all.push_back(method);
   return all;
@@ -74,6 +74,9 @@ Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
                                                const CompareCommand& options, const Scene& scene,
                                                std::unique_ptr<gl::Context>& context,
                                                std::optional<SceneRenderer>& renderer) {
+  // It draws the true frames, and only software bends what bends by time.
+  if (method == "direct-raster" && options.bends)
+    return make_software_source(method, options.method_options, options.frames.samples, scene);
   if (options.file.empty() || method == "direct")
     return make_scene_source(method, options.method_options, options.frames.samples, scene, context,
                              renderer);
@@ -119,17 +122,27 @@ Result<> run_compare(CompareCommand options) {
   const std::filesystem::path report_file = folder / "report.json",
                               page_file = folder / "report.html";
   if (Result<> good = expect_outputs({report_file, page_file, options.json}); !good) return good;
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
+  const Result<OpenedScene> opened =
+      open_scene(options.scene, options.limits, 0,
+                 options.file.empty() &&
+                     std::any_of(options.methods.begin(), options.methods.end(), bends_by_time));
   if (!opened) return opened.error();
+  options.bends = !opened->deformations.meshes.empty();
+  if (options.bends && options.drawn_error)
+    return Error{
+        "--drawn-error",
+        fmt::format("{} bends by time, and colours that tell positions do not", options.scene)};
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
   options.method_options.impostors.background = options.real_time;
+  if (options.bends) options.method_options.impostors.deformations = &opened->deformations;
   std::unique_ptr<gl::Context> context;
   std::optional<SceneRenderer> renderer;
   std::vector<std::unique_ptr<FrameSource>> sources;
   std::vector<ComparedSource> compared;
-  for (const std::string& method : with_direct(options.methods, options.method_options.draw)) {
+  for (const std::string& method :
+       with_direct(options.methods, options.bends || options.method_options.draw == "software")) {
     Result<std::unique_ptr<FrameSource>> source =
         source_of(method, options, opened->scene, context, renderer);
     if (!source) return source.error();
@@ -167,6 +180,10 @@ Result<> run_compare(CompareCommand options) {
       options.real_time ? compare_in_real_time(compared, by_the_clock, compare_options, real_time)
                         : compare(compared, walk, compare_options);
   if (!report) return report.error();
+  if (options.bends)
+    report->notes.push_back(
+        "The scene bends by time, which OpenGL's polygons do not show: the true "
+        "frames are direct-raster's, by software.");
   if (options.drawn_error)
     if (Result<> done = add_drawn_errors(options, opened->scene, *sources[0], walk, compare_options,
                                          context, *report);
@@ -238,9 +255,12 @@ Command compare_command(CLI::App& app) {
                    "The scene from which FILE was baked; required to compare a file")
       ->type_name("SCENE");
   command
-      ->add_option("--methods", options->methods,
-                   "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
-                       " (default flat,nailboard,cache; for a file those of its kind)")
+      ->add_option(
+          "--methods", options->methods,
+          "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
+              " (default flat,nailboard,cache; for a file those of its kind). With "
+              "relief-impostor or direct-raster, skins and morph targets move by time, and "
+              "the rasteriser draws the true frames; the other methods show them as at 0")
       ->delimiter(',')
       ->check(known_method())
       ->type_name("A,B,...");

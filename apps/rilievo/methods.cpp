@@ -444,6 +444,10 @@ bool is_method(const std::string& name) {
          std::find(method_names().begin(), method_names().end(), name) != method_names().end();
 }
 
+bool bends_by_time(const std::string& method) {
+  return method == kReliefImpostorName || method == "direct-raster";
+}
+
 CLI::Validator known_method() {
   return CLI::Validator(
       [](std::string& name) {
@@ -513,9 +517,13 @@ Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& met
 
 namespace {
 
-// Does `automatic` draw without OpenGL though there is one? Kinds are baked by it where there is.
+// Does `automatic` draw without OpenGL though there is one? Kinds are baked by it where there is,
+// and polygons that are presented by it do not bend.
 bool chooses_software(const std::string& method, const MethodOptions& options, int samples) {
-  return options.draw == "automatic" && gl::is_software() && !kind_method(method).kind &&
+  const Deformations* deformations = options.impostors.deformations;
+  const bool bends = deformations && !deformations->meshes.empty();
+  return options.draw == "automatic" &&
+         (gl::is_software() || (bends && method == "direct-raster")) && !kind_method(method).kind &&
          !needs_opengl(method, options, samples);
 }
 

@@ -52,6 +52,9 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 [[nodiscard]] const std::vector<std::string>& method_names();
 // Does --method take it? Former names too.
 [[nodiscard]] bool is_method(const std::string& name);
+// Does the method show skins and morph targets by time, if it is given Deformations? direct-raster
+// by software only.
+[[nodiscard]] bool bends_by_time(const std::string& method);
 // For CLI options that take one or several methods.
 [[nodiscard]] CLI::Validator known_method();
 

@@ -185,11 +185,6 @@ Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& sourc
   return write_json(options.json, json);
 }
 
-// Does the method show skins and morph targets by time?
-bool bends_by_time(const RenderCommand& options) {
-  return options.method == "relief-impostor" || options.method == "direct-raster";
-}
-
 Result<> render_scene(const RenderCommand& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
@@ -198,7 +193,7 @@ Result<> render_scene(const RenderCommand& options) {
                                                 kind_method(options.method).kind->name)};
   const Result<OpenedScene> opened =
       open_scene(options.scene, options.limits, options.time.value_or(0.0),
-                 bends_by_time(options) && !options.time);
+                 bends_by_time(options.method) && !options.time);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();

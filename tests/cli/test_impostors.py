@@ -81,6 +81,22 @@ class Impostors(command.Case):
         self.assertEqual(len(set(later)), 1)
         self.assertNotEqual(still[0], later[0])
         self.refused(["render", scene, "--time", "-1", "-o", self.folder / "bad"], "--time")
+        # What bends is held against frames in which it bends, too.
+        path["keys"] = [{"time": 0.7 + i / 60, **eye} for i in range(6)]
+        late = (*SIZE, "--path", self.write("late.json", json.dumps(path)), "--frames", "6")
+        for draw in "opengl", "software":
+            report = self.folder / ("report by " + draw)
+            methods = "direct-raster,relief-impostor" + (",nailboard" if draw == "opengl" else "")
+            self.succeeds("compare", scene, "--methods", methods, *METHOD[2:], *late, "--draw", draw,
+                          "-o", report)
+            found = json.loads((report / "report.json").read_text())["methods"]
+            self.assertEqual(set(found), set(methods.split(",")))
+            # The triangle has grown by two thirds: what stands still has 29 dB, what bends 42.
+            self.assertGreater(found["relief-impostor"]["psnr_db"]["min"], 38)
+            if draw == "opengl":
+                self.assertLess(found["nailboard"]["psnr_db"]["min"], 35)
+        self.refused(["compare", scene, "--methods", "relief-impostor", *walk, "--drawn-error", "-o",
+                      self.folder / "bad"], "--drawn-error")
 
     def test_a_field_and_a_comparison(self):
         field, captures = self.rendered("field", "--shader", "sdf:torus", "--objects", "#1")
