@@ -19,14 +19,14 @@ namespace {
 
 // A ball with waves and rings on it, all of the picture covered but its corners: the paper's 256 x
 // 256 texels.
-ImpostorPicture waves(int size) {
-  return painted_picture(size, [&](double u, double v) -> std::optional<Paint> {
+ImpostorPicture waves(int width, int height) {
+  return painted_picture(width, height, [&](double u, double v) -> std::optional<Paint> {
     const double r = u * u + v * v;
     if (r >= 1.6) return std::nullopt;
     const bool ring = std::fmod(5 * std::sqrt(r), 1.0) > 0.8;
     const double depth = 0.25 + 0.3 * r + 0.03 * std::sin(20 * u) * std::sin(17 * v) + 0.2 * ring;
-    const int x = int((u + 1) * 0.5 * size), y = int((v + 1) * 0.5 * size);
-    return Paint{{x * 255 / size, y * 255 / size, ring ? 200 : 40, 255}, depth};
+    const int x = int((u + 1) * 0.5 * width), y = int((v + 1) * 0.5 * height);
+    return Paint{{x * 255 / width, y * 255 / height, ring ? 200 : 40, 255}, depth};
   });
 }
 
@@ -93,7 +93,7 @@ void pair_times(const BenchOptions& options, BenchReport& report) {
               {"size", "pictures", "threads", "ms", "times memcpy"},
               {}};
   for (const int size : {256, kFrameTexels}) {
-    const ImpostorPicture one = waves(size), two = seen_from(one, turned_eye(12));
+    const ImpostorPicture one = waves(size, size), two = seen_from(one, turned_eye(12));
     for (const bool both : {false, true})
       for (const int threads : {1, 2}) {
         WarpPairScratch scratch;
@@ -122,6 +122,29 @@ void pair_times(const BenchOptions& options, BenchReport& report) {
   report.tables.push_back(std::move(table));
 }
 
+// One picture that fills a frame of 1280 x 720 pixels.
+void frame_times(const BenchOptions& options, BenchReport& report) {
+  Table table{"One picture of 1280 x 720 texels", {"threads", "ms", "times memcpy"}, {}};
+  const ImpostorPicture picture = waves(1280, 720);
+  ImpostorWarpScratch scratch;
+  Prewarped result;
+  const auto warp = [&] {
+    (void)warp_impostor(picture, turned_eye(6), {.max_size = 2048}, scratch, result);
+  };
+  for (const int threads : {1, 2}) {
+    warp();
+    const WarpTimes times = warp_times(bytes_of(picture) + 6 * result.color.size(), threads,
+                                       options.quick ? 3 : 100, warp);
+    const double ratio = times.ms / times.copy_ms;
+    table.rows.push_back(
+        {std::to_string(threads), fmt::format("{:.3f}", times.ms), fmt::format("{:.1f}", ratio)});
+    const std::string name = fmt::format("frame_1280x720_{}t", threads);
+    report.figures.emplace_back(name + "_ms", times.ms);
+    report.figures.emplace_back(name + "_over_memcpy", ratio);
+  }
+  report.tables.push_back(std::move(table));
+}
+
 }  // namespace
 
 Result<BenchReport> relief(const BenchOptions& options) {
@@ -130,7 +153,7 @@ Result<BenchReport> relief(const BenchOptions& options) {
               {"size", "turned by", "threads", "ms", "Mtexel/s", "times memcpy", "interpolated"},
               {}};
   for (const int size : {256, 512}) {
-    const ImpostorPicture picture = waves(size);
+    const ImpostorPicture picture = waves(size, size);
     for (const double degrees : {0.0, 4.0, 12.0})
       for (const int threads : {1, 2}) {
         const glm::dvec3 eye = turned_eye(degrees);
@@ -159,6 +182,7 @@ Result<BenchReport> relief(const BenchOptions& options) {
   report.figures.emplace_back("prewarp_256_paper_ms", 11.0);
   report.tables = {std::move(table)};
   pair_times(options, report);
+  frame_times(options, report);
   report.notes = {
       "The fastest of the runs; the figures are those of an eye turned by 12 degrees. Mtexel/s: of "
       "the picture. Times memcpy: by one thread, of half as many bytes as the picture (8 a texel) "

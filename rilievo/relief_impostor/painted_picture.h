@@ -16,20 +16,20 @@ struct Paint {
   double depth = 0;
 };
 
-// A picture of size x size texels from four metres in front of the origin. `paint(u, v)` gives the
-// texel there, u and v from -1 to 1, as std::optional<Paint>; none: it is empty.
+// A picture of width x height texels from four metres in front of the origin. `paint(u, v)` gives
+// the texel there, u and v from -1 to 1, as std::optional<Paint>; none: it is empty.
 template <class PaintAt>
-[[nodiscard]] ImpostorPicture painted_picture(int size, PaintAt&& paint) {
+[[nodiscard]] ImpostorPicture painted_picture(int width, int height, PaintAt&& paint) {
   Nailboard board;
   board.geometry =
-      picture_geometry(look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 0.5, size, size, 3.0, 5.0));
+      picture_geometry(look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 0.5, width, height, 3.0, 5.0));
   board.geometry.delta_bits = kLevelBits;
-  board.color = Rgba8Image(size, size);
-  board.delta = Image<std::uint16_t>(size, size, std::uint16_t(kEmptyLevel));
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x)
+  board.color = Rgba8Image(width, height);
+  board.delta = Image<std::uint16_t>(width, height, std::uint16_t(kEmptyLevel));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
       if (const std::optional<Paint> texel =
-              paint((2 * x + 1.0) / size - 1, (2 * y + 1.0) / size - 1)) {
+              paint((2 * x + 1.0) / width - 1, (2 * y + 1.0) / height - 1)) {
         board.color(x, y) = texel->color;
         board.delta(x, y) =
             std::uint16_t(encode_delta(float(std::min(texel->depth, 1.0)), kLevelBits));

@@ -18,7 +18,7 @@ namespace {
 ImpostorPicture hills(std::mt19937& rng, int size) {
   std::uniform_real_distribution<double> any(-1, 1);
   const double a = any(rng), b = any(rng), c = 10 + 5 * any(rng), cliff = 0.3 * any(rng);
-  return painted_picture(size, [&](double u, double v) -> std::optional<Paint> {
+  return painted_picture(size, size, [&](double u, double v) -> std::optional<Paint> {
     if (u * u + v * v >= 1.2) return std::nullopt;
     const double depth = 0.5 + 0.15 * a * u + 0.15 * b * v + 0.05 * std::sin(c * (u + b * v)) +
                          (u > cliff + 0.3 * v ? 0.2 : 0.0);
