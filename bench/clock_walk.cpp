@@ -10,6 +10,7 @@
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_chosen_frames.h"
+#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/nailboard/cpu/memory_boards.h"
 
@@ -44,16 +45,11 @@ Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer, ImpostorContent 
   return made;
 }
 
-Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
-                                ImpostorContent content, const ClockWalkOptions& options) {
-  ImpostorFramesOptions with{.workers = options.workers, .background = true};
-  with.workers.gives_way = true;
-  with.workers.predict_s = 20;
-  // It is to be judged.
-  with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;
-  const Result<ImpostorDrawer> drawer =
-      impostor_drawer(renderer, std::move(content), with, options.samples, options.software);
-  if (!drawer) return drawer.error();
+namespace {
+
+// `chooser`: of the impostor in `frames`; null: there is none.
+Result<ClockWalk> walk_frames(const TracedScene& traced, FrameSource& frames,
+                              ImpostorChooser* chooser, const ClockWalkOptions& options) {
   std::optional<FrameTarget> target;
   if (!options.software) {
     Result<FrameTarget> made = FrameTarget::create(options.width, options.height, options.samples);
@@ -67,12 +63,12 @@ Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& render
     const Camera camera =
         orbit_camera(traced, options.turn * clock.ms() / 1e3, options.width, options.height);
     const Result<double> ms =
-        time_frame(*drawer->frames, {target ? &*target : nullptr, nullptr}, {camera, 0});
+        time_frame(frames, {target ? &*target : nullptr, nullptr}, {camera, 0});
     if (!ms) return ms.error();
     ++walk.frames;
     // The first frames compile shaders and make each thread's memory.
     if (walk.frames > 3) walk.frame_ms.push_back(*ms);
-    const ImpostorFrame& frame = drawer->chooser->statuses()[0].frame;
+    const ImpostorFrame frame = chooser ? chooser->statuses()[0].frame : ImpostorFrame{};
     walk.shown += frame.board != nullptr;
     if (frame.latency_ms > 0) walk.latency_ms.push_back(frame.latency_ms);
     const double gone = clock.ms() / 1e3 / options.seconds;
@@ -84,8 +80,33 @@ Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& render
     std::this_thread::sleep_for(
         std::chrono::microseconds(std::int64_t(1e3 * std::max(0.0, next_ms - clock.ms()))));
   }
-  walk.stats = drawer->chooser->workers().stats();
+  if (chooser) walk.stats = chooser->workers().stats();
   return walk;
+}
+
+}  // namespace
+
+Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+                                ImpostorContent content, const ClockWalkOptions& options) {
+  ImpostorFramesOptions with{.workers = options.workers, .background = true};
+  with.workers.gives_way = true;
+  with.workers.predict_s = 20;
+  // It is to be judged.
+  with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;
+  const Result<ImpostorDrawer> drawer =
+      impostor_drawer(renderer, std::move(content), with, options.samples, options.software);
+  if (!drawer) return drawer.error();
+  return walk_frames(traced, *drawer->frames, drawer->chooser, options);
+}
+
+Result<ClockWalk> walk_polygons_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+                                         const ClockWalkOptions& options) {
+  std::unique_ptr<FrameSource> frames;
+  if (options.software)
+    frames = std::make_unique<SoftwareDirectFrames>(renderer.scene(), options.samples);
+  else
+    frames = std::make_unique<DirectFrames>(renderer);
+  return walk_frames(traced, *frames, nullptr, options);
 }
 
 std::string latency_histogram(const std::vector<double>& ms) {

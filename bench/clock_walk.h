@@ -63,6 +63,11 @@ struct ImpostorDrawer {
                                               ImpostorContent content,
                                               const ClockWalkOptions& options);
 
+// The same without an impostor, all polygons: what frame times vary by without any worker.
+[[nodiscard]] Result<ClockWalk> walk_polygons_by_clock(const TracedScene& traced,
+                                                       SceneRenderer& renderer,
+                                                       const ClockWalkOptions& options);
+
 // How many latencies lie below 50 ms, 100 ms, ...
 [[nodiscard]] std::string latency_histogram(const std::vector<double>& ms);
 

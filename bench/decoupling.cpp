@@ -186,6 +186,15 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
 
 // --- A walk by the clock, with a tracer that is slower and slower.
 
+ClockWalkOptions walk_options(double seconds, bool software) {
+  ClockWalkOptions walk;
+  walk.seconds = seconds, walk.turn = kTurn;
+  walk.width = kWalkWidth, walk.height = kWalkHeight, walk.samples = kFrameSamples;
+  walk.software = software;
+  walk.workers = worker_options();
+  return walk;
+}
+
 // With a tracer that is `factor` times as slow.
 Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer& renderer,
                                         double factor, bool busy, double seconds, bool software) {
@@ -195,11 +204,7 @@ Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer
   if (!content) return content.error();
   SlowSource slow(*content->shaders[0], factor, busy);
   content->sources[0] = std::make_unique<KeptSource>(slow, nullptr, KeptOptions{});
-  ClockWalkOptions walk;
-  walk.seconds = seconds, walk.turn = kTurn;
-  walk.width = kWalkWidth, walk.height = kWalkHeight, walk.samples = kFrameSamples;
-  walk.software = software;
-  walk.workers = worker_options();
+  ClockWalkOptions walk = walk_options(seconds, software);
   walk.last = [&] { return slow.last(); };
   return walk_by_clock(traced, renderer, std::move(*content), walk);
 }
@@ -228,6 +233,16 @@ Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchR
                "coarse", "given up", "shown %", "PSNR", "one plane", "needed to shown, ms"},
               {}};
   const double seconds = bench.quick ? 1 : bench.full ? 30 : 8;
+  // What the tracer and its worker are not to blame for.
+  const Result<ClockWalk> polygons =
+      walk_polygons_by_clock(traced, *renderer, walk_options(seconds, draws_by_software(bench)));
+  if (!polygons) return polygons.error();
+  const Summary alone = summarize(polygons->frame_ms);
+  table.rows.push_back({"no tracer: polygons", "", std::to_string(polygons->frames),
+                        fmt::format("{:.1f}", alone.p50), fmt::format("{:.1f}", alone.p99),
+                        fmt::format("{:.2f}", alone.p99 / alone.p50), "", "", "", "", "", "", ""});
+  report.figures.emplace_back("p50_ms_polygons", alone.p50);
+  report.figures.emplace_back("p99_over_p50_polygons", alone.p99 / alone.p50);
   for (const bool busy : {false, true})
     for (const double factor : {1.0, 10.0, 50.0}) {
       if (bench.quick && (busy || factor == 10)) continue;
