@@ -107,7 +107,7 @@ TEST(MemoryCache, draws_the_same_coarse_frames_with_any_number_of_threads_and_be
   // Texels of two pixels: half their diagonal less half a pixel's is sqrt(1/2).
   EXPECT_NEAR(together.bounds.front(), std::sqrt(0.5), 0.05);
   EXPECT_LE(together.bounds.back(), options.error_px);
-  EXPECT_EQ(fine.bounds.front(), 0);
+  EXPECT_LT(fine.bounds.front(), 1e-12);  // rounding, which compilers do not do alike
   // What is narrower than a texel may be between its rays: 1 % of the pixels.
   EXPECT_LT(missing_pixels(fine.objects.front(), together.objects.front()), 160 * 90 / 100);
   EXPECT_LT(missing_pixels(together.objects.front(), fine.objects.front()), 160 * 90 / 100);
