@@ -163,10 +163,11 @@ Result<> run_compare(CompareCommand options) {
     return WalkFrame{camera_at(plan->path, time, options.frames.width, options.frames.height),
                      time};
   };
-  compare_options.error_px = options.method_options.error_px;
+  compare_options.limits =
+      BoundLimits::of(options.method_options.error_px, options.method_options.gap_px);
   RealTimeOptions real_time;
   real_time.seconds = plan->frames / kFramesPerSecond;
-  real_time.error_px = options.method_options.error_px;
+  real_time.limits = compare_options.limits;
   // A slow method draws on until all frames to be compared are drawn: its eye must not stand.
   constexpr double kDrawsOn = 120;  // seconds
   const CameraPath path = there_and_back(plan->path, real_time.seconds + kDrawsOn);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "rilievo/cache/fallback.h"
 #include "rilievo/core/expects.h"
@@ -24,7 +25,7 @@ constexpr double kPaysSoon = 4, kPaysLate = 16;
 // What is in the fallback is as urgent as a picture that is late by this: twice its limit.
 constexpr double kFallbackDeadline = -1;
 // Of CacheState::limit, from frame to frame.
-constexpr double kLimitGrowth = 1.5;
+constexpr double kLimitGrowth = 2;
 
 glm::dmat4 power(const glm::dmat4& m, int n) {
   glm::dmat4 result(1.0);
@@ -277,12 +278,14 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
 
 double FramePlanner::cost_limit() const {
   if (!(options.max_spike > 0)) return 0;
-  const bool limited = state.limit > 0;  // the last frame
-  double limit = limited ? kLimitGrowth * state.limit : state.usual_cost;
-  if (frame.jumped) limit = 0;
-  limit = std::max(limit, options.spike_floor);
-  const double spike = limited ? limit : options.max_spike * state.usual_cost;
-  return cost_at_hand > std::max(options.spike_floor, spike) ? limit : 0;
+  const double spike = std::max(options.spike_floor, options.max_spike * state.usual_cost);
+  double limit = std::max(options.spike_floor, state.usual_cost);
+  double allowed = spike;
+  if (frame.jumped)
+    allowed = limit = options.spike_floor;
+  else if (state.limit > 0)  // of the last frame
+    allowed = limit = std::max(state.limit, std::min(kLimitGrowth * state.limit, spike));
+  return cost_at_hand > allowed ? limit : 0;
 }
 
 void FramePlanner::choose() {
@@ -446,6 +449,9 @@ void FramePlanner::finish_fallback() {
   plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
   plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
   plan.bound_px = std::max(plan.bound_px, plan.fallback.bound_px);
+  // Rays at texels' centres may miss all of a surface into which no circle fits that reaches four.
+  const double texel = frame.camera.width / double(plan.fallback.geometry.capture.width);
+  plan.gap_px = std::max(plan.gap_px, std::numbers::sqrt2 * texel);
 }
 
 void FramePlanner::draw() {

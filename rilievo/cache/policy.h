@@ -71,9 +71,9 @@ struct CacheOptions {
   // budget, nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
   // A frame that would cost more than so many times what the last ones did, by the CostModel, costs
-  // as much as they did at most, and if the eye jumped, spike_floor (in triangles), which is always
-  // allowed: the dearest polygons are in Plan::fallback instead. The limit grows by half in each of
-  // the frames after it. 0: no such limit.
+  // as much as they did at most: the dearest polygons are in Plan::fallback instead. After a jump
+  // of the eye it may cost spike_floor (in triangles), which is always allowed. The limit doubles
+  // from frame to frame then, up to so many times the last ones' cost. 0: no such limit.
   double max_spike = 0;
   double spike_floor = 360'000;
   // The bounds of a picture that is late may exceed their limits by this factor.

@@ -20,8 +20,9 @@ namespace {
 // Of the memory, this much is planned for; the rest holds pictures that fade out.
 constexpr double kPlannedMemory = 0.8;
 constexpr double kCoarsest = 0.125;
-// Of what a frame may cost that would cost more, for its captures.
-constexpr double kLimitedShare = 0.25;
+// Of what a frame may cost that would cost more, for its captures; after a jump a coarse picture
+// of nearly everything takes most of it.
+constexpr double kLimitedShare = 0.5, kJumpedShare = 0.25;
 constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
@@ -183,8 +184,8 @@ void schedule_captures(FramePlanner& planner) {
 
   // Where what cannot be captured is coarse instead, no capture is nearly free.
   const double limit = planner.plan.limit;
-  const double budget = limit > 0 ? std::min(capture_budget(planner.options), kLimitedShare * limit)
-                                  : capture_budget(planner.options);
+  const double share = planner.frame.jumped ? kJumpedShare : kLimitedShare;
+  const double budget = limit > 0 ? share * limit : capture_budget(planner.options);
   double spent = 0;
   for (const auto& request : requests) {
     const double cost = request.cost;
@@ -193,9 +194,13 @@ void schedule_captures(FramePlanner& planner) {
     // its capture costs next to nothing.
     const double drawn = limit > 0 ? 0 : double(planner.scratch.now_cost[request.entity]);
     const double extra = std::max(0.0, cost - drawn);
-    if (!planner.plan.captures.empty() &&
-        (int(planner.plan.captures.size()) >= planner.options.captures || spent + extra > budget))
-      break;
+    if (!planner.plan.captures.empty()) {
+      if (int(planner.plan.captures.size()) >= planner.options.captures) break;
+      if (spent + extra > budget) {
+        if (limit > 0) continue;  // each that fits brings the frame without a limit nearer
+        break;
+      }
+    }
     if (!capture(planner, request.entity, cost)) continue;
     credit = std::max(0.0, credit - cost);
     spent += extra;

@@ -69,9 +69,10 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
     const CacheOptions options = limited_options();
     Loop run;
     EyeMotion motion;
-    double limit = 0;
+    double limit = 0, usual = 0;  // before the frame
     for (int frame = 0; frame < 160; ++frame) {
       const FrameView view = follow(motion, walking(frame, step));
+      usual = run.state.usual_cost;
       ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
       std::vector<Shares> still(blocks.boxes.size()), moving;
       add_shares(run, blocks.tree, still, moving);
@@ -85,6 +86,9 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
         EXPECT_NEAR(run.plan.cost, cost, 1e-6 * cost);
       } else {
         ++coarse;
+        // Between texels of two pixels.
+        EXPECT_GE(run.plan.gap_px,
+                  std::sqrt(2.0) * kWidth / run.plan.fallback.geometry.capture.width);
         // One object, of 60 000 triangles at most, is moved too few or too many; and one capture of
         // any size is always allowed. The coarse picture may be finer where there is room.
         EXPECT_LE(cost, run.plan.limit + 60'000 + 0.1 * run.plan.limit) << frame;
@@ -93,10 +97,14 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
         ++cuts;
         EXPECT_TRUE(run.plan.limit == 0 || run.plan.limit == options.spike_floor) << frame;
       } else if (limit > 0 && run.plan.limit > 0) {
-        EXPECT_NEAR(run.plan.limit, 1.5 * limit, 1e-6 * limit);
+        // No more than twice the last ones'.
+        EXPECT_LE(run.plan.limit, 2 * limit * (1 + 1e-9));
+        EXPECT_LE(run.plan.limit,
+                  std::max(limit, std::max(options.spike_floor, 2 * usual) * (1 + 1e-9)));
+        EXPECT_GE(run.plan.limit, limit);
       }
       limit = run.plan.limit;
-      // 1.5^8 = 25 floors are more than all of the blocks cost.
+      // So many doublings are more than all of the blocks cost.
       if (frame % 20 >= 8) {
         EXPECT_TRUE(run.plan.fallback.objects.empty()) << frame;
       }

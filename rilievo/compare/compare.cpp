@@ -46,8 +46,8 @@ struct Tally {
     return truth == frame ? 0 : flip(truth, frame);
   }
 
-  void add_frame(const DrawnFrame& truth, const DrawnFrame& frame, double error_px) {
-    over_bound += frame.stats.bound_px > error_px;
+  void add_frame(const DrawnFrame& truth, const DrawnFrame& frame, const BoundLimits& limits) {
+    over_bound += !limits.hold(frame.stats);
     const Visibility visibility = compare_visibility(truth.objects, frame.objects);
     result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
                              ssim(truth.color, frame.color), flip_of(truth.color, frame.color),
@@ -168,7 +168,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
         if (options.pop)
           tallies[s].add_change(drawn[s][i].color, true_change,
                                 s == 0 ? true_change : tallies[s].change_to(drawn[s][i].color));
-        tallies[s].add_frame(truth, drawn[s][i], options.error_px);
+        tallies[s].add_frame(truth, drawn[s][i], options.limits);
         if (!shown) continue;
         tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));
         tallies[s].result.differences.push_back(
@@ -198,7 +198,7 @@ Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
     for (const auto& [frame, drawn] : walked->kept) {
       Result<DrawnFrame> truth = draw_frame(*sources[0].source, targets, frame);
       if (!truth) return truth.error();
-      tally.add_frame(*truth, drawn, real_time.error_px);
+      tally.add_frame(*truth, drawn, real_time.limits);
     }
     // Of all frames, not of those that were compared.
     MethodResult& result = tally.result;

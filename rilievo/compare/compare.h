@@ -42,7 +42,7 @@ struct CompareOptions {
   bool pop = false;
   // The largest number of frames with pictures in the report.
   int shown_frames = 8;
-  double error_px = 1;  // what bounds are held against (MethodResult::over_bound_share)
+  BoundLimits limits;  // for MethodResult::over_bound_share
   std::function<void(int done, int total)> progress;
 };
 

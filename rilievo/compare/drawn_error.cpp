@@ -311,7 +311,7 @@ Result<> measure_drawn_errors(const Scene& coded, std::span<const double> half_p
   Result<OwnTargets> own = make_targets(drawing, options.width, options.height, options.samples);
   if (!own) return own.error();
   const DrawTargets targets = own->targets();
-  const int margin = 1 + int(std::ceil(options.error_px));
+  const int margin = 1 + int(std::ceil(options.limits.error_px));
 
   struct Walked {
     DrawnErrors errors;

@@ -20,6 +20,19 @@ struct WalkFrame {
   double time = 0;
 };
 
+// What a method's bounds are held against.
+struct BoundLimits {
+  double error_px = 1, gap_px = 2;
+
+  // gap_px 0: twice error_px, as the cache has it.
+  static BoundLimits of(double error_px, double gap_px) {
+    return {error_px, gap_px > 0 ? gap_px : 2 * error_px};
+  }
+  [[nodiscard]] bool hold(const FrameStats& stats) const {
+    return stats.bound_px <= error_px && stats.gap_px <= gap_px;
+  }
+};
+
 // A frame that was drawn and read back.
 struct DrawnFrame {
   double frame_ms = 0;  // wall-clock time from begin() until all drawing is complete

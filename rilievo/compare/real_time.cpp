@@ -34,7 +34,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
   if (!first) return first.error();
   result.first_frame_ms = *first;
   add_stats(source.stats(), result);
-  int over = source.stats().bound_px > options.error_px;
+  int over = !options.limits.hold(source.stats());
 
   std::size_t next_cut = 0;
   double since_cut = -1;  // ms; negative: a good frame came after the last cut
@@ -60,7 +60,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
     result.frame_ms.push_back(ms);
     if (after_cut) result.cut_ms = std::max(result.cut_ms.value_or(0), ms);
     add_stats(source.stats(), result);
-    const bool good = source.stats().bound_px <= options.error_px;
+    const bool good = options.limits.hold(source.stats());
     over += !good;
     if (since_cut >= 0) {
       since_cut += ms;

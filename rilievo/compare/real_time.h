@@ -19,9 +19,9 @@ namespace rilievo {
 
 // The walk and its frames.
 struct RealTimeOptions {
-  double seconds = 4;        // of the walk
-  int kept = 8;              // frames to compare, spread evenly over the walk
-  double error_px = 1;       // what the method's bounds are held against
+  double seconds = 4;  // of the walk
+  int kept = 8;        // frames to compare, spread evenly over the walk
+  BoundLimits limits;
   double refresh = 60;       // the most frames that a display shows in a second
   std::vector<double> cuts;  // times at which the eye jumps, ascending
 };
@@ -31,9 +31,9 @@ struct RealTimeWalk {
   double first_frame_ms = 0;
   std::vector<double> frame_ms;  // of all frames after the first
   // The longest time of the first frame after a cut, which is complete, but may be coarse; and
-  // until a frame was complete whose bound is at most `error_px`.
+  // until a frame was complete whose bounds are within their limits.
   std::optional<double> cut_ms, cut_fine_ms;
-  double over_bound_share = 0;  // of frames whose bound was above `error_px`
+  double over_bound_share = 0;  // of frames with a bound above its limit
   int captures = 0;
   double capture_ms = 0, bound_px = 0, gap_px = 0;
   std::size_t picture_bytes = 0;

@@ -11,7 +11,7 @@
 namespace rilievo {
 namespace {
 
-// Draws nothing, for so many milliseconds; after a jump its bound is over one pixel for two frames.
+// Draws nothing, for so many milliseconds; after a jump a bound is over its limit for two frames.
 class Sleeper : public FrameSource {
  public:
   explicit Sleeper(int ms) : ms_(ms) {}
@@ -20,7 +20,8 @@ class Sleeper : public FrameSource {
     const double x = camera.position().x;
     if (x > last_ + 50) bad_ = 2;
     last_ = x;
-    stats_.bound_px = bad_ > 0 ? 3 : 0.5;
+    stats_.bound_px = bad_ == 2 ? 3 : 0.5;
+    stats_.gap_px = bad_ == 1 ? 2.5 : 2;
     bad_ -= bad_ > 0;
     stats_.captures = 1;
     eyes.push_back(x);

@@ -64,7 +64,7 @@ struct MethodResult {
   std::optional<double> first_frame_ms;
   // The longest time of the first frame after a cut, which may be coarse; where there are cuts.
   std::optional<double> cut_ms;
-  std::optional<double> over_bound_share;  // of frames whose bound was above the error allowed
+  std::optional<double> over_bound_share;  // of frames with a bound above what is allowed
   // In real time: all frames after the first. `frames` are those that were compared.
   std::optional<Summary> walked_ms;
   std::optional<int> walked_frames;
