@@ -25,7 +25,14 @@ constexpr double kPaysSoon = 4, kPaysLate = 16;
 // What is in the fallback is as urgent as a picture that is late by this: twice its limit.
 constexpr double kFallbackDeadline = -1;
 // Of CacheState::limit, from frame to frame.
-constexpr double kLimitGrowth = 2;
+constexpr double kLimitGrowth = 1.3;
+// Of what a frame would cost without a limit, at least so much is allowed but after a jump: where
+// all frames are slow, they need not become fine as slowly as where others are fast.
+constexpr double kLeastShare = 0.5;
+// What frames usually cost, before there was one: this share of CacheOptions::spike_floor.
+constexpr double kFirstShare = 0.5;
+// How soon that follows what they cost.
+constexpr double kFollowCost = 0.2;
 
 glm::dmat4 power(const glm::dmat4& m, int n) {
   glm::dmat4 result(1.0);
@@ -276,16 +283,24 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   return ready;
 }
 
-double FramePlanner::cost_limit() const {
-  if (!(options.max_spike > 0)) return 0;
-  const double spike = std::max(options.spike_floor, options.max_spike * state.usual_cost);
-  double limit = std::max(options.spike_floor, state.usual_cost);
-  double allowed = spike;
+double FramePlanner::usual_cost() const {
+  return state.usual_cost > 0 ? state.usual_cost : kFirstShare * options.spike_floor;
+}
+
+void FramePlanner::find_limit() {
+  if (!(options.max_spike > 0)) return;
+  const double usual = usual_cost();
+  const double spike = std::max(options.spike_floor, options.max_spike * usual);
+  double limit = std::max(options.spike_floor, usual), allowed = spike;
   if (frame.jumped)
     allowed = limit = options.spike_floor;
   else if (state.limit > 0)  // of the last frame
-    allowed = limit = std::max(state.limit, std::min(kLimitGrowth * state.limit, spike));
-  return cost_at_hand > allowed ? limit : 0;
+    allowed = limit = std::max(
+        {state.limit, std::min(kLimitGrowth * state.limit, spike), kLeastShare * cost_at_hand});
+  if (cost_at_hand > allowed)
+    plan.limit = limit;
+  else
+    capture_room = allowed - cost_at_hand;
 }
 
 void FramePlanner::choose() {
@@ -297,7 +312,7 @@ void FramePlanner::choose() {
     cost_at_hand += evaluate(e).now;
     request(e, 0, false);
   }
-  plan.limit = cost_limit();
+  find_limit();
 }
 
 bool FramePlanner::pictures_cover(Entity e) {
@@ -459,6 +474,7 @@ void FramePlanner::draw() {
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
   for (const Capture& capture : plan.captures) plan.cost += capture.cost;
   limit_cost();
+  plan.usual_cost = usual_cost() + kFollowCost * (plan.cost - usual_cost());
   if (!plan.fallback.objects.empty()) finish_fallback();
 }
 

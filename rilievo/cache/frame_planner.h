@@ -12,6 +12,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "rilievo/cache/capture_cost.h"
 #include "rilievo/cache/policy.h"
@@ -44,6 +45,8 @@ struct FramePlanner {
   double full_bytes = 0;      // of all pictures kept or requested, if they were at full density
   double fallback_scale = 1;  // of the fallback's texels, 1: a pixel
   double cost_at_hand = 0;    // of drawing the frame from what is at hand, without captures
+  // What captures may add to that, where the frame need not be limited.
+  double capture_room = std::numeric_limits<double>::infinity();
 
   FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
                const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
@@ -66,9 +69,10 @@ struct FramePlanner {
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 
-  // What the frame may cost (CacheOptions::max_spike), where it would cost more than it may; else
-  // 0.
-  [[nodiscard]] double cost_limit() const;
+  // What frames usually cost.
+  [[nodiscard]] double usual_cost() const;
+  // What the frame may cost (CacheOptions::max_spike): sets plan.limit or capture_room.
+  void find_limit();
 
   // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,

@@ -41,8 +41,6 @@ void find_bound(Plan& plan) {
 
 // How soon CacheState::usual_range and usual_life_share follow what captures show.
 constexpr double kForget = 1.0 / 32;
-// How soon CacheState::usual_cost follows what frames cost.
-constexpr double kFollowCost = 0.2;
 
 // Of the life that the flatness allows, the share that the gaps allow: both bounds grow about
 // evenly with the eye's way. Nothing where the eye is too near the capture's to tell.
@@ -67,7 +65,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
   plan.single = plan.hierarchy = plan.starved = 0;
-  plan.bound_px = plan.gap_px = plan.cost = plan.limit = 0;
+  plan.bound_px = plan.gap_px = plan.cost = plan.limit = plan.usual_cost = 0;
   plan.bytes = state.bytes;
 
   scratch.checked.assign(state.slots.size(), {});
@@ -178,7 +176,7 @@ void commit(const Plan& plan, CacheState& state) {
   }
   for (const DrawnPicture& drawn : plan.pictures) state.slots[drawn.slot].used = state.frame;
   state.credit = plan.credit;
-  state.usual_cost += (state.usual_cost > 0 ? kFollowCost : 1) * (plan.cost - state.usual_cost);
+  state.usual_cost = plan.usual_cost;
   state.limit = plan.limit;
   ++state.frame;
 }

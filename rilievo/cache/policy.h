@@ -72,8 +72,9 @@ struct CacheOptions {
   double capture_cost = std::numeric_limits<double>::infinity();
   // A frame that would cost more than so many times what the last ones did, by the CostModel, costs
   // as much as they did at most: the dearest polygons are in Plan::fallback instead. After a jump
-  // of the eye it may cost spike_floor (in triangles), which is always allowed. The limit doubles
-  // from frame to frame then, up to so many times the last ones' cost. 0: no such limit.
+  // of the eye it may cost spike_floor (in triangles), which is always allowed. The limit grows
+  // by a third from frame to frame then, up to so many times the last ones' cost, or half of its
+  // own. 0: no such limit.
   double max_spike = 0;
   double spike_floor = 360'000;
   // The bounds of a picture that is late may exceed their limits by this factor.
@@ -201,7 +202,7 @@ struct CacheState {
   float usual_life_share[2] = {1, 1};
   std::uint64_t bytes = 0;
   double credit = 0;      // triangles saved up for captures
-  double usual_cost = 0;  // of the last frames: Plan::cost, smoothed; 0: there is none
+  double usual_cost = 0;  // of frames so far: Plan::cost, smoothed; 0: there was none
   double limit = 0;       // on the last frame's, if it had to be limited
 };
 
@@ -263,8 +264,9 @@ struct Plan {
   double gap_px = 0;              // the largest bound_gap_px of the pictures drawn, and of cracks
   int starved = 0;                // captures for which memory did not suffice
   double credit = 0, texel_scale = 1;
-  double cost = 0;   // of drawing and captures, by CostModel, in triangles
-  double limit = 0;  // on it, if it had to be limited
+  double cost = 0;        // of drawing and captures, by CostModel, in triangles
+  double limit = 0;       // on it, if it had to be limited
+  double usual_cost = 0;  // CacheState's after it
 };
 
 // Buffers of plan_frame; their contents are not used between frames.
