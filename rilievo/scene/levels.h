@@ -1,9 +1,9 @@
 // Which coarser levels of detail does a scene have?
 //
 // Each mesh simplified again and again, to half of its triangles at a time, by meshoptimizer. A
-// level's error is what meshoptimizer states, a distance; it is no bound. Vertices are shared with
-// the mesh, so that a level keeps its attributes. Where edges and seams allow no more, the sloppy
-// variant goes on, which keeps no topology.
+// level's error is what meshoptimizer states, a distance; it is no bound, but for bounded levels.
+// Vertices are shared with the mesh, so that a level keeps its attributes. Where edges and seams
+// allow no more, the sloppy variant goes on, which keeps no topology.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +34,17 @@ struct LevelsOptions {
 // Makes the levels of all models, on all cores. The result does not depend on the number of
 // threads.
 [[nodiscard]] LeveledScene make_levels(const Scene& scene, const LevelsOptions& options = {});
+
+// Levels whose errors are bounds (mesh_distance.h): each point of an opaque surface of the model is
+// at most so far from the nearest point of the level, and the other way. Each part is as coarse as
+// the error allows. Masked and blended parts stay as they are, because what the mask leaves of a
+// level is not bounded; so do models whose bounds would take too long. On all cores, with the same
+// result for any number of threads. Models keep the bounds of their finest level.
+[[nodiscard]] LeveledScene make_bounded_levels(const Scene& scene,
+                                               const LevelsOptions& options = {});
+
+// A distance grows by at most this, an upper bound; exact where the axes are orthogonal.
+[[nodiscard]] double largest_stretch(const glm::mat4& transform);
 
 // The largest scale of the three axes: an error in model space grows by at most this, unless the
 // transform shears.

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "rilievo/core/random.h"
+#include "rilievo/scene/mesh_distance.h"
+
 namespace rilievo {
 namespace {
 
@@ -76,6 +79,89 @@ TEST(MakeLevels, a_spheres_levels_sag_by_about_the_error_that_they_say) {
     }
     EXPECT_EQ(mesh.uv[0].size(), mesh.positions.size());
   }
+}
+
+// Points of one model's surface, from the nearest of another's, with their parts placed.
+double sampled_distance(const Scene& scene, const Model& from, const Model& to, Random& random) {
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> indices;
+  const auto at = [&](const Part& part, std::uint32_t vertex) {
+    const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+    return glm::vec3(part.model_from_mesh * glm::vec4(mesh.positions[vertex], 1));
+  };
+  for (const Part& part : to.parts)
+    for (const std::uint32_t vertex : scene.meshes[std::size_t(part.mesh)].indices) {
+      indices.push_back(std::uint32_t(positions.size()));
+      positions.push_back(at(part, vertex));
+    }
+  const TriangleTree tree(positions, indices);
+  double largest = 0;
+  for (const Part& part : from.parts) {
+    const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+      float u = random.unit(), v = random.unit();
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      const glm::vec3 p = (1 - u - v) * at(part, mesh.indices[t]) +
+                          u * at(part, mesh.indices[t + 1]) + v * at(part, mesh.indices[t + 2]);
+      largest = std::max(largest, std::sqrt(tree.nearest(glm::dvec3(p)).square));
+    }
+  }
+  return largest;
+}
+
+TEST(MakeBoundedLevels, no_sampled_point_is_farther_away_than_the_error) {
+  Scene scene = sphere_scene();
+  // Scaled, and sheared: an error grows by more than the longest axis.
+  scene.models[0].parts[0].model_from_mesh =
+      glm::mat4(glm::vec4(2, 0, 0, 0), glm::vec4(1.8f, 1, 0, 0), glm::vec4(0, 0, 1, 0),
+                glm::vec4(5, 1, 0, 1));
+  scene.models[0].parts.push_back({0, glm::mat4(1)});
+  finish(scene);
+  const LeveledScene leveled = make_bounded_levels(scene);
+  ASSERT_TRUE(validate(leveled.scene).ok());
+  const auto model = [&](const ModelLevel& level) -> const Model& {
+    return leveled.scene.models[std::size_t(level.model)];
+  };
+  const std::vector<ModelLevel>& levels = leveled.levels[0];
+  ASSERT_GE(levels.size(), 4u);
+  Random random(6);
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    EXPECT_GT(levels[i].error, levels[i - 1].error);
+    EXPECT_LT(model(levels[i]).triangles, model(levels[i - 1]).triangles);
+    EXPECT_EQ(model(levels[i]).bounds.min, model(levels[0]).bounds.min);
+    EXPECT_EQ(model(levels[i]).bounds.max, model(levels[0]).bounds.max);
+    const double there =
+                     sampled_distance(leveled.scene, model(levels[0]), model(levels[i]), random),
+                 back = sampled_distance(leveled.scene, model(levels[i]), model(levels[0]), random);
+    // Single precision of coordinates up to 8.
+    EXPECT_LE(std::max(there, back), levels[i].error + 1e-6) << i;
+    EXPECT_GE(std::max(there, back), 0.3 * levels[i].error) << i;  // it is no mere guess
+  }
+}
+
+TEST(MakeBoundedLevels, leaves_what_is_masked_or_blends_as_it_is) {
+  for (const AlphaMode mode : {AlphaMode::mask, AlphaMode::blend}) {
+    Scene scene = sphere_scene();
+    scene.materials.emplace_back();
+    scene.materials[0].alpha_mode = mode;
+    scene.meshes[0].material = 0;
+    EXPECT_EQ(make_bounded_levels(scene).levels[0].size(), 1u);
+  }
+}
+
+TEST(LargestStretch, is_no_less_than_what_a_transform_does_to_any_direction) {
+  Random random(8);
+  for (int round = 0; round < 200; ++round) {
+    glm::mat4 m(1);
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) m[i][k] = random.between(-2, 2);
+    for (int i = 0; i < 20; ++i) {
+      const glm::vec3 v(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+      EXPECT_LE(double(glm::length(glm::mat3(m) * v)),
+                largest_stretch(m) * double(glm::length(v)) * (1 + 1e-6));  // single precision
+    }
+  }
+  EXPECT_NEAR(largest_stretch(glm::mat4(3.0f)), 3, 1e-12);
 }
 
 TEST(ChooseLevel, takes_the_coarsest_that_is_allowed) {
