@@ -33,6 +33,7 @@ struct BenchOptions {
   int width = 0, height = 0;
   double capture_ms = 0;
   double max_spike = kInteractiveSpike;  // as ImageCacheOptions::max_spike
+  bool levels = false;                   // as ImageCacheOptions::levels
   // For `real`: what the cache compares; none: the costs built in.
   std::optional<MachineCosts> machine;
   // Called now and then with what is done and how much there is.

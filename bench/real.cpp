@@ -189,6 +189,11 @@ Result<std::unique_ptr<FrameSource>> make_cache(SceneRenderer& renderer,
   return {std::make_unique<ImageCache>(std::move(*made))};
 }
 
+// `draw` as BenchOptions's.
+bool drawn_by_software(const std::string& draw) {
+  return draw == "software" || (draw == "automatic" && gl::is_software());
+}
+
 Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& table,
                        BenchReport& report, const std::function<void()>& walk_done) {
   Result<Scene> scene = real_scene.make();
@@ -204,8 +209,7 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
   report.notes.push_back(fmt::format(
       "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
       scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
-  const bool automatic = run.draw == "automatic";
-  const bool software = run.draw == "software" || (automatic && gl::is_software());
+  const bool automatic = run.draw == "automatic", software = drawn_by_software(run.draw);
   report.notes.push_back(fmt::format("{}: the cache is drawn by {}.", real_scene.name,
                                      software ? "software" : "OpenGL"));
   for (const RealWalk& walk : real_scene.walks(*scene)) {
@@ -230,7 +234,9 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
     if (!walked) return walked.error();
     figures.walk = std::move(*walked);
     if (software && automatic) {
-      Result<std::unique_ptr<FrameSource>> other = make_cache(*renderer, run.cache, false);
+      ImageCacheOptions by_opengl = run.cache;
+      by_opengl.levels = false;  // it has none
+      Result<std::unique_ptr<FrameSource>> other = make_cache(*renderer, by_opengl, false);
       if (!other) return other.error();
       walked = walk_in_real_time(**other, {&*target, &*probe}, at, options);
       if (!walked) return walked.error();
@@ -255,7 +261,10 @@ Result<BenchReport> real(const BenchOptions& options) {
   run.cache.samples = kSamples;
   run.cache.capture_ms = options.capture_ms;
   run.cache.max_spike = options.max_spike;
+  run.cache.levels = options.levels;
   run.cache.machine = options.machine;
+  if (options.levels && !drawn_by_software(run.draw))
+    return Error{"--levels", "the cache draws levels of detail without OpenGL only"};
   std::vector<RealScene> scenes;
   for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
   const char* data = std::getenv("RILIEVO_DATA");
@@ -264,9 +273,10 @@ Result<BenchReport> real(const BenchOptions& options) {
   BenchReport report;
   Table table{
       fmt::format("The cache in real time, {} x {}, {} samples{}", run.width, run.height, kSamples,
-                  run.cache.capture_ms > 0
-                      ? fmt::format(", captures for {:g} ms a frame", run.cache.capture_ms)
-                      : ""),
+                  (run.cache.capture_ms > 0
+                       ? fmt::format(", captures for {:g} ms a frame", run.cache.capture_ms)
+                       : "") +
+                      (run.cache.levels ? ", with levels of detail" : "")),
       {"walk",     "frames",        "first ms",     "p50 ms",        "p99 ms",
        "cut ms",   "until fine ms", "PSNR dB",      "wrong %",       "counted wrong %",
        "missing",  "gap px",        "over bound %", "by OpenGL ms",  "direct ms",

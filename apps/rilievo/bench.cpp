@@ -28,6 +28,7 @@ struct BenchCommand {
   bool quick = false, full = false;
   int width = 0, height = 0;
   double capture_ms = 0, max_spike = kInteractiveSpike;
+  bool levels = false;
   std::optional<MachineCosts> machine;
 };
 
@@ -63,6 +64,7 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
   bench_options.max_spike = options.max_spike;
+  bench_options.levels = options.levels;
   bench_options.machine = options.machine;
   bench_options.shader = options.shader;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
@@ -131,6 +133,9 @@ Command bench_command(CLI::App& app) {
                                options->max_spike))
       ->check(in_range(0.0, 1000.0))
       ->type_name("X");
+  command->add_flag(
+      "--levels", options->levels,
+      "For real: the cache draws levels of detail with bounded errors (not by OpenGL)");
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,

@@ -104,7 +104,7 @@ Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, Fra
   std::vector<ComparedSource> compared;
   for (const MethodResult& method : report.methods) {
     // Its polygons are others, and show their own positions where they lie.
-    if (method.name == "lod") continue;
+    if (method.name == "lod" || (method.name == "cache" && options.method_options.levels)) continue;
     Result<std::unique_ptr<FrameSource>> source =
         source_of(method.name, of_coded, coded, context, renderer);
     if (!source) return source.error();

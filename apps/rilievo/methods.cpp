@@ -143,6 +143,7 @@ ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
   cache.capture_ms = options.capture_ms;
   cache.max_spike = options.max_spike;
+  cache.levels = options.levels;
   if (!options.fade) cache.fade_frames = 1;
   cache.delta_bits = options.delta_bits;
   cache.depth_mode = depth_mode(options);
@@ -157,6 +158,7 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
   if (Result<> enough = expect_memory(options); !enough) return enough.error();
   Result<ImageCache> made = ImageCache::create(renderer, cache_options(options, samples));
   if (!made && made.error().where == "machine") return Error{"--machine", made.error().reason};
+  if (!made && made.error().where == "levels") return Error{"--levels", made.error().reason};
   if (!made) return made.error();
   if (options.bake_mb > 0) {
     OpenGLSource source(renderer);
@@ -395,6 +397,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(0, 65536))
       ->type_name("MB");
   add_machine_option(command, "cache", options.machine);
+  command.add_flag("--levels", options.levels,
+                   "cache without OpenGL: draw and capture objects that stand still by levels of "
+                   "detail, whose bounded error is part of --error-px");
   command.add_flag("--bake-together", options.bake_together,
                    "cache: bake all objects that stand still as one, a thing of many parts");
   command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");

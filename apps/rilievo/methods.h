@@ -27,6 +27,7 @@ struct MethodOptions {
   int memory_mb = 256;
   double error_px = 1;    // cache
   double gap_px = 0;      // cache; 0: twice error_px
+  bool levels = false;    // cache, without OpenGL: levels of detail
   double capture_ms = 0;  // cache; 0: a budget by triangles
   double max_spike = 0;   // cache; 0: no limit
   bool fade = true;       // cache

@@ -134,6 +134,33 @@ double minification(const PictureGeometry& picture, const Camera& frame) {
   return pixel / texel;
 }
 
+// A point p that is drawn at q, |q - p| = error, appears off by |(q - p).xy - t (q - p).z| / p.z
+// with q's tangent t in the frame: at most error sqrt(1 + t^2) / p.z. Both are in the box.
+double level_px(const Camera& frame, const Box& box, double error) {
+  if (!(error > 0)) return 0;
+  ViewAxes axes;
+  axes.right = glm::dvec3(frame.world_from_eye[0]);
+  axes.up = glm::dvec3(frame.world_from_eye[1]);
+  axes.forward = frame.forward();
+  const auto square_of = [](const ImageWindow& w) {
+    const double x = std::max(-w.left, w.right), y = std::max(-w.bottom, w.top);
+    return x * x + y * y;
+  };
+  // What is in the frame is no farther from its axis than the corner.
+  const glm::dvec3 eye = frame.position();
+  const double away = glm::length(glm::clamp(eye, glm::dvec3(box.min), glm::dvec3(box.max)) - eye);
+  double square = square_of(frame.window);
+  double depth = away / std::sqrt(1 + square) - error;
+  if (const Seen seen = see(axes, box, eye); seen.front > 0) {
+    depth = std::max(depth, seen.front);
+    square = square_of(intersection(seen.window, frame.window));
+  }
+  if (!(depth > 0)) return INFINITY;
+  const ImageWindow& w = frame.window;
+  const double px = std::max(frame.width / (w.right - w.left), frame.height / (w.top - w.bottom));
+  return px * error * std::sqrt(1 + square) / depth;
+}
+
 double covered_pixels(const ViewAxes& view, const Box& box) {
   const Seen seen = see(view, box, view.eye);
   const ImageWindow& frame = view.camera.window;
@@ -164,6 +191,7 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
                                   const glm::dvec3& drift, const CacheOptions& options,
                                   const DeltaRange& range, double life_share) {
   CaptureCost e;
+  e.triangles = triangles;
   const Seen seen = see(view, box, view.eye);
   if (seen.front <= view.camera.z_near) return e;
   const ImageWindow& w = seen.window;

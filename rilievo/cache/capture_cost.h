@@ -43,6 +43,8 @@ struct CaptureCost {
   double ahead = 0;
   double texels = 0;
   double texels_in_frame = 0;  // of a picture of the part near the frame, one for each pixel
+  std::uint64_t triangles = 0;
+  double level_error = 0, level_px = 0;  // of levels of detail, metres and in this frame
   double density = 1;  // texels per pixel at capture, so that texels do not exceed pixels later
 };
 
@@ -59,6 +61,10 @@ struct CaptureCost {
 [[nodiscard]] inline double picture_rate(const CaptureCost& e, const CacheOptions& options) {
   return e.draw + e.capture / ((1 + options.anticipation) * e.life);
 }
+
+// How far off can a surface appear in the frame, in pixels, that is drawn `error` metres off within
+// the box? Infinite where it can be behind the eye.
+[[nodiscard]] double level_px(const Camera& frame, const Box& box, double error);
 
 // How many texels does a pixel step over, where the frame sees the middle of the picture's polygon?
 // Above kMostMinified what is between them shows as aliasing. For cameras that look alike; 1 where

@@ -207,7 +207,9 @@ TEST(Foresight, under_tight_memory_pictures_get_as_coarse_as_all_of_them_need) {
     Plan plan;
     const FrameView view = turning(0);
     const Alternatives alternatives;
-    const FramePlanner planner(tree, {}, alternatives, before, view, options, scratch, plan);
+    const LevelTable levels;
+    const FramePlanner planner(tree, {}, alternatives, levels, before, view, options, scratch,
+                               plan);
     for (const PlanScratch::Request& request : run.scratch.requests)
       full_bytes += planner.estimate(request.entity).texels * options.bytes_per_texel;
     ASSERT_GT(full_bytes, 0);

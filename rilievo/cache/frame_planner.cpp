@@ -43,12 +43,13 @@ glm::dmat4 power(const glm::dmat4& m, int n) {
 }  // namespace
 
 FramePlanner::FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
-                           const Alternatives& alternatives_, const CacheState& state_,
-                           const FrameView& frame_, const CacheOptions& options_,
-                           PlanScratch& scratch_, Plan& plan_)
+                           const Alternatives& alternatives_, const LevelTable& levels_,
+                           const CacheState& state_, const FrameView& frame_,
+                           const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_)
     : tree(tree_),
       moving(moving_),
       alternatives(alternatives_),
+      levels(levels_),
       state(state_),
       frame(frame_),
       options(options_),
@@ -71,13 +72,40 @@ glm::dvec3 FramePlanner::drift_of(Entity e) const {
   return glm::dvec3(last_from_now * glm::dvec4(view.eye + view.velocity, 1)) - view.eye;
 }
 
+FramePlanner::Level FramePlanner::level_of(Entity e, double share) const {
+  const Level finest{triangles_of(e)};
+  if (is_moving(e) || levels.of_node.empty()) return finest;
+  const double limit_px = share * std::min(options.error_px, gap_limit_px(options) / 2);
+  // Of an error as small as the least, which hardly moves anything nearer to the eye.
+  const double px = level_px(frame.camera, box_of(e), levels.first);
+  const double step = std::floor(2 * std::log2(limit_px / px));
+  if (!(step >= 0)) return finest;
+  const LevelTable::Level& entry =
+      levels.of_node[e][std::size_t(std::min(step, double(LevelTable::kSteps - 1)))];
+  const Level level{std::uint64_t(entry.triangles), double(entry.error),
+                    level_px(frame.camera, box_of(e), double(entry.error))};
+  return 2 * level.triangles <= finest.triangles && level.px <= limit_px ? level : finest;
+}
+
 CaptureCost FramePlanner::estimate(Entity e) const {
-  const std::uint64_t triangles = triangles_of(e);
+  const CaptureCost fine = estimate(e, {triangles_of(e)});
+  const Level level = level_of(e, options.level_share);
+  if (!(level.error > 0)) return fine;
+  const CaptureCost coarse = estimate(e, level);
+  if (!coarse.possible || !fine.possible) return coarse.possible ? coarse : fine;
+  return picture_rate(coarse, options) < picture_rate(fine, options) ? coarse : fine;
+}
+
+CaptureCost FramePlanner::estimate(Entity e, const Level& level) const {
   if (is_moving(e) ? moving[e - nodes()].deforms
-                   : !tree.nodes[e].leaf() && triangles > options.picture_triangles)
+                   : !tree.nodes[e].leaf() && level.triangles > options.picture_triangles)
     return {};
-  return estimate_capture_cost(view, box_of(e), triangles, drift_of(e), options, expected_range(e),
-                               expected_life_share(e));
+  CacheOptions left = options;
+  left.error_px -= level.px;
+  CaptureCost estimated = estimate_capture_cost(view, box_of(e), level.triangles, drift_of(e), left,
+                                                expected_range(e), expected_life_share(e));
+  estimated.level_error = level.error, estimated.level_px = level.px;
+  return estimated;
 }
 
 // What it showed last, or what pictures show on the whole; and somewhat more.
@@ -117,8 +145,9 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
   const auto holds_at = [&](int k, double factor = 1) {
     const Camera camera = k == 0 ? frame.camera : camera_ahead(frame, k);
     const RigidMotion moved{object ? power(object->now_from_last, k) * motion : motion};
-    const double bound_px = bound_total_px(picture.geometry, camera, moved);
-    const double gap_px = bound_gap_px(picture.geometry, picture.gaps, camera, moved);
+    const double off_px = level_px(camera, box_of(picture.entity), picture.level_error);
+    const double bound_px = bound_total_px(picture.geometry, camera, moved) + off_px;
+    const double gap_px = bound_gap_px(picture.geometry, picture.gaps, camera, moved) + 2 * off_px;
     if (k == 0) checked = {state.frame, bound_px, gap_px, 0};
     if (picture.clipped && !shows_frame(picture.geometry.capture, camera, box_of(picture.entity)))
       return false;
@@ -189,7 +218,7 @@ FramePlanner::Standing FramePlanner::stands_for(Entity e, double cost) const {
 
 // Of one object, static or moving.
 double FramePlanner::polygon_cost(Entity e) const {
-  return options.cost.object + double(triangles_of(e)) +
+  return options.cost.object + double(level_of(e, options.polygon_level_share).triangles) +
          options.cost.polygon_pixel * covered_pixels(view, box_of(e));
 }
 
@@ -364,15 +393,17 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
   if (from <= 0 && to >= 1)
     if (const Standing standing = stands_for(e, polygon_cost(e)); standing.alternative)
       return emit(standing);
+  const Level level = level_of(e, options.polygon_level_share);
   const double cost = polygon_cost(e);
   if (is_moving(e)) {
     plan.moving_polygons.push_back({e - nodes(), from, to});
   } else {
-    plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to});
-    scratch.polygons.push_back({e, float(cost)});
+    plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to, float(level.error)});
+    scratch.polygons.push_back({e, float(cost), level.triangles});
   }
   plan.cost += cost;
-  plan.polygon_triangles += triangles_of(e);
+  plan.polygon_triangles += level.triangles;
+  plan.polygon_px = std::max(plan.polygon_px, level.px);
 }
 
 // Of one object: is it to be in the fallback, and is that cheaper than its polygons?
@@ -412,7 +443,8 @@ void FramePlanner::draw(Entity e, float from, float to) {
 
   const float middle = share < 1 ? from + (to - from) * share : to;
   if (capture)  // its gaps are known only when it is made
-    emit(slot, e, {.now_px = bound_total_px(picture->geometry, frame.camera)}, from, middle);
+    emit(slot, e, {.now_px = bound_total_px(picture->geometry, frame.camera) + capture->level_px},
+         from, middle);
   else
     emit(slot, e, check(slot), from, middle);
   if (!(middle < to)) return;
@@ -449,10 +481,10 @@ void FramePlanner::limit_cost() {
   });
   std::size_t moved = 0;
   for (; moved < dearest.size() && plan.cost > plan.limit; ++moved) {
-    const auto& [entity, cost] = scratch.polygons[dearest[moved]];
+    const auto& [entity, cost, triangles] = scratch.polygons[dearest[moved]];
     plan.fallback.objects.push_back(plan.polygons[dearest[moved]].object);
     scratch.boxes.push_back(box_of(entity));
-    plan.polygon_triangles -= triangles_of(entity);
+    plan.polygon_triangles -= triangles;
     plan.cost -= double(cost);
     plan.polygons[dearest[moved]].to = 0;
   }
@@ -476,6 +508,8 @@ void FramePlanner::draw() {
   limit_cost();
   plan.usual_cost = usual_cost() + kFollowCost * (plan.cost - usual_cost());
   if (!plan.fallback.objects.empty()) finish_fallback();
+  plan.bound_px = std::max(plan.bound_px, plan.polygon_px);
+  plan.gap_px = std::max(plan.gap_px, 2 * plan.polygon_px);
 }
 
 }  // namespace rilievo

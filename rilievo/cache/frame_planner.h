@@ -35,6 +35,7 @@ struct FramePlanner {
   const Hierarchy& tree;
   std::span<const MovingObject> moving;
   const Alternatives& alternatives;
+  const LevelTable& levels;
   const CacheState& state;
   const FrameView& frame;
   const CacheOptions& options;
@@ -49,8 +50,9 @@ struct FramePlanner {
   double capture_room = std::numeric_limits<double>::infinity();
 
   FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
-               const Alternatives& alternatives_, const CacheState& state_, const FrameView& frame_,
-               const CacheOptions& options_, PlanScratch& scratch_, Plan& plan_);
+               const Alternatives& alternatives_, const LevelTable& levels_,
+               const CacheState& state_, const FrameView& frame_, const CacheOptions& options_,
+               PlanScratch& scratch_, Plan& plan_);
 
   void evict_finished();
   void choose();
@@ -65,7 +67,16 @@ struct FramePlanner {
   [[nodiscard]] std::uint64_t triangles_of(Entity e) const;
   // The motion of the eye relative to the entity in a frame, world space.
   [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
+  // By which level is it drawn that is off by at most this share of the limit? By itself if there
+  // is none of at most half of its triangles.
+  struct Level {
+    std::uint64_t triangles = 0;
+    double error = 0, px = 0;  // metres; in this frame
+  };
+  [[nodiscard]] Level level_of(Entity e, double share) const;
+  // By the level that makes its picture cheaper in all, if there is one.
   [[nodiscard]] CaptureCost estimate(Entity e) const;
+  [[nodiscard]] CaptureCost estimate(Entity e, const Level& level) const;
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 

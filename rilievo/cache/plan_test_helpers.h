@@ -33,8 +33,9 @@ struct Loop {
   std::set<std::uint32_t> textures;  // slots whose pictures exist
 
   void frame(const Hierarchy& tree, std::span<const MovingObject> moving, const FrameView& view,
-             const CacheOptions& options, const Alternatives& alternatives = {}) {
-    plan_frame(tree, moving, state, view, options, scratch, plan, alternatives);
+             const CacheOptions& options, const Alternatives& alternatives = {},
+             const LevelTable& levels = {}) {
+    plan_frame(tree, moving, state, view, options, scratch, plan, alternatives, levels);
     for (std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
     for (const Capture& capture : plan.captures) ASSERT_TRUE(textures.insert(capture.slot).second);
     commit(plan, state);

@@ -28,7 +28,8 @@ void forget_entity(CacheState& state, Entity e, std::vector<std::uint32_t>& evic
 
 // Of what is drawn now.
 void find_bound(Plan& plan) {
-  plan.bound_px = plan.gap_px = 0;
+  plan.bound_px = plan.polygon_px;
+  plan.gap_px = 2 * plan.polygon_px;
   for (const DrawnPicture& drawn : plan.pictures) {
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
     plan.gap_px = std::max(plan.gap_px, double(drawn.gap_px));
@@ -54,18 +55,21 @@ std::optional<float> life_share(double bound_px, double limit_px, double gap_px,
 
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives) {
+                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives,
+                const LevelTable& levels) {
   RILIEVO_EXPECTS(view.camera.projection == Projection::perspective);
   const std::size_t entities = hierarchy.nodes.size() + moving.size();
   RILIEVO_EXPECTS(state.current.empty() || state.current.size() == entities);
   RILIEVO_EXPECTS(alternatives.of_entity.empty() || alternatives.of_entity.size() == entities);
+  RILIEVO_EXPECTS(levels.of_node.empty() || levels.of_node.size() == hierarchy.nodes.size());
   plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear(), plan.alternatives.clear();
   plan.polygons.clear(), plan.moving_polygons.clear(), plan.retirements.clear();
   plan.fallback.objects.clear();
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
   plan.single = plan.hierarchy = plan.starved = 0;
-  plan.bound_px = plan.gap_px = plan.cost = plan.limit = plan.usual_cost = 0;
+  plan.bound_px = plan.polygon_px = plan.gap_px = 0;
+  plan.cost = plan.limit = plan.usual_cost = 0;
   plan.bytes = state.bytes;
 
   scratch.checked.assign(state.slots.size(), {});
@@ -75,7 +79,8 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.requests.clear(), scratch.idle.clear(), scratch.boxes.clear();
   scratch.polygons.clear();
 
-  FramePlanner planner(hierarchy, moving, alternatives, state, view, options, scratch, plan);
+  FramePlanner planner(hierarchy, moving, alternatives, levels, state, view, options, scratch,
+                       plan);
   planner.evict_finished();
   planner.choose();
   schedule_captures(planner);
@@ -92,14 +97,15 @@ void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
     const DrawnPicture drawn = plan.pictures[i];
     if (drawn.slot != capture.slot) continue;
     plan.pictures.erase(plan.pictures.begin() + std::ptrdiff_t(i));
-    plan.polygon_triangles += capture.triangles;
     if (capture.entity >= hierarchy.nodes.size()) {
+      plan.polygon_triangles += capture.triangles;
       const auto object = std::uint32_t(capture.entity - hierarchy.nodes.size());
       RILIEVO_EXPECTS_LT(object, moving.size());
       plan.moving_polygons.push_back({object, drawn.from, drawn.to});
       --plan.single;
     } else {
       const HierarchyNode& node = hierarchy.nodes[capture.entity];
+      plan.polygon_triangles += node.triangles;  // by no level
       for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
         plan.polygons.push_back({hierarchy.order[k], drawn.from, drawn.to});
       --(node.leaf() ? plan.single : plan.hierarchy);
@@ -120,8 +126,8 @@ bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame, const De
   narrow_slab(capture.geometry, range);
   capture.picture.geometry = capture.geometry;
   capture.picture.gaps = gaps;
-  const double bound_px = bound_total_px(capture.geometry, frame);
-  const double gap_px = bound_gap_px(capture.geometry, gaps, frame);
+  const double bound_px = bound_total_px(capture.geometry, frame) + capture.level_px;
+  const double gap_px = bound_gap_px(capture.geometry, gaps, frame) + 2 * capture.level_px;
   const double limit = limit_px(capture.picture, options), gap_limit = gap_limit_px(options);
   capture.life_share = life_share(bound_px, limit, gap_px, gap_limit);
   for (DrawnPicture& drawn : plan.pictures)

@@ -18,6 +18,7 @@
 // gives the same plan. A steady state does not allocate.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -84,6 +85,9 @@ struct CacheOptions {
   int max_texels = 1024;  // limit on a picture's side
   int texel_cell = 32;    // pictures occupy multiples of this
   int bytes_per_texel = 5;
+  // Levels of detail (LevelTable) may take this share of error_px, for which a picture has less of
+  // it left; and polygons, which have no other error.
+  double level_share = 0.5, polygon_level_share = 1;
   int delta_bits = 8;
   int fallback_bits = 8;  // of Delta in Plan::fallback, whose range of depths is large
   DepthMode depth_mode = DepthMode::linear;
@@ -144,6 +148,19 @@ struct Alternatives {
   std::vector<std::vector<std::uint32_t>> of_entity;
 };
 
+// How many triangles levels of detail leave of each node of the hierarchy, and with which error: no
+// surface that is drawn is farther from the nearest of the true ones, nor these from it.
+struct LevelTable {
+  static constexpr int kSteps = 40;
+  // What one step leaves.
+  struct Level {
+    float triangles = 0;  // of all objects below
+    float error = 0;  // of the levels that these are, metres, world space; at most that of the step
+  };
+  double first = 0;                                // of step 0, metres; step k: 2^(k/2) times
+  std::vector<std::array<Level, kSteps>> of_node;  // empty: there are no levels
+};
+
 // An object that moves, at this frame.
 struct MovingObject {
   Box box;  // world, now
@@ -168,6 +185,7 @@ struct Picture {
   PictureGeometry geometry;           // world space at capture
   GapTable gaps;                      // all zero if there is no limit on gaps
   glm::dmat4 world_from_object{1.0};  // of a moving object at capture
+  double level_error = 0;             // of the levels that it shows, metres
   double coarse_px = 0;            // the part of its error that coarse texels caused from the start
   double draw_cost = 0, rate = 0;  // triangles per frame: without and with captures
   std::uint64_t bytes = 0;
@@ -213,6 +231,7 @@ struct Capture {
   PictureGeometry geometry;  // geometry.capture is the camera to capture with, including its size
   std::uint64_t triangles = 0;
   double cost = 0;                  // by CostModel, in triangles
+  double level_px = 0;              // the error of its levels in this frame
   Picture picture;                  // as it will be committed
   bool several = false;             // shows several objects
   bool once = false;                // for this frame's eye alone: its gaps need not be known
@@ -231,6 +250,7 @@ struct DrawnPicture {
 struct DrawnObject {
   std::uint32_t object = 0;  // static: the caller's index; moving: index in `moving`
   float from = 0, to = 1;
+  float level_error = 0;  // by levels that are at most so far off, metres
 };
 // A baked representation to draw, at all pixels.
 struct DrawnAlternative {
@@ -261,6 +281,7 @@ struct Plan {
   std::uint64_t bytes = 0;        // of all pictures, after evictions and captures
   int single = 0, hierarchy = 0;  // drawn pictures of one object, and of several
   double bound_px = 0;            // the largest of what is drawn
+  double polygon_px = 0;          // of polygons, by their levels
   double gap_px = 0;              // the largest bound_gap_px of the pictures drawn, and of cracks
   int starved = 0;                // captures for which memory did not suffice
   double credit = 0, texel_scale = 1;
@@ -294,6 +315,7 @@ struct PlanScratch {
   struct Polygons {
     Entity entity = 0;
     float cost = 0;
+    std::uint64_t triangles = 0;
   };
   std::vector<Polygons> polygons;      // of Plan::polygons
   std::vector<std::uint32_t> dearest;  // indices of those
@@ -308,7 +330,8 @@ struct PlanScratch {
 // last plan was committed, for the same hierarchy and number of moving objects.
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives = {});
+                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives = {},
+                const LevelTable& levels = {});
 
 // Reports that capture `index` shows only these Deltas, and has these gaps. Returns whether the
 // picture is good enough for this frame; if not (it was expected to be flatter, or to hide less),

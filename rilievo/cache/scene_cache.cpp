@@ -16,8 +16,13 @@ std::uint32_t stored(std::uint32_t slot) { return slot + 1; }
 }  // namespace
 
 SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
-                       const ImageCacheOptions& options, FrameContent& content)
-    : placed_(placed), store_(store), options_(options) {
+                       const ImageCacheOptions& options, FrameContent& content,
+                       const CacheLevels& levels)
+    : placed_(placed),
+      store_(store),
+      levels_(levels.levels),
+      finest_(levels.finest ? *levels.finest : placed.scene()),
+      options_(options) {
   RILIEVO_EXPECTS(content.sets.empty());
   content.sets.push_back({&pictures, {}});
   build();
@@ -73,6 +78,52 @@ void SceneCache::build_tree(std::span<const std::uint32_t> apart) {
   leaf_of_.assign(static_objects_.size(), 0);
   for (Entity e = 0; e < hierarchy_.nodes.size(); ++e)
     if (hierarchy_.nodes[e].leaf()) leaf_of_[hierarchy_.order[hierarchy_.nodes[e].first]] = e;
+  if (levels_) build_levels();
+}
+
+// What each step of the table leaves of each node: of one object, then of both children.
+void SceneCache::build_levels() {
+  const auto levels_of = [&](std::uint32_t object) -> const std::vector<ModelLevel>& {
+    return levels_->leveled.levels[std::size_t(levels_->model_of[object])];
+  };
+  level_table_ = {INFINITY, {}};
+  for (const std::uint32_t object : static_objects_)
+    if (const auto& levels = levels_of(object); levels.size() > 1 && levels[1].error > 0)
+      level_table_.first =
+          std::min(level_table_.first, levels[1].error * largest_stretch(placed_.poses()[object]));
+  if (!(level_table_.first > 0 && std::isfinite(level_table_.first))) return;
+  level_table_.of_node.resize(hierarchy_.nodes.size());
+  for (Entity e = Entity(hierarchy_.nodes.size()); e-- > 0;) {
+    const HierarchyNode& node = hierarchy_.nodes[e];
+    for (int step = 0; step < LevelTable::kSteps; ++step) {
+      LevelTable::Level& entry = level_table_.of_node[e][std::size_t(step)];
+      if (!node.leaf()) {
+        const LevelTable::Level &a = level_table_.of_node[e + 1][std::size_t(step)],
+                                &b = level_table_.of_node[node.second_child][std::size_t(step)];
+        entry = {a.triangles + b.triangles, std::max(a.error, b.error)};
+        continue;
+      }
+      const std::uint32_t object = static_objects_[hierarchy_.order[node.first]];
+      const double stretch = largest_stretch(placed_.poses()[object]);
+      const ModelLevel& level =
+          choose_level(levels_of(object), level_table_.first * std::exp2(0.5 * step) / stretch);
+      // Rounded up: show_level() chooses the same again, and the bound holds.
+      entry = {float(levels_->leveled.scene.models[std::size_t(level.model)].triangles),
+               level.error > 0 ? std::nextafter(float(level.error * stretch), INFINITY) : 0.0f};
+    }
+  }
+}
+
+void SceneCache::show_levels(std::span<const std::uint32_t> objects, double error) {
+  if (!levels_) return;
+  for (const std::uint32_t object : objects)
+    show_level(object, placed_.poses()[object], error, *levels_);
+}
+
+void SceneCache::show_polygon_levels() {
+  if (!levels_) return;
+  for (const DrawnObject& drawn : plan_.polygons)
+    show_levels({&static_objects_[drawn.object], 1}, double(drawn.level_error));
 }
 
 // Of an opaque object.
@@ -181,7 +232,8 @@ void SceneCache::plan(const Camera& camera) {
   policy_.gap_px = options_.gap_px;
   policy_.fade_frames = options_.fade_frames;
   set_budget();
-  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_);
+  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_,
+             level_table_);
 }
 
 // Can a frame cost more than its floor? By polygons, if it shows all of the scene.
@@ -197,7 +249,7 @@ void SceneCache::set_budget() {
   policy_.picture_triangles = unlimited_.picture_triangles;
   if (!casts_ && (options_.capture_ms > 0 || may_spike())) {
     if (store_.rasterizes())
-      if (auto coarse = CoarseCapture::create(placed_.scene())) coarse_ = std::move(*coarse);
+      if (auto coarse = CoarseCapture::create(finest_)) coarse_ = std::move(*coarse);
     casts_ = true;
   }
   policy_.max_spike = coarse_ ? options_.max_spike : 0;
@@ -212,6 +264,7 @@ void SceneCache::set_budget() {
 void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& objects) {
   const Capture& capture = plan_.captures[index];
   const Camera& eye = capture.geometry.capture;
+  if (capture.entity < hierarchy_.nodes.size()) show_levels(objects, capture.picture.level_error);
   store_.capture(stored(capture.slot), eye, objects);
   if (!std::isfinite(gap_limit_px(policy_))) return;
   gaps_[index] = capture.once ? unknown_gaps(eye) : store_.gaps(eye, objects);
@@ -334,6 +387,7 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   capture_fallback(stats);
   commit(plan_, state_);
   collect(content);
+  show_polygon_levels();
   stats.bound_px = plan_.bound_px;
   stats.gap_px = plan_.gap_px;
   stats.picture_bytes = store_.bytes() + alternative_bytes_;
@@ -349,9 +403,11 @@ void SceneCache::prepare_objects() {
   for (const DrawnPicture& drawn : plan_.pictures) {
     Held& held = held_[drawn.slot];
     if (held.objects.size() == 1 || held.objects_captured) continue;
+    show_levels(held.objects, state_.slots[drawn.slot].level_error);
     store_.capture_objects(stored(drawn.slot), held.camera, held.objects);
     held.objects_captured = true;
   }
+  show_polygon_levels();
 }
 
 void SceneCache::invalidate(FrameContent& content) {

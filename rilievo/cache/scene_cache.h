@@ -20,6 +20,7 @@
 #include "rilievo/capture/capture_by.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/frame/frame_content.h"
+#include "rilievo/frame/object_levels.h"
 #include "rilievo/kind/kind.h"
 #include "rilievo/render/placed_scene.h"
 #include "rilievo/representation/object_drawable.h"
@@ -46,18 +47,29 @@ struct ImageCacheOptions {
   CaptureBy capture_by = CaptureBy::automatic;
   bool outlines = false;
   bool sky = true;  // draw the scene's sky behind everything
+  // Draw and capture objects that stand still by levels of detail where their error is bounded and
+  // it costs less; the pictures' limit is stricter by it. Without OpenGL only.
+  bool levels = false;
   // What the planner compares; none: the costs built in (policy.h), so that frames are the same on
   // all machines, as they are with the same costs of any one machine.
   std::optional<MachineCosts> machine = {};
 };
 
+// Levels of detail with bounded errors (make_bounded_object_levels), and the scene that they were
+// made of. Null: none.
+struct CacheLevels {
+  ObjectLevels* levels = nullptr;
+  const Scene* finest = nullptr;
+};
+
 // Chooses a scene's frames, and captures for them.
 class SceneCache {
  public:
-  // `placed` and `store` must outlive the cache. Appends the set of pictures, whose drawable is
-  // `pictures`, to an empty `content`: choose() fills the same.
+  // All of these must outlive the cache. With levels, `placed` places their scene. Appends the set
+  // of pictures, whose drawable is `pictures`, to an empty `content`: choose() fills the same.
   SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
-             const ImageCacheOptions& options, FrameContent& content);
+             const ImageCacheOptions& options, FrameContent& content,
+             const CacheLevels& levels = {});
 
   // As ImageCache's; `content` gets a set for each drawable.
   void add_alternatives(std::vector<ObjectDrawable> drawables,
@@ -98,6 +110,9 @@ class SceneCache {
 
   void build();
   void build_tree(std::span<const std::uint32_t> apart);
+  void build_levels();
+  void show_levels(std::span<const std::uint32_t> objects, double error);
+  void show_polygon_levels();
   void add_drawable(ObjectDrawable drawable, FrameContent& content);
   void update_moving();
   void plan(const Camera& camera);
@@ -115,11 +130,14 @@ class SceneCache {
 
   const PlacedScene& placed_;
   CachePictures& store_;
+  ObjectLevels* levels_;  // null: objects are drawn as they are
+  const Scene& finest_;   // for rays, whose time hardly depends on the number of triangles
   ImageCacheOptions options_;
 
   std::vector<std::uint32_t> static_objects_,
       moving_objects_;  // the caller's and ours to the scene's
   Hierarchy hierarchy_;
+  LevelTable level_table_;
   std::vector<Entity> leaf_of_;  // by static object
   std::vector<MovingObject> moving_;
   std::vector<std::unique_ptr<DrawableFactory>> factories_;  // outlive the drawables

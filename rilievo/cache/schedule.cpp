@@ -70,8 +70,9 @@ std::uint32_t new_slot(const FramePlanner& planner) {
 }
 
 bool capture(FramePlanner& planner, Entity e, double cost) {
-  const CacheOptions& options = planner.options;
   const CaptureCost estimated = planner.estimate(e);
+  CacheOptions options = planner.options;
+  options.error_px -= estimated.level_px;
   const bool clip = estimated.once && !planner.is_moving(e);
   const double scale = planner.plan.texel_scale;
   const glm::dvec3 drift = planner.drift_of(e);
@@ -90,7 +91,8 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   made.slot = new_slot(planner);
   made.entity = e;
   made.geometry = placed.geometry;
-  made.triangles = planner.triangles_of(e);
+  made.triangles = estimated.triangles;
+  made.level_px = estimated.level_px;
   made.cost = cost;
   made.several = planner.several(e);
   made.once = estimated.once;
@@ -100,6 +102,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   picture.geometry = placed.geometry;
   if (planner.is_moving(e))
     picture.world_from_object = planner.moving[e - planner.nodes()].world_from_object;
+  picture.level_error = estimated.level_error;
   picture.coarse_px = placed.coarse_px;
   picture.draw_cost = estimated.draw;
   picture.rate = picture_rate(estimated, options);

@@ -169,6 +169,56 @@ TEST(Spike, without_a_limit_and_below_the_floor_nothing_is_coarse) {
   }
 }
 
+// Of each node, a quarter of the triangles less for each step, from 2 cm on.
+LevelTable quarters_less(const PlanObjects& blocks) {
+  LevelTable levels{0.02, {}};
+  for (const HierarchyNode& node : blocks.tree.nodes) {
+    auto& entries = levels.of_node.emplace_back();
+    for (int step = 0; step < LevelTable::kSteps; ++step)
+      entries[std::size_t(step)] = {float(double(node.triangles) * std::pow(0.75, step)),
+                                    float(0.02 * std::exp2(0.5 * step))};
+  }
+  return levels;
+}
+
+std::uint64_t leveled_triangles(std::uint64_t triangles, double error) {
+  const double step = std::round(2 * std::log2(error / 0.02));
+  return error > 0 ? std::uint64_t(float(double(triangles) * std::pow(0.75, step))) : triangles;
+}
+
+TEST(Spike, levels_of_detail_cost_their_triangles_in_limited_frames_too) {
+  std::mt19937 rng(14);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  const LevelTable levels = quarters_less(blocks);
+  CacheOptions options = limited_options();
+  options.spike_floor = 180'000;
+  Loop run;
+  EyeMotion motion;
+  int coarse = 0, by_level = 0;
+  for (int frame = 0; frame < 100; ++frame) {
+    const FrameView view = follow(motion, walking(frame, 0.02));
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options, {}, levels));
+    double cost = cost_of(run, blocks, view, options);  // of all triangles
+    std::uint64_t triangles = 0;
+    for (const DrawnObject& drawn : run.plan.polygons) {
+      const std::uint64_t all = blocks.triangles[drawn.object],
+                          left = leveled_triangles(all, double(drawn.level_error));
+      cost -= double(all - left);
+      triangles += left;
+      by_level += drawn.level_error > 0;
+    }
+    EXPECT_EQ(run.plan.polygon_triangles, triangles);
+    if (run.plan.fallback.objects.empty()) {
+      EXPECT_NEAR(run.plan.cost, cost, 1e-6 * cost);
+    } else {
+      ++coarse;
+      EXPECT_LE(cost, 1.1 * run.plan.limit + 60'000) << frame;
+    }
+  }
+  EXPECT_GE(coarse, 5);  // after each cut
+  EXPECT_GT(by_level, 100);
+}
+
 TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
   EyeMotion motion;
   const auto at = [](double x) {

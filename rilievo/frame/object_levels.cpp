@@ -1,13 +1,33 @@
 #include "rilievo/frame/object_levels.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rilievo {
 
-ObjectLevels make_object_levels(const Scene& scene) {
-  ObjectLevels levels{make_levels(scene), {}};
-  for (const Object& object : scene.objects) levels.model_of.push_back(object.model);
+namespace {
+
+ObjectLevels finest(LeveledScene leveled) {
+  ObjectLevels levels{std::move(leveled), {}};
+  for (const Object& object : levels.leveled.scene.objects) levels.model_of.push_back(object.model);
   return levels;
+}
+
+}  // namespace
+
+ObjectLevels make_object_levels(const Scene& scene) { return finest(make_levels(scene)); }
+
+ObjectLevels make_bounded_object_levels(const Scene& scene) {
+  return finest(make_bounded_levels(scene));
+}
+
+void show_level(std::uint32_t object, const glm::mat4& pose, double error, ObjectLevels& levels) {
+  const int finest = levels.model_of[object];
+  levels.leveled.scene.objects[object].model =
+      error > 0
+          ? choose_level(levels.leveled.levels[std::size_t(finest)], error / largest_stretch(pose))
+                .model
+          : finest;
 }
 
 double choose_levels(const Camera& camera, std::span<const std::uint32_t> objects,

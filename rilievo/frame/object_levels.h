@@ -23,6 +23,12 @@ struct ObjectLevels {
 // All objects by their finest levels.
 [[nodiscard]] ObjectLevels make_object_levels(const Scene& scene);
 
+// The same with errors that are bounds (make_bounded_levels).
+[[nodiscard]] ObjectLevels make_bounded_object_levels(const Scene& scene);
+
+// Makes an object show its coarsest level that is at most `error` metres off where it is placed.
+void show_level(std::uint32_t object, const glm::mat4& pose, double error, ObjectLevels& levels);
+
 // Makes `objects`, placed by `poses` within `bounds` (of all objects), show the levels that they
 // have for `camera`. Returns the largest error of a level, in pixels.
 double choose_levels(const Camera& camera, std::span<const std::uint32_t> objects,

@@ -21,6 +21,7 @@ class TriangleTree {
   // Three indices a triangle.
   TriangleTree(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);
 
+  // What nearest() finds.
   struct Nearest {
     std::uint32_t triangle = 0;  // the tree's number
     double square = 0;           // of the distance

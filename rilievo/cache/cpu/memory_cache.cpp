@@ -116,11 +116,14 @@ class MemoryCache::Store final : public CachePictures {
   AtlasPicture encoded_;
 };
 
-MemoryCache::MemoryCache(const Scene& scene, const ImageCacheOptions& options)
-    : SoftwareFrames(scene, options.samples),
+MemoryCache::MemoryCache(const Scene& scene, std::unique_ptr<ObjectLevels> levels,
+                         const ImageCacheOptions& options)
+    : SoftwareFrames(levels ? levels->leveled.scene : scene, options.samples),
+      levels_(std::move(levels)),
       store_(std::make_unique<Store>(placed(), options)),
-      cache_(std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options,
-                                          content())) {}
+      cache_(std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options, content(),
+                                          CacheLevels{levels_.get(), levels_ ? &scene : nullptr})) {
+}
 MemoryCache::~MemoryCache() = default;
 
 std::unique_ptr<CachePictures> MemoryCache::make_pictures(const PlacedScene& placed,
@@ -139,7 +142,9 @@ Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
   if (options.max_bytes < least)
     return Error{"cache", "the memory for pictures must be at least " +
                               std::to_string((least >> 20) + 1) + " MB"};
-  return {std::unique_ptr<MemoryCache>(new MemoryCache(scene, options))};
+  auto levels =
+      options.levels ? std::make_unique<ObjectLevels>(make_bounded_object_levels(scene)) : nullptr;
+  return {std::unique_ptr<MemoryCache>(new MemoryCache(scene, std::move(levels), options))};
 }
 
 void MemoryCache::add_alternatives(std::vector<ObjectDrawable> drawables,

@@ -41,10 +41,12 @@ class MemoryCache final : public SoftwareFrames {
 
  private:
   class Store;
-  MemoryCache(const Scene& scene, const ImageCacheOptions& options);
+  MemoryCache(const Scene& scene, std::unique_ptr<ObjectLevels> levels,
+              const ImageCacheOptions& options);
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   void prepare_objects() override;
 
+  std::unique_ptr<ObjectLevels> levels_;  // null: none; frames are drawn from its scene
   std::unique_ptr<Store> store_;
   std::unique_ptr<SceneCache> cache_;
 };

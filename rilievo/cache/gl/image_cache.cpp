@@ -96,6 +96,8 @@ Result<std::unique_ptr<CachePictures>> ImageCache::make_pictures(SceneRenderer& 
 }
 
 Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheOptions& options) {
+  if (options.levels)
+    return Error{"levels", "the cache draws levels of detail without OpenGL only"};
   Result<std::unique_ptr<Store>> store = make_store(renderer, options);
   if (!store) return store.error();
   if (options.machine)

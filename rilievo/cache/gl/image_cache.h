@@ -23,8 +23,8 @@ class ImageCache final : public SceneFrames {
   ~ImageCache() override;
   ImageCache(ImageCache&&) noexcept;
 
-  // `renderer` must outlive the cache. Fails where the atlas cannot be allocated, and where
-  // options.machine was measured without OpenGL.
+  // `renderer` must outlive the cache. Fails where the atlas cannot be allocated, where
+  // options.machine was measured without OpenGL, and with options.levels.
   [[nodiscard]] static Result<ImageCache> create(SceneRenderer& renderer,
                                                  const ImageCacheOptions& options);
   // Only what keeps the cache's pictures, to measure it (cache/measure_costs.h). `renderer` must
