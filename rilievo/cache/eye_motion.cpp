@@ -15,9 +15,10 @@ glm::dvec3 rotation_vector(const glm::dmat3& m) {
   return sine > 1e-12 ? axis / sine * std::atan2(sine, cosine) : glm::dvec3(0);
 }
 
-// More than a frame that took longer explains, or an eye that starts to move faster.
-bool jumps(const glm::dvec3& now, const glm::dvec3& before) {
-  return glm::length(now) > 8 * glm::length(before);
+// More than a frame that took longer explains, or an eye that starts to move, or faster than ever:
+// what has gone on for two frames is a motion.
+bool jumps(const glm::dvec3& now, const glm::dvec3& before, double longest) {
+  return glm::length(now) > 8 * std::max(glm::length(before), longest);
 }
 
 // `now`, no longer than `before`.
@@ -31,7 +32,6 @@ glm::dvec3 no_longer(const glm::dvec3& now, const glm::dvec3& before) {
 FrameView follow(EyeMotion& motion, const Camera& camera) {
   FrameView view;
   view.camera = camera;
-  view.jumped = motion.frames == 0;
   if (motion.frames > 0) {
     const glm::dvec3 step = camera.position() - motion.last.position();
     const glm::dvec3 turn = rotation_vector(glm::dmat3(camera.world_from_eye) *
@@ -39,8 +39,13 @@ FrameView follow(EyeMotion& motion, const Camera& camera) {
     // The first step has nothing to be compared with.
     view.velocity = motion.frames > 1 ? no_longer(step, motion.step) : step;
     view.turn = motion.frames > 1 ? no_longer(turn, motion.turn) : turn;
-    view.jumped = motion.frames > 1 && (jumps(step, motion.step) || jumps(turn, motion.turn));
+    view.jumped = motion.frames > 1 && (jumps(step, motion.step, motion.longest_step) ||
+                                        jumps(turn, motion.turn, motion.longest_turn));
     motion.step = step, motion.turn = turn;
+    if (!view.jumped) {
+      motion.longest_step = std::max(motion.longest_step, glm::length(step));
+      motion.longest_turn = std::max(motion.longest_turn, glm::length(turn));
+    }
   }
   motion.last = camera;
   ++motion.frames;

@@ -12,6 +12,8 @@ struct EyeMotion {
   int frames = 0;  // seen so far
   Camera last;
   glm::dvec3 step{0.0}, turn{0.0};  // from the frame before the last to the last
+  // Lengths of the longest so far, jumps left out.
+  double longest_step = 0, longest_turn = 0;
 };
 
 // Records `camera` and returns the view of its frame. The prediction repeats the last step, but is

@@ -29,9 +29,7 @@ constexpr double kLimitGrowth = 1.3;
 // Of what a frame would cost without a limit, at least so much is allowed but after a jump: where
 // all frames are slow, they need not become fine as slowly as where others are fast.
 constexpr double kLeastShare = 0.5;
-// What frames usually cost, before there was one: this share of CacheOptions::spike_floor.
-constexpr double kFirstShare = 0.5;
-// How soon that follows what they cost.
+// How soon CacheState::usual_cost follows what frames cost.
 constexpr double kFollowCost = 0.2;
 
 glm::dmat4 power(const glm::dmat4& m, int n) {
@@ -312,13 +310,10 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   return ready;
 }
 
-double FramePlanner::usual_cost() const {
-  return state.usual_cost > 0 ? state.usual_cost : kFirstShare * options.spike_floor;
-}
-
 void FramePlanner::find_limit() {
-  if (!(options.max_spike > 0)) return;
-  const double usual = usual_cost();
+  const double usual = state.usual_cost;
+  // The first frame may take its time: nothing that moves is interrupted.
+  if (!(options.max_spike > 0) || (!(usual > 0) && !frame.jumped)) return;
   const double spike = std::max(options.spike_floor, options.max_spike * usual);
   double limit = std::max(options.spike_floor, usual), allowed = spike;
   if (frame.jumped)
@@ -506,7 +501,9 @@ void FramePlanner::draw() {
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
   for (const Capture& capture : plan.captures) plan.cost += capture.cost;
   limit_cost();
-  plan.usual_cost = usual_cost() + kFollowCost * (plan.cost - usual_cost());
+  plan.usual_cost = state.usual_cost > 0
+                        ? state.usual_cost + kFollowCost * (plan.cost - state.usual_cost)
+                        : plan.cost;
   if (!plan.fallback.objects.empty()) finish_fallback();
   plan.bound_px = std::max(plan.bound_px, plan.polygon_px);
   plan.gap_px = std::max(plan.gap_px, 2 * plan.polygon_px);

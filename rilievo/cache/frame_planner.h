@@ -80,8 +80,6 @@ struct FramePlanner {
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 
-  // What frames usually cost.
-  [[nodiscard]] double usual_cost() const;
   // What the frame may cost (CacheOptions::max_spike): sets plan.limit or capture_room.
   void find_limit();
 

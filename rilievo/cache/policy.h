@@ -176,7 +176,7 @@ struct FrameView {
   // The prediction for the next frames (eye_motion.h): the eye's velocity in metres per frame, and
   // its rotation about a world axis in radians per frame.
   glm::dvec3 velocity{0.0}, turn{0.0};
-  bool jumped = false;  // the eye did not come here as it moved before
+  bool jumped = false;  // the eye did not come here as it moved before; not the first frame
 };
 
 // A picture in the cache.
