@@ -15,10 +15,10 @@ glm::dvec3 rotation_vector(const glm::dmat3& m) {
   return sine > 1e-12 ? axis / sine * std::atan2(sine, cosine) : glm::dvec3(0);
 }
 
-// More than a frame that took longer explains, or an eye that starts to move, or faster than ever:
-// what has gone on for two frames is a motion.
+// More than a frame that took longer explains, or an eye that starts to walk. What has gone on for
+// two frames is a motion, and so is the first.
 bool jumps(const glm::dvec3& now, const glm::dvec3& before, double longest) {
-  return glm::length(now) > 8 * std::max(glm::length(before), longest);
+  return longest > 0 && glm::length(now) > 8 * std::max(glm::length(before), longest);
 }
 
 // `now`, no longer than `before`.
