@@ -41,6 +41,8 @@ FrameView follow(EyeMotion& motion, const Camera& camera) {
     view.turn = motion.frames > 1 ? no_longer(turn, motion.turn) : turn;
     view.jumped = motion.frames > 1 && (jumps(step, motion.step, motion.longest_step) ||
                                         jumps(turn, motion.turn, motion.longest_turn));
+    view.started = motion.longest_step == 0 && motion.longest_turn == 0 &&
+                   (glm::length(step) > 0 || glm::length(turn) > 0);
     motion.step = step, motion.turn = turn;
     if (!view.jumped) {
       motion.longest_step = std::max(motion.longest_step, glm::length(step));

@@ -316,7 +316,8 @@ void FramePlanner::find_limit() {
   if (!(options.max_spike > 0) || (!(usual > 0) && !frame.jumped)) return;
   const double spike = std::max(options.spike_floor, options.max_spike * usual);
   double limit = std::max(options.spike_floor, usual), allowed = spike;
-  if (frame.jumped)
+  // Of an eye's first step, what it costs tells whether it was a jump.
+  if (frame.jumped || (frame.started && cost_at_hand > spike))
     allowed = limit = options.spike_floor;
   else if (state.limit > 0)  // of the last frame
     allowed = limit = std::max(
@@ -501,9 +502,10 @@ void FramePlanner::draw() {
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
   for (const Capture& capture : plan.captures) plan.cost += capture.cost;
   limit_cost();
-  plan.usual_cost = state.usual_cost > 0
-                        ? state.usual_cost + kFollowCost * (plan.cost - state.usual_cost)
-                        : plan.cost;
+  if (state.usual_cost > 0)
+    plan.usual_cost = state.usual_cost + kFollowCost * (plan.cost - state.usual_cost);
+  else if (state.frame > 0)  // the first is not usual
+    plan.usual_cost = plan.cost;
   if (!plan.fallback.objects.empty()) finish_fallback();
   plan.bound_px = std::max(plan.bound_px, plan.polygon_px);
   plan.gap_px = std::max(plan.gap_px, 2 * plan.polygon_px);

@@ -175,6 +175,25 @@ TEST(Spike, without_a_limit_and_below_the_floor_nothing_is_coarse) {
   }
 }
 
+TEST(Spike, the_first_step_of_an_eye_that_stood_is_a_jump_only_if_it_costs_like_one) {
+  std::mt19937 rng(15);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  const CacheOptions options = limited_options();
+  for (const bool jump : {false, true}) {
+    Loop run;
+    EyeMotion motion;
+    for (int frame = 0; frame < 10; ++frame) {
+      const FrameView view = follow(motion, walking(0, 0));
+      ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+      EXPECT_EQ(run.plan.limit, 0);
+    }
+    const FrameView view = follow(motion, jump ? walking(20, 0) : walking(1, 0.02));
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    EXPECT_EQ(run.plan.limit, jump ? options.spike_floor : 0);
+    EXPECT_EQ(run.plan.fallback.objects.empty(), !jump);
+  }
+}
+
 // Of each node, a quarter of the triangles less for each step, from 2 cm on.
 LevelTable quarters_less(const PlanObjects& blocks) {
   LevelTable levels{0.02, {}};
@@ -230,8 +249,14 @@ TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
   const auto at = [](double x) {
     return look_at({x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 1.0, kWidth, kHeight, 0.1, 100);
   };
-  for (int frame = 0; frame < 2; ++frame) EXPECT_FALSE(follow(motion, at(0)).jumped);
-  EXPECT_FALSE(follow(motion, at(0.1)).jumped);
+  for (int frame = 0; frame < 2; ++frame) {
+    const FrameView view = follow(motion, at(0));
+    EXPECT_FALSE(view.jumped || view.started);
+  }
+  const FrameView first_step = follow(motion, at(0.1));
+  EXPECT_FALSE(first_step.jumped);
+  EXPECT_TRUE(first_step.started);
+  EXPECT_FALSE(follow(motion, at(0.1)).started);
   EXPECT_FALSE(follow(motion, at(0.2)).jumped);
   EXPECT_FALSE(follow(motion, at(0.8)).jumped);  // a frame that took six times as long
   EXPECT_FALSE(follow(motion, at(0.9)).jumped);
