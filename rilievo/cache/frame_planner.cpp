@@ -216,7 +216,11 @@ FramePlanner::Standing FramePlanner::stands_for(Entity e, double cost) const {
 
 // Of one object, static or moving.
 double FramePlanner::polygon_cost(Entity e) const {
-  return options.cost.object + double(level_of(e, options.polygon_level_share).triangles) +
+  return polygon_cost(e, level_of(e, options.polygon_level_share));
+}
+
+double FramePlanner::polygon_cost(Entity e, const Level& level) const {
+  return options.cost.object + double(level.triangles) +
          options.cost.polygon_pixel * covered_pixels(view, box_of(e));
 }
 
@@ -354,8 +358,6 @@ void FramePlanner::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked
                         float from, float to) {
   if (!(from < to)) return;
   plan.pictures.push_back({slot, from, to, float(checked.now_px), float(checked.gap_px)});
-  plan.bound_px = std::max(plan.bound_px, double(plan.pictures.back().bound_px));
-  plan.gap_px = std::max(plan.gap_px, double(plan.pictures.back().gap_px));
   plan.cost += scratch.captured[e] && plan.captures[scratch.captured[e] - 1].slot == slot
                    ? plan.captures[scratch.captured[e] - 1].picture.draw_cost
                    : state.slots[slot].draw_cost;
@@ -363,10 +365,8 @@ void FramePlanner::emit(std::uint32_t slot, Entity e, const PlanScratch::Checked
 }
 
 void FramePlanner::emit(const Standing& standing) {
-  plan.alternatives.push_back(
-      {std::uint32_t(standing.alternative - alternatives.list.data()), float(standing.bound_px)});
-  plan.bound_px = std::max(plan.bound_px, standing.bound_px);
-  plan.gap_px = std::max(plan.gap_px, standing.gap_px);
+  plan.alternatives.push_back({std::uint32_t(standing.alternative - alternatives.list.data()),
+                               float(standing.bound_px), float(standing.gap_px)});
   plan.cost += standing.cost;
 }
 
@@ -385,12 +385,11 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
     scratch.boxes.push_back(box_of(e));
     return;
   }
+  const Level level = level_of(e, options.polygon_level_share);
+  const double cost = polygon_cost(e, level);
   // An alternative is for all pixels: what fades goes with polygons.
   if (from <= 0 && to >= 1)
-    if (const Standing standing = stands_for(e, polygon_cost(e)); standing.alternative)
-      return emit(standing);
-  const Level level = level_of(e, options.polygon_level_share);
-  const double cost = polygon_cost(e);
+    if (const Standing standing = stands_for(e, cost); standing.alternative) return emit(standing);
   if (is_moving(e)) {
     plan.moving_polygons.push_back({e - nodes(), from, to});
   } else {
@@ -491,10 +490,9 @@ void FramePlanner::limit_cost() {
 void FramePlanner::finish_fallback() {
   plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
   plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
-  plan.bound_px = std::max(plan.bound_px, plan.fallback.bound_px);
   // Rays at texels' centres may miss all of a surface into which no circle fits that reaches four.
   const double texel = frame.camera.width / double(plan.fallback.geometry.capture.width);
-  plan.gap_px = std::max(plan.gap_px, std::numbers::sqrt2 * texel);
+  plan.fallback.gap_px = std::numbers::sqrt2 * texel;
 }
 
 void FramePlanner::draw() {
@@ -507,8 +505,6 @@ void FramePlanner::draw() {
   else if (state.frame > 0)  // the first is not usual
     plan.usual_cost = plan.cost;
   if (!plan.fallback.objects.empty()) finish_fallback();
-  plan.bound_px = std::max(plan.bound_px, plan.polygon_px);
-  plan.gap_px = std::max(plan.gap_px, 2 * plan.polygon_px);
 }
 
 }  // namespace rilievo

@@ -110,6 +110,7 @@ struct FramePlanner {
   };
   [[nodiscard]] Standing stands_for(Entity e, double cost) const;
   [[nodiscard]] double polygon_cost(Entity e) const;
+  [[nodiscard]] double polygon_cost(Entity e, const Level& level) const;
   void emit(const Standing& standing);
   struct Costs {
     double best, now;  // of the best cut; of drawing with what is at hand

@@ -34,10 +34,14 @@ void find_bound(Plan& plan) {
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
     plan.gap_px = std::max(plan.gap_px, double(drawn.gap_px));
   }
-  for (const DrawnAlternative& drawn : plan.alternatives)
+  for (const DrawnAlternative& drawn : plan.alternatives) {
     plan.bound_px = std::max(plan.bound_px, double(drawn.bound_px));
-  if (!plan.fallback.objects.empty())
+    plan.gap_px = std::max(plan.gap_px, double(drawn.gap_px));
+  }
+  if (!plan.fallback.objects.empty()) {
     plan.bound_px = std::max(plan.bound_px, plan.fallback.bound_px);
+    plan.gap_px = std::max(plan.gap_px, plan.fallback.gap_px);
+  }
 }
 
 // How soon CacheState::usual_range and usual_life_share follow what captures show.
@@ -68,7 +72,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   plan.entities = entities;
   plan.polygon_triangles = plan.captured_triangles = 0;
   plan.single = plan.hierarchy = plan.starved = 0;
-  plan.bound_px = plan.polygon_px = plan.gap_px = 0;
+  plan.polygon_px = 0;
   plan.cost = plan.limit = plan.usual_cost = 0;
   plan.bytes = state.bytes;
 
@@ -85,6 +89,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   planner.choose();
   schedule_captures(planner);
   planner.draw();
+  find_bound(plan);
   for (const Capture& capture : plan.captures) scratch.captured[capture.entity] = 0;
 }
 

@@ -256,7 +256,7 @@ struct DrawnObject {
 // A baked representation to draw, at all pixels.
 struct DrawnAlternative {
   std::uint32_t alternative = 0;  // index into Alternatives::list
-  float bound_px = 0;
+  float bound_px = 0, gap_px = 0;
 };
 
 // One picture of static objects for which a frame has neither time nor a picture, as coarse as the
@@ -264,7 +264,7 @@ struct DrawnAlternative {
 struct Fallback {
   std::vector<std::uint32_t> objects;  // the caller's indices; empty: there is none
   PictureGeometry geometry;            // geometry.capture is the camera to capture with
-  double bound_px = 0;
+  double bound_px = 0, gap_px = 0;     // gap_px: of what lies between its rays
 };
 
 // The decisions for one frame.

@@ -103,9 +103,15 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
         EXPECT_NEAR(run.plan.cost, cost, 1e-6 * cost);
       } else {
         ++coarse;
-        // Between texels of two pixels.
-        EXPECT_GE(run.plan.gap_px * (1 + 1e-9),
-                  std::sqrt(2.0) * kWidth / run.plan.fallback.geometry.capture.width);
+        // Between texels of two pixels; also when a capture's own gaps have become known.
+        const double between = std::sqrt(2.0) * kWidth / run.plan.fallback.geometry.capture.width;
+        EXPECT_GE(run.plan.gap_px * (1 + 1e-9), between);
+        if (!run.plan.captures.empty()) {
+          Plan reported = run.plan;
+          const Capture& capture = reported.captures[0];
+          (void)narrow_capture(reported, 0, view.camera, {0, 1}, options, capture.picture.gaps);
+          EXPECT_GE(reported.gap_px * (1 + 1e-9), between);
+        }
         // One object, of 60 000 triangles at most, is moved too few or too many; and one capture of
         // any size is always allowed. The coarse picture may be finer where there is room.
         EXPECT_LE(cost, run.plan.limit + 60'000 + 0.1 * run.plan.limit) << frame;
