@@ -21,11 +21,6 @@ glm::dvec3 area_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& 
   return glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
 }
 
-glm::vec3 unit_or_up(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0, 1, 0);
-}
-
 template <class T>
 void unweld(std::vector<T>& values, const std::vector<std::uint32_t>& indices) {
   if (values.empty()) return;
@@ -41,6 +36,11 @@ void repair(std::vector<T>& values, const T& with, std::size_t& repaired) {
 }
 
 }  // namespace
+
+glm::vec3 unit_or_up(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0, 1, 0);
+}
 
 void make_flat(Mesh& mesh) {
   unweld(mesh.positions, mesh.indices);

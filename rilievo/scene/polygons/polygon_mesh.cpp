@@ -46,11 +46,6 @@ Around corners_around(const PolygonSoup& soup, const std::vector<std::uint32_t>&
   return around;
 }
 
-glm::vec3 unit_or_upward(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0, 1, 0);
-}
-
 // Twice each triangle's area along its normal.
 std::vector<glm::dvec3> area_normals(const PolygonSoup& soup) {
   std::vector<glm::dvec3> normals(soup.parts.size());
@@ -104,7 +99,7 @@ void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget) {
         if (here.size() > kMaxCount && !made.empty()) break;  // it is known already
       }
       const glm::vec3 mean =
-          made.empty() || here.size() <= kMaxCount ? unit_or_upward(sum) : made[0].first;
+          made.empty() || here.size() <= kMaxCount ? unit_or_up(sum) : made[0].first;
       auto known =
           std::find_if(made.begin(), made.end(), [&](const auto& m) { return m.first == mean; });
       if (known == made.end()) {
