@@ -41,12 +41,12 @@ double choose_levels(const Camera& camera, std::span<const std::uint32_t> object
     const glm::dvec3 nearest =
         glm::clamp(camera.position(), glm::dvec3(box.min), glm::dvec3(box.max));
     const double distance = std::max(glm::length(nearest - camera.position()), camera.z_near);
-    const double scale = largest_scale(poses[object]);
+    const double stretch = largest_stretch(poses[object]);
     // What one pixel in the middle of the frame shows at this distance.
     const double pixel = (camera.window.top - camera.window.bottom) / camera.height * distance;
-    const ModelLevel& level = choose_level(all, error_px * pixel / std::max(scale, 1e-30));
+    const ModelLevel& level = choose_level(all, error_px * pixel / std::max(stretch, 1e-30));
     levels.leveled.scene.objects[object].model = level.model;
-    largest_px = std::max(largest_px, level.error * scale / pixel);
+    largest_px = std::max(largest_px, level.error * stretch / pixel);
   }
   return largest_px;
 }

@@ -185,11 +185,6 @@ double largest_stretch(const glm::mat4& m) {
   return std::sqrt(largest);
 }
 
-double largest_scale(const glm::mat4& m) {
-  return double(std::max(
-      {glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])), glm::length(glm::vec3(m[2]))}));
-}
-
 LeveledScene make_levels(const Scene& scene, const LevelsOptions& options) {
   LeveledScene leveled{scene, {}};
   Scene& out = leveled.scene;
@@ -211,7 +206,7 @@ LeveledScene make_levels(const Scene& scene, const LevelsOptions& options) {
         const std::vector<MeshLevel>& all = of_mesh[std::size_t(part.mesh)];
         const std::size_t level = std::min(k, all.size());
         if (level == 0) continue;
-        error = std::max(error, largest_scale(part.model_from_mesh) * all[level - 1].error);
+        error = std::max(error, largest_stretch(part.model_from_mesh) * all[level - 1].error);
         part.mesh = first_of[std::size_t(part.mesh)] + int(level) - 1;
       }
       levels.push_back({int(out.models.size()), error});

@@ -46,10 +46,6 @@ struct LevelsOptions {
 // A distance grows by at most this, an upper bound; exact where the axes are orthogonal.
 [[nodiscard]] double largest_stretch(const glm::mat4& transform);
 
-// The largest scale of the three axes: an error in model space grows by at most this, unless the
-// transform shears.
-[[nodiscard]] double largest_scale(const glm::mat4& transform);
-
 // The coarsest level with an error of at most `allowed` metres in model space.
 [[nodiscard]] const ModelLevel& choose_level(const std::vector<ModelLevel>& levels, double allowed);
 
