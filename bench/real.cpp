@@ -227,7 +227,7 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
     RealTimeOptions options;
     options.seconds = run.seconds;
     options.kept = kKept;
-    options.limits = BoundLimits::of(run.cache.error_px, run.cache.gap_px);
+    options.limits = {run.cache.error_px, gap_limit_px(run.cache.error_px, run.cache.gap_px)};
     options.cuts = cuts_of(path);
     Figures figures;
     Result<RealTimeWalk> walked = walk_in_real_time(**cache, {&*target, &*probe}, at, options);

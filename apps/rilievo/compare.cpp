@@ -21,6 +21,7 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/cache/policy.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/compare/drawn_error.h"
 #include "rilievo/gl/context.h"
@@ -163,8 +164,9 @@ Result<> run_compare(CompareCommand options) {
     return WalkFrame{camera_at(plan->path, time, options.frames.width, options.frames.height),
                      time};
   };
-  compare_options.limits =
-      BoundLimits::of(options.method_options.error_px, options.method_options.gap_px);
+  compare_options.limits = {
+      options.method_options.error_px,
+      gap_limit_px(options.method_options.error_px, options.method_options.gap_px)};
   RealTimeOptions real_time;
   real_time.seconds = plan->frames / kFramesPerSecond;
   real_time.limits = compare_options.limits;

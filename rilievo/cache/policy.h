@@ -105,9 +105,12 @@ struct CacheOptions {
   CostModel cost;
 };
 
-// The limit on bound_gap_px.
+// The limit on bound_gap_px; `gap_px` as in CacheOptions.
+[[nodiscard]] inline double gap_limit_px(double error_px, double gap_px) {
+  return gap_px > 0 ? gap_px : 2 * error_px;
+}
 [[nodiscard]] inline double gap_limit_px(const CacheOptions& options) {
-  return options.gap_px > 0 ? options.gap_px : 2 * options.error_px;
+  return gap_limit_px(options.error_px, options.gap_px);
 }
 
 // The factor by which bounds may exceed their limits.

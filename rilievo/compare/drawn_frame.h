@@ -23,11 +23,6 @@ struct WalkFrame {
 // What a method's bounds are held against.
 struct BoundLimits {
   double error_px = 1, gap_px = 2;
-
-  // gap_px 0: twice error_px, as the cache has it.
-  static BoundLimits of(double error_px, double gap_px) {
-    return {error_px, gap_px > 0 ? gap_px : 2 * error_px};
-  }
   [[nodiscard]] bool hold(const FrameStats& stats) const {
     return stats.bound_px <= error_px && stats.gap_px <= gap_px;
   }
