@@ -1,7 +1,6 @@
-// The four texels around a place are copied one by one; all else is done for
-// a vector of texels. The texel with the largest share of the place, of those that show something,
-// says which surface is there; those of other surfaces do not count, and what is empty is
-// transparent.
+// The four texels around a place are copied one by one; all else is done for a vector of texels.
+// The texel with the largest share of the place, of those that show something, says which surface
+// is there; those of other surfaces do not count, and what is empty is transparent.
 #include "rilievo/relief_impostor/merge_rows.h"
 
 #include <algorithm>
