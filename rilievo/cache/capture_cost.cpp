@@ -189,9 +189,9 @@ bool shows_frame(const Camera& capture, const Camera& frame, const Box& box) {
 
 CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uint64_t triangles,
                                   const glm::dvec3& drift, const CacheOptions& options,
-                                  const DeltaRange& range, double life_share) {
+                                  const DeltaRange& range, double life_share, double level_px) {
   CaptureCost e;
-  e.triangles = triangles;
+  e.triangles = triangles, e.level_px = level_px;
   const Seen seen = see(view, box, view.eye);
   if (seen.front <= view.camera.z_near) return e;
   const ImageWindow& w = seen.window;
@@ -207,7 +207,7 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
   const DepthSlab slab = part_of({seen.front, seen.back}, range);
   const double per_frame = 0.5 * (1 / slab.front - 1 / slab.back) * flow;
   e.life = options.longest_life;
-  const double allowed_px = options.error_px * life_share;
+  const double allowed_px = (options.error_px - level_px) * life_share;
   if (per_frame * e.life > allowed_px) e.life = allowed_px / per_frame;
   // The eye comes nearer twice as long: before the capture's eye and after.
   const double approach = std::max(0.0, d.z) * (1 + options.anticipation);
@@ -272,7 +272,8 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const CaptureC
     placed.geometry.depth_mode = options.depth_mode;
     PictureGeometry expected = placed.geometry;
     narrow_slab(expected, range);
-    placed.good = bound_total_px(expected, view.camera) <= options.error_px + placed.coarse_px;
+    placed.good = bound_total_px(expected, view.camera) + estimate.level_px <=
+                  options.error_px + placed.coarse_px;
   }
   return placed;
 }

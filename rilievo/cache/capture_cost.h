@@ -50,12 +50,13 @@ struct CaptureCost {
 
 // Estimates a picture of `box`. `drift`: the eye's motion relative to the object, metres per frame.
 // `range`: the part of the box's depths that the picture is expected to show. `life_share`: the
-// share of the life that flatness allows which gaps are expected to leave.
+// share of the life that flatness allows which gaps are expected to leave. `level_px`: the part of
+// error_px that the triangles' level of detail takes.
 [[nodiscard]] CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box,
                                                 std::uint64_t triangles, const glm::dvec3& drift,
                                                 const CacheOptions& options,
-                                                const DeltaRange& range = {},
-                                                double life_share = 1);
+                                                const DeltaRange& range = {}, double life_share = 1,
+                                                double level_px = 0);
 
 // The cost per frame of a picture that is captured again and again, in triangles.
 [[nodiscard]] inline double picture_rate(const CaptureCost& e, const CacheOptions& options) {

@@ -98,11 +98,10 @@ CaptureCost FramePlanner::estimate(Entity e, const Level& level) const {
   if (is_moving(e) ? moving[e - nodes()].deforms
                    : !tree.nodes[e].leaf() && level.triangles > options.picture_triangles)
     return {};
-  CacheOptions left = options;
-  left.error_px -= level.px;
-  CaptureCost estimated = estimate_capture_cost(view, box_of(e), level.triangles, drift_of(e), left,
-                                                expected_range(e), expected_life_share(e));
-  estimated.level_error = level.error, estimated.level_px = level.px;
+  CaptureCost estimated =
+      estimate_capture_cost(view, box_of(e), level.triangles, drift_of(e), options,
+                            expected_range(e), expected_life_share(e), level.px);
+  estimated.level_error = level.error;
   return estimated;
 }
 

@@ -71,8 +71,7 @@ std::uint32_t new_slot(const FramePlanner& planner) {
 
 bool capture(FramePlanner& planner, Entity e, double cost) {
   const CaptureCost estimated = planner.estimate(e);
-  CacheOptions options = planner.options;
-  options.error_px -= estimated.level_px;
+  const CacheOptions& options = planner.options;
   const bool clip = estimated.once && !planner.is_moving(e);
   const double scale = planner.plan.texel_scale;
   const glm::dvec3 drift = planner.drift_of(e);
