@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
 namespace {
