@@ -4,14 +4,15 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "rilievo/capture/capture_source.h"
 #include "rilievo/core/stopwatch.h"
 
 namespace rilievo::bench {
 
-// A source that takes `factor` times as long, asleep or at work on a core. Coarse pictures come
-// later by as much.
+// A source that takes `factor` times as long, asleep or at work on a core; what it waits for frames
+// is not multiplied. Coarse pictures come later by as much.
 class SlowSource final : public CaptureSource {
  public:
   SlowSource(CaptureSource& source, double factor, bool busy)
@@ -23,21 +24,29 @@ class SlowSource final : public CaptureSource {
   }
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
     Stopwatch watch;
+    double waited_ms = 0;  // by this thread alone: workers have one
     const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
     CaptureControl control;
     control.stop = stop;
+    if (request.control && request.control->give_way)
+      control.give_way = [&] {
+        const Stopwatch waiting;
+        request.control->give_way();
+        waited_ms += waiting.ms();
+      };
+    const auto delay_more = [&] { delay(watch.ms() - std::exchange(waited_ms, 0), control); };
     if (request.control && request.control->refined)
       control.refined = [&](const CapturedPicture& coarse) {
-        delay(watch.ms(), stop);
+        delay_more();
         keep(coarse.picture);
         request.control->refined(coarse);
-        watch = Stopwatch();
+        waited_ms = 0, watch = Stopwatch();
       };
     CaptureRequest slow = request;
     slow.control = &control;
     Result<CapturedPicture> captured = source_.capture(slow);
     if (captured) {
-      delay(watch.ms(), stop);
+      delay_more();
       keep(captured->picture);
     }
     if (stop.stop_requested()) return Error{std::string(name()), std::string(kCaptureStopped)};
@@ -50,11 +59,18 @@ class SlowSource final : public CaptureSource {
   }
 
  private:
-  void delay(double took_ms, const std::stop_token& stop) const {
+  void delay(double took_ms, const CaptureControl& control) const {
     const Stopwatch watch;
+    double waited_ms = 0;
     const double more_ms = (factor_ - 1) * took_ms;
-    while (watch.ms() < more_ms && !stop.stop_requested())
-      if (!busy_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (watch.ms() - waited_ms < more_ms && !control.stop.stop_requested())
+      if (!busy_) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      } else if (control.give_way) {
+        const Stopwatch waiting;
+        control.give_way();
+        waited_ms += waiting.ms();
+      }
   }
   void keep(const DepthImage& picture) {
     const std::lock_guard lock(mutex_);

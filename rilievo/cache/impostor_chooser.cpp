@@ -118,6 +118,7 @@ void ImpostorChooser::settle() {
 
 Result<> ImpostorChooser::choose(const Camera& camera, const PlacedScene& placed,
                                  FrameContent& content, FrameStats& stats) {
+  if (options_.background) workers_->begin_frame();
   const double frame_s = since_frame_.ms() / 1e3;
   frame_s_ = frame_s < kLongestFrame ? frame_s : 0;
   since_frame_ = Stopwatch();
@@ -161,5 +162,7 @@ Result<> ImpostorChooser::choose(const Camera& camera, const PlacedScene& placed
   stats.picture_bytes = drawable_->bytes();
   return Done{};
 }
+
+void ImpostorChooser::drawn() { workers_->end_frame(); }
 
 }  // namespace rilievo

@@ -44,6 +44,7 @@ class ImpostorChooser final : public FrameChooser {
   void add_sets(FrameContent& content) override;
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                   FrameStats& stats) override;
+  void drawn() override;
   [[nodiscard]] bool shows_blended(std::uint32_t object) const override;
 
   // Of the last frame.

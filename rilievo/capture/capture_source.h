@@ -30,6 +30,9 @@ struct CaptureControl {
   std::stop_token stop = {};
   // Called with complete pictures before the last one, coarse first, by the thread that captures.
   std::function<void(const CapturedPicture&)> refined = {};
+  // Called about every millisecond, by each thread that captures: it may wait, for a frame that is
+  // being drawn.
+  std::function<void()> give_way = {};
 };
 
 // What to capture, and which data.

@@ -23,6 +23,8 @@ class FrameChooser {
   // at the frame's time, and the same in all frames.
   virtual Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                           FrameStats& stats) = 0;
+  // What was chosen last has been drawn, or can't be.
+  virtual void drawn() {}
   // Does what stands for the object in this frame hold its blended parts, too? Otherwise they are
   // drawn as polygons.
   [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }

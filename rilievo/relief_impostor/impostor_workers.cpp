@@ -16,6 +16,7 @@
 #include "rilievo/core/box_view.h"
 #include "rilievo/core/on_this_thread.h"
 #include "rilievo/relief_impostor/critical_points.h"
+#include "rilievo/relief_impostor/frame_gate.h"
 #include "rilievo/relief_impostor/impostor_slot.h"
 
 namespace rilievo {
@@ -109,6 +110,7 @@ struct ImpostorWorkers::State {
   // Rises with each order, and when something is done: what sleeping workers watch.
   std::atomic<std::uint32_t> warp_bell{0}, render_bell{0}, done_bell{0};
   std::atomic<bool> ends{false};
+  FrameGate gate;
   std::stop_source shutdown;
   std::atomic<std::uint64_t> warps{0}, pictures{0}, coarse{0}, cancelled{0}, failed{0};
   std::atomic<double> warp_ms{0}, render_ms{0};
@@ -156,6 +158,8 @@ struct ImpostorWorkers::State {
   }
 
   void do_warp(ImpostorSlot& slot) {
+    // It was ordered for the frame after the one that is drawn.
+    if (options.gives_way) GivenWay(gate).wait(shutdown.get_token());
     slot.warp_eyes.update();
     take_newest(slot.pictures, slot.before);
     const NumberedImpostor &from = slot.pictures.front(), &before = slot.before;
@@ -221,9 +225,12 @@ struct ImpostorWorkers::State {
     CaptureControl control;
     control.stop = stop.get_token();
     control.refined = [&](const CapturedPicture& coarser) {
-      if (!stop.stop_requested() && slot.coarse_helps.load(std::memory_order_relaxed))
-        publish(slot, coarser.picture, false, order.time);
+      if (stop.stop_requested() || !slot.coarse_helps.load(std::memory_order_relaxed)) return;
+      if (control.give_way) control.give_way();
+      publish(slot, coarser.picture, false, order.time);
     };
+    GivenWay given_way(gate);
+    if (options.gives_way) control.give_way = [&] { given_way.wait(control.stop); };
     CaptureRequest request;
     request.camera = *camera;
     request.objects = slot.object.objects;
@@ -244,6 +251,7 @@ struct ImpostorWorkers::State {
     }
     if (!captured) return fail(captured.error());
     slot.render_s.store(took / 1e3, std::memory_order_relaxed);
+    if (control.give_way) control.give_way();
     publish(slot, captured->picture, true, order.time);
   }
 };
@@ -279,6 +287,10 @@ ImpostorWorkers::~ImpostorWorkers() {
   State::ring(s.render_bell);
   for (std::thread& thread : s.threads) thread.join();
 }
+
+void ImpostorWorkers::begin_frame() { state_->gate.begin_frame(); }
+void ImpostorWorkers::end_frame() { state_->gate.end_frame(); }
+bool ImpostorWorkers::drawing_frame() const { return state_->gate.drawing(); }
 
 ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye) {
   State& s = *state_;

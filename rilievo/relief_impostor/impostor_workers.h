@@ -42,7 +42,9 @@ struct WorkerOptions {
   double predict_s = 1.0;  // pictures are made for where the eye is when the next one is done, as
                            // it moves now, but at most so long ahead
   bool alone = false;      // shows the newest picture alone, never merged with the one before it
-  bool gives_way = false;  // the workers run only on cores that no other thread wants
+  // The workers run only on cores that no other thread wants, and between frames (frame_gate.h)
+  // where they are told when these are drawn.
+  bool gives_way = false;
 };
 
 // The camera of the picture of what lies within `bounds`, for an eye: with texels on the frame's
@@ -85,6 +87,11 @@ class ImpostorWorkers {
   // Stops what is being rendered.
   ~ImpostorWorkers();
 
+  // The frame's thread: a frame is drawn from the one to the other. Workers that give way wait
+  // meanwhile, but not for ever.
+  void begin_frame();
+  void end_frame();
+  [[nodiscard]] bool drawing_frame() const;
   // The frame's thread: orders what `object` needs and says what to draw.
   [[nodiscard]] ImpostorFrame frame(std::size_t object, const ImpostorEye& eye);
   // The world at capture: what the pictures of `object` can show.

@@ -11,6 +11,7 @@
 
 #include "rilievo/capture/callable_source.h"
 #include "rilievo/core/triple_buffer.h"
+#include "rilievo/relief_impostor/frame_gate.h"
 
 namespace rilievo {
 namespace {
@@ -72,6 +73,53 @@ TEST(ImpostorWorkers, that_give_way_run_only_where_no_other_thread_does) {
     ImpostorWorkers workers({&source}, {{}}, {.gives_way = gives_way});
     EXPECT_TRUE(settle(workers, 0, eye_at(0)).board);
     EXPECT_EQ(policy, gives_way ? SCHED_IDLE : sched_getscheduler(0));
+  }
+}
+
+// Whatever else the machine does, only lower limits of time are tested.
+TEST(FrameGate, work_waits_for_the_end_of_a_frame_but_not_for_ever) {
+  FrameGate gate;
+  GivenWay work(gate);
+  work.wait({});
+  EXPECT_EQ(work.waited_ms(), 0);
+
+  gate.begin_frame();
+  const Stopwatch watch;
+  work.wait({});
+  EXPECT_GE(watch.ms(), GivenWay::kFirstWait);
+  EXPECT_GE(work.waited_ms(), GivenWay::kFirstWait);
+  // Of the next thirty milliseconds, it is at work for ten and waits twice as long.
+  for (const Stopwatch working; working.ms() < 10;) {
+  }
+  work.wait({});
+  EXPECT_GE(work.waited_ms(), GivenWay::kFirstWait + 20);
+
+  GivenWay waiting(gate), stopped(gate);
+  std::stop_source stop;
+  stop.request_stop();
+  stopped.wait(stop.get_token());
+  EXPECT_LT(stopped.waited_ms(), GivenWay::kFirstWait);
+  gate.end_frame();
+  waiting.wait({});
+  EXPECT_EQ(waiting.waited_ms(), 0);
+}
+
+TEST(ImpostorWorkers, that_give_way_wait_for_the_end_of_a_frame_with_a_picture_but_not_for_ever) {
+  for (const bool gives_way : {false, true}) {
+    std::atomic<double> waited_ms{-1};
+    CallableSource source("ball", kBall,
+                          [&](const CaptureRequest& request) -> Result<CapturedPicture> {
+                            EXPECT_EQ(bool(request.control->give_way), gives_way);
+                            const Stopwatch watch;
+                            if (gives_way) request.control->give_way();
+                            waited_ms = watch.ms();
+                            return ball_picture(request.camera, 0.1f);
+                          });
+    ImpostorWorkers workers({&source}, {{}}, {.gives_way = gives_way});
+    workers.begin_frame();
+    EXPECT_TRUE(settle(workers, 0, eye_at(0)).board);  // though the frame does not end
+    EXPECT_GE(waited_ms, gives_way ? GivenWay::kFirstWait : 0);
+    workers.end_frame();
   }
 }
 

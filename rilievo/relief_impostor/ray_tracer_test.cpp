@@ -428,6 +428,26 @@ TEST(RayTracer, a_stopped_capture_fails_and_says_so) {
   }
 }
 
+TEST(RayTracer, gives_way_before_each_texel) {
+  const Scene scene = glossy_scene();
+  const auto rays = RayScene::create(scene);
+  ASSERT_TRUE(rays);
+  RayTracer tracer(*rays);
+  std::atomic<int> calls{0};
+  CaptureControl control;
+  control.give_way = [&] { ++calls; };
+  CaptureRequest request{look_at({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 0.8, 45, 35, 0.5, 30), {}, 4};
+  const CapturedPicture alone = traced_picture(tracer, request);
+  request.control = &control;
+  EXPECT_TRUE(traced_picture(tracer, request).picture.color == alone.picture.color);
+  int covered = 0;
+  for (int y = 0; y < 35; ++y)
+    for (int x = 0; x < 45; ++x) covered += alone.picture.covered(x, y);
+  EXPECT_GT(covered, 100);
+  // And before each other sample of those that show something.
+  EXPECT_GE(calls, 45 * 35 + 3 * covered);
+}
+
 TEST(RayTracer, impossible_requests_are_refused) {
   const Scene scene = glossy_scene();
   const auto rays = RayScene::create(scene);

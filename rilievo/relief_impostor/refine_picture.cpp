@@ -37,13 +37,19 @@ class RefinedPicture {
   [[nodiscard]] bool stopped() const {
     return request_.control && request_.control->stop.stop_requested();
   }
+  // To be called before each texel: is there to be no more work?
+  [[nodiscard]] bool halted() const {
+    if (!request_.control) return false;
+    if (request_.control->give_way) request_.control->give_way();
+    return stopped();
+  }
   [[nodiscard]] bool watched() const { return request_.control && request_.control->refined; }
 
   // The first sample of each texel of a grid that is in no coarser one.
   void first_samples(int step) {
     parallel_for(0, (camera_.height + step - 1) / step, [&](int row) {
       const int y = row * step;
-      for (int x = 0; x < camera_.width && !stopped(); x += step) {
+      for (int x = 0; x < camera_.width && !halted(); x += step) {
         const bool coarser = step < kFirstStep && x % (2 * step) == 0 && y % (2 * step) == 0;
         if (!(coarser && watched())) start(x, y);
       }
@@ -72,7 +78,7 @@ class RefinedPicture {
       for (int x = 0; x < camera_.width; ++x) {
         const bool edge = edge_(x, y);
         if (!edge && !out_.picture.covered(x, y)) continue;
-        for (int s = edge && from == 1 ? 0 : from; s < to && !stopped(); ++s) {
+        for (int s = edge && from == 1 ? 0 : from; s < to && !halted(); ++s) {
           const glm::vec4 light = sampled(x, y, s);
           if (edge && light.a > 0 && !out_.picture.covered(x, y)) start_beside(x, y, s);
           if (out_.picture.covered(x, y)) out_.picture.color(x, y) += light;

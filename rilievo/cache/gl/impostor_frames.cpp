@@ -18,6 +18,12 @@ Result<std::unique_ptr<ImpostorFrames>> ImpostorFrames::create(
   return {std::move(frames)};
 }
 
+Result<> ImpostorFrames::draw(const Camera& camera, double time) {
+  Result<> done = SceneFrames::draw(camera, time);
+  chooser_->drawn();
+  return done;
+}
+
 Result<> ImpostorFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
   return chooser_->choose(camera, renderer().placed(), content, stats);
 }

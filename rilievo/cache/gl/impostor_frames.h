@@ -18,6 +18,8 @@ class ImpostorFrames final : public SceneFrames {
   [[nodiscard]] static Result<std::unique_ptr<ImpostorFrames>> create(
       SceneRenderer& renderer, ImpostorContent content, const ImpostorFramesOptions& options);
 
+  Result<> draw(const Camera& camera, double time) override;
+
   [[nodiscard]] ImpostorChooser& chooser() { return *chooser_; }
   // As ImpostorChooser's.
   [[nodiscard]] std::span<const ImpostorStatus> statuses() const { return chooser_->statuses(); }

@@ -150,5 +150,24 @@ TEST_F(ImpostorFramesTest, in_the_background_no_frame_waits) {
   }
 }
 
+// Between these, workers give way (frame_gate.h).
+TEST_F(ImpostorFramesTest, workers_in_the_background_are_told_when_a_frame_is_drawn) {
+  load("builtin:teapots?triangles=10000");
+  for (const bool background : {false, true}) {
+    const auto frames = std::move(*ImpostorFrames::create(
+        *renderer, std::move(*make_impostor_content(renderer->scene(), 0, {.objects = {"#1"}})),
+        {.workers = {}, .background = background}));
+    ImpostorChooser& chooser = frames->chooser();
+    EXPECT_FALSE(chooser.workers().drawing_frame());
+    FrameContent content;
+    chooser.add_sets(content);
+    FrameStats stats;
+    ASSERT_TRUE(chooser.choose(on_arc(0), renderer->placed(), content, stats).ok());
+    EXPECT_EQ(chooser.workers().drawing_frame(), background);
+    ASSERT_TRUE(frames->draw(on_arc(0), 0).ok());
+    EXPECT_FALSE(chooser.workers().drawing_frame());
+  }
+}
+
 }  // namespace
 }  // namespace rilievo

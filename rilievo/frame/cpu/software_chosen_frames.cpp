@@ -17,6 +17,12 @@ Result<std::unique_ptr<SoftwareChosenFrames>> SoftwareChosenFrames::create(
   return {std::move(frames)};
 }
 
+Result<> SoftwareChosenFrames::draw(const Camera& camera, double time) {
+  Result<> done = SoftwareFrames::draw(camera, time);
+  chooser_->drawn();
+  return done;
+}
+
 Result<> SoftwareChosenFrames::choose(const Camera& camera, FrameContent& content,
                                       FrameStats& stats) {
   return chooser_->choose(camera, placed(), content, stats);

@@ -19,6 +19,8 @@ class SoftwareChosenFrames final : public SoftwareFrames {
       const Scene& scene, int samples, bool outlines, const MakeChooser& make_chooser,
       const Deformations* deformations = nullptr);
 
+  Result<> draw(const Camera& camera, double time) override;
+
   [[nodiscard]] const FrameChooser& chooser() const { return *chooser_; }
 
  private:

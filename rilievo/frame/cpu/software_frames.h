@@ -29,7 +29,7 @@ class SoftwareFrames : public FrameSource {
   SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations = nullptr);
 
   // See FrameSource. Fail where a capture or the rasteriser does.
-  Result<> draw(const Camera& camera, double time) final;
+  Result<> draw(const Camera& camera, double time) override;
   Result<> draw_objects() final;
   [[nodiscard]] const SoftwareTarget* software_target() const final { return &target_; }
   [[nodiscard]] const FrameStats& stats() const final { return stats_; }

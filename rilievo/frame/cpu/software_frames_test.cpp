@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
@@ -45,6 +46,40 @@ TEST(SoftwareFrames, show_what_bends_as_it_is_at_their_time) {
       last = frames.software_target()->color();
     }
   }
+}
+
+// Chooses no polygons, and fails at a time of its own.
+struct CountedChooser final : FrameChooser {
+  int chosen = 0, drawn_frames = 0;
+
+  void add_sets(FrameContent&) override {}
+  Result<> choose(const Camera&, const PlacedScene& placed, FrameContent&, FrameStats&) override {
+    EXPECT_EQ(chosen, drawn_frames);
+    ++chosen;
+    if (placed.time() > 0) return Error{"chooser", "too late"};
+    return Done{};
+  }
+  void drawn() override { ++drawn_frames; }
+};
+
+TEST(SoftwareFrames, tell_the_chooser_when_a_frame_is_drawn_or_cannot_be) {
+  Scene scene;
+  test_shapes::add(scene, test_shapes::sphere(0.8), {0.8f, 0.5f, 0.2f});
+  finish(scene);
+  CountedChooser* chooser = nullptr;
+  const auto frames = std::move(*SoftwareChosenFrames::create(
+      scene, 1, false, [&](const PlacedScene&) -> Result<std::unique_ptr<FrameChooser>> {
+        auto made = std::make_unique<CountedChooser>();
+        chooser = made.get();
+        return {std::move(made)};
+      }));
+  const Camera camera = look_at({0, 0.4, 5}, {0, 0, 0}, {0, 1, 0}, 0.6, 96, 64, 0.1, 50);
+  EXPECT_TRUE(frames->draw(camera, 0).ok());
+  EXPECT_EQ(chooser->drawn_frames, 1);
+  EXPECT_FALSE(frames->draw(camera, 1).ok());
+  EXPECT_EQ(chooser->drawn_frames, 2);
+  EXPECT_TRUE(frames->draw(camera, 0).ok());
+  EXPECT_EQ(chooser->drawn_frames, 3);
 }
 
 }  // namespace

@@ -11,6 +11,12 @@ ChosenFrames::ChosenFrames(SceneRenderer& renderer, std::unique_ptr<FrameChooser
   outlines_ = outlines;
 }
 
+Result<> ChosenFrames::draw(const Camera& camera, double time) {
+  Result<> done = SceneFrames::draw(camera, time);
+  chooser_->drawn();
+  return done;
+}
+
 Result<> ChosenFrames::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
   return chooser_->choose(camera, renderer().placed(), content, stats);
 }

@@ -17,6 +17,8 @@ class ChosenFrames final : public SceneFrames {
   // `renderer` must outlive the source. `chooser` knows its scene.
   ChosenFrames(SceneRenderer& renderer, std::unique_ptr<FrameChooser> chooser, bool outlines);
 
+  Result<> draw(const Camera& camera, double time) override;
+
  private:
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   [[nodiscard]] bool shows_blended(std::uint32_t object) const override;

@@ -21,7 +21,7 @@ class SceneFrames : public FrameSource {
   explicit SceneFrames(SceneRenderer& renderer);
 
   // See FrameSource. Fail where OpenGL or a capture does.
-  Result<> draw(const Camera& camera, double time) final;
+  Result<> draw(const Camera& camera, double time) override;
   Result<> draw_objects() final;
   [[nodiscard]] const FrameStats& stats() const final { return stats_; }
 
