@@ -21,6 +21,9 @@ bool jumps(const glm::dvec3& now, const glm::dvec3& before, double longest) {
   return longest > 0 && glm::length(now) > 8 * std::max(glm::length(before), longest);
 }
 
+// No first turn of an eye that stood is as large, in one frame.
+constexpr double kFirstTurn = 0.5;
+
 // `now`, no longer than `before`.
 glm::dvec3 no_longer(const glm::dvec3& now, const glm::dvec3& before) {
   const double length = glm::length(now);
@@ -39,10 +42,12 @@ FrameView follow(EyeMotion& motion, const Camera& camera) {
     // The first step has nothing to be compared with.
     view.velocity = motion.frames > 1 ? no_longer(step, motion.step) : step;
     view.turn = motion.frames > 1 ? no_longer(turn, motion.turn) : turn;
-    view.jumped = motion.frames > 1 && (jumps(step, motion.step, motion.longest_step) ||
-                                        jumps(turn, motion.turn, motion.longest_turn));
+    view.step = glm::length(step);
     view.started = motion.longest_step == 0 && motion.longest_turn == 0 &&
-                   (glm::length(step) > 0 || glm::length(turn) > 0);
+                   (view.step > 0 || glm::length(turn) > 0);
+    view.jumped = motion.frames > 1 && (jumps(step, motion.step, motion.longest_step) ||
+                                        jumps(turn, motion.turn, motion.longest_turn) ||
+                                        (view.started && glm::length(turn) > kFirstTurn));
     motion.step = step, motion.turn = turn;
     if (!view.jumped) {
       motion.longest_step = std::max(motion.longest_step, glm::length(step));

@@ -29,6 +29,8 @@ constexpr double kLimitGrowth = 1.3;
 // Of what a frame would cost without a limit, at least so much is allowed but after a jump: where
 // all frames are slow, they need not become fine as slowly as where others are fast.
 constexpr double kLeastShare = 0.5;
+// What is seen does not shift by so much in the first step of an eye that stood, radians.
+constexpr double kFirstShift = 0.25;
 // How soon CacheState::usual_cost follows what frames cost.
 constexpr double kFollowCost = 0.2;
 
@@ -313,14 +315,26 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   return ready;
 }
 
+double FramePlanner::mean_shift() const {
+  double sum = 0;
+  int drawn = 0;
+  for (const Picture& picture : state.slots)
+    if (picture.held && picture.used + 1 == state.frame) {
+      sum += frame.step / picture.geometry.plane_z;
+      ++drawn;
+    }
+  return drawn > 0 ? sum / drawn : 0;
+}
+
 void FramePlanner::find_limit() {
   const double usual = state.usual_cost;
   // The first frame may take its time: nothing that moves is interrupted.
   if (!(options.max_spike > 0) || (!(usual > 0) && !frame.jumped)) return;
   const double spike = std::max(options.spike_floor, options.max_spike * usual);
   double limit = std::max(options.spike_floor, usual), allowed = spike;
-  // Of an eye's first step, what it costs tells whether it was a jump.
-  if (frame.jumped || (frame.started && cost_at_hand > spike))
+  // Of an eye's first step, what it costs and what shifts tell whether it was a jump.
+  jumped = frame.jumped || (frame.started && (cost_at_hand > spike || mean_shift() > kFirstShift));
+  if (jumped)
     allowed = limit = options.spike_floor;
   else if (state.limit > 0)  // of the last frame
     allowed = limit = std::max(

@@ -46,6 +46,7 @@ struct FramePlanner {
   double full_bytes = 0;      // of all pictures kept or requested, if they were at full density
   double fallback_scale = 1;  // of the fallback's texels, 1: a pixel
   double cost_at_hand = 0;    // of drawing the frame from what is at hand, without captures
+  bool jumped = false;        // the eye has, as far as can be told
   // What captures may add to that, where the frame need not be limited.
   double capture_room = std::numeric_limits<double>::infinity();
 
@@ -80,8 +81,10 @@ struct FramePlanner {
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 
-  // What the frame may cost (CacheOptions::max_spike): sets plan.limit or capture_room.
+  // What the frame may cost (CacheOptions::max_spike): sets plan.limit or capture_room, and jumped.
   void find_limit();
+  // By how much does what the last frame drew as pictures shift since? The mean, radians.
+  [[nodiscard]] double mean_shift() const;
 
   // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,

@@ -181,6 +181,7 @@ struct FrameView {
   glm::dvec3 velocity{0.0}, turn{0.0};
   bool jumped = false;   // the eye did not come here as it moved before; not the first frame
   bool started = false;  // the eye had not moved before: by a jump or by a step
+  double step = 0;       // from the last frame's eye, metres
 };
 
 // A picture in the cache.

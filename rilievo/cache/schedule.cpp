@@ -186,7 +186,7 @@ void schedule_captures(FramePlanner& planner) {
 
   // Where what cannot be captured is coarse instead, no capture is nearly free.
   const double limit = planner.plan.limit;
-  const double share = planner.frame.jumped ? kJumpedShare : kLimitedShare;
+  const double share = planner.jumped ? kJumpedShare : kLimitedShare;
   const double budget =
       limit > 0 ? share * limit : std::min(capture_budget(planner.options), planner.capture_room);
   double spent = 0;

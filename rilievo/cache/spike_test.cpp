@@ -200,6 +200,33 @@ TEST(Spike, the_first_step_of_an_eye_that_stood_is_a_jump_only_if_it_costs_like_
   }
 }
 
+TEST(Spike, the_first_step_of_an_eye_that_stood_is_a_jump_where_all_that_it_saw_shifts) {
+  std::mt19937 rng(16);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  CacheOptions options = limited_options();
+  options.max_spike = 1e6;  // no cost is above that
+  // By definition: the mean of step / distance of the pictures shown.
+  int jumps = 0, steps = 0;
+  for (const double step : {0.5, 2.0, 8.0, 20.0, 30.0, 50.0}) {
+    Loop run;
+    EyeMotion motion;
+    for (int frame = 0; frame < 10; ++frame)
+      ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, follow(motion, walking(0, 0)), options));
+    double shift = 0;
+    for (const DrawnPicture& drawn : run.plan.pictures)
+      shift += step / run.state.slots[drawn.slot].geometry.plane_z;
+    ASSERT_GT(run.plan.pictures.size(), 20u);
+    shift /= double(run.plan.pictures.size());
+    const FrameView view = follow(motion, walking(1, step));
+    EXPECT_TRUE(view.started && !view.jumped);
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    EXPECT_EQ(run.plan.limit, shift > 0.25 ? options.spike_floor : 0) << shift;
+    ++(shift > 0.25 ? jumps : steps);
+  }
+  EXPECT_GT(jumps, 1);
+  EXPECT_GT(steps, 1);
+}
+
 // Of each node, a quarter of the triangles less for each step, from 2 cm on.
 LevelTable quarters_less(const PlanObjects& blocks) {
   LevelTable levels{0.02, {}};
@@ -258,10 +285,12 @@ TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
   for (int frame = 0; frame < 2; ++frame) {
     const FrameView view = follow(motion, at(0));
     EXPECT_FALSE(view.jumped || view.started);
+    EXPECT_EQ(view.step, 0);
   }
   const FrameView first_step = follow(motion, at(0.1));
   EXPECT_FALSE(first_step.jumped);
   EXPECT_TRUE(first_step.started);
+  EXPECT_DOUBLE_EQ(first_step.step, 0.1);
   EXPECT_FALSE(follow(motion, at(0.1)).started);
   EXPECT_FALSE(follow(motion, at(0.2)).jumped);
   EXPECT_FALSE(follow(motion, at(0.8)).jumped);  // a frame that took six times as long
@@ -279,6 +308,14 @@ TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
   EXPECT_FALSE(follow(motion, turned(5.3, 0.05)).jumped);
   EXPECT_FALSE(follow(motion, turned(5.4, 0.1)).jumped);
   EXPECT_TRUE(follow(motion, turned(5.5, 1.5)).jumped);
+  // The first turn of an eye that stood.
+  for (const double turn : {0.4, 0.6}) {
+    EyeMotion standing;
+    for (int frame = 0; frame < 2; ++frame) (void)follow(standing, turned(0, 0));
+    const FrameView view = follow(standing, turned(0, turn));
+    EXPECT_TRUE(view.started);
+    EXPECT_EQ(view.jumped, turn > 0.5);
+  }
 }
 
 }  // namespace
