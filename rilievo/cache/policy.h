@@ -71,11 +71,11 @@ struct CacheOptions {
   // Plan::fallback. A capture that costs more alone is made when nothing else is. Infinite: no such
   // budget, nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
-  // A frame that would cost more than so many times what the last ones did, by the CostModel, costs
-  // as much as they did at most: the dearest polygons are in Plan::fallback instead. After a jump
-  // of the eye it may cost spike_floor (in triangles), which is always allowed. The limit grows
-  // by a third from frame to frame then, up to so many times the last ones' cost, or half of its
-  // own. 0: no such limit.
+  // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
+  // its dearest polygons go into Plan::fallback, until it costs no more than they did; after a
+  // jump of the eye, until it costs spike_floor (in triangles), which any frame may cost. From
+  // frame to frame this limit grows by a third, up to max_spike times what the last frames cost,
+  // and is at least half of what the frame would cost without it. 0: no limit.
   double max_spike = 0;
   double spike_floor = 360'000;
   // The bounds of a picture that is late may exceed their limits by this factor.
