@@ -4,21 +4,20 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include "rilievo/cache/impostor_chooser.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/chosen_frames.h"
 
 namespace rilievo {
 
 // A frame source with relief impostors.
-class ImpostorFrames final : public SceneFrames {
+class ImpostorFrames final : public ChosenFrames {
  public:
   // `renderer` must outlive the source, and be at the time at which `content` was made. Fails if
   // the driver refuses the memory or the shaders.
   [[nodiscard]] static Result<std::unique_ptr<ImpostorFrames>> create(
       SceneRenderer& renderer, ImpostorContent content, const ImpostorFramesOptions& options);
-
-  Result<> draw(const Camera& camera, double time) override;
 
   [[nodiscard]] ImpostorChooser& chooser() { return *chooser_; }
   // As ImpostorChooser's.
@@ -27,11 +26,10 @@ class ImpostorFrames final : public SceneFrames {
   [[nodiscard]] const ImpostorContent& impostors() const { return chooser_->impostors(); }
 
  private:
-  using SceneFrames::SceneFrames;
-  Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
-  [[nodiscard]] bool shows_blended(std::uint32_t object) const override;
+  ImpostorFrames(SceneRenderer& renderer, std::unique_ptr<ImpostorChooser> chooser, bool outlines)
+      : ChosenFrames(renderer, std::move(chooser), outlines) {}
 
-  std::unique_ptr<ImpostorChooser> chooser_;
+  ImpostorChooser* chooser_ = nullptr;  // the base's
 };
 
 }  // namespace rilievo

@@ -12,7 +12,7 @@
 namespace rilievo {
 
 // Draws what a FrameChooser chooses.
-class ChosenFrames final : public SceneFrames {
+class ChosenFrames : public SceneFrames {
  public:
   // `renderer` must outlive the source. `chooser` knows its scene.
   ChosenFrames(SceneRenderer& renderer, std::unique_ptr<FrameChooser> chooser, bool outlines);
