@@ -4,7 +4,6 @@
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <utility>
 
 #include "rilievo/capture/capture_source.h"
 #include "rilievo/core/stopwatch.h"
@@ -34,7 +33,7 @@ class SlowSource final : public CaptureSource {
         request.control->give_way();
         waited_ms += waiting.ms();
       };
-    const auto delay_more = [&] { delay(watch.ms() - std::exchange(waited_ms, 0), control); };
+    const auto delay_more = [&] { delay(watch.ms() - waited_ms, control, waited_ms); };
     if (request.control && request.control->refined)
       control.refined = [&](const CapturedPicture& coarse) {
         delay_more();
@@ -59,18 +58,15 @@ class SlowSource final : public CaptureSource {
   }
 
  private:
-  void delay(double took_ms, const CaptureControl& control) const {
+  // `waited_ms` grows by what control.give_way() waits.
+  void delay(double took_ms, const CaptureControl& control, const double& waited_ms) const {
     const Stopwatch watch;
-    double waited_ms = 0;
-    const double more_ms = (factor_ - 1) * took_ms;
-    while (watch.ms() - waited_ms < more_ms && !control.stop.stop_requested())
-      if (!busy_) {
+    const double before_ms = waited_ms, more_ms = (factor_ - 1) * took_ms;
+    while (watch.ms() - (waited_ms - before_ms) < more_ms && !control.stop.stop_requested())
+      if (!busy_)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      } else if (control.give_way) {
-        const Stopwatch waiting;
+      else if (control.give_way)
         control.give_way();
-        waited_ms += waiting.ms();
-      }
   }
   void keep(const DepthImage& picture) {
     const std::lock_guard lock(mutex_);
