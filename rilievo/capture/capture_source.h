@@ -30,8 +30,8 @@ struct CaptureControl {
   std::stop_token stop = {};
   // Called with complete pictures before the last one, coarse first, by the thread that captures.
   std::function<void(const CapturedPicture&)> refined = {};
-  // Called about every millisecond, by each thread that captures: it may wait, for a frame that is
-  // being drawn.
+  // Called every millisecond or more often by each thread that captures. It may wait, so that a
+  // frame can be drawn.
   std::function<void()> give_way = {};
 };
 

@@ -23,7 +23,7 @@ class FrameChooser {
   // at the frame's time, and the same in all frames.
   virtual Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                           FrameStats& stats) = 0;
-  // What was chosen last has been drawn, or can't be.
+  // Called when the frame that was chosen last has been drawn, or has failed.
   virtual void drawn() {}
   // Does what stands for the object in this frame hold its blended parts, too? Otherwise they are
   // drawn as polygons.

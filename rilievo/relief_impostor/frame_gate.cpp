@@ -11,7 +11,7 @@ constexpr auto kLook = std::chrono::microseconds(250);
 
 }  // namespace
 
-void GivenWay::wait(const std::stop_token& stop) {
+void BackgroundWork::wait(const std::stop_token& stop) {
   if (!gate_.drawing()) return;
   const double waited = waited_ms(), worked = since_.ms() - waited;
   const double most = kFirstWait + 2 * worked - waited;

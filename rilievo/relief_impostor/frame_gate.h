@@ -1,9 +1,9 @@
 // When does background work run beside frames that take all cores? (S5.5)
 //
-// Between frames. The lowest priority of the scheduler does not suffice: a frame's threads that
-// wake up may come to share a core while work in the background has another one, and wait some
-// milliseconds for each other. The frame's thread says when a frame is drawn, which never waits;
-// the work waits meanwhile, at places of its own choosing, a millisecond apart or less.
+// Between frames. The lowest priority of the scheduler does not suffice: threads of a frame that
+// wake up may share one core while background work has another, and wait milliseconds for each
+// other. The thread that draws says when a frame begins and ends, and never waits. Background work
+// calls wait() every millisecond or more often.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@
 
 namespace rilievo {
 
-// One for all frames.
+// Is a frame being drawn? Shared by the thread that draws and all background work.
 class FrameGate {
  public:
   void begin_frame() { drawing_.store(true, std::memory_order_release); }
@@ -24,16 +24,17 @@ class FrameGate {
   std::atomic<bool> drawing_{false};
 };
 
-// One piece of work. It waits no more than twice as long as it works, and kFirstWait: where each
-// frame follows the last one at once, a third of the time is left to it.
-class GivenWay {
+// One task in the background, for example a capture. It waits at most kFirstWait and twice the time
+// that it has worked, so that a third of the time is left to it where frames have no pauses.
+class BackgroundWork {
  public:
   static constexpr double kFirstWait = 25;  // milliseconds
 
-  explicit GivenWay(const FrameGate& gate) : gate_(gate) {}
-  // Waits while a frame is drawn, until `stop` is requested or it has waited enough. Any thread.
+  explicit BackgroundWork(const FrameGate& gate) : gate_(gate) {}
+  // Returns when no frame is being drawn, `stop` is requested, or the task has waited as long as it
+  // may. Any thread.
   void wait(const std::stop_token& stop);
-  // Milliseconds, of all threads.
+  // The time spent in wait(), milliseconds, of all threads.
   [[nodiscard]] double waited_ms() const { return waited_ms_.load(std::memory_order_relaxed); }
 
  private:

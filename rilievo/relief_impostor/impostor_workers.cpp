@@ -159,7 +159,7 @@ struct ImpostorWorkers::State {
 
   void do_warp(ImpostorSlot& slot) {
     // It was ordered for the frame after the one that is drawn.
-    if (options.gives_way) GivenWay(gate).wait(shutdown.get_token());
+    if (options.gives_way) BackgroundWork(gate).wait(shutdown.get_token());
     slot.warp_eyes.update();
     take_newest(slot.pictures, slot.before);
     const NumberedImpostor &from = slot.pictures.front(), &before = slot.before;
@@ -229,8 +229,8 @@ struct ImpostorWorkers::State {
       if (control.give_way) control.give_way();
       publish(slot, coarser.picture, false, order.time);
     };
-    GivenWay given_way(gate);
-    if (options.gives_way) control.give_way = [&] { given_way.wait(control.stop); };
+    BackgroundWork work(gate);
+    if (options.gives_way) control.give_way = [&] { work.wait(control.stop); };
     CaptureRequest request;
     request.camera = *camera;
     request.objects = slot.object.objects;

@@ -87,8 +87,8 @@ class ImpostorWorkers {
   // Stops what is being rendered.
   ~ImpostorWorkers();
 
-  // The frame's thread: a frame is drawn from the one to the other. Workers that give way wait
-  // meanwhile, but not for ever.
+  // Called by the frame's thread when it begins and ends to draw a frame. Meanwhile workers that
+  // give way wait, for a limited time.
   void begin_frame();
   void end_frame();
   [[nodiscard]] bool drawing_frame() const;

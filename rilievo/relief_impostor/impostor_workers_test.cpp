@@ -79,26 +79,26 @@ TEST(ImpostorWorkers, that_give_way_run_only_where_no_other_thread_does) {
 // Whatever else the machine does, only lower limits of time are tested.
 TEST(FrameGate, work_waits_for_the_end_of_a_frame_but_not_for_ever) {
   FrameGate gate;
-  GivenWay work(gate);
+  BackgroundWork work(gate);
   work.wait({});
   EXPECT_EQ(work.waited_ms(), 0);
 
   gate.begin_frame();
   const Stopwatch watch;
   work.wait({});
-  EXPECT_GE(watch.ms(), GivenWay::kFirstWait);
-  EXPECT_GE(work.waited_ms(), GivenWay::kFirstWait);
+  EXPECT_GE(watch.ms(), BackgroundWork::kFirstWait);
+  EXPECT_GE(work.waited_ms(), BackgroundWork::kFirstWait);
   // Of the next thirty milliseconds, it is at work for ten and waits twice as long.
   for (const Stopwatch working; working.ms() < 10;) {
   }
   work.wait({});
-  EXPECT_GE(work.waited_ms(), GivenWay::kFirstWait + 20);
+  EXPECT_GE(work.waited_ms(), BackgroundWork::kFirstWait + 20);
 
-  GivenWay waiting(gate), stopped(gate);
+  BackgroundWork waiting(gate), stopped(gate);
   std::stop_source stop;
   stop.request_stop();
   stopped.wait(stop.get_token());
-  EXPECT_LT(stopped.waited_ms(), GivenWay::kFirstWait);
+  EXPECT_LT(stopped.waited_ms(), BackgroundWork::kFirstWait);
   gate.end_frame();
   waiting.wait({});
   EXPECT_EQ(waiting.waited_ms(), 0);
@@ -118,7 +118,7 @@ TEST(ImpostorWorkers, that_give_way_wait_for_the_end_of_a_frame_with_a_picture_b
     ImpostorWorkers workers({&source}, {{}}, {.gives_way = gives_way});
     workers.begin_frame();
     EXPECT_TRUE(settle(workers, 0, eye_at(0)).board);  // though the frame does not end
-    EXPECT_GE(waited_ms, gives_way ? GivenWay::kFirstWait : 0);
+    EXPECT_GE(waited_ms, gives_way ? BackgroundWork::kFirstWait : 0);
     workers.end_frame();
   }
 }
