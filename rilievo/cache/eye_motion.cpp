@@ -21,7 +21,7 @@ bool jumps(const glm::dvec3& now, const glm::dvec3& before, double longest) {
   return longest > 0 && glm::length(now) > 8 * std::max(glm::length(before), longest);
 }
 
-// No first turn of an eye that stood is as large, in one frame.
+// An eye that stood has jumped if its first turn is larger, radians.
 constexpr double kFirstTurn = 0.5;
 
 // `now`, no longer than `before`.

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "rilievo/cache/fallback.h"
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
@@ -24,13 +22,6 @@ constexpr double kRangeMargin = 0.1;
 constexpr double kPaysSoon = 4, kPaysLate = 16;
 // What is in the fallback is as urgent as a picture that is late by this: twice its limit.
 constexpr double kFallbackDeadline = -1;
-// Of CacheState::limit, from frame to frame.
-constexpr double kLimitGrowth = 1.3;
-// Of what a frame would cost without a limit, at least so much is allowed but after a jump: where
-// all frames are slow, they need not become fine as slowly as where others are fast.
-constexpr double kLeastShare = 0.5;
-// What is seen does not shift by so much in the first step of an eye that stood, radians.
-constexpr double kFirstShift = 0.25;
 // How soon CacheState::usual_cost follows what frames cost.
 constexpr double kFollowCost = 0.2;
 
@@ -315,36 +306,6 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   return ready;
 }
 
-double FramePlanner::mean_shift() const {
-  double sum = 0;
-  int drawn = 0;
-  for (const Picture& picture : state.slots)
-    if (picture.held && picture.used + 1 == state.frame) {
-      sum += frame.step / picture.geometry.plane_z;
-      ++drawn;
-    }
-  return drawn > 0 ? sum / drawn : 0;
-}
-
-void FramePlanner::find_limit() {
-  const double usual = state.usual_cost;
-  // The first frame may take its time: nothing that moves is interrupted.
-  if (!(options.max_spike > 0) || (!(usual > 0) && !frame.jumped)) return;
-  const double spike = std::max(options.spike_floor, options.max_spike * usual);
-  double limit = std::max(options.spike_floor, usual), allowed = spike;
-  // Of an eye's first step, what it costs and what shifts tell whether it was a jump.
-  jumped = frame.jumped || (frame.started && (cost_at_hand > spike || mean_shift() > kFirstShift));
-  if (jumped)
-    allowed = limit = options.spike_floor;
-  else if (state.limit > 0)  // of the last frame
-    allowed = limit = std::max(
-        {state.limit, std::min(kLimitGrowth * state.limit, spike), kLeastShare * cost_at_hand});
-  if (cost_at_hand > allowed)
-    plan.limit = limit;
-  else
-    capture_room = allowed - cost_at_hand;
-}
-
 void FramePlanner::choose() {
   if (nodes() > 0) {
     cost_at_hand += evaluate(0).now;
@@ -414,13 +375,6 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
   plan.polygon_px = std::max(plan.polygon_px, level.px);
 }
 
-// Of one object: is it to be in the fallback, and is that cheaper than its polygons?
-bool FramePlanner::falls_back(Entity e, float from, float to) const {
-  if (fallback_depth_ == 0 || is_moving(e) || from > 0 || to < 1) return false;
-  const double texels = covered_pixels(view, box_of(e)) * fallback_scale * fallback_scale;
-  return stands_for(e, polygon_cost(e)).cost > options.cost.fallback_texel * texels;
-}
-
 bool FramePlanner::may_fade_over_below(Entity e) {
   return triangles_of(e) <= kFadedTriangles || pictures_cover_below(e);
 }
@@ -460,52 +414,6 @@ void FramePlanner::draw(Entity e, float from, float to) {
     emit(slot_of(old), e, check(slot_of(old)), middle, to);
   else
     draw_below(e, middle, to);
-}
-
-// Moves the dearest polygons into the fallback, which costs the same however many it shows, until
-// the frame costs what it may; none where that would cost more.
-void FramePlanner::limit_cost() {
-  if (!(plan.limit > 0)) return;
-  const double frame = double(view.camera.width) * view.camera.height;
-  if (!plan.fallback.objects.empty())
-    plan.cost += options.cost.fallback_texel * frame * fallback_scale * fallback_scale;
-  if (plan.cost <= plan.limit) return;
-  std::vector<std::uint32_t>& dearest = scratch.dearest;
-  dearest.clear();
-  double polygons = 0;
-  for (std::uint32_t i = 0; i < plan.polygons.size(); ++i)
-    if (plan.polygons[i].from <= 0 && plan.polygons[i].to >= 1) {
-      dearest.push_back(i);
-      polygons += double(scratch.polygons[i].cost);
-    }
-  const double coarsest = options.cost.fallback_texel * frame / 4;
-  if (plan.fallback.objects.empty()) {
-    if (polygons <= coarsest) return;
-    plan.cost += coarsest;
-  }
-  std::sort(dearest.begin(), dearest.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const float cost_a = scratch.polygons[a].cost, cost_b = scratch.polygons[b].cost;
-    return cost_a != cost_b ? cost_a > cost_b : a < b;
-  });
-  std::size_t moved = 0;
-  for (; moved < dearest.size() && plan.cost > plan.limit; ++moved) {
-    const auto& [entity, cost, triangles] = scratch.polygons[dearest[moved]];
-    plan.fallback.objects.push_back(plan.polygons[dearest[moved]].object);
-    scratch.boxes.push_back(box_of(entity));
-    plan.polygon_triangles -= triangles;
-    plan.cost -= double(cost);
-    plan.polygons[dearest[moved]].to = 0;
-  }
-  std::erase_if(plan.polygons, [](const DrawnObject& drawn) { return drawn.to <= 0; });
-  fallback_scale = rilievo::fallback_scale(view, frame, plan.limit - plan.cost + coarsest, options);
-}
-
-void FramePlanner::finish_fallback() {
-  plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
-  plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
-  // Rays at texels' centres may miss all of a surface into which no circle fits that reaches four.
-  const double texel = frame.camera.width / double(plan.fallback.geometry.capture.width);
-  plan.fallback.gap_px = std::numbers::sqrt2 * texel;
 }
 
 void FramePlanner::draw() {

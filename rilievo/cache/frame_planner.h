@@ -45,8 +45,8 @@ struct FramePlanner {
   std::uint64_t faded_triangles = 0;  // of polygons behind pictures that fade in
   double full_bytes = 0;      // of all pictures kept or requested, if they were at full density
   double fallback_scale = 1;  // of the fallback's texels, 1: a pixel
+  bool jumped = false;        // FrameView's, or a first step that looks like a jump
   double cost_at_hand = 0;    // of drawing the frame from what is at hand, without captures
-  bool jumped = false;        // the eye has, as far as can be told
   // What captures may add to that, where the frame need not be limited.
   double capture_room = std::numeric_limits<double>::infinity();
 
@@ -80,11 +80,6 @@ struct FramePlanner {
   [[nodiscard]] CaptureCost estimate(Entity e, const Level& level) const;
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
-
-  // What the frame may cost (CacheOptions::max_spike): sets plan.limit or capture_room, and jumped.
-  void find_limit();
-  // By how much does what the last frame drew as pictures shift since? The mean, radians.
-  [[nodiscard]] double mean_shift() const;
 
   // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
@@ -124,6 +119,12 @@ struct FramePlanner {
   void enqueue(Entity e, double deadline, bool covered);
   void draw(Entity e, float from, float to);
   void draw_below(Entity e, float from, float to);
+
+  // In frame_limit.cpp. What the frame may cost (CacheOptions::max_spike): sets plan.limit or
+  // capture_room, and jumped.
+  void find_limit();
+  // By how much what the last frame drew as pictures has shifted since: the mean, radians.
+  [[nodiscard]] double mean_shift() const;
   [[nodiscard]] bool falls_back(Entity e, float from, float to) const;
   void limit_cost();
   void finish_fallback();

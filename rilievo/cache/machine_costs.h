@@ -55,9 +55,9 @@ struct MachineCosts {
 };
 
 // What the cache assumes of frames drawn by software where it is told of no machine: two cores on
-// which OpenGL takes the 280 ns a triangle of policy.h. Triangles are dear only there. Chosen by
-// what frames of real models take, where measured prices are off by up to 2.5 times: drawn
-// triangles hide each other, and captures show several surfaces behind each other.
+// which OpenGL takes the 280 ns a triangle of policy.h. Triangles are dear only there. Fitted
+// to frames of real models, where prices that measure_software() finds are off by up to 2.5 times:
+// drawn triangles hide each other, and captures look through several surfaces.
 [[nodiscard]] MachineCosts builtin_software_costs();
 
 // Every time lies between these: nothing real is faster or slower.

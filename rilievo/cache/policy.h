@@ -179,8 +179,8 @@ struct FrameView {
   // The prediction for the next frames (eye_motion.h): the eye's velocity in metres per frame, and
   // its rotation about a world axis in radians per frame.
   glm::dvec3 velocity{0.0}, turn{0.0};
-  bool jumped = false;   // the eye did not come here as it moved before; not the first frame
-  bool started = false;  // the eye had not moved before: by a jump or by a step
+  bool jumped = false;   // the step or turn is far larger than those before; not the first frame
+  bool started = false;  // the eye moves for the first time: it walks off, or jumps
   double step = 0;       // from the last frame's eye, metres
 };
 
