@@ -2,7 +2,7 @@
 // and of two triangles that share an edge exactly one covers a sample on it.
 //
 // A tile gathers triangles in their order, until one covers a sample that is taken already: then
-// what was gathered is shaded together (band_shader.h), blended, and a new round begins.
+// what was gathered is shaded together (seen_triangles.h), blended, and a new round begins.
 #include "rilievo/render/raster/blended_tiles.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -16,14 +16,14 @@
 #include "rilievo/render/draw_list.h"
 #include "rilievo/render/raster/near_clip.h"
 #include "rilievo/render/raster/raster_instances.h"
-#include "rilievo/render/raster/tile_samples.h"
 #include "rilievo/render/shading/picture_shader.h"
+#include "rilievo/render/software/frame_tile.h"
 
 namespace rilievo {
 namespace {
 
 constexpr int kUnit = 256;  // of a pixel
-constexpr int kTile = FrameTile::kSize, kBlock = FrameTile::kBlock, kBlocks = FrameTile::kBlocks;
+constexpr int kTile = FrameTile::kSize;
 
 // In the frame; y points down.
 struct BlendedTriangle {
@@ -99,6 +99,22 @@ std::optional<BlendedTriangle> place_triangle(const Camera& camera, const Raster
   return t;
 }
 
+// What of a tile waits to be shaded together. A thread's own; empty between tiles.
+struct Gathered {
+  SeenTriangles seen;
+  std::uint8_t taken[kTile * kTile] = {};  // of each pixel, its samples that are taken
+  // Of one triangle.
+  struct Cover {
+    std::uint16_t x, y;  // in the frame
+    std::uint8_t samples;
+  };
+  std::vector<Cover> covers;  // kept, so that drawing does not allocate
+
+  [[nodiscard]] std::uint8_t& taken_at(const FrameTile& tile, int x, int y) {
+    return taken[(y - tile.y) * kTile + x - tile.x];
+  }
+};
+
 }  // namespace
 
 struct BlendedTiles::State {
@@ -113,18 +129,16 @@ struct BlendedTiles::State {
   std::vector<BlendedTriangle> triangles;    // in their order
   std::vector<std::uint32_t> first, listed;  // of each tile, as NailboardComposer's
   int across = 0, down = 0;
-  PictureRays rays;
-  std::optional<SurfaceLights> light;
-  mutable tbb::enumerable_thread_specific<TileSamples> threads;
+  std::optional<ShadedScene> shaded;
+  mutable tbb::enumerable_thread_specific<Gathered> threads;
 
   explicit State(const Scene& scene) : scene(scene) {}
 
   void place_all(const Camera& camera, const PlacedScene& from,
                  std::span<const std::uint32_t> objects);
   void list_tiles();
-  bool add(FrameTile& tile, const BlendedTriangle& t, TileSamples& into,
-           bool (&found)[kBlocks * kBlocks]) const;
-  void flush(FrameTile& tile, TileSamples& from, bool (&found)[kBlocks * kBlocks]) const;
+  bool add(FrameTile& tile, const BlendedTriangle& t, Gathered& into) const;
+  void flush(FrameTile& tile, Gathered& from) const;
 };
 
 void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& from,
@@ -164,8 +178,8 @@ void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& fro
         triangles.push_back(*t);
   }
   across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
-  rays = picture_rays(camera);
-  light.emplace(surface_lights(scene, camera.position(), lights));
+  shaded.emplace(
+      ShadedScene{placed, picture_rays(camera), surface_lights(scene, camera.position(), lights)});
 }
 
 // A list for each tile: counted, then filled.
@@ -185,79 +199,65 @@ void BlendedTiles::State::list_tiles() {
 }
 
 // Adds a triangle's samples; false, and adds none, if one of them is taken.
-bool BlendedTiles::State::add(FrameTile& tile, const BlendedTriangle& t, TileSamples& into,
-                              bool (&found)[kBlocks * kBlocks]) const {
+bool BlendedTiles::State::add(FrameTile& tile, const BlendedTriangle& t, Gathered& into) const {
   const Edge edges[] = {{t, 0}, {t, 1}, {t, 2}};
   const int samples = tile.samples;
-  const int x0 = std::max(t.x0 - tile.x, 0), x1 = std::min(t.x1 - tile.x, kTile);
-  const int y0 = std::max(t.y0 - tile.y, 0), y1 = std::min(t.y1 - tile.y, kTile);
-  struct Cover {
-    std::uint32_t at;  // of a sample
-    std::uint8_t block;
-  };
-  static thread_local std::vector<Cover> covers;  // kept, so that drawing does not allocate
-  covers.clear();
+  const int x0 = std::max(t.x0, tile.x), x1 = std::min(t.x1, tile.x + kTile);
+  const int y0 = std::max(t.y0, tile.y), y1 = std::min(t.y1, tile.y + kTile);
+  into.covers.clear();
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
-      const int block = y / kBlock * kBlocks + x / kBlock;
-      const int pixel = y % kBlock * kBlock + x % kBlock;
+      const TilePixel at(tile, x, y);
       unsigned mask = 0;
       for (int s = 0; s < samples; ++s) {
         const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[s],
                     sy = samples == 1 ? 0.5f : FrameTile::kSampleY[s];
-        const std::int64_t px = std::int64_t(float(kUnit) * sx) + std::int64_t(tile.x + x) * kUnit;
-        const std::int64_t py = std::int64_t(float(kUnit) * sy) + std::int64_t(tile.y + y) * kUnit;
+        const std::int64_t px = std::int64_t(float(kUnit) * sx) + std::int64_t(x) * kUnit;
+        const std::int64_t py = std::int64_t(float(kUnit) * sy) + std::int64_t(y) * kUnit;
         if (edges[0](px, py) > 0 && edges[1](px, py) > 0 && edges[2](px, py) > 0) mask |= 1u << s;
       }
       if (mask == 0) continue;
-      if (samples == 4 && mask != 15u) tile.expand(block);
-      const bool apart = samples == 4 && tile.expanded[block];
-      const std::size_t to = first_sample(into.samples, x, y);
+      if (samples == 4 && mask != 15u) tile.expand(at.block);
+      const bool apart = samples == 4 && tile.expanded[at.block];
+      unsigned nearer = 0;
       for (int s = 0; s < samples; ++s) {
         if (!(mask >> s & 1)) continue;
         // Where a block has one sample a pixel, that stands for all.
         const int of = apart ? s : 0;
         const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[of],
                     sy = samples == 1 ? 0.5f : FrameTile::kSampleY[of];
-        const float inverse_z = float(t.inverse_z + (double(tile.x + x) + double(sx)) * t.per_x +
-                                      (double(tile.y + y) + double(sy)) * t.per_y);
-        if (!(inverse_z > tile.plane(block, of).inverse_z[pixel])) continue;
-        if (into.samples.depth[to + std::size_t(s)] < 1) return false;
-        covers.push_back({std::uint32_t(to + std::size_t(s)), std::uint8_t(block)});
+        const float inverse_z = float(t.inverse_z + (double(x) + double(sx)) * t.per_x +
+                                      (double(y) + double(sy)) * t.per_y);
+        if (inverse_z > tile.plane(at.block, of).inverse_z[at.pixel]) nearer |= 1u << s;
       }
+      if (nearer == 0) continue;
+      if (into.taken_at(tile, x, y) & nearer) return false;
+      into.covers.push_back({std::uint16_t(x), std::uint16_t(y), std::uint8_t(nearer)});
     }
-  for (const Cover& cover : covers) {
-    into.samples.depth[cover.at] = 0;
-    into.samples.triangle[cover.at] = t.number;
-    found[cover.block] = true;
+  for (const Gathered::Cover& cover : into.covers) {
+    std::uint8_t& taken = into.taken_at(tile, cover.x, cover.y);
+    taken = std::uint8_t(taken | cover.samples);
+    into.seen.add(placed,
+                  {t.number, cover.x, std::uint16_t(tile.height - 1 - cover.y), cover.samples});
   }
   return true;
 }
 
 // Shades and blends what was gathered, and empties it.
-void BlendedTiles::State::flush(FrameTile& tile, TileSamples& from,
-                                bool (&found)[kBlocks * kBlocks]) const {
-  const PictureView view{from.samples, placed, rays, *light, ColorScale::srgb, nullptr};
-  for (int row = 0; row < kBlocks; ++row) {
-    bool* of_row = found + row * kBlocks;
-    if (std::none_of(of_row, of_row + kBlocks, [](bool one) { return one; })) continue;
-    from.shade_blocks(view, tile, row);
-    for (int block = row * kBlocks; block < (row + 1) * kBlocks; ++block) {
-      if (!found[block]) continue;
-      found[block] = false;
-      const int x = block % kBlocks * kBlock, y = row * kBlock;
-      const int planes = tile.samples == 4 ? tile.planes(block) : 1;
-      for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
-        const std::size_t at = first_sample(from.samples, x + i % kBlock, y + i / kBlock);
-        for (int s = 0; s < planes; ++s) {
-          std::uint32_t& content = tile.plane(block, s).content[i];
-          if (from.samples.depth[at + std::size_t(s)] < 1)
-            content = blend(content, from.colors[at + std::size_t(s)]);
-        }
-        for (int s = 0; s < tile.samples; ++s) from.samples.depth[at + std::size_t(s)] = 1;
-      }
+void BlendedTiles::State::flush(FrameTile& tile, Gathered& from) const {
+  from.seen.shade(*shaded, [&](const SeenTriangles::Shaded& part) {
+    std::uint32_t bytes[Surfaces::kMaxCount];
+    premultiplied_bytes(part.surfaces, part.colors, bytes);
+    for (std::size_t i = 0; i < part.pixels.size(); ++i) {
+      const SeenTriangles::Pixel& pixel = part.pixels[i];
+      const int y = tile.height - 1 - pixel.y;
+      const TilePixel at(tile, pixel.x, y);
+      at.for_samples(tile, pixel.samples, [&](FrameTile::Plane& plane) {
+        plane.content[at.pixel] = blend(plane.content[at.pixel], bytes[i]);
+      });
+      from.taken_at(tile, pixel.x, y) = 0;
     }
-  }
+  });
 }
 
 BlendedTiles::BlendedTiles(const Scene& scene) : state_(new State(scene)) {}
@@ -282,17 +282,15 @@ void BlendedTiles::draw_tile(FrameTile& tile) const {
   const std::size_t t =
       std::size_t(tile.y / kTile) * std::size_t(s.across) + std::size_t(tile.x / kTile);
   if (s.first[t] == s.first[t + 1]) return;
-  TileSamples& local = s.threads.local();
-  local.begin(tile.samples);
-  bool found[kBlocks * kBlocks] = {};
+  Gathered& local = s.threads.local();
   for (std::uint32_t i = s.first[t]; i < s.first[t + 1]; ++i) {
     const BlendedTriangle& triangle = s.triangles[s.listed[i]];
-    if (s.add(tile, triangle, local, found)) continue;
-    s.flush(tile, local, found);
-    [[maybe_unused]] const bool added = s.add(tile, triangle, local, found);
+    if (s.add(tile, triangle, local)) continue;
+    s.flush(tile, local);
+    [[maybe_unused]] const bool added = s.add(tile, triangle, local);
     RILIEVO_EXPECTS(added);
   }
-  s.flush(tile, local, found);
+  s.flush(tile, local);
 }
 
 }  // namespace rilievo

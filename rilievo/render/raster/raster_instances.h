@@ -6,7 +6,7 @@
 
 #include "rilievo/core/camera.h"
 #include "rilievo/render/raster/sample_raster.h"
-#include "rilievo/render/shading/band_shader.h"
+#include "rilievo/render/shading/seen_triangles.h"
 
 namespace rilievo {
 

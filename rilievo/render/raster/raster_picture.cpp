@@ -107,7 +107,7 @@ DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std:
   // ... and colours averaged over the texel.
   if (samples > 1) raster.fill(camera, samples, NearPlane::cuts);
   PictureView view = raster.view(camera);
-  view.scale = ColorScale::linear;
+  view.scene.scale = ColorScale::linear;
   state_->shader.shade(view, picture, with_sky);
   return picture;
 }

@@ -199,9 +199,10 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
               hit->triangle);
     }
   });
-  const PictureView view{s.seen, s.placed, picture_rays(camera),
-                         surface_lights(rays.scene(), camera.position(), s.lights),
-                         ColorScale::linear};
+  const PictureView view{
+      s.seen,
+      {s.placed, picture_rays(camera), surface_lights(rays.scene(), camera.position(), s.lights),
+       ColorScale::linear}};
   s.shader.shade(view, picture, options.sky);
   return picture;
 }

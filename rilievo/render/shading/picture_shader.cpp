@@ -109,7 +109,7 @@ void PictureShader::shade(
 }
 
 void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
-  RILIEVO_EXPECTS(view.scale == ColorScale::srgb);
+  RILIEVO_EXPECTS(view.scene.scale == ColorScale::srgb);
   picture.width = view.samples.width, picture.height = view.samples.height;
   const std::size_t width = std::size_t(picture.width),
                     texels = width * std::size_t(picture.height);
@@ -130,7 +130,7 @@ void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
 }
 
 void PictureShader::shade(const PictureView& view, DepthImage& picture, bool with_sky) {
-  RILIEVO_EXPECTS(view.scale == ColorScale::linear);
+  RILIEVO_EXPECTS(view.scene.scale == ColorScale::linear);
   const int columns = view.samples.width, last = view.samples.height - 1;  // rows from the top
   picture.color = ColorImage(columns, last + 1);
   const std::size_t width = std::size_t(columns);
@@ -144,8 +144,8 @@ void PictureShader::shade(const PictureView& view, DepthImage& picture, bool wit
         glm::vec4& color = picture.color(x, last - y);
         color = share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
         if (with_sky && color.a < 1)
-          color = glm::vec4(glm::vec3(color) + (1 - color.a) * sky.radiance(view.lights.sky, x, y),
-                            1.0f);
+          color = glm::vec4(
+              glm::vec3(color) + (1 - color.a) * sky.radiance(view.scene.lights.sky, x, y), 1.0f);
       }
   });
 }

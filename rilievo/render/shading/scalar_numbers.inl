@@ -27,6 +27,7 @@ inline bool all(bool a) { return a; }
 inline float select(bool m, float yes, float no) { return m ? yes : no; }
 inline double select(bool m, double yes, double no) { return m ? yes : no; }
 inline std::int32_t select(bool m, std::int32_t yes, std::int32_t no) { return m ? yes : no; }
+inline std::int32_t shift_right(std::int32_t a, std::int32_t by) { return a >> by; }
 template <int k>
 std::int32_t byte_of(std::int32_t a) {
   return std::int32_t(std::uint32_t(a) >> (8 * k) & 255u);

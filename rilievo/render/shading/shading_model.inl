@@ -176,7 +176,8 @@ template <class T, class Decode, class Mask>
 auto sample_level(const TextureLevels& t, T u, T v, IntOf<T> level, Mask sharp,
                   const Decode& decode) {
   using Int = IntOf<T>;
-  const Int width = gather(t.width, level), height = gather(t.height, level);
+  const Int width = max(shift_right(Int(t.width), level), Int(1)),
+            height = max(shift_right(Int(t.height), level), Int(1));
   const T x = u * to_number(u, width), y = v * to_number(v, height);
   const T left = floor(select(sharp, x, x - T(0.5f))), top = floor(select(sharp, y, y - T(0.5f)));
   const T right_part = select(sharp, T(0.0f), x - T(0.5f) - left);
@@ -237,7 +238,7 @@ Footprint<T> transformed(const SurfaceTexture& texture, const Footprint<T>& of_m
 // The level whose texels are as large as the picture's, by the longer one of its sides.
 template <class T>
 T level_of(const TextureLevels& t, const Footprint<T>& at) {
-  const T width(float(t.width[0])), height(float(t.height[0]));
+  const T width(float(t.width)), height(float(t.height));
   const auto squared = [&](const Vec2<T>& d) {
     const T x = width * d.x, y = height * d.y;
     return x * x + y * y;

@@ -49,6 +49,7 @@ HWY_INLINE vmask operator<(vint a, vint b) { return {hn::RebindMask(F(), hn::Lt(
 HWY_INLINE vint select(vmask m, vint yes, vint no) {
   return hn::IfThenElse(hn::RebindMask(I(), m.m), yes.v, no.v);
 }
+HWY_INLINE vint shift_right(vint a, vint by) { return hn::Shr(a.v, by.v); }  // 0 <= by < 32
 // Byte k of four.
 template <int k>
 HWY_INLINE vint byte_of(vint a) {

@@ -26,7 +26,7 @@ SurfaceTexture unscaled_texture(const Scene& scene, const TextureUse& use, bool 
   levels.texels = words(image.texels().data());
   // Never null: where there is but one level, nothing is read but something may be addressed.
   levels.smaller = levels.texels;
-  levels.width[0] = image.width(), levels.height[0] = image.height();
+  levels.width = image.width(), levels.height = image.height();
   levels.wrap_u = texture.wrap_u, levels.wrap_v = texture.wrap_v;
   levels.nearest = texture.nearest;
   levels.srgb = srgb;
@@ -49,7 +49,6 @@ std::optional<SurfaceTexture> SurfaceMaterials::use(const TextureUse& use, bool 
   if (!chain.texels.empty()) levels.smaller = words(chain.texels.data());
   for (int l = 1; l < levels.count; ++l) {
     const MipChain::Level& level = chain.levels[std::size_t(l)];
-    levels.width[l] = level.width, levels.height[l] = level.height;
     levels.offset[l] = std::int32_t(level.offset);
   }
   return out;

@@ -24,7 +24,7 @@ struct TextureLevels {
   const std::int32_t* texels = nullptr;   // of level 0
   const std::int32_t* smaller = nullptr;  // of the levels after it
   int count = 1;
-  std::int32_t width[kMaxLevels] = {}, height[kMaxLevels] = {};
+  std::int32_t width = 1, height = 1;  // of level 0; level l: width >> l, at least 1
   std::int32_t offset[kMaxLevels] =
       {};  // of the level's first texel in `smaller`; unused for level 0
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;

@@ -27,7 +27,7 @@ void append(const TriangleRays& in, const PictureRays& rays, const SurfacePlacem
   const F f;
   const SurfaceMaterial& material = *placement.material;
   for (std::size_t i = 0; i < in.count; i += hn::Lanes(f)) {
-    const auto load = [&](const float(&v)[3][TriangleRays::kMaxCount]) {
+    const auto load = [&](const float(&v)[3][TriangleRays::kCapacity]) {
       return Vec3<vfloat>(hn::Load(f, v[0] + i), hn::Load(f, v[1] + i), hn::Load(f, v[2] + i));
     };
     Corners<vfloat> corners;

@@ -15,14 +15,15 @@ namespace rilievo {
 // Rays and the triangles that they hit, as a structure of arrays with `count` valid entries.
 struct TriangleRays {
   static constexpr std::size_t kMaxCount = 64;
+  static constexpr std::size_t kCapacity = kMaxCount + 16;  // whoever fills it may write past count
   std::size_t count = 0;
-  alignas(64) float ray[3][kMaxCount];  // as in PictureRays, of any length
+  alignas(64) float ray[3][kCapacity];  // as in PictureRays, of any length
   // Of each corner, in mesh space:
-  alignas(64) float position[3][3][kMaxCount];
-  alignas(64) float normal[3][3][kMaxCount];  // only if the mesh has normals
-  alignas(64) float color[3][3][kMaxCount];
-  alignas(64) float alpha[3][kMaxCount];     // of the colours; only if the material blends
-  alignas(64) float uv[2][3][2][kMaxCount];  // of the sets that the material uses; else zeros
+  alignas(64) float position[3][3][kCapacity];
+  alignas(64) float normal[3][3][kCapacity];  // only if the mesh has normals
+  alignas(64) float color[3][3][kCapacity];
+  alignas(64) float alpha[3][kCapacity];     // of the colours; only if the material blends
+  alignas(64) float uv[2][3][2][kCapacity];  // of the sets that the material uses; else zeros
 };
 
 // Appends the surfaces at the hits. For a ray that misses its triangle, appends approximately the

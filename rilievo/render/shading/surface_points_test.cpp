@@ -60,7 +60,7 @@ std::unique_ptr<Case> random_case(unsigned seed, bool beside) {
   return c;
 }
 
-glm::dvec3 get(const float (&v)[3][TriangleRays::kMaxCount], std::size_t i) {
+glm::dvec3 get(const float (&v)[3][TriangleRays::kCapacity], std::size_t i) {
   return {v[0][i], v[1][i], v[2][i]};
 }
 
@@ -90,7 +90,7 @@ TEST(SurfacePoints, are_where_the_rays_meet_the_triangles) {
         // A ray divided into the corners.
         glm::dvec3 weights = glm::inverse(glm::dmat3(corner[0], corner[1], corner[2])) * ray;
         weights /= weights.x + weights.y + weights.z;
-        const auto mixed = [&](const float(&v)[3][3][TriangleRays::kMaxCount]) {
+        const auto mixed = [&](const float(&v)[3][3][TriangleRays::kCapacity]) {
           return weights.x * get(v[0], i) + weights.y * get(v[1], i) + weights.z * get(v[2], i);
         };
         const glm::dvec3 relative =

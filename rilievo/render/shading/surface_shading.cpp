@@ -51,6 +51,23 @@ void shade(const SurfaceLights& lights, const Surfaces& in, ColorScale scale, Su
   }
 }
 
+void pack(const Surfaces& in, const SurfaceColors& colors, std::uint32_t* out) {
+  const F f;
+  const I i;
+  const hn::RebindToUnsigned<F> u;
+  static_assert(Surfaces::kMaxCount % 16 == 0, "vectors are stored whole");
+  for (std::size_t k = 0; k < in.count; k += hn::Lanes(f)) {
+    const vfloat alpha = clamp(vfloat(hn::Load(f, in.field[Surfaces::alpha] + k)), 0.0f, 1.0f);
+    const auto byte_of = [&](vfloat c) { return hn::ConvertTo(i, (c * 255.0f + 0.5f).v); };
+    const auto part = [&](int c) {
+      return byte_of(vfloat(hn::Load(f, colors.rgb[c] + k)) * alpha);
+    };
+    const auto low = hn::Or(part(0), hn::ShiftLeft<8>(part(1)));
+    const auto high = hn::Or(hn::ShiftLeft<16>(part(2)), hn::ShiftLeft<24>(byte_of(alpha)));
+    hn::StoreU(hn::BitCast(u, hn::Or(low, high)), u, out + k);
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace rilievo
@@ -60,11 +77,17 @@ HWY_AFTER_NAMESPACE();
 namespace rilievo {
 
 HWY_EXPORT(shade);
+HWY_EXPORT(pack);
 
 void shade_surfaces(const SurfaceLights& lights, const Surfaces& surfaces, ColorScale scale,
                     SurfaceColors& colors) {
   RILIEVO_EXPECTS(!lights.lights.empty() && surfaces.count <= Surfaces::kMaxCount);
   HWY_DYNAMIC_DISPATCH(shade)(lights, surfaces, scale, colors);
+}
+
+void premultiplied_bytes(const Surfaces& surfaces, const SurfaceColors& colors,
+                         std::uint32_t* bytes) {
+  HWY_DYNAMIC_DISPATCH(pack)(surfaces, colors, bytes);
 }
 
 }  // namespace rilievo

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 
 #include "rilievo/render/shading/surface.h"
@@ -57,5 +58,11 @@ enum class ColorScale {
 // Shades all surfaces.
 void shade_surfaces(const SurfaceLights& lights, const Surfaces& surfaces, ColorScale scale,
                     SurfaceColors& colors);
+
+// Their bytes, premultiplied by alpha (Surfaces::alpha, limited to [0, 1]), the first one in the
+// lowest bits, alpha in the highest; one entry for each surface. Requires colours of
+// ColorScale::srgb, and room for Surfaces::kMaxCount in `bytes`.
+void premultiplied_bytes(const Surfaces& surfaces, const SurfaceColors& colors,
+                         std::uint32_t* bytes);
 
 }  // namespace rilievo

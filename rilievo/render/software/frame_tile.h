@@ -60,6 +60,27 @@ struct alignas(64) FrameTile {
   [[nodiscard]] int planes(int block) const { return expanded[block] ? 4 : 1; }
 };
 
+// A pixel of a tile: its block, and its place in that.
+struct TilePixel {
+  int block, pixel;
+
+  // The pixel (x, y) of the frame, which must be the tile's.
+  TilePixel(const FrameTile& tile, int x, int y)
+      : block((y - tile.y) / FrameTile::kBlock * FrameTile::kBlocks +
+              (x - tile.x) / FrameTile::kBlock),
+        pixel((y - tile.y) % FrameTile::kBlock * FrameTile::kBlock +
+              (x - tile.x) % FrameTile::kBlock) {}
+
+  // Calls visit(plane) for those of its samples whose bit is set; where one stands for all, for
+  // that one if the first bit is set.
+  template <class Visit>
+  void for_samples(FrameTile& tile, unsigned bits, const Visit& visit) const {
+    const int planes = tile.planes(block);
+    for (int s = 0; s < planes; ++s)
+      if (bits >> s & 1) visit(tile.plane(block, s));
+  }
+};
+
 // Draws something into tiles. Several threads draw tiles at the same time; draw_tile() may not hand
 // out work of its own, because a thread has memory for one tile.
 class TileDrawer {

@@ -1,0 +1,81 @@
+#include "rilievo/render/shading/seen_triangles.h"
+
+#include <algorithm>
+
+namespace rilievo {
+namespace {
+
+// Entries are written so many at a time: one store.
+constexpr std::size_t kFill = 4;
+static_assert(TriangleRays::kMaxCount + kFill <= TriangleRays::kCapacity);
+
+// Entries [from, to), and a few after them, which are written later.
+void fill(float* field, float value, std::size_t from, std::size_t to) {
+  for (std::size_t i = from; i < to; i += kFill) std::fill_n(field + i, kFill, value);
+}
+
+// The corners of one triangle into entries [from, to).
+template <std::size_t kAxes, class Vertices>
+void fill_corners(float (&field)[3][kAxes][TriangleRays::kCapacity], const Vertices& vertices,
+                  const std::uint32_t* corner, std::size_t from, std::size_t to) {
+  for (int k = 0; k < 3; ++k)
+    for (std::size_t axis = 0; axis < kAxes; ++axis)
+      fill(field[k][axis], vertices[corner[k]][glm::length_t(axis)], from, to);
+}
+
+// All of its attributes that the material uses.
+void fill_triangle(const Mesh& mesh, const SurfacePlacement& surface, std::uint32_t triangle,
+                   std::size_t from, std::size_t to, TriangleRays& rays) {
+  const std::uint32_t* corner = &mesh.indices[3 * std::size_t(triangle)];
+  fill_corners(rays.position, mesh.positions, corner, from, to);
+  if (surface.has_normals) fill_corners(rays.normal, mesh.normals, corner, from, to);
+  if (surface.has_colors) fill_corners(rays.color, mesh.colors, corner, from, to);
+  if (surface.has_colors && surface.material->blended)
+    for (int k = 0; k < 3; ++k)
+      fill(rays.alpha[k], mesh.colors[corner[k]].a, from, to);
+  for (int set = 0; set < 2; ++set) {
+    if (!surface.material->uses_uv[set]) continue;
+    const std::vector<glm::vec2>& uv = mesh.uv[set];
+    static constexpr std::uint32_t kFirst[3] = {0, 0, 0};
+    static const std::vector<glm::vec2> kNone(1, glm::vec2(0.0f));
+    fill_corners(rays.uv[set], uv.empty() ? kNone : uv, uv.empty() ? kFirst : corner, from, to);
+  }
+}
+
+}  // namespace
+
+void SeenTriangles::find_mesh(std::span<const PlacedMesh> meshes, std::uint32_t triangle) {
+  if (first_of_.size() < meshes.size()) first_of_.resize(meshes.size(), kNone);
+  mesh_ = std::uint32_t(std::upper_bound(meshes.begin(), meshes.end(), triangle,
+                                         [](std::uint32_t t, const PlacedMesh& placed) {
+                                           return t < placed.first_triangle;
+                                         }) -
+                        meshes.begin() - 1);
+  first_triangle_ = meshes[mesh_].first_triangle, triangles_ = meshes[mesh_].triangles;
+  if (first_of_[mesh_] == kNone) met_.push_back(mesh_);
+}
+
+std::uint32_t SeenTriangles::gather(const ShadedScene& scene, const PlacedMesh& placed,
+                                    std::uint32_t first) {
+  Pixel* pixels = waiting_ + surfaces_.count;
+  std::size_t count = 0;
+  std::uint32_t next = first;
+  for (; next != kNone && count < TriangleRays::kMaxCount; next = seen_[next].next)
+    pixels[count++] = seen_[next].pixel;
+  rays_.count = count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 ray = scene.rays.first + float(pixels[i].x) * scene.rays.per_x +
+                          float(pixels[i].y) * scene.rays.per_y;
+    for (int axis = 0; axis < 3; ++axis) rays_.ray[axis][i] = ray[axis];
+  }
+  // A triangle that several pixels in a row show is read once.
+  for (std::size_t from = 0, to; from < count; from = to) {
+    const std::uint32_t triangle = pixels[from].triangle;
+    for (to = from + 1; to < count && pixels[to].triangle == triangle;) ++to;
+    fill_triangle(*placed.mesh, placed.surface, triangle - placed.first_triangle, from, to, rays_);
+  }
+  append_surfaces(rays_, scene.rays, placed.surface, surfaces_);
+  return next;
+}
+
+}  // namespace rilievo
