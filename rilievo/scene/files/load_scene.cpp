@@ -12,6 +12,7 @@
 #include "rilievo/io/load_context.h"
 #include "rilievo/scene/gltf/read.h"
 #include "rilievo/scene/polygons/polygon_read.h"
+#include "rilievo/scene/solid_materials.h"
 
 namespace rilievo {
 namespace {
@@ -79,6 +80,7 @@ LoadedScene read(Bytes file, const std::string& extension, bool deformations,
                               : read_stl(file, context);
   finish(out.scene);
   if (const Result<> valid = validate(out.scene); !valid) refuse(valid.error().reason);
+  make_solid_materials_opaque(out.scene);
   if (count_triangles(out.scene) == 0)
     refuse(context.skipped_points_or_lines ? "has points or lines only, no triangles to draw"
                                            : "has no triangles to draw");
