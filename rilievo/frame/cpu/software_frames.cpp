@@ -37,7 +37,7 @@ void SoftwareFrames::place_blended() {
   std::erase_if(blended_in_view_, [&](std::uint32_t object) {
     return !placed_.has_blended_parts(object) || shows_blended(object);
   });
-  blended_tiles_.place(camera_, placed_, blended_in_view_);
+  blended_tiles_.place(camera_, samples_, placed_, blended_in_view_);
   if (blended_tiles_.any()) drawers_.push_back(&blended_tiles_);
 }
 
@@ -76,6 +76,7 @@ Result<> SoftwareFrames::draw(const Camera& camera, double time) {
   place_blended();
   if (outlines_) place_outlines();
   target_.draw(camera.z_far, drawers_);
+  learn(polygons_.work());
   return Done{};
 }
 

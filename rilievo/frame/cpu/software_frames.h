@@ -37,6 +37,8 @@ class SoftwareFrames : public FrameSource {
  protected:
   // As SceneFrames::choose().
   virtual Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) = 0;
+  // Called after each frame of colours, with what drawing its polygons took.
+  virtual void learn(std::span<const ObjectWork> /*work*/) {}
   // Called before identifiers are drawn: captures those that are missing.
   virtual void prepare_objects() {}
   // As SceneFrames'.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/render/draw_list.h"
 #include "rilievo/render/raster/near_clip.h"
 #include "rilievo/render/raster/raster_instances.h"
@@ -59,9 +60,34 @@ std::uint32_t blend(std::uint32_t under, std::uint32_t over) {
   return out;
 }
 
-// One triangle, if any of it is in the frame.
-std::optional<BlendedTriangle> place_triangle(const Camera& camera, const RasterInstance& in,
-                                              std::uint32_t number, const std::uint32_t* corner) {
+// To the nearest, without a call.
+std::int64_t rounded(double v) { return std::int64_t(v < 0 ? v - 0.5 : v + 0.5); }
+
+// Of pixel (x, y), kUnit a pixel.
+glm::i64vec2 sample_at(int x, int y, int s, int samples) {
+  const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[s],
+              sy = samples == 1 ? 0.5f : FrameTile::kSampleY[s];
+  return {std::int64_t(float(kUnit) * sx) + std::int64_t(x) * kUnit,
+          std::int64_t(float(kUnit) * sy) + std::int64_t(y) * kUnit};
+}
+
+// Does it cover a sample? Only small ones are looked at: most of what is far away covers none.
+bool may_cover(const BlendedTriangle& t, int samples) {
+  if (t.x1 - t.x0 > 2 || t.y1 - t.y0 > 2) return true;
+  const Edge edges[] = {{t, 0}, {t, 1}, {t, 2}};
+  for (int y = t.y0; y < t.y1; ++y)
+    for (int x = t.x0; x < t.x1; ++x)
+      for (int s = 0; s < samples; ++s) {
+        const glm::i64vec2 p = sample_at(x, y, s, samples);
+        if (edges[0](p.x, p.y) > 0 && edges[1](p.x, p.y) > 0 && edges[2](p.x, p.y) > 0) return true;
+      }
+  return false;
+}
+
+// One triangle, if it can be seen in the frame.
+std::optional<BlendedTriangle> place_triangle(const Camera& camera, int samples,
+                                              const RasterInstance& in, std::uint32_t number,
+                                              const std::uint32_t* corner) {
   BlendedTriangle t;
   double per_w[3];
   for (int k = 0; k < 3; ++k) {
@@ -72,7 +98,7 @@ std::optional<BlendedTriangle> place_triangle(const Camera& camera, const Raster
     const double x = double(glm::dot(in.row_x, p)) / w, y = double(glm::dot(in.row_y, p)) / w;
     // Far outside, where single precision does not reach either.
     if (!(std::abs(x) < 1e6 && std::abs(y) < 1e6)) return std::nullopt;
-    t.x[k] = std::llround(x * kUnit), t.y[k] = std::llround((camera.height - y) * kUnit);
+    t.x[k] = rounded(x * kUnit), t.y[k] = rounded((camera.height - y) * kUnit);
   }
   std::int64_t area = (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.x[2] - t.x[0]) * (t.y[1] - t.y[0]);
   if (area == 0 || !(area < 0 ? in.front : in.back)) return std::nullopt;
@@ -88,7 +114,7 @@ std::optional<BlendedTriangle> place_triangle(const Camera& camera, const Raster
   };
   pixels(t.x[0], t.x[1], t.x[2], camera.width, t.x0, t.x1);
   pixels(t.y[0], t.y[1], t.y[2], camera.height, t.y0, t.y1);
-  if (t.x0 >= t.x1 || t.y0 >= t.y1) return std::nullopt;
+  if (t.x0 >= t.x1 || t.y0 >= t.y1 || !may_cover(t, samples)) return std::nullopt;
   // 1 / eye_z is affine.
   const double x1 = double(t.x[1] - t.x[0]) / kUnit, y1 = double(t.y[1] - t.y[0]) / kUnit,
                x2 = double(t.x[2] - t.x[0]) / kUnit, y2 = double(t.y[2] - t.y[0]) / kUnit;
@@ -126,6 +152,15 @@ struct BlendedTiles::State {
   std::vector<RasterMask> masks;
   std::vector<Light> lights;
   NearClip clip;
+  // Some triangles of an instance, in order; those of them that can be seen, kept for their memory.
+  struct Run {
+    RasterInstance instance;
+    std::uint32_t first = 0, count = 0;
+    std::size_t place = 0;  // of its triangles among all
+    std::vector<BlendedTriangle> triangles;
+  };
+  std::vector<Run> runs;
+  std::size_t run_count = 0;                 // of those in use
   std::vector<BlendedTriangle> triangles;    // in their order
   std::vector<std::uint32_t> first, listed;  // of each tile, as NailboardComposer's
   int across = 0, down = 0;
@@ -134,14 +169,50 @@ struct BlendedTiles::State {
 
   explicit State(const Scene& scene) : scene(scene) {}
 
-  void place_all(const Camera& camera, const PlacedScene& from,
+  void place_all(const Camera& camera, int samples, const PlacedScene& from,
                  std::span<const std::uint32_t> objects);
+  void add_runs(const RasterInstance& instance, const FarthestBlocks& nothing);
+  void place_runs(const Camera& camera, int samples);
   void list_tiles();
   bool add(FrameTile& tile, const BlendedTriangle& t, Gathered& into) const;
   void flush(FrameTile& tile, Gathered& from) const;
 };
 
-void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& from,
+// Those that are not beside the frame.
+void BlendedTiles::State::add_runs(const RasterInstance& instance, const FarthestBlocks& nothing) {
+  for (std::uint32_t first = 0; first < instance.triangles; first += Mesh::kRun) {
+    if (!instance.boxes.empty() &&
+        !can_be_seen(instance, instance.boxes[first / Mesh::kRun], nothing))
+      continue;
+    if (run_count == runs.size()) runs.emplace_back();
+    Run& run = runs[run_count++];
+    run.instance = instance;
+    run.first = first, run.count = std::min<std::uint32_t>(Mesh::kRun, instance.triangles - first);
+  }
+}
+
+void BlendedTiles::State::place_runs(const Camera& camera, int samples) {
+  parallel_for(std::size_t(0), run_count, [&](std::size_t i) {
+    Run& run = runs[i];
+    const RasterInstance& in = run.instance;
+    run.triangles.clear();
+    for (std::uint32_t k = run.first; k < run.first + run.count; ++k)
+      if (const auto t = place_triangle(camera, samples, in,
+                                        in.numbers ? in.numbers[k] : in.first_triangle + k,
+                                        in.indices + 3 * std::size_t(k)))
+        run.triangles.push_back(*t);
+  });
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < run_count; ++i)
+    runs[i].place = count, count += runs[i].triangles.size();
+  triangles.resize(count);
+  parallel_for(std::size_t(0), run_count, [&](std::size_t i) {
+    std::copy(runs[i].triangles.begin(), runs[i].triangles.end(),
+              triangles.begin() + std::ptrdiff_t(runs[i].place));
+  });
+}
+
+void BlendedTiles::State::place_all(const Camera& camera, int samples, const PlacedScene& from,
                                     std::span<const std::uint32_t> objects) {
   list.build_back_to_front(scene, camera, objects, from.poses(), from.bounds(),
                            from.blended_meshes());
@@ -158,25 +229,19 @@ void BlendedTiles::State::place_all(const Camera& camera, const PlacedScene& fro
   RILIEVO_EXPECTS(count < 0xFFFFFFFFu);
   make_instances(camera, placed, instances, masks);
   clip.clear();
-  triangles.clear();
+  run_count = 0;
+  FarthestBlocks nothing;  // is known of what hides them
+  nothing.begin(camera.width, camera.height);
   const float z_near = float(camera.z_near);
   for (std::size_t i = 0; i < placed.size(); ++i) {
     RasterInstance& one = instances[i];
-    const std::size_t pieces = clip.instances().size();
-    if (NearClip::crosses(one, placed[i].mesh->bounds, z_near))
-      clip.cut(*placed[i].mesh, camera.width, camera.height, z_near, one);
-    for (std::uint32_t k = 0; k < one.triangles; ++k)
-      if (const auto t =
-              place_triangle(camera, one, one.first_triangle + k, one.indices + 3 * std::size_t(k)))
-        triangles.push_back(*t);
+    const bool cut = NearClip::crosses(one, placed[i].mesh->bounds, z_near) &&
+                     clip.cut(*placed[i].mesh, camera.width, camera.height, z_near, one);
+    add_runs(one, nothing);
     // What reaches behind the eye comes last of its mesh.
-    if (clip.instances().size() == pieces) continue;
-    const RasterInstance& cut = clip.instances().back();
-    for (std::uint32_t k = 0; k < cut.triangles; ++k)
-      if (const auto t =
-              place_triangle(camera, cut, cut.numbers[k], cut.indices + 3 * std::size_t(k)))
-        triangles.push_back(*t);
+    if (cut) add_runs(clip.instances().back(), nothing);
   }
+  place_runs(camera, samples);
   across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
   shaded.emplace(
       ShadedScene{placed, picture_rays(camera), surface_lights(scene, camera.position(), lights)});
@@ -210,11 +275,9 @@ bool BlendedTiles::State::add(FrameTile& tile, const BlendedTriangle& t, Gathere
       const TilePixel at(tile, x, y);
       unsigned mask = 0;
       for (int s = 0; s < samples; ++s) {
-        const float sx = samples == 1 ? 0.5f : FrameTile::kSampleX[s],
-                    sy = samples == 1 ? 0.5f : FrameTile::kSampleY[s];
-        const std::int64_t px = std::int64_t(float(kUnit) * sx) + std::int64_t(x) * kUnit;
-        const std::int64_t py = std::int64_t(float(kUnit) * sy) + std::int64_t(y) * kUnit;
-        if (edges[0](px, py) > 0 && edges[1](px, py) > 0 && edges[2](px, py) > 0) mask |= 1u << s;
+        const glm::i64vec2 p = sample_at(x, y, s, samples);
+        if (edges[0](p.x, p.y) > 0 && edges[1](p.x, p.y) > 0 && edges[2](p.x, p.y) > 0)
+          mask |= 1u << s;
       }
       if (mask == 0) continue;
       if (samples == 4 && mask != 15u) tile.expand(at.block);
@@ -265,14 +328,15 @@ BlendedTiles::~BlendedTiles() = default;
 
 bool BlendedTiles::any() const { return !state_->triangles.empty(); }
 
-void BlendedTiles::place(const Camera& camera, const PlacedScene& placed,
+void BlendedTiles::place(const Camera& camera, int samples, const PlacedScene& placed,
                          std::span<const std::uint32_t> objects) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  RILIEVO_EXPECTS(samples == 1 || samples == 4);
   State& s = *state_;
   s.triangles.clear();
   if (objects.empty()) return;
   if (!s.materials) s.materials.emplace(s.scene, true);
-  s.place_all(camera, placed, objects);
+  s.place_all(camera, samples, placed, objects);
   s.list_tiles();
 }
 

@@ -25,8 +25,9 @@ class BlendedTiles final : public TileDrawer {
   explicit BlendedTiles(const Scene& scene);
   ~BlendedTiles() override;
 
-  // Prepares a frame of colours: the blended parts of `objects`. Requires a perspective camera.
-  void place(const Camera& camera, const PlacedScene& placed,
+  // Prepares a frame of colours with 1 or 4 samples: the blended parts of `objects`. Requires a
+  // perspective camera.
+  void place(const Camera& camera, int samples, const PlacedScene& placed,
              std::span<const std::uint32_t> objects);
   // Does the last frame show any?
   [[nodiscard]] bool any() const;

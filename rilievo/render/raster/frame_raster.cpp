@@ -26,16 +26,25 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
   raster_.begin(camera.width, camera.height, samples);
   if (near_plane == NearPlane::clamps) {
     raster_.draw(instances_);
+    work_.assign(raster_.work().begin(), raster_.work().end());
     return;
   }
   near_clip_.clear();
+  cut_.clear();
   instances_.resize(placed_.size());  // without the pieces of the last time
   const float z_near = float(camera.z_near);
   for (std::size_t i = 0; i < placed_.size(); ++i)
     if (NearClip::crosses(instances_[i], placed_[i].mesh->bounds, z_near))
-      near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]);
+      if (near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]))
+        cut_.push_back(i);
   instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
   raster_.draw(instances_);
+  const std::span<const RasterWork> work = raster_.work();
+  work_.assign(work.begin(), work.begin() + std::ptrdiff_t(placed_.size()));
+  for (std::size_t i = 0; i < cut_.size(); ++i) {
+    const RasterWork& piece = work[placed_.size() + i];
+    work_[cut_[i]].projected += piece.projected, work_[cut_[i]].filled += piece.filled;
+  }
 }
 
 Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedScene& scene,

@@ -51,6 +51,8 @@ class FrameRaster {
   [[nodiscard]] PictureView view(const Camera& camera);
   [[nodiscard]] const SampleBuffer& seen() const { return raster_.seen(); }
   [[nodiscard]] std::span<const PlacedMesh> meshes() const { return placed_; }
+  // What rasterising them took, of each of meshes(), by the last fill().
+  [[nodiscard]] std::span<const RasterWork> work() const { return work_; }
   [[nodiscard]] const SurfaceMaterials& materials() const { return materials_; }
 
  private:
@@ -63,6 +65,8 @@ class FrameRaster {
   std::vector<RasterMask> masks_;
   std::vector<Light> lights_;
   NearClip near_clip_;
+  std::vector<std::size_t> cut_;  // the meshes whose pieces these are
+  std::vector<RasterWork> work_;
   SampleRaster raster_;
 };
 

@@ -55,10 +55,21 @@ void clip(int plane, float z_near, std::vector<ClipVertex>& polygon,
   polygon.swap(clipped);
 }
 
+// May a triangle within the box reach through the near plane? Twice as far to both sides, for
+// rounding.
+bool has_both_sides(const RasterInstance& instance, const Box& bounds, float z_near) {
+  bool before = false, beyond = false;
+  for (const glm::vec3& corner : bounds.corners()) {
+    const float w = glm::dot(instance.row_w, glm::vec4(corner, 1));
+    before |= w <= 2 * z_near, beyond |= w > 0.5f * z_near;
+  }
+  return before && beyond;
+}
+
 }  // namespace
 
 void NearClip::clear() {
-  pieces_.clear();
+  used_ = 0;
   instances_.clear();
 }
 
@@ -69,7 +80,7 @@ bool NearClip::crosses(const RasterInstance& instance, const Box& bounds, float 
   return false;
 }
 
-void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
+bool NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
                    RasterInstance& instance) {
   instance.min_w = z_near;
   const RasterMask* mask = instance.mask;
@@ -83,17 +94,25 @@ void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
                       mask && mask->uv ? mask->uv[i] : glm::vec2(0),
                       mask && mask->colors ? mask->colors[i] : glm::vec4(0)};
   };
-  std::vector<ClipVertex> polygon, scratch;
-  Pieces pieces;
+  std::vector<ClipVertex> polygon, clipped;
+  if (used_ == pieces_.size()) pieces_.emplace_back();
+  Pieces& pieces = pieces_[used_];
+  pieces.positions.clear(), pieces.uv.clear(), pieces.colors.clear();
+  pieces.indices.clear(), pieces.numbers.clear();
   for (std::uint32_t t = 0; t < instance.triangles; ++t) {
+    if (t % Mesh::kRun == 0 && !mesh.run_bounds.empty() &&
+        !has_both_sides(instance, mesh.run_bounds[t / Mesh::kRun], z_near)) {
+      t += Mesh::kRun - 1;
+      continue;
+    }
     const std::uint32_t* corner = &mesh.indices[3 * std::size_t(t)];
     int beyond = 0;
     for (int k = 0; k < 3; ++k)
       beyond += glm::dot(instance.row_w, glm::vec4(mesh.positions[corner[k]], 1)) > z_near;
     if (beyond == 0 || beyond == 3) continue;
-    polygon = {vertex(corner[0]), vertex(corner[1]), vertex(corner[2])};
+    polygon.assign({vertex(corner[0]), vertex(corner[1]), vertex(corner[2])});
     for (int plane = 0; plane < 5 && !polygon.empty(); ++plane)
-      clip(plane, z_near, polygon, scratch);
+      clip(plane, z_near, polygon, clipped);
     if (polygon.size() < 3) continue;
     const auto first = std::uint32_t(pieces.positions.size());
     for (const ClipVertex& v : polygon) {
@@ -106,23 +125,23 @@ void NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
       pieces.numbers.push_back(instance.first_triangle + t);
     }
   }
-  if (pieces.indices.empty()) return;
-  pieces_.push_back(std::move(pieces));
-  Pieces& kept = pieces_.back();
+  if (pieces.indices.empty()) return false;
+  ++used_;
   RasterInstance cut = instance;
-  cut.positions = kept.positions.data();
-  cut.indices = kept.indices.data();
-  cut.triangles = std::uint32_t(kept.indices.size() / 3);
-  cut.numbers = kept.numbers.data();
+  cut.positions = pieces.positions.data();
+  cut.indices = pieces.indices.data();
+  cut.triangles = std::uint32_t(pieces.indices.size() / 3);
+  cut.numbers = pieces.numbers.data();
   cut.min_w = 0;
   cut.boxes = {};  // they are those of the whole mesh's triangles
   if (mask) {
-    kept.mask = *mask;
-    if (mask->uv) kept.mask.uv = kept.uv.data();
-    if (mask->colors) kept.mask.colors = kept.colors.data();
-    cut.mask = &kept.mask;
+    pieces.mask = *mask;
+    if (mask->uv) pieces.mask.uv = pieces.uv.data();
+    if (mask->colors) pieces.mask.colors = pieces.colors.data();
+    cut.mask = &pieces.mask;
   }
   instances_.push_back(cut);
+  return true;
 }
 
 }  // namespace rilievo

@@ -24,8 +24,8 @@ class NearClip {
   [[nodiscard]] static bool crosses(const RasterInstance& instance, const Box& bounds,
                                     float z_near);
   // Cuts the triangles of `mesh` that cross the plane. `instance` places the mesh in a frame of
-  // width x height texels; it then draws only triangles beyond the plane.
-  void cut(const Mesh& mesh, int width, int height, float z_near, RasterInstance& instance);
+  // width x height texels; it then draws only triangles beyond the plane. Are there any pieces?
+  bool cut(const Mesh& mesh, int width, int height, float z_near, RasterInstance& instance);
 
   // The pieces, ready to be drawn; their triangles have the numbers of those that they are cut
   // from. Valid until clear().
@@ -39,7 +39,8 @@ class NearClip {
     std::vector<std::uint32_t> indices, numbers;
     RasterMask mask;
   };
-  std::deque<Pieces> pieces_;  // instances point into them
+  std::deque<Pieces> pieces_;  // instances point into them; kept for the next frames
+  std::size_t used_ = 0;       // of those
   std::vector<RasterInstance> instances_;
 };
 

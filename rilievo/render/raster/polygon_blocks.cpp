@@ -29,15 +29,11 @@ struct Pixels {
   VF depth[kSamples];
   VU triangle[kSamples];
 
-  Pixels(const float* depths, const std::uint32_t* triangles)
-    requires(kSamples == 4)
-  {
+  Pixels(const float* depths, const std::uint32_t* triangles) requires(kSamples == 4) {
     hn::LoadInterleaved4(F(), depths, depth[0], depth[1], depth[2], depth[3]);
     hn::LoadInterleaved4(U(), triangles, triangle[0], triangle[1], triangle[2], triangle[3]);
   }
-  Pixels(const float* depths, const std::uint32_t* triangles)
-    requires(kSamples == 1)
-  {
+  Pixels(const float* depths, const std::uint32_t* triangles) requires(kSamples == 1) {
     depth[0] = hn::LoadU(F(), depths);
     triangle[0] = hn::LoadU(U(), triangles);
   }
@@ -80,8 +76,8 @@ struct BlockPlanes {
 
 HWY_INLINE VF inverse_z(const TileDepth& tile_depth, VF window_z) {
   const F f;
-  return hn::Add(hn::Set(f, tile_depth.inverse_far),
-                 hn::Mul(hn::Sub(hn::Set(f, 1.0f), window_z), hn::Set(f, tile_depth.inverse_range)));
+  return hn::Add(hn::Set(f, tile_depth.inverse_far), hn::Mul(hn::Sub(hn::Set(f, 1.0f), window_z),
+                                                             hn::Set(f, tile_depth.inverse_range)));
 }
 
 template <int kSamples>
@@ -112,8 +108,9 @@ void depths(const BlockSamples& in, const TileDepth& tile_depth, std::uint32_t c
         const VF now = inverse_z(tile_depth, pixels.depth[s]), before = hn::Load(f, depth);
         const Mask nearer = hn::And(pixels.covered(s), hn::Gt(now, before));
         hn::Store(hn::IfThenElse(nearer, now, before), f, depth);
-        hn::Store(hn::IfThenElse(hn::RebindMask(u, nearer), hn::Set(u, content), hn::Load(u, shown)),
-                  u, shown);
+        hn::Store(
+            hn::IfThenElse(hn::RebindMask(u, nearer), hn::Set(u, content), hn::Load(u, shown)), u,
+            shown);
       });
   }
 }
@@ -138,8 +135,7 @@ VisibleRow visible(const BlockSamples& in, const TileDepth& tile_depth, FrameTil
       const VF now = hn::Load(f, planes.of[s]->inverse_z + row * kBlock + x);
       const Mask same = hn::Or(hn::Eq(now, inverse_z(tile_depth, pixels.depth[s])),
                                hn::And(whole, hn::Eq(now, first)));
-      out.visible[s] =
-          PixelBits(out.visible[s] | bits_of(hn::And(pixels.covered(s), same)) << x);
+      out.visible[s] = PixelBits(out.visible[s] | bits_of(hn::And(pixels.covered(s), same)) << x);
     }
   });
   return out;
@@ -178,7 +174,8 @@ BlockSamples::BlockSamples(const SampleBuffer& in, int x, int y) : samples(in.sa
     float* beyond = beyond_depths_[row];
     depths[row] = beyond, triangles[row] = beyond_triangles_[row];
     if (row < rows) {
-      const std::size_t at = in.row(in.height - 1 - y - row) + std::size_t(x) * std::size_t(samples);
+      const std::size_t at =
+          in.row(in.height - 1 - y - row) + std::size_t(x) * std::size_t(samples);
       if (columns == kBlock) {
         depths[row] = &in.depth[at], triangles[row] = &in.triangle[at];
         continue;

@@ -91,8 +91,7 @@ TEST(PolygonBlocks, are_what_each_sample_says_by_itself) {
         for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
           const int column = i % kBlock, row = i / kBlock;
           const float old = before->plane(block, s).inverse_z[i];
-          const bool nearer =
-              slow.covered(column, row, s) && slow.inverse_z(column, row, s) > old;
+          const bool nearer = slow.covered(column, row, s) && slow.inverse_z(column, row, s) > old;
           ASSERT_EQ(tile->plane(block, s).inverse_z[i],
                     nearer ? slow.inverse_z(column, row, s) : old);
           ASSERT_EQ(tile->plane(block, s).content[i], nearer ? 9u : 7u);
@@ -110,9 +109,9 @@ TEST(PolygonBlocks, are_what_each_sample_says_by_itself) {
           for (int s = 0; s < samples; ++s) {
             const int of = tile->expanded[block] && samples == 4 ? s : 0;
             const float now = tile->plane(block, of).inverse_z[row * kBlock + column];
-            const bool shown = slow.covered(column, row, s) &&
-                               (now == slow.inverse_z(column, row, s) ||
-                                (whole && now == slow.inverse_z(column, row, 0)));
+            const bool shown =
+                slow.covered(column, row, s) && (now == slow.inverse_z(column, row, s) ||
+                                                 (whole && now == slow.inverse_z(column, row, 0)));
             ASSERT_EQ(seen.visible[s] >> column & 1, int(shown)) << name;
             hidden += slow.covered(column, row, s) && !shown;
           }

@@ -75,6 +75,7 @@ struct PolygonTiles::State {
   mutable std::vector<std::uint8_t> covered;
   TileDepth tile_depth;
   mutable tbb::enumerable_thread_specific<SeenTriangles> threads;
+  std::vector<ObjectWork> work;
   Shading shading;
 
   explicit State(const Scene& scene) : scene(scene), shading(*this) {}
@@ -98,6 +99,7 @@ Result<> PolygonTiles::State::rasterize(const Camera& camera, int samples,
                                         std::span<const std::uint32_t> drawn,
                                         std::span<const CrossFade> fading) {
   any = !drawn.empty() || !fading.empty();
+  for (SeenTriangles& seen : threads) seen.clear_counts();
   if (!any) return Done{};
   if (!raster) raster = std::make_unique<FrameRaster>(scene);
   if (Result<> done = raster->rasterize(camera, samples, placed, drawn, fading); !done) {
@@ -132,6 +134,22 @@ Result<> PolygonTiles::place_objects(const Camera& camera, const PlacedScene& pl
   if (Result<> done = s.rasterize(camera, 1, placed, objects, fading); !done || !s.any) return done;
   identify(s.raster->seen(), s.raster->meshes(), s.objects);
   return Done{};
+}
+
+std::span<const ObjectWork> PolygonTiles::work() {
+  State& s = *state_;
+  s.work.clear();
+  if (!s.any) return s.work;
+  const std::span<const PlacedMesh> meshes = s.raster->meshes();
+  const std::span<const RasterWork> work = s.raster->work();
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (s.work.empty() || s.work.back().object != meshes[i].object)
+      s.work.push_back({meshes[i].object});
+    ObjectWork& object = s.work.back();
+    object.projected += work[i].projected, object.filled += work[i].filled;
+    for (const SeenTriangles& seen : s.threads) object.shaded += seen.shaded_of(i);
+  }
+  return s.work;
 }
 
 void PolygonTiles::State::draw_identifiers(FrameTile& tile, int block,

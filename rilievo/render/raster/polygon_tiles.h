@@ -14,6 +14,7 @@
 #include "rilievo/core/camera.h"
 #include "rilievo/core/result.h"
 #include "rilievo/render/cross_fade.h"
+#include "rilievo/render/object_work.h"
 #include "rilievo/render/placed_scene.h"
 #include "rilievo/render/software/frame_tile.h"
 
@@ -36,6 +37,11 @@ class PolygonTiles final : public TileDrawer {
   // Prepares a frame of their identifiers, which has one sample a pixel.
   Result<> place_objects(const Camera& camera, const PlacedScene& placed,
                          std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
+
+  // What drawing the objects of the last frame of colours took, one entry each, front to back,
+  // those that fade last. The same for any number of threads. Valid after the frame is drawn, until
+  // the next place().
+  [[nodiscard]] std::span<const ObjectWork> work();
 
   // Depths, or identifiers.
   void draw_tile(FrameTile& tile) const override;

@@ -301,7 +301,6 @@ void SampleRaster::begin(int width, int height, int samples) {
   seen_.begin(width, height, samples);
   farthest_.begin(width, height);
   waiting_.assign(std::size_t(height + kStrip - 1) / kStrip, 0);
-  projected_ = filled_ = 0;
   if (!triangles_.index.empty()) return;
   for (std::vector<float>& field : triangles_.field) field.resize(kCapacity);
   triangles_.index.resize(kCapacity);
@@ -313,6 +312,7 @@ void SampleRaster::begin(int width, int height, int samples) {
 
 void SampleRaster::draw(std::span<const RasterInstance> instances) {
   pieces_.clear();
+  work_.assign(instances.size(), {});
   std::uint32_t place = 0;
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     const RasterInstance& instance = instances[i];
@@ -349,7 +349,10 @@ void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
     piece.high =
         any ? *std::max_element(at(triangles_.high).begin(), at(triangles_.high).end()) : -1;
   });
-  for (const Piece& piece : pieces_) projected_ += piece.count, filled_ += piece.kept;
+  for (const Piece& piece : pieces_) {
+    RasterWork& work = work_[piece.instance];
+    work.projected += piece.count, work.filled += piece.kept;
+  }
   // An update reads each sample of a strip, sixteen at a time: as much work as a triangle or two.
   const std::uint64_t worth_an_update = std::uint64_t(kStrip) * seen_.stride / 32;
   parallel_for(std::size_t(0), waiting_.size(), [&](std::size_t strip) {

@@ -53,6 +53,11 @@ struct RasterInstance {
   float share_from = 0, share_to = 1;
 };
 
+// What rasterising took: how many triangles had to be projected, and how many of these filled.
+struct RasterWork {
+  std::uint64_t projected = 0, filled = 0;
+};
+
 // Rasterises into a visibility buffer.
 class SampleRaster {
  public:
@@ -67,9 +72,8 @@ class SampleRaster {
   void draw(std::span<const RasterInstance> instances);
 
   [[nodiscard]] const SampleBuffer& seen() const { return seen_; }
-  // Triangles since begin() that had to be projected, and those of them that had to be filled.
-  [[nodiscard]] std::uint64_t projected() const { return projected_; }
-  [[nodiscard]] std::uint64_t filled() const { return filled_; }
+  // Of each instance of the last draw(). Depends on nothing but what was drawn since begin().
+  [[nodiscard]] std::span<const RasterWork> work() const { return work_; }
 
   // The numbers of triangles that are set up together, and by one thread.
   static constexpr std::uint32_t kRound = 16384, kPiece = 1024;
@@ -125,7 +129,7 @@ class SampleRaster {
   SampleBuffer seen_;
   FarthestBlocks farthest_;
   std::vector<std::uint64_t> waiting_;  // of each strip: triangles filled since its last update
-  std::uint64_t projected_ = 0, filled_ = 0;
+  std::vector<RasterWork> work_;
   Triangles triangles_;
   std::vector<Piece> pieces_;
 };

@@ -31,8 +31,7 @@ void fill_triangle(const Mesh& mesh, const SurfacePlacement& surface, std::uint3
   if (surface.has_normals) fill_corners(rays.normal, mesh.normals, corner, from, to);
   if (surface.has_colors) fill_corners(rays.color, mesh.colors, corner, from, to);
   if (surface.has_colors && surface.material->blended)
-    for (int k = 0; k < 3; ++k)
-      fill(rays.alpha[k], mesh.colors[corner[k]].a, from, to);
+    for (int k = 0; k < 3; ++k) fill(rays.alpha[k], mesh.colors[corner[k]].a, from, to);
   for (int set = 0; set < 2; ++set) {
     if (!surface.material->uses_uv[set]) continue;
     const std::vector<glm::vec2>& uv = mesh.uv[set];

@@ -36,9 +36,9 @@ class SeenTriangles {
  public:
   // A triangle in a pixel.
   struct Pixel {
-    std::uint32_t triangle;   // primitive index, as in the SampleBuffer
-    std::uint16_t x, y;       // from the lower left, as PictureRays has it
-    std::uint16_t samples;    // the caller's: which, or how many
+    std::uint32_t triangle;  // primitive index, as in the SampleBuffer
+    std::uint16_t x, y;      // from the lower left, as PictureRays has it
+    std::uint16_t samples;   // the caller's: which, or how many
   };
   // Some of them, shaded: entry i of all three.
   struct Shaded {
@@ -49,8 +49,7 @@ class SeenTriangles {
 
   // Adds one. Mostly it is of the same mesh as the last one.
   void add(std::span<const PlacedMesh> meshes, const Pixel& pixel) {
-    if (pixel.triangle - first_triangle_ >= triangles_)
-      find_mesh(meshes, pixel.triangle);
+    if (pixel.triangle - first_triangle_ >= triangles_) find_mesh(meshes, pixel.triangle);
     std::uint32_t& first = first_of_[mesh_];
     seen_.push_back({pixel, first});
     first = std::uint32_t(seen_.size() - 1);
@@ -62,8 +61,11 @@ class SeenTriangles {
   void shade(const ShadedScene& scene, const Write& write) {
     for (const std::uint32_t mesh : met_) {
       const PlacedMesh& placed = scene.meshes[mesh];
+      if (shaded_of_.size() <= mesh) shaded_of_.resize(scene.meshes.size());
       for (std::uint32_t next = first_of_[mesh]; next != kNone;) {
+        const std::size_t before = surfaces_.count;
         next = gather(scene, placed, next);
+        shaded_of_[mesh] += surfaces_.count - before;
         if (surfaces_.count + TriangleRays::kMaxCount > Surfaces::kMaxCount) flush(scene, write);
       }
       first_of_[mesh] = kNone;
@@ -73,6 +75,12 @@ class SeenTriangles {
     seen_.clear();
     triangles_ = 0;  // of no mesh
   }
+
+  // How many pixels of a mesh have been shaded since clear_counts()?
+  [[nodiscard]] std::uint64_t shaded_of(std::size_t mesh) const {
+    return mesh < shaded_of_.size() ? shaded_of_[mesh] : 0;
+  }
+  void clear_counts() { shaded_of_.assign(shaded_of_.size(), 0); }
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
@@ -94,9 +102,10 @@ class SeenTriangles {
   std::uint32_t gather(const ShadedScene& scene, const PlacedMesh& placed, std::uint32_t first);
 
   std::vector<Seen> seen_;
-  std::vector<std::uint32_t> first_of_;  // by mesh: index into seen_, or kNone
-  std::vector<std::uint32_t> met_;       // meshes that are seen
-  std::uint32_t mesh_ = 0;                              // the last one met
+  std::vector<std::uint32_t> first_of_;               // by mesh: index into seen_, or kNone
+  std::vector<std::uint32_t> met_;                    // meshes that are seen
+  std::vector<std::uint64_t> shaded_of_;              // by mesh: pixels
+  std::uint32_t mesh_ = 0;                            // the last one met
   std::uint32_t first_triangle_ = 0, triangles_ = 0;  // its triangles
   TriangleRays rays_;
   Surfaces surfaces_;
