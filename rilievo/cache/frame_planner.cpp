@@ -22,6 +22,11 @@ constexpr double kRangeMargin = 0.1;
 constexpr double kPaysSoon = 4, kPaysLate = 16;
 // What is in the fallback is as urgent as a picture that is late by this: twice its limit.
 constexpr double kFallbackDeadline = -1;
+// For so many frames it is known what drawing an entity as polygons took.
+constexpr std::uint32_t kKnownFrames = 120;
+// Of an object that others hide, so much of the cost as polygons remains: runs of triangles are
+// looked at.
+constexpr double kHiddenShare = 0.15;
 // How soon CacheState::usual_cost follows what frames cost.
 constexpr double kFollowCost = 0.2;
 
@@ -212,6 +217,19 @@ double FramePlanner::polygon_cost(Entity e) const {
 }
 
 double FramePlanner::polygon_cost(Entity e, const Level& level) const {
+  return polygon_share(e) * expected_polygon_cost(e, level);
+}
+
+double FramePlanner::polygon_share(Entity e) const {
+  const double seen = kHiddenShare + (1 - kHiddenShare) * seen_share_;
+  if (e < state.polygon_records.size())
+    if (const PolygonRecord& record = state.polygon_records[e];
+        record.frame > 0 && state.frame - record.frame < kKnownFrames)
+      return seen * double(record.share);
+  return seen * double(state.usual_polygon_share);
+}
+
+double FramePlanner::expected_polygon_cost(Entity e, const Level& level) const {
   return options.cost.object + double(level.triangles) +
          options.cost.polygon_pixel * covered_pixels(view, box_of(e));
 }
@@ -243,7 +261,10 @@ FramePlanner::Costs FramePlanner::evaluate(Entity e) {
   if (!retiring)
     if (const CaptureCost estimated = estimate(e); estimated.possible)
       own = picture_rate(estimated, options);
+  const double seen_share = seen_share_;
+  if (at_hand && picture->used + 1 == state.frame) seen_share_ = double(picture->seen_share);
   Costs below = evaluate_below(e);
+  seen_share_ = seen_share;
   scratch.choice[e] = own < below.best ? kCapture : kBelow;
   if (several(e))
     if (const Standing standing = stands_for(e, std::min(own, below.best)); standing.alternative) {
@@ -360,14 +381,15 @@ void FramePlanner::draw_below(Entity e, float from, float to) {
     return;
   }
   const Level level = level_of(e, options.polygon_level_share);
-  const double cost = polygon_cost(e, level);
+  const double expected = expected_polygon_cost(e, level), cost = polygon_share(e) * expected;
   // An alternative is for all pixels: what fades goes with polygons.
   if (from <= 0 && to >= 1)
     if (const Standing standing = stands_for(e, cost); standing.alternative) return emit(standing);
   if (is_moving(e)) {
-    plan.moving_polygons.push_back({e - nodes(), from, to});
+    plan.moving_polygons.push_back({e - nodes(), from, to, 0, float(expected)});
   } else {
-    plan.polygons.push_back({tree.order[tree.nodes[e].first], from, to, float(level.error)});
+    plan.polygons.push_back(
+        {tree.order[tree.nodes[e].first], from, to, float(level.error), float(expected)});
     scratch.polygons.push_back({e, float(cost), level.triangles});
   }
   plan.cost += cost;

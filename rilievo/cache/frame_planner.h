@@ -109,6 +109,9 @@ struct FramePlanner {
   [[nodiscard]] Standing stands_for(Entity e, double cost) const;
   [[nodiscard]] double polygon_cost(Entity e) const;
   [[nodiscard]] double polygon_cost(Entity e, const Level& level) const;
+  // Before anything is known of it; and the share of that which it took when it was drawn so.
+  [[nodiscard]] double expected_polygon_cost(Entity e, const Level& level) const;
+  [[nodiscard]] double polygon_share(Entity e) const;
   void emit(const Standing& standing);
   struct Costs {
     double best, now;  // of the best cut; of drawing with what is at hand
@@ -132,6 +135,7 @@ struct FramePlanner {
             float to);
 
   int fallback_depth_ = 0;  // of draw(): entities above that are in the fallback
+  double seen_share_ = 1;   // of evaluate(): of the picture at hand, of the entity or one above
 };
 
 }  // namespace rilievo

@@ -187,6 +187,7 @@ void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
   cost.picture_pixel = draw.picture_pixel_ns / triangle;
   cost.object = draw.object_ns / triangle;
   cost.polygon_pixel = draw.polygon_pixel_ns / triangle;
+  cost.shaded_pixel = cost.polygon_pixel;
   cost.capture = capture.picture_ns / triangle;
   cost.capture_triangle = capture.triangle_ns / triangle;
   cost.capture_texel = capture.texel_ns / triangle;

@@ -47,6 +47,11 @@ void find_bound(Plan& plan) {
 // How soon CacheState::usual_range and usual_life_share follow what captures show.
 constexpr double kForget = 1.0 / 32;
 
+// How soon a PolygonRecord, and the usual one, follow what frames took; what is older than so many
+// frames is no longer mixed with what is new.
+constexpr float kLearn = 0.5f, kLearnUsual = 0.1f;
+constexpr std::uint32_t kRecentFrames = 8;
+
 // Of the life that the flatness allows, the share that the gaps allow: both bounds grow about
 // evenly with the eye's way. Nothing where the eye is too near the capture's to tell.
 std::optional<float> life_share(double bound_px, double limit_px, double gap_px, double gap_limit) {
@@ -190,6 +195,30 @@ void commit(const Plan& plan, CacheState& state) {
   state.usual_cost = plan.usual_cost;
   state.limit = plan.limit;
   ++state.frame;
+}
+
+void learn_seen(const Plan& plan, std::span<const float> shares, CacheState& state) {
+  RILIEVO_EXPECTS(shares.size() >= plan.pictures.size());
+  for (std::size_t i = 0; i < plan.pictures.size(); ++i)
+    state.slots[plan.pictures[i].slot].seen_share = shares[i];
+}
+
+void learn_polygons(std::span<const PolygonCost> costs, CacheState& state) {
+  state.polygon_records.resize(state.current.size());
+  double expected = 0, cost = 0;
+  for (const PolygonCost& one : costs) {
+    RILIEVO_EXPECTS(one.expected > 0 && one.cost >= 0);
+    const auto share = float(one.cost / one.expected);
+    PolygonRecord& record = state.polygon_records[one.entity];
+    // What one frame hides the next may show: the mean of the last few.
+    record.share = record.frame > 0 && state.frame - record.frame < kRecentFrames
+                       ? record.share + kLearn * (share - record.share)
+                       : share;
+    record.frame = state.frame;
+    expected += one.expected, cost += one.cost;
+  }
+  if (expected > 0)
+    state.usual_polygon_share += kLearnUsual * (float(cost / expected) - state.usual_polygon_share);
 }
 
 void invalidate(CacheState& state, std::vector<std::uint32_t>& evictions) {

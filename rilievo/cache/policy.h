@@ -41,6 +41,10 @@ struct CostModel {
   double picture_pixel = 0.02;  // one pixel of its rectangle
   double object = 20;           // one object drawn as polygons, besides its triangles
   double polygon_pixel = 0.10;  // one pixel of the rectangle around an object
+  // Once it is known what drawing polygons took (learn_polygons), instead of the triangles and the
+  // pixels of the rectangle: a triangle that is projected, one that is filled, a pixel that is
+  // shaded.
+  double projected_triangle = 0.75, filled_triangle = 2, shaded_pixel = 0.10;
   double capture = 2000;        // one capture, plus ...
   double capture_triangle = 1;  // ... each of its triangles
   double capture_texel = 0.2;   // ... and each of its texels
@@ -200,6 +204,7 @@ struct Picture {
   std::uint16_t fade_length = 1;    // frames
   std::uint16_t retire_length = 0;  // 0: not retiring
   std::uint16_t lead = 1;           // frames before its end at which it is replaced
+  float seen_share = 1;             // of its blocks in the last frame that drew it
   bool held = false;                // this slot contains a picture
   bool clipped = false;             // shows only the part near the frame that it was captured for
 };
@@ -208,6 +213,13 @@ struct Picture {
 [[nodiscard]] inline double limit_px(const Picture& picture, const CacheOptions& options) {
   return options.error_px + picture.coarse_px;
 }
+
+// What drawing an entity as polygons took, by what it was expected to take: most of its triangles
+// may be hidden by others.
+struct PolygonRecord {
+  float share = 1;          // of the expected cost
+  std::uint32_t frame = 0;  // when it was drawn so last, + 1; 0: never
+};
 
 // What the planner keeps between frames. Start with an empty one.
 struct CacheState {
@@ -223,6 +235,8 @@ struct CacheState {
   // there was one; and the usual share:
   std::vector<std::optional<float>> life_shares;
   float usual_life_share[2] = {1, 1};
+  std::vector<PolygonRecord> polygon_records;  // by entity; empty: nothing is known of any
+  float usual_polygon_share = 1;
   std::uint64_t bytes = 0;
   double credit = 0;      // triangles saved up for captures
   double usual_cost = 0;  // of frames so far: Plan::cost, smoothed; 0: there was none
@@ -256,6 +270,9 @@ struct DrawnObject {
   std::uint32_t object = 0;  // static: the caller's index; moving: index in `moving`
   float from = 0, to = 1;
   float level_error = 0;  // by levels that are at most so far off, metres
+  // What it was expected to cost before anything was known of it (PolygonRecord), in triangles; 0:
+  // nothing was expected.
+  float expected_cost = 0;
 };
 // A baked representation to draw, at all pixels.
 struct DrawnAlternative {
@@ -352,6 +369,20 @@ void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
 
 // Records in the state that the plan was carried out.
 void commit(const Plan& plan, CacheState& state);
+
+// Records how much of the last plan's pictures was seen, after commit(): an entry for each of
+// plan.pictures, the share of its blocks that the frame shows. What others hide costs little as
+// polygons, and is worth no captures.
+void learn_seen(const Plan& plan, std::span<const float> shares, CacheState& state);
+
+// What drawing one object as polygons took, in triangles, and what it was expected to
+// (DrawnObject::expected_cost).
+struct PolygonCost {
+  Entity entity = 0;  // of one object
+  double expected = 0, cost = 0;
+};
+// Records what the last plan's polygons took, after commit(). The next plans expect the like.
+void learn_polygons(std::span<const PolygonCost> costs, CacheState& state);
 
 // Drops all pictures, because the light or all objects changed. Appends their slots to `evictions`.
 void invalidate(CacheState& state, std::vector<std::uint32_t>& evictions);

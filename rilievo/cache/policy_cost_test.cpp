@@ -157,5 +157,93 @@ TEST(PolicyCost, a_walk_through_ten_million_triangles_draws_a_hundredth_of_them)
   }
 }
 
+// One object 40 m ahead, which is worth a picture.
+PlanObjects one_tree() {
+  PlanObjects tree;
+  Box box;
+  box.add({-2, 0, -42}), box.add({2, 5, -38});
+  tree.add(box, 20'000);
+  tree.build();
+  return tree;
+}
+
+TEST(PolicyCost, what_was_cheap_as_polygons_stays_so_and_what_was_dear_is_captured) {
+  const PlanObjects tree = one_tree();
+  for (const float share : {0.001f, 1.0f}) {
+    Loop run;
+    run.state.current.assign(1, 0), run.state.previous.assign(1, 0);
+    const PolygonCost cost{0, 20'000, 20'000 * double(share)};
+    learn_polygons({&cost, 1}, run.state);
+    run.state.polygon_records[0].frame = 1;  // as if in the frame before
+    run.state.frame = 1;
+    int captures = 0, polygons = 0;
+    for (int f = 0; f < 30; ++f) {
+      ASSERT_NO_FATAL_FAILURE(run.frame(tree.tree, {}, walk(1, f), {}));
+      captures += int(run.plan.captures.size()), polygons += int(run.plan.polygons.size());
+      for (const DrawnObject& drawn : run.plan.polygons) {
+        EXPECT_GT(drawn.expected_cost, 20'000);
+        const PolygonCost took{0, double(drawn.expected_cost), double(drawn.expected_cost * share)};
+        learn_polygons({&took, 1}, run.state);
+      }
+    }
+    if (share < 1) {
+      EXPECT_EQ(captures, 0);
+      EXPECT_EQ(polygons, 30);
+    } else {
+      EXPECT_GT(captures, 0);
+      EXPECT_LT(polygons, 5);
+    }
+  }
+}
+
+TEST(PolicyCost, records_are_the_mean_of_the_last_frames) {
+  CacheState state;
+  state.current.assign(2, 0);
+  float mean = 0, usual = 1;
+  const float shares[] = {0.25f, 1.0f, 0.5f, 3.0f};
+  for (int f = 0; f < 4; ++f) {
+    state.frame = std::uint32_t(f + 1);
+    const PolygonCost costs[] = {{1, 200, 200 * double(shares[f])}};
+    learn_polygons(costs, state);
+    mean = f == 0 ? shares[f] : mean + 0.5f * (shares[f] - mean);
+    usual += 0.1f * (shares[f] - usual);
+    EXPECT_FLOAT_EQ(state.polygon_records[1].share, mean);
+    EXPECT_FLOAT_EQ(state.usual_polygon_share, usual);
+    EXPECT_EQ(state.polygon_records[0].frame, 0u);  // nothing is known of the other one
+  }
+  // Long after, the old mean says nothing.
+  state.frame = 100;
+  const PolygonCost later[] = {{1, 200, 50}};
+  learn_polygons(later, state);
+  EXPECT_FLOAT_EQ(state.polygon_records[1].share, 0.25f);
+}
+
+// Pictures end while the eye walks; those of what is hidden are not captured again.
+TEST(PolicyCost, what_is_hidden_is_not_captured_again) {
+  const PlanObjects forest = plant(300);
+  const auto captures_with = [&](float seen) {
+    Loop run;
+    std::size_t captures = 0;
+    for (int f = 0; f < 150; ++f) {
+      run.frame(forest.tree, {}, walk(1, f), {});
+      if (f >= 30) captures += run.plan.captures.size();
+      const std::vector<float> shares(run.plan.pictures.size(), seen);
+      learn_seen(run.plan, shares, run.state);
+      // What it then costs as polygons is as little as was thought.
+      std::vector<PolygonCost> costs;
+      for (const DrawnObject& drawn : run.plan.polygons)
+        for (Entity e = 0; e < forest.tree.nodes.size(); ++e)
+          if (forest.tree.nodes[e].leaf() &&
+              forest.tree.order[forest.tree.nodes[e].first] == drawn.object)
+            costs.push_back({e, double(drawn.expected_cost), 0.02 * double(drawn.expected_cost)});
+      if (seen < 1) learn_polygons(costs, run.state);
+    }
+    return captures;
+  };
+  const std::size_t all = captures_with(1), hidden = captures_with(0);
+  EXPECT_GT(all, 50u);
+  EXPECT_LT(hidden, all / 5);
+}
+
 }  // namespace
 }  // namespace rilievo

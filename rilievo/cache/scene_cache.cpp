@@ -393,6 +393,28 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   stats.picture_bytes = store_.bytes() + alternative_bytes_;
 }
 
+void SceneCache::learn(std::span<const ObjectWork> work, std::span<const float> seen_shares) {
+  if (!options_.learn) return;
+  learn_seen(plan_, seen_shares, state_);
+  work_of_.resize(placed_.scene().objects.size());
+  for (const ObjectWork& one : work) work_of_[one.object] = one;
+  const CostModel& price = policy_.cost;
+  polygon_costs_.clear();
+  const auto add = [&](Entity entity, std::uint32_t object, const DrawnObject& drawn) {
+    if (!(drawn.expected_cost > 0) || drawn.from > 0 || drawn.to < 1) return;
+    const ObjectWork& done = work_of_[object];
+    polygon_costs_.push_back({entity, double(drawn.expected_cost),
+                              price.object + price.projected_triangle * double(done.projected) +
+                                  price.filled_triangle * double(done.filled) +
+                                  price.shaded_pixel * double(done.shaded)});
+  };
+  for (const DrawnObject& drawn : plan_.polygons)
+    add(leaf_of_[drawn.object], static_objects_[drawn.object], drawn);
+  for (const DrawnObject& drawn : plan_.moving_polygons)
+    add(Entity(hierarchy_.nodes.size() + drawn.object), moving_objects_[drawn.object], drawn);
+  learn_polygons(polygon_costs_, state_);
+}
+
 // Identifiers of pictures of several objects, where no probe has asked for them before.
 void SceneCache::prepare_objects() {
   if (fallback_.held && !fallback_.objects_captured) {

@@ -22,6 +22,7 @@
 #include "rilievo/frame/frame_content.h"
 #include "rilievo/frame/object_levels.h"
 #include "rilievo/kind/kind.h"
+#include "rilievo/render/object_work.h"
 #include "rilievo/render/placed_scene.h"
 #include "rilievo/representation/object_drawable.h"
 
@@ -50,6 +51,10 @@ struct ImageCacheOptions {
   // Draw and capture objects that stand still by levels of detail where their error is bounded and
   // it costs less; the pictures' limit is stricter by it. Without OpenGL only.
   bool levels = false;
+  // Price polygons by what those of the last frames took, and by how much of pictures was seen; by
+  // counts and not by the clock: an object that others hide costs little to draw, and is not worth
+  // a picture. Without OpenGL only.
+  bool learn = true;
   // What the planner compares; none: the costs built in (policy.h), so that frames are the same on
   // all machines, as they are with the same costs of any one machine.
   std::optional<MachineCosts> machine = {};
@@ -83,6 +88,9 @@ class SceneCache {
   // Plans a frame of the scene as it is placed now, captures, and fills `content`, which is
   // cleared, and in `stats` the captures, memory and bounds.
   void choose(const Camera& camera, FrameContent& content, FrameStats& stats);
+  // Learns what drawing the polygons of the last choose() took, and how much of its pictures was
+  // seen (ImageCacheOptions::learn): an entry for each instance of the set of pictures.
+  void learn(std::span<const ObjectWork> work, std::span<const float> seen_shares);
   // Captures the identifiers of the last frame's pictures of several objects, where they are
   // missing.
   void prepare_objects();
@@ -138,7 +146,9 @@ class SceneCache {
       moving_objects_;  // the caller's and ours to the scene's
   Hierarchy hierarchy_;
   LevelTable level_table_;
-  std::vector<Entity> leaf_of_;  // by static object
+  std::vector<Entity> leaf_of_;      // by static object
+  std::vector<ObjectWork> work_of_;  // by object: of the last frame that drew it as polygons
+  std::vector<PolygonCost> polygon_costs_;
   std::vector<MovingObject> moving_;
   std::vector<std::unique_ptr<DrawableFactory>> factories_;  // outlive the drawables
   std::vector<ObjectDrawable> drawables_;

@@ -160,6 +160,10 @@ void MemoryCache::invalidate() { cache_->invalidate(content()); }
 void MemoryCache::invalidate_object(std::uint32_t object) { cache_->invalidate_object(object); }
 ImageCacheOptions& MemoryCache::options() { return cache_->options(); }
 std::vector<SceneCache::Shown> MemoryCache::shown() const { return cache_->shown(); }
+void MemoryCache::learn(std::span<const ObjectWork> work) {
+  if (!content().sets[0].instances.empty()) store_->pictures().find_seen_shares(seen_shares_);
+  cache_->learn(work, seen_shares_);
+}
 void MemoryCache::prepare_objects() { cache_->prepare_objects(); }
 
 Result<> MemoryCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {

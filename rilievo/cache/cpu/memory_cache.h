@@ -45,10 +45,12 @@ class MemoryCache final : public SoftwareFrames {
               const ImageCacheOptions& options);
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
   void prepare_objects() override;
+  void learn(std::span<const ObjectWork> work) override;
 
   std::unique_ptr<ObjectLevels> levels_;  // null: none; frames are drawn from its scene
   std::unique_ptr<Store> store_;
   std::unique_ptr<SceneCache> cache_;
+  std::vector<float> seen_shares_;  // of the last frame's pictures
 };
 
 }  // namespace rilievo

@@ -49,6 +49,7 @@ TEST_F(MemoryCacheTest, draws_the_cache_s_frames_as_opengl_draws_them) {
     ImageCacheOptions options;
     options.capture_by = CaptureBy::rasterizer;
     options.machine = costs_of_both();
+    options.learn = false;  // OpenGL does not
     auto opengl = ImageCache::create(*renderer, options);
     auto memory = MemoryCache::create(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && memory.ok());

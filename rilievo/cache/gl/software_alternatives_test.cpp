@@ -115,6 +115,7 @@ TEST_F(SoftwareAlternativesTest, a_layered_relief_stands_for_a_deep_object_near_
   options.error_px = 3;
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
+  options.learn = false;  // OpenGL does not
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "256"}};
   expect_same_frames("layered-relief", settings, options, 2.2);
 }
@@ -126,6 +127,7 @@ TEST_F(SoftwareAlternativesTest, one_relief_stands_for_a_thing_of_many_parts) {
   options.error_px = 6;
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
+  options.learn = false;  // OpenGL does not
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "256"}};
   expect_same_frames("layered-relief", settings, options, 2.2, true);
 }
@@ -139,6 +141,7 @@ TEST_F(SoftwareAlternativesTest, a_layered_impostor_stands_for_a_heavy_object) {
   options.error_px = 4;
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
+  options.learn = false;  // OpenGL does not
   const BakeSetting settings[] = {{"views", "12"}, {"size", "96"}, {"no-fills", "on"}};
   expect_same_frames("layered-impostor", settings, options, 3);
 }

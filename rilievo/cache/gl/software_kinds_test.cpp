@@ -220,6 +220,7 @@ TEST_F(SoftwareKindsTest, outlines) {
   ImageCacheOptions options;
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
+  options.learn = false;  // OpenGL does not
   options.outlines = true;
   auto opengl = ImageCache::create(*renderer, options);
   auto memory = MemoryCache::create(builtin.scene, options);

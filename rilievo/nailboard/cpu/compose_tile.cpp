@@ -321,7 +321,9 @@ HWY_INLINE bool draw_block(const Board& board, FrameTile& tile, int block, int x
   return draw_block<reach, true, true>(board, tile, block, x, y, patch);
 }
 
-void draw_board(const Board& board, FrameTile& tile) {
+// In how many blocks?
+int draw_board(const Board& board, FrameTile& tile) {
+  int drawn = 0;
   const PlacedNailboard& placed = board.placed;
   const auto block_of = [](int pixel, int corner) { return (pixel - corner) / kBlock; };
   const int x0 = block_of(std::max(placed.x0, tile.x), tile.x),
@@ -347,20 +349,23 @@ void draw_board(const Board& board, FrameTile& tile) {
                                                          : draw.template operator()<Reach::any>();
       if (!changed) continue;
       tile.changed[block] = true;
+      ++drawn;
     }
+  return drawn;
 }
 
 void compose(std::span<const PlacedNailboard> placed, std::span<const std::uint32_t> listed,
-             FrameTile& tile) {
-  for (const std::uint32_t index : listed) {
-    const PlacedNailboard& board = placed[index];
+             std::span<std::uint8_t> blocks, FrameTile& tile) {
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    const PlacedNailboard& board = placed[listed[i]];
     // At the tile's corner in double precision; from there on small numbers.
     const glm::dvec3 corner = board.texel_from_raster * glm::dvec3(tile.x, tile.y, 1);
     const glm::dmat3& m = board.texel_from_raster;
     const auto plane = [&](int k) {
       return Plane{float(corner[k]), float(m[0][k]), float(m[1][k])};
     };
-    draw_board({board, *board.picture, plane(0), plane(1), plane(2)}, tile);
+    blocks[i] =
+        std::uint8_t(draw_board({board, *board.picture, plane(0), plane(1), plane(2)}, tile));
   }
 }
 
@@ -375,8 +380,8 @@ namespace rilievo {
 HWY_EXPORT(compose);
 
 void compose_tile(std::span<const PlacedNailboard> placed, std::span<const std::uint32_t> listed,
-                  FrameTile& tile) {
-  HWY_DYNAMIC_DISPATCH(compose)(placed, listed, tile);
+                  std::span<std::uint8_t> blocks, FrameTile& tile) {
+  HWY_DYNAMIC_DISPATCH(compose)(placed, listed, blocks, tile);
 }
 
 }  // namespace rilievo

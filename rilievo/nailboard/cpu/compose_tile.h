@@ -29,8 +29,10 @@ struct PlacedNailboard {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // rectangle in the frame: x0 <= x < x1, y0 <= y < y1
 };
 
-// Draws those of `placed` that `listed` names, in this order. SIMD.
+// Draws those of `placed` that `listed` names, in this order. Each one's entry of `blocks` becomes
+// the number of the tile's blocks in which it was nearest when it was drawn. SIMD.
 void compose_tile(std::span<const PlacedNailboard> placed, std::span<const std::uint32_t> listed,
-                  FrameTile& tile);
+                  std::span<std::uint8_t> blocks, FrameTile& tile);
+static_assert(FrameTile::kBlockCount <= 255);
 
 }  // namespace rilievo

@@ -35,6 +35,8 @@ class MemoryNailboardSet final : public Drawable {
 
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
+  // See NailboardComposer: of the instances of the last draw().
+  void find_seen_shares(std::vector<float>& shares) const { composer_.find_seen_shares(shares); }
   // Of the pictures of all items.
   [[nodiscard]] std::size_t bytes() const override;
   // One picture, with its camera moved along with the object.

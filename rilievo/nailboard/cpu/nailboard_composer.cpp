@@ -167,6 +167,7 @@ void NailboardComposer::place(const Camera& frame, DepthMode mode,
   }
   for (std::size_t t = 2; t < first_.size(); ++t) first_[t] += first_[t - 1];
   listed_.resize(first_.back());
+  drawn_blocks_.assign(listed_.size(), 0);
   for (const Key& key : order_)
     each_tile(placed_[key.index],
               [&](std::size_t tile) { listed_[first_[tile + 1]++] = key.index; });
@@ -176,7 +177,20 @@ void NailboardComposer::draw_tile(FrameTile& tile) const {
   const int x = tile.x / FrameTile::kSize, y = tile.y / FrameTile::kSize;
   if (x >= tiles_across_ || y >= tiles_down_) return;
   const std::size_t t = std::size_t(y) * std::size_t(tiles_across_) + std::size_t(x);
-  compose_tile(placed_, std::span(listed_).subspan(first_[t], first_[t + 1] - first_[t]), tile);
+  const std::size_t first = first_[t], count = first_[t + 1] - first;
+  compose_tile(placed_, std::span(listed_).subspan(first, count),
+               std::span(drawn_blocks_).subspan(first, count), tile);
+}
+
+void NailboardComposer::find_seen_shares(std::vector<float>& shares) const {
+  shares.assign(placed_.size(), 0.0f);
+  for (std::size_t i = 0; i < listed_.size(); ++i) shares[listed_[i]] += float(drawn_blocks_[i]);
+  const auto blocks_of = [](int from, int to) {
+    return (to - 1) / FrameTile::kBlock - from / FrameTile::kBlock + 1;
+  };
+  for (std::size_t i = 0; i < placed_.size(); ++i)
+    if (const PlacedNailboard& p = placed_[i]; shares[i] > 0)
+      shares[i] /= float(blocks_of(p.x0, p.x1) * blocks_of(p.y0, p.y1));
 }
 
 }  // namespace rilievo

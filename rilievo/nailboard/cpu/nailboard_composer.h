@@ -47,6 +47,11 @@ class NailboardComposer final : public TileDrawer {
 
   void draw_tile(FrameTile& tile) const override;
 
+  // How much of the last frame shows each instance, in their order: of the blocks of 8 x 8 pixels
+  // that its rectangle meets, the share in which it was nearest when it was drawn, front to back.
+  // 0: it is hidden, or not in view. Valid once the frame's tiles are drawn.
+  void find_seen_shares(std::vector<float>& shares) const;
+
   // The pixels of the rectangles around the instances in view, of the last place().
   [[nodiscard]] std::uint64_t placed_pixels() const { return placed_pixels_; }
 
@@ -59,6 +64,8 @@ class NailboardComposer final : public TileDrawer {
   std::vector<PlacedNailboard> placed_;        // by instance
   std::vector<Key> order_;                     // those in view, front to back
   std::vector<std::uint32_t> first_, listed_;  // of each tile: listed_[first_[t] ... first_[t + 1])
+  // Of listed_, by tiles: the blocks drawn (compose_tile). Each tile has entries of its own.
+  mutable std::vector<std::uint8_t> drawn_blocks_;
   int tiles_across_ = 0, tiles_down_ = 0;
   std::uint64_t placed_pixels_ = 0;
 };

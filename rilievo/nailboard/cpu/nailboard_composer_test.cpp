@@ -336,5 +336,38 @@ TEST(NailboardComposer, draws_a_polygon_that_reaches_behind_the_eye) {
   }
 }
 
+// By identifiers: what a pixel shows is seen; and by each picture alone: others only hide.
+TEST(NailboardComposer, knows_how_much_of_each_picture_is_seen) {
+  int hidden = 0, seen_in_part = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Composition c = random_composition(seed, 40, 8, false, false);
+    SoftwareTarget target(kFrameWidth, kFrameHeight, 4);
+    NailboardComposer composer;
+    const TileDrawer* drawers[] = {&composer};
+    std::vector<float> all, alone;
+    composer.place(c.frame, DepthMode::exact, c.instances);
+    target.draw(c.frame.z_far, drawers);
+    composer.find_seen_shares(all);
+    ASSERT_EQ(all.size(), c.instances.size());
+    target.draw_objects(c.frame.z_far, drawers);
+    std::vector<int> pixels(c.instances.size() + 1, 0);
+    for (const std::uint32_t object : target.objects().texels()) ++pixels[object];
+    for (std::size_t i = 0; i < c.instances.size(); ++i) {
+      composer.place(c.frame, DepthMode::exact, {&c.instances[i], 1});
+      target.draw(c.frame.z_far, drawers);
+      composer.find_seen_shares(alone);
+      EXPECT_LE(all[i], alone[0]);
+      EXPECT_LE(alone[0], 1.0f);
+      if (pixels[i + 1] > 0) {
+        EXPECT_GT(all[i], 0.0f) << seed << " " << i;
+      }
+      hidden += all[i] == 0 && alone[0] > 0;
+      seen_in_part += all[i] > 0 && all[i] < alone[0];
+    }
+  }
+  EXPECT_GT(hidden, 5);
+  EXPECT_GT(seen_in_part, 20);
+}
+
 }  // namespace
 }  // namespace rilievo

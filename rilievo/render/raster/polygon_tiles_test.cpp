@@ -1,8 +1,10 @@
 #include "rilievo/render/raster/polygon_tiles.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
+#include <map>
 
 #include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/software/sky_tiles.h"
@@ -96,6 +98,45 @@ TEST(PolygonTiles, objects_that_fade_share_the_pixels_by_their_hash) {
       drawn += some(x, y).a != 0;
     }
   EXPECT_NEAR(double(drawn) / all, 0.3, 0.03);
+}
+
+// Identifiers are taken at centres, colours with four samples: a pixel that shows an object shades
+// at least one triangle of it.
+TEST(PolygonTiles, count_what_each_object_took) {
+  const TileScene scene("builtin:teapots?triangles=20000");
+  PolygonTiles tiles(scene.made.scene);
+  SoftwareTarget target(kTilesWidth, kTilesHeight, 4);
+  const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+  ASSERT_TRUE(tiles.place_objects(scene.camera, scene.placed, scene.objects, {}).ok());
+  target.draw_objects(scene.camera.z_far, drawers);
+  std::map<std::uint32_t, std::uint64_t> pixels;
+  for (const std::uint32_t object : target.objects().texels())
+    if (object != kNoObject) ++pixels[object - 1];
+  std::vector<ObjectWork> first;
+  for (const int threads : {1, 2, 3}) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
+    ASSERT_TRUE(tiles.place(scene.camera, 4, scene.placed, scene.objects, {}).ok());
+    target.draw(scene.camera.z_far, drawers);
+    const std::vector<ObjectWork> work(tiles.work().begin(), tiles.work().end());
+    ASSERT_EQ(work.size(), scene.objects.size());
+    std::uint64_t shaded = 0, seen = 0;
+    for (const ObjectWork& one : work) {
+      const Object& object = scene.made.scene.objects[one.object];
+      EXPECT_LE(one.filled, one.projected);
+      EXPECT_LE(one.projected, scene.made.scene.models[std::size_t(object.model)].triangles);
+      EXPECT_GE(one.shaded, pixels[one.object]) << one.object;
+      shaded += one.shaded, seen += pixels[one.object];
+    }
+    EXPECT_GT(seen, 2000u);
+    EXPECT_LT(shaded, 8 * seen);  // four samples, and edges beyond the centres
+    if (first.empty()) first = work;
+    for (std::size_t i = 0; i < work.size(); ++i) {
+      EXPECT_EQ(work[i].object, first[i].object);
+      EXPECT_EQ(work[i].projected, first[i].projected);
+      EXPECT_EQ(work[i].filled, first[i].filled);
+      EXPECT_EQ(work[i].shaded, first[i].shaded);
+    }
+  }
 }
 
 TEST(SkyTiles, show_the_sky_s_colour_where_nothing_is) {
