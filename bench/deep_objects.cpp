@@ -28,6 +28,8 @@ namespace {
 
 constexpr std::size_t kAll = std::size_t(1) << 30;
 constexpr double kErrorPx = 2;
+// A side of a relief: so fine that what its bounds say of error and cracks is allowed.
+constexpr const char* kTexels = "640";
 
 // Adds one relief of all objects to a cache: they are parts of one thing.
 template <class Cache>
@@ -39,7 +41,7 @@ Result<> add_reliefs(Cache& cache, const PlacedScene& placed, CaptureSource& sou
   ObjectDrawablesOptions bake{.bake = OptionValues(kind.bake_options),
                               .draw = OptionValues(kind.draw_options),
                               .progress = {}};
-  if (Result<> set = bake.bake.set("size", quick ? "48" : "512"); !set) return set.error();
+  if (Result<> set = bake.bake.set("size", quick ? "48" : kTexels); !set) return set.error();
   bake.max_bytes = kAll;
   Result<ObjectDrawable> all = bake_together_drawable(placed, source, kind, **factory, bake);
   if (!all) return all.error();

@@ -137,8 +137,38 @@ double error_of(const Projector& projector, const Placed& object, const glm::dve
 struct Row {
   std::vector<float> errors_px;
   double resolution_px = 0;
-  std::uint64_t shown = 0, boundary = 0, mixed = 0, unresolved = 0, over_bound = 0, violations = 0;
+  std::uint64_t shown = 0, boundary = 0, mixed = 0, unresolved = 0, over_bound = 0, violations = 0,
+                in_gaps = 0;
 };
+
+// 1 where a frame shows what lies behind the true surface: deeper by more than a surface without a
+// step is within `off_px` pixels.
+Image<std::uint8_t> shown_behind(const DrawnFrame& truth, const DrawnFrame& seen, double pixel,
+                                 double off_px) {
+  const int w = truth.objects.width(), h = truth.objects.height();
+  Image<std::uint8_t> behind(w, h);
+  const double deeper = 1 + kStep * off_px * pixel;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      behind(x, y) =
+          truth.objects(x, y) != 0 && double(seen.eye_z(x, y)) > deeper * double(truth.eye_z(x, y));
+  return behind;
+}
+
+// Is the pixel, or a neighbour that mixes with it, in a gap of at most `gap_px`?
+bool is_in_gap(const Image<std::uint8_t>& behind, int x, int y, double gap_px) {
+  const int w = behind.width(), h = behind.height();
+  bool here = false;
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, h - 1); ++j)
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, w - 1); ++i) here |= behind(i, j) != 0;
+  if (!here) return false;
+  const double within = 0.5 * gap_px + kTexelError;
+  const int most = int(within);
+  for (int j = std::max(y - most, 0); j <= std::min(y + most, h - 1); ++j)
+    for (int i = std::max(x - most, 0); i <= std::min(x + most, w - 1); ++i)
+      if (behind(i, j) == 0 && std::hypot(i - x, j - y) <= within) return true;
+  return false;
+}
 
 void add_to(DrawnErrors& errors, const Row& row) {
   for (const float px : row.errors_px) {
@@ -152,6 +182,7 @@ void add_to(DrawnErrors& errors, const Row& row) {
   errors.unresolved += row.unresolved;
   errors.over_bound += row.over_bound;
   errors.violations += row.violations;
+  errors.in_gaps += row.in_gaps;
 }
 
 // Frames spread evenly, with the first and the last.
@@ -173,6 +204,7 @@ ErrorPx summary_of(const DrawnErrors& errors) {
   out.unresolved = double(errors.unresolved) / shown;
   if (measured > 0) out.over_bound = double(errors.over_bound) / double(measured);
   out.violations = std::int64_t(errors.violations);
+  out.in_gaps = std::int64_t(errors.in_gaps);
   return out;
 }
 
@@ -268,6 +300,9 @@ void add_drawn_errors(const Scene& scene, std::span<const double> half_periods,
   const double pixel = pixel_at_one(frame.camera);
   const std::vector<Placed> objects = place_objects(scene, half_periods, frame.time);
   std::vector<Row> rows(static_cast<std::size_t>(h));
+  const double bound_px = seen.stats.bound_px, gap_px = seen.stats.gap_px;
+  Image<std::uint8_t> behind;
+  if (gap_px > 0) behind = shown_behind(truth, seen, pixel, bound_px + kTexelError);
   parallel_for(0, h, [&](int y) {
     Row& row = rows[std::size_t(y)];
     for (int x = 0; x < w; ++x) {
@@ -293,9 +328,11 @@ void add_drawn_errors(const Scene& scene, std::span<const double> half_periods,
       const double resolution = kCodeResolution * object.half_period_world / (pixel * true_z);
       row.errors_px.push_back(float(px));
       row.resolution_px = std::max(row.resolution_px, resolution);
-      if (seen.stats.bound_px == 0) continue;
-      row.over_bound += px > seen.stats.bound_px + resolution;
-      row.violations += px > seen.stats.bound_px + resolution + kTexelError;
+      if (bound_px == 0) continue;
+      row.over_bound += px > bound_px + resolution;
+      if (px <= bound_px + resolution + kTexelError) continue;
+      const bool in_gap = gap_px > 0 && is_in_gap(behind, x, y, gap_px);
+      ++(in_gap ? row.in_gaps : row.violations);
     }
   });
   for (const Row& row : rows) add_to(errors, row);

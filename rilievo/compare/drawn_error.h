@@ -39,6 +39,10 @@ inline constexpr double kTexelError = 0.70710678;
 // What can be measured at a pixel of a true frame.
 enum class PixelState : std::uint8_t { no_object, boundary, mixed, unresolved, measurable };
 
+// A pixel is in a gap if it shows what lies behind the true surface, farther from its place than
+// the bound, and a pixel within half of FrameStats::gap_px, and half a pixel's diagonal, shows what
+// it should. Bounds of errors are not about gaps, which have a bound of their own.
+
 // The errors of a method's pixels.
 struct DrawnErrors {
   Histogram errors_px;
@@ -49,7 +53,8 @@ struct DrawnErrors {
   std::uint64_t mixed = 0;       // ... near what mixes
   std::uint64_t unresolved = 0;  // ... too far away or too near for the code
   std::uint64_t over_bound = 0;  // measured, and above the frame's bound by more than is resolved
-  std::uint64_t violations = 0;  // ... and by more than kTexelError besides
+  std::uint64_t violations = 0;  // ... and by more than kTexelError besides, and not in a gap
+  std::uint64_t in_gaps = 0;     // ... and in a gap that the frame's bound of gaps allows
 };
 
 // Half periods, one for each model, that suit the places from which `truth` shows the models in a

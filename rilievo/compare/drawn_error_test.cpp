@@ -218,6 +218,60 @@ TEST_F(DrawnErrorTest, an_error_above_the_bound_is_counted) {
   EXPECT_GT(measure(broken, walk).violations, 0);
 }
 
+// A plate in front of another one, of one object; with a slit of `width` metres in the front one.
+Scene plates(float width) {
+  Scene scene;
+  Mesh mesh;
+  const auto add = [&](float x0, float x1, float z) {
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (const glm::vec2 at : {glm::vec2(x0, -2), {x1, -2}, {x1, 2}, {x0, 2}})
+      mesh.positions.emplace_back(at, z), mesh.normals.emplace_back(0, 0, 1);
+    for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + i);
+  };
+  add(-3, 3, -4);
+  add(-3, -width, 0);
+  add(width, 3, 0);
+  scene.meshes.push_back(std::move(mesh));
+  scene.models.emplace_back().parts.push_back({0, glm::mat4(1)});
+  scene.objects.emplace_back();
+  finish(scene);
+  return scene;
+}
+
+// Colours of both plates mix beside the slit, and tell nothing; what shows in it is not off.
+TEST_F(DrawnErrorTest, what_lies_behind_a_gap_is_counted_by_the_bound_of_gaps) {
+  class Bounded final : public FrameSource {
+   public:
+    Bounded(FrameSource& from, double gap_px) : from_(&from) {
+      stats_.bound_px = 0.25, stats_.gap_px = gap_px;
+    }
+    Result<> draw(const Camera& camera, double time) override { return from_->draw(camera, time); }
+    Result<> draw_objects() override { return from_->draw_objects(); }
+    [[nodiscard]] const FrameStats& stats() const override { return stats_; }
+
+   private:
+    FrameSource* from_;
+    FrameStats stats_;
+  };
+  const auto walk = [](int) { return WalkFrame{eye_at(0), 0}; };
+  ASSERT_NO_FATAL_FAILURE(code(plates(0), walk));
+  const double pixel = 9 * 2 * std::tan(0.25) / kErrorHeight;
+  for (const double wide_px : {2.3, 5.3}) {
+    const Scene slit = with_position_colors(plates(float(0.5 * wide_px * pixel)), half_periods);
+    Result<SceneRenderer> torn = SceneRenderer::create(slit);
+    ASSERT_TRUE(torn.ok());
+    DirectFrames frames(*torn);
+    Bounded narrow(frames, 0.5), wide(frames, 6), none(frames, 0);
+    EXPECT_GT(measure(none, walk).violations, 100);
+    EXPECT_EQ(measure(none, walk).in_gaps, 0);
+    EXPECT_EQ(measure(wide, walk).violations, 0);
+    EXPECT_EQ(measure(wide, walk).in_gaps, measure(none, walk).violations);
+    // The middle of what is wider than the bound is a violation, if it is measured at all.
+    EXPECT_EQ(measure(narrow, walk).violations + measure(narrow, walk).in_gaps,
+              measure(none, walk).violations);
+  }
+}
+
 // Captures, narrowing, fades and all: what the cache says holds for what it draws.
 TEST_F(DrawnErrorTest, a_second_walk_of_the_cache_does_as_the_first) {
   options.frames = 12;

@@ -67,8 +67,11 @@ Result<> ObjectChooser::choose(const Camera& camera, const PlacedScene& placed,
     }
     const auto i = std::size_t(baked_of_[object]);
     content.sets[i].instances.push_back(*instance);
-    stats.bound_px =
-        std::max(stats.bound_px, baked_[i].error.bound_px(instance->world_from_capture, camera));
+    const ErrorModel& error = baked_[i].error;
+    stats.bound_px = std::max(stats.bound_px, error.bound_px(instance->world_from_capture, camera));
+    if (const double gap_px = error.gap_px(instance->world_from_capture, camera);
+        std::isfinite(gap_px))
+      stats.gap_px = std::max(stats.gap_px, gap_px);
   }
   stats.captures = std::exchange(captures_, 0);
   stats.capture_ms = std::exchange(capture_ms_, 0);

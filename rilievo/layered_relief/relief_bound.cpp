@@ -19,8 +19,8 @@ glm::dvec3 forward_of(const ReliefStats& stats, int i) {
 
 // How the box lies before an eye that looks along `forward`.
 struct Sight {
-  double nearest = kInfinity;  // along forward
-  double plane = 0;            // the relief's plane; how far that may be wrong is counted in
+  double nearest = kInfinity, farthest = 0;  // along forward
+  double plane = 0;  // the relief's plane; how far that may be wrong is counted in
   double least_plane = 0, most_plane = 0;
   [[nodiscard]] bool warpable() const {
     return least_plane > 0 && nearest > 1.01 * most_plane / kMaxPrewarpMagnification;
@@ -37,10 +37,55 @@ Sight sight_of(const ReliefStats& stats, const Box& bounds, int i, const glm::dv
   const double wrong = 4 * radius / kUnit;
   sight.least_plane = sight.plane - wrong;
   sight.most_plane = sight.plane + wrong;
-  for (const glm::vec3& corner : bounds.corners())
-    sight.nearest = std::min(sight.nearest, glm::dot(glm::dvec3(corner) - eye, forward));
+  for (const glm::vec3& corner : bounds.corners()) {
+    const double along = glm::dot(glm::dvec3(corner) - eye, forward);
+    sight.nearest = std::min(sight.nearest, along);
+    sight.farthest = std::max(sight.farthest, along);
+  }
   sight.nearest -= wrong;
+  sight.farthest += wrong;
   return sight;
+}
+
+double focal_of(const Camera& camera) {
+  return std::max(camera.width / (camera.window.right - camera.window.left),
+                  camera.height / (camera.window.top - camera.window.bottom));
+}
+
+// What is warped for the eye of a camera.
+struct Warped {
+  double most_tangent = 0;     // of a line of sight's angle with the relief's direction
+  double texel = 0;            // along its diagonal, averaged or not, pixels on the axis
+  double reused = 0;           // how far off kept parts are, pixels on the axis
+  double least_magnified = 0;  // texels of the result for one of the relief, where that is farthest
+};
+
+Warped warped_for(const ReliefStats& stats, const Box& bounds, int picked, const Sight& sight,
+                  const Camera& camera) {
+  const glm::dvec3 eye = camera.position(), forward = forward_of(stats, picked);
+  Warped result;
+  std::array<glm::dvec3, 8> sights;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 to = glm::dvec3(bounds.corners()[std::size_t(i)]) - eye;
+    sights[std::size_t(i)] = to / glm::dot(to, forward) - forward;
+    result.most_tangent = std::max(result.most_tangent, glm::length(sights[std::size_t(i)]));
+  }
+  double across = 0;  // of the result, at distance 1
+  for (int i = 0; i < 8; ++i)
+    for (int k = i + 1; k < 8; ++k)
+      across = std::max(across, glm::distance(sights[std::size_t(i)], sights[std::size_t(k)]));
+  // What Prewarp::warp halves, and the splats that reach beyond.
+  const double reach = double(stats.largest_texel) * std::max(1.0f, stats.splat_size);
+  const double texels = (across * sight.most_plane + 2 * reach * sight.most_plane / sight.nearest) /
+                        double(stats.least_texel);
+  double resolution = double(stats.resolution);
+  while (texels * resolution > stats.max_size - 2) resolution *= 0.5;
+  const double texel_px = std::sqrt(2.0) * double(stats.largest_texel) / resolution /
+                          sight.least_plane * focal_of(camera);
+  result.texel = std::max(texel_px, std::sqrt(2.0) * double(stats.texel_px));
+  result.reused = double(stats.reuse_error) * texel_px;
+  result.least_magnified = resolution * sight.least_plane / sight.farthest;
+  return result;
 }
 
 // 1 / cos^2 of the angle between the frame's axis and the line of sight, at most, over what the
@@ -95,18 +140,25 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
   return stats;
 }
 
+// A point of a surface has a sample within `lacks`. The sample's splat of s texels may be hidden by
+// the splats of deeper samples, of neighbouring texels, which are drawn later: they leave what is
+// from -(1 - s / 2) to s / 2 of a texel beside its middle, along both axes. The result's texel that
+// shows it is there: within max(s / 2, 1 - s / 2, 1 / 2) of the middle, along both axes. A splat
+// that is smaller than a texel of the result may lie between the middles of all: nothing is known
+// then.
 double relief_gap_px(const ReliefStats& stats, const Box& bounds, const Camera& camera) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   const int picked = pick_relief(stats, bounds, camera.position());
-  if (picked < 0) return kInfinity;
-  if (stats.lacks == 0) return 0;
+  if (picked < 0 || stats.lacks == 0) return kInfinity;
   const Sight sight = sight_of(stats, bounds, picked, camera.position());
-  // From a point of a surface to the edge of the nearest splat; a strip ends at both its sides.
-  const double beyond =
-      std::max(0.0, double(stats.lacks) - 0.5 * double(stats.splat_size * stats.least_texel));
-  const double focal = std::max(camera.width / (camera.window.right - camera.window.left),
-                                camera.height / (camera.window.top - camera.window.bottom));
-  return 2 * focal * beyond / sight.nearest * obliqueness(camera, bounds);
+  const Warped result = warped_for(stats, bounds, picked, sight, camera);
+  if (result.least_magnified * double(stats.splat_size) < 1) return kInfinity;
+  const double half = 0.5 * double(stats.splat_size);
+  const double beside = std::max({half, 1 - half, 0.5});
+  const double px = (2 * focal_of(camera) * double(stats.lacks) / sight.nearest +
+                     2 * beside * result.texel + 2 * result.reused) *
+                    obliqueness(camera, bounds);
+  return std::max(0.0, px - std::sqrt(2.0));
 }
 
 int pick_relief(const ReliefStats& stats, const Box& bounds, const glm::dvec3& eye) {
@@ -157,39 +209,15 @@ double relief_bound_px(const ReliefStats& stats, const Box& bounds, const Camera
   const int picked = pick_relief(stats, bounds, eye);
   if (picked < 0) return kInfinity;
   const Sight sight = sight_of(stats, bounds, picked, eye);
-  const glm::dvec3 forward = forward_of(stats, picked);
-
-  std::array<glm::dvec3, 8> sights;
-  double most_tangent = 0;
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 to = glm::dvec3(bounds.corners()[std::size_t(i)]) - eye;
-    sights[std::size_t(i)] = to / glm::dot(to, forward) - forward;
-    most_tangent = std::max(most_tangent, glm::length(sights[std::size_t(i)]));
-  }
-  double across = 0;  // of the result, at distance 1
-  for (int i = 0; i < 8; ++i)
-    for (int k = i + 1; k < 8; ++k)
-      across = std::max(across, glm::distance(sights[std::size_t(i)], sights[std::size_t(k)]));
-  // What Prewarp::warp halves, and the splats that reach beyond.
-  const double reach = double(stats.largest_texel) * std::max(1.0f, stats.splat_size);
-  const double texels = (across * sight.most_plane + 2 * reach * sight.most_plane / sight.nearest) /
-                        double(stats.least_texel);
-  double resolution = double(stats.resolution);
-  while (texels * resolution > stats.max_size - 2) resolution *= 0.5;
-
-  const double tangent = 1.001 * most_tangent, sine = tangent / std::sqrt(1 + tangent * tangent);
+  const Warped result = warped_for(stats, bounds, picked, sight, camera);
+  const double tangent = 1.001 * result.most_tangent,
+               sine = tangent / std::sqrt(1 + tangent * tangent);
   const double diagonal = std::sqrt(2.0) * double(stats.largest_texel);
   const double sample = 0.5 * std::max(1.0, double(stats.splat_size)) * diagonal +
                         double(stats.depth) * sine + double(stats.moved);
-  const double focal = std::max(camera.width / (camera.window.right - camera.window.left),
-                                camera.height / (camera.window.top - camera.window.bottom));
-  // A texel of the result, averaged or not, along its diagonal.
-  const double texel = std::max(diagonal / resolution / sight.least_plane * focal,
-                                std::sqrt(2.0) * double(stats.texel_px));
-  const double reused =
-      double(stats.reuse_error) * diagonal / resolution / sight.least_plane * focal;
   const double px =
-      (focal * sample / sight.nearest + 0.5 * texel + reused) * obliqueness(camera, bounds);
+      (focal_of(camera) * sample / sight.nearest + 0.5 * result.texel + result.reused) *
+      obliqueness(camera, bounds);
   return std::max(0.0, px - std::sqrt(0.5));
 }
 

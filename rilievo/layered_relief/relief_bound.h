@@ -30,7 +30,7 @@ struct ReliefStats {
   float largest_texel = 0, least_texel = 0;  // a side, metres
   float depth = 0;                           // merged and rounded, metres
   float moved = 0;                           // before they came, metres
-  float lacks = 0;                           // as ReliefPictures::Picture's
+  float lacks = 0;                           // as ReliefPictures::Picture's; 0: not known
   float splat_size = 1, resolution = 1, reuse_error = 0;
   float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
 };
@@ -56,7 +56,9 @@ struct ReliefStats {
                                      const Camera& camera);
 
 // An upper bound of the width of cracks, pixels: strips that should show a surface wider than that
-// and have no sample of it. Infinite if no relief can surely be warped; 0 if nothing is known.
+// and have no sample of it. Infinite if no relief can surely be warped, and if nothing is known of
+// cracks (ReliefPictures::Picture::lacks is 0). Less a pixel's diagonal: around each place at which
+// a surface is to be seen, a pixel's centre within gap / 2 + sqrt(1/2) shows it, or what hides it.
 [[nodiscard]] double relief_gap_px(const ReliefStats& stats, const Box& bounds,
                                    const Camera& camera);
 

@@ -35,10 +35,10 @@ struct ReliefCaptureOptions {
   int textures = 6;           // 1, 2, 6, 12, 20 or 32 (relief_directions)
   int size = 512;             // texels of the longer side
   double ball = 0;            // as for relief_camera
-  double merge_texels = 0.5;  // samples closer along a line of sight than that share of a texel
+  double merge_texels = 0.1;  // samples closer along a line of sight than that share of a texel
   // Faces that a texture sees edge-on get the samples of the others that have none of its own
-  // within so many texels (share_samples.h); 0: they do not.
-  double share_texels = 0;
+  // within so many texels (share_samples.h); 0: they do not, and cracks have no bound.
+  double share_texels = 0.75;
   double max_depth = 0;  // of deep images: nothing that is farther away, metres; 0: all
 };
 

@@ -1,15 +1,23 @@
-// How far is the nearest sample of a picture with texels t, at most, from a point of a face that is
-// wide enough to be hit? Of the directions one sees the share c of the face's area, at least: its
-// line of sight nearest to the point is within half a diagonal, and hits the face within
-// t / (sqrt(2) c) of it. Merging put what was seen there within `merged`. And that has a sample of
-// the picture within reach t, or else stands in the middle of its texel, half a diagonal away:
+// How far is the nearest sample of a picture, at most, from a point of a face that is wide enough
+// to be hit? Lines of sight hit a flat face in a lattice. The points of the plane that are farthest
+// from a lattice are the centres of the circles through the corners of its triangles, the ones that
+// two shortest vectors a and b span:
 //
-//   lacks = t / (sqrt(2) c) + merged + t max(reach, sqrt(1 / 2))
+//   r = |a| |b| |a - b| / (2 |a x b|)          where a.b >= 0
+//
+// of the picture that hits the face most densely, at worst over all faces: farthest_from_hits,
+// 0.866 texels of six axes with equal texels (a face across two axes, along the third). Merging put
+// what was seen there within `merged`. That has a sample of the picture within reach t, t being the
+// picture's texel, or else stands in the middle of its texel, half a diagonal away:
+//
+//   lacks = farthest_from_hits + merged + t max(reach, sqrt(1 / 2))
 #include "rilievo/layered_relief/share_samples.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "rilievo/core/parallel_for.h"
@@ -29,6 +37,29 @@ struct Added {
 double largest_texel(const Camera& camera) {
   return std::max((camera.window.right - camera.window.left) / camera.width,
                   (camera.window.top - camera.window.bottom) / camera.height);
+}
+
+// Where a camera's lines of sight hit a face through the origin: how far from the nearest hit is a
+// point of the face, at most?
+double farthest_from_lattice(const Camera& camera, const glm::dvec3& normal) {
+  const glm::dvec3 forward = camera.forward();
+  const glm::dvec2 texel((camera.window.right - camera.window.left) / camera.width,
+                         (camera.window.top - camera.window.bottom) / camera.height);
+  const auto hit = [&](const glm::dvec3& aside) {
+    return aside - forward * (glm::dot(aside, normal) / glm::dot(forward, normal));
+  };
+  glm::dvec3 a = hit(texel.x * glm::dvec3(camera.world_from_eye[0]));
+  glm::dvec3 b = hit(texel.y * glm::dvec3(camera.world_from_eye[1]));
+  // The shortest two vectors that span the lattice (Lagrange, Gauss).
+  for (;;) {
+    if (glm::dot(a, a) > glm::dot(b, b)) std::swap(a, b);
+    const double times = std::round(glm::dot(a, b) / glm::dot(a, a));
+    if (times == 0) break;
+    b -= times * a;
+  }
+  if (glm::dot(a, b) < 0) b = -b;
+  return glm::length(a) * glm::length(b) * glm::distance(a, b) /
+         (2 * glm::length(glm::cross(a, b)));
 }
 
 // Is there a sample, an own or an added one, within `reach` metres of a place? Looked for in the
@@ -107,33 +138,38 @@ LayeredDepthImage with(const LayeredDepthImage& layers, const Added& added) {
 
 }  // namespace
 
-double least_facing(std::span<const glm::dvec3> directions) {
-  // Normals in a spiral from pole to pole; each other one is within kSpacing of one of these, by
-  // which the share that a direction sees can be less.
-  constexpr int kCount = 20'000;
-  constexpr double kSpacing = 0.03, kGolden = 2.39996322972865332;
-  double least = 1;
+double farthest_from_hits(std::span<const Camera> cameras) {
+  // Normals in a spiral over half of the sphere; each other one is within kSpacing of one of these.
+  // As far as that turns a face, its hits move along their lines of sight, by the change of the
+  // face's slope.
+  constexpr int kCount = 100'000;
+  constexpr double kSpacing = 0.01, kGolden = 2.39996322972865332;
+  constexpr double kLeastFacing = 0.05;  // what is seen at a smaller slant counts as edge-on
+  double farthest = 0;
   for (int i = 0; i < kCount; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kCount, r = std::sqrt(1 - z * z), turn = kGolden * i;
+    const double z = 1 - (i + 0.5) / kCount, r = std::sqrt(1 - z * z), turn = kGolden * i;
     const glm::dvec3 normal(r * std::cos(turn), r * std::sin(turn), z);
-    double most = 0;
-    for (const glm::dvec3& direction : directions)
-      most = std::max(most, std::abs(glm::dot(direction, normal)));
-    least = std::min(least, most);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Camera& camera : cameras) {
+      const double facing = std::abs(glm::dot(camera.forward(), normal)) - kSpacing;
+      if (facing < kLeastFacing) continue;
+      least = std::min(least,
+                       farthest_from_lattice(camera, normal) * (1 + kSpacing / (facing * facing)));
+    }
+    farthest = std::max(farthest, least);
   }
-  return std::max(0.0, least - kSpacing);
+  return farthest;
 }
 
 void share_samples(ReliefPictures& pictures, double reach) {
   std::vector<LayeredDepthImage> shared(pictures.pictures.size());
-  std::vector<glm::dvec3> directions;
-  double texel = 0, merged = 0;
+  std::vector<Camera> cameras;
+  double merged = 0;
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
-    directions.push_back(picture.layers.camera.forward());
-    texel = std::max(texel, largest_texel(picture.layers.camera));
+    cameras.push_back(picture.layers.camera);
     merged = std::max(merged, picture.merged);
   }
-  const double facing = least_facing(directions);
+  const double from_hits = farthest_from_hits(cameras);
   parallel_for(std::size_t(0), shared.size(), [&](std::size_t i) {
     const LayeredDepthImage& to = pictures.pictures[i].layers;
     const double metres = reach * largest_texel(to.camera);
@@ -151,8 +187,8 @@ void share_samples(ReliefPictures& pictures, double reach) {
       picture.moved =
           std::max(picture.moved, std::sqrt(0.5) * largest_texel(picture.layers.camera));
     picture.layers = std::move(shared[i]);
-    picture.lacks = facing > 0
-                        ? texel / (std::sqrt(2.0) * facing) + merged +
+    picture.lacks = std::isfinite(from_hits)
+                        ? from_hits + merged +
                               largest_texel(picture.layers.camera) * std::max(reach, std::sqrt(0.5))
                         : 0;
   }

@@ -18,8 +18,9 @@ namespace rilievo {
 // where they were seen (Picture::moved); and Picture::lacks is set. Requires parallel pictures.
 void share_samples(ReliefPictures& pictures, double reach);
 
-// The least share of a face's area that one of these (unit) directions sees, whichever way the face
-// looks: 0 where some face is seen edge-on by all.
-[[nodiscard]] double least_facing(std::span<const glm::dvec3> directions);
+// How far from a point of a flat face is the nearest hit of a line of sight on it, at most,
+// whichever way the face looks? The cameras are parallel; each face counts by the one that samples
+// it best. Infinite if some face is seen edge-on by all.
+[[nodiscard]] double farthest_from_hits(std::span<const Camera> cameras);
 
 }  // namespace rilievo

@@ -70,11 +70,11 @@ double distance_to_shown(const Image<float>& shown, int x, int y, float farthest
 
 // Draws what was captured for random eyes around it, as frames are drawn, beside the truth by rays.
 // `reach`: metres to the nearest sample, as far as is known.
-Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach, Random& random,
-             int eyes) {
+Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach, double splat,
+             Random& random, int eyes) {
   MemoryBoards boards;
   PrewarpOptions options;
-  options.splat_size = 1.5;
+  options.splat_size = splat;
   options.max_size = 2048;
   auto drawable = make_relief_drawable(pictures, boards, options);
   EXPECT_TRUE(drawable.ok());
@@ -99,8 +99,8 @@ Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach,
     target.draw(camera.z_far, drawers);
     const Image<float> shown = target.eye_z();
     const DepthImage truth = cast_picture(rays, camera);
-    // From a pixel's centre to the texel that shows it, and back.
-    const double slack = 2 * std::sqrt(0.5);
+    // Which the bound leaves to pixels.
+    const double slack = std::sqrt(0.5);
     for (int y = 0; y < kPixels; ++y)
       for (int x = 0; x < kPixels; ++x) {
         if (!truth.covered(x, y)) continue;
@@ -143,8 +143,10 @@ TEST(ShareSamples, no_crack_is_wider_than_the_bound) {
     const Scene scene = random_scene(random);
     const auto rays = RayScene::create(scene);
     ASSERT_TRUE(rays.ok());
-    const ReliefPictures with = captured(*rays, i % 2 ? 0.75 : 1.0, 64),
-                         without = captured(*rays, 0, 64);
+    // Texels of a pixel, of two, and of half of one, which are averaged.
+    const int size = i % 3 == 0 ? 64 : i % 3 == 1 ? 32 : 128;
+    const ReliefPictures with = captured(*rays, i % 2 ? 0.75 : 1.0, size),
+                         without = captured(*rays, 0, size);
     ratio += double(samples_of(with)) / double(samples_of(without)) / kScenes;
     const auto add = [](Lacking& to, const Lacking& one) {
       to.pixels += one.pixels, to.cracks += one.cracks, to.violations += one.violations;
@@ -155,8 +157,9 @@ TEST(ShareSamples, no_crack_is_wider_than_the_bound) {
     double reach = 0;
     for (const ReliefPictures::Picture& picture : with.pictures)
       reach = std::max(reach, picture.lacks);
-    add(shared, look(*rays, with, reach, random, eyes));
-    add(own, look(*rays, without, reach, again, std::max(1, eyes / 8)));
+    const double splat = i % 4 < 2 ? 1.5 : 2.0;
+    add(shared, look(*rays, with, reach, splat, random, eyes));
+    add(own, look(*rays, without, reach, splat, again, std::max(1, eyes / 8)));
   }
   const double shared_share = double(shared.cracks) / shared.pixels,
                own_share = double(own.cracks) / own.pixels;
@@ -166,7 +169,7 @@ TEST(ShareSamples, no_crack_is_wider_than_the_bound) {
   RecordProperty("samples_over_own", std::to_string(ratio));
   EXPECT_EQ(shared.violations, 0) << "of " << shared.pixels << " pixels";
   EXPECT_LT(shared_share, 0.2 * own_share);
-  EXPECT_GT(shared.largest, 0.2);  // the bound is no more than five times too large
+  EXPECT_GT(shared.largest, 0.5);  // the bound is no more than twice too large
   if (std::getenv("RILIEVO_SHOW"))
     std::printf(
         "cracks %.4f %% (without sharing %.4f %%), widest %.2f of the bound, samples %.2f\n",
@@ -216,11 +219,73 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen) {
   }
 }
 
-TEST(ShareSamples, axes_see_each_face_and_one_axis_does_not) {
-  EXPECT_NEAR(least_facing(*relief_directions(6)), 1 / std::sqrt(3.0), 0.035);
-  EXPECT_LE(least_facing(*relief_directions(6)), 1 / std::sqrt(3.0));
-  EXPECT_EQ(least_facing(*relief_directions(2)), 0);
-  EXPECT_GT(least_facing(*relief_directions(20)), least_facing(*relief_directions(6)));
+std::vector<Camera> cameras_around(int count, const Box& box, int size) {
+  std::vector<Camera> cameras;
+  const auto directions = relief_directions(count);
+  for (const glm::dvec3& direction : *directions)
+    cameras.push_back(*relief_camera(box, direction, size));
+  return cameras;
+}
+
+TEST(ShareSamples, six_axes_hit_each_face_within_0_87_texels_and_one_axis_does_not) {
+  const Box cube{glm::vec3(-1), glm::vec3(1)};
+  const double texel = 2.0 / 64, six = farthest_from_hits(cameras_around(6, cube, 64));
+  // A face across two axes, seen along one of them: a lattice of 1 by sqrt(2).
+  EXPECT_GE(six, 0.5 * std::sqrt(3.0) * texel);
+  EXPECT_LE(six, 0.5 * std::sqrt(3.0) * texel * 1.03);
+  EXPECT_TRUE(std::isinf(farthest_from_hits(cameras_around(2, cube, 64))));
+  EXPECT_LT(farthest_from_hits(cameras_around(20, cube, 64)), six * 1.5);
+}
+
+// Against the hits themselves, around random points of random faces.
+TEST(ShareSamples, no_point_of_a_face_is_farther_from_a_hit_than_claimed) {
+  Random random(33);
+  double tightest = 0;
+  for (int i = 0; i < sanitized_cases(300); ++i) {
+    const Box box{glm::vec3(0), glm::vec3(random.between(0.5f, 2), random.between(0.5f, 2), 1)};
+    if (i % 30) continue;
+    const std::vector<Camera> cameras = cameras_around(i % 60 ? 6 : 12, box, 40);
+    const double claimed = farthest_from_hits(cameras);
+    for (int k = 0; k < 2000; ++k) {
+      const glm::dvec3 normal(random_direction(random));
+      const glm::dvec3 at(random.unit(), random.unit(), random.unit());
+      double least = 1e9;
+      for (const Camera& camera : cameras) {
+        const double facing = glm::dot(camera.forward(), normal);
+        if (std::abs(facing) < 0.2) continue;  // hits are five texels apart
+        const glm::dvec2 raster(raster_from_world(camera, at));
+        for (int y = -3; y <= 3; ++y)
+          for (int x = -3; x <= 3; ++x) {
+            const glm::dvec3 on_line =
+                world_from_raster(camera, glm::floor(raster) + glm::dvec2(x + 0.5, y + 0.5), 1.0);
+            const glm::dvec3 hit =
+                on_line + camera.forward() * (glm::dot(at - on_line, normal) / facing);
+            least = std::min(least, glm::distance(at, hit));
+          }
+      }
+      ASSERT_LE(least, claimed);
+      tightest = std::max(tightest, least / claimed);
+    }
+  }
+  EXPECT_GT(tightest, 0.8);
+}
+
+// They may be as wide as a face.
+TEST(ShareSamples, of_cracks_of_pictures_that_do_not_share_nothing_is_claimed) {
+  Random random(34);
+  const Scene scene = random_scene(random);
+  const auto rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  MemoryBoards boards;
+  const Camera camera = look_at({4, 1, 2}, {0, 0, 0}, {0, 1, 0}, 0.6, 64, 64, 0.1, 20);
+  for (const double share : {0.0, 1.0}) {
+    const auto drawable =
+        make_relief_drawable(captured(*rays, share, 32), boards, {.splat_size = 1.5});
+    ASSERT_TRUE(drawable.ok());
+    const ErrorModel model = (*drawable)->error_model(0);
+    EXPECT_TRUE(std::isfinite(model.bound_px(glm::dmat4(1), camera)));
+    EXPECT_EQ(std::isfinite(model.gap_px(glm::dmat4(1), camera)), share > 0);
+  }
 }
 
 }  // namespace

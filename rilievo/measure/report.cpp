@@ -41,7 +41,8 @@ Json method_json(const MethodResult& method) {
                        {"mixed_share", e->mixed},
                        {"unresolved_share", e->unresolved},
                        {"over_bound_share", e->over_bound},
-                       {"violations", e->violations}};
+                       {"violations", e->violations},
+                       {"in_gaps", e->in_gaps}};
   if (method.first_frame_ms) out["first_frame_ms"] = *method.first_frame_ms;
   if (method.cut_ms) out["cut_ms"] = *method.cut_ms;
   if (method.over_bound_share) out["over_bound_share"] = *method.over_bound_share;

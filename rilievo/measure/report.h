@@ -46,6 +46,9 @@ struct ErrorPx {
   // of pixels above it by half a pixel's diagonal besides, which bounds leave to texels.
   double over_bound = 0;
   std::int64_t violations = 0;
+  // Pixels above it as far that are no violations: they show what lies behind, in a gap that is no
+  // wider than the frame's bound of gaps.
+  std::int64_t in_gaps = 0;
 };
 
 // The measures of one method along the walk.

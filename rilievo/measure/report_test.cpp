@@ -76,7 +76,7 @@ TEST(Report, keys_of_later_methods_are_there_only_where_they_are_known) {
     EXPECT_FALSE(Json::parse(report_json(r))["methods"]["nailboard"].contains(key));
   r.methods[1].bound_px_max = 0.75;
   r.methods[1].gap_bound_px_max = 1.5;
-  r.methods[1].error_px = ErrorPx{0.1, 0.2, 0.3, 0.4, 0.5, 0.06, 0.07, 0.08, 0.09, 10};
+  r.methods[1].error_px = ErrorPx{0.1, 0.2, 0.3, 0.4, 0.5, 0.06, 0.07, 0.08, 0.09, 10, 11};
   r.methods[1].drawn_as = {{"polygons", 4}, {"nailboard", 5}, {"hierarchy", 6}};
   const Json m = Json::parse(report_json(r))["methods"]["nailboard"];
   EXPECT_EQ(m["bound_px"]["max"], 0.75);
@@ -90,7 +90,8 @@ TEST(Report, keys_of_later_methods_are_there_only_where_they_are_known) {
                                  {"mixed_share", 0.07},
                                  {"unresolved_share", 0.08},
                                  {"over_bound_share", 0.09},
-                                 {"violations", 10}}));
+                                 {"violations", 10},
+                                 {"in_gaps", 11}}));
   EXPECT_EQ(m["drawn_as"], Json({{"polygons", 4}, {"nailboard", 5}, {"hierarchy", 6}}));
 }
 

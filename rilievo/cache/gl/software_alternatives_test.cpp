@@ -105,7 +105,7 @@ class SoftwareAlternativesTest : public SceneTest {
       EXPECT_LE(wrong_inside(objects, (*memory)->software_target()->objects()),
                 kWidth * kHeight / 1000);
     }
-    EXPECT_GE(chosen, 4);
+    EXPECT_GE(chosen, 3);  // others are captured for, at the costs of both
   }
 };
 
@@ -116,7 +116,7 @@ TEST_F(SoftwareAlternativesTest, a_layered_relief_stands_for_a_deep_object_near_
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
   options.learn = false;  // OpenGL does not
-  const BakeSetting settings[] = {{"textures", "6"}, {"size", "256"}};
+  const BakeSetting settings[] = {{"textures", "6"}, {"size", "320"}};
   expect_same_frames("layered-relief", settings, options, 2.2);
 }
 
@@ -128,7 +128,7 @@ TEST_F(SoftwareAlternativesTest, one_relief_stands_for_a_thing_of_many_parts) {
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
   options.learn = false;  // OpenGL does not
-  const BakeSetting settings[] = {{"textures", "6"}, {"size", "256"}};
+  const BakeSetting settings[] = {{"textures", "6"}, {"size", "320"}};
   expect_same_frames("layered-relief", settings, options, 2.2, true);
 }
 
