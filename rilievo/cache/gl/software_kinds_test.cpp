@@ -43,14 +43,14 @@ class SoftwareKindsTest : public SceneTest {
     return std::move(baked->representation);
   }
   void expect_same(FrameSource& opengl, SoftwareFrames& software, const Camera& camera,
-                   double least_inner = 0.3) {
+                   double least_inner = 0.3, double least_alike = kLeastAlike) {
     const Rgba8Image truth = frame_of(opengl, camera);
     const auto objects = objects_of(opengl);
     ASSERT_TRUE(software.draw(camera, 0).ok());
     const Rgba8Image drawn = software.software_target()->color();
     const Alike same = compare_frames(truth, drawn, objects);
     EXPECT_GT(same.inner, least_inner);
-    EXPECT_GE(same.alike, kLeastAlike);
+    EXPECT_GE(same.alike, least_alike);
     EXPECT_GT(psnr_db(truth, drawn), kLeastDb);
     ASSERT_TRUE(software.draw_objects().ok());
     EXPECT_LE(wrong_inside(objects, software.software_target()->objects()),
@@ -61,7 +61,8 @@ class SoftwareKindsTest : public SceneTest {
   // Draws `kind` by both backends, seen by each camera. `make` makes the same representation twice.
   void expect_kind_same(const char* name,
                         const std::function<std::unique_ptr<Representation>()>& make,
-                        const OptionValues& draw_options, std::span<const Camera> cameras) {
+                        const OptionValues& draw_options, std::span<const Camera> cameras,
+                        double least_alike = kLeastAlike) {
     auto by_gl = make_factory(drawable_rows(), name);
     auto by_tiles = make_factory(software_drawable_rows(), name);
     ASSERT_TRUE(by_gl.ok() && by_tiles.ok());
@@ -72,7 +73,7 @@ class SoftwareKindsTest : public SceneTest {
     ASSERT_TRUE(a.ok() && b.ok());
     StoredFrames opengl(*renderer, std::move(*a), {instance}, false);
     SoftwareStoredFrames software(builtin.scene, 4, std::move(*b), {instance}, false);
-    for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2);
+    for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2, least_alike);
   }
 };
 
@@ -141,7 +142,9 @@ TEST_F(SoftwareKindsTest, environment_nodes) {
     if (gaps) {
       ASSERT_TRUE(draw.set("gaps", "on").ok());
     }
-    expect_kind_same("environment-nodes", copy, draw, cameras);
+    // Where only some samples of a pixel show a triangle, OpenGL takes its texture at the pixel's
+    // centre, software in the middle of these samples.
+    expect_kind_same("environment-nodes", copy, draw, cameras, 0.9985);
   }
 }
 

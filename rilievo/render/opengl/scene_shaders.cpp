@@ -98,6 +98,20 @@ layout(std140, binding = 1) uniform Material {
   vec4 code_rows[3];
 } material;
 
+// The middle of the samples that the triangle covers, from the pixel's centre, where it is shaded:
+// the centre may lie outside the triangle, and on the plane of a slanted one far from it. As
+// shading/band_shader.h, which `centroid` leaves to the driver.
+vec2 middle = vec2(0.0);
+void find_middle() {
+  const vec2 kFour[4] = vec2[](vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125),
+                               vec2(0.125, 0.375));
+  int covered = gl_SampleMaskIn[0] & 15;
+  if (gl_NumSamples != 4 || covered == 0 || covered == 15) return;
+  for (int i = 0; i < 4; ++i)
+    if ((covered >> i & 1) != 0) middle += kFour[i];
+  middle /= float(bitCount(covered));
+}
+
 #ifdef SHARE
 flat in vec2 v_share;
 #endif
@@ -112,10 +126,16 @@ layout(binding = 2) uniform sampler2D normal_texture;
 layout(binding = 3) uniform sampler2D occlusion_texture;
 layout(binding = 4) uniform sampler2D emissive_texture;
 
-vec2 uv_of(int unit) {
+vec2 uv_of(int unit, vec4 both) {
   vec4 a = material.uv_rows[2 * unit], b = material.uv_rows[2 * unit + 1];
-  vec3 uv = vec3(a.w > 0.5 ? v_uv.zw : v_uv.xy, 1.0);
+  vec3 uv = vec3(a.w > 0.5 ? both.zw : both.xy, 1.0);
   return vec2(dot(a.xyz, uv), dot(b.xyz, uv));
+}
+// Differences are those between the pixels' centres.
+vec4 textured(sampler2D t, int unit) {
+  vec2 centre = uv_of(unit, v_uv);
+  return textureGrad(t, uv_of(unit, interpolateAtOffset(v_uv, middle)), dFdx(centre),
+                     dFdy(centre));
 }
 #endif
 
@@ -136,7 +156,7 @@ in vec3 v_position;
 
 // The linear light of the bytes that scene/position_colors.h defines.
 vec3 position_color() {
-  vec4 p = vec4(v_position, 1.0);
+  vec4 p = vec4(interpolateAtOffset(v_position, middle), 1.0);
   vec3 at = vec3(dot(material.code_rows[0], p), dot(material.code_rows[1], p),
                  dot(material.code_rows[2], p));
   vec3 c = at - 2.0 * floor(0.5 * at);
@@ -183,7 +203,7 @@ layout(std140, binding = 2) uniform Lights { LightBlock lights[16]; };
 float arrives(LightBlock light, out vec3 l) {
   l = -light.direction_kind.xyz;
   if (light.direction_kind.w < 0.5) return 1.0;
-  vec3 to = light.position_range.xyz - v_relative;
+  vec3 to = light.position_range.xyz - interpolateAtOffset(v_relative, middle);
   float strength = 1.0, distance2 = max(dot(to, to), 1e-6), range = light.position_range.w;
   if (light.direction_kind.w > 1.5) {
     float cosine = dot(normalize(-to), light.direction_kind.xyz);
@@ -202,7 +222,7 @@ float arrives(LightBlock light, out vec3 l) {
 #ifdef NORMAL_MAP
 // [Schueler 2013, Normal Mapping Without Precomputed Tangents]: the frame from screen derivatives.
 vec3 mapped_normal(vec3 n) {
-  vec2 uv = uv_of(2);
+  vec2 uv = uv_of(2, v_uv);
   vec3 dp1 = dFdx(v_relative), dp2 = dFdy(v_relative);
   vec2 du1 = dFdx(uv), du2 = dFdy(uv);
   vec3 a = cross(dp2, n), b = cross(n, dp1);
@@ -214,7 +234,7 @@ vec3 mapped_normal(vec3 n) {
     t = -t;
     bt = -bt;
   }
-  vec3 m = texture(normal_texture, uv).xyz * 2.0 - 1.0;
+  vec3 m = textured(normal_texture, 2).xyz * 2.0 - 1.0;
   m.xy *= material.emissive_normal_scale.w;
   // glTF's texture v grows downwards as the bitangent grows upwards.
   return normalize(inversesqrt(longest) * (t * m.x - bt * m.y) + n * m.z);
@@ -225,10 +245,10 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
   float roughness = material.metallic_roughness_occlusion_cutoff.y;
   float occlusion = 1.0;
 #ifdef TEXTURES
-  vec4 mr = texture(metallic_roughness_texture, uv_of(1));
+  vec4 mr = textured(metallic_roughness_texture, 1);
   roughness *= mr.g;
   occlusion += material.metallic_roughness_occlusion_cutoff.z *
-               (texture(occlusion_texture, uv_of(3)).r - 1.0);
+               (textured(occlusion_texture, 3).r - 1.0);
 #endif
   roughness = clamp(roughness, 0.045, 1.0);
 #ifdef METALLIC
@@ -271,7 +291,7 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
 #ifdef EMISSIVE
   vec3 emissive = material.emissive_normal_scale.rgb;
 #ifdef TEXTURES
-  emissive *= texture(emissive_texture, uv_of(4)).rgb;
+  emissive *= textured(emissive_texture, 4).rgb;
 #endif
   light += emissive;
 #endif
@@ -280,6 +300,9 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
 #endif
 
 void main() {
+#if !defined(MASK) && !defined(OBJECT_IDS)
+  find_middle();  // the edges of holes are found by differences between centres
+#endif
 #ifdef SHARE
   float hash = pixel_hash();
   if (hash < v_share.x || hash >= v_share.y) discard;
@@ -289,10 +312,10 @@ void main() {
 #endif
   vec4 base = material.base_color;
 #ifdef TEXTURES
-  base *= texture(base_color_texture, uv_of(0));
+  base *= textured(base_color_texture, 0);
 #endif
 #ifdef COLORS
-  base *= v_color;
+  base *= interpolateAtOffset(v_color, middle);
 #endif
 
   float alpha = 1.0;
@@ -322,11 +345,12 @@ void main() {
   vec3 color = base.rgb;
 #else
 #ifdef BACK_PERSPECTIVE
-  vec3 v = v_relative;  // to who sees it
+  vec3 v = interpolateAtOffset(v_relative, middle);  // to who sees it
 #else
-  vec3 v = view.eye_direction.w == 0.0 ? view.eye_direction.xyz : -normalize(v_relative);
+  vec3 v = view.eye_direction.w == 0.0 ? view.eye_direction.xyz
+                                       : -normalize(interpolateAtOffset(v_relative, middle));
 #endif
-  vec3 n = normalize(v_normal);
+  vec3 n = normalize(interpolateAtOffset(v_normal, middle));
   // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
   // silhouette the smooth normal of a visible face may already point away.
   vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));

@@ -243,8 +243,8 @@ void BlendedTiles::State::place_all(const Camera& camera, int samples, const Pla
   }
   place_runs(camera, samples);
   across = (camera.width + kTile - 1) / kTile, down = (camera.height + kTile - 1) / kTile;
-  shaded.emplace(
-      ShadedScene{placed, picture_rays(camera), surface_lights(scene, camera.position(), lights)});
+  shaded.emplace(ShadedScene{placed, picture_rays(camera),
+                             surface_lights(scene, camera.position(), lights), samples});
 }
 
 // A list for each tile: counted, then filled.

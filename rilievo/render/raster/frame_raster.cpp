@@ -81,7 +81,8 @@ Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedS
 
 PictureView FrameRaster::view(const Camera& camera) {
   return {raster_.seen(),
-          {placed_, picture_rays(camera), surface_lights(scene_, camera.position(), lights_)}};
+          {placed_, picture_rays(camera), surface_lights(scene_, camera.position(), lights_),
+           raster_.seen().samples}};
 }
 
 }  // namespace rilievo

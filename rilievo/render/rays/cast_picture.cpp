@@ -202,7 +202,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   const PictureView view{
       s.seen,
       {s.placed, picture_rays(camera), surface_lights(rays.scene(), camera.position(), s.lights),
-       ColorScale::linear}};
+       s.seen.samples, ColorScale::linear}};
   s.shader.shade(view, picture, options.sky);
   return picture;
 }

@@ -1,6 +1,7 @@
 #include "rilievo/render/shading/band_shader.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "rilievo/core/expects.h"
 
@@ -20,7 +21,7 @@ void BandShader::shade(const PictureView& view, int from, int to) {
     for (std::size_t i = 0; i < shaded.pixels.size(); ++i) {
       const SeenTriangles::Pixel& pixel = shaded.pixels[i];
       sums_[std::size_t(pixel.y - from) * width + pixel.x] +=
-          float(pixel.samples) * glm::vec3(rgb[0][i], rgb[1][i], rgb[2][i]);
+          float(std::popcount(pixel.samples)) * glm::vec3(rgb[0][i], rgb[1][i], rgb[2][i]);
     }
   });
 }
@@ -32,9 +33,9 @@ void BandShader::find_seen(const PictureView& view, int y, int row) {
   const float* depths = view.samples.depths(y);
   const std::uint32_t* triangles = view.samples.triangles(y);
   const std::size_t first = std::size_t(row) * std::size_t(width);
-  const auto add = [&](std::uint32_t triangle, int x, int count) {
+  const auto add = [&](std::uint32_t triangle, int x, unsigned set) {
     seen_.add(view.scene.meshes,
-              {triangle, std::uint16_t(x), std::uint16_t(y), std::uint16_t(count)});
+              {triangle, std::uint16_t(x), std::uint16_t(y), std::uint16_t(set)});
   };
   for (int x = 0; x < width; ++x, depths += samples, triangles += samples) {
     float nearest = 1.0f;
@@ -49,15 +50,15 @@ void BandShader::find_seen(const PictureView& view, int y, int row) {
     covered_[first + std::size_t(x)] = std::uint8_t(covered);
     if (covered == 0) continue;
     if (covered == samples && alike) {
-      add(triangles[0], x, samples);
+      add(triangles[0], x, (1u << samples) - 1);
       continue;
     }
     for (int s = 0; s < samples; ++s) {
       if (depths[s] >= 1.0f) continue;
-      int same = 0, earlier = 0;
+      unsigned same = 0;
       for (int k = 0; k < samples; ++k)
-        if (depths[k] < 1.0f && triangles[k] == triangles[s]) ++same, earlier += k < s;
-      if (earlier == 0) add(triangles[s], x, same);
+        same |= unsigned(depths[k] < 1.0f && triangles[k] == triangles[s]) << k;
+      if (same >> s << s == same) add(triangles[s], x, same);  // s is the first
     }
   }
 }

@@ -1,8 +1,8 @@
 // What colour has each texel of a picture whose samples are known?
 //
-// Shades each triangle once in each texel where it is visible, at the texel's centre, and averages
-// over the samples, as OpenGL does with several samples per pixel. The samples come from the
-// rasteriser or from rays. Internal to render/raster and render/rays.
+// Shades each triangle once in each texel where it is visible (seen_triangles.h), and averages over
+// the samples, as OpenGL does with several samples per pixel. The samples come from the rasteriser
+// or from rays. Internal to render/raster and render/rays.
 #pragma once
 
 #include <cstdint>

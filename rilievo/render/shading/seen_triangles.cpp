@@ -1,9 +1,25 @@
 #include "rilievo/render/shading/seen_triangles.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+
+#include "rilievo/render/shading/sample_buffer.h"
 
 namespace rilievo {
 namespace {
+
+// Where the middle of each set of a pixel's samples lies, from the pixel's centre. Of all of them:
+// there.
+std::array<glm::vec2, 16> middles_of(int samples) {
+  std::array<glm::vec2, 16> middles{};
+  for (unsigned set = 1; set + 1 < 1u << samples; ++set) {
+    for (int s = 0; s < samples; ++s)
+      if (set >> s & 1) middles[set] += sample_position(s, samples) - 0.5f;
+    middles[set] /= float(std::popcount(set));
+  }
+  return middles;
+}
 
 // Entries are written so many at a time: one store.
 constexpr std::size_t kFill = 4;
@@ -62,9 +78,12 @@ std::uint32_t SeenTriangles::gather(const ShadedScene& scene, const PlacedMesh& 
   for (; next != kNone && count < TriangleRays::kMaxCount; next = seen_[next].next)
     pixels[count++] = seen_[next].pixel;
   rays_.count = count;
+  static const std::array<glm::vec2, 16> kMiddles[] = {middles_of(1), middles_of(4)};
+  const std::array<glm::vec2, 16>& middles = kMiddles[scene.samples == 4 ? 1 : 0];
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::vec3 ray = scene.rays.first + float(pixels[i].x) * scene.rays.per_x +
-                          float(pixels[i].y) * scene.rays.per_y;
+    const glm::vec2 at = middles[pixels[i].samples];
+    const glm::vec3 ray = scene.rays.first + (float(pixels[i].x) + at.x) * scene.rays.per_x +
+                          (float(pixels[i].y) + at.y) * scene.rays.per_y;
     for (int axis = 0; axis < 3; ++axis) rays_.ray[axis][i] = ray[axis];
   }
   // A triangle that several pixels in a row show is read once.

@@ -1,7 +1,10 @@
 // What colours have triangles where pixels show them?
 //
 // Triangles are added pixel by pixel, as a visibility buffer has them, and shaded together, mesh by
-// mesh: what belongs to one is placed and made alike. Internal to render/raster and render/rays.
+// mesh: what belongs to one is placed and made alike. A triangle is shaded at the pixel's centre if
+// all samples show it, else in the middle of those that do: the centre may lie outside the
+// triangle, and on the plane of a slanted one far from it. Internal to render/raster and
+// render/rays.
 #pragma once
 
 #include <cstdint>
@@ -28,6 +31,7 @@ struct ShadedScene {
   std::span<const PlacedMesh> meshes;  // in the order of their triangles
   PictureRays rays;
   SurfaceLights lights;
+  int samples = 1;  // of a pixel: 1 or 4
   ColorScale scale = ColorScale::srgb;
 };
 
@@ -38,7 +42,7 @@ class SeenTriangles {
   struct Pixel {
     std::uint32_t triangle;  // primitive index, as in the SampleBuffer
     std::uint16_t x, y;      // from the lower left, as PictureRays has it
-    std::uint16_t samples;   // the caller's: which, or how many
+    std::uint16_t samples;   // that show it, a bit each
   };
   // Some of them, shaded: entry i of all three.
   struct Shaded {
