@@ -25,6 +25,7 @@
 #include "rilievo/frame/object_chooser.h"
 #include "rilievo/nailboard/cpu/memory_boards.h"
 #include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/render/rays/ray_visibility.h"
 #include "rilievo/render/shading/simd_test_helpers.h"
 #include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/kinds.h"
@@ -234,6 +235,17 @@ TEST_F(SoftwareSame, polygons_the_sky_and_what_blends) {
         [&] { return std::make_unique<SoftwareDirectFrames>(builtin.scene, samples); },
         eyes_around(builtin.scene), "");
   }
+}
+
+TEST_F(SoftwareSame, polygons_by_rays) {
+  builtin = blended_scene();
+  expect_same_everywhere(
+      [&] {
+        auto rays = RayVisibility::create(builtin.scene);
+        EXPECT_TRUE(rays.ok());
+        return std::make_unique<SoftwareDirectFrames>(builtin.scene, 4, std::move(*rays));
+      },
+      eyes_around(builtin.scene), "");
 }
 
 // Captures, cross-fades, outlines, and polygons between them.

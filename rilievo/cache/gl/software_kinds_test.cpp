@@ -22,6 +22,7 @@
 #include "rilievo/measure/psnr.h"
 #include "rilievo/nailboard/cpu/memory_boards.h"
 #include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/render/rays/ray_visibility.h"
 #include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
@@ -29,10 +30,7 @@
 namespace rilievo {
 namespace {
 
-// The limits: of the pixels that are no edges, this share is equal within 2 / 255.
-constexpr double kLeastAlike = 0.999, kLeastDb = 45;
-
-class SoftwareKindsTest : public SceneTest {
+class SoftwareKindsTest : public AlikeTest {
  protected:
   // Bakes a representation of the scene; its instance is drawn by both.
   std::unique_ptr<Representation> bake(const Kind& kind, const OptionValues& options,
@@ -41,21 +39,6 @@ class SoftwareKindsTest : public SceneTest {
     auto baked = kind.bake({source, {}, eyes}, options, {});
     EXPECT_TRUE(baked.ok()) << baked.error().message();
     return std::move(baked->representation);
-  }
-  void expect_same(FrameSource& opengl, SoftwareFrames& software, const Camera& camera,
-                   double least_inner = 0.3, double least_alike = kLeastAlike) {
-    const Rgba8Image truth = frame_of(opengl, camera);
-    const auto objects = objects_of(opengl);
-    ASSERT_TRUE(software.draw(camera, 0).ok());
-    const Rgba8Image drawn = software.software_target()->color();
-    const Alike same = compare_frames(truth, drawn, objects);
-    EXPECT_GT(same.inner, least_inner);
-    EXPECT_GE(same.alike, least_alike);
-    EXPECT_GT(psnr_db(truth, drawn), kLeastDb);
-    ASSERT_TRUE(software.draw_objects().ok());
-    EXPECT_LE(wrong_inside(objects, software.software_target()->objects()),
-              kWidth * kHeight / 1000);
-    RecordProperty("psnr", std::to_string(psnr_db(truth, drawn)));
   }
 
   // Draws `kind` by both backends, seen by each camera. `make` makes the same representation twice.
@@ -73,7 +56,9 @@ class SoftwareKindsTest : public SceneTest {
     ASSERT_TRUE(a.ok() && b.ok());
     StoredFrames opengl(*renderer, std::move(*a), {instance}, false);
     SoftwareStoredFrames software(builtin.scene, 4, std::move(*b), {instance}, false);
-    for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2, least_alike);
+    least_alike_ = least_alike;
+    for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2);
+    least_alike_ = kLeastAlike;
   }
 };
 
@@ -216,6 +201,22 @@ TEST_F(SoftwareKindsTest, what_blends) {
                             glm::dvec3(bounds.center()) + glm::dvec3(1, 0, 0.4), {0, 1, 0}, 0.9,
                             kWidth, kHeight, 0.05, 100));
   for (const Camera& camera : cameras) expect_same(direct, software, camera, 0.1);
+}
+
+TEST_F(SoftwareKindsTest, polygons_by_rays) {
+  for (const bool blended : {false, true}) {
+    SCOPED_TRACE(blended);
+    if (blended)
+      ASSERT_NO_FATAL_FAILURE(load(blended_scene()));
+    else
+      ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
+    DirectFrames direct(*renderer);
+    auto rays = RayVisibility::create(builtin.scene);
+    ASSERT_TRUE(rays.ok());
+    SoftwareDirectFrames software(builtin.scene, 4, std::move(*rays));
+    for (const Camera& camera : cameras_around(builtin.scene, 4, 5))
+      expect_same(direct, software, camera, 0.1);
+  }
 }
 
 TEST_F(SoftwareKindsTest, outlines) {

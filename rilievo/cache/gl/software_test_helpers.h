@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/cache/machine_costs.h"
 #include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/measure/psnr.h"
 
 namespace rilievo {
 
@@ -38,6 +40,32 @@ inline Alike compare_frames(const Rgba8Image& a, const Rgba8Image& b,
     }
   return {double(inner) / (a.width() * a.height()), double(alike) / std::max(inner, 1)};
 }
+
+// The limits of all that both draw: of the pixels that are no edges, this share is equal within
+// 2 / 255.
+inline constexpr double kLeastAlike = 0.999, kLeastDb = 45;
+
+class AlikeTest : public SceneTest {
+ protected:
+  // Draws a frame by both. At least the share `least_inner` of its pixels is no edge.
+  void expect_same(FrameSource& opengl, SoftwareFrames& software, const Camera& camera,
+                   double least_inner = 0.3, double time = 0) {
+    const Rgba8Image truth = frame_of(opengl, camera, time);
+    const auto objects = objects_of(opengl);
+    ASSERT_TRUE(software.draw(camera, time).ok());
+    const Rgba8Image drawn = software.software_target()->color();
+    const Alike same = compare_frames(truth, drawn, objects);
+    EXPECT_GT(same.inner, least_inner);
+    EXPECT_GE(same.alike, least_alike_);
+    EXPECT_GT(psnr_db(truth, drawn), kLeastDb);
+    ASSERT_TRUE(software.draw_objects().ok());
+    EXPECT_LE(wrong_inside(objects, software.software_target()->objects()),
+              kWidth * kHeight / 1000);
+    RecordProperty("psnr", std::to_string(psnr_db(truth, drawn)));
+  }
+
+  double least_alike_ = kLeastAlike;
+};
 
 // The same costs for OpenGL and software, so that both choose the same; triangles are dear.
 inline MachineCosts costs_of_both() {

@@ -1,17 +1,27 @@
 #include "rilievo/frame/cpu/software_frames.h"
 
+#include <utility>
+
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
 
 SoftwareFrames::SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations)
+    : SoftwareFrames(scene, samples, deformations, nullptr) {}
+
+SoftwareFrames::SoftwareFrames(const Scene& scene, int samples,
+                               std::unique_ptr<FrameVisibility> visibility)
+    : SoftwareFrames(scene, samples, nullptr, std::move(visibility)) {}
+
+SoftwareFrames::SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations,
+                               std::unique_ptr<FrameVisibility> visibility)
     : deformations_(deformations),
       bent_(deformations && !deformations->meshes.empty() ? std::make_unique<Scene>(scene)
                                                           : nullptr),
       placed_(bent_ ? *bent_ : scene),
       samples_(samples),
       target_(1, 1, samples),
-      polygons_(placed_.scene()),
+      polygons_(placed_.scene(), std::move(visibility)),
       sky_tiles_(scene.sky),
       blended_tiles_(placed_.scene()) {
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i)

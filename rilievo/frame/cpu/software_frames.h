@@ -27,8 +27,10 @@ class SoftwareFrames : public FrameSource {
   // `scene` must be valid and outlive the source. `samples` of a pixel: 1 or 4. `deformations`,
   // if there are any, bend a copy of the scene to each frame's time, and must outlive the source.
   SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations = nullptr);
+  // `visibility` finds the polygons instead of the rasteriser.
+  SoftwareFrames(const Scene& scene, int samples, std::unique_ptr<FrameVisibility> visibility);
 
-  // See FrameSource. Fail where a capture or the rasteriser does.
+  // See FrameSource. Fail where a capture or the search for polygons does.
   Result<> draw(const Camera& camera, double time) override;
   Result<> draw_objects() final;
   [[nodiscard]] const SoftwareTarget* software_target() const final { return &target_; }
@@ -51,6 +53,8 @@ class SoftwareFrames : public FrameSource {
   bool sky_ = true;        // draw the scene's sky behind everything
 
  private:
+  SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations,
+                 std::unique_ptr<FrameVisibility> visibility);
   void place_sets(Output output);
   void place_blended();
   void place_outlines();
@@ -72,7 +76,8 @@ class SoftwareFrames : public FrameSource {
   Camera camera_;
 };
 
-// Draws every object as polygons, by the rasteriser.
+// Draws every object as polygons, by the rasteriser or another FrameVisibility: the true frame, and
+// the baseline.
 class SoftwareDirectFrames final : public SoftwareFrames {
  public:
   using SoftwareFrames::SoftwareFrames;

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/cpu/software_chosen_frames.h"
+#include "rilievo/render/rays/ray_visibility.h"
+#include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
@@ -44,6 +48,41 @@ TEST(SoftwareFrames, show_what_bends_as_it_is_at_their_time) {
       }
       EXPECT_FALSE(frames.software_target()->color() == last);
       last = frames.software_target()->color();
+    }
+  }
+}
+
+// In a frame that is no whole number of tiles.
+TEST(SoftwareFrames, rays_show_what_the_rasteriser_shows_but_for_samples_on_edges) {
+  auto built = make_builtin("builtin:teapots?triangles=10000");
+  ASSERT_TRUE(built.ok());
+  const Scene& scene = built->scene;
+  for (const int samples : {1, 4}) {
+    auto rays = RayVisibility::create(scene);
+    ASSERT_TRUE(rays.ok());
+    SoftwareDirectFrames by_rays(scene, samples, std::move(*rays)), by_raster(scene, samples);
+    for (const double time : {0.0, 1.5}) {
+      const Camera camera = camera_at(built->path, time, 150, 90);
+      ASSERT_TRUE(by_rays.draw(camera, time).ok() && by_raster.draw(camera, time).ok());
+      ASSERT_TRUE(by_rays.draw_objects().ok() && by_raster.draw_objects().ok());
+      const SoftwareTarget &a = *by_rays.software_target(), &b = *by_raster.software_target();
+      const Image<float> far_a = a.eye_z(), far_b = b.eye_z();
+      int other_color = 0, other_object = 0, other_depth = 0, shown = 0;
+      for (std::size_t i = 0; i < far_a.texels().size(); ++i) {
+        const glm::ivec4 apart =
+            glm::abs(glm::ivec4(a.color().texels()[i]) - glm::ivec4(b.color().texels()[i]));
+        other_color += std::max({apart.r, apart.g, apart.b}) > 2;
+        other_object += a.objects().texels()[i] != b.objects().texels()[i];
+        // Floats of window_z at some metres.
+        other_depth += !(std::abs(far_a.texels()[i] - far_b.texels()[i]) < 1e-2f) &&
+                       far_a.texels()[i] != far_b.texels()[i];
+        shown += b.objects().texels()[i] != kNoObject;
+      }
+      EXPECT_LE(other_color, 150 * 90 / 200) << samples;
+      EXPECT_LE(other_object, 150 * 90 / 500) << samples;
+      EXPECT_LE(other_depth, 150 * 90 / 200) << samples;
+      EXPECT_GT(shown, 150 * 90 / 10);
+      EXPECT_EQ(by_rays.stats().polygons, by_raster.stats().polygons);
     }
   }
 }

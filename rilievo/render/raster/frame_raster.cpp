@@ -39,17 +39,17 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
         cut_.push_back(i);
   instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
   raster_.draw(instances_);
-  const std::span<const RasterWork> work = raster_.work();
+  const std::span<const MeshWork> work = raster_.work();
   work_.assign(work.begin(), work.begin() + std::ptrdiff_t(placed_.size()));
   for (std::size_t i = 0; i < cut_.size(); ++i) {
-    const RasterWork& piece = work[placed_.size() + i];
+    const MeshWork& piece = work[placed_.size() + i];
     work_[cut_[i]].projected += piece.projected, work_[cut_[i]].filled += piece.filled;
   }
 }
 
-Result<> FrameRaster::rasterize(const Camera& camera, int samples, const PlacedScene& scene,
-                                std::span<const std::uint32_t> objects,
-                                std::span<const CrossFade> fading) {
+Result<> FrameRaster::find_visible(const Camera& camera, int samples, const PlacedScene& scene,
+                                   std::span<const std::uint32_t> objects,
+                                   std::span<const CrossFade> fading) {
   if (std::max(camera.width, camera.height) > SampleRaster::kMaxSize)
     return Error{"frame", "the rasteriser draws at most " + std::to_string(SampleRaster::kMaxSize) +
                               " pixels a side"};

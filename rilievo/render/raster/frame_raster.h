@@ -15,6 +15,7 @@
 #include "rilievo/render/placed_scene.h"
 #include "rilievo/render/raster/near_clip.h"
 #include "rilievo/render/raster/sample_raster.h"
+#include "rilievo/render/shading/frame_visibility.h"
 #include "rilievo/render/shading/picture_shader.h"
 
 namespace rilievo {
@@ -26,7 +27,7 @@ enum class NearPlane {
 };
 
 // Rasterises pictures and frames of one scene. Cameras must be perspective ones.
-class FrameRaster {
+class FrameRaster final : public FrameVisibility {
  public:
   // `scene` must be valid and outlive the object. Makes the mip levels of its textures.
   explicit FrameRaster(const Scene& scene) : scene_(scene), materials_(scene) {}
@@ -44,15 +45,15 @@ class FrameRaster {
   // Places the opaque and masked parts of `objects`, front to back, and of those that fade within
   // their ranges, and rasterises with 1 or 4 samples. Fails if the frame has more than
   // SampleRaster::kMaxSize pixels a side.
-  Result<> rasterize(const Camera& camera, int samples, const PlacedScene& placed,
-                     std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
+  Result<> find_visible(const Camera& camera, int samples, const PlacedScene& placed,
+                        std::span<const std::uint32_t> objects,
+                        std::span<const CrossFade> fading) override;
 
   // The last picture, ready to be shaded.
-  [[nodiscard]] PictureView view(const Camera& camera);
-  [[nodiscard]] const SampleBuffer& seen() const { return raster_.seen(); }
-  [[nodiscard]] std::span<const PlacedMesh> meshes() const { return placed_; }
-  // What rasterising them took, of each of meshes(), by the last fill().
-  [[nodiscard]] std::span<const RasterWork> work() const { return work_; }
+  [[nodiscard]] PictureView view(const Camera& camera) override;
+  [[nodiscard]] const SampleBuffer& seen() const override { return raster_.seen(); }
+  [[nodiscard]] std::span<const PlacedMesh> meshes() const override { return placed_; }
+  [[nodiscard]] std::span<const MeshWork> work() const override { return work_; }
   [[nodiscard]] const SurfaceMaterials& materials() const { return materials_; }
 
  private:
@@ -66,7 +67,7 @@ class FrameRaster {
   std::vector<Light> lights_;
   NearClip near_clip_;
   std::vector<std::size_t> cut_;  // the meshes whose pieces these are
-  std::vector<RasterWork> work_;
+  std::vector<MeshWork> work_;
   SampleRaster raster_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "rilievo/core/expects.h"
@@ -67,9 +68,9 @@ struct PolygonTiles::State {
   };
 
   const Scene& scene;
-  std::unique_ptr<FrameRaster> raster;  // null: nothing has been drawn yet
-  std::optional<PictureView> view;      // of the frame of colours
-  bool any = false;                     // does the frame show any?
+  std::unique_ptr<FrameVisibility> visibility;  // or rays; null: a FrameRaster, once it is needed
+  std::optional<PictureView> view;          // of the frame of colours
+  bool any = false;                         // does the frame show any?
   ObjectPicture objects;
   // Of each block of the frame: is any sample covered? draw_tile() finds it, shade_tile() uses it.
   mutable std::vector<std::uint8_t> covered;
@@ -78,10 +79,11 @@ struct PolygonTiles::State {
   std::vector<ObjectWork> work;
   Shading shading;
 
-  explicit State(const Scene& scene) : scene(scene), shading(*this) {}
+  State(const Scene& scene, std::unique_ptr<FrameVisibility> visibility)
+      : scene(scene), visibility(std::move(visibility)), shading(*this) {}
 
   [[nodiscard]] std::uint8_t& covered_at(const BlockPlace& place) const {
-    return covered[std::size_t(place.y / kBlock) * blocks_in(raster->seen().width) +
+    return covered[std::size_t(place.y / kBlock) * blocks_in(visibility->seen().width) +
                    std::size_t(place.x / kBlock)];
   }
   [[nodiscard]] static std::size_t blocks_in(int pixels) {
@@ -101,18 +103,19 @@ Result<> PolygonTiles::State::rasterize(const Camera& camera, int samples,
   any = !drawn.empty() || !fading.empty();
   for (SeenTriangles& seen : threads) seen.clear_counts();
   if (!any) return Done{};
-  if (!raster) raster = std::make_unique<FrameRaster>(scene);
-  if (Result<> done = raster->rasterize(camera, samples, placed, drawn, fading); !done) {
+  if (!visibility) visibility = std::make_unique<FrameRaster>(scene);
+  if (Result<> done = visibility->find_visible(camera, samples, placed, drawn, fading); !done) {
     any = false;
     return done;
   }
   tile_depth = {float(1 / camera.z_far), float(1 / camera.z_near - 1 / camera.z_far)};
-  const SampleBuffer& in = raster->seen();
+  const SampleBuffer& in = visibility->seen();
   covered.assign(blocks_in(in.width) * blocks_in(in.height), 0);
   return Done{};
 }
 
-PolygonTiles::PolygonTiles(const Scene& scene) : state_(new State(scene)) {}
+PolygonTiles::PolygonTiles(const Scene& scene, std::unique_ptr<FrameVisibility> visibility)
+    : state_(new State(scene, std::move(visibility))) {}
 PolygonTiles::~PolygonTiles() = default;
 
 const TileDrawer& PolygonTiles::shading() const { return state_->shading; }
@@ -123,7 +126,7 @@ Result<> PolygonTiles::place(const Camera& camera, int samples, const PlacedScen
   State& s = *state_;
   if (Result<> done = s.rasterize(camera, samples, placed, objects, fading); !done || !s.any)
     return done;
-  s.view.emplace(s.raster->view(camera));
+  s.view.emplace(s.visibility->view(camera));
   return Done{};
 }
 
@@ -132,7 +135,7 @@ Result<> PolygonTiles::place_objects(const Camera& camera, const PlacedScene& pl
                                      std::span<const CrossFade> fading) {
   State& s = *state_;
   if (Result<> done = s.rasterize(camera, 1, placed, objects, fading); !done || !s.any) return done;
-  identify(s.raster->seen(), s.raster->meshes(), s.objects);
+  identify(s.visibility->seen(), s.visibility->meshes(), s.objects);
   return Done{};
 }
 
@@ -140,13 +143,13 @@ std::span<const ObjectWork> PolygonTiles::work() {
   State& s = *state_;
   s.work.clear();
   if (!s.any) return s.work;
-  const std::span<const PlacedMesh> meshes = s.raster->meshes();
-  const std::span<const RasterWork> work = s.raster->work();
+  const std::span<const PlacedMesh> meshes = s.visibility->meshes();
+  const std::span<const MeshWork> work = s.visibility->work();
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     if (s.work.empty() || s.work.back().object != meshes[i].object)
       s.work.push_back({meshes[i].object});
     ObjectWork& object = s.work.back();
-    object.projected += work[i].projected, object.filled += work[i].filled;
+    if (!work.empty()) object.projected += work[i].projected, object.filled += work[i].filled;
     for (const SeenTriangles& seen : s.threads) object.shaded += seen.shaded_of(i);
   }
   return s.work;
@@ -174,7 +177,7 @@ void PolygonTiles::State::draw_identifiers(FrameTile& tile, int block,
 void PolygonTiles::draw_tile(FrameTile& tile) const {
   const State& s = *state_;
   if (!s.any) return;
-  const SampleBuffer& in = s.raster->seen();
+  const SampleBuffer& in = s.visibility->seen();
   RILIEVO_EXPECTS(in.width == tile.width && in.height == tile.height && in.samples == tile.samples);
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
     const BlockPlace place(tile, block);
@@ -195,7 +198,7 @@ void PolygonTiles::draw_tile(FrameTile& tile) const {
 
 void PolygonTiles::State::shade_tile(FrameTile& tile) const {
   if (!any || tile.of != TileContent::color) return;
-  const SampleBuffer& in = raster->seen();
+  const SampleBuffer& in = visibility->seen();
   SeenTriangles& seen = threads.local();
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
     const BlockPlace place(tile, block);

@@ -1,6 +1,7 @@
 // How do polygons get into a frame that processors draw?
 //
-// All of a frame's polygons are rasterised at once, with the samples of the frame. Tiles first take
+// All of a frame's polygons are rasterised at once, with the samples of the frame, or rays find
+// which one each sample shows (render/shading/frame_visibility.h). Tiles first take
 // over their depths, sample by sample, so that what they hide is not drawn; and at the end, when it
 // is known which samples are not hidden by something else, those are shaded. A block of which each
 // pixel shows one triangle keeps a single sample a pixel. Uses all cores; the result does not
@@ -16,6 +17,7 @@
 #include "rilievo/render/cross_fade.h"
 #include "rilievo/render/object_work.h"
 #include "rilievo/render/placed_scene.h"
+#include "rilievo/render/shading/frame_visibility.h"
 #include "rilievo/render/software/frame_tile.h"
 
 namespace rilievo {
@@ -24,13 +26,14 @@ namespace rilievo {
 // after everything opaque.
 class PolygonTiles final : public TileDrawer {
  public:
-  // `scene` must be valid and outlive the object. Makes the mip levels of its textures with the
+  // `scene` must be valid and outlive the object. `visibility`, of the same scene, finds what
+  // samples show; null: the rasteriser, which makes the mip levels of the scene's textures with the
   // first polygons.
-  explicit PolygonTiles(const Scene& scene);
+  explicit PolygonTiles(const Scene& scene, std::unique_ptr<FrameVisibility> visibility = nullptr);
   ~PolygonTiles() override;
 
   // Prepares a frame of colours with 1 or 4 samples, of the opaque and masked parts of `objects`,
-  // and of those that fade within their ranges. Does not cull. Fails where the rasteriser does.
+  // and of those that fade within their ranges. Does not cull. Fails where `visibility` does.
   // Requires a perspective camera.
   Result<> place(const Camera& camera, int samples, const PlacedScene& placed,
                  std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);

@@ -16,7 +16,7 @@ struct RasterRenderer::State {
   Result<> rasterize(const Camera& camera, int samples) {
     visible.clear();
     placed.cull(camera, visible);
-    return raster.rasterize(camera, samples, placed, visible, {});
+    return raster.find_visible(camera, samples, placed, visible, {});
   }
 };
 

@@ -350,7 +350,7 @@ void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
         any ? *std::max_element(at(triangles_.high).begin(), at(triangles_.high).end()) : -1;
   });
   for (const Piece& piece : pieces_) {
-    RasterWork& work = work_[piece.instance];
+    MeshWork& work = work_[piece.instance];
     work.projected += piece.count, work.filled += piece.kept;
   }
   // An update reads each sample of a strip, sixteen at a time: as much work as a triangle or two.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "rilievo/core/bounds.h"
+#include "rilievo/render/object_work.h"
 #include "rilievo/render/raster/farthest_blocks.h"
 #include "rilievo/render/shading/sample_buffer.h"
 #include "rilievo/render/shading/surface_materials.h"
@@ -53,11 +54,6 @@ struct RasterInstance {
   float share_from = 0, share_to = 1;
 };
 
-// What rasterising took: how many triangles had to be projected, and how many of these filled.
-struct RasterWork {
-  std::uint64_t projected = 0, filled = 0;
-};
-
 // Rasterises into a visibility buffer.
 class SampleRaster {
  public:
@@ -73,7 +69,7 @@ class SampleRaster {
 
   [[nodiscard]] const SampleBuffer& seen() const { return seen_; }
   // Of each instance of the last draw(). Depends on nothing but what was drawn since begin().
-  [[nodiscard]] std::span<const RasterWork> work() const { return work_; }
+  [[nodiscard]] std::span<const MeshWork> work() const { return work_; }
 
   // The numbers of triangles that are set up together, and by one thread.
   static constexpr std::uint32_t kRound = 16384, kPiece = 1024;
@@ -129,7 +125,7 @@ class SampleRaster {
   SampleBuffer seen_;
   FarthestBlocks farthest_;
   std::vector<std::uint64_t> waiting_;  // of each strip: triangles filled since its last update
-  std::vector<RasterWork> work_;
+  std::vector<MeshWork> work_;
   Triangles triangles_;
   std::vector<Piece> pieces_;
 };

@@ -276,8 +276,8 @@ TEST(SampleRaster, leaves_out_what_is_hidden_and_shows_the_same) {
         }
       ASSERT_EQ(found, expected) << name << ", round " << round;
       // Most lie behind others, and many runs beside the picture.
-      RasterWork all;
-      for (const RasterWork& work : raster.work())
+      MeshWork all;
+      for (const MeshWork& work : raster.work())
         all.projected += work.projected, all.filled += work.filled;
       EXPECT_LT(double(all.projected), triangles * 0.9) << round;
       EXPECT_LT(double(all.filled), double(all.projected) * 0.6) << round;

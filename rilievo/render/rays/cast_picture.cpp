@@ -151,16 +151,27 @@ void PictureCaster::draw(const Camera& camera, std::span<const std::uint32_t> ob
   State& s = *state_;
   s.place(camera, objects.empty() ? s.all : objects);
   s.cast(camera, objects.empty(), samples);
-  s.shader.shade({s.seen, s.placed, picture_rays(camera),
-                  surface_lights(s.rays.scene(), camera.position(), s.lights)},
-                 picture);
+  s.shader.shade(view(camera), picture);
 }
 
-void PictureCaster::draw_objects(const Camera& camera, ObjectPicture& picture) {
+void PictureCaster::cast(const Camera& camera, int samples) {
+  state_->place(camera, state_->all);
+  state_->cast(camera, true, samples);
+}
+
+PictureView PictureCaster::view(const Camera& camera) {
   State& s = *state_;
-  s.place(camera, s.all);
-  s.cast(camera, true, 1);
-  identify(s.seen, s.placed, picture);
+  return {s.seen,
+          {s.placed, picture_rays(camera),
+           surface_lights(s.rays.scene(), camera.position(), s.lights), s.seen.samples}};
+}
+
+const SampleBuffer& PictureCaster::seen() const { return state_->seen; }
+std::span<const PlacedMesh> PictureCaster::meshes() const { return state_->placed; }
+
+void PictureCaster::draw_objects(const Camera& camera, ObjectPicture& picture) {
+  cast(camera, 1);
+  identify(seen(), meshes(), picture);
 }
 
 CameraRay camera_ray(const Camera& camera, const glm::dvec2& raster) {

@@ -43,6 +43,12 @@ class PictureCaster {
   // back-perspective camera, which keeps the farthest surface.
   void draw(const Camera& camera, std::span<const std::uint32_t> objects, int samples,
             RasterPicture& picture);
+  // Finds 1 or 4 samples a texel of all objects: seen() and meshes() are what was found,
+  // view() is ready to be shaded. Valid until the next call.
+  void cast(const Camera& camera, int samples);
+  [[nodiscard]] PictureView view(const Camera& camera);
+  [[nodiscard]] const SampleBuffer& seen() const;
+  [[nodiscard]] std::span<const PlacedMesh> meshes() const;
   // Draws the identifiers and depths of all objects, with a ray through each pixel's centre.
   void draw_objects(const Camera& camera, ObjectPicture& picture);
 
