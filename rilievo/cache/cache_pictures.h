@@ -1,7 +1,7 @@
-// Who makes the cache's pictures, and where are they kept? Textures, or memory.
+// Who makes a scene's pictures, and where are they kept? Textures, or memory.
 //
-// The cache (scene_cache.h) decides; a store carries out. Pictures are numbered by the slots of the
-// plan (policy.h).
+// The cache (scene_cache.h) or a PictureChooser decides; a store carries out. Pictures are numbered
+// by slots: those of the cache's plan (policy.h), or the chooser's objects.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +12,7 @@
 #include "rilievo/cache/machine_costs.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/picture_geometry.h"
+#include "rilievo/kind/drawable.h"
 #include "rilievo/nailboard/gap_table.h"
 
 namespace rilievo {
@@ -57,7 +58,9 @@ class CachePictures {
                                std::span<const std::uint32_t> objects) = 0;
   // Writes identifiers that others have captured: a texel each, rows from the bottom.
   virtual void write_objects(std::uint32_t slot, std::span<const std::uint32_t> objects) = 0;
-  // Item `slot` of the drawable set of pictures is this picture from now on.
+  // The set that draws them, and lives as long as the store.
+  [[nodiscard]] virtual Drawable& pictures() = 0;
+  // Item `slot` of pictures() is this picture from now on.
   virtual void show(std::uint32_t slot, const PictureGeometry& geometry) = 0;
 };
 

@@ -15,7 +15,7 @@ std::uint32_t stored(std::uint32_t slot) { return slot + 1; }
 
 }  // namespace
 
-SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
+SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store,
                        const ImageCacheOptions& options, FrameContent& content,
                        const CacheLevels& levels)
     : placed_(placed),
@@ -24,7 +24,7 @@ SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store, Drawable
       finest_(levels.finest ? *levels.finest : placed.scene()),
       options_(options) {
   RILIEVO_EXPECTS(content.sets.empty());
-  content.sets.push_back({&pictures, {}});
+  content.sets.push_back({&store.pictures(), {}});
   build();
 }
 

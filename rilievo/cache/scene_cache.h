@@ -71,10 +71,9 @@ struct CacheLevels {
 class SceneCache {
  public:
   // All of these must outlive the cache. With levels, `placed` places their scene. Appends the set
-  // of pictures, whose drawable is `pictures`, to an empty `content`: choose() fills the same.
-  SceneCache(const PlacedScene& placed, CachePictures& store, Drawable& pictures,
-             const ImageCacheOptions& options, FrameContent& content,
-             const CacheLevels& levels = {});
+  // of the store's pictures to an empty `content`: choose() fills the same.
+  SceneCache(const PlacedScene& placed, CachePictures& store, const ImageCacheOptions& options,
+             FrameContent& content, const CacheLevels& levels = {});
 
   // As ImageCache's; `content` gets a set for each drawable.
   void add_alternatives(std::vector<ObjectDrawable> drawables,

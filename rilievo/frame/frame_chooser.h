@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/core/depth_image.h"
 #include "rilievo/core/result.h"
 #include "rilievo/frame/frame_content.h"
 #include "rilievo/render/placed_scene.h"
@@ -25,6 +27,11 @@ class FrameChooser {
                           FrameStats& stats) = 0;
   // Called when the frame that was chosen last has been drawn, or has failed.
   virtual void drawn() {}
+  // The pictures of the frame that was chosen last, as FrameSource::read_pictures().
+  [[nodiscard]] virtual std::vector<DepthImage> read_pictures(
+      const FrameContent& /*content*/) const {
+    return {};
+  }
   // Does what stands for the object in this frame hold its blended parts, too? Otherwise they are
   // drawn as polygons.
   [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }

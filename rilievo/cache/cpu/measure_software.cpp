@@ -60,11 +60,12 @@ Result<MachineCosts> measure_software() {
   costs.draw_software = *drawing;
 
   const PlacedScene placed(scene.scene);
-  const std::unique_ptr<CachePictures> store = MemoryCache::make_pictures(placed, {});
-  costs.capture_rasterizer = measure_captures(scene, *store);
+  const Result<std::unique_ptr<CachePictures>> store = MemoryCache::make_pictures(placed, {});
+  if (!store) return store.error();
+  costs.capture_rasterizer = measure_captures(scene, **store);
   Result<std::unique_ptr<CoarseCapture>> coarse = CoarseCapture::create(scene.scene);
   if (!coarse) return coarse.error();
-  costs.ray_texel_ns = rounded_ns(measure_rays(scene, **coarse, *store));
+  costs.ray_texel_ns = rounded_ns(measure_rays(scene, **coarse, **store));
   return costs;
 }
 

@@ -36,7 +36,7 @@ class MemoryCache::Store final : public CachePictures {
   [[nodiscard]] static std::size_t capture_bytes(const ImageCacheOptions& options) {
     return RasterSource::bytes(kLargestPicture, options.samples);
   }
-  [[nodiscard]] MemoryNailboardSet& pictures() { return pictures_; }
+  [[nodiscard]] MemoryNailboardSet& pictures() override { return pictures_; }
   [[nodiscard]] const MemoryNailboard& picture(std::uint32_t slot) const { return *slots_[slot]; }
 
   [[nodiscard]] int max_picture_size() const override { return kLargestPicture; }
@@ -121,18 +121,12 @@ MemoryCache::MemoryCache(const Scene& scene, std::unique_ptr<ObjectLevels> level
     : SoftwareFrames(levels ? levels->leveled.scene : scene, options.samples),
       levels_(std::move(levels)),
       store_(std::make_unique<Store>(placed(), options)),
-      cache_(std::make_unique<SceneCache>(placed(), *store_, store_->pictures(), options, content(),
+      cache_(std::make_unique<SceneCache>(placed(), *store_, options, content(),
                                           CacheLevels{levels_.get(), levels_ ? &scene : nullptr})) {
 }
 MemoryCache::~MemoryCache() = default;
 
-std::unique_ptr<CachePictures> MemoryCache::make_pictures(const PlacedScene& placed,
-                                                          const ImageCacheOptions& options) {
-  return std::make_unique<Store>(placed, options);
-}
-
-Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
-                                                         const ImageCacheOptions& options) {
+Result<> MemoryCache::check(const ImageCacheOptions& options) {
   if (options.samples != 1 && options.samples != 4)
     return Error{"cache", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
   if (options.capture_by == CaptureBy::opengl)
@@ -142,6 +136,18 @@ Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
   if (options.max_bytes < least)
     return Error{"cache", "the memory for pictures must be at least " +
                               std::to_string((least >> 20) + 1) + " MB"};
+  return Done{};
+}
+
+Result<std::unique_ptr<CachePictures>> MemoryCache::make_pictures(
+    const PlacedScene& placed, const ImageCacheOptions& options) {
+  if (Result<> possible = check(options); !possible) return possible.error();
+  return {std::make_unique<Store>(placed, options)};
+}
+
+Result<std::unique_ptr<MemoryCache>> MemoryCache::create(const Scene& scene,
+                                                         const ImageCacheOptions& options) {
+  if (Result<> possible = check(options); !possible) return possible.error();
   auto levels =
       options.levels ? std::make_unique<ObjectLevels>(make_bounded_object_levels(scene)) : nullptr;
   return {std::unique_ptr<MemoryCache>(new MemoryCache(scene, std::move(levels), options))};

@@ -22,9 +22,11 @@ class MemoryCache final : public SoftwareFrames {
   [[nodiscard]] static Result<std::unique_ptr<MemoryCache>> create(
       const Scene& scene, const ImageCacheOptions& options);
   ~MemoryCache() override;
-  // Only what keeps the cache's pictures, to measure it (cache/measure_costs.h). `placed` must
-  // outlive it.
-  [[nodiscard]] static std::unique_ptr<CachePictures> make_pictures(
+  // Would create() fail? The error says why.
+  [[nodiscard]] static Result<> check(const ImageCacheOptions& options);
+  // Only what keeps pictures, for others who choose (cache/picture_chooser.h) or measure
+  // (cache/measure_costs.h). `placed` must outlive it. Fails as create() does.
+  [[nodiscard]] static Result<std::unique_ptr<CachePictures>> make_pictures(
       const PlacedScene& placed, const ImageCacheOptions& options);
 
   // As ImageCache's; drawables and factories are those without OpenGL (software_drawable_rows).

@@ -14,6 +14,7 @@
 
 #include "rilievo/cache/cpu/blended_scene_test_helpers.h"
 #include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/cpu/memory_picture_frames.h"
 #include "rilievo/cache/impostor_chooser.h"
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/capture/ray_source.h"
@@ -291,6 +292,27 @@ TEST_F(SoftwareSame, the_cache_with_what_was_baked) {
         return std::move(*cache);
       },
       eyes_around(builtin.scene), kind.name);
+}
+
+// Captured again by an angle.
+TEST_F(SoftwareSame, pictures_of_each_object) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=10000"));
+  std::vector<Camera> cameras;
+  for (const int frame : {0, 1, 30})
+    cameras.push_back(
+        camera_at(builtin.path, frame_time(builtin.path, frame), kSameWidth, kSameHeight));
+  for (const DepthMode mode : {DepthMode::exact, DepthMode::flat}) {
+    SCOPED_TRACE(int(mode));
+    PictureFramesOptions options;
+    options.mode = mode;
+    expect_same_everywhere(
+        [&]() -> std::unique_ptr<SoftwareFrames> {
+          auto frames = make_memory_picture_frames(builtin.scene, options);
+          EXPECT_TRUE(frames.ok());
+          return std::move(*frames);
+        },
+        cameras, "nailboard");
+  }
 }
 
 TEST_F(SoftwareSame, pictures_as_nailboards_with_each_depth) {

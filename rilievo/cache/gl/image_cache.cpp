@@ -13,7 +13,7 @@ class ImageCache::Store final : public CachePictures {
   Store(SceneRenderer& renderer, NailboardCapture pictures)
       : renderer_(renderer), pictures_(std::move(pictures)) {}
 
-  [[nodiscard]] NailboardSet& pictures() { return pictures_.set(); }
+  [[nodiscard]] NailboardSet& pictures() override { return pictures_.set(); }
   [[nodiscard]] const AtlasSlot& atlas_slot(std::uint32_t slot) const { return *slots_[slot]; }
 
   [[nodiscard]] int max_picture_size() const override {
@@ -74,8 +74,7 @@ ImageCache::ImageCache(SceneRenderer& renderer, std::unique_ptr<Store> store,
                        const ImageCacheOptions& options)
     : SceneFrames(renderer),
       store_(std::move(store)),
-      cache_(std::make_unique<SceneCache>(renderer.placed(), *store_, store_->pictures(), options,
-                                          content())) {}
+      cache_(std::make_unique<SceneCache>(renderer.placed(), *store_, options, content())) {}
 ImageCache::~ImageCache() = default;
 ImageCache::ImageCache(ImageCache&&) noexcept = default;
 

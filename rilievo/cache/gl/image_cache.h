@@ -27,8 +27,8 @@ class ImageCache final : public SceneFrames {
   // options.machine was measured without OpenGL, and with options.levels.
   [[nodiscard]] static Result<ImageCache> create(SceneRenderer& renderer,
                                                  const ImageCacheOptions& options);
-  // Only what keeps the cache's pictures, to measure it (cache/measure_costs.h). `renderer` must
-  // outlive it.
+  // Only what keeps pictures, for others who choose (cache/picture_chooser.h) or measure
+  // (cache/measure_costs.h). `renderer` must outlive it. Fails where the atlas cannot be allocated.
   [[nodiscard]] static Result<std::unique_ptr<CachePictures>> make_pictures(
       SceneRenderer& renderer, const ImageCacheOptions& options);
 

@@ -28,6 +28,10 @@ Result<> SoftwareChosenFrames::choose(const Camera& camera, FrameContent& conten
   return chooser_->choose(camera, placed(), content, stats);
 }
 
+std::vector<DepthImage> SoftwareChosenFrames::read_pictures() const {
+  return chooser_->read_pictures(content());
+}
+
 bool SoftwareChosenFrames::shows_blended(std::uint32_t object) const {
   return chooser_->shows_blended(object);
 }

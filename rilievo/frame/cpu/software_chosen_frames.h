@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/frame_chooser.h"
@@ -20,6 +21,7 @@ class SoftwareChosenFrames final : public SoftwareFrames {
       const Deformations* deformations = nullptr);
 
   Result<> draw(const Camera& camera, double time) override;
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
 
   [[nodiscard]] const FrameChooser& chooser() const { return *chooser_; }
 

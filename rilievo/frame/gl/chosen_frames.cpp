@@ -21,6 +21,10 @@ Result<> ChosenFrames::choose(const Camera& camera, FrameContent& content, Frame
   return chooser_->choose(camera, renderer().placed(), content, stats);
 }
 
+std::vector<DepthImage> ChosenFrames::read_pictures() const {
+  return chooser_->read_pictures(content());
+}
+
 bool ChosenFrames::shows_blended(std::uint32_t object) const {
   return chooser_->shows_blended(object);
 }

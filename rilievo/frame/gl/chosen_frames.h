@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "rilievo/frame/frame_chooser.h"
 #include "rilievo/frame/gl/scene_frames.h"
@@ -18,6 +19,7 @@ class ChosenFrames : public SceneFrames {
   ChosenFrames(SceneRenderer& renderer, std::unique_ptr<FrameChooser> chooser, bool outlines);
 
   Result<> draw(const Camera& camera, double time) override;
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
 
  private:
   Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;

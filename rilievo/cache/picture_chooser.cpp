@@ -1,0 +1,146 @@
+#include "rilievo/cache/picture_chooser.h"
+
+#include <string>
+#include <utility>
+
+#include "rilievo/capture/picture_camera.h"
+#include "rilievo/core/stopwatch.h"
+
+namespace rilievo {
+namespace {
+
+// What an object did between two poses.
+glm::dmat4 motion_between(const glm::mat4& then, const glm::mat4& now) {
+  if (then == now) return glm::dmat4(1.0);
+  return glm::dmat4(now) * glm::inverse(glm::dmat4(then));
+}
+
+}  // namespace
+
+ImageCacheOptions store_options(const PictureFramesOptions& options) {
+  ImageCacheOptions store;
+  store.max_bytes = options.max_bytes;
+  store.delta_bits = options.delta_bits;
+  store.depth_mode = options.mode;
+  store.samples = options.samples;
+  store.capture_by = options.capture_by;
+  return store;
+}
+
+PictureChooser::PictureChooser(const PlacedScene& placed, std::unique_ptr<CachePictures> store,
+                               const PictureFramesOptions& options)
+    : placed_(placed), store_(std::move(store)), options_(options) {
+  pictures_.resize(placed.scene().objects.size());
+}
+
+void PictureChooser::add_sets(FrameContent& content) {
+  content.sets.push_back({&store_->pictures(), {}});
+}
+
+bool PictureChooser::is_valid(const Picture& picture, const Camera& frame,
+                              const glm::dmat4& motion) const {
+  // A moving object is a still one seen by an eye that moves the other way.
+  const glm::dvec3 eye = glm::dvec3(glm::inverse(motion) * glm::dvec4(frame.position(), 1));
+  const glm::dvec3 capture_eye = picture.geometry.capture.position();
+  const double way = glm::length(eye - capture_eye);
+  const double distance = glm::length(picture.center - capture_eye);
+  if (way > options_.max_angle * distance) return false;
+  // A narrower field of view or a larger frame asks for finer texels.
+  return texel_angle(picture.geometry.capture) * options_.texels_per_pixel <=
+         1.01 * texel_angle(frame);
+}
+
+bool PictureChooser::make_room(std::uint32_t object, const Camera& camera) {
+  while (!store_->allocate(object, camera.width, camera.height)) {
+    // Let go of the picture that was not drawn for longest; never of one that this frame needs.
+    std::optional<Picture>* oldest = nullptr;
+    for (std::optional<Picture>& picture : pictures_)
+      if (picture && picture->last_drawn < frame_ &&
+          (!oldest || picture->last_drawn < (*oldest)->last_drawn))
+        oldest = &picture;
+    if (!oldest) return false;
+    store_->free(std::uint32_t(oldest - pictures_.data()));
+    oldest->reset();
+  }
+  return true;
+}
+
+bool PictureChooser::capture(std::uint32_t object, const Camera& frame) {
+  const Box& bounds = placed_.bounds()[object];
+  const std::optional<Camera> camera =
+      picture_camera(frame, bounds, {options_.texels_per_pixel, store_->max_picture_size(), 0.25});
+  std::optional<Picture>& picture = pictures_[object];
+  if (picture) {
+    store_->free(object);
+    picture.reset();
+  }
+  if (!camera || !make_room(object, *camera)) return false;
+  store_->capture(object, *camera, {&object, 1});
+  picture = Picture{picture_geometry(*camera), placed_.poses()[object], glm::dvec3(bounds.center()),
+                    frame_};
+  picture->geometry.delta_bits = options_.delta_bits;
+  picture->geometry.depth_mode = options_.mode;
+  captured_.push_back(object);
+  return true;
+}
+
+// Once all captures are asked for: the first one that is read waits for them.
+void PictureChooser::narrow_captured() {
+  for (const std::uint32_t object : captured_)
+    if (const auto range = store_->delta_range(object))
+      narrow_slab(pictures_[object]->geometry, *range);
+  store_->finish();
+}
+
+Result<> PictureChooser::choose(const Camera& camera, const PlacedScene& placed,
+                                FrameContent& content, FrameStats& stats) {
+  ++frame_;
+  visible_.clear();
+  captured_.clear();
+  placed.cull(camera, visible_);
+  const Stopwatch watch;
+  const Scene& scene = placed.scene();
+  std::vector<Instance>& instances = content.sets[0].instances;
+  for (const std::uint32_t object : visible_) {
+    const Model& model = scene.models[std::size_t(scene.objects[object].model)];
+    if (model.triangles < options_.min_triangles || !placed.has_opaque_parts(object)) {
+      content.polygons.push_back(object);
+      continue;
+    }
+    std::optional<Picture>& picture = pictures_[object];
+    glm::dmat4 motion(1.0);
+    if (picture) motion = motion_between(picture->pose, placed.poses()[object]);
+    if (!picture || !is_valid(*picture, camera, motion)) {
+      if (!capture(object, camera)) {
+        content.polygons.push_back(object);
+        continue;
+      }
+      motion = glm::dmat4(1.0);
+    }
+    picture->last_drawn = frame_;
+    instances.push_back({motion, object, object + 1});
+  }
+  if (!captured_.empty()) narrow_captured();
+  for (const Instance& instance : instances)
+    store_->show(instance.item, pictures_[instance.item]->geometry);
+  stats.captures = int(captured_.size());
+  stats.capture_ms = stats.captures ? watch.ms() : 0;
+  stats.picture_bytes = store_->bytes();
+  return Done{};
+}
+
+std::vector<DepthImage> PictureChooser::read_pictures(const FrameContent& content) const {
+  std::vector<DepthImage> read;
+  for (const Instance& instance : content.sets[0].instances) {
+    read.push_back(std::move(store_->pictures().read_pictures(instance).front()));
+    DepthImage& picture = read.back();
+    const std::string& name = placed_.scene().objects[instance.object - 1].name;
+    picture.name = std::to_string(instance.object) + (name.empty() ? "" : " " + name);
+    picture.object = Image<std::uint32_t>(picture.depth.width(), picture.depth.height());
+    for (std::size_t i = 0; i < picture.depth.texels().size(); ++i)
+      if (picture.depth.texels()[i] != kNoDepth) picture.object.texels()[i] = instance.object;
+  }
+  return read;
+}
+
+}  // namespace rilievo
