@@ -36,6 +36,7 @@ struct CompareCommand {
   std::string scene, file, output, json, command_line;
   FileLimits limits;
   std::vector<std::string> methods;
+  std::vector<std::string> file_methods;  // of the file's kind, if no methods were named
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false, real_time = false, drawn_error = false;
@@ -73,26 +74,23 @@ void print_summary(const Report& report) {
 // What draws each method; what the file holds, if there is one, is what they draw.
 Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
                                                const CompareCommand& options, const Scene& scene,
-                                               std::unique_ptr<gl::Context>& context,
                                                std::optional<SceneRenderer>& renderer) {
   // It draws the true frames, and only software bends what bends by time.
   if (method == "direct-raster" && options.bends)
     return make_software_source(method, options.method_options, options.frames.samples, scene);
-  if (options.file.empty() || method == "direct")
-    return make_scene_source(method, options.method_options, options.frames.samples, scene, context,
+  if (options.file.empty() || !kind_method(method).kind)
+    return make_scene_source(method, options.method_options, options.frames.samples, scene,
                              renderer);
   Result<PictureFileContent> content = open_representation(options.file);
   if (!content) return content.error();
-  // `direct`, which comes first, has made it.
-  return make_stored_source(method, options.method_options, std::move(content->representation),
-                            *renderer);
+  return make_file_source(method, options.method_options, options.frames.samples,
+                          std::move(content->representation), scene, renderer);
 }
 
 // All methods walk again, through a scene whose colours tell positions. `truth` draws the scene.
 Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, FrameSource& truth,
                           const std::function<WalkFrame(int frame)>& walk,
-                          const CompareOptions& compare_options,
-                          std::unique_ptr<gl::Context>& context, Report& report) {
+                          const CompareOptions& compare_options, Report& report) {
   const Result<std::vector<double>> half_periods =
       choose_half_periods(scene, truth, walk, compare_options);
   if (!half_periods) return half_periods.error();
@@ -107,7 +105,7 @@ Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, Fra
     // Its polygons are others, and show their own positions where they lie.
     if (method.name == "lod" || (method.name == "cache" && options.method_options.levels)) continue;
     Result<std::unique_ptr<FrameSource>> source =
-        source_of(method.name, of_coded, coded, context, renderer);
+        source_of(method.name, of_coded, coded, renderer);
     if (!source) return source.error();
     sources.push_back(std::move(*source));
     compared.push_back({method.name, sources.back().get()});
@@ -138,14 +136,13 @@ Result<> run_compare(CompareCommand options) {
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
   options.method_options.impostors.background = options.real_time;
   if (options.bends) options.method_options.impostors.deformations = &opened->deformations;
-  std::unique_ptr<gl::Context> context;
   std::optional<SceneRenderer> renderer;
   std::vector<std::unique_ptr<FrameSource>> sources;
   std::vector<ComparedSource> compared;
   for (const std::string& method :
        with_direct(options.methods, options.bends || options.method_options.draw == "software")) {
     Result<std::unique_ptr<FrameSource>> source =
-        source_of(method, options, opened->scene, context, renderer);
+        source_of(method, options, opened->scene, renderer);
     if (!source) return source.error();
     sources.push_back(std::move(*source));
     compared.push_back({method, sources.back().get()});
@@ -189,7 +186,7 @@ Result<> run_compare(CompareCommand options) {
         "frames are direct-raster's, by software.");
   if (options.drawn_error)
     if (Result<> done = add_drawn_errors(options, opened->scene, *sources[0], walk, compare_options,
-                                         context, *report);
+                                         *report);
         !done)
       return done;
   progress.clear();
@@ -224,22 +221,30 @@ Result<> settle(CompareCommand& options, const std::string& given, const std::st
   if (holds_pictures(truth)) return Error{truth, "is not a scene: it draws no true frames"};
   options.scene = is_file ? truth : given;
   options.file = is_file ? given : "";
-  if (is_file && options.method_options.draw == "software")
-    return Error{"--draw", "what was baked into a file is drawn by OpenGL only"};
   if (!is_file) {
-    if (options.methods.empty() && options.method_options.draw == "software")
-      options.methods = {"cache"};
     if (options.methods.empty()) options.methods = {"flat", "nailboard", "cache"};
     return Done{};
   }
   const Result<PictureFileContent> content = open_representation(given);
   if (!content) return content.error();
-  if (options.methods.empty()) options.methods = kind_method_names(*content->kind);
+  if (options.methods.empty()) options.file_methods = kind_method_names(*content->kind);
   for (const std::string& method : options.methods)
-    if (method != "direct")
+    if (method != "direct" && method != "direct-raster")
       if (Result<> known = expect_method_of(*content->kind, method, "--methods"); !known)
         return known;
   return Done{};
+}
+
+// Who draws; and of a file, unless methods are named, those of its kind that can be drawn so.
+Result<std::unique_ptr<gl::Context>> choose_drawing(CompareCommand& options) {
+  const int samples = options.frames.samples;
+  Result<std::unique_ptr<gl::Context>> context =
+      open_opengl(options.methods, samples, options.method_options);
+  for (const std::string& method : options.file_methods)
+    if (options.method_options.draw != "software" ||
+        !needs_opengl(method, options.method_options, samples))
+      options.methods.push_back(method);
+  return context;
 }
 
 }  // namespace
@@ -292,6 +297,8 @@ Command compare_command(CLI::App& app) {
   return {command, [options, given, truth](const std::string& command_line) -> Result<> {
             options->command_line = command_line;
             if (Result<> settled = settle(*options, *given, *truth); !settled) return settled;
+            const Result<std::unique_ptr<gl::Context>> context = choose_drawing(*options);
+            if (!context) return context.error();
             return run_compare(*options);
           }};
 }

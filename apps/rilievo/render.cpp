@@ -200,10 +200,12 @@ Result<> render_scene(const RenderCommand& options) {
   MethodOptions methods = options.methods;
   methods.eyes = eyes_of(plan->path, plan->frames);
   methods.impostors.deformations = &opened->deformations;
-  std::unique_ptr<gl::Context> context;
+  const Result<std::unique_ptr<gl::Context>> context =
+      open_opengl({&options.method, 1}, options.frames.samples, methods);
+  if (!context) return context.error();
   std::optional<SceneRenderer> renderer;
   Result<std::unique_ptr<FrameSource>> source = make_scene_source(
-      options.method, methods, options.frames.samples, opened->scene, context, renderer);
+      options.method, methods, options.frames.samples, opened->scene, renderer);
   if (!source) return source.error();
   const Walk walk{*plan, {}, options.time};
   if (options.loop_seconds > 0) return loop(options, walk, **source);
@@ -223,9 +225,9 @@ Result<Walk> walk_of(const RenderCommand& options, const FramePictures& stored) 
   return walk;
 }
 
-// Who draws what a file holds; no renderer: software.
+// What draws a file's content.
 struct StoredBackend {
-  std::unique_ptr<gl::Context> context;
+  std::unique_ptr<gl::Context> context;  // null: software
   std::optional<SceneRenderer> renderer;
   Scene sky;
 };
@@ -239,7 +241,11 @@ Result<> render_pictures(const RenderCommand& options, const FramePictures& stor
     return Error{options.scene, error.where + ": " + error.reason};
   };
   std::unique_ptr<FrameSource> source;
-  if (backend.renderer) {
+  const Result<bool> software =
+      draws_by_software(options.method, options.methods, options.frames.samples);
+  if (!software) return software.error();
+  if (!*software) {
+    if (Result<> made = make_renderer(backend.sky, backend.renderer); !made) return made;
     Result<StoredPictures> pictures =
         make_stored_pictures(stored.pictures, mode, stored.delta_bits);
     if (!pictures) return named(pictures.error());
@@ -264,12 +270,9 @@ Result<> render_representation(const RenderCommand& options, PictureFileContent 
                                StoredBackend& backend) {
   const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
-  Result<std::unique_ptr<FrameSource>> source =
-      backend.renderer
-          ? make_stored_source(options.method, options.methods, std::move(content.representation),
-                               *backend.renderer)
-          : make_software_stored_source(options.method, options.methods, options.frames.samples,
-                                        std::move(content.representation), backend.sky);
+  Result<std::unique_ptr<FrameSource>> source = make_file_source(
+      options.method, options.methods, options.frames.samples, std::move(content.representation),
+      backend.sky, backend.renderer);
   if (!source)
     return source.error().where.starts_with("--") ? source.error()
                                                   : Error{options.scene, source.error().reason};
@@ -288,23 +291,11 @@ Result<> render_file(RenderCommand options) {
       return known;
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
+  Result<std::unique_ptr<gl::Context>> context =
+      open_opengl({&options.method, 1}, options.frames.samples, options.methods);
+  if (!context) return context.error();
   StoredBackend backend;
-  Error missing;
-  if (options.methods.draw != "software") {
-    Result<std::unique_ptr<gl::Context>> context = gl::Context::create();
-    if (context)
-      backend.context = std::move(*context);
-    else
-      missing = context.error();
-  }
-  const Result<bool> software = draws_by_software(
-      options.method, options.methods, options.frames.samples, backend.context != nullptr, missing);
-  if (!software) return software.error();
-  if (!*software) {
-    Result<SceneRenderer> made = SceneRenderer::create(backend.sky);
-    if (!made) return made.error();
-    backend.renderer.emplace(std::move(*made));
-  }
+  backend.context = std::move(*context);
   return content->kind ? render_representation(options, std::move(*content), backend)
                        : render_pictures(options, content->frame, backend);
 }

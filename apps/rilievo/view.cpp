@@ -339,8 +339,7 @@ Result<> view_file(const ViewCommand& options) {
   const auto window = open_window(options);
   if (!window) return window.error();
   const Scene nothing;
-  Result<SceneRenderer> sky = SceneRenderer::create(nothing);
-  if (!sky) return sky.error();
+  std::optional<SceneRenderer> sky;
   Subject subject{bounds, *plan, kind_method_names(kind), {}, nullptr, vantage};
   subject.make_source = [&](const std::string& method,
                             const MethodOptions& with) -> Result<std::unique_ptr<FrameSource>> {
@@ -349,12 +348,8 @@ Result<> view_file(const ViewCommand& options) {
       content = open_representation(options.scene);
       if (!content) return content.error();
     }
-    const Result<bool> software = draws_by_software(method, with, options.frames.samples, true, {});
-    if (!software) return software.error();
-    if (*software)
-      return make_software_stored_source(method, with, options.frames.samples,
-                                         std::move(content->representation), nothing);
-    return make_stored_source(method, with, std::move(content->representation), *sky);
+    return make_file_source(method, with, options.frames.samples,
+                            std::move(content->representation), nothing, sky);
   };
   return Viewer(options, subject, **window).run();
 }

@@ -13,8 +13,21 @@
 namespace rilievo {
 namespace {
 
-// As an atlas on the GPU has it, so that both choose the same pictures.
-constexpr int kLargestPicture = 1024;
+// Texels a side of the largest picture, as an atlas on the GPU has it, so that both choose the same
+// pictures; smaller where a large capture buffer would leave no room for pictures.
+constexpr int kLargestPicture = 1024, kLargestOfLittle = kLargestPicture * 7 / 16;
+
+std::size_t capture_bytes(int size, const ImageCacheOptions& options) {
+  return RasterSource::bytes(size, options.samples);
+}
+// At least as much again is for pictures.
+std::size_t least_bytes(int size, const ImageCacheOptions& options) {
+  return 2 * capture_bytes(size, options);
+}
+int largest_picture(const ImageCacheOptions& options) {
+  return options.max_bytes < least_bytes(kLargestPicture, options) ? kLargestOfLittle
+                                                                   : kLargestPicture;
+}
 // Rows are padded (memory_nailboard.h); colours and codes take six bytes.
 constexpr int kRowPadding = 16;
 constexpr std::size_t kTexelBytes = 6;
@@ -30,16 +43,14 @@ class MemoryCache::Store final : public CachePictures {
       : samples_(options.samples),
         source_(placed),
         delta_bits_(options.delta_bits),
-        max_bytes_(options.max_bytes - capture_bytes(options)),
+        largest_(largest_picture(options)),
+        max_bytes_(options.max_bytes - capture_bytes(largest_, options)),
         pictures_(options.depth_mode) {}
 
-  [[nodiscard]] static std::size_t capture_bytes(const ImageCacheOptions& options) {
-    return RasterSource::bytes(kLargestPicture, options.samples);
-  }
   [[nodiscard]] MemoryNailboardSet& pictures() override { return pictures_; }
   [[nodiscard]] const MemoryNailboard& picture(std::uint32_t slot) const { return *slots_[slot]; }
 
-  [[nodiscard]] int max_picture_size() const override { return kLargestPicture; }
+  [[nodiscard]] int max_picture_size() const override { return largest_; }
   [[nodiscard]] int texel_cell() const override { return 2 * kRowPadding; }
   [[nodiscard]] std::uint64_t max_texels() const override { return max_bytes_ / kTexelBytes; }
   [[nodiscard]] std::size_t bytes() const override { return bytes_; }
@@ -107,7 +118,7 @@ class MemoryCache::Store final : public CachePictures {
 
   int samples_;
   RasterSource source_;
-  int delta_bits_;
+  int delta_bits_, largest_;
   std::size_t max_bytes_, bytes_ = 0, pooled_ = 0;
   MemoryNailboardSet pictures_;
   std::vector<std::unique_ptr<MemoryNailboard>> slots_;  // they stay where they are
@@ -131,8 +142,7 @@ Result<> MemoryCache::check(const ImageCacheOptions& options) {
     return Error{"cache", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
   if (options.capture_by == CaptureBy::opengl)
     return Error{"cache", "OpenGL's captures need frames drawn by OpenGL"};
-  // As much again, for pictures.
-  const std::size_t least = 2 * Store::capture_bytes(options);
+  const std::size_t least = least_bytes(kLargestOfLittle, options);
   if (options.max_bytes < least)
     return Error{"cache", "the memory for pictures must be at least " +
                               std::to_string((least >> 20) + 1) + " MB"};

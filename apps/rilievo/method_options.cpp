@@ -1,0 +1,127 @@
+#include "apps/rilievo/method_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "apps/rilievo/checks.h"
+#include "apps/rilievo/machine.h"
+#include "rilievo/representation/kinds.h"
+
+namespace rilievo::app {
+namespace {
+
+std::vector<std::string_view> surroundings_kinds() {
+  std::vector<std::string_view> names;
+  for (const Kind* kind : kinds())
+    if (kind->stands_for == StandsFor::surroundings) names.push_back(kind->name);
+  return names;
+}
+
+}  // namespace
+
+void add_method_options(CLI::App& command, MethodOptions& options) {
+  command
+      .add_option("--delta-bits", options.delta_bits,
+                  "Bits of a picture's depth (Delta) per texel (default 8)")
+      ->check(CLI::IsMember({2, 4, 6, 8, 16}));
+  command.add_option("--depth", options.depth, "How nailboards write depth (default exact)")
+      ->check(CLI::IsMember({"exact", "linear"}));
+  command.add_flag("--outlines", options.outlines,
+                   "Outline everything that is drawn from a picture");
+  command
+      .add_option(
+          "--draw", options.draw,
+          "What draws the frames: opengl, software (without OpenGL: cache, direct-raster, lod, "
+          "relief-impostor, kinds, files), or automatic: software where OpenGL runs "
+          "on processors or is missing (default)")
+      ->check(CLI::IsMember({"opengl", "software", "automatic"}));
+  command
+      .add_option(
+          "--angle", options.angle_degrees,
+          "flat, nailboard: capture a picture again after its object has moved by this angle, as "
+          "seen from the eye (default 0.7)")
+      ->check(in_range(0.0, 90.0))
+      ->type_name("DEGREES");
+  command
+      .add_option("--memory-mb", options.memory_mb,
+                  "Limit on the memory for pictures (default 256)")
+      ->check(in_range(1, 65536))
+      ->type_name("MB");
+  command
+      .add_option(
+          "--error-px", options.error_px,
+          "cache, lod: the largest position error of a picture or a level, in pixels (default 1)")
+      ->check(in_range(0.01, 100.0))
+      ->type_name("E");
+  command
+      .add_option(
+          "--gap-px", options.gap_px,
+          "cache: the largest width of a gap where a surface was hidden at capture, in pixels "
+          "(default twice --error-px)")
+      ->check(in_range(0.01, 1e6))
+      ->type_name("E");
+  command
+      .add_option("--capture-ms", options.capture_ms,
+                  "cache: time for captures per frame, in ms; what is late is drawn with a larger "
+                  "error (default: a "
+                  "budget of triangles instead, which makes runs repeatable)")
+      ->check(in_range(0.1, 1000.0))
+      ->type_name("T");
+  command
+      .add_option("--max-spike", options.max_spike,
+                  fmt::format("cache: how many times as much as the frames before one may cost, "
+                              "by the costs of --machine; after a cut, what costs more is coarse "
+                              "for some frames, with a larger error (0: no limit; default {:g})",
+                              options.max_spike))
+      ->check(in_range(0.0, 1000.0))
+      ->type_name("X");
+  command
+      .add_option(
+          "--bake-mb", options.bake_mb,
+          "cache: the part of --memory-mb for representations of heavy objects (--bake-as), baked "
+          "before the first frame; they carry the light of the bake along (default 0)")
+      ->check(in_range(0, 65536))
+      ->type_name("MB");
+  add_machine_option(command, "cache", options.machine);
+  command.add_flag("--levels", options.levels,
+                   "cache without OpenGL: draw and capture objects that stand still by levels of "
+                   "detail, whose bounded error is part of --error-px");
+  command.add_flag("--bake-together", options.bake_together,
+                   "cache: bake all objects that stand still as one, a thing of many parts");
+  command.add_flag("!--no-fade", options.fade, "cache: new pictures replace old ones at once");
+  command
+      .add_option("--texel-px", options.texel_px,
+                  "Baked kinds: draw an object as polygons if its texels would be larger than this "
+                  "(default 4)")
+      ->check(in_range(0.01, 10000.0))
+      ->type_name("PIXELS");
+  command
+      .add_option("--bake-as", options.bake_as,
+                  fmt::format("cache: the kinds to bake into --bake-mb (default {})",
+                              fmt::join(options.bake_as, ",")))
+      ->delimiter(',')
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            return kind_method(name).kind
+                       ? std::string()
+                       : fmt::format("'{}' is no kind: {}", name, fmt::join(kind_names(), ", "));
+          },
+          ""))
+      ->type_name("A,B,...");
+  command
+      .add_option("--bake-beyond", options.bake_beyond,
+                  fmt::format("cache: kinds of surroundings ({}) stand for what lies farther from "
+                              "the path than this (default a tenth of the scene's radius)",
+                              fmt::join(surroundings_kinds(), ", ")))
+      ->check(in_range(0.0, 1e9))
+      ->type_name("METRES");
+  add_impostor_options(command, options.impostors);
+  add_kind_options(command, KindOptionsOf::draw, options.kinds);
+  add_kind_options(command, KindOptionsOf::bake, options.kinds);
+}
+
+DepthMode depth_mode(const MethodOptions& options) {
+  return options.depth == "linear" ? DepthMode::linear : DepthMode::exact;
+}
+
+}  // namespace rilievo::app
