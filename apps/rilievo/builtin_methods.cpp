@@ -6,6 +6,7 @@
 #include "apps/rilievo/cache_source.h"
 #include "rilievo/cache/cpu/memory_picture_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/cache/impostor_chooser.h"
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/cpu/software_level_frames.h"
 #include "rilievo/frame/gl/level_frames.h"

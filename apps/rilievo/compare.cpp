@@ -44,7 +44,7 @@ struct CompareCommand {
 };
 
 // Direct drawing is always there, and first: it draws the true frames. Without OpenGL, and where
-// something bends by time, the rasteriser does.
+// something bends by time, the rasteriser does; with it, OpenGL, even where it runs on processors.
 std::vector<std::string> with_direct(const std::vector<std::string>& methods, bool raster) {
   std::vector<std::string> all{raster ? "direct-raster" : "direct"};
   for (const std::string& method : methods)
@@ -64,7 +64,7 @@ void print_summary(const Report& report) {
     std::vector<double> ms;
     for (const FrameResult& frame : method.frames) ms.push_back(frame.frame_ms);
     const Summary time = method.walked_ms ? *method.walked_ms : summarize(ms);
-    print("{:<12}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
+    print("{:<16}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
           time.p50, time.p99, mean_of(&FrameResult::psnr_db), mean_of(&FrameResult::ssim),
           mean_of(&FrameResult::flip), 100 * mean_of(&FrameResult::wrong_visibility),
           method.captures);
@@ -104,8 +104,7 @@ Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, Fra
   for (const MethodResult& method : report.methods) {
     // Its polygons are others, and show their own positions where they lie.
     if (method.name == "lod" || (method.name == "cache" && options.method_options.levels)) continue;
-    Result<std::unique_ptr<FrameSource>> source =
-        source_of(method.name, of_coded, coded, renderer);
+    Result<std::unique_ptr<FrameSource>> source = source_of(method.name, of_coded, coded, renderer);
     if (!source) return source.error();
     sources.push_back(std::move(*source));
     compared.push_back({method.name, sources.back().get()});
@@ -185,8 +184,8 @@ Result<> run_compare(CompareCommand options) {
         "The scene bends by time, which OpenGL's polygons do not show: the true "
         "frames are direct-raster's, by software.");
   if (options.drawn_error)
-    if (Result<> done = add_drawn_errors(options, opened->scene, *sources[0], walk, compare_options,
-                                         *report);
+    if (Result<> done =
+            add_drawn_errors(options, opened->scene, *sources[0], walk, compare_options, *report);
         !done)
       return done;
   progress.clear();
@@ -244,6 +243,7 @@ Result<std::unique_ptr<gl::Context>> choose_drawing(CompareCommand& options) {
     if (options.method_options.draw != "software" ||
         !needs_opengl(method, options.method_options, samples))
       options.methods.push_back(method);
+  if (options.methods.empty()) options.methods = options.file_methods;  // refused by their sources
   return context;
 }
 
@@ -265,7 +265,8 @@ Command compare_command(CLI::App& app) {
   command
       ->add_option(
           "--methods", options->methods,
-          "Besides direct: " + fmt::format("{}", fmt::join(method_names(), ", ")) +
+          "Besides direct (without OpenGL direct-raster), which draws the true frames: " +
+              fmt::format("{}", fmt::join(method_names(), ", ")) +
               " (default flat,nailboard,cache; for a file those of its kind). With "
               "relief-impostor or direct-raster, skins and morph targets move by time, and "
               "the rasteriser draws the true frames; the other methods show them as at 0")

@@ -1,8 +1,8 @@
 // Which methods draw a scene, or the contents of a file, and who draws them: OpenGL, or software?
 //
-// MethodOptions::draw decides. `automatic` is software where OpenGL runs on processors or is missing;
-// but `direct` is OpenGL's where there is one, as is a kind of representation that is baked of a
-// scene.
+// MethodOptions::draw decides. `automatic` is software where OpenGL runs on processors or is
+// missing; but `direct` is OpenGL's where there is one, as is a kind of representation that is
+// baked of a scene.
 #pragma once
 
 #include <memory>
@@ -59,8 +59,8 @@ namespace rilievo::app {
 // Makes `renderer` if it is empty. Needs a current OpenGL context; `scene` must outlive it.
 [[nodiscard]] Result<> make_renderer(const Scene& scene, std::optional<SceneRenderer>& renderer);
 
-// The same after open_opengl(). Makes `renderer` if it is empty and the source needs it; `scene` and
-// `renderer` must outlive the source.
+// The same after open_opengl(). Makes `renderer` if it is empty and the source needs it; `scene`
+// and `renderer` must outlive the source.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_scene_source(
     const std::string& method, const MethodOptions& options, int samples, const Scene& scene,
     std::optional<SceneRenderer>& renderer);

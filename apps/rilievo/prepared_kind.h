@@ -9,6 +9,7 @@
 #include "apps/rilievo/progress.h"
 #include "rilievo/kind/kind.h"
 #include "rilievo/representation/bake_objects.h"
+#include "rilievo/representation/drawable_rows.h"
 
 namespace rilievo::app {
 

@@ -204,8 +204,8 @@ Result<> render_scene(const RenderCommand& options) {
       open_opengl({&options.method, 1}, options.frames.samples, methods);
   if (!context) return context.error();
   std::optional<SceneRenderer> renderer;
-  Result<std::unique_ptr<FrameSource>> source = make_scene_source(
-      options.method, methods, options.frames.samples, opened->scene, renderer);
+  Result<std::unique_ptr<FrameSource>> source =
+      make_scene_source(options.method, methods, options.frames.samples, opened->scene, renderer);
   if (!source) return source.error();
   const Walk walk{*plan, {}, options.time};
   if (options.loop_seconds > 0) return loop(options, walk, **source);
@@ -270,9 +270,9 @@ Result<> render_representation(const RenderCommand& options, PictureFileContent 
                                StoredBackend& backend) {
   const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
-  Result<std::unique_ptr<FrameSource>> source = make_file_source(
-      options.method, options.methods, options.frames.samples, std::move(content.representation),
-      backend.sky, backend.renderer);
+  Result<std::unique_ptr<FrameSource>> source =
+      make_file_source(options.method, options.methods, options.frames.samples,
+                       std::move(content.representation), backend.sky, backend.renderer);
   if (!source)
     return source.error().where.starts_with("--") ? source.error()
                                                   : Error{options.scene, source.error().reason};

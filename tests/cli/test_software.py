@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""Frames without OpenGL from the command line: on a machine that has none, and beside OpenGL's.
+
+    test_software.py PATH/TO/rilievo [unittest arguments]
+"""
+
+import json
+import os
+import unittest
+
+import command
+from command import SMALL, TEAPOTS, files_below
+
+BAKED = {"layered-impostor": ("--views", "12", "--size", "48"),
+         "layered-relief": ("--size", "64", "--textures", "6")}
+
+
+class NoOpenGL(command.Case):
+    """As on a machine whose EGL finds no driver."""
+
+    def setUp(self):
+        super().setUp()
+        self.none = {"env": {**os.environ, "__EGL_VENDOR_LIBRARY_FILENAMES": "/nonexistent"}}
+        out = ("render", TEAPOTS, *SMALL, "-o", self.folder / "refused")
+        if command.run(*out, "--draw", "opengl", **self.none).returncode == 0:
+            self.skipTest("this EGL does not choose its driver by the variable")
+        self.refused((*out, "--draw", "opengl"), "EGL", **self.none)
+
+    def compared(self, *arguments):
+        done = self.succeeds("compare", *arguments, *SMALL, "-o", self.folder / "report", "--json",
+                             "-", **self.none)
+        return json.loads(done.stdout)
+
+    def test_every_method_that_needs_none_draws_a_scene(self):
+        methods = ["direct", "direct-raster", "direct-rays", "lod", "flat", "nailboard", "cache"]
+        for method in methods:
+            for draw in "automatic", "software":
+                done = self.succeeds("render", TEAPOTS, "--method", method, "--draw", draw, *SMALL,
+                                     "-o", self.folder / method / draw, "--json", "-", **self.none)
+                self.assertEqual(json.loads(done.stdout)["draw"], "software")
+            frames = [files_below(self.folder / method / draw) for draw in ("automatic", "software")]
+            self.assertEqual(len(frames[0]), 3)
+            self.assertEqual(frames[0], frames[1])
+        self.refused(("render", TEAPOTS, "--method", "layered-slices", *SMALL, "-o",
+                      self.folder / "none"), "EGL", **self.none)
+
+    def test_methods_are_compared_with_the_rasteriser_s_frames(self):
+        report = self.compared(TEAPOTS)
+        self.assertEqual(list(report["methods"]), ["direct-raster", "flat", "nailboard", "cache"])
+        self.assertEqual(report["machine"]["gl_renderer"], "none")
+        self.assertGreater(report["methods"]["nailboard"]["psnr_db"]["min"], 30)
+        report = self.compared(TEAPOTS, "--methods", "direct-rays,nailboard", "--drawn-error")
+        self.assertGreater(report["methods"]["direct-rays"]["psnr_db"]["min"], 45)
+        self.assertEqual(report["methods"]["direct-rays"]["wrong_visibility"]["max"], 0)
+
+    def test_a_file_is_compared_with_its_scene(self):
+        for kind, options in BAKED.items():
+            file = self.folder / (kind + ".exr")
+            self.succeeds("bake", TEAPOTS, "--as", kind, *options, "-o", file, **self.none)
+            report = self.compared(file, "--scene", TEAPOTS)
+            self.assertEqual(list(report["methods"]), ["direct-raster", kind])
+            self.assertGreater(report["methods"][kind]["psnr_db"]["min"], 15)
+
+
+class Software(command.Case):
+    """Asked for where OpenGL may be there as well."""
+
+    def test_a_file_looks_the_same_by_both(self):
+        file = self.folder / "relief.exr"
+        self.succeeds("bake", TEAPOTS, "--as", "layered-relief", *BAKED["layered-relief"], "-o", file)
+        psnr = {}
+        for draw in "opengl", "software":
+            done = self.succeeds("compare", file, "--scene", TEAPOTS, "--draw", draw, *SMALL, "-o",
+                                 self.folder / draw, "--json", "-")
+            psnr[draw] = json.loads(done.stdout)["methods"]["layered-relief"]["psnr_db"]["mean"]
+        # Each against its own true frames, which differ where triangles are smaller than pixels.
+        self.assertAlmostEqual(psnr["opengl"], psnr["software"], delta=1)
+
+    def test_slices_are_refused(self):
+        self.refused(("compare", TEAPOTS, "--methods", "layered-slices", "--draw", "software", "-o",
+                      self.folder / "none"), "--draw", "slices")
+
+
+if __name__ == "__main__":
+    command.main()
