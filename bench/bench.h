@@ -21,8 +21,8 @@ struct BenchOptions {
   bool full = false;
   // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
   std::string capture;
-  // What draws frames, for `real` (the cache's), `decoupling` and `program-walk`: opengl, software,
-  // or automatic, which is software where OpenGL runs on processors.
+  // What draws frames, where a bench leaves it open (of `real`, the cache's): opengl, software, or
+  // automatic, which is software where OpenGL runs on processors; never automatic without OpenGL.
   std::string draw = "automatic";
   // For `program-walk`: who shades, raytrace, sdf:NAME or exec:PROGRAM; empty: raytrace.
   std::string shader;
@@ -40,10 +40,17 @@ struct BenchOptions {
   std::function<void(int done, int total)> progress;
 };
 
+// What does a bench need to run?
+enum class Needs {
+  nothing,
+  opengl,      // a current OpenGL context
+  as_it_draws  // one unless BenchOptions::draw is software
+};
+
 struct Bench {
   std::string_view name;
   std::string_view question;
-  bool needs_gl = true;  // run with an OpenGL context current
+  Needs needs = Needs::opengl;
   Result<BenchReport> (*run)(const BenchOptions&) = nullptr;
 };
 

@@ -10,23 +10,17 @@
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_chosen_frames.h"
-#include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/gl/context.h"
 #include "rilievo/nailboard/cpu/memory_boards.h"
 
 namespace rilievo::bench {
 
-bool draws_by_software(const BenchOptions& options) {
-  return options.draw == "software" || (options.draw == "automatic" && gl::is_software());
-}
-
-Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer, ImpostorContent content,
-                                       const ImpostorFramesOptions& options, int samples,
-                                       bool software) {
+Result<ImpostorDrawer> impostor_drawer(const Scene& scene, SceneRenderer* renderer,
+                                       ImpostorContent content,
+                                       const ImpostorFramesOptions& options, int samples) {
   ImpostorDrawer made;
-  if (software) {
+  if (!renderer) {
     auto frames = SoftwareChosenFrames::create(
-        renderer.scene(), samples, options.outlines,
+        scene, samples, options.outlines,
         [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
           auto chooser = std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
                                                            std::move(content), options);
@@ -37,8 +31,8 @@ Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer, ImpostorContent 
     made.frames = std::move(*frames);
     return made;
   }
-  renderer.set_time(0.0);
-  auto frames = ImpostorFrames::create(renderer, std::move(content), options);
+  renderer->set_time(0.0);
+  auto frames = ImpostorFrames::create(*renderer, std::move(content), options);
   if (!frames) return frames.error();
   made.chooser = &(*frames)->chooser();
   made.frames = std::move(*frames);
@@ -51,7 +45,7 @@ namespace {
 Result<ClockWalk> walk_frames(const TracedScene& traced, FrameSource& frames,
                               ImpostorChooser* chooser, const ClockWalkOptions& options) {
   std::optional<FrameTarget> target;
-  if (!options.software) {
+  if (!frames.software_target()) {
     Result<FrameTarget> made = FrameTarget::create(options.width, options.height, options.samples);
     if (!made) return made.error();
     target = std::move(*made);
@@ -86,7 +80,7 @@ Result<ClockWalk> walk_frames(const TracedScene& traced, FrameSource& frames,
 
 }  // namespace
 
-Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer* renderer,
                                 ImpostorContent content, const ClockWalkOptions& options) {
   ImpostorFramesOptions with{.workers = options.workers, .background = true};
   with.workers.gives_way = true;
@@ -94,18 +88,15 @@ Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& render
   // It is to be judged.
   with.workers.limits.drop = 1e3, with.workers.limits.stale_px = 1e4;
   const Result<ImpostorDrawer> drawer =
-      impostor_drawer(renderer, std::move(content), with, options.samples, options.software);
+      impostor_drawer(*traced.scene, renderer, std::move(content), with, options.samples);
   if (!drawer) return drawer.error();
   return walk_frames(traced, *drawer->frames, drawer->chooser, options);
 }
 
-Result<ClockWalk> walk_polygons_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+Result<ClockWalk> walk_polygons_by_clock(const TracedScene& traced, SceneRenderer* renderer,
                                          const ClockWalkOptions& options) {
-  std::unique_ptr<FrameSource> frames;
-  if (options.software)
-    frames = std::make_unique<SoftwareDirectFrames>(renderer.scene(), options.samples);
-  else
-    frames = std::make_unique<DirectFrames>(renderer);
+  const std::unique_ptr<FrameSource> frames =
+      polygon_drawer(*traced.scene, renderer, options.samples);
   return walk_frames(traced, *frames, nullptr, options);
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/bench.h"
+#include "bench/drawn_by.h"
 #include "bench/impostor_judge.h"
 #include "rilievo/cache/impostor_chooser.h"
 #include "rilievo/frame/frame_source.h"
@@ -21,8 +21,7 @@ struct ClockWalkOptions {
   double turn = 0.5;             // of the orbit, a second
   double pace_ms = 1000.0 / 30;  // frames are not drawn faster
   int width = 640, height = 360, samples = 4;
-  int kept = 8;           // frames to be judged
-  bool software = false;  // frames are drawn by the rasteriser, not by OpenGL
+  int kept = 8;  // frames to be judged
   WorkerOptions workers = {};
   // The last picture there was, coarse or not; may be empty.
   std::function<std::optional<DepthImage>()> last = {};
@@ -42,30 +41,26 @@ struct ClockWalk {
   int shown = 0, frames = 0;
 };
 
-// As BenchOptions::draw says, in the current OpenGL context.
-[[nodiscard]] bool draws_by_software(const BenchOptions& options);
-
 // Frames with impostors, and who chooses them.
 struct ImpostorDrawer {
   std::unique_ptr<FrameSource> frames;
   ImpostorChooser* chooser = nullptr;  // of `frames`
 };
-// Drawn by the rasteriser or by OpenGL, of the renderer's scene at time 0. `renderer` must outlive
-// the frames.
-[[nodiscard]] Result<ImpostorDrawer> impostor_drawer(SceneRenderer& renderer,
+// Of the scene at time 0. `renderer` is make_renderer()'s, and must outlive the frames.
+[[nodiscard]] Result<ImpostorDrawer> impostor_drawer(const Scene& scene, SceneRenderer* renderer,
                                                      ImpostorContent content,
                                                      const ImpostorFramesOptions& options,
-                                                     int samples, bool software);
+                                                     int samples);
 
-// Walks. Whatever there is of the impostor is shown, never polygons. Needs a current OpenGL
-// context unless frames are drawn by software.
-[[nodiscard]] Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer& renderer,
+// Walks. Whatever there is of the impostor is shown, never polygons. `renderer` is
+// make_renderer()'s, of the traced scene.
+[[nodiscard]] Result<ClockWalk> walk_by_clock(const TracedScene& traced, SceneRenderer* renderer,
                                               ImpostorContent content,
                                               const ClockWalkOptions& options);
 
 // The same without an impostor, all polygons: what frame times vary by without any worker.
 [[nodiscard]] Result<ClockWalk> walk_polygons_by_clock(const TracedScene& traced,
-                                                       SceneRenderer& renderer,
+                                                       SceneRenderer* renderer,
                                                        const ClockWalkOptions& options);
 
 // How many latencies lie below 50 ms, 100 ms, ...

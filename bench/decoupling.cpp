@@ -12,8 +12,6 @@
 #include "bench/slow_source.h"
 #include "bench/stale_parts.h"
 #include "rilievo/compare/drawn_frame.h"
-#include "rilievo/frame/cpu/software_frames.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
 
@@ -32,9 +30,7 @@ std::string decibels(double db) { return fmt::format("{:.1f}", db); }
 // --- Staleness: the same eye, shown by pictures of earlier ones.
 
 Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchReport& report) {
-  Result<ImpostorJudge> judge =
-      ImpostorJudge::create(traced, kFrameWidth, kFrameHeight, kFrameSamples);
-  if (!judge) return judge.error();
+  ImpostorJudge judge(traced, kFrameWidth, kFrameHeight, kFrameSamples);
   Table table{
       "How right are pictures that are not fresh? " + traced.name,
       {"age ms", "turned by", "warped PSNR", "SSIM", "FLIP", "as one plane PSNR", "SSIM", "FLIP"},
@@ -50,18 +46,17 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
       const double angle = 2 * std::numbers::pi * i / eyes;
       const Camera now = orbit_camera(traced, angle, kFrameWidth, kFrameHeight);
       const auto shade_at = [&](double seconds) {
-        return judge->shade(
-            orbit_camera(traced, angle + kTurn * seconds, kFrameWidth, kFrameHeight),
-            worker_options());
+        return judge.shade(orbit_camera(traced, angle + kTurn * seconds, kFrameWidth, kFrameHeight),
+                           worker_options());
       };
       const Result<DepthImage> picture = shade_at(-age);
       if (!picture) return picture.error();
-      const Result<ImpostorQuality> a = judge->judge(warped_for(*picture, now.position()), now);
+      const Result<ImpostorQuality> a = judge.judge(warped_for(*picture, now.position()), now);
       if (!a) return a.error();
       warped.push_back(*a);
       if (i == 0)
         report.pictures.push_back({fmt::format("warped, {:.0f} ms old", 1e3 * age),
-                                   {"image/png", encode_png(judge->drawn())}});
+                                   {"image/png", encode_png(judge.drawn())}});
       if (age > 0) {
         // Pictures that come every `age`, for the eye that was; and for the eye that will be, when
         // it is in the middle between two of them, the worst place.
@@ -70,26 +65,26 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
         for (const auto* one : {&older, &half, &ahead})
           if (!*one) return one->error();
         const Result<ImpostorQuality> two =
-            judge->judge(merged_for(*picture, *older, now.position()), now);
+            judge.judge(merged_for(*picture, *older, now.position()), now);
         if (!two) return two.error();
         behind.push_back(*two);
         const Result<ImpostorQuality> both =
-            judge->judge(merged_for(*half, *ahead, now.position()), now);
+            judge.judge(merged_for(*half, *ahead, now.position()), now);
         if (!both) return both.error();
         between.push_back(*both);
         if (i == 0)
           report.pictures.push_back(
               {fmt::format("between two pictures, {:.0f} ms apart", 1e3 * age),
-               {"image/png", encode_png(judge->drawn())}});
+               {"image/png", encode_png(judge.drawn())}});
       }
-      const Result<ImpostorQuality> b = judge->judge(as_one_plane(*picture), now);
+      const Result<ImpostorQuality> b = judge.judge(as_one_plane(*picture), now);
       if (!b) return b.error();
       plane.push_back(*b);
       if (i == 0)
         report.pictures.push_back({fmt::format("as one plane, {:.0f} ms old", 1e3 * age),
-                                   {"image/png", encode_png(judge->drawn())}});
+                                   {"image/png", encode_png(judge.drawn())}});
       if (i == 0 && age == 0.5)
-        report.pictures.push_back({"traced", {"image/png", encode_png(judge->truth())}});
+        report.pictures.push_back({"traced", {"image/png", encode_png(judge.truth())}});
     }
     const ImpostorQuality w = mean_quality(warped), p = mean_quality(plane);
     table.rows.push_back(
@@ -109,7 +104,7 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
   }
   report.tables.push_back(std::move(table));
   report.tables.push_back(std::move(pairs));
-  return stale_parts(traced, *judge, kTurn, eyes, worker_options(), report);
+  return stale_parts(traced, judge, kTurn, eyes, worker_options(), report);
 }
 
 // --- S5.7: what a steady frame costs more, and how right the object is once it is refined.
@@ -118,32 +113,30 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
   const Camera camera = orbit_camera(traced, 0.4, kFrameWidth, kFrameHeight);
   Scene without = *traced.scene;
   without.objects.erase(without.objects.begin() + std::ptrdiff_t(traced.object));
-  Result<SceneRenderer> all = SceneRenderer::create(*traced.scene),
-                        rest = SceneRenderer::create(without);
+  const Result<std::unique_ptr<SceneRenderer>> all = make_renderer(*traced.scene, bench),
+                                               rest = make_renderer(without, bench);
   if (!all || !rest) return all ? rest.error() : all.error();
-  const bool software = draws_by_software(bench);
   ImpostorContentOptions content;
   content.objects = {fmt::format("#{}", traced.object)};
   Result<ImpostorContent> made = make_impostor_content(*traced.scene, 0.0, content);
   if (!made) return made.error();
-  Result<ImpostorDrawer> impostors = impostor_drawer(
-      *all, std::move(*made), {.workers = worker_options()}, kFrameSamples, software);
+  Result<ImpostorDrawer> impostors = impostor_drawer(*traced.scene, all->get(), std::move(*made),
+                                                     {.workers = worker_options()}, kFrameSamples);
   if (!impostors) return impostors.error();
-  const auto direct_frames = [&](SceneRenderer& of) -> std::unique_ptr<FrameSource> {
-    if (software) return std::make_unique<SoftwareDirectFrames>(of.scene(), kFrameSamples);
-    return std::make_unique<DirectFrames>(of);
-  };
-  const std::unique_ptr<FrameSource> direct = direct_frames(*all),
-                                     direct_rest = direct_frames(*rest);
-  Result<FrameTarget> target = FrameTarget::create(kFrameWidth, kFrameHeight, kFrameSamples);
-  if (!target) return target.error();
+  const std::unique_ptr<FrameSource> direct =
+                                         polygon_drawer(*traced.scene, all->get(), kFrameSamples),
+                                     direct_rest =
+                                         polygon_drawer(without, rest->get(), kFrameSamples);
+  FrameSource* const sources[] = {direct.get()};
+  Result<OwnTargets> targets = make_targets(sources, kFrameWidth, kFrameHeight, kFrameSamples);
+  if (!targets) return targets.error();
   std::vector<double> with_ms, without_ms, polygons_ms;
   for (int i = 0; i < (bench.quick ? 4 : 60); ++i)
     for (auto& [source, ms] :
          {std::pair<FrameSource*, std::vector<double>*>{impostors->frames.get(), &with_ms},
           {direct_rest.get(), &without_ms},
           {direct.get(), &polygons_ms}}) {
-      const Result<double> took = time_frame(*source, *target, {camera, 0});
+      const Result<double> took = time_frame(*source, targets->targets(), {camera, 0});
       if (!took) return took.error();
       if (i > 0) ms->push_back(*took);  // the first frame waits for the picture
     }
@@ -164,16 +157,14 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
   Table refined{"The object beside a full ray tracing of it, steady camera, " + traced.name,
                 {"texels a pixel", "samples a texel", "PSNR", "SSIM", "FLIP"},
                 {}};
-  Result<ImpostorJudge> judge =
-      ImpostorJudge::create(traced, kFrameWidth, kFrameHeight, kFrameSamples);
-  if (!judge) return judge.error();
+  ImpostorJudge judge(traced, kFrameWidth, kFrameHeight, kFrameSamples);
   for (const double fine : {1.0, 2.0}) {
     WorkerOptions options = worker_options();
     options.texels_per_px = fine;
     options.samples = fine > 1 ? 1 : 4;
-    const Result<DepthImage> picture = judge->shade(camera, options);
+    const Result<DepthImage> picture = judge.shade(camera, options);
     if (!picture) return picture.error();
-    const Result<ImpostorQuality> q = judge->judge(warped_for(*picture, camera.position()), camera);
+    const Result<ImpostorQuality> q = judge.judge(warped_for(*picture, camera.position()), camera);
     if (!q) return q.error();
     refined.rows.push_back({fmt::format("{:.0f}", fine), std::to_string(options.samples),
                             decibels(q->psnr_db), fmt::format("{:.4f}", q->ssim),
@@ -186,25 +177,24 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
 
 // --- A walk by the clock, with a tracer that is slower and slower.
 
-ClockWalkOptions walk_options(double seconds, bool software) {
+ClockWalkOptions walk_options(double seconds) {
   ClockWalkOptions walk;
   walk.seconds = seconds, walk.turn = kTurn;
   walk.width = kWalkWidth, walk.height = kWalkHeight, walk.samples = kFrameSamples;
-  walk.software = software;
   walk.workers = worker_options();
   return walk;
 }
 
 // With a tracer that is `factor` times as slow.
-Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer& renderer,
-                                        double factor, bool busy, double seconds, bool software) {
+Result<ClockWalk> walk_with_slow_tracer(const TracedScene& traced, SceneRenderer* renderer,
+                                        double factor, bool busy, double seconds) {
   ImpostorContentOptions options;
   options.objects = {fmt::format("#{}", traced.object)};
   Result<ImpostorContent> content = make_impostor_content(*traced.scene, 0.0, options);
   if (!content) return content.error();
   SlowSource slow(*content->shaders[0], factor, busy);
   content->sources[0] = std::make_unique<KeptSource>(slow, nullptr, KeptOptions{});
-  ClockWalkOptions walk = walk_options(seconds, software);
+  ClockWalkOptions walk = walk_options(seconds);
   walk.last = [&] { return slow.last(); };
   return walk_by_clock(traced, renderer, std::move(*content), walk);
 }
@@ -223,11 +213,9 @@ double copy_ms(std::size_t texels) {
 }
 
 Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchReport& report) {
-  Result<SceneRenderer> renderer = SceneRenderer::create(*traced.scene);
+  const Result<std::unique_ptr<SceneRenderer>> renderer = make_renderer(*traced.scene, bench);
   if (!renderer) return renderer.error();
-  Result<ImpostorJudge> judge =
-      ImpostorJudge::create(traced, kWalkWidth, kWalkHeight, kFrameSamples);
-  if (!judge) return judge.error();
+  ImpostorJudge judge(traced, kWalkWidth, kWalkHeight, kFrameSamples);
   Table table{"The tracer made slower; the eye turns by 30 degrees a second, " + traced.name,
               {"times slower", "by", "frames", "p50 ms", "p99 ms", "p99 / p50", "pictures",
                "coarse", "given up", "shown %", "PSNR", "one plane", "needed to shown, ms"},
@@ -235,7 +223,7 @@ Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchR
   const double seconds = bench.quick ? 1 : bench.full ? 30 : 8;
   // What the tracer and its worker are not to blame for.
   const Result<ClockWalk> polygons =
-      walk_polygons_by_clock(traced, *renderer, walk_options(seconds, draws_by_software(bench)));
+      walk_polygons_by_clock(traced, renderer->get(), walk_options(seconds));
   if (!polygons) return polygons.error();
   const Summary alone = summarize(polygons->frame_ms);
   table.rows.push_back({"no tracer: polygons", "", std::to_string(polygons->frames),
@@ -247,19 +235,19 @@ Result<> slow_walks(const TracedScene& traced, const BenchOptions& bench, BenchR
     for (const double factor : {1.0, 10.0, 50.0}) {
       if (bench.quick && (busy || factor == 10)) continue;
       const Result<ClockWalk> walk =
-          walk_with_slow_tracer(traced, *renderer, factor, busy, seconds, draws_by_software(bench));
+          walk_with_slow_tracer(traced, renderer->get(), factor, busy, seconds);
       if (!walk) return walk.error();
       std::vector<ImpostorQuality> shown, plane;
       std::size_t texels = 0;
       for (const KeptFrame& kept : walk->kept) {
         if (!kept.board.color.empty()) {
-          const Result<ImpostorQuality> q = judge->judge(kept.board, kept.camera);
+          const Result<ImpostorQuality> q = judge.judge(kept.board, kept.camera);
           if (!q) return q.error();
           shown.push_back(*q);
           texels = kept.board.color.size();
         }
         if (kept.last) {
-          const Result<ImpostorQuality> q = judge->judge(as_one_plane(*kept.last), kept.camera);
+          const Result<ImpostorQuality> q = judge.judge(as_one_plane(*kept.last), kept.camera);
           if (!q) return q.error();
           plane.push_back(*q);
         }

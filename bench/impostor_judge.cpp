@@ -7,7 +7,7 @@
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
-#include "rilievo/nailboard/gl/atlas_boards.h"
+#include "rilievo/nailboard/cpu/memory_boards.h"
 #include "rilievo/relief_impostor/impostor_warp.h"
 #include "rilievo/relief_impostor/merge_warps.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -93,15 +93,11 @@ ImpostorQuality mean_quality(const std::vector<ImpostorQuality>& all) {
   return {mean.psnr_db / count, mean.ssim / count, mean.flip / count};
 }
 
-Result<ImpostorJudge> ImpostorJudge::create(const TracedScene& traced, int width, int height,
-                                            int samples) {
-  Result<FrameTarget> target = FrameTarget::create(width, height, samples);
-  if (!target) return target.error();
-  Result<std::unique_ptr<AtlasBoards>> boards = AtlasBoards::create();
-  if (!boards) return boards.error();
-  return ImpostorJudge(traced, std::move(*target),
-                       std::make_unique<ImpostorDrawable>(std::move(*boards), 1));
-}
+ImpostorJudge::ImpostorJudge(const TracedScene& traced, int width, int height, int samples)
+    : traced_(&traced),
+      target_(width, height, samples),
+      drawable_(std::make_unique<ImpostorDrawable>(std::make_unique<MemoryBoards>(), 1)),
+      truth_objects_{traced.object} {}
 
 Result<DepthImage> ImpostorJudge::shade(const Camera& seen_from, const WorkerOptions& options) {
   RayTracer tracer(*traced_->rays);
@@ -132,22 +128,23 @@ Result<ImpostorQuality> ImpostorJudge::judge(const Prewarped& board, const Camer
     truth_premultiplied_ = make_nailboard(captured->picture, 16).color;
     truth_camera_ = camera;
   }
-  target_.begin();
+  std::vector<const TileDrawer*> drawers;
   if (!board.color.empty()) {
     EncodedPiece encoded;
     encode_prewarped(board, {0, 0, board.width(), board.height()}, encoded);
     ImpostorFrame frame;
     frame.board = &board, frame.encoded = &encoded, frame.board_number = ++number_;
     drawable_->begin();
-    if (!drawable_->show(0, frame)) return Error{traced_->name, "has no room on the GPU"};
+    if (!drawable_->show(0, frame)) return Error{traced_->name, "has no room"};
     const Instance instance{glm::dmat4(1.0), 0, traced_->object + 1};
     drawable_->draw(camera, {&instance, 1}, Output::color);
+    drawers.push_back(drawable_->tiles());
   }
-  target_.resolve();
+  target_.draw(camera.z_far, drawers);
   crop_ = around(truth_premultiplied_);
   if (crop_.z - crop_.x < 16 || crop_.w - crop_.y < 16)
     return Error{traced_->name, "is not in view"};
-  drawn_ = cropped(target_.read(), crop_);
+  drawn_ = cropped(target_.color(), crop_);
   truth_ = cropped(truth_premultiplied_, crop_);
   return ImpostorQuality{psnr_db(drawn_, truth_), ssim(drawn_, truth_), flip(truth_, drawn_)};
 }

@@ -1,7 +1,6 @@
 // How right is a relief impostor in a frame, beside a full ray tracing of its object?
 //
-// Each is drawn alone, over black, and compared in the rectangle around the object. Needs a current
-// OpenGL context.
+// Each is drawn alone, over black, without OpenGL, and compared in the rectangle around the object.
 #pragma once
 
 #include <memory>
@@ -10,7 +9,7 @@
 
 #include "rilievo/relief_impostor/impostor_drawable.h"
 #include "rilievo/relief_impostor/ray_tracer.h"
-#include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo::bench {
@@ -40,8 +39,7 @@ struct ImpostorQuality {
 // Draws and compares.
 class ImpostorJudge {
  public:
-  [[nodiscard]] static Result<ImpostorJudge> create(const TracedScene& traced, int width,
-                                                    int height, int samples);
+  ImpostorJudge(const TracedScene& traced, int width, int height, int samples);
   // The picture that a worker would make.
   [[nodiscard]] Result<DepthImage> shade(const Camera& seen_from, const WorkerOptions& options);
   // The truth is what `source` shows of `objects` with so many samples, instead of the object
@@ -61,15 +59,8 @@ class ImpostorJudge {
   [[nodiscard]] glm::ivec2 corner() const { return {crop_.x, crop_.y}; }
 
  private:
-  ImpostorJudge(const TracedScene& traced, FrameTarget target,
-                std::unique_ptr<ImpostorDrawable> drawable)
-      : traced_(&traced),
-        target_(std::move(target)),
-        drawable_(std::move(drawable)),
-        truth_objects_{traced.object} {}
-
   const TracedScene* traced_;
-  FrameTarget target_;
+  SoftwareTarget target_;
   std::unique_ptr<ImpostorDrawable> drawable_;
   std::uint64_t number_ = 0;
   Camera truth_camera_;

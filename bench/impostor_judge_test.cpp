@@ -4,21 +4,17 @@
 #include <gtest/gtest.h>
 
 #include "bench/stale_parts.h"
-#include "rilievo/gl/context_test_helpers.h"
 
 namespace rilievo::bench {
 namespace {
 
-class ImpostorJudgeTest : public gl::ContextTest {
+class ImpostorJudgeTest : public testing::Test {
  protected:
   void SetUp() override {
-    gl::ContextTest::SetUp();
     Result<TracedScene> made = traced_scene("builtin:teapots?triangles=20000");
     ASSERT_TRUE(made.ok());
     traced = std::make_unique<TracedScene>(std::move(*made));
-    Result<ImpostorJudge> of = ImpostorJudge::create(*traced, 1280, 720, 4);
-    ASSERT_TRUE(of.ok());
-    judge = std::make_unique<ImpostorJudge>(std::move(*of));
+    judge = std::make_unique<ImpostorJudge>(*traced, 1280, 720, 4);
   }
   std::unique_ptr<TracedScene> traced;
   std::unique_ptr<ImpostorJudge> judge;

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "bench/drawn_by.h"
+#include "rilievo/cache/cpu/memory_picture_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -28,10 +31,26 @@ Rgba8Image middle_of(const Rgba8Image& frame) {
 
 Result<Rgba8Image> picture_of(FrameSource& source, const WalkFrame& frame,
                               const CompareOptions& options) {
-  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
-  if (!target) return target.error();
-  if (const Result<double> ms = time_frame(source, *target, frame); !ms) return ms.error();
-  return middle_of(target->read());
+  FrameSource* const sources[] = {&source};
+  Result<OwnTargets> targets =
+      make_targets(sources, options.width, options.height, options.samples);
+  if (!targets) return targets.error();
+  if (const Result<double> ms = time_frame(source, targets->targets(), frame); !ms)
+    return ms.error();
+  return middle_of(read_frame(source, targets->targets()));
+}
+
+// `renderer`: null: software.
+Result<std::unique_ptr<FrameSource>> make_pictures(const Scene& scene, SceneRenderer* renderer,
+                                                   const PictureFramesOptions& options) {
+  if (!renderer) {
+    Result<std::unique_ptr<SoftwareChosenFrames>> made = make_memory_picture_frames(scene, options);
+    if (!made) return made.error();
+    return {std::move(*made)};
+  }
+  Result<PictureFrames> made = PictureFrames::create(*renderer, options);
+  if (!made) return made.error();
+  return {std::make_unique<PictureFrames>(std::move(*made))};
 }
 
 }  // namespace
@@ -40,7 +59,7 @@ Result<BenchReport> nailboard_bits(const BenchOptions& options) {
   const Result<BuiltinScene> built =
       make_builtin(options.quick ? "builtin:teapots?triangles=20000" : "builtin:teapots");
   if (!built) return built.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(built->scene);
+  const Result<std::unique_ptr<SceneRenderer>> renderer = make_renderer(built->scene, options);
   if (!renderer) return renderer.error();
 
   // Eyes from all along the path; each frame's pictures are its own.
@@ -62,15 +81,16 @@ Result<BenchReport> nailboard_bits(const BenchOptions& options) {
     compared.push_back({std::move(name), source.get()});
     sources.push_back(std::move(source));
   };
-  add("32-bit z-buffer", std::make_unique<DirectFrames>(*renderer));
+  add("32-bit z-buffer", polygon_drawer(built->scene, renderer->get(), compare_options.samples));
   for (const int bits : kBits) {
     PictureFramesOptions pictures;
     pictures.delta_bits = bits;
     pictures.max_angle = 0;      // captured for every frame
     pictures.min_triangles = 0;  // everything is a nailboard
-    Result<PictureFrames> made = PictureFrames::create(*renderer, pictures);
+    Result<std::unique_ptr<FrameSource>> made =
+        make_pictures(built->scene, renderer->get(), pictures);
     if (!made) return made.error();
-    add(std::to_string(bits), std::make_unique<PictureFrames>(std::move(*made)));
+    add(std::to_string(bits), std::move(*made));
   }
   compare_options.progress = options.progress;
   const Result<Report> compared_report = compare(compared, walk, compare_options);

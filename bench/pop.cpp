@@ -2,30 +2,51 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+#include <utility>
+
+#include "bench/drawn_by.h"
+#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/measure/popping.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
+namespace {
+
+// `renderer`: null: software.
+Result<std::unique_ptr<FrameSource>> make_cache(const Scene& scene, SceneRenderer* renderer,
+                                                const ImageCacheOptions& options) {
+  if (!renderer) {
+    Result<std::unique_ptr<MemoryCache>> made = MemoryCache::create(scene, options);
+    if (!made) return made.error();
+    return {std::move(*made)};
+  }
+  Result<ImageCache> made = ImageCache::create(*renderer, options);
+  if (!made) return made.error();
+  return {std::make_unique<ImageCache>(std::move(*made))};
+}
+
+}  // namespace
 
 Result<BenchReport> pop(const BenchOptions& options) {
   const char* name =
       options.quick ? "builtin:forest?triangles=100000" : "builtin:forest?triangles=1000000";
   const Result<BuiltinScene> built = make_builtin(name);
   if (!built) return built.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(built->scene);
+  const Result<std::unique_ptr<SceneRenderer>> renderer = make_renderer(built->scene, options);
   if (!renderer) return renderer.error();
-  DirectFrames direct(*renderer);
-  Result<ImageCache> faded = ImageCache::create(*renderer, {});
-  if (!faded) return faded.error();
+  CompareOptions compare_options;
+  const std::unique_ptr<FrameSource> direct =
+      polygon_drawer(built->scene, renderer->get(), compare_options.samples);
   ImageCacheOptions at_once;
   at_once.fade_frames = 1;
-  Result<ImageCache> unfaded = ImageCache::create(*renderer, at_once);
-  if (!unfaded) return unfaded.error();
+  const Result<std::unique_ptr<FrameSource>> faded = make_cache(built->scene, renderer->get(), {}),
+                                             unfaded =
+                                                 make_cache(built->scene, renderer->get(), at_once);
+  if (!faded || !unfaded) return faded ? unfaded.error() : faded.error();
 
-  CompareOptions compare_options;
   compare_options.width = options.quick ? 160 : 960;
   compare_options.height = options.quick ? 90 : 540;
   compare_options.frames = options.quick ? 3 : 120;
@@ -38,7 +59,7 @@ Result<BenchReport> pop(const BenchOptions& options) {
                      time};
   };
   const ComparedSource sources[] = {
-      {"direct", &direct}, {"faded", &*faded}, {"at once", &*unfaded}};
+      {"direct", direct.get()}, {"faded", faded->get()}, {"at once", unfaded->get()}};
   const Result<Report> compared = compare(sources, walk, compare_options);
   if (!compared) return compared.error();
 
@@ -72,12 +93,12 @@ Result<BenchReport> pop(const BenchOptions& options) {
   if (frame_without > 0) report.figures.emplace_back("pop_frame_ratio", frame_with / frame_without);
   report.tables = {std::move(table)};
   report.plots = {std::move(plot)};
-  report.notes = {
-      fmt::format("{}, {} frames of {} x {}, error 1 pixel.", name, compare_options.frames,
-                  compare_options.width, compare_options.height),
-      fmt::format("A tile has {0} x {0} pixels: a picture that pops is a small part "
-                  "of the frame.",
-                  kPopTile)};
+  report.notes = {fmt::format("{}, {} frames of {} x {}, error 1 pixel, drawn by {}.", name,
+                              compare_options.frames, compare_options.width, compare_options.height,
+                              *renderer ? "OpenGL" : "software"),
+                  fmt::format("A tile has {0} x {0} pixels: a picture that pops is a small part "
+                              "of the frame.",
+                              kPopTile)};
   return report;
 }
 

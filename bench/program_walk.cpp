@@ -44,23 +44,21 @@ Result<ImpostorQuality> judge(const ClockWalk& walk, const std::string& shader,
                               double& truth_ms) {
   Result<Shown> again = show(shader);
   if (!again) return again.error();
-  Result<ImpostorJudge> judge =
-      ImpostorJudge::create(again->place, options.width, options.height, options.samples);
-  if (!judge) return judge.error();
-  judge->judge_by(*again->content.shaders[0], again->content.impostors[0].shown.objects,
-                  kTexelSamples);
+  ImpostorJudge judge(again->place, options.width, options.height, options.samples);
+  judge.judge_by(*again->content.shaders[0], again->content.impostors[0].shown.objects,
+                 kTexelSamples);
   std::vector<ImpostorQuality> all;
   for (const KeptFrame& kept : walk.kept) {
     if (kept.board.color.empty()) continue;
     const Stopwatch watch;
-    const Result<ImpostorQuality> one = judge->judge(kept.board, kept.camera);
+    const Result<ImpostorQuality> one = judge.judge(kept.board, kept.camera);
     if (!one) return one.error();
     truth_ms += watch.ms();
     all.push_back(*one);
     report.pictures.push_back(
-        {fmt::format("frame {}, shown", all.size()), {"image/png", encode_png(judge->drawn())}});
+        {fmt::format("frame {}, shown", all.size()), {"image/png", encode_png(judge.drawn())}});
     report.pictures.push_back({fmt::format("frame {}, by the shader itself", all.size()),
-                               {"image/png", encode_png(judge->truth())}});
+                               {"image/png", encode_png(judge.truth())}});
   }
   if (all.empty()) return Error{shader, "finished no picture in time"};
   truth_ms /= double(all.size());
@@ -73,15 +71,15 @@ Result<BenchReport> program_walk(const BenchOptions& options) {
   const std::string shader = options.shader.empty() ? "raytrace" : options.shader;
   Result<Shown> shown = show(shader);
   if (!shown) return shown.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(*shown->place.scene);
+  const Result<std::unique_ptr<SceneRenderer>> renderer =
+      make_renderer(*shown->place.scene, options);
   if (!renderer) return renderer.error();
   ClockWalkOptions walk_options;
   walk_options.seconds = options.quick ? 2 : options.full ? 60 : 20;
   walk_options.turn = kSlowTurn;
-  walk_options.software = draws_by_software(options);
   walk_options.workers.size = kPictureSize, walk_options.workers.samples = kTexelSamples;
   const Result<ClockWalk> walk =
-      walk_by_clock(shown->place, *renderer, std::move(shown->content), walk_options);
+      walk_by_clock(shown->place, renderer->get(), std::move(shown->content), walk_options);
   if (!walk) return walk.error();
   BenchReport report;
   double truth_ms = 0;
@@ -115,8 +113,7 @@ Result<BenchReport> program_walk(const BenchOptions& options) {
       "drawn "
       "by {}.",
       kSlowTurn * 180 / std::numbers::pi, walk_options.width, walk_options.height,
-      walk_options.pace_ms, kPictureSize, kTexelSamples,
-      walk_options.software ? "software" : "OpenGL")};
+      walk_options.pace_ms, kPictureSize, kTexelSamples, *renderer ? "OpenGL" : "software")};
   return report;
 }
 

@@ -45,22 +45,35 @@ std::string known_benches() {
   return text;
 }
 
+// The context that the bench needs; null: none. Where there is no OpenGL and `draw` leaves it open,
+// it becomes software.
+Result<std::unique_ptr<gl::Context>> open_opengl(const bench::Bench& bench, std::string& draw) {
+  std::unique_ptr<gl::Context> none;
+  const bool open = bench.needs == bench::Needs::as_it_draws;
+  if (bench.needs == bench::Needs::nothing || (open && draw == "software")) return none;
+  Result<std::unique_ptr<gl::Context>> made = gl::Context::create();
+  if (made) return made;
+  if (open && draw == "automatic") {
+    draw = "software";
+    return none;
+  }
+  return Error{fmt::format("bench {}", bench.name),
+               fmt::format("needs OpenGL, and there is none: {}", made.error().message())};
+}
+
 Result<> run_bench(const BenchCommand& options) {
   if (Result<> good = expect_outputs({options.json, options.html}); !good) return good;
   const bench::Bench& bench = *find(options.name);
-  std::unique_ptr<gl::Context> context;
-  if (bench.needs_gl) {
-    Result<std::unique_ptr<gl::Context>> made = gl::Context::create();
-    if (!made) return made.error();
-    context = std::move(*made);
-  }
+  std::string draw = options.draw;
+  const Result<std::unique_ptr<gl::Context>> context = open_opengl(bench, draw);
+  if (!context) return context.error();
   Progress progress(options.name);
   bench::BenchOptions bench_options;
   bench_options.quick = options.quick;
   bench_options.full = options.full;
   bench_options.capture = options.capture;
   bench_options.scenes = options.scenes;
-  bench_options.draw = options.draw;
+  bench_options.draw = draw;
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
   bench_options.max_spike = options.max_spike;
@@ -74,7 +87,7 @@ Result<> run_bench(const BenchCommand& options) {
   report->bench = options.name;
   report->commit = commit();
   report->machine = this_machine();
-  if (context) report->machine.gl_renderer = gl::renderer_name();
+  if (*context) report->machine.gl_renderer = gl::renderer_name();
   if (options.quick) report->notes.push_back("A quick run: the figures mean nothing.");
   if (!options.html.empty())
     if (Result<> done = write_text(options.html, bench_html(*report)); !done) return done;
@@ -139,9 +152,9 @@ Command bench_command(CLI::App& app) {
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,
-                   "For real, decoupling and program-walk: what draws frames: opengl, software, "
-                   "or automatic: software where OpenGL runs on processors (default); real times "
-                   "OpenGL beside then")
+                   "For real, decoupling, program-walk, pop and nailboard-bits: what draws frames: "
+                   "opengl, software, or automatic: software where OpenGL runs on processors or, "
+                   "but for real, is missing (default); real times OpenGL beside then")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command->add_flag("--quick", options->quick,
                     "Few cases only: a test that the benchmark runs, not a measurement");

@@ -61,6 +61,13 @@ class NoOpenGL(command.Case):
             self.assertEqual(list(report["methods"]), ["direct-raster", kind])
             self.assertGreater(report["methods"][kind]["psnr_db"]["min"], 15)
 
+    def test_benches_run_or_say_that_they_need_opengl(self):
+        for draw in "automatic", "software":
+            self.succeeds("bench", "nailboard-bits", "--quick", "--draw", draw, **self.none)
+        for bench, draw in (("draw", "automatic"), ("nailboard-bits", "opengl")):
+            self.refused(("bench", bench, "--quick", "--draw", draw), f"bench {bench}: needs OpenGL",
+                         **self.none)
+
 
 class Software(command.Case):
     """Asked for where OpenGL may be there as well."""
