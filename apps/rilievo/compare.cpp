@@ -36,7 +36,6 @@ struct CompareCommand {
   std::string scene, file, output, json, command_line;
   FileLimits limits;
   std::vector<std::string> methods;
-  std::vector<std::string> file_methods;  // of the file's kind, if no methods were named
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false, real_time = false, drawn_error = false;
@@ -226,25 +225,12 @@ Result<> settle(CompareCommand& options, const std::string& given, const std::st
   }
   const Result<PictureFileContent> content = open_representation(given);
   if (!content) return content.error();
-  if (options.methods.empty()) options.file_methods = kind_method_names(*content->kind);
+  if (options.methods.empty()) options.methods = kind_method_names(*content->kind);
   for (const std::string& method : options.methods)
     if (method != "direct" && method != "direct-raster")
       if (Result<> known = expect_method_of(*content->kind, method, "--methods"); !known)
         return known;
   return Done{};
-}
-
-// Who draws; and of a file, unless methods are named, those of its kind that can be drawn so.
-Result<std::unique_ptr<gl::Context>> choose_drawing(CompareCommand& options) {
-  const int samples = options.frames.samples;
-  Result<std::unique_ptr<gl::Context>> context =
-      open_opengl(options.methods, samples, options.method_options);
-  for (const std::string& method : options.file_methods)
-    if (options.method_options.draw != "software" ||
-        !needs_opengl(method, options.method_options, samples))
-      options.methods.push_back(method);
-  if (options.methods.empty()) options.methods = options.file_methods;  // refused by their sources
-  return context;
 }
 
 }  // namespace
@@ -298,7 +284,8 @@ Command compare_command(CLI::App& app) {
   return {command, [options, given, truth](const std::string& command_line) -> Result<> {
             options->command_line = command_line;
             if (Result<> settled = settle(*options, *given, *truth); !settled) return settled;
-            const Result<std::unique_ptr<gl::Context>> context = choose_drawing(*options);
+            const Result<std::unique_ptr<gl::Context>> context =
+                open_opengl(options->methods, options->frames.samples, options->method_options);
             if (!context) return context.error();
             return run_compare(*options);
           }};

@@ -15,19 +15,13 @@
 namespace rilievo::app {
 namespace {
 
-// Why software does not draw a kind with these options; none for what is no kind.
-std::optional<std::string> refused(const std::string& method, const MethodOptions& options) {
-  const KindMethod named = kind_method(method);
-  if (!named.kind) return std::nullopt;
-  KindOptions values = options.kinds;
-  apply(named, values);
-  const Result<OptionValues> draw = draw_values(*named.kind, values);
+// Why software does not draw a kind; none for what is no kind.
+std::optional<std::string> refused(const std::string& method) {
+  const Kind* kind = kind_method(method).kind;
+  if (!kind) return std::nullopt;
   const Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(software_drawable_rows(), named.kind->name);
-  if (!factory) return factory.error().reason;
-  if (!draw) return std::nullopt;  // the error comes when it is drawn
-  const Result<> possible = (*factory)->check(*draw);
-  return possible ? std::nullopt : std::optional<std::string>(possible.error().reason);
+      make_factory(software_drawable_rows(), kind->name);
+  return factory ? std::nullopt : std::optional<std::string>(factory.error().reason);
 }
 
 // Does `automatic` draw a scene without OpenGL though there is one? `direct` is OpenGL's baseline,
@@ -78,12 +72,12 @@ Result<> expect_method_of(const Kind& kind, const std::string& method, const std
 
 std::optional<std::string> needs_opengl(const std::string& method, const MethodOptions& options,
                                         int samples) {
-  if (auto reason = refused(method, options)) return reason;
+  if (auto reason = refused(method)) return reason;
   if (samples != 1 && samples != 4)
     return "frames drawn without OpenGL have 1 or 4 samples a pixel";
   if (options.bake_mb > 0 && method == "cache")
     for (const std::string& name : options.bake_as)
-      if (auto reason = refused(name, options)) return reason;
+      if (auto reason = refused(name)) return reason;
   return std::nullopt;
 }
 

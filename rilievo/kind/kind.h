@@ -124,8 +124,6 @@ class DrawableFactory {
                                                    const OptionValues& draw) const = 0;
   // Switches off bake options whose results this way of drawing does not use.
   virtual void spare(OptionValues& /*bake*/, const OptionValues& /*draw*/) const {}
-  // Can it be drawn so? Fails with the reason if not.
-  [[nodiscard]] virtual Result<> check(const OptionValues& /*draw*/) const { return Done{}; }
   // Uploads a representation, or places it in memory.
   [[nodiscard]] virtual Result<std::unique_ptr<Drawable>> make_drawable(
       std::unique_ptr<Representation> representation, const OptionValues& draw) = 0;

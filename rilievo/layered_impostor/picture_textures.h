@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "rilievo/core/color.h"
+#include "rilievo/core/depth_image.h"
 #include "rilievo/core/image.h"
 #include "rilievo/warp/surface_pyramid.h"
 
@@ -27,5 +29,8 @@ struct CellTexture {
 
 // Linear, premultiplied colours as frames are encoded: sRGB, which alpha then multiplies.
 [[nodiscard]] Image<glm::u8vec4> encoded_colors(const ColorImage& color);
+
+// Do the pictures show more than one object?
+[[nodiscard]] bool shows_several_objects(std::span<const DepthImage> pictures);
 
 }  // namespace rilievo

@@ -71,11 +71,6 @@ class Relief(command.Case):
         self.assertGreater(drawn["software"], 0)
         self.assertEqual(drawn["software"], drawn["opengl"])
 
-    def test_what_only_opengl_draws_is_refused_without(self):
-        self.refused(("compare", "builtin:teapots", "--methods", "cache", "--draw", "software",
-                      "--bake-mb", "8", "--warp", "slices", "-o", self.folder / "none"),
-                     "--draw", "slices")
-
     def test_all_that_stands_still_is_baked_as_one(self):
         one = ("--method", "cache", "--bake-together", "--bake-mb", "8", "--bake-as",
                "layered-relief")

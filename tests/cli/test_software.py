@@ -31,18 +31,18 @@ class NoOpenGL(command.Case):
                              "-", **self.none)
         return json.loads(done.stdout)
 
-    def test_every_method_that_needs_none_draws_a_scene(self):
-        methods = ["direct", "direct-raster", "direct-rays", "lod", "flat", "nailboard", "cache"]
+    def test_every_method_draws_a_scene(self):
+        methods = ["direct", "direct-raster", "direct-rays", "lod", "flat", "nailboard", "cache",
+                   "layered-slices"]
+        baked = ("--views", "12", "--view-size", "32")
         for method in methods:
             for draw in "automatic", "software":
                 done = self.succeeds("render", TEAPOTS, "--method", method, "--draw", draw, *SMALL,
-                                     "-o", self.folder / method / draw, "--json", "-", **self.none)
+                                     *baked, "-o", self.folder / method / draw, "--json", "-", **self.none)
                 self.assertEqual(json.loads(done.stdout)["draw"], "software")
             frames = [files_below(self.folder / method / draw) for draw in ("automatic", "software")]
             self.assertEqual(len(frames[0]), 3)
             self.assertEqual(frames[0], frames[1])
-        self.refused(("render", TEAPOTS, "--method", "layered-slices", *SMALL, "-o",
-                      self.folder / "none"), "EGL", **self.none)
 
     def test_methods_are_compared_with_the_rasteriser_s_frames(self):
         report = self.compared(TEAPOTS)
@@ -58,7 +58,7 @@ class NoOpenGL(command.Case):
             file = self.folder / (kind + ".exr")
             self.succeeds("bake", TEAPOTS, "--as", kind, *options, "-o", file, **self.none)
             report = self.compared(file, "--scene", TEAPOTS)
-            self.assertEqual(list(report["methods"]), ["direct-raster", kind])
+            self.assertEqual(list(report["methods"])[:2], ["direct-raster", kind])
             self.assertGreater(report["methods"][kind]["psnr_db"]["min"], 15)
 
     def test_benches_run_or_say_that_they_need_opengl(self):
@@ -82,10 +82,6 @@ class Software(command.Case):
             psnr[draw] = json.loads(done.stdout)["methods"]["layered-relief"]["psnr_db"]["mean"]
         # Each against its own true frames, which differ where triangles are smaller than pixels.
         self.assertAlmostEqual(psnr["opengl"], psnr["software"], delta=1)
-
-    def test_slices_are_refused(self):
-        self.refused(("compare", TEAPOTS, "--methods", "layered-slices", "--draw", "software", "-o",
-                      self.folder / "none"), "--draw", "slices")
 
 
 if __name__ == "__main__":

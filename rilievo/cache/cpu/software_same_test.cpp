@@ -118,15 +118,18 @@ class SoftwareSame : public testing::Test {
     ASSERT_TRUE(cast.ok());
     rays.emplace(std::move(*cast));
   }
-  // Each object baked as this kind, by rays.
+  // Each object baked as this kind, by rays. Settings are of baking or drawing.
   [[nodiscard]] MakeFrames baked(const char* name, std::span<const Setting> settings,
                                  bool outlines = false) {
     return [=, this, settings = std::vector<Setting>(settings.begin(), settings.end())] {
       const Kind& kind = *find_kind(kinds(), name);
       ObjectFramesOptions options{
           {OptionValues(kind.bake_options), OptionValues(kind.draw_options)}, 1e9, outlines};
-      for (const auto& [option, value] : settings)
-        EXPECT_TRUE(options.objects.bake.set(option, value).ok());
+      for (const auto& [option, value] : settings) {
+        OptionValues& values =
+            options.objects.bake.has(option) ? options.objects.bake : options.objects.draw;
+        EXPECT_TRUE(values.set(option, value).ok());
+      }
       auto factory = make_factory(software_drawable_rows(), name);
       RaySource source(*rays);
       auto frames = SoftwareChosenFrames::create(
@@ -153,13 +156,24 @@ TEST_F(SoftwareSame, layered_reliefs) {
                          "layered-relief");
 }
 
+BuiltinScene ring() {
+  BuiltinScene made;
+  test_shapes::add(made.scene, test_shapes::torus(1.0, 0.3, 60, 30), {0.8f, 0.5f, 0.2f});
+  finish(made.scene);
+  return made;
+}
+
 TEST_F(SoftwareSame, layered_impostors_with_outlines) {
-  BuiltinScene ring;
-  test_shapes::add(ring.scene, test_shapes::torus(1.0, 0.3, 60, 30), {0.8f, 0.5f, 0.2f});
-  finish(ring.scene);
-  ASSERT_NO_FATAL_FAILURE(load(std::move(ring)));
+  ASSERT_NO_FATAL_FAILURE(load(ring()));
   const Setting settings[] = {{"views", "12"}, {"size", "32"}};
   expect_same_everywhere(baked("layered-impostor", settings, true), eyes_around(builtin.scene),
+                         "layered-impostor");
+}
+
+TEST_F(SoftwareSame, slices_of_layered_impostors) {
+  ASSERT_NO_FATAL_FAILURE(load(ring()));
+  const Setting settings[] = {{"views", "12"}, {"size", "32"}, {"warp", "slices"}};
+  expect_same_everywhere(baked("layered-impostor", settings), eyes_around(builtin.scene),
                          "layered-impostor");
 }
 

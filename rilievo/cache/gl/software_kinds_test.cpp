@@ -98,6 +98,17 @@ TEST_F(SoftwareKindsTest, layered_impostors) {
       cameras_around(builtin.scene, 4, 3));
 }
 
+TEST_F(SoftwareKindsTest, slices_of_layered_impostors) {
+  ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
+  const Kind& kind = *find_kind(kinds(), "layered-impostor");
+  OptionValues bake_options(kind.bake_options), draw_options(kind.draw_options);
+  ASSERT_TRUE(bake_options.set("views", "12").ok() && bake_options.set("size", "96").ok());
+  ASSERT_TRUE(draw_options.set("warp", "slices").ok());
+  expect_kind_same(
+      "layered-impostor", [&] { return bake(kind, bake_options); }, draw_options,
+      cameras_around(builtin.scene, 4, 3));
+}
+
 TEST_F(SoftwareKindsTest, environment_nodes) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:stonehenge?triangles=30000"));
   const Kind& kind = *find_kind(kinds(), "environment-nodes");

@@ -1,9 +1,6 @@
-// The rays of a pixel are those of the frame's camera, moved into the world of the capture: there
-// they are t d with t the frame's eye_z, divided by the scale of the placement.
 #include "rilievo/layered_impostor/cpu/layered_tiles.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -11,10 +8,13 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_impostor/cpu/placed_camera.h"
+#include "rilievo/layered_impostor/cpu/slice_tiles.h"
 #include "rilievo/layered_impostor/drawable_terms.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/pixel_march.h"
+#include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/render/software/frame_tile.h"
 #include "rilievo/render/software/line_tiles.h"
 #include "rilievo/warp/surface_pyramid.h"
@@ -22,7 +22,6 @@
 namespace rilievo {
 namespace {
 
-constexpr int kMostViews = 6;  // looked up by a pixel
 constexpr float kNothing = 0;  // 1 / eye_z where there is none
 
 struct LayeredPicture {
@@ -36,9 +35,7 @@ struct PlacedLayered {
   Camera camera;  // in the world of the capture
   double scale = 1;
   std::uint32_t object = kNoObject;
-  std::array<int, kMostViews> views{};
-  std::array<float, kMostViews> weights{};
-  int count = 0;
+  ServingViews serving;
   double distance = 0;
   float nearest = 0;  // 1 / eye_z, which nothing exceeds
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -88,13 +85,7 @@ LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& optio
       options_(options),
       error_(layered_error_model(impostor_, options.method)),
       cost_(layered_cost_terms(impostor_, options.method)) {
-  std::uint32_t only = kNoObject;
-  for (const DepthImage& picture : impostor_.pictures)
-    for (const std::uint32_t object : picture.object.texels()) {
-      if (object == kNoObject) continue;
-      several_ = several_ || (only != kNoObject && object != only);
-      only = object;
-    }
+  several_ = shows_several_objects(impostor_.pictures);
   pictures_.resize(impostor_.pictures.size());
   parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
     DepthImage& picture = impostor_.pictures[i];
@@ -109,24 +100,14 @@ LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& optio
 }
 
 bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLayered& out) const {
-  const glm::dmat4& motion = instance.world_from_capture;
-  out.scale = glm::length(glm::dvec3(motion[0]));
-  if (!(out.scale > 0)) return false;
-  out.camera = frame;
-  out.camera.world_from_eye = glm::inverse(motion) * frame.world_from_eye;
-  for (int k = 0; k < 3; ++k) out.camera.world_from_eye[k] *= out.scale;
-  out.camera.z_near /= out.scale, out.camera.z_far /= out.scale;
+  const std::optional<PlacedCamera> moved = place_camera(frame, instance);
+  if (!moved) return false;
+  out.camera = moved->camera, out.scale = moved->scale;
   out.object = instance.object;
 
   const glm::dvec3 eye = out.camera.position(), center(impostor_.bounds.center());
-  const glm::dvec3 towards = eye - center;
-  out.distance = glm::length(towards) * out.scale;
-  const auto room =
-      std::span(out.views).first(std::size_t(std::clamp(options_.max_views, 1, kMostViews)));
-  out.count = nearest_views(impostor_.views, towards, room);
-  out.weights = {};
-  handover_weights(impostor_.views, towards, options_.handover * mean_spacing(impostor_.views),
-                   std::span<const int>(out.views.data(), std::size_t(out.count)), out.weights);
+  out.distance = glm::length(eye - center) * out.scale;
+  out.serving = views_for_eye(impostor_, eye, options_);
 
   double x0 = 1e30, y0 = 1e30, x1 = -1e30, y1 = -1e30, nearest = 1e300;
   const double slack = 1e-4 * double(impostor_.bounds.radius());
@@ -212,11 +193,11 @@ SeenLayered LayeredTiles::look(const PlacedLayered& placed, double x, double y) 
   int inside = 0;
   float surface = 0, nothing = 0, heaviest = 0;
   glm::vec4 blended(0.0f);
-  for (int i = 0; i < placed.count; ++i) {
-    const float own = placed.weights[std::size_t(i)];
+  for (int i = 0; i < placed.serving.count; ++i) {
+    const float own = placed.serving.weights[i];
     if (own == 0 && surface + nothing > 0) break;
     const float weight = own > 0 ? own : 1.0f;
-    const int view = placed.views[std::size_t(i)];
+    const int view = placed.serving.views[i];
     const auto v = std::size_t(view);
     const std::optional<DisparitySegment> segment =
         disparity_segment(impostor_.pictures[v].camera, ray->origin + ray->begin * ray->direction,
@@ -239,7 +220,7 @@ SeenLayered LayeredTiles::look(const PlacedLayered& placed, double x, double y) 
     }
   }
   if (nothing > surface) return {};
-  if (doubtful.inverse_z == kNothing && inside > 0 && placed.count > 1) doubtful = skin;
+  if (doubtful.inverse_z == kNothing && inside > 0 && placed.serving.count > 1) doubtful = skin;
   if (surface == 0) return doubtful;
   certain.color = blended / surface;
   return certain;
@@ -299,16 +280,12 @@ class LayeredTilesFactory final : public DrawableFactory {
     return layered_texture_bytes(views, options.camera.size, options.camera.size,
                                  layered_draw_options(draw).method);
   }
-  void spare(OptionValues& bake, const OptionValues&) const override {
-    (void)bake.set("no-fills", "on");
-  }
-  [[nodiscard]] Result<> check(const OptionValues& draw) const override {
-    if (layered_draw_options(draw).method != LayeredMethod::slices) return Done{};
-    return Error{std::string(kLayeredImpostorName), "slices are drawn by OpenGL only"};
+  void spare(OptionValues& bake, const OptionValues& draw) const override {
+    if (layered_draw_options(draw).method != LayeredMethod::slices)
+      (void)bake.set("no-fills", "on");
   }
   [[nodiscard]] Result<std::unique_ptr<Drawable>> make_drawable(
       std::unique_ptr<Representation> representation, const OptionValues& draw) override {
-    if (Result<> possible = check(draw); !possible) return possible.error();
     auto& layered = dynamic_cast<LayeredRepresentation&>(*representation);
     return {make_layered_tiles(std::move(layered.impostor), layered_draw_options(draw))};
   }
@@ -318,7 +295,8 @@ class LayeredTilesFactory final : public DrawableFactory {
 
 std::unique_ptr<Drawable> make_layered_tiles(LayeredImpostor impostor,
                                              const LayeredOptions& options) {
-  RILIEVO_EXPECTS(options.method == LayeredMethod::surfaces);
+  if (options.method == LayeredMethod::slices)
+    return make_slice_tiles(std::move(impostor), options);
   return std::make_unique<LayeredTiles>(std::move(impostor), options);
 }
 

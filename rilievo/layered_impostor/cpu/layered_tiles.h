@@ -14,7 +14,7 @@
 
 namespace rilievo {
 
-// Draws an impostor into tiles. Requires LayeredMethod::surfaces: slices are drawn by OpenGL only.
+// Draws an impostor into tiles; slices by slice_tiles.h.
 [[nodiscard]] std::unique_ptr<Drawable> make_layered_tiles(LayeredImpostor impostor,
                                                            const LayeredOptions& options);
 

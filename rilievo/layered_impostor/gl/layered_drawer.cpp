@@ -11,6 +11,7 @@ namespace rilievo {
 namespace {
 
 constexpr int kMaxViews = shader::kMaxWalkedViews;
+static_assert(kMaxViews == int(ServingViews::kMost));
 constexpr std::size_t kInstances = shader::kMaxInstances;
 
 // The frame as seen from an instance: its own axes, with the eye at the origin.
@@ -26,26 +27,6 @@ Local local_of(const Camera& frame, const LayeredInstance& instance) {
   glm::dmat4 relative = instance.world_from_impostor;
   relative[3] = {0, 0, 0, 1};
   return {eye, glm::mat4(clip_from_relative(frame) * relative)};
-}
-
-// Which views serve the eye, with what weights.
-struct Served {
-  std::array<int, kMaxViews> views;
-  std::array<float, kMaxViews> weights{};
-  int count = 0, weighty = 0;
-};
-
-Served serve(const LayeredImpostor& impostor, const glm::dvec3& eye,
-             const LayeredOptions& options) {
-  Served served;
-  const glm::dvec3 towards = eye - glm::dvec3(impostor.bounds.center());
-  const auto room = std::span(served.views).first(std::clamp(options.max_views, 1, kMaxViews));
-  served.count = nearest_views(impostor.views, towards, room);
-  const std::span<const int> views(served.views.data(), std::size_t(served.count));
-  handover_weights(impostor.views, towards, options.handover * mean_spacing(impostor.views), views,
-                   served.weights);
-  while (served.weighty < served.count && served.weights[served.weighty] > 0) ++served.weighty;
-  return served;
 }
 
 shader::LayeredView view_block(const LayeredImpostor& impostor, int layer, const glm::dvec3& eye) {
@@ -69,15 +50,6 @@ shader::LayeredView view_block(const LayeredImpostor& impostor, int layer, const
       glm::vec4(glm::vec3(axes[0] * ((r - l) / w)), float(w)),
       glm::vec4(glm::vec3(axes[1] * (-(t - b) / h)), float(h)),
       glm::vec4(float(camera.z_near), float(camera.z_far), impostor.complete[layer] ? 1 : 0, 0)};
-}
-
-// What of a rectangle is drawn: half a texel more to each side than there is to see. Two that share
-// an edge, but not its ends, would leave cracks; where they overlap they show the same texels.
-glm::vec4 quad_of(const TexelRect& rect, const TexelRect& within) {
-  return {std::max(float(rect.x0) - 0.5f, float(within.x0)),
-          std::max(float(rect.y0) - 0.5f, float(within.y0)),
-          std::min(float(rect.x1) + 0.5f, float(within.x1)),
-          std::min(float(rect.y1) + 0.5f, float(within.y1))};
 }
 
 void set_state() {
@@ -185,7 +157,7 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
     blocks_.clear();
     for (const LayeredInstance& instance : some) {
       const Local local = local_of(frame, instance);
-      const Served served = serve(impostor, local.eye, options);
+      const ServingViews served = views_for_eye(impostor, local.eye, options);
       shader::LayeredInstanceBlock block;
       block.clip_from_local = local.clip_from_local;
       block.box_min = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.min) - slack - local.eye), 0);
@@ -217,35 +189,25 @@ void LayeredDrawer::draw_slices(LayeredPictures& pictures, const Camera& frame,
   const GLuint interval = pictures.interval_texture();
   for (const LayeredInstance& instance : instances) {
     const Local local = local_of(frame, instance);
-    const Served served = serve(impostor, local.eye, options);
+    SliceChooser& chooser = pictures.slice_chooser();
+    chooser.choose(impostor, local.eye, options);
     views_.clear();
     slices_.clear();
-    float from = 0;
-    for (int i = 0; i < served.weighty; ++i) {
-      // This view's share of the pixels, and the slices that fill its holes there.
-      const float to = i + 1 == served.weighty ? 1.0f : from + served.weights[i];
-      chosen_.clear();
-      slices_of_view(impostor, served.views[i], local.eye, options.max_views > 1, chosen_);
-      int last = -1;
-      for (const SliceDraw& draw : chosen_) {
-        const Slice& slice = impostor.slices[draw.view][draw.slice];
-        if (draw.view != last) {
-          last = draw.view;
-          views_.push_back(view_block(impostor, draw.view, local.eye));
-        }
-        const IntervalScale scale = interval_scale(impostor, draw.view);
-        for (const TexelRect& rect : pictures.rects_of(draw.view, draw.slice)) {
-          const glm::vec4 quad = quad_of(rect, draw.rect);
-          if (!(quad.x < quad.z && quad.y < quad.w)) continue;
-          stats_.texels += double(quad.z - quad.x) * double(quad.w - quad.y);
-          slices_.push_back({quad, glm::vec4(slice.eye_z, scale(slice.front), scale(slice.back), 0),
-                             glm::vec4(from, to, float(views_.size() - 1),
-                                       std::bit_cast<float>(instance.object))});
-        }
-      }
-      stats_.slices += chosen_.size();
-      from = to;
+    const SliceQuad* last = nullptr;
+    for (const SliceQuad& quad : chooser.quads()) {
+      if (!last || last->view != quad.view)
+        views_.push_back(view_block(impostor, quad.view, local.eye));
+      last = &quad;
+      const Slice& slice = impostor.slices[quad.view][quad.slice];
+      const SliceScale scale = slice_scale(impostor, quad.view);
+      stats_.texels +=
+          double(quad.texels.z - quad.texels.x) * double(quad.texels.w - quad.texels.y);
+      slices_.push_back({quad.texels,
+                         glm::vec4(slice.eye_z, scale(slice.front), scale(slice.back), 0),
+                         glm::vec4(quad.from, quad.to, float(views_.size() - 1),
+                                   std::bit_cast<float>(instance.object))});
     }
+    stats_.slices += chooser.slices();
     stats_.views += int(views_.size());
     stats_.quads += slices_.size();
     if (slices_.empty()) continue;

@@ -72,7 +72,6 @@ class LayeredDrawer {
   std::vector<shader::LayeredView> views_;
   std::vector<shader::LayeredInstanceBlock> blocks_;
   std::vector<shader::LayeredSlice> slices_;
-  std::vector<SliceDraw> chosen_;
 };
 
 }  // namespace rilievo

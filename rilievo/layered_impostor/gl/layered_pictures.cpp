@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "rilievo/layered_impostor/picture_textures.h"
-#include "rilievo/layered_impostor/slice_rects.h"
 
 namespace rilievo {
 namespace {
@@ -39,25 +38,7 @@ Image<glm::vec2> cells_of(const TexelSurface& surface, int columns, int rows,
   return cells;
 }
 
-bool shows_several_objects(const LayeredImpostor& impostor) {
-  std::uint32_t first = kNoObject;
-  for (const DepthImage& picture : impostor.pictures)
-    for (std::uint32_t object : picture.object.texels()) {
-      if (object == kNoObject) continue;
-      if (first == kNoObject) first = object;
-      if (object != first) return true;
-    }
-  return false;
-}
-
 }  // namespace
-
-IntervalScale interval_scale(const LayeredImpostor& impostor, int view) {
-  const std::vector<Slice>& slices = impostor.slices[view];
-  if (slices.empty()) return {};
-  const float nearest = slices.front().front, farthest = slices.back().back;
-  return {nearest, 1.0f / (farthest - nearest)};
-}
 
 gl::Texture LayeredPictures::make_array(GLenum format, int width, int height, int texel_bytes) {
   const std::size_t layers = impostor_.pictures.size();
@@ -87,7 +68,7 @@ Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
   for (std::size_t v = 0; v < source.pictures.size(); ++v)
     upload(pictures.color_, int(v), encoded_colors(source.pictures[v].color), GL_RGBA,
            GL_UNSIGNED_BYTE);
-  if (shows_several_objects(source)) {
+  if (shows_several_objects(source.pictures)) {
     pictures.object_ = pictures.make_array(GL_R32UI, pictures.width_, pictures.height_, 4);
     for (std::size_t v = 0; v < source.pictures.size(); ++v)
       if (!source.pictures[v].object.empty())
@@ -134,20 +115,9 @@ LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
 GLuint LayeredPictures::interval_texture() {
   if (!interval_) {
     interval_ = make_array(GL_RG16, width_, height_, kIntervalBytes);
-    for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v) {
-      const Image<SurfaceTexel>& texels = impostor_.surfaces[v].texels;
-      const IntervalScale scale = interval_scale(impostor_, int(v));
-      Image<glm::u16vec2> out(texels.width(), texels.height(), glm::u16vec2(65535, 0));
-      for (std::size_t i = 0; i < texels.texels().size(); ++i) {
-        if (texels.texels()[i].q == 0) continue;
-        const DepthInterval d = sliced_interval(texels.texels()[i], impostor_.slicing);
-        const auto code = [](float value) { return std::clamp(value, 0.0f, 1.0f) * 65535.0f; };
-        out.texels()[i] = {std::uint16_t(std::floor(code(scale(d.front)))),
-                           std::uint16_t(std::ceil(code(scale(d.back))))};
-      }
-      upload(interval_, int(v), out, GL_RG, GL_UNSIGNED_SHORT);
-      slice_rects_.push_back(slice_rects(impostor_, int(v)));
-    }
+    for (std::size_t v = 0; v < impostor_.surfaces.size(); ++v)
+      upload(interval_, int(v), slice_codes(impostor_, int(v)), GL_RG, GL_UNSIGNED_SHORT);
+    slice_chooser_.emplace(impostor_);
   }
   return interval_;
 }

@@ -7,11 +7,12 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
+#include <optional>
 
 #include "rilievo/gl/object.h"
 #include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
+#include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/warp/surface_pyramid.h"
 
 namespace rilievo {
@@ -41,11 +42,8 @@ class LayeredPictures {
   [[nodiscard]] SurfaceTextures surface_textures();
   // The texture of LayeredMethod::slices.
   [[nodiscard]] GLuint interval_texture();
-  // The rectangles of a slice that are drawn (layered_impostor/slice_rects.h). Known after
-  // interval_texture() was called.
-  [[nodiscard]] const std::vector<TexelRect>& rects_of(int view, int slice) const {
-    return slice_rects_[std::size_t(view)][std::size_t(slice)];
-  }
+  // Chooses slices. There after interval_texture() was called.
+  [[nodiscard]] SliceChooser& slice_chooser() { return *slice_chooser_; }
   // Uploads what this way of drawing needs and frees the texels in main memory. Afterwards there is
   // no other way, and impostor() has no texels of pictures and surfaces.
   void keep_only(LayeredMethod method);
@@ -54,19 +52,10 @@ class LayeredPictures {
   LayeredImpostor impostor_;
   int width_ = 0, height_ = 0;  // of the largest picture
   std::size_t bytes_ = 0;
-  std::vector<std::vector<std::vector<TexelRect>>> slice_rects_;
+  std::optional<SliceChooser> slice_chooser_;
   gl::Texture color_, object_, q_, slope_, links_, cells_, interval_;
 
   [[nodiscard]] gl::Texture make_array(GLenum format, int width, int height, int texel_bytes);
 };
-
-// Intervals of texels have 16 bits for each end within the view's range of depths and are rounded
-// outwards; the ends of slices are scaled alike. Empty texels have front > back.
-struct IntervalScale {
-  float nearest = 0, per_metre = 0;
-  [[nodiscard]] float operator()(float eye_z) const { return (eye_z - nearest) * per_metre; }
-};
-// The scale of a view's intervals.
-[[nodiscard]] IntervalScale interval_scale(const LayeredImpostor& impostor, int view);
 
 }  // namespace rilievo
