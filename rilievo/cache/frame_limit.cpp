@@ -14,6 +14,9 @@ constexpr double kLimitGrowth = 1.3;
 // Of what a frame would cost without a limit, at least so much is allowed but after a jump: where
 // all frames are slow, they need not become fine as slowly as where others are fast.
 constexpr double kLeastShare = 0.5;
+// Where nothing jumped, captures do not make a frame cost more than this share of spike_floor or
+// max_spike times what is usual; in the second frame they cost no more than this.
+constexpr double kWalkFloor = 0.4, kCaptureFloor = 0.2;
 // An eye that stood has jumped if its first step shifts what it saw by more, radians.
 constexpr double kFirstShift = 0.25;
 
@@ -32,8 +35,13 @@ double FramePlanner::mean_shift() const {
 
 void FramePlanner::find_limit() {
   const double usual = state.usual_cost;
-  // The first frame may take its time: nothing that moves is interrupted.
-  if (!(options.max_spike > 0) || (!(usual > 0) && !frame.jumped)) return;
+  if (!(options.max_spike > 0)) return;
+  // The first frame may take its time: nothing that moves is interrupted. The second one does not
+  // capture all that it left.
+  if (!(usual > 0) && !frame.jumped) {
+    if (state.frame > 0) capture_room = kCaptureFloor * options.spike_floor;
+    return;
+  }
   const double spike = std::max(options.spike_floor, options.max_spike * usual);
   double limit = std::max(options.spike_floor, usual), allowed = spike;
   // Of an eye's first step, what it costs and what shifts tell whether it was a jump.
@@ -46,7 +54,9 @@ void FramePlanner::find_limit() {
   if (cost_at_hand > allowed)
     plan.limit = limit;
   else
-    capture_room = allowed - cost_at_hand;
+    capture_room = std::max(0.0, std::min(allowed, std::max(kWalkFloor * options.spike_floor,
+                                                            options.max_spike * usual)) -
+                                     cost_at_hand);
 }
 
 // Of one object: is it to be in the fallback, and is that cheaper than its polygons?

@@ -73,6 +73,49 @@ CacheOptions limited_options() {
   return options;
 }
 
+// Of the plan: what captures cost beyond what drawing the same objects otherwise would, without the
+// first one, which is always allowed.
+double captured_beyond(const Loop& run) {
+  double beyond = 0;
+  for (std::size_t i = 1; i < run.plan.captures.size(); ++i) {
+    const Capture& capture = run.plan.captures[i];
+    beyond += std::max(0.0, capture.cost - double(run.scratch.now_cost[capture.entity]));
+  }
+  return beyond;
+}
+
+TEST(Spike, captures_do_not_make_a_frame_of_a_walk_cost_much_more_than_those_before) {
+  std::mt19937 rng(12);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  CacheOptions options = limited_options();
+  // Captures are dear, the first frame makes some of them, and polygons are within what any frame
+  // may cost.
+  options.cost.capture_triangle = 3;
+  options.capture_triangles = 1'500'000;
+  options.spike_floor = 10'000'000;
+  const auto most_beyond = [&](bool second) {
+    Loop run;
+    EyeMotion motion;
+    double most = 0;
+    for (int frame = 0; frame < 20; ++frame) {
+      const double usual = run.state.usual_cost;
+      run.frame(blocks.tree, {}, follow(motion, walking(frame, 0.05)), options);
+      if (frame == 0 || (frame == 1) != second) continue;
+      const double allowed =
+          second ? 0.2 * options.spike_floor : std::max(0.4 * options.spike_floor, 2 * usual);
+      if (options.max_spike > 0) {
+        EXPECT_LE(captured_beyond(run), allowed * (1 + 1e-6)) << frame;
+      }
+      most = std::max(most, captured_beyond(run));
+    }
+    return most;
+  };
+  const double second = most_beyond(true), later = most_beyond(false);
+  options.max_spike = 0;  // without the limit
+  EXPECT_GT(most_beyond(true), 1.5 * second);
+  EXPECT_GT(second + later, 0);
+}
+
 TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine) {
   std::mt19937 rng(11);
   int coarse = 0, cuts = 0;

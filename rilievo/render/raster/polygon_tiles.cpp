@@ -69,8 +69,8 @@ struct PolygonTiles::State {
 
   const Scene& scene;
   std::unique_ptr<FrameVisibility> visibility;  // or rays; null: a FrameRaster, once it is needed
-  std::optional<PictureView> view;          // of the frame of colours
-  bool any = false;                         // does the frame show any?
+  std::optional<PictureView> view;              // of the frame of colours
+  bool any = false;                             // does the frame show any?
   ObjectPicture objects;
   // Of each block of the frame: is any sample covered? draw_tile() finds it, shade_tile() uses it.
   mutable std::vector<std::uint8_t> covered;
