@@ -42,7 +42,7 @@ std::span<const Bench> benches() {
       Bench{"tradeoff", "What does an allowed error buy, and what does it cost?", Needs::opengl,
             tradeoff},
       Bench{"real", "How fast is the cache in scenes such as users have, in real time?",
-            Needs::opengl, real},
+            Needs::as_it_draws, real},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", Needs::nothing,
             scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?",

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/gl/context.h"
@@ -24,6 +26,18 @@ std::unique_ptr<FrameSource> polygon_drawer(const Scene& scene, SceneRenderer* r
                                             int samples) {
   if (renderer) return std::make_unique<DirectFrames>(*renderer);
   return std::make_unique<SoftwareDirectFrames>(scene, samples);
+}
+
+Result<std::unique_ptr<FrameSource>> make_cache(const Scene& scene, SceneRenderer* renderer,
+                                                const ImageCacheOptions& options) {
+  if (!renderer) {
+    Result<std::unique_ptr<MemoryCache>> made = MemoryCache::create(scene, options);
+    if (!made) return made.error();
+    return {std::move(*made)};
+  }
+  Result<ImageCache> made = ImageCache::create(*renderer, options);
+  if (!made) return made.error();
+  return {std::make_unique<ImageCache>(std::move(*made))};
 }
 
 }  // namespace rilievo::bench

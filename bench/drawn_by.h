@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bench/bench.h"
+#include "rilievo/cache/scene_cache.h"
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 
@@ -19,5 +20,10 @@ namespace rilievo::bench {
 // All polygons of the scene, by its renderer; null: by software. Both must outlive the source.
 [[nodiscard]] std::unique_ptr<FrameSource> polygon_drawer(const Scene& scene,
                                                           SceneRenderer* renderer, int samples);
+
+// The cache of the scene, likewise.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_cache(const Scene& scene,
+                                                              SceneRenderer* renderer,
+                                                              const ImageCacheOptions& options);
 
 }  // namespace rilievo::bench

@@ -6,29 +6,11 @@
 #include <utility>
 
 #include "bench/drawn_by.h"
-#include "rilievo/cache/cpu/memory_cache.h"
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/measure/popping.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
-namespace {
-
-// `renderer`: null: software.
-Result<std::unique_ptr<FrameSource>> make_cache(const Scene& scene, SceneRenderer* renderer,
-                                                const ImageCacheOptions& options) {
-  if (!renderer) {
-    Result<std::unique_ptr<MemoryCache>> made = MemoryCache::create(scene, options);
-    if (!made) return made.error();
-    return {std::move(*made)};
-  }
-  Result<ImageCache> made = ImageCache::create(*renderer, options);
-  if (!made) return made.error();
-  return {std::make_unique<ImageCache>(std::move(*made))};
-}
-
-}  // namespace
 
 Result<BenchReport> pop(const BenchOptions& options) {
   const char* name =

@@ -8,23 +8,20 @@
 #include <memory>
 #include <optional>
 
+#include "bench/drawn_by.h"
 #include "bench/real_scenes.h"
-#include "rilievo/cache/cpu/memory_cache.h"
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/real_time.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/cpu/software_level_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
-#include "rilievo/frame/gl/processor_frames.h"
-#include "rilievo/gl/context.h"
 #include "rilievo/io/jpeg.h"
 #include "rilievo/measure/gap_width.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/report.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/measure/visibility.h"
-#include "rilievo/render/rays/ray_renderer.h"
+#include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo::bench {
 namespace {
@@ -56,31 +53,34 @@ struct RealRun {
   int width = 1280, height = 720;
   double seconds = 4;
   std::string draw;
+  bool software = false;  // draws the cache's frames
   ImageCacheOptions cache;
 };
 
-Result<std::vector<Baseline>> make_baselines(SceneRenderer& renderer, double error_px) {
+// `renderer`: null without OpenGL. The first one is the truth: OpenGL's frames, or the
+// rasteriser's. What processors draw does not pay for a way through OpenGL.
+Result<std::vector<Baseline>> make_baselines(const Scene& scene, SceneRenderer* renderer,
+                                             double error_px) {
   std::vector<Baseline> baselines;
-  baselines.push_back({"direct", std::make_unique<DirectFrames>(renderer)});
-  Result<std::unique_ptr<RayRenderer>> rays = RayRenderer::create(renderer.scene());
+  if (renderer) baselines.push_back({"direct", std::make_unique<DirectFrames>(*renderer)});
+  baselines.push_back({"direct-raster", std::make_unique<SoftwareDirectFrames>(scene, kSamples)});
+  Result<std::unique_ptr<RayVisibility>> rays = RayVisibility::create(scene);
   if (!rays) return rays.error();
-  auto by_rays = ProcessorFrames::create(renderer, std::move(*rays), kSamples);
-  if (!by_rays) return by_rays.error();
-  baselines.push_back({"direct-rays", std::move(*by_rays)});
-  // Does not pay for a way through OpenGL.
   baselines.push_back(
-      {"direct-raster", std::make_unique<SoftwareDirectFrames>(renderer.scene(), kSamples)});
-  ObjectLevels levels = make_object_levels(renderer.scene());
-  auto by_opengl = LevelFrames::create(levels, error_px);
-  if (!by_opengl) return by_opengl.error();
-  baselines.push_back({"lod", std::move(*by_opengl)});
+      {"direct-rays", std::make_unique<SoftwareDirectFrames>(scene, kSamples, std::move(*rays))});
+  ObjectLevels levels = make_object_levels(scene);
+  if (renderer) {
+    auto by_opengl = LevelFrames::create(levels, error_px);
+    if (!by_opengl) return by_opengl.error();
+    baselines.push_back({"lod", std::move(*by_opengl)});
+  }
   baselines.push_back(
       {"lod-raster", SoftwareLevelFrames::create(std::move(levels), kSamples, error_px)});
   return baselines;
 }
 
 // Draws the frames that were kept by every baseline, and compares them with the first one's.
-Result<> draw_baselines(std::vector<Baseline>& baselines, FrameTarget& target, ProbeTarget& probe,
+Result<> draw_baselines(std::vector<Baseline>& baselines, const DrawTargets& targets,
                         Figures& figures, BenchReport& report, const std::string& name) {
   const auto& kept = figures.walk.kept;
   std::vector<Rgba8Image> truths;
@@ -91,28 +91,29 @@ Result<> draw_baselines(std::vector<Baseline>& baselines, FrameTarget& target, P
     for (std::size_t i = 0; i < kept.size(); ++i) {
       const auto& [frame, drawn] = kept[i];
       if (!is_truth && times.size() >= 3 && spent > kBaselineMs) break;
-      Result<double> ms = time_frame(*baseline.source, target, frame);
-      if (!ms) return ms.error();
-      times.push_back(*ms);
-      spent += *ms;
       if (!is_truth) {
-        const Rgba8Image shown = read_frame(*baseline.source, {&target, &probe});
+        Result<double> ms = time_frame(*baseline.source, targets, frame);
+        if (!ms) return ms.error();
+        times.push_back(*ms);
+        spent += *ms;
+        const Rgba8Image shown = read_frame(*baseline.source, targets);
         psnr_sum += std::min(psnr_db(truths[i], shown), kMaxPsnrDb);
         continue;
       }
-      truths.push_back(target.read());
+      Result<DrawnFrame> made = draw_frame(*baseline.source, targets, frame);
+      if (!made) return made.error();
+      times.push_back(made->frame_ms);
+      truths.push_back(std::move(made->color));
       const Rgba8Image& truth = truths.back();
       figures.psnr_db.push_back(std::min(psnr_db(truth, drawn.color), kMaxPsnrDb));
-      probe.begin();
-      if (Result<> done = baseline.source->draw_objects(); !done) return done;
-      const Image<std::uint32_t> objects = probe.read_objects();
+      const Image<std::uint32_t>& objects = made->objects;
       const Visibility seen = compare_visibility(objects, drawn.objects);
       figures.wrong_most = std::max(figures.wrong_most, seen.wrong_share());
       figures.wrong_counted_most =
           std::max(figures.wrong_counted_most,
                    compare_visibility(objects, drawn.objects, kMargin).wrong_share());
-      figures.gap_most = std::max(
-          figures.gap_most, widest_gap_px(objects, probe.read_eye_z(frame.camera), drawn.eye_z));
+      figures.gap_most =
+          std::max(figures.gap_most, widest_gap_px(objects, made->eye_z, drawn.eye_z));
       figures.missing += count_missing_objects(objects, drawn.objects, kMargin);
       if (i + 1 != kept.size()) continue;
       report.pictures.push_back({name + ", direct", {"image/jpeg", encode_jpeg(truth)}});
@@ -177,43 +178,32 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
   table.rows.push_back(std::move(row));
 }
 
-Result<std::unique_ptr<FrameSource>> make_cache(SceneRenderer& renderer,
-                                                const ImageCacheOptions& options, bool software) {
-  if (software) {
-    Result<std::unique_ptr<MemoryCache>> made = MemoryCache::create(renderer.scene(), options);
-    if (!made) return made.error();
-    return {std::move(*made)};
-  }
-  Result<ImageCache> made = ImageCache::create(renderer, options);
-  if (!made) return made.error();
-  return {std::make_unique<ImageCache>(std::move(*made))};
-}
-
-// `draw` as BenchOptions's.
-bool drawn_by_software(const std::string& draw) {
-  return draw == "software" || (draw == "automatic" && gl::is_software());
-}
-
 Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& table,
                        BenchReport& report, const std::function<void()>& walk_done) {
   Result<Scene> scene = real_scene.make();
   if (!scene) return scene.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(*scene);
-  if (!renderer) return renderer.error();
-  Result<FrameTarget> target = FrameTarget::create(run.width, run.height, kSamples);
-  if (!target) return target.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(run.width, run.height);
-  if (!probe) return probe.error();
-  Result<std::vector<Baseline>> baselines = make_baselines(*renderer, run.cache.error_px);
+  std::optional<SceneRenderer> opengl;
+  if (run.draw != "software") {
+    Result<SceneRenderer> made = SceneRenderer::create(*scene);
+    if (!made) return made.error();
+    opengl.emplace(std::move(*made));
+  }
+  SceneRenderer* renderer = opengl ? &*opengl : nullptr;
+  Result<std::vector<Baseline>> baselines = make_baselines(*scene, renderer, run.cache.error_px);
   if (!baselines) return baselines.error();
+  FrameSource* sources[] = {(*baselines)[0].source.get()};
+  Result<OwnTargets> own = make_targets(sources, run.width, run.height, kSamples);
+  if (!own) return own.error();
+  const DrawTargets targets = own->targets();
   report.notes.push_back(fmt::format(
       "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
       scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
-  const bool automatic = run.draw == "automatic", software = drawn_by_software(run.draw);
+  const bool automatic = run.draw == "automatic", software = run.software;
   report.notes.push_back(fmt::format("{}: the cache is drawn by {}.", real_scene.name,
                                      software ? "software" : "OpenGL"));
   for (const RealWalk& walk : real_scene.walks(*scene)) {
-    Result<std::unique_ptr<FrameSource>> cache = make_cache(*renderer, run.cache, software);
+    Result<std::unique_ptr<FrameSource>> cache =
+        make_cache(*scene, software ? nullptr : renderer, run.cache);
     if (!cache) return cache.error();
     // Whoever stands still finds every picture at hand.
     const CameraPath path = there_and_back(walk.path, kLongestWalk);
@@ -223,27 +213,27 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
     };
     // Shaders are compiled, textures are read for the first time.
     for (Baseline& baseline : *baselines)
-      if (Result<double> ms = time_frame(*baseline.source, *target, at(0)); !ms) return ms.error();
+      if (Result<double> ms = time_frame(*baseline.source, targets, at(0)); !ms) return ms.error();
     RealTimeOptions options;
     options.seconds = run.seconds;
     options.kept = kKept;
     options.limits = {run.cache.error_px, gap_limit_px(run.cache.error_px, run.cache.gap_px)};
     options.cuts = cuts_of(path);
     Figures figures;
-    Result<RealTimeWalk> walked = walk_in_real_time(**cache, {&*target, &*probe}, at, options);
+    Result<RealTimeWalk> walked = walk_in_real_time(**cache, targets, at, options);
     if (!walked) return walked.error();
     figures.walk = std::move(*walked);
     if (software && automatic) {
       ImageCacheOptions by_opengl = run.cache;
       by_opengl.levels = false;  // it has none
-      Result<std::unique_ptr<FrameSource>> other = make_cache(*renderer, by_opengl, false);
+      Result<std::unique_ptr<FrameSource>> other = make_cache(*scene, renderer, by_opengl);
       if (!other) return other.error();
-      walked = walk_in_real_time(**other, {&*target, &*probe}, at, options);
+      walked = walk_in_real_time(**other, targets, at, options);
       if (!walked) return walked.error();
       figures.opengl_p50_ms = summarize(walked->frame_ms).p50;
     }
     const std::string name = real_scene.name + "-" + walk.name;
-    if (Result<> drawn = draw_baselines(*baselines, *target, *probe, figures, report, name); !drawn)
+    if (Result<> drawn = draw_baselines(*baselines, targets, figures, report, name); !drawn)
       return drawn;
     add_walk_row(name, figures, table, report);
     walk_done();
@@ -258,12 +248,13 @@ Result<BenchReport> real(const BenchOptions& options) {
   if (options.quick) run.width = 160, run.height = 90, run.seconds = 0.2;
   if (options.width > 0) run.width = options.width, run.height = options.height;
   run.draw = options.draw;
+  run.software = draws_by_software(options);
   run.cache.samples = kSamples;
   run.cache.capture_ms = options.capture_ms;
   run.cache.max_spike = options.max_spike;
   run.cache.levels = options.levels;
   run.cache.machine = options.machine;
-  if (options.levels && !drawn_by_software(run.draw))
+  if (options.levels && !run.software)
     return Error{"--levels", "the cache draws levels of detail without OpenGL only"};
   std::vector<RealScene> scenes;
   for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
@@ -277,12 +268,14 @@ Result<BenchReport> real(const BenchOptions& options) {
                        ? fmt::format(", captures for {:g} ms a frame", run.cache.capture_ms)
                        : "") +
                       (run.cache.levels ? ", with levels of detail" : "")),
-      {"walk",     "frames",        "first ms",     "p50 ms",        "p99 ms",
-       "cut ms",   "until fine ms", "PSNR dB",      "wrong %",       "counted wrong %",
-       "missing",  "gap px",        "over bound %", "by OpenGL ms",  "direct ms",
-       "rays ms",  "raster ms",     "lod ms",       "lod raster ms", "lod dB",
-       "speed-up", "over"},
+      {"walk", "frames", "first ms", "p50 ms", "p99 ms", "cut ms", "until fine ms", "PSNR dB",
+       "wrong %", "counted wrong %", "missing", "gap px", "over bound %", "by OpenGL ms"},
       {}};
+  const bool opengl = run.draw != "software";
+  for (const char* name : {"direct", "direct-raster", "direct-rays", "lod", "lod-raster"})
+    if (opengl || (std::string_view(name) != "direct" && std::string_view(name) != "lod"))
+      table.columns.push_back(fmt::format("{} ms", name));
+  for (const char* name : {"lod-raster dB", "speed-up", "over"}) table.columns.push_back(name);
   const Stopwatch watch;
   int done = 0;
   for (const RealScene& scene : scenes) {
@@ -297,11 +290,11 @@ Result<BenchReport> real(const BenchOptions& options) {
   report.notes.push_back(fmt::format(
       "The eye moves by the clock; times are of all frames after the first. PSNR (mean), wrong "
       "visibility (most) and missing objects are of {} frames spread evenly over the walk, against "
-      "OpenGL's; baselines are medians of the same frames (at least three), lod at the same error "
+      "{}; baselines are medians of the same frames (at least three), lod at the same error "
       "in pixels, with its own PSNR. Wrong visibility is a share of the pixels that are farther "
       "than 1 px from a "
       "boundary; the promise counts those that are farther than the bound and 1.5 px, here {} px.",
-      kKept, kMargin));
+      kKept, opengl ? "OpenGL's" : "the rasteriser's", kMargin));
   report.notes.push_back(
       "gap_px is the widest strip, in the frames that were compared, that shows what lies behind a "
       "surface instead of it; gap_bound_px is the cache's own bound.");

@@ -153,8 +153,9 @@ Command bench_command(CLI::App& app) {
   command
       ->add_option("--draw", options->draw,
                    "For real, decoupling, program-walk, pop and nailboard-bits: what draws frames: "
-                   "opengl, software, or automatic: software where OpenGL runs on processors or, "
-                   "but for real, is missing (default); real times OpenGL beside then")
+                   "opengl, software, or automatic: software where OpenGL runs on processors or is "
+                   "missing (default); real times OpenGL beside if there is one and software is "
+                   "not asked for")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command->add_flag("--quick", options->quick,
                     "Few cases only: a test that the benchmark runs, not a measurement");
