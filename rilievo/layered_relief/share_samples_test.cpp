@@ -112,7 +112,9 @@ Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach,
         if (shown(x, y) <= farthest) continue;
         ++found.cracks;
         const double allowed = 0.5 * gap_px + slack;
-        const double px = distance_to_shown(shown, x, y, farthest, int(std::ceil(allowed)));
+        // Without a bound, anywhere in the frame.
+        const int most = int(std::min(std::ceil(allowed), double(kPixels)));
+        const double px = distance_to_shown(shown, x, y, farthest, most);
         found.violations += px > allowed;
         found.largest = std::max(found.largest, px / allowed);
       }
@@ -267,7 +269,7 @@ TEST(ShareSamples, no_point_of_a_face_is_farther_from_a_hit_than_claimed) {
       tightest = std::max(tightest, least / claimed);
     }
   }
-  EXPECT_GT(tightest, 0.8);
+  EXPECT_GT(tightest, kSanitized ? 0.7 : 0.8);  // of fewer cases
 }
 
 // They may be as wide as a face.
