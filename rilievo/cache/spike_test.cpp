@@ -88,8 +88,7 @@ TEST(Spike, captures_do_not_make_a_frame_of_a_walk_cost_much_more_than_those_bef
   std::mt19937 rng(12);
   const PlanObjects blocks = blocks_of_all_sizes(rng);
   CacheOptions options = limited_options();
-  // Captures are dear, the first frame makes some of them, and polygons are within what any frame
-  // may cost.
+  // Captures are dear, and polygons are within what any frame may cost.
   options.cost.capture_triangle = 3;
   options.capture_triangles = 1'500'000;
   options.spike_floor = 10'000'000;
@@ -114,6 +113,24 @@ TEST(Spike, captures_do_not_make_a_frame_of_a_walk_cost_much_more_than_those_bef
   options.max_spike = 0;  // without the limit
   EXPECT_GT(most_beyond(true), 1.5 * second);
   EXPECT_GT(second + later, 0);
+}
+
+TEST(Spike, the_first_frame_captures_nothing_before_it_is_known_how_the_eye_moves) {
+  std::mt19937 rng(14);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  for (const bool limited : {true, false}) {
+    CacheOptions options = limited_options();
+    if (!limited) options.max_spike = 0;
+    Loop run;
+    EyeMotion motion;
+    run.frame(blocks.tree, {}, follow(motion, walking(0, 0.05)), options);
+    EXPECT_EQ(run.plan.captures.empty(), limited);
+    if (!limited) continue;
+    EXPECT_EQ(run.plan.bound_px, 0);
+    EXPECT_TRUE(run.plan.fallback.objects.empty());
+    run.frame(blocks.tree, {}, follow(motion, walking(1, 0.05)), options);
+    EXPECT_GT(run.plan.captures.size(), 100u);  // of 256 blocks
+  }
 }
 
 TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine) {
