@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -138,9 +139,10 @@ TEST_F(SoftwareKindsTest, environment_nodes) {
     if (gaps) {
       ASSERT_TRUE(draw.set("gaps", "on").ok());
     }
-    // Where only some samples of a pixel show a triangle, OpenGL takes its texture at the pixel's
-    // centre, software in the middle of these samples.
-    expect_kind_same("environment-nodes", copy, draw, cameras, 0.9985);
+    // Where the surfaces of two nodes are one, rounding decides which is in front, a few pixels at
+    // a time: where one is drawn over the other, 0.1 % of them.
+    expect_kind_same("environment-nodes", copy, draw, cameras,
+                     std::string_view(merge) == "layering" ? 0.9985 : kLeastAlike);
   }
 }
 
