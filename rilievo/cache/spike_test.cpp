@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <tuple>
@@ -133,6 +134,66 @@ TEST(Spike, the_first_frame_captures_nothing_before_it_is_known_how_the_eye_move
   }
 }
 
+// By definition: how much captures may add where a frame costs `at_hand` without them, if it need
+// not be limited. The last frames cost `usual`, and the last one's limit was `limit`, if it had
+// one.
+double room_for_captures(const CacheOptions& options, double usual, double limit, double at_hand) {
+  const double spike = std::max(options.spike_floor, options.max_spike * usual);
+  const double allowed =
+      limit > 0 ? std::max({limit, std::min(1.3 * limit, spike), 0.5 * at_hand}) : spike;
+  const double walk = std::max(0.4 * options.spike_floor, options.max_spike * usual);
+  return at_hand <= allowed ? std::max(0.0, std::min(allowed, walk) - at_hand) : -1;
+}
+
+TEST(Spike, captures_find_room_within_what_a_frame_may_cost_and_free_ones_always) {
+  std::mt19937 rng(18);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  std::uniform_real_distribution<double> u(-1, 0.3);
+  int frames = 0, limited_before = 0, filled = 0, without_room = 0, nearly_free = 0;
+  for (int round = 0; round < 400; ++round) {
+    CacheOptions options = limited_options();
+    // Some captures cost less than the polygons that they spare, some more.
+    options.cost.capture_triangle = 0.5 + 0.002 * double(rng() % 1000);
+    options.cost.capture_texel = 0.1;
+    options.capture_triangles = 20'000'000;
+    Loop run;
+    EyeMotion motion;
+    FrameView view = follow(motion, walking(round, 0.02));
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    std::vector<std::uint32_t> evictions;
+    invalidate(run.state, evictions);  // polygons alone are at hand, as in that frame
+    run.textures.clear();
+    const auto about = [&] { return double(run.scratch.now_cost[0]) * std::pow(10, u(rng)); };
+    options.spike_floor = about();
+    const double usual = run.state.usual_cost = about();
+    const double limit = run.state.limit = round % 2 ? about() : 0;
+    ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+    const double room = room_for_captures(options, usual, limit, double(run.scratch.now_cost[0]));
+    EXPECT_EQ(run.plan.limit > 0, room < 0) << round;
+    if (room < 0) continue;
+    EXPECT_GE(run.plan.credit, 0);
+    const double beyond = captured_beyond(run);
+    EXPECT_LE(beyond, room * (1 + 1e-6)) << round;
+    for (const PlanScratch::Request& request : run.scratch.requests) {
+      if (request.deadline > 0 || request.cost > run.scratch.now_cost[request.entity]) continue;
+      const bool made =
+          std::any_of(run.plan.captures.begin(), run.plan.captures.end(),
+                      [&](const Capture& capture) { return capture.entity == request.entity; });
+      nearly_free += room == 0 && made;
+      if (room == 0) {
+        EXPECT_TRUE(made) << round;
+      }
+    }
+    ++frames, limited_before += limit > 0;
+    filled += room > 0 && beyond > 0.5 * room, without_room += room == 0;
+  }
+  EXPECT_GT(frames, 100);
+  EXPECT_GT(limited_before, 30);
+  EXPECT_GT(filled, 20);
+  EXPECT_GT(without_room, 10);
+  EXPECT_GT(nearly_free, 100);
+}
+
 TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine) {
   std::mt19937 rng(11);
   int coarse = 0, cuts = 0;
@@ -220,6 +281,52 @@ TEST(Spike, the_dearest_polygons_are_coarse_and_no_more_of_them_than_must_be) {
   // The cheapest of them as polygons would be too much.
   EXPECT_LE(run.plan.cost, run.plan.limit);
   EXPECT_GT(run.plan.cost + cheapest, run.plan.limit);
+}
+
+// Most of their triangles were found to be hidden, of some more than of others.
+TEST(Spike, polygons_count_in_limited_frames_as_what_they_took) {
+  std::mt19937 rng(17);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  CacheOptions options = limited_options();
+  options.captures = 0;  // but the one that is always allowed
+  Loop run;
+  run.state.current.assign(blocks.tree.nodes.size(), 0);
+  run.state.previous = run.state.current;
+  run.state.frame = 1;
+  std::vector<PolygonCost> took;
+  std::vector<double> share(blocks.boxes.size());
+  for (Entity e = 0; e < blocks.tree.nodes.size(); ++e) {
+    if (!blocks.tree.nodes[e].leaf()) continue;
+    double& of_object = share[blocks.tree.order[blocks.tree.nodes[e].first]];
+    of_object = 0.1 + 0.001 * double(rng() % 500);
+    took.push_back({e, 1000, 1000 * of_object});
+  }
+  learn_polygons(took, run.state);
+  EyeMotion motion = walking_elsewhere();
+  const FrameView view = follow(motion, walking(0, 0));
+  ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+  ASSERT_GT(run.plan.fallback.objects.size(), 5u);
+  ASSERT_GT(run.plan.polygons.size(), 5u);
+  const ViewAxes axes = view_axes(view, 0);
+  const auto cost_by_share = [&](std::uint32_t object) {
+    return share[object] * polygon_cost(blocks, object, axes, options);
+  };
+  double cheapest = INFINITY, dearest = 0, cost = 0;
+  for (const std::uint32_t object : run.plan.fallback.objects)
+    cheapest = std::min(cheapest, cost_by_share(object));
+  for (const DrawnObject& drawn : run.plan.polygons) {
+    EXPECT_NEAR(drawn.expected_cost, polygon_cost(blocks, drawn.object, axes, options), 1);
+    dearest = std::max(dearest, cost_by_share(drawn.object));
+    cost += cost_by_share(drawn.object);
+  }
+  EXPECT_GE(cheapest, dearest * (1 - 1e-6));
+  for (const DrawnPicture& drawn : run.plan.pictures) cost += run.state.slots[drawn.slot].draw_cost;
+  for (const Capture& capture : run.plan.captures) cost += capture.cost;
+  cost += options.cost.fallback_texel * kWidth * kHeight / 4;  // as coarse as it may be
+  EXPECT_NEAR(run.plan.cost, cost, 1e-6 * cost);
+  // No more than it may, and the cheapest of them as polygons would be too much.
+  EXPECT_LE(cost, run.plan.limit);
+  EXPECT_GT(cost + cheapest, run.plan.limit);
 }
 
 TEST(Spike, without_a_limit_and_below_the_floor_nothing_is_coarse) {
