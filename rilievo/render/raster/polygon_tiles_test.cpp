@@ -4,7 +4,10 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/software/sky_tiles.h"
@@ -137,6 +140,156 @@ TEST(PolygonTiles, count_what_each_object_took) {
       EXPECT_EQ(work[i].shaded, first[i].shaded);
     }
   }
+}
+
+// Of one sample a pixel, each that shows an object is shaded once.
+TEST(PolygonTiles, shade_as_many_pixels_of_an_object_as_show_it) {
+  const TileScene scene("builtin:teapots?triangles=20000");
+  PolygonTiles tiles(scene.made.scene);
+  SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
+  const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+  ASSERT_TRUE(tiles.place_objects(scene.camera, scene.placed, scene.objects, {}).ok());
+  target.draw_objects(scene.camera.z_far, drawers);
+  std::map<std::uint32_t, std::uint64_t> pixels;
+  for (const std::uint32_t object : target.objects().texels())
+    if (object != kNoObject) ++pixels[object - 1];
+  ASSERT_TRUE(tiles.place(scene.camera, 1, scene.placed, scene.objects, {}).ok());
+  target.draw(scene.camera.z_far, drawers);
+  for (const ObjectWork& one : tiles.work()) EXPECT_EQ(one.shaded, pixels[one.object]);
+  EXPECT_GT(pixels.size(), 8u);
+}
+
+// An object for each quad that faces +z, or one with all of them as parts; of several materials.
+struct Quad {
+  float x0, x1, y0, y1, z;
+  AlphaMode mode = AlphaMode::opaque;
+};
+Scene quads_of(std::span<const Quad> quads, bool together) {
+  Scene scene;
+  for (const Quad& quad : quads) {
+    Mesh mesh;
+    for (const glm::vec2 at :
+         {glm::vec2(quad.x0, quad.y0), {quad.x1, quad.y0}, {quad.x1, quad.y1}, {quad.x0, quad.y1}})
+      mesh.positions.emplace_back(at, quad.z), mesh.normals.emplace_back(0, 0, 1);
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    mesh.material = int(scene.materials.size());
+    Material& material = scene.materials.emplace_back();
+    material.unlit = true, material.alpha_mode = quad.mode;
+    material.base_color = glm::vec4(0.1f * float(mesh.material + 1), 0.5f, 0.9f,
+                                    quad.mode == AlphaMode::blend ? 0.5f : 1.0f);
+    if (scene.models.empty() || !together) {
+      scene.models.emplace_back();
+      scene.objects.emplace_back().model = int(scene.models.size()) - 1;
+    }
+    scene.models.back().parts.push_back({int(scene.meshes.size()), glm::mat4(1)});
+    scene.meshes.push_back(std::move(mesh));
+  }
+  finish(scene);
+  return scene;
+}
+
+std::vector<ObjectWork> work_of_frame(const Scene& scene, const Camera& camera) {
+  const PlacedScene placed(scene);
+  std::vector<std::uint32_t> objects;
+  placed.cull(camera, objects);
+  PolygonTiles tiles(scene);
+  EXPECT_TRUE(tiles.place(camera, 4, placed, objects, {}).ok());
+  SoftwareTarget target(camera.width, camera.height, 4);
+  const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+  target.draw(camera.z_far, drawers);
+  return {tiles.work().begin(), tiles.work().end()};
+}
+
+// Side by side, so that none hides another.
+TEST(PolygonTiles, count_of_an_object_what_each_of_its_parts_took) {
+  const Quad quads[] = {{-3, -1.1f, -1, 1, 0}, {-1, 1, -1, 1, 0}, {1.1f, 3, -1, 1, 0}};
+  const Camera camera =
+      look_at({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 1, kTilesWidth, kTilesHeight, 1, 9);
+  const std::vector<ObjectWork> parts = work_of_frame(quads_of(quads, false), camera),
+                                whole = work_of_frame(quads_of(quads, true), camera);
+  ASSERT_EQ(parts.size(), 3u);
+  ASSERT_EQ(whole.size(), 1u);
+  ObjectWork sum;
+  for (const ObjectWork& one : parts) {
+    EXPECT_EQ(one.filled, 2u);
+    sum.projected += one.projected, sum.filled += one.filled, sum.shaded += one.shaded;
+  }
+  EXPECT_EQ(whole[0].projected, sum.projected);
+  EXPECT_EQ(whole[0].filled, sum.filled);
+  EXPECT_EQ(whole[0].shaded, sum.shaded);
+}
+
+// All triangles of a floor that reaches behind the eye are cut, and no piece of them is free.
+TEST(PolygonTiles, count_what_is_cut_at_the_near_plane) {
+  const Quad floor[] = {{-5, 5, -20, 20, 0}};
+  const Camera camera =
+      look_at({0.5, 0.3, 1}, {0.3, 8, 0}, {0, 0, 1}, 1, kTilesWidth, kTilesHeight, 0.1, 50);
+  const std::vector<ObjectWork> work = work_of_frame(quads_of(floor, false), camera);
+  ASSERT_EQ(work.size(), 1u);
+  EXPECT_GT(work[0].shaded, 5000u);
+  EXPECT_GE(work[0].projected, 2u);
+  EXPECT_GE(work[0].filled, 2u);
+}
+
+// Blended parts are drawn later, and have no share of the list of those that fade here.
+TEST(PolygonTiles, objects_with_blended_parts_fade_as_others_do) {
+  const Quad quads[] = {
+      {-3, -0.1f, -1, 1, 0}, {-2, 2, -0.5f, 0.5f, 1, AlphaMode::blend}, {0.1f, 3, -1, 1, 0}};
+  const Camera camera =
+      look_at({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 1, kTilesWidth, kTilesHeight, 1, 9);
+  Scene scene = quads_of(quads, true);
+  // The same behind itself, which does not fade.
+  scene.objects.push_back(scene.objects[0]);
+  scene.objects[1].placement = glm::translate(glm::mat4(1), {0, 1, -1});
+  finish(scene);
+  const PlacedScene placed(scene);
+  const auto frame_with = [&](std::span<const std::uint32_t> objects,
+                              std::span<const CrossFade> fading) {
+    PolygonTiles tiles(scene);
+    EXPECT_TRUE(tiles.place(camera, 1, placed, objects, fading).ok());
+    SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
+    const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+    target.draw(camera.z_far, drawers);
+    return target.color();
+  };
+  const std::uint32_t both[] = {0, 1}, behind[] = {1};
+  const CrossFade halves[] = {{0, 0.0f, 0.5f}, {0, 0.5f, 1.0f}}, half[] = {{0, 0.0f, 0.5f}};
+  const Rgba8Image whole = frame_with(both, {});
+  EXPECT_EQ(frame_with(behind, halves), whole);
+  EXPECT_NE(frame_with(behind, half), whole);
+}
+
+// What is drawn between over one sample of each pixel stays, also where the polygon's triangle goes
+// on beside it.
+TEST(PolygonTiles, samples_that_something_nearer_hides_are_left_alone) {
+  constexpr std::uint32_t kCover = 0xff00ff00u;
+  struct Cover final : TileDrawer {
+    void draw_tile(FrameTile& tile) const override {
+      for (int block = 0; block < FrameTile::kBlockCount; ++block) {
+        tile.expand(block);
+        tile.changed[block] = true;
+        for (int i = 0; i < FrameTile::kBlockPixels; ++i)
+          tile.plane(block, i % 4).content[i] = kCover,
+                                tile.plane(block, i % 4).inverse_z[i] = 1e6f;
+      }
+    }
+  };
+  struct Check final : TileDrawer {
+    void draw_tile(FrameTile& tile) const override {
+      for (int block = 0; block < FrameTile::kBlockCount; ++block)
+        for (int i = 0; i < FrameTile::kBlockPixels; ++i)
+          for (int s = 0; s < 4; ++s)
+            EXPECT_EQ(tile.plane(block, s).content[i] == kCover, s == i % 4) << block << " " << i;
+    }
+  };
+  const TileScene scene("builtin:teapots?triangles=20000");
+  PolygonTiles tiles(scene.made.scene);
+  ASSERT_TRUE(tiles.place(scene.camera, 4, scene.placed, scene.objects, {}).ok());
+  SoftwareTarget target(kTilesWidth, kTilesHeight, 4);
+  const Cover cover;
+  const Check check;
+  const TileDrawer* drawers[] = {&tiles, &cover, &tiles.shading(), &check};
+  target.draw(scene.camera.z_far, drawers);
 }
 
 TEST(SkyTiles, show_the_sky_s_colour_where_nothing_is) {
