@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
+#include <utility>
+#include <vector>
 
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
@@ -217,6 +219,74 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen) {
       double least = 1e9;
       for (const glm::dvec3& p : now) least = std::min(least, glm::distance(p, seen[i]));
       ASSERT_LE(least, picture.lacks);
+    }
+  }
+}
+
+// By definition: of the others' samples, one after the other, those that have none within `metres`.
+// Lines of sight, and depths along them.
+std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pictures,
+                                                        std::size_t k, double metres) {
+  const LayeredDepthImage& to = pictures.pictures[k].layers;
+  const Camera& camera = to.camera;
+  const double texel = (camera.window.right - camera.window.left) / camera.width;
+  std::vector<std::pair<int, float>> samples;
+  std::vector<glm::dvec3> places;  // across and along, metres
+  const auto add = [&](int line, float depth) {
+    const glm::dvec2 at(line % camera.width + 0.5, line / camera.width + 0.5);
+    samples.emplace_back(line, depth);
+    places.emplace_back(texel * at, eye_z_from(to.depth_kind, double(depth), camera, at));
+  };
+  for (std::size_t line = 0; line + 1 < to.first.size(); ++line)
+    for (std::uint64_t s = to.first[line]; s < to.first[line + 1]; ++s)
+      add(int(line), to.samples[s].depth);
+  for (std::size_t j = 0; j < pictures.pictures.size(); ++j) {
+    if (j == k) continue;
+    const LayeredDepthImage& from = pictures.pictures[j].layers;
+    const int width = from.camera.width;
+    for (std::size_t line = 0; line + 1 < from.first.size(); ++line)
+      for (std::uint64_t s = from.first[line]; s < from.first[line + 1]; ++s) {
+        const glm::dvec2 at(int(line) % width + 0.5, int(line) / width + 0.5);
+        const double z =
+            eye_z_from(from.depth_kind, double(from.samples[s].depth), from.camera, at);
+        const glm::dvec3 there = raster_from_world(camera, world_from_raster(from.camera, at, z));
+        const glm::dvec3 place(texel * glm::dvec2(there), there.z);
+        if (std::any_of(places.begin(), places.end(), [&](const glm::dvec3& other) {
+              return glm::distance(other, place) <= metres;
+            }))
+          continue;
+        const int x = std::clamp(int(there.x), 0, camera.width - 1),
+                  y = std::clamp(int(there.y), 0, camera.height - 1);
+        add(y * camera.width + x,
+            float(depth_from_eye_z(to.depth_kind, there.z, camera, glm::dvec2(x + 0.5, y + 0.5))));
+      }
+  }
+  std::sort(samples.begin(), samples.end());
+  return samples;
+}
+
+TEST(ShareSamples, pictures_get_the_samples_that_have_none_of_their_own_within_reach) {
+  Random random(35);
+  for (const double reach : {0.6, 0.75, 1.0}) {
+    const Scene scene = random_scene(random);
+    const auto rays = RayScene::create(scene);
+    ASSERT_TRUE(rays.ok());
+    const ReliefPictures before = captured(*rays, 0, 24);
+    ReliefPictures after = before;
+    share_samples(after, reach);
+    for (std::size_t k = 0; k < after.pictures.size(); ++k) {
+      const LayeredDepthImage& layers = after.pictures[k].layers;
+      const Camera& camera = layers.camera;
+      // Texels are squares here.
+      const double texel = (camera.window.right - camera.window.left) / camera.width;
+      EXPECT_NEAR(texel, (camera.window.top - camera.window.bottom) / camera.height, 1e-9);
+      std::vector<std::pair<int, float>> samples;
+      for (std::size_t line = 0; line + 1 < layers.first.size(); ++line)
+        for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
+          samples.emplace_back(int(line), layers.samples[s].depth);
+      std::sort(samples.begin(), samples.end());
+      EXPECT_EQ(samples, shared_by_definition(before, k, reach * texel));
+      EXPECT_GT(samples.size(), before.pictures[k].layers.samples.size());
     }
   }
 }
