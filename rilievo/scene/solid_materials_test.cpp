@@ -47,6 +47,24 @@ TEST(SolidMaterials, stay_blended_if_anything_lets_light_through) {
   EXPECT_EQ(mode_after(glass), AlphaMode::blend);
 }
 
+// Whichever of them comes last.
+TEST(SolidMaterials, one_mesh_that_lets_light_through_keeps_the_material_of_all_blended) {
+  for (const int clear : {0, 1}) {
+    Scene shared = blended_scene();
+    shared.meshes.push_back(shared.meshes[0]);
+    shared.meshes[std::size_t(clear)].colors[1].a = 0.5f;
+    EXPECT_EQ(mode_after(shared), AlphaMode::blend) << clear;
+  }
+}
+
+TEST(SolidMaterials, without_a_texture_the_factor_alone_decides) {
+  Scene plain = blended_scene();
+  plain.materials[0].base_color_texture.texture = -1;
+  EXPECT_EQ(mode_after(plain), AlphaMode::opaque);
+  plain.materials[0].base_color.a = 0.5f;
+  EXPECT_EQ(mode_after(plain), AlphaMode::blend);
+}
+
 TEST(SolidMaterials, masks_stay_masks) {
   Scene masked = blended_scene();
   masked.materials[0].alpha_mode = AlphaMode::mask;
