@@ -101,24 +101,26 @@ Result<> PictureChooser::choose(const Camera& camera, const PlacedScene& placed,
   const Stopwatch watch;
   const Scene& scene = placed.scene();
   std::vector<Instance>& instances = content.sets[0].instances;
+  // First the pictures that hold: what is captured makes none of them go.
+  for (const std::uint32_t object : visible_)
+    if (std::optional<Picture>& picture = pictures_[object];
+        picture &&
+        is_valid(*picture, camera, motion_between(picture->pose, placed.poses()[object])))
+      picture->last_drawn = frame_;
   for (const std::uint32_t object : visible_) {
     const Model& model = scene.models[std::size_t(scene.objects[object].model)];
     if (model.triangles < options_.min_triangles || !placed.has_opaque_parts(object)) {
       content.polygons.push_back(object);
       continue;
     }
-    std::optional<Picture>& picture = pictures_[object];
-    glm::dmat4 motion(1.0);
-    if (picture) motion = motion_between(picture->pose, placed.poses()[object]);
-    if (!picture || !is_valid(*picture, camera, motion)) {
-      if (!capture(object, camera)) {
-        content.polygons.push_back(object);
-        continue;
-      }
-      motion = glm::dmat4(1.0);
+    const std::optional<Picture>& picture = pictures_[object];
+    const bool holds = picture && picture->last_drawn == frame_;
+    if (!holds && !capture(object, camera)) {
+      content.polygons.push_back(object);
+      continue;
     }
-    picture->last_drawn = frame_;
-    instances.push_back({motion, object, object + 1});
+    instances.push_back(
+        {motion_between(picture->pose, placed.poses()[object]), object, object + 1});
   }
   if (!captured_.empty()) narrow_captured();
   for (const Instance& instance : instances)

@@ -121,6 +121,16 @@ TEST(PictureChooser, the_picture_that_was_not_drawn_for_longest_makes_room) {
   EXPECT_EQ(frames.choose(looking_at_boxes(2, 2)), Objects{2});
 }
 
+TEST(PictureChooser, no_picture_that_the_frame_needs_makes_room_for_another) {
+  const Scene scene = ring_of_boxes(4);
+  ChosenPictures frames(scene, 2);
+  EXPECT_EQ(frames.choose(looking_at_boxes(1, 2)), (Objects{1, 2}));
+  for (int f = 0; f < 2; ++f) {
+    EXPECT_EQ(frames.choose(looking_at_boxes(0, 3)), Objects{});
+    EXPECT_EQ(frames.content.polygons, (Objects{0, 3}));
+  }
+}
+
 // Captured again and again while it goes around the eye, which strides aside.
 TEST(PictureChooser, a_picture_moves_as_its_object_has_since_the_capture) {
   Scene scene = ring_of_boxes(1);
