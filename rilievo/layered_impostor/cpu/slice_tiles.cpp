@@ -40,6 +40,7 @@ struct SlicedPicture {
 struct PlacedSlice {
   glm::dvec3 u{0.0}, v{0.0}, w{0.0};
   double inverse_scale = 1;
+  double most_w = 0;  // at the near plane
   const SlicedPicture* picture = nullptr;
   glm::vec4 texels{0.0f};
   int front = 0, back = 0;  // it shows codes with front <= second and first < back
@@ -189,6 +190,7 @@ void SliceTiles::place(const PlacedCamera& frame, std::uint32_t object, const Sl
   placed.front = first_code(scale(slice.front));
   placed.back = first_code(scale(slice.back));
   placed.inverse_scale = 1 / frame.scale;
+  placed.most_w = 1 / from.z_near;
   placed.picture = &pictures_[std::size_t(quad.view)];
   placed.texels = quad.texels;
   placed.from = quad.from, placed.to = quad.to;
@@ -214,11 +216,13 @@ void SliceTiles::draw_outlines(const Camera& frame, std::span<const Instance> in
                       instance.world_from_capture);
 }
 
-// How far a place lies within the quad's edges, all of them times w; >= 0: it does.
+// How far a place lies within the quad's edges, all of them times w, and beyond the near plane;
+// >= 0: it does.
 double within(const PlacedSlice& placed, double x, double y) {
   const double w = at(placed.w, x, y), u = at(placed.u, x, y), v = at(placed.v, x, y);
-  return std::min({w, u - double(placed.texels.x) * w, double(placed.texels.z) * w - u,
-                   v - double(placed.texels.y) * w, double(placed.texels.w) * w - v});
+  return std::min({w, placed.most_w - w, u - double(placed.texels.x) * w,
+                   double(placed.texels.z) * w - u, v - double(placed.texels.y) * w,
+                   double(placed.texels.w) * w - v});
 }
 
 // The texel at a pixel's centre as the quad shows it; none if it does not. Beyond the quad's edge

@@ -43,16 +43,16 @@ class SliceTilesTest : public testing::Test {
     return target;
   }
 
-  LayeredImpostor impostor;
-};
+  [[nodiscard]] static glm::dvec3 random_direction(Random& random) {
+    const float x = random.between(-1, 1), y = random.between(-1, 1), z = random.between(-1, 1);
+    return {x, y, z};
+  }
 
-TEST_F(SliceTilesTest, slices_are_what_the_slow_drawing_shows) {
-  Random random(2);
-  int pixels = 0, other_coverage = 0, other_object = 0, other_depth = 0, other_color = 0;
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 towards(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
-    const Camera camera = camera_from(towards, 2.5 + 0.3 * i);
-    const bool fill = i % 2 == 0;
+  struct Differences {
+    int pixels = 0, coverage = 0, object = 0, depth = 0, color = 0;
+  };
+  // With the slow drawing, from one eye.
+  void compare(const Camera& camera, bool fill, Differences& found) const {
     const DepthImage expected =
         warp_slices(impostor, slices_for_eye(impostor, camera.position(), fill), camera);
     const Rgba8Image expected_color = encoded_colors(expected.color);
@@ -63,24 +63,77 @@ TEST_F(SliceTilesTest, slices_are_what_the_slow_drawing_shows) {
     for (int y = 0; y < kSliceFrame; ++y)
       for (int x = 0; x < kSliceFrame; ++x) {
         const bool covered = target.objects()(x, y) != kNoObject;
-        pixels += expected.covered(x, y);
-        other_coverage += covered != expected.covered(x, y);
+        found.pixels += expected.covered(x, y);
+        found.coverage += covered != expected.covered(x, y);
         if (!covered || !expected.covered(x, y)) continue;
-        other_object += target.objects()(x, y) != expected.object(x, y);
-        other_depth += std::abs(eye_z(x, y) - expected.depth(x, y)) > 1e-4f;
+        found.object += target.objects()(x, y) != expected.object(x, y);
+        found.depth += std::abs(eye_z(x, y) - expected.depth(x, y)) > 1e-4f;
         for (int c = 0; c < 3; ++c)
           if (std::abs(int(target.color()(x, y)[c]) - int(expected_color(x, y)[c])) > 2) {
-            ++other_color;
+            ++found.color;
             break;
           }
       }
   }
-  EXPECT_GT(pixels, 10000);
   // A texel's end may fall on the other side of a slice's, of which 16 bits are known.
-  EXPECT_LE(other_coverage, pixels / 500);
-  EXPECT_LE(other_object, pixels / 500);
-  EXPECT_LE(other_depth, pixels / 500);
-  EXPECT_LE(other_color, pixels / 500);
+  static void expect_few(const Differences& found) {
+    EXPECT_LE(found.coverage, found.pixels / 500);
+    EXPECT_LE(found.object, found.pixels / 500);
+    EXPECT_LE(found.depth, found.pixels / 500);
+    EXPECT_LE(found.color, found.pixels / 500);
+  }
+
+  LayeredImpostor impostor;
+};
+
+TEST_F(SliceTilesTest, slices_are_what_the_slow_drawing_shows) {
+  Random random(2);
+  Differences found;
+  for (int i = 0; i < 8; ++i)
+    compare(camera_from(random_direction(random), 2.5 + 0.3 * i), i % 2 == 0, found);
+  EXPECT_GT(found.pixels, 10000);
+  expect_few(found);
+}
+
+// Slices reach behind the eye, and their corners in front of it tell little of where they are.
+TEST_F(SliceTilesTest, slices_around_the_eye_are_what_the_slow_drawing_shows) {
+  Random random(3);
+  Differences found;
+  for (int i = 0; i < 8; ++i) {
+    Camera camera = camera_from(random_direction(random), 1.1);
+    camera.z_near = 1e-3 * camera.z_far;
+    compare(camera, i % 2 == 0, found);
+  }
+  EXPECT_GT(found.pixels, 5000);
+  expect_few(found);
+}
+
+TEST_F(SliceTilesTest, nothing_is_drawn_before_the_near_plane) {
+  const auto drawable = make_slice_tiles(impostor, {.method = LayeredMethod::slices});
+  Camera camera = camera_from({0.3, 0.4, 1}, 2.5);
+  const auto drawn_with = [&](double z_near) {
+    camera.z_near = z_near;
+    return drawn(*drawable, camera, {glm::dmat4(1.0), 0, 1}, 1);
+  };
+  const double all = camera.z_near, middle = 2.3 * double(impostor.bounds.radius());
+  const SoftwareTarget whole = drawn_with(all), cut = drawn_with(middle);
+  const Image<float> before = whole.eye_z(), after = cut.eye_z();
+  int kept = 0, gone = 0, behind = 0;
+  for (std::size_t i = 0; i < before.texels().size(); ++i) {
+    const float was = before.texels()[i], is = after.texels()[i];
+    if (was == kNoDepth) continue;
+    if (double(was) >= middle) {
+      ++kept;
+      EXPECT_EQ(is, was);
+      EXPECT_EQ(cut.color().texels()[i], whole.color().texels()[i]);
+      continue;
+    }
+    ++(is == kNoDepth ? gone : behind);
+    EXPECT_GE(double(is), middle * (1 - 1e-6));
+  }
+  EXPECT_GT(kept, 100);
+  EXPECT_GT(gone, 10);
+  EXPECT_GT(behind, 100);
 }
 
 // Moved, turned and twice as large, seen by an eye that stands as it did.
