@@ -8,15 +8,14 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_impostor/cpu/impostor_tiles.h"
 #include "rilievo/layered_impostor/cpu/placed_camera.h"
 #include "rilievo/layered_impostor/cpu/slice_tiles.h"
-#include "rilievo/layered_impostor/drawable_terms.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/render/software/frame_tile.h"
-#include "rilievo/render/software/line_tiles.h"
 #include "rilievo/warp/surface_pyramid.h"
 
 namespace rilievo {
@@ -47,20 +46,12 @@ struct SeenLayered {
   std::uint32_t object = kNoObject;
 };
 
-class LayeredTiles final : public Drawable, public TileDrawer {
+class LayeredTiles final : public ImpostorTiles {
  public:
   LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options);
 
-  [[nodiscard]] std::string_view kind() const override { return kLayeredImpostorName; }
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
-  void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
-  [[nodiscard]] const TileDrawer* tiles() const override { return this; }
-  [[nodiscard]] const TileDrawer* outline_tiles() const override { return &outlines_; }
   void draw_tile(FrameTile& tile) const override;
-
-  [[nodiscard]] ErrorModel error_model(std::uint32_t) const override { return error_; }
-  [[nodiscard]] CostTerms cost_terms(std::uint32_t) const override { return cost_; }
-  [[nodiscard]] std::size_t bytes() const override { return bytes_; }
 
  private:
   [[nodiscard]] bool place(const Camera& frame, const Instance& instance, PlacedLayered& out) const;
@@ -69,23 +60,12 @@ class LayeredTiles final : public Drawable, public TileDrawer {
   [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, int view, const PixelRay& ray,
                                     const SurfaceHit& march) const;
 
-  LayeredImpostor impostor_;  // without colours and depths
-  LayeredOptions options_;
-  ErrorModel error_;
-  CostTerms cost_;
   std::vector<LayeredPicture> pictures_;
-  bool several_ = false;
-  std::size_t bytes_ = 0;
   std::vector<PlacedLayered> placed_;  // front to back; kept, so that drawing does not allocate
-  LineTiles outlines_;
 };
 
 LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options)
-    : impostor_(std::move(impostor)),
-      options_(options),
-      error_(layered_error_model(impostor_, options.method)),
-      cost_(layered_cost_terms(impostor_, options.method)) {
-  several_ = shows_several_objects(impostor_.pictures);
+    : ImpostorTiles(std::move(impostor), options) {
   pictures_.resize(impostor_.pictures.size());
   parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
     DepthImage& picture = impostor_.pictures[i];
@@ -142,13 +122,6 @@ void LayeredTiles::draw(const Camera& frame, std::span<const Instance> instances
   std::stable_sort(
       placed_.begin(), placed_.end(),
       [](const PlacedLayered& a, const PlacedLayered& b) { return a.distance < b.distance; });
-}
-
-void LayeredTiles::draw_outlines(const Camera& frame, std::span<const Instance> instances) {
-  outlines_.begin(frame);
-  for (const Instance& instance : instances)
-    outlines_.add_box(glm::dvec3(impostor_.bounds.min), glm::dvec3(impostor_.bounds.max),
-                      instance.world_from_capture);
 }
 
 SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const PixelRay& ray,

@@ -19,13 +19,11 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_impostor/cpu/impostor_tiles.h"
 #include "rilievo/layered_impostor/cpu/placed_camera.h"
-#include "rilievo/layered_impostor/drawable_terms.h"
-#include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/render/software/frame_tile.h"
-#include "rilievo/render/software/line_tiles.h"
 
 namespace rilievo {
 namespace {
@@ -87,43 +85,23 @@ double at(const glm::dvec3& affine, double x, double y) {
   return affine.x * x + affine.y * y + affine.z;
 }
 
-class SliceTiles final : public Drawable, public TileDrawer {
+class SliceTiles final : public ImpostorTiles {
  public:
   SliceTiles(LayeredImpostor impostor, const LayeredOptions& options);
 
-  [[nodiscard]] std::string_view kind() const override { return kLayeredImpostorName; }
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
-  void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
-  [[nodiscard]] const TileDrawer* tiles() const override { return this; }
-  [[nodiscard]] const TileDrawer* outline_tiles() const override { return &outlines_; }
   void draw_tile(FrameTile& tile) const override;
-
-  [[nodiscard]] ErrorModel error_model(std::uint32_t) const override { return error_; }
-  [[nodiscard]] CostTerms cost_terms(std::uint32_t) const override { return cost_; }
-  [[nodiscard]] std::size_t bytes() const override { return bytes_; }
 
  private:
   void place(const PlacedCamera& frame, std::uint32_t object, const SliceQuad& quad);
 
-  LayeredImpostor impostor_;  // without texels
-  LayeredOptions options_;
-  ErrorModel error_;
-  CostTerms cost_;
   SliceChooser chooser_;
   std::vector<SlicedPicture> pictures_;
-  bool several_ = false;
-  std::size_t bytes_ = 0;
   std::vector<PlacedSlice> placed_;  // kept, so that drawing does not allocate
-  LineTiles outlines_;
 };
 
 SliceTiles::SliceTiles(LayeredImpostor impostor, const LayeredOptions& options)
-    : impostor_(std::move(impostor)),
-      options_(options),
-      error_(layered_error_model(impostor_, options.method)),
-      cost_(layered_cost_terms(impostor_, options.method)),
-      chooser_(impostor_),
-      several_(shows_several_objects(impostor_.pictures)) {
+    : ImpostorTiles(std::move(impostor), options), chooser_(impostor_) {
   pictures_.resize(impostor_.pictures.size());
   parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
     DepthImage& picture = impostor_.pictures[i];
@@ -207,13 +185,6 @@ void SliceTiles::draw(const Camera& frame, std::span<const Instance> instances, 
     chooser_.choose(impostor_, placed->camera.position(), options_);
     for (const SliceQuad& quad : chooser_.quads()) place(*placed, instance.object, quad);
   }
-}
-
-void SliceTiles::draw_outlines(const Camera& frame, std::span<const Instance> instances) {
-  outlines_.begin(frame);
-  for (const Instance& instance : instances)
-    outlines_.add_box(glm::dvec3(impostor_.bounds.min), glm::dvec3(impostor_.bounds.max),
-                      instance.world_from_capture);
 }
 
 // How far a place lies within the quad's edges, all of them times w, and beyond the near plane;
