@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/picture_chooser_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -52,22 +53,10 @@ TEST_F(MemoryPictureFrames, an_eye_that_only_turns_keeps_all_pictures_and_a_move
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=10000"));
   auto frames = make_memory_picture_frames(builtin.scene, {});
   ASSERT_TRUE(frames.ok());
-  const Camera first = camera_of(0, 320, 180);
-  ASSERT_TRUE((*frames)->draw(first, 0).ok());
-  const int pictures = (*frames)->stats().captures;
-  EXPECT_GT(pictures, 8);
-  Camera turned = first;
-  const glm::dvec3 eye = first.position();
-  turned.world_from_eye =
-      look_at(eye, eye + first.forward() + 0.02 * glm::dvec3(first.world_from_eye[0]), {0, 1, 0}, 1,
-              1, 1, 0.1, 1)
-          .world_from_eye;
-  ASSERT_TRUE((*frames)->draw(turned, 0).ok());
-  EXPECT_EQ((*frames)->stats().captures, 0);
-  Camera moved = first;
-  moved.world_from_eye[3] += moved.world_from_eye[0] * 2.0;
-  ASSERT_TRUE((*frames)->draw(moved, 0).ok());
-  EXPECT_GE((*frames)->stats().captures, pictures - 2);
+  expect_captures_where_the_eye_has_moved(camera_of(0, 320, 180), [&](const Camera& camera) {
+    EXPECT_TRUE((*frames)->draw(camera, 0).ok());
+    return (*frames)->stats().captures;
+  });
 }
 
 TEST_F(MemoryPictureFrames, too_little_memory_and_other_samples_are_refused) {
