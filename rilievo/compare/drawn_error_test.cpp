@@ -60,6 +60,21 @@ class Shifted final : public FrameSource {
   glm::dvec2 by_px_;
 };
 
+// Draws what another one does, and claims these bounds.
+class Bounded final : public FrameSource {
+ public:
+  Bounded(FrameSource& from, double bound_px, double gap_px) : from_(&from) {
+    stats_.bound_px = bound_px, stats_.gap_px = gap_px;
+  }
+  Result<> draw(const Camera& camera, double time) override { return from_->draw(camera, time); }
+  Result<> draw_objects() override { return from_->draw_objects(); }
+  [[nodiscard]] const FrameStats& stats() const override { return stats_; }
+
+ private:
+  FrameSource* from_;
+  FrameStats stats_;
+};
+
 class DrawnErrorTest : public gl::ContextTest {
  protected:
   void SetUp() override {
@@ -195,22 +210,11 @@ TEST_F(DrawnErrorTest, a_stale_picture_is_off_by_its_parallax) {
 }
 
 TEST_F(DrawnErrorTest, an_error_above_the_bound_is_counted) {
-  class Bounded final : public FrameSource {
-   public:
-    Bounded(FrameSource& from, double bound_px) : from_(&from) { stats_.bound_px = bound_px; }
-    Result<> draw(const Camera& camera, double time) override { return from_->draw(camera, time); }
-    Result<> draw_objects() override { return from_->draw_objects(); }
-    [[nodiscard]] const FrameStats& stats() const override { return stats_; }
-
-   private:
-    FrameSource* from_;
-    FrameStats stats_;
-  };
   const Scene scene = balls();
   const auto walk = [](int) { return WalkFrame{eye_at(0), 0}; };
   ASSERT_NO_FATAL_FAILURE(code(scene, walk));
   Shifted shifted(*direct, {2, 0});
-  Bounded kept(shifted, 2), broken(shifted, 1);
+  Bounded kept(shifted, 2, 0), broken(shifted, 1, 0);
   EXPECT_EQ(measure(kept, walk).over_bound, 0);
   EXPECT_EQ(measure(kept, walk).violations, 0);
   // Near a fold of one of the waves the error looks smaller: 2 px of 26 on either side.
@@ -240,19 +244,6 @@ Scene plates(float width) {
 
 // Colours of both plates mix beside the slit, and tell nothing; what shows in it is not off.
 TEST_F(DrawnErrorTest, what_lies_behind_a_gap_is_counted_by_the_bound_of_gaps) {
-  class Bounded final : public FrameSource {
-   public:
-    Bounded(FrameSource& from, double gap_px) : from_(&from) {
-      stats_.bound_px = 0.25, stats_.gap_px = gap_px;
-    }
-    Result<> draw(const Camera& camera, double time) override { return from_->draw(camera, time); }
-    Result<> draw_objects() override { return from_->draw_objects(); }
-    [[nodiscard]] const FrameStats& stats() const override { return stats_; }
-
-   private:
-    FrameSource* from_;
-    FrameStats stats_;
-  };
   const auto walk = [](int) { return WalkFrame{eye_at(0), 0}; };
   ASSERT_NO_FATAL_FAILURE(code(plates(0), walk));
   const double pixel = 9 * 2 * std::tan(0.25) / kErrorHeight;
@@ -261,7 +252,7 @@ TEST_F(DrawnErrorTest, what_lies_behind_a_gap_is_counted_by_the_bound_of_gaps) {
     Result<SceneRenderer> torn = SceneRenderer::create(slit);
     ASSERT_TRUE(torn.ok());
     DirectFrames frames(*torn);
-    Bounded narrow(frames, 0.5), wide(frames, 6), none(frames, 0);
+    Bounded narrow(frames, 0.25, 0.5), wide(frames, 0.25, 6), none(frames, 0.25, 0);
     EXPECT_GT(measure(none, walk).violations, 100);
     EXPECT_EQ(measure(none, walk).in_gaps, 0);
     EXPECT_EQ(measure(wide, walk).violations, 0);
