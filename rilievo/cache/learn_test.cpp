@@ -135,6 +135,45 @@ TEST(Learning, each_picture_keeps_the_share_that_was_seen_of_it) {
   EXPECT_GT(moved, 100);
 }
 
+// As polygons it took more than a picture costs when all of it was seen.
+TEST(Learning, what_is_hidden_costs_less_than_it_took_when_it_was_seen) {
+  const PlanObjects tree = heavy_trees(1);
+  for (const bool hidden : {false, true}) {
+    Loop run;
+    int retired = 0;
+    for (int f = 0; f < 150; ++f) {
+      ASSERT_NO_FATAL_FAILURE(
+          draw_hiding(run, tree.tree, walk(1, f), dear_pictures(), hidden ? 0 : 1));
+      const PolygonCost took{0, 20'000, 15'000};
+      learn_polygons({&took, 1}, run.state);
+      retired += int(run.plan.retirements.size());
+    }
+    EXPECT_EQ(retired > 0, hidden);
+  }
+}
+
+// However long ago it was drawn for the first time.
+TEST(Learning, what_is_drawn_as_polygons_in_each_frame_is_known_in_each) {
+  const PlanObjects trees = heavy_trees(2);
+  Loop run;
+  run.state.current.assign(trees.tree.nodes.size(), 0);
+  run.state.previous = run.state.current;
+  run.state.frame = 1;
+  const auto learn = [&] {
+    std::vector<PolygonCost> took;
+    for (const std::uint32_t object : {0u, 1u})
+      took.push_back({leaf_of(trees.tree, object), 20'000, 20});
+    learn_polygons(took, run.state);
+    run.state.usual_polygon_share = 1;  // of others
+  };
+  learn();
+  for (int f = 0; f < 500; ++f) {
+    ASSERT_NO_FATAL_FAILURE(run.frame(trees.tree, {}, walk(1, f), {}));
+    EXPECT_TRUE(run.plan.captures.empty()) << f;
+    learn();
+  }
+}
+
 TEST(Learning, the_usual_share_is_that_of_all_objects_of_a_frame_together) {
   CacheState state;
   state.current.assign(3, 0), state.frame = 1;

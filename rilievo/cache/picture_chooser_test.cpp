@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,8 @@ class CountedPictures final : public CachePictures {
   CountedPictures(const PlacedScene& placed, std::size_t most) : placed_(placed), most_(most) {}
 
   std::vector<std::uint32_t> captured;
+  std::optional<DeltaRange> range;            // of all pictures
+  PictureGeometry shown;                      // the last one
   std::map<std::uint32_t, glm::dmat4> poses;  // of the pictures held: the object's, at capture
 
   [[nodiscard]] int max_picture_size() const override { return 1024; }
@@ -40,12 +43,15 @@ class CountedPictures final : public CachePictures {
   void write(std::uint32_t, const RasterPicture&) override {}
   [[nodiscard]] int written_bits() const override { return 8; }
   [[nodiscard]] GapTable gaps(const Camera&, std::span<const std::uint32_t>) override { return {}; }
-  [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t) override { return {}; }
+  [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t) override { return range; }
   void finish() override {}
   void capture_objects(std::uint32_t, const Camera&, std::span<const std::uint32_t>) override {}
   void write_objects(std::uint32_t, std::span<const std::uint32_t>) override {}
   [[nodiscard]] Drawable& pictures() override { return set_; }
-  void show(std::uint32_t slot, const PictureGeometry&) override { EXPECT_TRUE(poses.count(slot)); }
+  void show(std::uint32_t slot, const PictureGeometry& geometry) override {
+    EXPECT_TRUE(poses.count(slot));
+    shown = geometry;
+  }
 
  private:
   const PlacedScene& placed_;
@@ -128,6 +134,36 @@ TEST(PictureChooser, no_picture_that_the_frame_needs_makes_room_for_another) {
   for (int f = 0; f < 2; ++f) {
     EXPECT_EQ(frames.choose(looking_at_boxes(0, 3)), Objects{});
     EXPECT_EQ(frames.content.polygons, (Objects{0, 3}));
+  }
+}
+
+TEST(PictureChooser, a_frame_that_needs_finer_texels_captures_again) {
+  const Scene scene = ring_of_boxes(1);
+  ChosenPictures frames(scene, 1);
+  Camera camera = looking_at_boxes(0, 0);
+  EXPECT_EQ(frames.choose(camera), Objects{0});
+  camera.width /= 2, camera.height /= 2;
+  EXPECT_EQ(frames.choose(camera), Objects{});
+  camera.width *= 4, camera.height *= 4;
+  EXPECT_EQ(frames.choose(camera), Objects{0});
+  EXPECT_EQ(frames.choose(camera), Objects{});
+}
+
+// Also in later frames.
+TEST(PictureChooser, what_a_picture_shows_narrows_where_it_stands) {
+  const Scene scene = ring_of_boxes(1);
+  ChosenPictures whole(scene, 1), narrow(scene, 1);
+  const DeltaRange range{0.3, 0.4};
+  narrow.store->range = range;
+  for (int f = 0; f < 2; ++f) {
+    (void)whole.choose(looking_at_boxes(0, 0));
+    (void)narrow.choose(looking_at_boxes(0, 0));
+    PictureGeometry expected = whole.store->shown;
+    narrow_slab(expected, range);
+    EXPECT_EQ(narrow.store->shown.plane_z, expected.plane_z);
+    EXPECT_EQ(narrow.store->shown.slab.front, expected.slab.front);
+    EXPECT_EQ(narrow.store->shown.slab.back, expected.slab.back);
+    EXPECT_LT(expected.slab.back, whole.store->shown.slab.back);
   }
 }
 

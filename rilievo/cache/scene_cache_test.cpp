@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -28,12 +29,13 @@ Scene boxes_around() {
   Object& last = scene.objects.back();
   scene.nodes.emplace_back();
   last.node = 0;
-  Channel still;
-  still.path = Channel::Path::translation;
-  still.times = {0, 1}, still.values = {{0, 0, 0, 0}, {0, 0, 0, 0}};
-  scene.channels = {still};
+  Channel slide;
+  slide.path = Channel::Path::translation;
+  slide.times = {0, 1}, slide.values = {{0, 0, 0, 0}, {0, 0.01f, 0, 0}};
+  scene.channels = {slide};
   scene.duration = 1;
   finish(scene);
+  EXPECT_TRUE(last.moving);
   return scene;
 }
 
@@ -103,6 +105,38 @@ TEST(SceneCache, what_took_a_lot_as_polygons_is_captured_whatever_it_was_and_not
       for (const std::vector<std::uint32_t>& objects : cache.pictures())
         EXPECT_EQ(std::count(objects.begin(), objects.end(), dear), 1) << dear;
     }
+}
+
+// How many of one kind of work make an object dear enough for a picture?
+double least_for_a_picture(std::uint64_t ObjectWork::*kind) {
+  double low = 1, high = 1e7;
+  while (high - low > 1 && high > 1.001 * low) {
+    const double middle = std::sqrt(low * high);
+    std::vector<ObjectWork> work;
+    for (std::uint32_t object = 0; object < kBoxes; ++object) work.push_back({object});
+    ChoosingCache cache;
+    for (int f = 0; f < 3; ++f) cache.choose(work);
+    cache.drop_pictures();
+    cache.choose(work);
+    work[0].*kind = std::uint64_t(middle);
+    for (int f = 0; f < 3; ++f) cache.choose(work);
+    (cache.pictures().empty() ? low : high) = middle;
+  }
+  return high;
+}
+
+TEST(SceneCache, work_is_priced_by_its_kind) {
+  const CostModel price;
+  const DrawTimes times = builtin_software_costs().draw_software;
+  const double projected = least_for_a_picture(&ObjectWork::projected),
+               filled = least_for_a_picture(&ObjectWork::filled),
+               shaded = least_for_a_picture(&ObjectWork::shaded);
+  EXPECT_GT(filled, 50);  // whole numbers
+  EXPECT_NEAR(projected * price.projected_triangle / (filled * price.filled_triangle), 1, 0.03);
+  // A pixel's time is that of the machine's polygons.
+  EXPECT_NEAR(
+      shaded * times.polygon_pixel_ns / times.triangle_ns / (filled * price.filled_triangle), 1,
+      0.03);
 }
 
 // While a picture fades in, its object is polygons at some pixels only: what that takes says

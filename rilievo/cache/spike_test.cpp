@@ -164,7 +164,7 @@ TEST(Spike, captures_find_room_within_what_a_frame_may_cost_and_free_ones_always
     invalidate(run.state, evictions);  // polygons alone are at hand, as in that frame
     run.textures.clear();
     const auto about = [&] { return double(run.scratch.now_cost[0]) * std::pow(10, u(rng)); };
-    options.spike_floor = about();
+    options.spike_floor = (round % 3 ? 1 : 5) * about();
     const double usual = run.state.usual_cost = about();
     const double limit = run.state.limit = round % 2 ? about() : 0;
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
@@ -183,6 +183,22 @@ TEST(Spike, captures_find_room_within_what_a_frame_may_cost_and_free_ones_always
       if (room == 0) {
         EXPECT_TRUE(made) << round;
       }
+    }
+    // The first that is not made, of those that are due, would not have found room beside those
+    // before it.
+    double spent = 0;
+    for (const PlanScratch::Request& request : run.scratch.requests) {
+      if (request.deadline > 0) break;
+      const double extra =
+          std::max(0.0, double(request.cost) - double(run.scratch.now_cost[request.entity]));
+      const bool made =
+          std::any_of(run.plan.captures.begin(), run.plan.captures.end(),
+                      [&](const Capture& capture) { return capture.entity == request.entity; });
+      if (!made) {
+        EXPECT_GT(spent + extra, room * (1 - 1e-6)) << round;
+        break;
+      }
+      spent += extra;
     }
     ++frames, limited_before += limit > 0;
     filled += room > 0 && beyond > 0.5 * room, without_room += room == 0;
