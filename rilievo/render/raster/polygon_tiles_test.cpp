@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -229,6 +230,50 @@ TEST(PolygonTiles, count_what_is_cut_at_the_near_plane) {
   EXPECT_GT(work[0].shaded, 5000u);
   EXPECT_GE(work[0].projected, 2u);
   EXPECT_GE(work[0].filled, 2u);
+}
+
+// Runs of triangles that lie on one side of the near plane are passed over as a whole; those after
+// them are cut even so. The eye stands low over the first triangles of runs, with the run before
+// behind it.
+TEST(PolygonTiles, a_mesh_of_many_runs_is_cut_as_one_of_none) {
+  constexpr int kSide = 64;
+  Scene scene;
+  Mesh mesh;
+  for (int z = 0; z <= kSide; ++z)
+    for (int x = 0; x <= kSide; ++x) mesh.positions.emplace_back(x, 0.1f * float((x + z) % 2), z);
+  for (int z = 0; z < kSide; ++z)
+    for (int x = 0; x < kSide; ++x)
+      for (const int corner : {0, kSide + 1, 1, 1, kSide + 1, kSide + 2})
+        mesh.indices.push_back(std::uint32_t(z * (kSide + 1) + x + corner));
+  mesh.material = 0;
+  scene.materials.emplace_back().unlit = true;
+  scene.meshes.push_back(mesh);
+  scene.models.emplace_back().parts.push_back({0, glm::mat4(1)});
+  scene.objects.emplace_back();
+  finish(scene);
+  Scene whole = scene;
+  whole.meshes[0].run_bounds.clear();
+  const auto eye_z_of = [](const Scene& from, const Camera& camera) {
+    const PlacedScene placed(from);
+    PolygonTiles tiles(from);
+    const std::uint32_t object = 0;
+    EXPECT_TRUE(tiles.place(camera, 1, placed, {&object, 1}, {}).ok());
+    SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
+    const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+    target.draw(camera.z_far, drawers);
+    return target.eye_z();
+  };
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> u(0, 1);
+  ASSERT_GT(scene.meshes[0].run_bounds.size(), 4u);
+  for (std::size_t run = 1; run < scene.meshes[0].run_bounds.size(); ++run)
+    for (int i = 0; i < 10; ++i) {
+      const double row = double(run) * Mesh::kRun / 2 / kSide;
+      const glm::dvec3 eye(0.4 * u(rng), 0.3 + 0.1 * u(rng), row + 0.2 + 0.3 * u(rng));
+      const Camera camera = look_at(eye, eye + glm::dvec3(0, -1, 1), {0, 1, 0}, 1.5, kTilesWidth,
+                                    kTilesHeight, 0.3, 99);
+      ASSERT_EQ(eye_z_of(scene, camera), eye_z_of(whole, camera)) << run;
+    }
 }
 
 // Blended parts are drawn later, and have no share of the list of those that fade here.
