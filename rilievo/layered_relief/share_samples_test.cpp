@@ -124,9 +124,10 @@ Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach,
   return found;
 }
 
-ReliefPictures captured(const RayScene& rays, double share, int size) {
+ReliefPictures captured(const RayScene& rays, double share, int size, double merge = 0.1) {
   RaySource source(rays);
-  auto made = capture_relief_pictures(source, {}, {.size = size, .share_texels = share});
+  auto made = capture_relief_pictures(source, {},
+                                      {.size = size, .merge_texels = merge, .share_texels = share});
   EXPECT_TRUE(made.ok());
   return *std::move(made);
 }
@@ -136,6 +137,20 @@ std::size_t samples_of(const ReliefPictures& pictures) {
   for (const ReliefPictures::Picture& picture : pictures.pictures)
     sum += picture.layers.samples.size();
   return sum;
+}
+
+// Where the samples stand.
+std::vector<glm::dvec3> places_of(const LayeredDepthImage& layers) {
+  std::vector<glm::dvec3> places;
+  const int width = layers.camera.width;
+  for (std::size_t i = 0; i + 1 < layers.first.size(); ++i)
+    for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+      const glm::dvec2 at(int(i) % width + 0.5, int(i) / width + 0.5);
+      places.push_back(world_from_raster(
+          layers.camera, at,
+          eye_z_from(layers.depth_kind, double(layers.samples[s].depth), layers.camera, at)));
+    }
+  return places;
 }
 
 TEST(ShareSamples, no_crack_is_wider_than_the_bound) {
@@ -188,27 +203,15 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen) {
   const ReliefPictures before = captured(*rays, 0, 24);
   ReliefPictures after = before;
   share_samples(after, 1);
-  const auto places = [](const LayeredDepthImage& layers) {
-    std::vector<glm::dvec3> places;
-    const int width = layers.camera.width;
-    for (std::size_t i = 0; i + 1 < layers.first.size(); ++i)
-      for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
-        const glm::dvec2 at(int(i) % width + 0.5, int(i) / width + 0.5);
-        places.push_back(world_from_raster(
-            layers.camera, at,
-            eye_z_from(layers.depth_kind, double(layers.samples[s].depth), layers.camera, at)));
-      }
-    return places;
-  };
   std::vector<glm::dvec3> seen;
   for (const ReliefPictures::Picture& picture : before.pictures)
-    for (const glm::dvec3& p : places(picture.layers)) seen.push_back(p);
+    for (const glm::dvec3& p : places_of(picture.layers)) seen.push_back(p);
   for (std::size_t k = 0; k < after.pictures.size(); ++k) {
     const ReliefPictures::Picture& picture = after.pictures[k];
     EXPECT_TRUE(validate(picture.layers).ok());
     EXPECT_GT(picture.layers.samples.size(), before.pictures[k].layers.samples.size());
     EXPECT_GT(picture.moved, 0);
-    const std::vector<glm::dvec3> now = places(picture.layers);
+    const std::vector<glm::dvec3> now = places_of(picture.layers);
     for (const glm::dvec3& p : now) {
       double least = 1e9;
       for (const glm::dvec3& q : seen) least = std::min(least, glm::distance(p, q));
@@ -291,6 +294,32 @@ TEST(ShareSamples, pictures_get_the_samples_that_have_none_of_their_own_within_r
   }
 }
 
+// What was merged stands elsewhere than where it was seen.
+TEST(ShareSamples, what_was_merged_away_has_a_sample_as_near_as_claimed) {
+  Random random(37);
+  for (int i = 0; i < 3; ++i) {
+    const Scene scene = random_scene(random);
+    const auto rays = RayScene::create(scene);
+    ASSERT_TRUE(rays.ok());
+    const ReliefPictures all = captured(*rays, 0, 24, 0);
+    for (const double merge : {0.1, 4.0, 8.0}) {
+      const ReliefPictures merged = captured(*rays, 0.75, 24, merge);
+      double farthest = 0;
+      for (const ReliefPictures::Picture& picture : merged.pictures) {
+        const std::vector<glm::dvec3> now = places_of(picture.layers);
+        EXPECT_GT(picture.lacks, picture.merged);
+        for (const ReliefPictures::Picture& seen : all.pictures)
+          for (const glm::dvec3& p : places_of(seen.layers)) {
+            double least = 1e9;
+            for (const glm::dvec3& q : now) least = std::min(least, glm::distance(p, q));
+            farthest = std::max(farthest, least / picture.lacks);
+          }
+      }
+      EXPECT_LE(farthest, 1);
+    }
+  }
+}
+
 std::vector<Camera> cameras_around(int count, const Box& box, int size) {
   std::vector<Camera> cameras;
   const auto directions = relief_directions(count);
@@ -357,6 +386,24 @@ TEST(ShareSamples, of_cracks_of_pictures_that_do_not_share_nothing_is_claimed) {
     const ErrorModel model = (*drawable)->error_model(0);
     EXPECT_TRUE(std::isfinite(model.bound_px(glm::dmat4(1), camera)));
     EXPECT_EQ(std::isfinite(model.gap_px(glm::dmat4(1), camera)), share > 0);
+  }
+}
+
+// They may lie between the middles of all texels of the result.
+TEST(ShareSamples, of_cracks_between_splats_that_are_smaller_than_texels_nothing_is_claimed) {
+  Random random(36);
+  const Scene scene = random_scene(random);
+  const auto rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  const ReliefPictures pictures = captured(*rays, 1, 32);
+  const Camera camera = look_at({4, 1, 2}, {0, 0, 0}, {0, 1, 0}, 0.6, 64, 64, 0.1, 20);
+  for (const double splat : {0.25, 2.0}) {
+    MemoryBoards boards;
+    const auto drawable = make_relief_drawable(pictures, boards, {.splat_size = splat});
+    ASSERT_TRUE(drawable.ok());
+    const ErrorModel model = (*drawable)->error_model(0);
+    EXPECT_TRUE(std::isfinite(model.bound_px(glm::dmat4(1), camera)));
+    EXPECT_EQ(std::isfinite(model.gap_px(glm::dmat4(1), camera)), splat > 1);
   }
 }
 
