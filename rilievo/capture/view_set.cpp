@@ -301,6 +301,21 @@ double mean_spacing(const ViewSet& set) {
   return set.edges.empty() ? 0.0 : sum / double(set.edges.size());
 }
 
+double covering_angle(const ViewSet& set) {
+  // Closed, every edge has a triangle on either side. What is farthest from the corners of a
+  // triangle of the convex hull, which no other corner is nearer to, is its pole.
+  if (set.triangles.empty() || 3 * set.triangles.size() != 2 * set.edges.size())
+    return std::numbers::pi;
+  double farthest = 0;
+  for (const auto& t : set.triangles) {
+    const glm::dvec3 &a = set.directions[t[0]], &b = set.directions[t[1]],
+                     &c = set.directions[t[2]];
+    const double near = glm::dot(glm::normalize(glm::cross(b - a, c - a)), a);
+    farthest = std::max(farthest, std::acos(std::clamp(near, -1.0, 1.0)));
+  }
+  return farthest;
+}
+
 Result<Camera> view_camera(const Box& box, const glm::dvec3& direction,
                            const ViewCameraOptions& options) {
   RILIEVO_EXPECTS_GT(options.distance, 1.0);

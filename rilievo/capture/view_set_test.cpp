@@ -229,6 +229,24 @@ TEST(ViewSet, ring_neighbours_are_the_two_beside) {
   }
 }
 
+TEST(ViewSet, no_direction_is_farther_from_its_nearest_view_than_the_covering_angle) {
+  std::mt19937 rng(8);
+  for (ViewSpread spread : {ViewSpread::faces_12, ViewSpread::vertices_20, ViewSpread::both_32}) {
+    const ViewSet set = whole(spread);
+    const double covering = covering_angle(set);
+    double farthest = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const glm::dvec3 direction = random_direction(rng);
+      const int view = nearest_by_angle(set, direction);
+      farthest = std::max(farthest, std::acos(glm::dot(direction, set.directions[view])));
+    }
+    EXPECT_LE(farthest, covering);
+    EXPECT_GT(farthest, 0.98 * covering);  // 20 000 directions are a degree apart
+  }
+  EXPECT_EQ(covering_angle(make_view_set({.hemisphere = true})), std::numbers::pi);
+  EXPECT_EQ(covering_angle(make_view_set({.spread = ViewSpread::ring})), std::numbers::pi);
+}
+
 TEST(ViewSet, directions_read_back_as_floats_give_the_same_neighbours) {
   for (ViewSpread spread :
        {ViewSpread::faces_12, ViewSpread::vertices_20, ViewSpread::both_32, ViewSpread::ring}) {
