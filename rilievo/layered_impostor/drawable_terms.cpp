@@ -31,11 +31,12 @@ double layered_bound_px(const ErrorModel& model, const glm::dmat4& world_from_ca
 // Of the texels that show something, the share at whose edges the surface ends: next to nothing for
 // a ball, a tenth for a teapot, a quarter for a tree. The ray march goes on behind each.
 double silhouette_edge_ratio(const LayeredImpostor& impostor) {
+  constexpr unsigned kBeside = 0b01010101;  // not across corners: rays pass those by
   std::size_t shown = 0, edges = 0;
   for (const TexelSurface& surface : impostor.surfaces)
     for (const SurfaceTexel& texel : surface.texels.texels()) {
       shown += texel.q != 0;
-      edges += texel.q != 0 && texel.links != 0xFF;
+      edges += texel.q != 0 && (texel.links & kBeside) != kBeside;
     }
   return shown > 0 ? double(edges) / double(shown) : 0;
 }

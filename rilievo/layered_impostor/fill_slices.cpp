@@ -40,7 +40,8 @@ void find_from(const LayeredImpostor& impostor, const Camera& camera, int view, 
     for (int x = 0; x < camera.width; ++x) {
       const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
       if (!ray) continue;
-      if (!march_picture(impostor, view, *ray).passed_behind) continue;
+      // Patches that are linked but do not meet are not open in slices.
+      if (!march_picture(impostor, view, *ray).passed_end) continue;
       const SurfaceHit seen = march_picture(impostor, neighbor, *ray);
       if (!seen.hit) continue;
       const SurfaceTexel& texel = impostor.surfaces[neighbor].texels(seen.texel.x, seen.texel.y);

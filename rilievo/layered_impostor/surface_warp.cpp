@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -13,26 +14,15 @@ namespace {
 
 // Colour between the texels that are linked to the one that was hit.
 glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const SurfaceHit& hit) {
-  const glm::dvec2 offset = glm::dvec2(hit.at) - (glm::dvec2(hit.texel) + 0.5);
-  const std::uint8_t links = surface.texels(hit.texel.x, hit.texel.y).links;
-  glm::vec4 sum(0.0f);
-  float total = 0;
-  const auto add = [&](const glm::ivec2& step, double weight) {
-    if (step != glm::ivec2(0)) {
-      const int k = int(std::find(kLinkSteps.begin(), kLinkSteps.end(), step) - kLinkSteps.begin());
-      if (!(links >> k & 1)) return;
-    }
-    const glm::ivec2 at = hit.texel + step;
-    sum += float(weight) * picture.color(at.x, at.y);
-    total += float(weight);
-  };
-  const int sx = offset.x >= 0 ? 1 : -1, sy = offset.y >= 0 ? 1 : -1;
-  const double fx = std::min(std::abs(offset.x), 0.5), fy = std::min(std::abs(offset.y), 0.5);
-  add({0, 0}, (1 - fx) * (1 - fy));
-  add({sx, 0}, fx * (1 - fy));
-  add({0, sy}, (1 - fx) * fy);
-  add({sx, sy}, fx * fy);
-  return sum / total;
+  const glm::ivec2 at = hit.texel;
+  const SampleWeights weights =
+      sample_weights(surface.texels(at.x, at.y), glm::dvec2(hit.at) - (glm::dvec2(at) + 0.5));
+  const auto [sx, sy] = std::pair(weights.side.x, weights.side.y);
+  glm::vec4 sum = weights.own * picture.color(at.x, at.y);
+  if (weights.u > 0) sum += weights.u * picture.color(at.x + sx, at.y);
+  if (weights.v > 0) sum += weights.v * picture.color(at.x, at.y + sy);
+  if (weights.uv > 0) sum += weights.uv * picture.color(at.x + sx, at.y + sy);
+  return sum;
 }
 
 constexpr int kMaxMarchedViews = 6;

@@ -133,10 +133,12 @@ SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
           const bool from_outside = moved == glm::ivec2(0);
           const glm::ivec2 last = texel - moved;
           const bool hole = from_outside || surface.texels(last.x, last.y).q == 0;
-          march.hit = !hole && surface.texels(last.x, last.y).links >> link_of(moved) & 1;
-          march.t = t, march.at = walker.at(t), march.texel = march.hit ? texel : last;
+          march.t = t, march.at = walker.at(t);
+          march.hit = !hole && walker.meets(last, texel, t);
+          march.texel = march.hit ? texel : last;
           if (march.hit) return;
           march.passed_behind = true;
+          march.passed_end = march.passed_end || hole || !walker.linked(last, texel);
           march.passed_outline = march.passed_outline || hole;
         }
         const glm::dvec2 borders = exits(texel, 1);

@@ -32,6 +32,14 @@ struct TexelMarch {
     const glm::dvec3 p = at(t);
     return sigma * (p.z - surface_q(piece, glm::dvec2(texel) + 0.5, glm::dvec2(p)));
   }
+  [[nodiscard]] bool linked(const glm::ivec2& last, const glm::ivec2& texel) const {
+    return surface.texels(last.x, last.y).links >> link_of(texel - last) & 1;
+  }
+  // Crossing the border to a texel at t, from in front of the patch of the one at `last` to behind
+  // the other's: do the two pass for one surface there? They are linked, and nearly meet.
+  [[nodiscard]] bool meets(const glm::ivec2& last, const glm::ivec2& texel, double t) const {
+    return linked(last, texel) && side(last, t) - side(texel, t) <= patch_gap(surface, last);
+  }
   // The intersection with the patch between t0 (in front) and t1 (not in front): a line meets a
   // plane in each interval between the texel's middle lines.
   [[nodiscard]] double root(const glm::ivec2& texel, double t0, double t1) const {

@@ -5,7 +5,14 @@
 // which is positive in front of the surface, where the picture's rays came through empty space.
 // Walking from texel to texel, a hit is where s turns from positive to not positive: inside a
 // texel, or on the border of two linked texels, whose pieces may differ there by the twist of the
-// surface. Over texels that show nothing the ray is in front.
+// surface. Where they differ by more, as beside an end, a ray between them passes behind an edge.
+// Over texels that show nothing the ray is in front.
+//
+// Samples S of the texel and its linked neighbours, at offsets f_u and f_v from its centre: the
+// plane through three of them is S + f_u (S_u - S) + f_v (S_v - S), and so is the patch, but for a
+// little where q changes much over a texel. A fourth, across a closed corner, makes that bilinear,
+// so that colours are continuous there, and the place between the four lies a quarter of the twist
+// from the patch at most.
 
 #include "rilievo/warp/texel_surface.h"
 
@@ -20,6 +27,34 @@ namespace {
 
 // Slots of SurfaceTexel::slope in kLinkSteps.
 constexpr std::array<int, 4> kSlopeLink{0, 2, 4, 6};
+// Depth per lateral distance, where the surface ends: more would draw spikes far from any sample.
+constexpr float kEndSlope = 2.0f;
+// Depth by which a sample may be off the plane of three others around a closed corner, in texels:
+// so patches nearly meet there, as far from the samples as they do.
+constexpr float kTwist = 2 * float(kPatchGap);
+
+// The smaller side of a texel where eye_z = 1.
+double texel_at_one(const Camera& camera) {
+  const auto& [l, r, b, t] = camera.window;
+  return std::min((r - l) / camera.width, (t - b) / camera.height);
+}
+
+// Which corners are closed? Those around which all four texels are linked to those beside them and
+// have samples almost in one plane.
+void close_corners(TexelSurface& surface) {
+  const auto texel = float(texel_at_one(surface.camera));
+  Image<SurfaceTexel>& texels = surface.texels;
+  for (SurfaceTexel& t : texels.texels()) t.links &= 0b01010101;
+  for (int y = 0; y + 1 < texels.height(); ++y)
+    for (int x = 0; x + 1 < texels.width(); ++x) {
+      SurfaceTexel &a = texels(x, y), &b = texels(x + 1, y), &c = texels(x, y + 1),
+                   &d = texels(x + 1, y + 1);
+      const bool linked =
+          (a.links & 1) && (a.links >> 2 & 1) && (d.links >> 4 & 1) && (d.links >> 6 & 1);
+      if (!linked || !(std::abs(a.q + d.q - b.q - c.q) <= kTwist * texel * a.q)) continue;
+      a.links |= 1 << 1, b.links |= 1 << 3, d.links |= 1 << 5, c.links |= 1 << 7;
+    }
+}
 
 }  // namespace
 
@@ -38,11 +73,35 @@ double surface_q(const SurfaceTexel& texel, const glm::dvec2& center, const glm:
          std::abs(d.y) * double(texel.slope[d.y >= 0 ? 1 : 3]);
 }
 
+double patch_gap(const TexelSurface& surface, const glm::ivec2& texel) {
+  return kPatchGap * texel_at_one(surface.camera) * double(surface.texels(texel.x, texel.y).q);
+}
+
+SampleWeights sample_weights(const SurfaceTexel& texel, const glm::dvec2& offset) {
+  SampleWeights weights;
+  weights.side = {offset.x >= 0 ? 1 : -1, offset.y >= 0 ? 1 : -1};
+  const int u = weights.side.x > 0 ? 0 : 4, v = weights.side.y > 0 ? 2 : 6;
+  const int uv = u == 0 ? (v == 2 ? 1 : 7) : (v == 2 ? 3 : 5);  // in kLinkSteps
+  const auto linked = [&](int k) { return (texel.links >> k & 1) != 0; };
+  const auto f = glm::vec2(glm::min(glm::abs(offset), 0.5));
+  weights.u = linked(u) ? f.x : 0.0f;
+  weights.v = linked(v) ? f.y : 0.0f;
+  if (linked(uv)) {
+    weights.uv = weights.u * weights.v;
+    weights.u -= weights.uv;
+    weights.v -= weights.uv;
+  }
+  weights.own = 1 - weights.u - weights.v - weights.uv;
+  return weights;
+}
+
 TexelSurface make_texel_surface(const DepthImage& picture, const LinkOptions& options) {
   RILIEVO_EXPECTS(picture.camera.projection != Projection::parallel);
   const Image<float> eye_z = eye_z_of(picture);
   const Image<std::uint8_t> links = texel_links(picture, options);
   const int w = eye_z.width(), h = eye_z.height();
+  const auto& [l, r, b, t] = picture.camera.window;
+  const std::array<float, 2> size{float((r - l) / w), float((t - b) / h)};  // at eye_z = 1
   TexelSurface surface{picture.camera, Image<SurfaceTexel>(w, h)};
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
@@ -58,10 +117,13 @@ TexelSurface make_texel_surface(const DepthImage& picture, const LinkOptions& op
           texel.slope[side] = 1.0f / eye_z(x + kLinkSteps[k].x, y + kLinkSteps[k].y) - texel.q;
       }
       // Where the surface ends it goes on straight to the texel's edge.
-      for (int side = 0; side < 4; ++side)
-        if (!linked[side] && linked[(side + 2) % 4])
-          texel.slope[side] = -texel.slope[(side + 2) % 4];
+      for (int side = 0; side < 4; ++side) {
+        if (linked[side] || !linked[(side + 2) % 4]) continue;
+        const float steepest = kEndSlope * size[side % 2] * texel.q;
+        texel.slope[side] = std::clamp(-texel.slope[(side + 2) % 4], -steepest, steepest);
+      }
     }
+  close_corners(surface);
   return surface;
 }
 
@@ -113,7 +175,7 @@ SurfaceHit intersect(const TexelSurface& surface, const DisparitySegment& segmen
 
   SurfaceHit march;
   double t = 0, side = walker.side(texel, 0);
-  march.passed_behind = march.passed_outline = side <= 0;
+  march.passed_behind = march.passed_end = march.passed_outline = side <= 0;
   const auto stop = [&](const glm::ivec2& where, double when) {
     march.t = when;
     march.at = walker.at(when);
@@ -137,10 +199,11 @@ SurfaceHit intersect(const TexelSurface& surface, const DisparitySegment& segmen
     side = walker.side(texel, t);
     if (side_end > 0 && side <= 0) {
       const SurfaceTexel& beyond = surface.texels(before.x, before.y);
-      march.hit = beyond.links >> link_of(texel - before) & 1;
+      march.hit = walker.meets(before, texel, t);
       stop(march.hit ? texel : before, t);
       if (march.hit) return march;
       march.passed_behind = true;
+      march.passed_end = march.passed_end || !walker.linked(before, texel);
       march.passed_outline = march.passed_outline || beyond.q == 0;
     }
   }

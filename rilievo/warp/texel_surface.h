@@ -1,10 +1,11 @@
 // Which surface do the texels of a picture with depth stand for, and where does a ray hit it?
 //
 // Each covered texel has a patch of surface through its sample, tilted towards the neighbours that
-// it is linked to (texel_links) and flat or continued where there is none. In raster position and
-// disparity (u, v, q = 1 / eye_z), a plane of the world is a plane and a ray is a line, so nothing
-// here divides by depth. A patch is q0 + slope . (offset from the texel's centre), with a slope for
-// each half of the texel in u and in v; patches of linked texels meet halfway.
+// it is linked to (texel_links). Beside others it ends, at the texel's edge, flat or continued, but
+// never steep: nothing is known of it there. In raster position and disparity (u, v, q = 1 /
+// eye_z), a plane of the world is a plane and a ray is a line, so nothing here divides by depth. A
+// patch is q0 + slope . (offset from the texel's centre), with a slope for each half of the texel
+// in u and in v; patches of linked texels meet halfway.
 //
 // A ray hits a patch where it crosses it away from the picture's eye: for an ordinary picture from
 // nearer to farther, for a back-perspective one from farther to nearer. A ray that passes behind
@@ -27,6 +28,8 @@ namespace rilievo {
 // The patch of one texel.
 struct SurfaceTexel {
   float q = 0;  // 1 / eye_z at the centre; 0: the texel shows nothing
+  // To the sides, as in texel_links. Diagonally: the corner is closed, so that the four texels
+  // around it are linked to each other's sides, and their samples lie almost in one plane.
   std::uint8_t links = 0;
   // Change of q over one texel to the right, down, left, up (outwards).
   std::array<float, 4> slope{};
@@ -56,6 +59,20 @@ struct DepthInterval {
 [[nodiscard]] double surface_q(const SurfaceTexel& texel, const glm::dvec2& center,
                                const glm::dvec2& at);
 
+// The patch of a texel and that of a linked neighbour pass for one surface where they nearly meet
+// on the border between them: up to this depth, in texels, and as a difference in q.
+inline constexpr double kPatchGap = 0.25;
+[[nodiscard]] double patch_gap(const TexelSurface& surface, const glm::ivec2& texel);
+
+// The weights of the samples between which the patch lies, at an offset from the texel's centre of
+// at most half a texel; they sum to 1. What is interpolated by them, a colour or a position,
+// belongs to a place near that point of the patch.
+struct SampleWeights {
+  glm::ivec2 side{0};                   // -1 or 1 in u and in v: which neighbours
+  float own = 1, u = 0, v = 0, uv = 0;  // the texel, (side.u, 0), (0, side.v), side
+};
+[[nodiscard]] SampleWeights sample_weights(const SurfaceTexel& texel, const glm::dvec2& offset);
+
 // A line segment in (u, v, q).
 struct DisparitySegment {
   glm::dvec3 from, to;
@@ -70,6 +87,7 @@ struct DisparitySegment {
 struct SurfaceHit {
   bool hit = false;
   bool passed_behind = false;   // passed behind an edge (before the hit)
+  bool passed_end = false;      // passed behind an edge between texels that are not linked
   bool passed_outline = false;  // passed behind an edge next to which the picture shows nothing
   double t = 0;                 // of the hit, along the segment; without a hit, of the last edge
   glm::dvec3 at{0.0};           // u, v, q there

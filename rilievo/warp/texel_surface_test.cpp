@@ -59,6 +59,13 @@ SurfaceHit slow_intersect(const TexelSurface& surface, const DisparitySegment& s
           linked |=
               kLinkSteps[k] == s.texel - last && surface.texels(last.x, last.y).links >> k & 1;
       if (linked) {
+        const glm::dvec2 at(glm::mix(segment.from, segment.to, s.begin));
+        const auto q_of = [&](const glm::ivec2& texel) {
+          return surface_q(surface.texels(texel.x, texel.y), glm::dvec2(texel) + 0.5, at);
+        };
+        linked = std::abs(q_of(s.texel) - q_of(last)) <= patch_gap(surface, last);
+      }
+      if (linked) {
         march.hit = true, march.t = s.begin, march.texel = s.texel;
         return march;
       }
@@ -219,6 +226,57 @@ TEST(TexelSurface, depth_interval_holds_the_piece) {
     EXPECT_NEAR(interval.front, lowest, 1e-6);
     EXPECT_NEAR(interval.back, highest, 1e-6);
   }
+}
+
+// Whatever steps and ends the surface has: what is interpolated between the samples belongs to a
+// place that is not far from the point of the patch.
+TEST(TexelSurface, the_place_between_the_samples_lies_at_the_patch) {
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<double> u(-0.5, 0.5);
+  int points = 0, between = 0;
+  double farthest = 0, farthest_between = 0;
+  for (int i = 0; i < 6; ++i) {
+    const DepthImage picture = jug_picture(
+        i % 2 ? Projection::perspective : Projection::back_perspective, random_direction(rng), 48);
+    const TexelSurface surface = make_texel_surface(picture);
+    const Camera& camera = surface.camera;
+    const auto& [l, r, b, t] = camera.window;
+    const double across = std::hypot((r - l) / camera.width, (t - b) / camera.height);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 48; ++x) {
+        const SurfaceTexel& texel = surface.texels(x, y);
+        if (texel.q == 0) continue;
+        const auto sample = [&](int dx, int dy) {
+          return world_from_raster(camera, {x + dx + 0.5, y + dy + 0.5},
+                                   1 / double(surface.texels(x + dx, y + dy).q));
+        };
+        const glm::dvec2 offset(u(rng), u(rng)), center(x + 0.5, y + 0.5);
+        const SampleWeights w = sample_weights(texel, offset);
+        EXPECT_NEAR(w.own + w.u + w.v + w.uv, 1, 1e-6);
+        EXPECT_GE(std::min({w.own, w.u, w.v, w.uv}), 0);
+        glm::dvec3 place = double(w.own) * sample(0, 0);
+        if (w.u > 0) place += double(w.u) * sample(w.side.x, 0);
+        if (w.v > 0) place += double(w.v) * sample(0, w.side.y);
+        if (w.uv > 0) place += double(w.uv) * sample(w.side.x, w.side.y);
+        const double q = surface_q(texel, center, center + offset);
+        const double off = glm::distance(place, world_from_raster(camera, center + offset, 1 / q)) *
+                           double(texel.q) / across;
+        ++points;
+        farthest = std::max(farthest, off);
+        if (!(w.u + w.uv > 0 && w.v + w.uv > 0)) continue;
+        ++between;
+        farthest_between = std::max(farthest_between, off);
+      }
+  }
+  EXPECT_GT(points, 3500);
+  EXPECT_GT(between, 3000);
+  // In diagonals of a texel. Beside an end: half of one across, and as deep as half a texel is wide
+  // and high, twice; along lines of sight that are stretched in the corners of a picture.
+  EXPECT_LT(farthest, 1.2 * std::hypot(0.5, 2 * 0.5 * std::sqrt(2.0)));
+  EXPECT_GT(farthest, 0.5);
+  // Between samples: a quarter of the twist that is allowed, and what perspective bends in steps
+  // as steep as 20.
+  EXPECT_LT(farthest_between, 0.125 + 0.25);
 }
 
 }  // namespace

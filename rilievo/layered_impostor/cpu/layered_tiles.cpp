@@ -137,24 +137,17 @@ SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const P
   seen.object = several_ ? picture.object(march.texel.x, march.texel.y) : placed.object;
 
   // Between the texels that are linked to the one that was hit.
-  const glm::dvec2 offset = glm::dvec2(march.at) - (glm::dvec2(march.texel) + 0.5);
-  const std::uint8_t links = impostor_.surfaces[v].texels(march.texel.x, march.texel.y).links;
-  const int sx = offset.x >= 0 ? 1 : -1, sy = offset.y >= 0 ? 1 : -1;
-  const float fx = float(std::min(std::abs(offset.x), 0.5)),
-              fy = float(std::min(std::abs(offset.y), 0.5));
-  const int x = sx > 0 ? 0 : 4, y = sy > 0 ? 2 : 6,
-            xy = sx > 0 ? (sy > 0 ? 1 : 7) : (sy > 0 ? 3 : 5);
-  glm::vec4 sum(0.0f);
-  float total = 0;
+  const glm::ivec2 at = march.texel;
+  const SampleWeights weights = sample_weights(impostor_.surfaces[v].texels(at.x, at.y),
+                                               glm::dvec2(march.at) - (glm::dvec2(at) + 0.5));
+  glm::vec4 sum = weights.own * glm::vec4(picture.color(at.x, at.y));
   const auto add = [&](int dx, int dy, float weight) {
-    sum += weight * glm::vec4(picture.color(march.texel.x + dx, march.texel.y + dy));
-    total += weight;
+    if (weight > 0) sum += weight * glm::vec4(picture.color(at.x + dx, at.y + dy));
   };
-  add(0, 0, (1 - fx) * (1 - fy));
-  if (links >> x & 1) add(sx, 0, fx * (1 - fy));
-  if (links >> y & 1) add(0, sy, (1 - fx) * fy);
-  if (links >> xy & 1) add(sx, sy, fx * fy);
-  seen.color = sum / (255.0f * total);
+  add(weights.side.x, 0, weights.u);
+  add(0, weights.side.y, weights.v);
+  add(weights.side.x, weights.side.y, weights.uv);
+  seen.color = sum / 255.0f;
   return seen;
 }
 

@@ -185,6 +185,11 @@ March march_view(View view, vec3 from, vec3 to) {
       int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
       bool hole = moved == ivec2(0) || texelFetch(q_texture, beyond, 0).r == 0.0;
       bool linked = !hole && (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
+      if (linked) {  // and they nearly meet: patch_gap()
+        float q = texelFetch(q_texture, beyond, 0).r;
+        float ahead = side_of(sigma, from + delta * t, beyond.xy, q, slope_of(beyond));
+        linked = ahead - enters <= PATCH_GAP * q * min(length(view.du.xyz), length(view.dv.xyz));
+      }
       march.hit = linked, march.s = t, march.texel = linked ? texel : beyond.xy;
       march.behind = march.behind || !linked;
       march.outline = march.outline || hole;
@@ -215,22 +220,22 @@ March march_view(View view, vec3 from, vec3 to) {
 )";
 
 const char* const kSurfaceFragment = R"(
-// Between the texels that are linked to the one that was hit.
+// Between the texels that are linked to the one that was hit: sample_weights().
 vec4 color_at(int layer, March march, vec2 at) {
   vec2 offset = at - (vec2(march.texel) + 0.5), f = min(abs(offset), 0.5);
   ivec2 s = ivec2(offset.x >= 0.0 ? 1 : -1, offset.y >= 0.0 ? 1 : -1);
   uint links = texelFetch(links_texture, ivec3(march.texel, layer), 0).r;
   int x = s.x > 0 ? 0 : 4, y = s.y > 0 ? 2 : 6;
   int xy = s.x > 0 ? (s.y > 0 ? 1 : 7) : (s.y > 0 ? 3 : 5);
-  float wx = (links >> x & 1u) != 0u ? f.x * (1.0 - f.y) : 0.0;
-  float wy = (links >> y & 1u) != 0u ? (1.0 - f.x) * f.y : 0.0;
-  float wxy = (links >> xy & 1u) != 0u ? f.x * f.y : 0.0;
-  float w = (1.0 - f.x) * (1.0 - f.y);
-  vec4 sum = w * texelFetch(color_texture, ivec3(march.texel, layer), 0);
+  float wx = (links >> x & 1u) != 0u ? f.x : 0.0;
+  float wy = (links >> y & 1u) != 0u ? f.y : 0.0;
+  float wxy = (links >> xy & 1u) != 0u ? wx * wy : 0.0;
+  wx -= wxy, wy -= wxy;
+  vec4 sum = (1.0 - wx - wy - wxy) * texelFetch(color_texture, ivec3(march.texel, layer), 0);
   if (wx > 0.0) sum += wx * texelFetch(color_texture, ivec3(march.texel + ivec2(s.x, 0), layer), 0);
   if (wy > 0.0) sum += wy * texelFetch(color_texture, ivec3(march.texel + ivec2(0, s.y), layer), 0);
   if (wxy > 0.0) sum += wxy * texelFetch(color_texture, ivec3(march.texel + s, layer), 0);
-  return sum / (w + wx + wy + wxy);
+  return sum;
 }
 
 void main() {
@@ -363,6 +368,7 @@ std::string defines(LayeredOutput output) {
   static_assert(SurfacePyramid::kBlock == 4 && SurfacePyramid::kFactor == 4);
   std::string text =
       "#define BLOCK 4\n#define BLOCK_BITS 2\n#define FACTOR_BITS 2\n#define SHARE 1\n";
+  text += "#define PATCH_GAP " + std::to_string(kPatchGap) + "\n";
   text += "#define LEVELS " + std::to_string(SurfacePyramid::kLevels) + "\n";
   if (output == LayeredOutput::objects) text += "#define OBJECT_IDS 1\n";
   return text;
