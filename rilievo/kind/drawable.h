@@ -85,7 +85,7 @@ struct ErrorModel {
   }
 
  private:
-  std::array<std::byte, 384> terms_{};
+  std::array<std::byte, 576> terms_{};
 };
 
 // The cost of drawing an instance. Work is in triangles that take 280 ns each, as those of the

@@ -1,7 +1,6 @@
 #include "rilievo/layered_impostor/drawable_terms.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "rilievo/layered_impostor/error.h"
 
@@ -14,18 +13,10 @@ constexpr double kMarchedPixel = 1;      // by the ray march through the surface
 constexpr double kSilhouettePixel = 30;  // ... and this times the silhouette-edge ratio
 constexpr double kSlicePixel = 0.02;     // for each slice of a view
 
-struct Terms {
-  LayeredErrorStats stats;
-  bool sliced = false;
-};
-
 double layered_bound_px(const ErrorModel& model, const glm::dmat4& world_from_capture,
                         const Camera& frame) {
-  const Terms terms = model.load<Terms>();
-  if (!is_served(model.bounds, world_from_capture, frame))
-    return std::numeric_limits<double>::infinity();
-  return bound_layered_error(terms.stats, terms.sliced, model.bounds, world_from_capture, frame)
-      .total_px;
+  const auto stats = model.load<LayeredErrorStats>();
+  return bound_layered_error(stats, model.bounds, world_from_capture, frame).total_px;
 }
 
 // Of the texels that show something, the share at whose edges the surface ends: next to nothing for
@@ -63,12 +54,12 @@ double texel_of(const LayeredImpostor& impostor) {
 
 }  // namespace
 
-ErrorModel layered_error_model(const LayeredImpostor& impostor, LayeredMethod method) {
+ErrorModel layered_error_model(const LayeredImpostor& impostor, const LayeredOptions& options) {
   ErrorModel error;
   error.bound = layered_bound_px;
   error.bounds = impostor.bounds;
   error.texel = texel_of(impostor);
-  error.store(Terms{layered_error_stats(impostor), method == LayeredMethod::slices});
+  error.store(layered_error_stats(impostor, options));
   return error;
 }
 

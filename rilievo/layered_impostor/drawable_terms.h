@@ -9,7 +9,8 @@ namespace rilievo {
 
 // The bound of its error, and the cost of drawing it, in triangles. Require the texels of its
 // surfaces.
-[[nodiscard]] ErrorModel layered_error_model(const LayeredImpostor& impostor, LayeredMethod method);
+[[nodiscard]] ErrorModel layered_error_model(const LayeredImpostor& impostor,
+                                             const LayeredOptions& options);
 [[nodiscard]] CostTerms layered_cost_terms(const LayeredImpostor& impostor, LayeredMethod method);
 
 }  // namespace rilievo

@@ -12,6 +12,9 @@
 //
 // Seen from an eye, a point at distance d and one at most D < d from it span an angle of at most
 // asin(D / d). Samples and pieces lie within the bounds; what is drawn may lie beside them.
+//
+// The total is by the angle itself (shown_error.cpp), which is smaller: of the way along the line
+// of sight the eye sees the part across its own.
 
 #include "rilievo/layered_impostor/error.h"
 
@@ -20,14 +23,13 @@
 #include <limits>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/warp/parallax.h"
 
 namespace rilievo {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// What a drawer may keep of a texel's interval: 16 bits of the view's range, rounded outwards.
-constexpr double kIntervalStep = 1.0 / 65535;
 // Of the ball around the bounds.
 constexpr double kServedRadii = 1.2;
 
@@ -46,29 +48,38 @@ double off_axis_tan(const Box& bounds, const glm::dmat4& world_from_impostor, co
 }
 
 // For samples at least `distance` metres from the eye and within `off_axis_tan` of the axis.
-LayeredError bound_at(const LayeredErrorStats& stats, bool sliced, const Camera& frame,
-                      double distance, double off_axis_tan) {
+// `shown_sine`: what the table says.
+LayeredError bound_at(const LayeredErrorStats& stats, double scale, const Camera& frame,
+                      double distance, double off_axis_tan, double shown_sine) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   LayeredError error;
-  error.surface_m = sliced ? stats.slice + 2 * stats.texel : 0;
-  error.sample_m = (sliced ? stats.slice : 0) + stats.reach + stats.texel;
-  const auto pixels = [&](double metres) {
-    if (metres == 0) return 0.0;
-    if (!(metres < distance)) return kNever;
-    return pixels_from_angle(frame, off_axis_tan, std::asin(metres / distance));
+  error.surface_m = stats.sliced ? scale * (stats.slice + 2 * stats.texel) : 0;
+  error.sample_m = scale * ((stats.sliced ? stats.slice : 0) + stats.reach + stats.texel);
+  const auto pixels = [&](double sine) {
+    if (sine == 0) return 0.0;
+    return sine < 1 ? pixels_from_angle(frame, off_axis_tan, std::asin(sine)) : kNever;
   };
-  error.surface_px = pixels(error.surface_m);
-  error.sample_px = pixels(error.sample_m);
-  const double placed_m = (sliced ? stats.slice : 0) + stats.texel;
+  error.surface_px = error.surface_m == 0 ? 0 : pixels(error.surface_m / distance);
+  error.sample_px = pixels(error.sample_m / distance);
   // Polygons are off by half a pixel's diagonal too.
-  error.total_px = std::max(0.0, pixels(placed_m) - std::sqrt(0.5));
+  error.total_px = std::max(0.0, pixels(shown_sine) - std::sqrt(0.5));
   return error;
+}
+
+// From the centre of the bounds, in radii.
+glm::dvec3 relative_eye(const Box& bounds, const glm::dmat4& world_from_impostor,
+                        const Camera& frame) {
+  const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
+  return (eye - glm::dvec3(bounds.center())) / double(bounds.radius());
 }
 
 }  // namespace
 
-LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor) {
+LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor,
+                                      const LayeredOptions& options) {
   LayeredErrorStats stats;
+  stats.sliced = options.method == LayeredMethod::slices;
+  stats.shown = make_shown_error_table(impostor, options);
   for (std::size_t v = 0; v < impostor.pictures.size(); ++v) {
     const TexelSurface& surface = impostor.surfaces[v];
     const Camera& camera = surface.camera;
@@ -107,23 +118,29 @@ LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor) {
 }
 
 bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor, const Camera& frame) {
-  const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
-  return glm::length(eye - glm::dvec3(bounds.center())) >= kServedRadii * double(bounds.radius());
+  return glm::length(relative_eye(bounds, world_from_impostor, frame)) >= kServedRadii;
 }
 
-LayeredError bound_layered_error_from(const LayeredErrorStats& stats, bool sliced,
+LayeredError bound_layered_error_from(const LayeredErrorStats& stats, const Box& bounds,
                                       const Camera& frame, double distance) {
-  return bound_at(stats, sliced, frame, distance, corner_tan(frame));
+  // The box holds its centre.
+  const double radii = distance / double(bounds.radius());
+  return bound_at(stats, 1, frame, distance, corner_tan(frame),
+                  shown_error_sine_from(stats.shown, radii));
 }
 
-LayeredError bound_layered_error(const LayeredErrorStats& stats, bool sliced, const Box& bounds,
+LayeredError bound_layered_error(const LayeredErrorStats& stats, const Box& bounds,
                                  const glm::dmat4& world_from_impostor, const Camera& frame) {
   const double scale = glm::length(glm::dvec3(world_from_impostor[0]));
   const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
   const glm::dvec3 outside = glm::max(
       glm::max(glm::dvec3(bounds.min) - eye, eye - glm::dvec3(bounds.max)), glm::dvec3(0.0));
-  return bound_at({stats.slice * scale, stats.reach * scale, stats.texel * scale}, sliced, frame,
-                  scale * glm::length(outside), off_axis_tan(bounds, world_from_impostor, frame));
+  const bool served = is_served(bounds, world_from_impostor, frame);
+  return bound_at(
+      stats, scale, frame, scale * glm::length(outside),
+      off_axis_tan(bounds, world_from_impostor, frame),
+      served ? shown_error_sine(stats.shown, relative_eye(bounds, world_from_impostor, frame))
+             : kNever);
 }
 
 }  // namespace rilievo

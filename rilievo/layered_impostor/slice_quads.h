@@ -24,6 +24,10 @@ struct SliceScale {
 };
 [[nodiscard]] SliceScale slice_scale(const LayeredImpostor& impostor, int view);
 
+// A step of the codes, of the range of a view's slices: a texel can be on slices that are so much
+// beside its interval.
+inline constexpr double kIntervalStep = 1.0 / 65535;
+
 // The interval of each texel of a view, scaled by slice_scale() * 65535 and rounded outwards; first
 // > second: the texel shows nothing. Requires the texels of its surface.
 [[nodiscard]] Image<glm::u16vec2> slice_codes(const LayeredImpostor& impostor, int view);

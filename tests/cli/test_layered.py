@@ -329,7 +329,7 @@ class Method(command.Case):
             self.assertLess(cache["wrong_visibility"]["mean"], 0.01)
             return cache["drawn_as"]
 
-        slices = ("--warp", "slices", "--views", "12", "--layers", "16", "--view-size", "64")
+        slices = ("--warp", "slices", "--views", "12", "--layers", "32", "--view-size", "128")
         self.assertNotIn("layered-impostor", drawn_as())
         # Without OpenGL polygons cost less than that.
         self.assertGreater(drawn_as("--bake-mb", "8", "--draw", "opengl", *slices)["layered-impostor"], 1)

@@ -87,7 +87,7 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
     auto factory = make_factory(drawable_rows(), kind.name);
     ASSERT_TRUE(factory.ok()) << factory.error().message();
     ObjectDrawablesOptions bake{OptionValues(kind.bake_options), OptionValues(kind.draw_options)};
-    ASSERT_TRUE(bake.bake.set("views", "12").ok() && bake.bake.set("size", "48").ok());
+    ASSERT_TRUE(bake.bake.set("views", "12").ok() && bake.bake.set("size", "96").ok());
     ASSERT_TRUE(bake.draw.set("warp", warp).ok());
     OpenGLSource source(*renderer);
     auto drawables = bake_object_drawables(renderer->placed(), source, kind, **factory, bake);

@@ -142,7 +142,7 @@ TEST_F(SoftwareAlternativesTest, a_layered_impostor_stands_for_a_heavy_object) {
   options.capture_by = CaptureBy::rasterizer;
   options.machine = costs_of_both();
   options.learn = false;  // OpenGL does not
-  const BakeSetting settings[] = {{"views", "12"}, {"size", "96"}, {"no-fills", "on"}};
+  const BakeSetting settings[] = {{"views", "12"}, {"size", "128"}, {"no-fills", "on"}};
   expect_same_frames("layered-impostor", settings, options, 3);
 }
 

@@ -38,7 +38,7 @@ class ImpostorTiles : public Drawable, public TileDrawer {
       : impostor_(std::move(impostor)),
         options_(options),
         several_(shows_several_objects(impostor_.pictures)),
-        error_(layered_error_model(impostor_, options.method)),
+        error_(layered_error_model(impostor_, options)),
         cost_(layered_cost_terms(impostor_, options.method)) {}
 
   LayeredImpostor impostor_;  // without the texels that are kept apart

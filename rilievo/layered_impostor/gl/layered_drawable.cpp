@@ -82,7 +82,7 @@ class LayeredFactory final : public DrawableFactory {
 Result<std::unique_ptr<Drawable>> make_layered_drawable(LayeredImpostor impostor,
                                                         LayeredDrawer& drawer,
                                                         const LayeredOptions& options) {
-  const ErrorModel error = layered_error_model(impostor, options.method);
+  const ErrorModel error = layered_error_model(impostor, options);
   const CostTerms cost = layered_cost_terms(impostor, options.method);
   Result<LayeredPictures> pictures = LayeredPictures::create(std::move(impostor));
   if (!pictures) return pictures.error();
