@@ -36,8 +36,7 @@ inline LayeredImpostor impostor_of(const Scene& scene, std::mt19937& rng, int si
       .spacing = pick(0, 0, 1) ? SliceSpacing::window_z : SliceSpacing::eye_z};
   const Projection kind = pick(0, 1, 1) ? Projection::back_perspective : Projection::perspective;
   Result<LayeredImpostor> impostor = make_layered_impostor(
-      cast_views(scene, make_view_set({.spread = spread}),
-                              {.projection = kind, .size = size}),
+      cast_views(scene, make_view_set({.spread = spread}), {.projection = kind, .size = size}),
       slicing);
   return std::move(*impostor);
 }

@@ -1,6 +1,6 @@
-// Which views are drawn changes with the direction to the eye, and so does from which triangle holes
-// are filled. A cell is divided into small parts. What is within an angle of some direction of a
-// part is within that angle, and the way there and back, of the part's middle.
+// Which views are drawn changes with the direction to the eye, and so does from which triangle
+// holes are filled. A cell is divided into small parts. What is within an angle of some direction
+// of a part is within that angle, and the way there and back, of the part's middle.
 
 #include "rilievo/layered_impostor/eye_cells.h"
 

@@ -1,7 +1,7 @@
 // Into which cells are the directions to eyes divided, and which views are drawn for each?
 //
-// A cube around the centre of the bounds; each face has kEyeCellsASide by kEyeCellsASide cells, with
-// borders at equal angles. Space of the capture. Pure, any thread.
+// A cube around the centre of the bounds; each face has kEyeCellsASide by kEyeCellsASide cells,
+// with borders at equal angles. Space of the capture. Pure, any thread.
 #pragma once
 
 #include <array>
@@ -13,15 +13,18 @@
 
 namespace rilievo {
 
+// The cells along a side of a face.
 inline constexpr int kEyeCellsASide = 4;
+// All of them.
 inline constexpr int kEyeCells = 6 * kEyeCellsASide * kEyeCellsASide;
 
 // The cell's directions are the combinations of its corners with weights that are not negative.
 struct EyeCell {
-  glm::dvec3 middle{0.0};                // unit
+  glm::dvec3 middle{0.0};               // unit
   std::array<glm::dvec3, 4> corners{};  // on the plane corner.middle = 1
-  double farthest = 1;                   // length of a corner
+  double farthest = 1;                  // length of a corner
 };
+// The cell of this number.
 [[nodiscard]] EyeCell eye_cell(int cell);
 
 // The cell that holds a direction, of any length.

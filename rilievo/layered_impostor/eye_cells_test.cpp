@@ -25,10 +25,10 @@ TEST(EyeCells, each_direction_is_a_combination_of_its_cells_corners) {
     // Two triangles make the cell.
     double inside = -1;
     for (const auto& [a, b, c] : {std::array{0, 1, 3}, std::array{0, 3, 2}}) {
-      const glm::dvec3 w = glm::inverse(glm::dmat3(cell.corners[std::size_t(a)],
-                                                   cell.corners[std::size_t(b)],
-                                                   cell.corners[std::size_t(c)])) *
-                           direction;
+      const glm::dvec3 w =
+          glm::inverse(glm::dmat3(cell.corners[std::size_t(a)], cell.corners[std::size_t(b)],
+                                  cell.corners[std::size_t(c)])) *
+          direction;
       inside = std::max(inside, std::min({w.x, w.y, w.z}));
     }
     EXPECT_GE(inside, -1e-12);
@@ -40,11 +40,11 @@ TEST(EyeCells, each_direction_is_a_combination_of_its_cells_corners) {
 
 TEST(EyeCells, no_view_is_drawn_that_the_cell_lacks) {
   std::mt19937 rng(2);
-  for (const ViewSetOptions& of : {ViewSetOptions{.spread = ViewSpread::faces_12},
-                                   ViewSetOptions{.spread = ViewSpread::vertices_20},
-                                   ViewSetOptions{.spread = ViewSpread::both_32},
-                                   ViewSetOptions{.hemisphere = true},
-                                   ViewSetOptions{.spread = ViewSpread::ring, .ring = 7}}) {
+  for (const ViewSetOptions& of :
+       {ViewSetOptions{.spread = ViewSpread::faces_12},
+        ViewSetOptions{.spread = ViewSpread::vertices_20},
+        ViewSetOptions{.spread = ViewSpread::both_32}, ViewSetOptions{.hemisphere = true},
+        ViewSetOptions{.spread = ViewSpread::ring, .ring = 7}}) {
     const Result<LayeredImpostor> impostor = make_layered_impostor(
         test_shapes::cast_views(test_shapes::jug(), make_view_set(of), {.size = 8}), {});
     ASSERT_TRUE(impostor.ok()) << impostor.error().message();

@@ -40,8 +40,7 @@ LayeredImpostor places_of(const Scene& scene, std::mt19937& rng, int object) {
     for (int y = 0; y < picture.color.height(); ++y)
       for (int x = 0; x < picture.color.width(); ++x)
         if (picture.covered(x, y))
-          picture.color(x, y) =
-              glm::vec4(glm::vec3(sample_of(impostor.surfaces[v], {x, y})), 1.0f);
+          picture.color(x, y) = glm::vec4(glm::vec3(sample_of(impostor.surfaces[v], {x, y})), 1.0f);
   }
   return impostor;
 }
@@ -71,9 +70,8 @@ bool shows_a_patch(const LayeredImpostor& impostor, const SliceDraw& draw, const
   const glm::dvec2 off = glm::abs(glm::dvec2(raster) - glm::round(glm::dvec2(raster)));
   if (std::min(off.x, off.y) < 1e-3) return false;
   const SurfaceTexel& texel = surface.texels(int(raster.x), int(raster.y));
-  return texel.q != 0 &&
-         shows(impostor.slices[std::size_t(draw.view)][std::size_t(draw.slice)],
-               piece_interval(texel, impostor.slicing));
+  return texel.q != 0 && shows(impostor.slices[std::size_t(draw.view)][std::size_t(draw.slice)],
+                               piece_interval(texel, impostor.slicing));
 }
 
 // What one frame shows, against the bound.
@@ -107,8 +105,8 @@ Judged judge_slices(const LayeredImpostor& impostor, const LayeredErrorStats& st
   Judged judged{.bound_px = bound_at_pixels(stats, impostor, camera)};
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x)
-      if (drawn(x, y) >= 0 && shows_a_patch(impostor, draws[std::size_t(drawn(x, y))], camera, x, y,
-                                            frame.depth(x, y)))
+      if (drawn(x, y) >= 0 &&
+          shows_a_patch(impostor, draws[std::size_t(drawn(x, y))], camera, x, y, frame.depth(x, y)))
         judged.add(error_px(camera, x, y, frame.color(x, y)));
   return judged;
 }
@@ -155,9 +153,9 @@ TEST(ShownError, no_pixel_tells_a_place_farther_off_than_the_bound) {
 }
 
 // Where a frame has pixels enough to find its worst ones, and a texel is some pixels, as otherwise
-// the half pixel that polygons are off by, too, is most of the bound. The bound is for all eyes that
-// look from a range of directions, and of the up to six views that a ray may be looked up in it
-// takes the worst, which few pixels show: two to three times what a frame has. Nearer than two
+// the half pixel that polygons are off by, too, is most of the bound. The bound is for all eyes
+// that look from a range of directions, and of the up to six views that a ray may be looked up in
+// it takes the worst, which few pixels show: two to three times what a frame has. Nearer than two
 // radii, the wide angle of the frame adds to that: its corners stretch what its middle does not.
 TEST(ShownError, the_bound_is_a_few_times_what_a_frame_shows) {
   std::mt19937 rng(23);
@@ -220,12 +218,11 @@ TEST(ShownError, no_texel_is_forgotten) {
             glm::dvec3 place = double(w.own) * sample_of(surface, {x, y});
             if (w.u > 0) place += double(w.u) * sample_of(surface, {x + w.side.x, y});
             if (w.v > 0) place += double(w.v) * sample_of(surface, {x, y + w.side.y});
-            if (w.uv > 0)
-              place += double(w.uv) * sample_of(surface, glm::ivec2(x, y) + w.side);
+            if (w.uv > 0) place += double(w.uv) * sample_of(surface, glm::ivec2(x, y) + w.side);
             const glm::dvec3 drawn = world_from_raster(
                 surface.camera, middle + offset, 1 / surface_q(texel, middle, middle + offset));
-            const double sine = glm::length(glm::cross(glm::normalize(drawn - eye),
-                                                       glm::normalize(place - eye)));
+            const double sine =
+                glm::length(glm::cross(glm::normalize(drawn - eye), glm::normalize(place - eye)));
             ++points;
             violations += sine > bound * (1 + 1e-6) + 1e-9;
             largest_share = std::max(largest_share, sine / bound);
