@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <string_view>
 
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/capture/gl/opengl_source.h"
@@ -130,12 +131,12 @@ Result<BenchReport> spinning(const BenchOptions& options) {
           wrong += frame.wrong_visibility;
     }
     const double frames = double(method.frames.size());
-    const auto drawn = [&](const char* way) {
+    const auto drawn = [&](std::string_view way) {
       for (const auto& [name, count] : method.drawn_as)
         if (name == way) return double(count);
       return 0.0;
     };
-    const double all = drawn("polygons") + drawn("nailboard") + drawn("layered");
+    const double all = drawn("polygons") + drawn("nailboard") + drawn(kLayeredImpostorName);
     table.rows.push_back(
         {method.name, fmt::format("{:.1f}", percentile(ms, 0.5)),
          fmt::format("{:.1f}", percentile(ms, 0.99)), fmt::format("{:.2f}", psnr / frames),
@@ -143,11 +144,11 @@ Result<BenchReport> spinning(const BenchOptions& options) {
          method.bound_px_max ? fmt::format("{:.2f}", *method.bound_px_max) : "",
          std::to_string(method.captures), fmt::format("{}", drawn("polygons")),
          fmt::format("{}", drawn("nailboard")), fmt::format("{}", drawn("hierarchy")),
-         fmt::format("{}", drawn("layered"))});
+         fmt::format("{}", drawn(kLayeredImpostorName))});
     report.figures.emplace_back("frame_ms_p50_" + method.name, percentile(ms, 0.5));
     report.figures.emplace_back("psnr_db_" + method.name, psnr / frames);
     report.figures.emplace_back("bound_px_max_" + method.name, method.bound_px_max.value_or(0));
-    report.figures.emplace_back("layered_share_" + method.name, drawn("layered") / all);
+    report.figures.emplace_back("layered_share_" + method.name, drawn(kLayeredImpostorName) / all);
     for (const EncodedPicture& picture : method.pictures)
       report.pictures.push_back({method.name, picture});
   }
