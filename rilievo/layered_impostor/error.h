@@ -15,7 +15,7 @@
 // is the bound to use. The first two hold for every view; the last for those that are drawn.
 //
 // Not bounded: pixels where no picture has the surface, that is skins and the visual hull
-// (inside.h). Rounding errors of the GPU are not included. Pure, any thread.
+// (visual_hull.h). Rounding errors of the GPU are not included. Pure, any thread.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -31,7 +31,7 @@
 //             v, from corner to corner of the quarter, but not evenly: beside even steps it is off
 //             by at most a quarter of |dq| / q of the edge. But for that (`slack`), D is bilinear
 //             like M. Where linked patches do not quite meet, a ray can meet the step between them,
-//             which is largest at corners of the texel; if it is small (patch_gap).
+//             which grows from the middle of the border to its ends; if it is small (patch_gap).
 
 #include "rilievo/layered_impostor/shown_error.h"
 
@@ -55,7 +55,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // The displacements of one texel.
 struct Displaced {
   glm::dvec3 sample{0.0};
-  std::array<glm::dvec3, 16> by;
+  std::array<glm::dvec3, 24> by;
   int count = 0;
   double length = 0, radius = 0, told = 0, slack = 0;  // l, r, m
 
@@ -162,16 +162,21 @@ Displaced displaced_by_march(const Placed& placed, const glm::ivec2& texel) {
                    edge_v = std::max(glm::distance(along_v, displaced.sample),
                                      glm::distance(corner, along_u));
       displaced.slack = std::max(displaced.slack, 0.25 * (u * edge_u + v * edge_v) / least);
-      // Where a neighbour's patch does not quite meet this one on the border, a ray can meet what
-      // is between them.
-      const glm::dvec2 raster = center + glm::dvec2(x, y);
-      const double q = surface_q(patch, center, raster), gap = placed.gap(texel);
-      const glm::ivec2 side_u(x > 0 ? 1 : -1, 0), side_v(0, y > 0 ? 1 : -1);
-      for (const auto& [side, link] :
-           {std::pair(side_u, x > 0 ? 0 : 4), std::pair(side_v, y > 0 ? 2 : 6)}) {
-        if (!(patch.links >> link & 1)) continue;
-        const double beyond = placed.q_on_patch(texel + side, raster);
-        displaced.add(placed.at(raster, std::clamp(beyond, q - gap, q + gap)), told);
+      // Where a linked neighbour's patch does not quite meet this one on the border, a ray can meet
+      // what is between them: towards a corner up to their step there, and never more than the gap.
+      const double gap = placed.gap(texel);
+      for (const bool across_u : {true, false}) {
+        if (!(patch.links >> (across_u ? (x > 0 ? 0 : 4) : (y > 0 ? 2 : 6)) & 1)) continue;
+        const glm::ivec2 side =
+            across_u ? glm::ivec2(x > 0 ? 1 : -1, 0) : glm::ivec2(0, y > 0 ? 1 : -1);
+        const glm::dvec2 at_corner(x, y), at_middle = 0.5 * glm::dvec2(side);
+        const double q = placed.q_on_patch(texel, center + at_corner),
+                     beyond = placed.q_on_patch(texel + side, center + at_corner),
+                     step = std::clamp(beyond - q, -gap, gap);
+        displaced.add(placed.at(center + at_corner, q + step), told);
+        displaced.add(
+            placed.at(center + at_middle, placed.q_on_patch(texel, center + at_middle) + step),
+            placed.told(texel, at_middle));
       }
     }
   }
