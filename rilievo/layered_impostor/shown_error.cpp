@@ -103,12 +103,8 @@ class Placed {
   }
   // The place that the march's colour tells there.
   [[nodiscard]] glm::dvec3 told(const glm::ivec2& where, const glm::dvec2& offset) const {
-    const SampleWeights w = sample_weights(texel(where), offset);
-    glm::dvec3 place = double(w.own) * sample(where);
-    if (w.u > 0) place += double(w.u) * sample(where + glm::ivec2(w.side.x, 0));
-    if (w.v > 0) place += double(w.v) * sample(where + glm::ivec2(0, w.side.y));
-    if (w.uv > 0) place += double(w.uv) * sample(where + w.side);
-    return place;
+    return interpolate(sample_weights(texel(where), offset), where,
+                       [&](const glm::ivec2& at) { return sample(at); });
   }
 
  private:

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -14,15 +13,11 @@ namespace {
 
 // Colour between the texels that are linked to the one that was hit.
 glm::vec4 color_at(const DepthImage& picture, const TexelSurface& surface, const SurfaceHit& hit) {
-  const glm::ivec2 at = hit.texel;
-  const SampleWeights weights =
-      sample_weights(surface.texels(at.x, at.y), glm::dvec2(hit.at) - (glm::dvec2(at) + 0.5));
-  const auto [sx, sy] = std::pair(weights.side.x, weights.side.y);
-  glm::vec4 sum = weights.own * picture.color(at.x, at.y);
-  if (weights.u > 0) sum += weights.u * picture.color(at.x + sx, at.y);
-  if (weights.v > 0) sum += weights.v * picture.color(at.x, at.y + sy);
-  if (weights.uv > 0) sum += weights.uv * picture.color(at.x + sx, at.y + sy);
-  return sum;
+  const glm::ivec2 texel = hit.texel;
+  const SampleWeights weights = sample_weights(surface.texels(texel.x, texel.y),
+                                               glm::dvec2(hit.at) - (glm::dvec2(texel) + 0.5));
+  return interpolate(weights, texel,
+                     [&](const glm::ivec2& at) { return picture.color(at.x, at.y); });
 }
 
 constexpr int kMaxMarchedViews = 6;

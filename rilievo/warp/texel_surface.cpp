@@ -33,16 +33,20 @@ constexpr float kEndSlope = 2.0f;
 // so patches nearly meet there, as far from the samples as they do.
 constexpr float kTwist = 2 * float(kPatchGap);
 
-// The smaller side of a texel where eye_z = 1.
-double texel_at_one(const Camera& camera) {
+// The sides of a texel where eye_z = 1, and the smaller one.
+glm::dvec2 texel_size(const Camera& camera) {
   const auto& [l, r, b, t] = camera.window;
-  return std::min((r - l) / camera.width, (t - b) / camera.height);
+  return {(r - l) / camera.width, (t - b) / camera.height};
+}
+double smaller_side(const Camera& camera) {
+  const glm::dvec2 size = texel_size(camera);
+  return std::min(size.x, size.y);
 }
 
 // Which corners are closed? Those around which all four texels are linked to those beside them and
 // have samples almost in one plane.
 void close_corners(TexelSurface& surface) {
-  const auto texel = float(texel_at_one(surface.camera));
+  const auto texel = float(smaller_side(surface.camera));
   Image<SurfaceTexel>& texels = surface.texels;
   for (SurfaceTexel& t : texels.texels()) t.links &= 0b01010101;
   for (int y = 0; y + 1 < texels.height(); ++y)
@@ -74,7 +78,7 @@ double surface_q(const SurfaceTexel& texel, const glm::dvec2& center, const glm:
 }
 
 double patch_gap(const TexelSurface& surface, const glm::ivec2& texel) {
-  return kPatchGap * texel_at_one(surface.camera) * double(surface.texels(texel.x, texel.y).q);
+  return kPatchGap * smaller_side(surface.camera) * double(surface.texels(texel.x, texel.y).q);
 }
 
 SampleWeights sample_weights(const SurfaceTexel& texel, const glm::dvec2& offset) {
@@ -100,8 +104,7 @@ TexelSurface make_texel_surface(const DepthImage& picture, const LinkOptions& op
   const Image<float> eye_z = eye_z_of(picture);
   const Image<std::uint8_t> links = texel_links(picture, options);
   const int w = eye_z.width(), h = eye_z.height();
-  const auto& [l, r, b, t] = picture.camera.window;
-  const std::array<float, 2> size{float((r - l) / w), float((t - b) / h)};  // at eye_z = 1
+  const glm::vec2 size(texel_size(picture.camera));
   TexelSurface surface{picture.camera, Image<SurfaceTexel>(w, h)};
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {

@@ -64,14 +64,29 @@ struct DepthInterval {
 inline constexpr double kPatchGap = 0.25;
 [[nodiscard]] double patch_gap(const TexelSurface& surface, const glm::ivec2& texel);
 
-// The weights of the samples between which the patch lies, at an offset from the texel's centre of
-// at most half a texel; they sum to 1. What is interpolated by them, a colour or a position,
-// belongs to a place near that point of the patch.
+// The weights by which samples are interpolated, at an offset from the texel's centre of at most
+// half a texel; they sum to 1. The mean position of the samples is near that point of the patch.
 struct SampleWeights {
   glm::ivec2 side{0};                   // -1 or 1 in u and in v: which neighbours
   float own = 1, u = 0, v = 0, uv = 0;  // the texel, (side.u, 0), (0, side.v), side
 };
 [[nodiscard]] SampleWeights sample_weights(const SurfaceTexel& texel, const glm::dvec2& offset);
+// The mean of the samples' values by these weights; value(texel) is a glm vector.
+template <class Value>
+[[nodiscard]] auto interpolate(const SampleWeights& weights, const glm::ivec2& texel,
+                               const Value& value) {
+  using Vector = decltype(value(texel));
+  using Number = typename Vector::value_type;
+  Vector sum = Number(weights.own) * value(texel);
+  // Where a weight is 0 there may be no sample.
+  const auto add = [&](float weight, int u, int v) {
+    if (weight > 0) sum += Number(weight) * value(texel + glm::ivec2(u, v));
+  };
+  add(weights.u, weights.side.x, 0);
+  add(weights.v, 0, weights.side.y);
+  add(weights.uv, weights.side.x, weights.side.y);
+  return sum;
+}
 
 // A line segment in (u, v, q).
 struct DisparitySegment {

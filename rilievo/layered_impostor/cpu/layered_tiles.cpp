@@ -140,14 +140,11 @@ SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const P
   const glm::ivec2 at = march.texel;
   const SampleWeights weights = sample_weights(impostor_.surfaces[v].texels(at.x, at.y),
                                                glm::dvec2(march.at) - (glm::dvec2(at) + 0.5));
-  glm::vec4 sum = weights.own * glm::vec4(picture.color(at.x, at.y));
-  const auto add = [&](int dx, int dy, float weight) {
-    if (weight > 0) sum += weight * glm::vec4(picture.color(at.x + dx, at.y + dy));
-  };
-  add(weights.side.x, 0, weights.u);
-  add(0, weights.side.y, weights.v);
-  add(weights.side.x, weights.side.y, weights.uv);
-  seen.color = sum / 255.0f;
+  seen.color = interpolate(weights, at,
+                           [&](const glm::ivec2& texel) {
+                             return glm::vec4(picture.color(texel.x, texel.y));
+                           }) /
+               255.0f;
   return seen;
 }
 
