@@ -192,7 +192,8 @@ class Sweep {
       "What the bound claims (layered_impostor/error.h): 32 views of 256, 64 layers; percent "
       "of the radius, and pixels for an eye at 4 radii",
       {"object", "slice", "piece", "texel", "slices: to the surface, px", "to the sample, px",
-       "to what is told, px", "surfaces: to the sample, px", "to what is told, px"},
+       "to the source of the colour, px", "surfaces: to the sample, px",
+       "to the source of the colour, px"},
       {}};
 };
 

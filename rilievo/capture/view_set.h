@@ -78,8 +78,8 @@ void handover_weights(const ViewSet& set, const glm::dvec3& towards_viewer, doub
 // The mean angle between neighbours, radians; 0 if there are none.
 [[nodiscard]] double mean_spacing(const ViewSet& set);
 
-// The largest angle from any direction to the nearest view, radians; pi if the triangles do not
-// close around all directions.
+// The covering radius of the views: the largest angle from any direction to the nearest view,
+// radians; pi if the triangles do not close around all directions.
 [[nodiscard]] double covering_angle(const ViewSet& set);
 
 // Projection and resolution of the cameras of a view set.

@@ -1,5 +1,5 @@
 // The bounds of layered_impostor/error.h for surfaces and samples against what the warps draw;
-// shown_error_test.cpp has the total's.
+// angular_error_test.cpp has the total's.
 #include "rilievo/layered_impostor/error.h"
 
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@
 // Seen from an eye, a point at distance d and one at most D < d from it span an angle of at most
 // asin(D / d). Samples and pieces lie within the bounds; what is drawn may lie beside them.
 //
-// The total is by the angle itself (shown_error.cpp), which is smaller: of the way along the line
+// The total is by the angle itself (angular_error.cpp), which is smaller: of the way along the line
 // of sight the eye sees the part across its own.
 
 #include "rilievo/layered_impostor/error.h"
@@ -48,9 +48,9 @@ double off_axis_tan(const Box& bounds, const glm::dmat4& world_from_impostor, co
 }
 
 // For samples at least `distance` metres from the eye and within `off_axis_tan` of the axis.
-// `shown_sine`: what the table says.
+// `angular_sine`: what the table says.
 LayeredError bound_at(const LayeredErrorStats& stats, double scale, const Camera& frame,
-                      double distance, double off_axis_tan, double shown_sine) {
+                      double distance, double off_axis_tan, double angular_sine) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   LayeredError error;
   error.surface_m = stats.sliced ? scale * (stats.slice + 2 * stats.texel) : 0;
@@ -62,16 +62,18 @@ LayeredError bound_at(const LayeredErrorStats& stats, double scale, const Camera
   error.surface_px = error.surface_m == 0 ? 0 : pixels(error.surface_m / distance);
   error.sample_px = pixels(error.sample_m / distance);
   // Polygons are off by half a pixel's diagonal too.
-  error.total_px = std::max(0.0, pixels(shown_sine) - std::sqrt(0.5));
+  error.total_px = std::max(0.0, pixels(angular_sine) - std::sqrt(0.5));
   return error;
 }
 
-// From the centre of the bounds, in radii.
-glm::dvec3 relative_eye(const Box& bounds, const glm::dmat4& world_from_impostor,
-                        const Camera& frame) {
-  const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
+// In the impostor's space; and from the centre of the bounds, in radii.
+glm::dvec3 placed_eye(const glm::dmat4& world_from_impostor, const Camera& frame) {
+  return glm::dvec3(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
+}
+glm::dvec3 relative_to(const Box& bounds, const glm::dvec3& eye) {
   return (eye - glm::dvec3(bounds.center())) / double(bounds.radius());
 }
+bool serves(const glm::dvec3& relative_eye) { return glm::length(relative_eye) >= kServedRadii; }
 
 }  // namespace
 
@@ -79,7 +81,7 @@ LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor,
                                       const LayeredOptions& options) {
   LayeredErrorStats stats;
   stats.sliced = options.method == LayeredMethod::slices;
-  stats.shown = make_shown_error_table(impostor, options);
+  stats.angular = make_angular_error_table(impostor, options);
   for (std::size_t v = 0; v < impostor.pictures.size(); ++v) {
     const TexelSurface& surface = impostor.surfaces[v];
     const Camera& camera = surface.camera;
@@ -118,7 +120,7 @@ LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor,
 }
 
 bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor, const Camera& frame) {
-  return glm::length(relative_eye(bounds, world_from_impostor, frame)) >= kServedRadii;
+  return serves(relative_to(bounds, placed_eye(world_from_impostor, frame)));
 }
 
 LayeredError bound_layered_error_from(const LayeredErrorStats& stats, const Box& bounds,
@@ -126,21 +128,19 @@ LayeredError bound_layered_error_from(const LayeredErrorStats& stats, const Box&
   // The box holds its centre.
   const double radii = distance / double(bounds.radius());
   return bound_at(stats, 1, frame, distance, corner_tan(frame),
-                  shown_error_sine_from(stats.shown, radii));
+                  angular_error_sine_from(stats.angular, radii));
 }
 
 LayeredError bound_layered_error(const LayeredErrorStats& stats, const Box& bounds,
                                  const glm::dmat4& world_from_impostor, const Camera& frame) {
   const double scale = glm::length(glm::dvec3(world_from_impostor[0]));
-  const glm::dvec3 eye(glm::inverse(world_from_impostor) * glm::dvec4(frame.position(), 1));
+  const glm::dvec3 eye = placed_eye(world_from_impostor, frame),
+                   relative = relative_to(bounds, eye);
   const glm::dvec3 outside = glm::max(
       glm::max(glm::dvec3(bounds.min) - eye, eye - glm::dvec3(bounds.max)), glm::dvec3(0.0));
-  const bool served = is_served(bounds, world_from_impostor, frame);
-  return bound_at(
-      stats, scale, frame, scale * glm::length(outside),
-      off_axis_tan(bounds, world_from_impostor, frame),
-      served ? shown_error_sine(stats.shown, relative_eye(bounds, world_from_impostor, frame))
-             : kNever);
+  return bound_at(stats, scale, frame, scale * glm::length(outside),
+                  off_axis_tan(bounds, world_from_impostor, frame),
+                  serves(relative) ? angular_error_sine(stats.angular, relative) : kNever);
 }
 
 }  // namespace rilievo

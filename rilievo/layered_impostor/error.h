@@ -10,9 +10,10 @@
 //
 // A patch differs from the nearest sample by up to half the step to the next sample. Three bounds
 // follow: the distance of a drawn point from the surface that it shows (0 for `surfaces`), from the
-// sample that it shows, and from the place that its colour tells: that sample, or where `surfaces`
-// interpolate, the mean place of the samples. Samples are points of the true surface, so the last
-// is the bound to use. The first two hold for every view; the last for those that are drawn.
+// sample that it shows, and from the source of its colour (angular_error.h): that sample, or where
+// `surfaces` interpolate, the mean position of the samples. Samples are points of the true surface,
+// so the last is the bound to use. The first two hold for every view, the last for those that are
+// drawn.
 //
 // Not bounded: pixels where no picture has the surface, that is skins and the visual hull
 // (visual_hull.h). Rounding errors of the GPU are not included. Pure, any thread.
@@ -22,9 +23,9 @@
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
+#include "rilievo/layered_impostor/angular_error.h"
 #include "rilievo/layered_impostor/draw_options.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
-#include "rilievo/layered_impostor/shown_error.h"
 
 namespace rilievo {
 
@@ -34,7 +35,7 @@ struct LayeredErrorStats {
   double slice = 0;  // from a slice to an end of its interval, along the line of sight
   double reach = 0;  // from a sample to an end of its patch, along the line of sight
   double texel = 0;  // from the centre of a texel to its corner
-  ShownErrorTable shown;
+  AngularErrorTable angular;
 };
 // Computes them for what is drawn with these options. Looks at each texel: call it once for an
 // impostor, not in each frame.
@@ -46,8 +47,8 @@ struct LayeredErrorStats {
 struct LayeredError {
   double surface_m = 0, sample_m = 0;    // in the frame's world, on the screen and in depth
   double surface_px = 0, sample_px = 0;  // between the drawn and the true position of a point
-  // As PictureError::total_px: for each pixel centre q whose colour tells a place that projects to
-  // s, |q - s| <= total_px + sqrt(1/2). Infinite for eyes that are not served.
+  // As PictureError::total_px: for each pixel centre q, and s where the source of its colour
+  // projects to, |q - s| <= total_px + sqrt(1/2). Infinite for eyes that are not served.
   double total_px = 0;
 };
 

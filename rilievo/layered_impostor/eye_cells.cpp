@@ -67,9 +67,7 @@ void add_fillers(const ViewSet& set, int view, std::span<const glm::dvec3> corne
   for (const int neighbor : neighbors) drawn[std::size_t(neighbor)] = true;
 }
 
-}  // namespace
-
-EyeCell eye_cell(int index) {
+EyeCell make_cell(int index) {
   EyeCell cell;
   glm::dvec3 sum(0.0);
   for (int k = 0; k < 4; ++k) {
@@ -82,6 +80,17 @@ EyeCell eye_cell(int index) {
     cell.farthest = std::max(cell.farthest, glm::length(corner));
   }
   return cell;
+}
+
+}  // namespace
+
+const EyeCell& eye_cell(int cell) {
+  static const std::array<EyeCell, kEyeCells> kCells = [] {
+    std::array<EyeCell, kEyeCells> cells;
+    for (int i = 0; i < kEyeCells; ++i) cells[std::size_t(i)] = make_cell(i);
+    return cells;
+  }();
+  return kCells[std::size_t(cell)];
 }
 
 int eye_cell_of(const glm::dvec3& direction) {

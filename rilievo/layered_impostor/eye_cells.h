@@ -24,8 +24,8 @@ struct EyeCell {
   std::array<glm::dvec3, 4> corners{};  // on the plane corner.middle = 1
   double farthest = 1;                  // length of a corner
 };
-// The cell of this number.
-[[nodiscard]] EyeCell eye_cell(int cell);
+// The cell of this number. Computed once for all.
+[[nodiscard]] const EyeCell& eye_cell(int cell);
 
 // The cell that holds a direction, of any length.
 [[nodiscard]] int eye_cell_of(const glm::dvec3& direction);

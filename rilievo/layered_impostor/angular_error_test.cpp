@@ -1,5 +1,5 @@
 // The total bound of layered_impostor/error.h against all that is drawn.
-#include "rilievo/layered_impostor/shown_error.h"
+#include "rilievo/layered_impostor/angular_error.h"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,8 @@ using test_shapes::Tally;
 // Colours are floats, a part in 10^7 of metres.
 constexpr double kPlaceRounding = 1e-5;
 
-// An impostor whose colours are the places of its samples: frames of it tell what is shown where.
+// An impostor whose colours are the places of its samples: what a frame of it shows is the source
+// of each pixel.
 LayeredImpostor places_of(const Scene& scene, std::mt19937& rng, int object) {
   constexpr ViewSpread kSpreads[] = {ViewSpread::faces_12, ViewSpread::vertices_20,
                                      ViewSpread::both_32};
@@ -124,7 +125,7 @@ Judged judge_march(const LayeredImpostor& impostor, const LayeredErrorStats& sta
   return judged;
 }
 
-TEST(ShownError, no_pixel_tells_a_place_farther_off_than_the_bound) {
+TEST(AngularError, no_pixel_is_farther_from_the_source_of_its_colour_than_the_bound) {
   std::mt19937 rng(21);
   constexpr int kFrame = 32;
   for (const LayeredMethod method : {LayeredMethod::slices, LayeredMethod::surfaces}) {
@@ -157,7 +158,7 @@ TEST(ShownError, no_pixel_tells_a_place_farther_off_than_the_bound) {
 // that look from a range of directions, and of the up to six views that a ray may be looked up in
 // it takes the worst, which few pixels show: two to three times what a frame has. Nearer than two
 // radii, the wide angle of the frame adds to that: its corners stretch what its middle does not.
-TEST(ShownError, the_bound_is_a_few_times_what_a_frame_shows) {
+TEST(AngularError, the_bound_is_a_few_times_what_a_frame_shows) {
   std::mt19937 rng(23);
   std::uniform_real_distribution<double> distances(2, 8);
   constexpr int kFrame = 160;
@@ -189,22 +190,22 @@ TEST(ShownError, the_bound_is_a_few_times_what_a_frame_shows) {
 }
 
 // Every point that a texel of a view that is drawn can show, seen or not, by the definition.
-TEST(ShownError, no_texel_is_forgotten) {
+TEST(AngularError, no_texel_is_forgotten) {
   std::mt19937 rng(24);
   std::uniform_real_distribution<double> u(-0.5, 0.5);
   int points = 0, violations = 0;
   double largest_share = 0;
   for (int object = 0; object < 6; ++object) {
     const LayeredImpostor impostor = places_of(scene_of(object % 3), rng, 4 * object);
-    const ShownErrorTable table =
-        make_shown_error_table(impostor, {.method = LayeredMethod::surfaces});
+    const AngularErrorTable table =
+        make_angular_error_table(impostor, {.method = LayeredMethod::surfaces});
     const glm::dvec3 center(impostor.bounds.center());
     const double radius = impostor.bounds.radius();
     for (int i = 0; i < sanitized_cases(20); ++i) {
       const glm::dvec3 relative = (1.3 + 5 * (u(rng) + 0.5)) * random_direction(rng);
       const glm::dvec3 eye = center + radius * relative;
-      const double bound = shown_error_sine(table, relative);
-      EXPECT_LE(bound, shown_error_sine_from(table, glm::length(relative) * 0.9999));
+      const double bound = angular_error_sine(table, relative);
+      EXPECT_LE(bound, angular_error_sine_from(table, glm::length(relative) * 0.9999));
       const ServingViews serving =
           views_for_eye(impostor, eye, {.method = LayeredMethod::surfaces});
       for (int v = 0; v < serving.count; ++v) {

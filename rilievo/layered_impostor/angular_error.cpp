@@ -1,4 +1,4 @@
-// In radii of the bounds, from their centre: a point P is drawn, its colour tells the place M, and
+// In radii of the bounds, from their centre: a point P is drawn, the source of its colour is M, and
 // an eye at x sees D = P - M under the angle alpha,
 //
 //                    |D x (x - M)|
@@ -33,7 +33,7 @@
 //             like M. Where linked patches do not quite meet, a ray can meet the step between them,
 //             which grows from the middle of the border to its ends; if it is small (patch_gap).
 
-#include "rilievo/layered_impostor/shown_error.h"
+#include "rilievo/layered_impostor/angular_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@
 namespace rilievo {
 namespace {
 
-using Table = ShownErrorTable;
+using Table = AngularErrorTable;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -57,13 +57,13 @@ struct Displaced {
   glm::dvec3 sample{0.0};
   std::array<glm::dvec3, 24> by;
   int count = 0;
-  double length = 0, radius = 0, told = 0, slack = 0;  // l, r, m
+  double length = 0, radius = 0, source_radius = 0, slack = 0;  // l, r, m
 
-  void add(const glm::dvec3& drawn, const glm::dvec3& place) {
-    by[std::size_t(count++)] = drawn - place;
-    length = std::max(length, glm::length(drawn - place));
-    radius = std::max({radius, glm::length(drawn - sample), glm::length(place - sample)});
-    told = std::max(told, glm::length(place - sample));
+  void add(const glm::dvec3& drawn, const glm::dvec3& source) {
+    by[std::size_t(count++)] = drawn - source;
+    length = std::max(length, glm::length(drawn - source));
+    radius = std::max({radius, glm::length(drawn - sample), glm::length(source - sample)});
+    source_radius = std::max(source_radius, glm::length(source - sample));
   }
 };
 
@@ -101,8 +101,8 @@ class Placed {
         most = std::max(most, patch_gap(surface_, where + kLinkSteps[std::size_t(k)]));
     return most;
   }
-  // The place that the march's colour tells there.
-  [[nodiscard]] glm::dvec3 told(const glm::ivec2& where, const glm::dvec2& offset) const {
+  // Of the march's colour there.
+  [[nodiscard]] glm::dvec3 source(const glm::ivec2& where, const glm::dvec2& offset) const {
     return interpolate(sample_weights(texel(where), offset), where,
                        [&](const glm::ivec2& at) { return sample(at); });
   }
@@ -143,11 +143,11 @@ Displaced displaced_by_march(const Placed& placed, const glm::ivec2& texel) {
     return placed.at(raster, placed.q_on_patch(texel, raster));
   };
   for (const double x : {-0.5, 0.5}) {
-    displaced.add(point(x, 0), placed.told(texel, {x, 0}));
-    displaced.add(point(0, x), placed.told(texel, {0, x}));
+    displaced.add(point(x, 0), placed.source(texel, {x, 0}));
+    displaced.add(point(0, x), placed.source(texel, {0, x}));
     for (const double y : {-0.5, 0.5}) {
-      const glm::dvec3 corner = point(x, y), told = placed.told(texel, {x, y});
-      displaced.add(corner, told);
+      const glm::dvec3 corner = point(x, y), source = placed.source(texel, {x, y});
+      displaced.add(corner, source);
       // The quarter's edges, and how much q changes along them.
       const glm::dvec3 along_u = point(x, 0), along_v = point(0, y);
       const double u = 0.5 * std::abs(double(patch.slope[x > 0 ? 0 : 2])),
@@ -169,10 +169,10 @@ Displaced displaced_by_march(const Placed& placed, const glm::ivec2& texel) {
         const double q = placed.q_on_patch(texel, center + at_corner),
                      beyond = placed.q_on_patch(texel + side, center + at_corner),
                      step = std::clamp(beyond - q, -gap, gap);
-        displaced.add(placed.at(center + at_corner, q + step), told);
+        displaced.add(placed.at(center + at_corner, q + step), source);
         displaced.add(
             placed.at(center + at_middle, placed.q_on_patch(texel, center + at_middle) + step),
-            placed.told(texel, at_middle));
+            placed.source(texel, at_middle));
       }
     }
   }
@@ -184,7 +184,7 @@ using Values = std::array<double, Table::kNodes>;
 // What may become larger by a texel's displacements.
 void add_texel(const Displaced& displaced, const EyeCell& cell, Values& values) {
   const double ahead = glm::dot(displaced.sample, cell.middle) + displaced.radius,
-               far = glm::length(displaced.sample) + displaced.told;
+               far = glm::length(displaced.sample) + displaced.source_radius;
   Values most, i, n{};  // at least T with all that is added; I; N, once it is known
   bool larger = false;
   for (std::size_t k = 0; k < Table::kNodes; ++k) {
@@ -211,8 +211,9 @@ void add_texel(const Displaced& displaced, const EyeCell& cell, Values& values) 
         const glm::dvec3 c = glm::cross(displaced.by[std::size_t(d)], ray);
         across = std::max(across, glm::dot(c, c));
       }
-      n[k] = std::max(n[k], std::sqrt(across) + nearness * displaced.length * displaced.told +
-                                displaced.slack * (glm::length(ray) + nearness * displaced.told));
+      n[k] = std::max(
+          n[k], std::sqrt(across) + nearness * displaced.length * displaced.source_radius +
+                    displaced.slack * (glm::length(ray) + nearness * displaced.source_radius));
     }
   }
   for (std::size_t k = 0; k < Table::kNodes; ++k) {
@@ -246,16 +247,13 @@ double sine_at(const Table& table, int cell, double nearness) {
 
 }  // namespace
 
-ShownErrorTable make_shown_error_table(const LayeredImpostor& impostor,
-                                       const LayeredOptions& options) {
+AngularErrorTable make_angular_error_table(const LayeredImpostor& impostor,
+                                           const LayeredOptions& options) {
   const bool sliced = options.method == LayeredMethod::slices;
   const std::size_t views = impostor.surfaces.size();
-  std::vector<EyeCell> cells;
   std::vector<std::vector<bool>> drawn;
-  for (int cell = 0; cell < kEyeCells; ++cell) {
-    cells.push_back(eye_cell(cell));
+  for (int cell = 0; cell < kEyeCells; ++cell)
     drawn.push_back(views_drawn_from(impostor, options, cell));
-  }
   std::vector<std::array<Values, kEyeCells>> of_views(views);
   parallel_for(std::size_t(0), views, [&](std::size_t view) {
     const Placed placed(impostor, view);
@@ -268,11 +266,11 @@ ShownErrorTable make_shown_error_table(const LayeredImpostor& impostor,
         const Displaced displaced = sliced ? displaced_by_slices(impostor, view, placed, {x, y})
                                            : displaced_by_march(placed, {x, y});
         for (std::size_t cell = 0; cell < kEyeCells; ++cell)
-          if (drawn[cell][view]) add_texel(displaced, cells[cell], values[cell]);
+          if (drawn[cell][view]) add_texel(displaced, eye_cell(int(cell)), values[cell]);
       }
   });
 
-  ShownErrorTable table;
+  AngularErrorTable table;
   for (std::size_t k = 0; k < Table::kNodes; ++k) {
     std::array<double, kEyeCells> all{};
     double largest = 0;
@@ -292,13 +290,13 @@ ShownErrorTable make_shown_error_table(const LayeredImpostor& impostor,
   return table;
 }
 
-double shown_error_sine(const ShownErrorTable& table, const glm::dvec3& eye) {
+double angular_error_sine(const AngularErrorTable& table, const glm::dvec3& eye) {
   const int cell = eye_cell_of(eye);
   const double ahead = glm::dot(eye, eye_cell(cell).middle);
   return ahead > 0 ? sine_at(table, cell, 1 / ahead) : kInfinite;
 }
 
-double shown_error_sine_from(const ShownErrorTable& table, double distance) {
+double angular_error_sine_from(const AngularErrorTable& table, double distance) {
   double largest = 0;
   for (int cell = 0; cell < kEyeCells; ++cell) {
     // In the corners of a cell, eyes at this distance are nearest along its middle. Between nodes,
