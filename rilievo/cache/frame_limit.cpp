@@ -36,6 +36,9 @@ double FramePlanner::mean_shift() const {
 void FramePlanner::find_limit() {
   const double usual = state.usual_cost;
   if (!(options.max_spike > 0)) return;
+  // What is captured for an eye that stands is of little use to one that walks, and only the second
+  // frame tells which it is.
+  captures_wait = state.frame == 0;
   // The first frame may take its time: nothing that moves is interrupted. The second one does not
   // capture all that it left.
   if (!(usual > 0) && !frame.jumped) {

@@ -49,6 +49,7 @@ struct FramePlanner {
   double cost_at_hand = 0;    // of drawing the frame from what is at hand, without captures
   // What captures may add to that, where the frame need not be limited.
   double capture_room = std::numeric_limits<double>::infinity();
+  bool captures_wait = false;  // not even one is made
 
   FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
                const Alternatives& alternatives_, const LevelTable& levels_,
@@ -124,7 +125,7 @@ struct FramePlanner {
   void draw_below(Entity e, float from, float to);
 
   // In frame_limit.cpp. What the frame may cost (CacheOptions::max_spike): sets plan.limit or
-  // capture_room, and jumped.
+  // capture_room or captures_wait, and jumped.
   void find_limit();
   // By how much what the last frame drew as pictures has shifted since: the mean, radians.
   [[nodiscard]] double mean_shift() const;

@@ -184,13 +184,10 @@ void schedule_captures(FramePlanner& planner) {
   double credit = requests.empty() ? 0 : planner.state.credit + even_pace(requests);
   if (std::isfinite(planner.options.capture_cost)) return schedule_in_time(planner, credit);
 
-  // Where someone looks on, the first frame captures nothing: what is captured for an eye that
-  // stands is of little use to one that walks, and only the second frame tells which it is.
-  if (planner.state.frame == 0 && planner.options.max_spike > 0) {
+  if (planner.captures_wait) {
     planner.plan.credit = 0;
     return;
   }
-
   // Where what cannot be captured is coarse instead, no capture is nearly free.
   const double limit = planner.plan.limit;
   const double share = planner.jumped ? kJumpedShare : kLimitedShare;
