@@ -39,6 +39,13 @@ Scene boxes_around() {
   return scene;
 }
 
+// None, of each object.
+std::vector<ObjectWork> no_work() {
+  std::vector<ObjectWork> work;
+  for (std::uint32_t object = 0; object < kBoxes; ++object) work.push_back({object});
+  return work;
+}
+
 // Whose last work is what the test says.
 class ChoosingCache {
  public:
@@ -62,6 +69,12 @@ class ChoosingCache {
     cache_.learn(done, shares);
   }
   void drop_pictures() { cache_.invalidate(content_); }
+  // A few frames in which polygons took nothing; then there are no pictures.
+  void choose_without_work() {
+    for (int f = 0; f < 3; ++f) choose(no_work());
+    drop_pictures();
+    choose(no_work());
+  }
   [[nodiscard]] bool is_polygons(std::uint32_t object) const {
     return std::count(content_.polygons.begin(), content_.polygons.end(), object) > 0;
   }
@@ -91,12 +104,9 @@ TEST(SceneCache, what_took_a_lot_as_polygons_is_captured_whatever_it_was_and_not
   for (std::uint32_t dear = 0; dear < kBoxes; ++dear)
     for (std::uint64_t ObjectWork::*const kind :
          {&ObjectWork::projected, &ObjectWork::filled, &ObjectWork::shaded}) {
-      std::vector<ObjectWork> work;
-      for (std::uint32_t object = 0; object < kBoxes; ++object) work.push_back({object});
+      std::vector<ObjectWork> work = no_work();
       ChoosingCache cache;
-      for (int f = 0; f < 3; ++f) cache.choose(work);
-      cache.drop_pictures();
-      cache.choose(work);
+      cache.choose_without_work();
       EXPECT_TRUE(cache.pictures().empty());
       work[dear].*kind = 10'000'000;
       for (int f = 0; f < 3; ++f) cache.choose(work);
@@ -112,12 +122,9 @@ double least_for_a_picture(std::uint64_t ObjectWork::*kind) {
   double low = 1, high = 1e7;
   while (high - low > 1 && high > 1.001 * low) {
     const double middle = std::sqrt(low * high);
-    std::vector<ObjectWork> work;
-    for (std::uint32_t object = 0; object < kBoxes; ++object) work.push_back({object});
+    std::vector<ObjectWork> work = no_work();
     ChoosingCache cache;
-    for (int f = 0; f < 3; ++f) cache.choose(work);
-    cache.drop_pictures();
-    cache.choose(work);
+    cache.choose_without_work();
     work[0].*kind = std::uint64_t(middle);
     for (int f = 0; f < 3; ++f) cache.choose(work);
     (cache.pictures().empty() ? low : high) = middle;
@@ -143,12 +150,9 @@ TEST(SceneCache, work_is_priced_by_its_kind) {
 // nothing of what all of them take.
 TEST(SceneCache, what_fading_polygons_take_is_not_learned) {
   for (std::uint32_t dear = 0; dear < kBoxes; ++dear) {
-    std::vector<ObjectWork> work;
-    for (std::uint32_t object = 0; object < kBoxes; ++object) work.push_back({object});
+    std::vector<ObjectWork> work = no_work();
     ChoosingCache cache;
-    for (int f = 0; f < 3; ++f) cache.choose(work);
-    cache.drop_pictures();
-    cache.choose(work);
+    cache.choose_without_work();
     // So dear that a picture pays, and so little that it does not at the half of it.
     work[dear].shaded = 100'000;
     int faded = 0;

@@ -34,6 +34,29 @@ struct TileScene {
   }
 };
 
+// A frame of one sample a pixel.
+Rgba8Image frame_of(const Scene& scene, const PlacedScene& placed, const Camera& camera,
+                    std::span<const std::uint32_t> objects, std::span<const CrossFade> fading) {
+  PolygonTiles tiles(scene);
+  EXPECT_TRUE(tiles.place(camera, 1, placed, objects, fading).ok());
+  SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
+  const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+  target.draw(camera.z_far, drawers);
+  return target.color();
+}
+
+// At how many pixels' centres is each object seen?
+std::map<std::uint32_t, std::uint64_t> pixels_by_object(PolygonTiles& tiles, const TileScene& scene,
+                                                        SoftwareTarget& target) {
+  EXPECT_TRUE(tiles.place_objects(scene.camera, scene.placed, scene.objects, {}).ok());
+  const TileDrawer* drawers[] = {&tiles};
+  target.draw_objects(scene.camera.z_far, drawers);
+  std::map<std::uint32_t, std::uint64_t> pixels;
+  for (const std::uint32_t object : target.objects().texels())
+    if (object != kNoObject) ++pixels[object - 1];
+  return pixels;
+}
+
 TEST(PolygonTiles, show_what_the_rasteriser_draws) {
   const TileScene scene("builtin:teapots?triangles=20000");
   for (const int samples : {1, 4}) {
@@ -77,12 +100,7 @@ TEST(PolygonTiles, objects_that_fade_share_the_pixels_by_their_hash) {
   const TileScene scene("builtin:teapot?triangles=5000");
   const auto frame_with = [&](std::span<const std::uint32_t> objects,
                               std::span<const CrossFade> fading) {
-    PolygonTiles tiles(scene.made.scene);
-    EXPECT_TRUE(tiles.place(scene.camera, 1, scene.placed, objects, fading).ok());
-    SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
-    const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
-    target.draw(scene.camera.z_far, drawers);
-    return target.color();
+    return frame_of(scene.made.scene, scene.placed, scene.camera, objects, fading);
   };
   const Rgba8Image whole = frame_with(scene.objects, {});
   const std::uint32_t object = scene.objects.front();
@@ -111,11 +129,7 @@ TEST(PolygonTiles, count_what_each_object_took) {
   PolygonTiles tiles(scene.made.scene);
   SoftwareTarget target(kTilesWidth, kTilesHeight, 4);
   const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
-  ASSERT_TRUE(tiles.place_objects(scene.camera, scene.placed, scene.objects, {}).ok());
-  target.draw_objects(scene.camera.z_far, drawers);
-  std::map<std::uint32_t, std::uint64_t> pixels;
-  for (const std::uint32_t object : target.objects().texels())
-    if (object != kNoObject) ++pixels[object - 1];
+  auto pixels = pixels_by_object(tiles, scene, target);
   std::vector<ObjectWork> first;
   for (const int threads : {1, 2, 3}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
@@ -149,11 +163,7 @@ TEST(PolygonTiles, shade_as_many_pixels_of_an_object_as_show_it) {
   PolygonTiles tiles(scene.made.scene);
   SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
   const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
-  ASSERT_TRUE(tiles.place_objects(scene.camera, scene.placed, scene.objects, {}).ok());
-  target.draw_objects(scene.camera.z_far, drawers);
-  std::map<std::uint32_t, std::uint64_t> pixels;
-  for (const std::uint32_t object : target.objects().texels())
-    if (object != kNoObject) ++pixels[object - 1];
+  auto pixels = pixels_by_object(tiles, scene, target);
   ASSERT_TRUE(tiles.place(scene.camera, 1, scene.placed, scene.objects, {}).ok());
   target.draw(scene.camera.z_far, drawers);
   for (const ObjectWork& one : tiles.work()) EXPECT_EQ(one.shaded, pixels[one.object]);
@@ -290,12 +300,7 @@ TEST(PolygonTiles, objects_with_blended_parts_fade_as_others_do) {
   const PlacedScene placed(scene);
   const auto frame_with = [&](std::span<const std::uint32_t> objects,
                               std::span<const CrossFade> fading) {
-    PolygonTiles tiles(scene);
-    EXPECT_TRUE(tiles.place(camera, 1, placed, objects, fading).ok());
-    SoftwareTarget target(kTilesWidth, kTilesHeight, 1);
-    const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
-    target.draw(camera.z_far, drawers);
-    return target.color();
+    return frame_of(scene, placed, camera, objects, fading);
   };
   const std::uint32_t both[] = {0, 1}, behind[] = {1};
   const CrossFade halves[] = {{0, 0.0f, 0.5f}, {0, 0.5f, 1.0f}}, half[] = {{0, 0.0f, 0.5f}};
