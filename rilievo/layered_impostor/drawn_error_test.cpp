@@ -42,10 +42,13 @@ double distance_to_piece(const TexelSurface& surface, const glm::ivec2& texel,
   return nearest;
 }
 
+constexpr int kObjects = 24;
+
 // The bound was not broken, nor is it far too large.
-void expect_kept_and_tight(Tally& tally) {
-  EXPECT_GE(tally.cases, sanitized_cases(2000));
-  EXPECT_GT(tally.points, sanitized_cases(50000));
+void expect_kept_and_tight(Tally& tally, int eyes) {
+  // Most of the eyes see something, however few they are.
+  EXPECT_GE(tally.cases, eyes * 4 / 5);
+  EXPECT_GT(tally.points, eyes * 20);
   EXPECT_EQ(tally.violations, 0);
   // The largest slice, the steepest piece and the nearest corner seldom meet in one point.
   const double tightness = tally.median();
@@ -61,14 +64,15 @@ constexpr double kRounding = 1e-5;
 TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed) {
   std::mt19937 rng(11);
   constexpr int kFrame = 16;
+  const int eyes = sanitized_cases(100);
   Tally tally;
   int on_pieces = 0, off_pieces = 0;
   double worst_aside = 0;  // over the bound
-  for (int object = 0; object < 24; ++object) {
+  for (int object = 0; object < kObjects; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
     const LayeredErrorStats stats =
         layered_error_stats(impostor, {.method = LayeredMethod::slices});
-    for (int eye = 0; eye < sanitized_cases(100); ++eye) {
+    for (int eye = 0; eye < eyes; ++eye) {
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound = bound_layered_error(stats, impostor.bounds, glm::dmat4(1), camera);
       const std::vector<SliceDraw> draws = slices_for_eye(impostor, camera.position(), eye % 2);
@@ -107,7 +111,7 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
       tally.add(bound.sample_px, worst_px, points);
     }
   }
-  expect_kept_and_tight(tally);
+  expect_kept_and_tight(tally, kObjects * eyes);
   EXPECT_GT(on_pieces, sanitized_cases(5000));
   EXPECT_EQ(off_pieces, 0);
   EXPECT_GT(worst_aside, 0.5);
@@ -116,12 +120,13 @@ TEST(LayeredError, no_point_of_a_slice_lies_farther_from_its_sample_than_claimed
 TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claimed) {
   std::mt19937 rng(12);
   constexpr int kFrame = 16;
+  const int eyes = sanitized_cases(100);
   Tally tally;
-  for (int object = 0; object < 24; ++object) {
+  for (int object = 0; object < kObjects; ++object) {
     const LayeredImpostor impostor = impostor_of(scene_of(object % 4), rng, 24 + 8 * (object % 3));
     const LayeredErrorStats stats =
         layered_error_stats(impostor, {.method = LayeredMethod::surfaces});
-    for (int eye = 0; eye < sanitized_cases(100); ++eye) {
+    for (int eye = 0; eye < eyes; ++eye) {
       const Camera camera = random_camera(impostor.bounds, rng, kFrame);
       const LayeredError bound = bound_layered_error(stats, impostor.bounds, glm::dmat4(1), camera);
       EXPECT_EQ(bound.surface_px, 0);
@@ -147,7 +152,7 @@ TEST(LayeredError, no_point_of_the_walk_lies_farther_from_its_sample_than_claime
       tally.add(bound.sample_px, worst_px, points);
     }
   }
-  expect_kept_and_tight(tally);
+  expect_kept_and_tight(tally, kObjects * eyes);
 }
 
 TEST(LayeredError, scales_with_the_instance_and_knows_the_distance) {
