@@ -145,6 +145,12 @@ Mask find_changed(const LaneTriangles& t, const SampleBuffer& seen, Mask small,
   return changes;
 }
 
+// first, first + 1, ... Of a constant, Iota() is one, too; otherwise it would store lane by lane and
+// wait until it can load them as a vector.
+hn::Vec<U> numbers_from(std::uint32_t first) {
+  return hn::Add(hn::Iota(U(), 0), hn::Set(U(), first));
+}
+
 // Stores what the mask keeps, and overwrites up to a whole vector. CompressStore() would not
 // overwrite, but take more than a hundred cycles on AMD's Zen 4.
 template <class D, class Lanes>
@@ -250,7 +256,7 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
     };
     const auto done = [&] {
       store_whole(at_texels.y0, out.low), store_whole(at_texels.y1, out.high);
-      store_compressed(hn::Iota(u, first + t), hn::RebindMask(u, keep), u, &out.index[kept]);
+      store_compressed(numbers_from(first + t), hn::RebindMask(u, keep), u, &out.index[kept]);
       kept += std::uint32_t(hn::CountTrue(f, keep));
     };
     if (!masked) {
