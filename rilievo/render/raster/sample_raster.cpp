@@ -40,6 +40,8 @@ using Mask = hn::Mask<F>;
 
 constexpr std::uint32_t kMaxLanes = SampleRaster::kMaxLanes;
 
+#include "rilievo/render/raster/vertex_loads.inl"
+// Projects the corners that it loads.
 #include "rilievo/render/raster/triangle_setup.inl"
 
 // Where the samples of a vector lie, from the left edge of its first texel on.

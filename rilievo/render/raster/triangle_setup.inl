@@ -9,14 +9,9 @@ vfloat dot(const glm::vec4& row, const Vec3<vfloat>& p) {
   return row.x * p.x + vfloat(row.y) * p.y + (row.z * p.z + vfloat(row.w));
 }
 
-// Of one index a lane.
-Corner project(const RasterInstance& instance, hn::Vec<U> index) {
-  const F f;
-  const float* positions = &instance.positions[0].x;
-  const auto offset = hn::BitCast(I(), hn::Add(hn::Add(index, index), index));  // three floats each
-  const Vec3<vfloat> p(hn::GatherIndex(f, positions, offset),
-                       hn::GatherIndex(f, positions + 1, offset),
-                       hn::GatherIndex(f, positions + 2, offset));
+// A corner of each of the triangles whose indices lie at `at`.
+Corner project(const RasterInstance& instance, const std::uint32_t* at, int corner) {
+  const Vec3<vfloat> p = load_corners(instance.positions, at, corner);
   const vfloat w = dot(instance.row_w, p), per_w = 1.0f / w;
   return {per_w * dot(instance.row_x, p), per_w * dot(instance.row_y, p),
           per_w * dot(instance.row_z, p), w};
@@ -145,8 +140,8 @@ Mask find_changed(const LaneTriangles& t, const SampleBuffer& seen, Mask small,
   return changes;
 }
 
-// first, first + 1, ... Of a constant, Iota() is one, too; otherwise it would store lane by lane and
-// wait until it can load them as a vector.
+// first, first + 1, ... Of a constant, Iota() is one, too; otherwise it would store lane by lane
+// and wait until it can load them as a vector.
 hn::Vec<U> numbers_from(std::uint32_t first) {
   return hn::Add(hn::Iota(U(), 0), hn::Set(U(), first));
 }
@@ -185,10 +180,8 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
       std::copy(at, at + 3 * std::size_t(count - t), padded);
       at = padded;
     }
-    hn::Vec<U> index[3];
-    hn::LoadInterleaved3(u, at, index[0], index[1], index[2]);
-    const Corner a = project(instance, index[0]), b = project(instance, index[1]),
-                 c = project(instance, index[2]);
+    const Corner a = project(instance, at, 0), b = project(instance, at, 1),
+                 c = project(instance, at, 2);
 
     // Which way round? Nothing that is behind, flat, or not a number.
     const vfloat bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
