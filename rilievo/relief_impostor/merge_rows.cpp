@@ -157,7 +157,7 @@ HWY_INLINE void merge_lanes(const MergeInput& in, const float (&row)[3], int x,
   const I n;
   const U words;
   const U16 shorts;
-  const VF center = hn::Add(hn::ConvertTo(f, hn::Iota(n, x)), number(0.5f));
+  const VF center = hn::Add(hn::ConvertTo(f, hn::Add(hn::Iota(n, 0), hn::Set(n, x))), number(0.5f));
   const auto mapped = [&](int k) {
     return hn::Add(hn::Mul(number(in.map[0][k]), center), number(row[k]));
   };
