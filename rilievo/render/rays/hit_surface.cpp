@@ -1,7 +1,5 @@
 #include "rilievo/render/rays/hit_surface.h"
 
-#include "rilievo/core/color.h"
-
 namespace rilievo {
 namespace {
 
@@ -39,8 +37,7 @@ shading_model::SurfacePoint<float> surface_of_hit(const RayScene& rays, const Ra
       corners.uv[set][k] = {uv.x, uv.y};
     }
   }
-  return shading_model::surface_at<float>(picture, placement, ray, corners,
-                                          linear_of_srgb_bytes().data());
+  return shading_model::surface_at<float>(picture, placement, ray, corners);
 }
 
 }  // namespace rilievo

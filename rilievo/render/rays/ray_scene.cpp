@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/gtc/matrix_inverse.hpp>
 
-#include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/render/shading/shading_model.h"
 
@@ -210,8 +209,8 @@ glm::vec4 base_color_at(const Scene& scene, int mesh_index, std::uint32_t triang
   const std::vector<glm::vec2>& uvs = mesh.uv[texture.uv_set];
   glm::vec2 uv(0.0f);
   if (!uvs.empty()) uv = w.x * uvs[corner[0]] + w.y * uvs[corner[1]] + w.z * uvs[corner[2]];
-  const model::Vec4<float> texel = model::sample_color<float>(
-      texture, {{uv.x, uv.y}, {0, 0}, {0, 0}}, linear_of_srgb_bytes().data());
+  const model::Vec4<float> texel =
+      model::sample_color<float>(texture, {{uv.x, uv.y}, {0, 0}, {0, 0}});
   return color * glm::vec4(texel.x, texel.y, texel.z, texel.w);
 }
 

@@ -41,10 +41,6 @@ template <class T>
 T to_number(T, std::int32_t a) {
   return T(a);
 }
-template <class T>
-T gather(T, const float* base, std::int32_t at) {
-  return T(base[at]);
-}
 inline std::int32_t gather(const std::int32_t* base, std::int32_t at) {
   std::int32_t out;  // texels are bytes
   std::memcpy(&out, base + at, sizeof out);

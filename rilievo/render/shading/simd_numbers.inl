@@ -68,9 +68,6 @@ struct IntOfNumber<vfloat> {
 
 HWY_INLINE vint to_int(vfloat a) { return hn::ConvertTo(I(), a.v); }  // towards zero
 HWY_INLINE vfloat to_number(vfloat, vint a) { return hn::ConvertTo(F(), a.v); }
-HWY_INLINE vfloat gather(vfloat, const float* base, vint at) {
-  return hn::GatherIndex(F(), base, at.v);
-}
 HWY_INLINE vint gather(const std::int32_t* base, vint at) {
   return hn::GatherIndex(I(), base, at.v);
 }

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 
 // This file is compiled once for each instruction set.
@@ -23,7 +22,7 @@ namespace {
 #include "rilievo/render/shading/shading_model.inl"
 
 void append(const TriangleRays& in, const PictureRays& rays, const SurfacePlacement& placement,
-            const float* linear_of_srgb, Surfaces& out) {
+            Surfaces& out) {
   const F f;
   const SurfaceMaterial& material = *placement.material;
   for (std::size_t i = 0; i < in.count; i += hn::Lanes(f)) {
@@ -41,8 +40,7 @@ void append(const TriangleRays& in, const PictureRays& rays, const SurfacePlacem
           corners.uv[set][k] = {hn::Load(f, in.uv[set][k][0] + i),
                                 hn::Load(f, in.uv[set][k][1] + i)};
     }
-    const SurfacePoint<vfloat> point =
-        surface_at(rays, placement, load(in.ray), corners, linear_of_srgb);
+    const SurfacePoint<vfloat> point = surface_at(rays, placement, load(in.ray), corners);
     const auto store = [&](Surfaces::Field field, vfloat value) {
       hn::StoreU(value.v, f, out.field[field] + out.count + i);
     };
@@ -80,7 +78,7 @@ void append_surfaces(const TriangleRays& triangles, const PictureRays& rays,
   RILIEVO_EXPECTS(triangles.count <= TriangleRays::kMaxCount);
   RILIEVO_EXPECTS(surfaces.count + triangles.count <= Surfaces::kMaxCount);
   RILIEVO_EXPECTS(placement.material != nullptr);
-  HWY_DYNAMIC_DISPATCH(append)(triangles, rays, placement, linear_of_srgb_bytes().data(), surfaces);
+  HWY_DYNAMIC_DISPATCH(append)(triangles, rays, placement, surfaces);
 }
 
 }  // namespace rilievo
