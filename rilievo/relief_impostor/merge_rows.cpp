@@ -19,6 +19,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace {
 
+#include "rilievo/core/lane_numbers.inl"
+
 using F = hn::CappedTag<float, 16>;
 using I = hn::RebindToSigned<F>;
 using U = hn::RebindToUnsigned<F>;
@@ -157,7 +159,7 @@ HWY_INLINE void merge_lanes(const MergeInput& in, const float (&row)[3], int x,
   const I n;
   const U words;
   const U16 shorts;
-  const VF center = hn::Add(hn::ConvertTo(f, hn::Add(hn::Iota(n, 0), hn::Set(n, x))), number(0.5f));
+  const VF center = hn::Add(hn::ConvertTo(f, lane_numbers(n, x)), number(0.5f));
   const auto mapped = [&](int k) {
     return hn::Add(hn::Mul(number(in.map[0][k]), center), number(row[k]));
   };

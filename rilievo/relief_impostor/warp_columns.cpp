@@ -22,6 +22,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace {
 
+#include "rilievo/core/lane_numbers.inl"
 #include "rilievo/relief_impostor/warp_texels.inl"
 
 // Pieces of a vector of columns.

@@ -23,6 +23,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace {
 
+#include "rilievo/core/lane_numbers.inl"
 #include "rilievo/relief_impostor/warp_texels.inl"
 
 // An entry of the table.
@@ -183,7 +184,7 @@ void do_row(const AxisWarp& axis, const LevelCodes& level_codes, const std::uint
     const auto there = hn::Not(is_empty(code));
     shows[done / 64] |= bits_of(there) << (done % 64);
     solid[done / 64] |= bits_of(hn::And(there, opaque)) << (done % 64);
-    const VF i = hn::ConvertTo(f, numbers_from(done)), q = as_float(code);
+    const VF i = hn::ConvertTo(f, lane_numbers(n, done)), q = as_float(code);
     const VF p = hn::Add(hn::Add(a0, hn::Mul(a1, i)), hn::Mul(q, hn::Add(b0, hn::Mul(b1, i))));
     hn::StoreU(color, u, colors + done);
     hn::StoreU(hn::IfThenElse(hn::RebindMask(f, opaque), q, empty), f, codes + done);
@@ -215,7 +216,7 @@ void do_row(const AxisWarp& axis, const LevelCodes& level_codes, const std::uint
       const auto missing = hn::Or(hn::Eq(a.q, empty), hn::Eq(b.q, empty));
       auto valid = hn::Not(hn::RebindMask(n, missing));
       if (i < range.from || i + lanes > range.to) {
-        const VI index = numbers_from(i);
+        const VI index = lane_numbers(n, i);
         valid = hn::And(valid, hn::And(hn::Gt(index, hn::Set(n, range.from - 1)),
                                        hn::Lt(index, hn::Set(n, range.to))));
       }
@@ -262,7 +263,7 @@ void do_table(const LevelCodes& k, std::uint32_t* table) {
   const I n;
   const U u;
   for (std::uint32_t level = 0; level <= kEmptyLevel; level += std::uint32_t(hn::Lanes(n)))
-    hn::StoreU(code_of_level(k, numbers_from(int(level))), u, table + level);
+    hn::StoreU(code_of_level(k, lane_numbers(n, std::int32_t(level))), u, table + level);
 }
 
 }  // namespace

@@ -99,9 +99,6 @@ HWY_INLINE VI cell_of(VF p, int limit) {
   return truncated(hn::Min(hn::Max(at, hn::Zero(f)), hn::Set(f, float(limit))));
 }
 
-// first, first + 1, ... Of a constant, Iota() is one, too; otherwise it would store lane by lane
-// and wait until it can load them as a vector.
-HWY_INLINE VI numbers_from(int first) { return hn::Add(hn::Iota(I(), 0), hn::Set(I(), first)); }
 HWY_INLINE VF center_of(VI cell) { return hn::Add(hn::ConvertTo(F(), cell), hn::Set(F(), 0.5f)); }
 
 // Is a texel opaque?
@@ -193,7 +190,7 @@ HWY_INLINE void draw_long(const Ends& a, const Ends& b, VU bits_a, VU bits_b, VF
   const int lanes = int(hn::Lanes(F()));
   for (int end = x + count; x < end; x += lanes) {
     VU color, code;
-    between(a, b, bits_a, bits_b, reach, center_of(numbers_from(x)), color, code);
+    between(a, b, bits_a, bits_b, reach, center_of(lane_numbers(I(), x)), color, code);
     put(color, code, x, std::min(lanes, end - x));
   }
 }

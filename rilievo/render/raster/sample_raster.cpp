@@ -40,8 +40,7 @@ using Mask = hn::Mask<F>;
 
 constexpr std::uint32_t kMaxLanes = SampleRaster::kMaxLanes;
 
-#include "rilievo/render/raster/vertex_loads.inl"
-// Projects the corners that it loads.
+#include "rilievo/core/lane_numbers.inl"
 #include "rilievo/render/raster/triangle_setup.inl"
 
 // Where the samples of a vector lie, from the left edge of its first texel on.
@@ -148,7 +147,7 @@ std::uint32_t find_in_rows(const Triangles& in, std::uint32_t place, std::uint32
     const auto first = hn::LoadU(i, &in.low[place + t]), last = hn::LoadU(i, &in.high[place + t]);
     auto meets = hn::And(hn::Lt(first, hn::Set(i, high)), hn::Gt(last, hn::Set(i, low - 1)));
     if (count - t < lanes) meets = hn::And(meets, hn::FirstN(i, count - t));
-    store_compressed(numbers_from(place + t), hn::RebindMask(u, meets), u, found + size);
+    store_compressed(lane_numbers(u, place + t), hn::RebindMask(u, meets), u, found + size);
     size += std::uint32_t(hn::CountTrue(i, meets));
   }
   return size;

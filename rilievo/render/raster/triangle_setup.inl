@@ -1,6 +1,8 @@
 // Which triangles can change the picture? Projected and set up, SIMD over triangles. Internal to
 // sample_raster.cpp, which includes it once for each instruction set.
 
+#include "rilievo/render/raster/vertex_loads.inl"
+
 struct Corner {
   vfloat x, y, z, w;
 };
@@ -140,12 +142,6 @@ Mask find_changed(const LaneTriangles& t, const SampleBuffer& seen, Mask small,
   return changes;
 }
 
-// first, first + 1, ... Of a constant, Iota() is one, too; otherwise it would store lane by lane
-// and wait until it can load them as a vector.
-hn::Vec<U> numbers_from(std::uint32_t first) {
-  return hn::Add(hn::Iota(U(), 0), hn::Set(U(), first));
-}
-
 // Stores what the mask keeps, and overwrites up to a whole vector. CompressStore() would not
 // overwrite, but take more than a hundred cycles on AMD's Zen 4.
 template <class D, class Lanes>
@@ -249,7 +245,7 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
     };
     const auto done = [&] {
       store_whole(at_texels.y0, out.low), store_whole(at_texels.y1, out.high);
-      store_compressed(numbers_from(first + t), hn::RebindMask(u, keep), u, &out.index[kept]);
+      store_compressed(lane_numbers(u, first + t), hn::RebindMask(u, keep), u, &out.index[kept]);
       kept += std::uint32_t(hn::CountTrue(f, keep));
     };
     if (!masked) {

@@ -1,7 +1,7 @@
 // Positions of vertices, one a lane, of triangles whose indices lie at `at`, three for each lane.
-// Internal to sample_raster.cpp, which includes it once for each instruction set.
+// Internal to triangle_setup.inl.
 
-#if HWY_HAVE_SCALABLE || HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_RVV
+#if HWY_HAVE_SCALABLE || HWY_TARGET == HWY_SCALAR
 
 // Of corner 0, 1 or 2 of each triangle.
 Vec3<vfloat> load_corners(const glm::vec3* positions, const std::uint32_t* at, int corner) {
