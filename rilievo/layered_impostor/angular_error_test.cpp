@@ -131,10 +131,12 @@ TEST(AngularError, no_pixel_is_farther_from_the_source_of_its_colour_than_the_bo
   for (const LayeredMethod method : {LayeredMethod::slices, LayeredMethod::surfaces}) {
     const std::string name = method == LayeredMethod::slices ? "slices" : "surfaces";
     Tally tally;
-    for (int object = 0; object < 24; ++object) {
+    // An object's table costs as much as the frames do.
+    const int objects = sanitized_cases(24), eyes = sanitized_cases(100);
+    for (int object = 0; object < objects; ++object) {
       const LayeredImpostor impostor = places_of(scene_of(object % 4), rng, object);
       const LayeredErrorStats stats = layered_error_stats(impostor, {.method = method});
-      for (int eye = 0; eye < sanitized_cases(100); ++eye) {
+      for (int eye = 0; eye < eyes; ++eye) {
         const Camera camera = random_camera(impostor.bounds, rng, kFrame);
         const Judged judged = method == LayeredMethod::slices
                                   ? judge_slices(impostor, stats, camera, eye)
@@ -147,8 +149,9 @@ TEST(AngularError, no_pixel_is_farther_from_the_source_of_its_colour_than_the_bo
     RecordProperty(name + "_violations", tally.violations);
     RecordProperty(name + "_tightness_least", std::to_string(tally.least()));
     EXPECT_EQ(tally.violations, 0) << name;
-    EXPECT_GE(tally.cases, sanitized_cases(2000));
-    EXPECT_GT(tally.points, sanitized_cases(200000));
+    // Most of the frames show something, however few they are.
+    EXPECT_GE(tally.cases, objects * eyes * 5 / 6);
+    EXPECT_GT(tally.points, objects * eyes * 250 / 3);
     EXPECT_GE(tally.least(), 1);
   }
 }
@@ -165,11 +168,11 @@ TEST(AngularError, the_bound_is_a_few_times_what_a_frame_shows) {
   for (const LayeredMethod method : {LayeredMethod::slices, LayeredMethod::surfaces}) {
     const std::string name = method == LayeredMethod::slices ? "slices" : "surfaces";
     Tally tally;
-    for (int object = 0; object < 9; ++object) {
+    for (int object = 0; object < (kSanitized ? 3 : 9); ++object) {
       // A ball has neither edges nor steps: the march shows it nearly without an error.
       const LayeredImpostor impostor = places_of(scene_of(object % 3), rng, 4 * object + 2);
       const LayeredErrorStats stats = layered_error_stats(impostor, {.method = method});
-      for (int eye = 0; eye < sanitized_cases(10); ++eye) {
+      for (int eye = 0; eye < (kSanitized ? 4 : 10); ++eye) {
         const double distance = distances(rng), radius = impostor.bounds.radius();
         const glm::dvec3 center(impostor.bounds.center());
         const Camera camera =
