@@ -37,7 +37,7 @@ double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, CachePict
   for (int run = 0; run < 4; ++run) {
     const Stopwatch watch;
     [[maybe_unused]] const bool room = store.allocate(0, camera.width, camera.height);
-    const RasterPicture* picture = coarse.capture(camera, objects);
+    const RasterPicture* picture = coarse.capture(camera, 0.5f, objects);
     RILIEVO_EXPECTS(room && picture);
     store.write(0, *picture);
     least_ms = std::min(least_ms, watch.ms());

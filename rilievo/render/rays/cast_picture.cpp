@@ -7,6 +7,7 @@
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/rays/fill_pinholes.h"
 #include "rilievo/render/rays/hit_surface.h"
 #include "rilievo/render/shading/picture_shader.h"
 #include "rilievo/render/shading/shading_model.h"
@@ -59,12 +60,19 @@ struct PictureCaster::State {
   std::vector<PlacedMesh> placed;
   std::vector<Light> lights;
   SampleBuffer seen;
+  PinholeFiller pinholes;
   PictureShader shader;
 
   explicit State(const RayScene& rays);
   void place(const Camera& camera, std::span<const std::uint32_t> objects);
   // Fills `seen`.
-  void cast(const Camera& camera, bool all_objects, int samples);
+  void cast(const PictureRays& seen_by, const Camera& camera, bool all_objects, int samples);
+  void cast_coarse(const PictureRays& seen_by, const Camera& camera);
+  [[nodiscard]] PictureView view(const PictureRays& seen_by, const Camera& camera) {
+    return {
+        seen,
+        {placed, seen_by, surface_lights(rays.scene(), camera.position(), lights), seen.samples}};
+  }
   void set(std::size_t sample, float depth, std::uint32_t object, int part, std::uint32_t triangle);
 };
 
@@ -107,10 +115,11 @@ void PictureCaster::State::set(std::size_t sample, float depth, std::uint32_t ob
       placed[first_of_object[object] + places[std::size_t(part)]].first_triangle + triangle;
 }
 
-void PictureCaster::State::cast(const Camera& camera, bool all_objects, int samples) {
+void PictureCaster::State::cast(const PictureRays& seen_by, const Camera& camera, bool all_objects,
+                                int samples) {
   const Scene& scene = rays.scene();
   seen.begin(camera.width, camera.height, samples);
-  RayPictureView view{picture_rays(camera), camera.position(), {}};
+  RayPictureView view{seen_by, camera.position(), {}};
   if (!all_objects) view.objects = {included.get(), scene.objects.size()};
   const CameraRays camera_rays(camera);
   // A packet is a square of texels: its rays stay together longest.
@@ -141,6 +150,19 @@ void PictureCaster::State::cast(const Camera& camera, bool all_objects, int samp
   });
 }
 
+void PictureCaster::State::cast_coarse(const PictureRays& seen_by, const Camera& camera) {
+  place(camera, all);
+  cast(seen_by, camera, true, 1);
+  pinholes.fill(placed, seen);
+}
+
+// Of a camera's texels, for a frame whose pixels are `pixel` texels wide.
+PictureRays coarse_rays(const Camera& camera, float pixel) {
+  PictureRays rays = picture_rays(camera);
+  rays.footprint = pixel;
+  return rays;
+}
+
 PictureCaster::PictureCaster(const RayScene& scene) : state_(new State(scene)) {}
 PictureCaster::PictureCaster(PictureCaster&&) noexcept = default;
 PictureCaster& PictureCaster::operator=(PictureCaster&&) noexcept = default;
@@ -150,20 +172,17 @@ void PictureCaster::draw(const Camera& camera, std::span<const std::uint32_t> ob
                          RasterPicture& picture) {
   State& s = *state_;
   s.place(camera, objects.empty() ? s.all : objects);
-  s.cast(camera, objects.empty(), samples);
+  s.cast(picture_rays(camera), camera, objects.empty(), samples);
   s.shader.shade(view(camera), picture);
 }
 
 void PictureCaster::cast(const Camera& camera, int samples) {
   state_->place(camera, state_->all);
-  state_->cast(camera, true, samples);
+  state_->cast(picture_rays(camera), camera, true, samples);
 }
 
 PictureView PictureCaster::view(const Camera& camera) {
-  State& s = *state_;
-  return {s.seen,
-          {s.placed, picture_rays(camera),
-           surface_lights(s.rays.scene(), camera.position(), s.lights), s.seen.samples}};
+  return state_->view(picture_rays(camera), camera);
 }
 
 const SampleBuffer& PictureCaster::seen() const { return state_->seen; }
@@ -171,6 +190,18 @@ std::span<const PlacedMesh> PictureCaster::meshes() const { return state_->place
 
 void PictureCaster::draw_objects(const Camera& camera, ObjectPicture& picture) {
   cast(camera, 1);
+  identify(seen(), meshes(), picture);
+}
+
+void PictureCaster::draw_coarse(const Camera& camera, float pixel, RasterPicture& picture) {
+  State& s = *state_;
+  const PictureRays rays = coarse_rays(camera, pixel);
+  s.cast_coarse(rays, camera);
+  s.shader.shade(s.view(rays, camera), picture);
+}
+
+void PictureCaster::draw_coarse_objects(const Camera& camera, float pixel, ObjectPicture& picture) {
+  state_->cast_coarse(coarse_rays(camera, pixel), camera);
   identify(seen(), meshes(), picture);
 }
 
@@ -194,7 +225,7 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   if (options.samples == 1)
     s.seen.begin(camera.width, camera.height, 1);
   else
-    s.cast(camera, all, options.samples);
+    s.cast(picture_rays(camera), camera, all, options.samples);
   const int last = camera.height - 1;  // rows from the top
   RayPictureView seen_by{picture_rays(camera), camera.position(), {}};
   if (!all) seen_by.objects = {s.included.get(), rays.scene().objects.size()};

@@ -51,6 +51,10 @@ class PictureCaster {
   [[nodiscard]] std::span<const PlacedMesh> meshes() const;
   // Draws the identifiers and depths of all objects, with a ray through each pixel's centre.
   void draw_objects(const Camera& camera, ObjectPicture& picture);
+  // The same of all objects for a frame whose pixels are smaller than the camera's texels: `pixel`
+  // texels wide. Textures are as sharp as in the frame, and pinholes are filled (fill_pinholes.h).
+  void draw_coarse(const Camera& camera, float pixel, RasterPicture& picture);
+  void draw_coarse_objects(const Camera& camera, float pixel, ObjectPicture& picture);
 
  private:
   friend DepthImage cast_picture(const RayScene& scene, const Camera& camera,

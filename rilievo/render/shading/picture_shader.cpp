@@ -45,18 +45,21 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
   const std::size_t texels = std::size_t(picture.width) * std::size_t(picture.height);
   picture.object.assign(texels, kNoObject);
   picture.depth.assign(texels, 1.0f);
-  for (int y = 0; y < samples.height; ++y)
+  parallel_for(0, samples.height, [&](int y) {
+    PlacedMesh last;  // mostly it is the next one's, too
     for (int x = 0; x < samples.width; ++x) {
       const float depth = samples.depths(y)[x];
       if (depth >= 1) continue;
       const std::uint32_t triangle = samples.triangles(y)[x];
-      const auto after = std::upper_bound(
-          meshes.begin(), meshes.end(), triangle,
-          [](std::uint32_t t, const PlacedMesh& placed) { return t < placed.first_triangle; });
+      if (triangle - last.first_triangle >= last.triangles)
+        last = *std::prev(std::upper_bound(
+            meshes.begin(), meshes.end(), triangle,
+            [](std::uint32_t t, const PlacedMesh& placed) { return t < placed.first_triangle; }));
       const std::size_t at = std::size_t(y) * std::size_t(picture.width) + std::size_t(x);
-      picture.object[at] = std::prev(after)->object + 1;
+      picture.object[at] = last.object + 1;
       picture.depth[at] = depth;
     }
+  });
 }
 
 namespace {

@@ -353,7 +353,7 @@ Weights<T> weights_of(const PictureRays& rays, const Vec3<T>& ray, const Vec3<T>
   if (!with_changes) return out;
   // Of U / S: (U' - (U / S) S') / S.
   const auto changes = [&](const glm::vec3& step, T(&to)[3]) {
-    const Vec3<T> by = sign * Vec3<T>(step);
+    const Vec3<T> by = sign * Vec3<T>(rays.footprint * step);
     const T du = dot(by, of_a), dv = dot(by, of_b), dw = dot(by, of_c), ds = du + dv + dw;
     to[0] = per_sum * (du - out.at[0] * ds), to[1] = per_sum * (dv - out.at[1] * ds);
     to[2] = per_sum * (dw - out.at[2] * ds);

@@ -19,6 +19,7 @@ namespace rilievo {
 struct PictureRays {
   glm::vec3 first{0.0f}, per_x{0.0f}, per_y{0.0f};  // first: at the centre of the lower left texel
   glm::vec3 axis{0, 0, -1};                         // the camera's viewing direction, unit
+  float footprint = 1;  // the width over which textures are averaged, in texels
   bool parallel = false;
   // The viewer is far away, in the direction in which the rays meet (a back-perspective picture).
   bool towards_apex = false;
