@@ -69,6 +69,10 @@ struct CacheOptions {
   // allowed, of any size.
   std::uint64_t capture_triangles = 500'000;
   int captures = 1000;
+  // Or, where that is more and there is no max_spike, this share of what drawing the frame would
+  // cost without captures, by the CostModel. A frame that takes long for want of pictures then
+  // takes twice as long at most, and those after it need not.
+  double capture_share = 0;
   // A budget of time instead: what all captures of a frame may cost, by the CostModel, however
   // their objects would be drawn otherwise. What it does not suffice for is drawn from the picture
   // at hand, which is late then, the latest being captured first; what has none is in
@@ -132,6 +136,7 @@ struct CacheOptions {
   options.cost.capture_triangle = 0.1;
   options.cost.capture_texel = 0.3;
   options.capture_triangles *= 10;
+  options.capture_share = 1;
   options.picture_triangles = 1'000'000;
   return options;
 }

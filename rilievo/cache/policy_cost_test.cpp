@@ -43,6 +43,15 @@ TEST(PolicyCost, captures_hold_their_budget) {
   EXPECT_GT(run.plan.pictures.size(), 100u);
 }
 
+// What the last frame's captures cost more than to draw the same, but for the first of them.
+double spent_beyond_drawing(const Loop& run) {
+  double spent = 0;
+  for (const Capture& capture : run.plan.captures)
+    if (&capture != &run.plan.captures.front())
+      spent += std::max(0.0, capture.cost - double(run.scratch.now_cost[capture.entity]));
+  return spent;
+}
+
 // A budget of so many captured triangles is one of what their capture costs; captures are asked
 // for, saved for and paid at the same price.
 TEST(PolicyCost, captures_are_scheduled_at_the_price_of_their_estimates) {
@@ -50,12 +59,12 @@ TEST(PolicyCost, captures_are_scheduled_at_the_price_of_their_estimates) {
   for (const bool rasterized : {false, true}) {
     CacheOptions options = rasterized ? rasterized_cache_options() : CacheOptions{};
     options.capture_triangles = 20'000;
+    options.capture_share = 0;
     const double budget = 20'000 * options.cost.capture_triangle;
     Loop run;
     int priced = 0;
     for (int f = 0; f < 100; ++f) {
       ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, walk(1, f), options));
-      double spent = 0;
       for (const Capture& capture : run.plan.captures) {
         const auto request =
             std::find_if(run.scratch.requests.begin(), run.scratch.requests.end(),
@@ -69,15 +78,37 @@ TEST(PolicyCost, captures_are_scheduled_at_the_price_of_their_estimates) {
         EXPECT_GE(request->cost, without_texels * (1 - 1e-6));
         // The picture is as large as was foreseen, or nearly so: its eye may be another one.
         EXPECT_LE(request->cost, without_texels + 2 * texels + 1);
-        if (&capture != &run.plan.captures.front())
-          spent +=
-              std::max(0.0, double(request->cost) - double(run.scratch.now_cost[capture.entity]));
         ++priced;
       }
-      EXPECT_LE(spent, budget * (1 + 1e-6));
+      EXPECT_LE(spent_beyond_drawing(run), budget * (1 + 1e-6));
     }
     EXPECT_GT(priced, 100);
   }
+}
+
+// ... or of what the frame costs anyway, where nobody minds that it takes twice as long.
+TEST(PolicyCost, dear_frames_capture_for_as_much_as_they_cost_without) {
+  const PlanObjects forest = plant(700);
+  for (const double max_spike : {0.0, 2.0})
+    for (const double share : {0.0, 0.1, 0.2}) {
+      CacheOptions options = rasterized_cache_options();
+      options.capture_triangles = 20'000;
+      options.capture_share = share;
+      options.max_spike = max_spike;
+      const double budget = 20'000 * options.cost.capture_triangle;
+      Loop run;
+      int dear = 0;
+      for (int f = 0; f < 60; ++f) {
+        ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, walk(1, f), options));
+        // The root's cost is that of all objects.
+        const double anyway = max_spike > 0 ? 0 : share * double(run.scratch.now_cost[0]);
+        const double spent = spent_beyond_drawing(run);
+        if (run.plan.limit > 0) continue;  // has a budget of its own
+        EXPECT_LE(spent, std::max(budget, anyway) * (1 + 1e-6));
+        dear += spent > budget * (1 + 1e-6);
+      }
+      EXPECT_EQ(dear > 0, max_spike == 0 && share > 0) << max_spike << ", " << share;
+    }
 }
 
 // By definition: the lowest rate at which what is saved up pays for each request by its deadline.

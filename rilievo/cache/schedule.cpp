@@ -26,8 +26,11 @@ constexpr double kLimitedShare = 0.5, kJumpedShare = 0.25;
 constexpr std::uint64_t kMaxFadedTriangles = 10'000;  // begun in one frame
 
 // What a frame's captures may cost, in the units of their estimates: drawn triangles.
-double capture_budget(const CacheOptions& options) {
-  return double(options.capture_triangles) * options.cost.capture_triangle;
+double capture_budget(const FramePlanner& planner) {
+  const CacheOptions& options = planner.options;
+  const double least = double(options.capture_triangles) * options.cost.capture_triangle;
+  if (options.max_spike > 0) return std::min(least, planner.capture_room);
+  return std::max(least, options.capture_share * planner.cost_at_hand);
 }
 
 // Makes room for `bytes` by dropping pictures that this frame does not need, the longest unused
@@ -191,8 +194,7 @@ void schedule_captures(FramePlanner& planner) {
   // Where what cannot be captured is coarse instead, no capture is nearly free.
   const double limit = planner.plan.limit;
   const double share = planner.jumped ? kJumpedShare : kLimitedShare;
-  const double budget =
-      limit > 0 ? share * limit : std::min(capture_budget(planner.options), planner.capture_room);
+  const double budget = limit > 0 ? share * limit : capture_budget(planner);
   double spent = 0;
   for (const auto& request : requests) {
     const double cost = request.cost;

@@ -132,11 +132,12 @@ TEST(CoarsePicture, textures_are_as_sharp_as_in_the_frame) {
     const double level = std::log2(kTexels / (kWidth / pixel));
     for (int y = 0; y < kWidth; ++y)
       for (int x = 0; x < kWidth; ++x) {
-        const model::Vec4<double> expected = model::sample_texture<double>(
-            texture.levels, {(x + 0.5) / kWidth, (y + 0.5) / kWidth}, level,
-            model::DecodeColor<double>{texture.levels.srgb});
+        const model::Vec4<double> expected =
+            model::sample_texture<double>(texture.levels, {(x + 0.5) / kWidth, (y + 0.5) / kWidth},
+                                          level, model::DecodeColor<double>{texture.levels.srgb});
         const glm::u8vec4 found = picture.color[std::size_t(y) * kWidth + std::size_t(x)];
-        // Floats place a texel of the texture within some thousandths of one, and bytes are rounded.
+        // Floats place a texel of the texture within some thousandths of one, and bytes are
+        // rounded.
         EXPECT_NEAR(found.r, 255 * srgb_from_linear(expected.x), 1.5);
         EXPECT_NEAR(found.g, 255 * srgb_from_linear(expected.y), 1.5);
         EXPECT_NEAR(found.b, 255 * srgb_from_linear(expected.z), 1.5);
