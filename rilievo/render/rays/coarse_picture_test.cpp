@@ -80,7 +80,9 @@ TEST(PinholeFiller, fills_what_the_definition_calls_pinholes) {
       for (int x = 0; x < width; ++x) {
         const Seen expected = filled_by_definition(picture, x, y), own = picture(x, y);
         EXPECT_EQ(samples.depths(y)[x], expected.depth);
-        if (expected.depth < 1) EXPECT_EQ(samples.triangles(y)[x], expected.triangle);
+        if (expected.depth < 1) {
+          EXPECT_EQ(samples.triangles(y)[x], expected.triangle);
+        }
         (expected.depth == own.depth ? kept : filled) += object_of(own) != 1;
       }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 
 #include "rilievo/render/shading/sample_buffer.h"
 
@@ -21,39 +22,40 @@ std::array<glm::vec2, 16> middles_of(int samples) {
   return middles;
 }
 
-// Entries are written so many at a time: one store.
+// Entries are written so many at a time, by one store without a loop, which few triangles are
+// worth.
 constexpr std::size_t kFill = 4;
 static_assert(TriangleRays::kMaxCount + kFill <= TriangleRays::kCapacity);
 
-// Entries [from, to), and a few after them, which are written later.
-void fill(float* field, float value, std::size_t from, std::size_t to) {
-  for (std::size_t i = from; i < to; i += kFill) std::fill_n(field + i, kFill, value);
+void fill(float* field, float value) {
+  const float values[kFill] = {value, value, value, value};
+  std::memcpy(field, values, sizeof values);
 }
 
-// The corners of one triangle into entries [from, to).
+// The corners of one triangle into kFill entries.
 template <std::size_t kAxes, class Vertices>
 void fill_corners(float (&field)[3][kAxes][TriangleRays::kCapacity], const Vertices& vertices,
-                  const std::uint32_t* corner, std::size_t from, std::size_t to) {
+                  const std::uint32_t* corner, std::size_t from) {
   for (int k = 0; k < 3; ++k)
     for (std::size_t axis = 0; axis < kAxes; ++axis)
-      fill(field[k][axis], vertices[corner[k]][glm::length_t(axis)], from, to);
+      fill(&field[k][axis][from], vertices[corner[k]][glm::length_t(axis)]);
 }
 
 // All of its attributes that the material uses.
 void fill_triangle(const Mesh& mesh, const SurfacePlacement& surface, std::uint32_t triangle,
-                   std::size_t from, std::size_t to, TriangleRays& rays) {
+                   std::size_t from, TriangleRays& rays) {
   const std::uint32_t* corner = &mesh.indices[3 * std::size_t(triangle)];
-  fill_corners(rays.position, mesh.positions, corner, from, to);
-  if (surface.has_normals) fill_corners(rays.normal, mesh.normals, corner, from, to);
-  if (surface.has_colors) fill_corners(rays.color, mesh.colors, corner, from, to);
+  fill_corners(rays.position, mesh.positions, corner, from);
+  if (surface.has_normals) fill_corners(rays.normal, mesh.normals, corner, from);
+  if (surface.has_colors) fill_corners(rays.color, mesh.colors, corner, from);
   if (surface.has_colors && surface.material->blended)
-    for (int k = 0; k < 3; ++k) fill(rays.alpha[k], mesh.colors[corner[k]].a, from, to);
+    for (int k = 0; k < 3; ++k) fill(&rays.alpha[k][from], mesh.colors[corner[k]].a);
   for (int set = 0; set < 2; ++set) {
     if (!surface.material->uses_uv[set]) continue;
     const std::vector<glm::vec2>& uv = mesh.uv[set];
     static constexpr std::uint32_t kFirst[3] = {0, 0, 0};
     static const std::vector<glm::vec2> kNone(1, glm::vec2(0.0f));
-    fill_corners(rays.uv[set], uv.empty() ? kNone : uv, uv.empty() ? kFirst : corner, from, to);
+    fill_corners(rays.uv[set], uv.empty() ? kNone : uv, uv.empty() ? kFirst : corner, from);
   }
 }
 
@@ -86,11 +88,12 @@ std::uint32_t SeenTriangles::gather(const ShadedScene& scene, const PlacedMesh& 
                           (float(pixels[i].y) + at.y) * scene.rays.per_y;
     for (int axis = 0; axis < 3; ++axis) rays_.ray[axis][i] = ray[axis];
   }
-  // A triangle that several pixels in a row show is read once.
+  // A triangle that several pixels in a row show is read once for kFill of them.
   for (std::size_t from = 0, to; from < count; from = to) {
     const std::uint32_t triangle = pixels[from].triangle;
-    for (to = from + 1; to < count && pixels[to].triangle == triangle;) ++to;
-    fill_triangle(*placed.mesh, placed.surface, triangle - placed.first_triangle, from, to, rays_);
+    const std::size_t end = std::min(count, from + kFill);
+    for (to = from + 1; to < end && pixels[to].triangle == triangle;) ++to;
+    fill_triangle(*placed.mesh, placed.surface, triangle - placed.first_triangle, from, rays_);
   }
   append_surfaces(rays_, scene.rays, placed.surface, surfaces_);
   return next;
