@@ -73,6 +73,19 @@ Edge make_edge(float ax, float ay, float bx, float by) {
   return {ax, ay, bx - ax, by - ay, hn::FirstN(f, turned ? hn::Lanes(f) : 0)};
 }
 
+// Is a masked store cheaper than a branch that is guessed wrong every few times? By AVX-512 it is;
+// AVX2's take AMD tens of cycles.
+constexpr bool kMaskedStores = HWY_TARGET <= HWY_AVX3;
+
+// Stores what the mask keeps.
+template <class D>
+HWY_INLINE void store_masked(hn::Vec<D> v, hn::Mask<D> keep, D d, hn::TFromD<D>* to) {
+  if constexpr (kMaskedStores)
+    hn::BlendedStore(v, keep, d, to);
+  else
+    hn::StoreU(hn::IfThenElse(keep, v, hn::LoadU(d, to)), d, to);
+}
+
 // A triangle with holes, ready to be asked for its alpha at samples: attributes over w and 1 / w
 // are affine over the raster, and so are the edges, each of which weighs the corner opposite.
 struct MaskedTriangle {
@@ -224,15 +237,15 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
               std::size_t(row) * stride + std::size_t((group * parts + part) * lanes);
           const auto nearest = hn::LoadU(f, depths + at);
           covered = hn::And(covered, hn::Lt(z.v, nearest));
-          if (hn::AllFalse(f, covered)) continue;
+          if (kMasked || !kMaskedStores)
+            if (hn::AllFalse(f, covered)) continue;
           if constexpr (kMasked) {
             if (instance.mask) covered = hn::And(covered, alpha_passes(masked, x, y));
             covered = hn::And(covered, in_share(instance, x, y));
             if (hn::AllFalse(f, covered)) continue;
           }
-          hn::StoreU(hn::IfThenElse(covered, z.v, nearest), f, depths + at);
-          const auto seen = hn::LoadU(u, triangles + at);
-          hn::StoreU(hn::IfThenElse(hn::RebindMask(u, covered), triangle, seen), u, triangles + at);
+          store_masked(z.v, covered, f, depths + at);
+          store_masked(triangle, hn::RebindMask(u, covered), u, triangles + at);
         }
       }
     }
