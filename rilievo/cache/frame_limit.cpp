@@ -111,8 +111,8 @@ void FramePlanner::finish_fallback() {
   plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
   plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
   // Rays at texels' centres may miss all of a surface into which no circle fits that reaches four.
-  const double texel = frame.camera.width / double(plan.fallback.geometry.capture.width);
-  plan.fallback.gap_px = std::numbers::sqrt2 * texel;
+  plan.fallback.texel_px = frame.camera.width / double(plan.fallback.geometry.capture.width);
+  plan.fallback.gap_px = std::numbers::sqrt2 * plan.fallback.texel_px;
 }
 
 }  // namespace rilievo

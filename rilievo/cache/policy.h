@@ -290,6 +290,7 @@ struct DrawnAlternative {
 struct Fallback {
   std::vector<std::uint32_t> objects;  // the caller's indices; empty: there is none
   PictureGeometry geometry;            // geometry.capture is the camera to capture with
+  double texel_px = 1;                 // the width of its texels, in pixels of the frame
   double bound_px = 0, gap_px = 0;     // gap_px: of what lies between its rays
 };
 

@@ -314,7 +314,7 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   }
 }
 
-void SceneCache::capture_fallback(const Camera& camera, FrameStats& stats) {
+void SceneCache::capture_fallback(FrameStats& stats) {
   if (fallback_.held) store_.free(kFallbackSlot);
   fallback_.held = false;
   Fallback& fallback = plan_.fallback;
@@ -325,8 +325,8 @@ void SceneCache::capture_fallback(const Camera& camera, FrameStats& stats) {
   fallback_.objects.clear();
   for (const std::uint32_t object : fallback.objects)
     fallback_.objects.push_back(static_objects_[object]);
-  const float pixel = float(eye.width) / float(camera.width);
-  const RasterPicture* picture = coarse_->capture(eye, pixel, fallback_.objects);
+  const RasterPicture* picture =
+      coarse_->capture(eye, float(1 / fallback.texel_px), fallback_.objects);
   if (!picture || !store_.allocate(kFallbackSlot, eye.width, eye.height)) {
     for (const std::uint32_t object : fallback.objects) plan_.polygons.push_back({object, 0, 1});
     fallback.objects.clear();
@@ -385,7 +385,7 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   update_moving();
   plan(camera);
   carry_out_captures(camera, stats);
-  capture_fallback(camera, stats);
+  capture_fallback(stats);
   commit(plan_, state_);
   collect(content);
   show_polygon_levels();

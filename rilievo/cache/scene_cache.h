@@ -127,7 +127,7 @@ class SceneCache {
   [[nodiscard]] bool may_spike() const;
   void capture(std::size_t index, const std::vector<std::uint32_t>& objects);
   void carry_out_captures(const Camera& camera, FrameStats& stats);
-  void capture_fallback(const Camera& camera, FrameStats& stats);
+  void capture_fallback(FrameStats& stats);
   void collect(FrameContent& content);
   void objects_of(Entity entity, std::vector<std::uint32_t>& objects) const;
   [[nodiscard]] Entity entity_of(std::uint32_t object) const;

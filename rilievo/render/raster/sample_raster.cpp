@@ -73,8 +73,8 @@ Edge make_edge(float ax, float ay, float bx, float by) {
   return {ax, ay, bx - ax, by - ay, hn::FirstN(f, turned ? hn::Lanes(f) : 0)};
 }
 
-// Is a masked store cheaper than a branch that is guessed wrong every few times? By AVX-512 it is;
-// AVX2's take AMD tens of cycles.
+// Are masked stores cheaper than a branch that is mispredicted every few times? With AVX-512 they
+// are; with AVX2 they take tens of cycles on AMD.
 constexpr bool kMaskedStores = HWY_TARGET <= HWY_AVX3;
 
 // Stores what the mask keeps.
@@ -237,8 +237,7 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
               std::size_t(row) * stride + std::size_t((group * parts + part) * lanes);
           const auto nearest = hn::LoadU(f, depths + at);
           covered = hn::And(covered, hn::Lt(z.v, nearest));
-          if (kMasked || !kMaskedStores)
-            if (hn::AllFalse(f, covered)) continue;
+          if ((kMasked || !kMaskedStores) && hn::AllFalse(f, covered)) continue;
           if constexpr (kMasked) {
             if (instance.mask) covered = hn::And(covered, alpha_passes(masked, x, y));
             covered = hn::And(covered, in_share(instance, x, y));

@@ -49,6 +49,13 @@ class CameraRays {
   double start_, step_;
 };
 
+// The rays of a camera's texels, for a frame whose pixels are `pixel` texels wide.
+PictureRays coarse_rays(const Camera& camera, float pixel) {
+  PictureRays rays = picture_rays(camera);
+  rays.footprint = pixel;
+  return rays;
+}
+
 }  // namespace
 
 struct PictureCaster::State {
@@ -154,13 +161,6 @@ void PictureCaster::State::cast_coarse(const PictureRays& seen_by, const Camera&
   place(camera, all);
   cast(seen_by, camera, true, 1);
   pinholes.fill(placed, seen);
-}
-
-// Of a camera's texels, for a frame whose pixels are `pixel` texels wide.
-PictureRays coarse_rays(const Camera& camera, float pixel) {
-  PictureRays rays = picture_rays(camera);
-  rays.footprint = pixel;
-  return rays;
 }
 
 PictureCaster::PictureCaster(const RayScene& scene) : state_(new State(scene)) {}

@@ -51,9 +51,11 @@ class PictureCaster {
   [[nodiscard]] std::span<const PlacedMesh> meshes() const;
   // Draws the identifiers and depths of all objects, with a ray through each pixel's centre.
   void draw_objects(const Camera& camera, ObjectPicture& picture);
-  // The same of all objects for a frame whose pixels are smaller than the camera's texels: `pixel`
-  // texels wide. Textures are as sharp as in the frame, and pinholes are filled (fill_pinholes.h).
+  // Draws all objects, with one sample per texel, for a frame whose pixels are smaller than the
+  // camera's texels: `pixel` texels wide. Textures are filtered for the frame's pixels, and
+  // pinholes are filled (fill_pinholes.h).
   void draw_coarse(const Camera& camera, float pixel, RasterPicture& picture);
+  // Draws the identifiers and depths of that picture.
   void draw_coarse_objects(const Camera& camera, float pixel, ObjectPicture& picture);
 
  private:

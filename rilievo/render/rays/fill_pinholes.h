@@ -1,8 +1,8 @@
-// Which texels of a coarse picture show something through a hole that the frame hardly has?
+// How are pinholes of a coarse picture filled?
 //
-// A ray that passes between two leaves finds what is behind them. In a frame's own picture that is
-// a pixel; in a picture of fewer texels it is as large as several, and most gaps that rays meet are
-// narrower. Internal to render/rays.
+// A ray that passes between two leaves hits what is behind them, and the whole texel shows that. A
+// coarse picture's texel is as large as several pixels of the frame, but most of the gaps that rays
+// pass through are narrower than one. Internal to render/rays.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@ namespace rilievo {
 // Fills pinholes. Keeps its buffers.
 class PinholeFiller {
  public:
-  // A pinhole is a texel, not on the picture's border, of whose eight neighbours at most one shows
-  // the same object, or nothing as it does, and all others show one object in front of it. It then
-  // shows the triangle of one of them, at its depth: left, right, below or above, the first that
-  // does. Requires one sample per texel, and meshes in the order of their triangles.
+  // A pinhole is a texel inside the picture's border. At most one of its eight neighbours shows the
+  // same object as it does (or nothing, as it does); all others show one object in front of it. It
+  // gets the triangle and the depth of the first of them: left, right, below, above. Requires one
+  // sample per texel, and meshes in the order of their triangles.
   void fill(std::span<const PlacedMesh> meshes, SampleBuffer& samples);
 
  private:

@@ -3,7 +3,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <iterator>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -46,17 +45,15 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
   picture.object.assign(texels, kNoObject);
   picture.depth.assign(texels, 1.0f);
   parallel_for(0, samples.height, [&](int y) {
-    PlacedMesh last;  // mostly it is the next one's, too
+    const PlacedMesh* mesh = nullptr;  // of the last triangle, and mostly of the next one
     for (int x = 0; x < samples.width; ++x) {
       const float depth = samples.depths(y)[x];
       if (depth >= 1) continue;
       const std::uint32_t triangle = samples.triangles(y)[x];
-      if (triangle - last.first_triangle >= last.triangles)
-        last = *std::prev(std::upper_bound(
-            meshes.begin(), meshes.end(), triangle,
-            [](std::uint32_t t, const PlacedMesh& placed) { return t < placed.first_triangle; }));
+      if (!mesh || triangle - mesh->first_triangle >= mesh->triangles)
+        mesh = &meshes[mesh_of_triangle(meshes, triangle)];
       const std::size_t at = std::size_t(y) * std::size_t(picture.width) + std::size_t(x);
-      picture.object[at] = last.object + 1;
+      picture.object[at] = mesh->object + 1;
       picture.depth[at] = depth;
     }
   });

@@ -22,8 +22,8 @@ std::array<glm::vec2, 16> middles_of(int samples) {
   return middles;
 }
 
-// Entries are written so many at a time, by one store without a loop, which few triangles are
-// worth.
+// Entries are written so many at a time, by one store. Most triangles have fewer pixels, and a loop
+// would cost more than what it spares the others.
 constexpr std::size_t kFill = 4;
 static_assert(TriangleRays::kMaxCount + kFill <= TriangleRays::kCapacity);
 
@@ -61,13 +61,16 @@ void fill_triangle(const Mesh& mesh, const SurfacePlacement& surface, std::uint3
 
 }  // namespace
 
+std::size_t mesh_of_triangle(std::span<const PlacedMesh> meshes, std::uint32_t triangle) {
+  const auto after = std::upper_bound(
+      meshes.begin(), meshes.end(), triangle,
+      [](std::uint32_t t, const PlacedMesh& placed) { return t < placed.first_triangle; });
+  return std::size_t(after - meshes.begin()) - 1;
+}
+
 void SeenTriangles::find_mesh(std::span<const PlacedMesh> meshes, std::uint32_t triangle) {
   if (first_of_.size() < meshes.size()) first_of_.resize(meshes.size(), kNone);
-  mesh_ = std::uint32_t(std::upper_bound(meshes.begin(), meshes.end(), triangle,
-                                         [](std::uint32_t t, const PlacedMesh& placed) {
-                                           return t < placed.first_triangle;
-                                         }) -
-                        meshes.begin() - 1);
+  mesh_ = std::uint32_t(mesh_of_triangle(meshes, triangle));
   first_triangle_ = meshes[mesh_].first_triangle, triangles_ = meshes[mesh_].triangles;
   if (first_of_[mesh_] == kNone) met_.push_back(mesh_);
 }

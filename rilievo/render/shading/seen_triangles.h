@@ -7,6 +7,7 @@
 // render/rays.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -25,6 +26,11 @@ struct PlacedMesh {
   std::uint32_t first_triangle = 0, triangles = 0;
   std::uint32_t object = 0;  // index into Scene::objects
 };
+
+// The index of the mesh that has a triangle of the SampleBuffer. Requires meshes in the order of
+// their triangles.
+[[nodiscard]] std::size_t mesh_of_triangle(std::span<const PlacedMesh> meshes,
+                                           std::uint32_t triangle);
 
 // What is needed to shade triangles of a picture.
 struct ShadedScene {
