@@ -247,6 +247,10 @@ void SceneCache::set_budget() {
   policy_.capture_cost = unlimited_.capture_cost;
   policy_.capture_triangles = unlimited_.capture_triangles;
   policy_.picture_triangles = unlimited_.picture_triangles;
+  // Whoever limits what frames take wants none that takes twice as long, even where memory does not
+  // suffice for the coarse picture that the limits rely on.
+  const bool limited = options_.capture_ms > 0 || options_.max_spike > 0;
+  policy_.capture_share = limited ? 0 : unlimited_.capture_share;
   if (!casts_ && (options_.capture_ms > 0 || may_spike())) {
     if (store_.rasterizes())
       if (auto coarse = CoarseCapture::create(finest_)) coarse_ = std::move(*coarse);
