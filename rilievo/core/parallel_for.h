@@ -4,8 +4,8 @@
 // was written before, and later code can read what they wrote. An exception of a call leaves
 // parallel_for. Nested calls are allowed.
 //
-// The library uses threads only through this function, so that ThreadSanitizer needs to be told
-// only here.
+// The library uses TBB's threads only through this function and background.h, so that
+// ThreadSanitizer needs to be told only here.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,31 @@
+// How does work run beside what a thread does, without taking cores from it?
+//
+// On the threads of parallel_for, when no other parallel_for needs them: a task that has begun
+// keeps its thread, and the next one begins when a thread has nothing else to do. So no more
+// threads run than there are cores.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+namespace rilievo {
+
+// Runs tasks one after the other, in their order.
+class Background {
+ public:
+  Background();
+  // Waits for all tasks.
+  ~Background();
+
+  // Has the task run later, on another thread; does not wait. The task can read what was written
+  // before, may use parallel_for, and must not throw.
+  void run(std::function<void()> task);
+  // Returns when all tasks are done. Later code can read what they wrote.
+  void wait();
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace rilievo
