@@ -227,6 +227,9 @@ TEST(FallbackTest, its_texels_are_as_fine_as_the_budget_allows_between_one_and_t
 TEST(FallbackTest, its_camera_sees_what_the_frame_sees_of_the_boxes) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<double> u(-1, 1);
+  Box everything;
+  everything.add(glm::vec3(-99)), everything.add(glm::vec3(99));
+  int seen = 0, texels = 0, whole_texels = 0;
   for (int i = 0; i < 1000; ++i) {
     const glm::dvec3 eye{u(rng), u(rng), u(rng)}, to{9 * u(rng), 3 * u(rng), -20 + 9 * u(rng)};
     const FrameView view{look_at(eye, to, {0, 1, 0}, 0.8, 63, 41, 0.1, 50), {}};
@@ -236,8 +239,8 @@ TEST(FallbackTest, its_camera_sees_what_the_frame_sees_of_the_boxes) {
         const glm::dvec3 p{9 * u(rng), 9 * u(rng), -15 + 15 * u(rng)};
         box.add(glm::vec3(p));
       }
-    const PictureGeometry geometry =
-        fallback_geometry(view_axes(view, 0), boxes, 0.5 + 0.25 * (u(rng) + 1), {});
+    const double texel_scale = 0.5 + 0.25 * (u(rng) + 1);
+    const PictureGeometry geometry = fallback_geometry(view_axes(view, 0), boxes, texel_scale, {});
     ASSERT_TRUE(validate(geometry.capture).ok());
     EXPECT_LE(bound_total_px(geometry, view.camera), std::sqrt(0.5) * 1.1);
     for (int k = 0; k < 30; ++k) {
@@ -248,8 +251,27 @@ TEST(FallbackTest, its_camera_sees_what_the_frame_sees_of_the_boxes) {
       if (z < view.camera.z_near) continue;
       EXPECT_LE(geometry.capture.z_near, z);
       EXPECT_GE(geometry.capture.z_far, z);
+      const glm::dvec4 at = glm::inverse(view.camera.world_from_eye) * p;
+      const auto shows = [&](const ImageWindow& w) {
+        return at.x >= z * w.left && at.x <= z * w.right && at.y >= z * w.bottom &&
+               at.y <= z * w.top;
+      };
+      seen += shows(view.camera.window);
+      EXPECT_TRUE(!shows(view.camera.window) || shows(geometry.capture.window));
     }
+    // Its texels are some of those of the whole frame.
+    const PictureGeometry whole =
+        fallback_geometry(view_axes(view, 0), std::vector<Box>{everything}, texel_scale, {});
+    EXPECT_EQ(whole.capture.width, std::ceil(texel_scale * 63));
+    const ImageWindow &w = geometry.capture.window, &all = view.camera.window;
+    const double texel = (all.right - all.left) / whole.capture.width;
+    EXPECT_NEAR((w.right - w.left) / geometry.capture.width, texel, 1e-12);
+    EXPECT_NEAR(std::remainder(w.left - all.left, texel), 0, 1e-12);
+    texels += geometry.capture.width * geometry.capture.height;
+    whole_texels += whole.capture.width * whole.capture.height;
   }
+  EXPECT_GT(seen, 1000);
+  EXPECT_LT(texels, 0.9 * whole_texels);  // no more than is needed
 }
 
 // A clipped picture is drawn only where it shows all that the frame does.

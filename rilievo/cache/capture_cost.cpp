@@ -161,10 +161,14 @@ double level_px(const Camera& frame, const Box& box, double error) {
   return px * error * std::sqrt(1 + square) / depth;
 }
 
-double covered_pixels(const ViewAxes& view, const Box& box) {
+ImageWindow covered_window(const ViewAxes& view, const Box& box) {
   const Seen seen = see(view, box, view.eye);
   const ImageWindow& frame = view.camera.window;
-  return view.px * view.py * area(seen.front > 0 ? intersection(seen.window, frame) : frame);
+  return seen.front > 0 ? intersection(seen.window, frame) : frame;
+}
+
+double covered_pixels(const ViewAxes& view, const Box& box) {
+  return view.px * view.py * area(covered_window(view, box));
 }
 
 bool shows_frame(const Camera& capture, const Camera& frame, const Box& box) {

@@ -73,8 +73,9 @@ struct CaptureCost {
 inline constexpr double kMostMinified = 1.5;
 [[nodiscard]] double minification(const PictureGeometry& picture, const Camera& frame);
 
-// The number of pixels of the rectangle around the box on the screen; those of the whole frame if
-// the box is too near.
+// The part of the frame's window around the box; all of it if the box is too near.
+[[nodiscard]] ImageWindow covered_window(const ViewAxes& view, const Box& box);
+// The number of its pixels.
 [[nodiscard]] double covered_pixels(const ViewAxes& view, const Box& box);
 
 // The geometry for a capture. The camera has the frame's axes, so that texels align with pixels, is

@@ -10,6 +10,17 @@ namespace {
 
 constexpr double kCoarsestFallback = 0.5;
 
+// Of `texels` side by side in [low, high], keeps those that touch [from, to], and one on each side.
+void keep_texels(double from, double to, double& low, double& high, int& texels) {
+  const double texel = (high - low) / texels;
+  const auto place = [&](double x) { return std::clamp((x - low) / texel, 0.0, double(texels)); };
+  const int first = std::max(0, int(std::floor(place(from))) - 1);
+  const int end = std::max(first + 1, std::min(texels, int(std::ceil(place(to))) + 1));
+  if (end < texels) high = low + end * texel;
+  if (first > 0) low += first * texel;
+  texels = end - first;
+}
+
 }  // namespace
 
 double fallback_scale(const ViewAxes& view, double pixels, double budget,
@@ -35,6 +46,15 @@ PictureGeometry fallback_geometry(const ViewAxes& view, std::span<const Box> box
   Camera camera = view.camera;
   camera.width = std::max(1, int(std::ceil(scale * camera.width)));
   camera.height = std::max(1, int(std::ceil(scale * camera.height)));
+  ImageWindow around{INFINITY, -INFINITY, INFINITY, -INFINITY};
+  for (const Box& box : boxes) {
+    const ImageWindow one = covered_window(view, box);
+    around = {std::min(around.left, one.left), std::max(around.right, one.right),
+              std::min(around.bottom, one.bottom), std::max(around.top, one.top)};
+  }
+  ImageWindow& window = camera.window;
+  keep_texels(around.left, around.right, window.left, window.right, camera.width);
+  keep_texels(around.bottom, around.top, window.bottom, window.top, camera.height);
   // Surfaces that touch a box must not be clipped by rounding.
   const double slack = 1e-4 * std::max(back - front, 1e-3 * std::abs(back));
   camera.z_near = std::max(camera.z_near, front - slack);

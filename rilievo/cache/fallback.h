@@ -16,7 +16,8 @@ namespace rilievo {
 [[nodiscard]] double fallback_scale(const ViewAxes& view, double pixels, double budget,
                                     const CacheOptions& options);
 
-// The geometry of a picture of what lies in `boxes` (not empty) with texels of this scale.
+// The geometry of a picture of what lies in `boxes` (not empty) with texels of this scale: those of
+// a picture of the whole frame, of the part around the boxes.
 [[nodiscard]] PictureGeometry fallback_geometry(const ViewAxes& view, std::span<const Box> boxes,
                                                 double scale, const CacheOptions& options);
 

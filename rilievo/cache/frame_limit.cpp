@@ -111,7 +111,8 @@ void FramePlanner::finish_fallback() {
   plan.fallback.geometry = fallback_geometry(view, scratch.boxes, fallback_scale, options);
   plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
   // Rays at texels' centres may miss all of a surface into which no circle fits that reaches four.
-  plan.fallback.texel_px = frame.camera.width / double(plan.fallback.geometry.capture.width);
+  const Camera& coarse = plan.fallback.geometry.capture;
+  plan.fallback.texel_px = view.px * (coarse.window.right - coarse.window.left) / coarse.width;
   plan.fallback.gap_px = std::numbers::sqrt2 * plan.fallback.texel_px;
 }
 

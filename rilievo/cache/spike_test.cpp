@@ -42,7 +42,10 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
       } else {
         ++coarse;
         // Between texels of two pixels; also when a capture's own gaps have become known.
-        const double between = std::sqrt(2.0) * kWidth / run.plan.fallback.geometry.capture.width;
+        const Camera &coarser = run.plan.fallback.geometry.capture, &frames = view.camera;
+        const double between = std::sqrt(2.0) * kWidth / coarser.width *
+                               (coarser.window.right - coarser.window.left) /
+                               (frames.window.right - frames.window.left);
         EXPECT_GE(run.plan.gap_px * (1 + 1e-9), between);
         if (!run.plan.captures.empty()) {
           Plan reported = run.plan;
