@@ -17,6 +17,7 @@
 
 namespace rilievo {
 
+class RasterSource;
 struct RasterPicture;
 
 // Keeps pictures for one backend.
@@ -34,8 +35,8 @@ class CachePictures {
   [[nodiscard]] virtual std::size_t bytes() const = 0;
   // Who draws frames from the pictures?
   [[nodiscard]] virtual DrawnBy drawn_by() const = 0;
-  // Are pictures captured by the rasteriser? Its captures cost other things than OpenGL's.
-  [[nodiscard]] virtual bool rasterizes() const = 0;
+  // The rasteriser that captures pictures; null: OpenGL does, whose captures cost other things.
+  [[nodiscard]] virtual RasterSource* rasterizer() = 0;
 
   // Makes room for a picture; false if there is none.
   [[nodiscard]] virtual bool allocate(std::uint32_t slot, int width, int height) = 0;
@@ -43,8 +44,9 @@ class CachePictures {
   // Captures `objects` (opaque parts) where they are now. The slot has the camera's size.
   virtual void capture(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) = 0;
-  // Writes a picture of the slot's size that others have captured, with this many bits of Delta.
-  virtual void write(std::uint32_t slot, const RasterPicture& picture) = 0;
+  // Writes a picture of the slot's size that others have captured, with so many bits of Delta:
+  // those of captures, or written_bits().
+  virtual void write(std::uint32_t slot, const RasterPicture& picture, int delta_bits) = 0;
   [[nodiscard]] virtual int written_bits() const = 0;
   // The gap table of the picture that was captured last.
   [[nodiscard]] virtual GapTable gaps(const Camera& camera,

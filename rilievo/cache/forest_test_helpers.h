@@ -1,8 +1,9 @@
-// A forest, and eyes that walk through it.
+// A forest with cars, and eyes that walk through it.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
 #include <vector>
 
@@ -61,6 +62,27 @@ inline FrameView stroll(int frame) {
       frame < 240 && frame != 150 ? eye_at(t + 1) - eye_at(t) : glm::dvec3(0);
   const double turn = 0.9 * std::sin(0.03 * t);
   return looking(eye_at(t), {std::sin(turn), -0.1, -std::cos(turn)}, velocity);
+}
+
+// Four cars, of which one deforms.
+inline std::vector<MovingObject> cars(int frame) {
+  std::vector<MovingObject> all;
+  for (int i = 0; i < 4; ++i) {
+    const auto place = [&](int f) {
+      glm::dmat4 m = glm::translate(glm::dmat4(1), {-20.0 + 9 * i + 0.05 * f, 0.5, -15.0 - 20 * i});
+      return glm::rotate(m, 0.002 * i * f, {0, 1, 0});
+    };
+    MovingObject car;
+    Box box;
+    box.add({-2, -0.7f, -1}), box.add({2, 0.7f, 1});
+    car.world_from_object = place(frame);
+    car.now_from_last = place(frame) * glm::inverse(place(frame - 1));
+    car.box = transformed(glm::mat4(car.world_from_object), box);
+    car.triangles = 20000;
+    car.deforms = i == 3;
+    all.push_back(car);
+  }
+  return all;
 }
 
 // Does the camera see any of the box? By points: never says so wrongly.

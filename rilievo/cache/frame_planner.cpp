@@ -100,6 +100,13 @@ CaptureCost FramePlanner::estimate(Entity e, const Level& level) const {
       estimate_capture_cost(view, box_of(e), level.triangles, drift_of(e), options,
                             expected_range(e), expected_life_share(e), level.px);
   estimated.level_error = level.error;
+  if (options.beside && estimated.possible) {
+    // It comes when a part of its life is over.
+    const double whole = (1 + options.anticipation) * estimated.life;
+    const double rest = whole - state.latency;
+    estimated.possible = !estimated.once && rest >= kShortestLife;
+    if (estimated.possible) estimated.life *= rest / whole;
+  }
   return estimated;
 }
 
@@ -260,7 +267,7 @@ FramePlanner::Costs FramePlanner::evaluate(Entity e) {
   const bool retiring = at_hand && picture->retire_length > 0;
   if (!retiring)
     if (const CaptureCost estimated = estimate(e); estimated.possible)
-      own = picture_rate(estimated, options);
+      own = is_ordered(e) ? estimated.draw : picture_rate(estimated, options);
   const double seen_share = seen_share_;
   if (at_hand && picture->used + 1 == state.frame) seen_share_ = double(picture->seen_share);
   Costs below = evaluate_below(e);
@@ -290,7 +297,8 @@ void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
         due ? (late_factor(options) > 1 ? kFallbackDeadline : 0.0) : std::min(pays_in, kPaysLate);
   }
   scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture),
-                              float(estimated.capture), float(estimated.texels_in_frame), due});
+                              float(estimated.capture), float(estimated.texels_in_frame), due,
+                              is_ordered(e)});
   full_bytes += estimated.texels * options.bytes_per_texel;
 }
 
@@ -308,7 +316,7 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
     // The fade takes place while the old picture still holds.
     const PlanScratch::Checked& checked = check(slot_of(picture));
     const double fade = fade_length(picture->lead, options);
-    deadline = std::max(0.0, checked.remaining - fade);
+    deadline = std::max(0.0, checked.remaining - fade - (options.beside ? state.latency : 0));
     if (checked.late)
       deadline = 1 - std::max(checked.now_px / limit_px(*picture, options),
                               checked.gap_px / gap_limit_px(options));
@@ -441,7 +449,8 @@ void FramePlanner::draw(Entity e, float from, float to) {
 void FramePlanner::draw() {
   if (nodes() > 0) draw(0, 0, 1);
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
-  for (const Capture& capture : plan.captures) plan.cost += capture.cost;
+  if (!options.beside)
+    for (const Capture& capture : plan.captures) plan.cost += capture.cost;
   limit_cost();
   if (state.usual_cost > 0)
     plan.usual_cost = state.usual_cost + kFollowCost * (plan.cost - state.usual_cost);

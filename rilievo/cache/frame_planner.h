@@ -82,6 +82,11 @@ struct FramePlanner {
   [[nodiscard]] DeltaRange expected_range(Entity e) const;
   [[nodiscard]] double expected_life_share(Entity e) const;
 
+  // Is a picture of it on its way?
+  [[nodiscard]] bool is_ordered(Entity e) const {
+    return e < state.ordered.size() && state.ordered[e].number != 0;
+  }
+
   // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
                                           Entity e) const;

@@ -30,7 +30,7 @@ class CountedPictures final : public CachePictures {
   [[nodiscard]] std::uint64_t max_texels() const override { return 1 << 30; }
   [[nodiscard]] std::size_t bytes() const override { return 0; }
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::software; }
-  [[nodiscard]] bool rasterizes() const override { return true; }
+  [[nodiscard]] RasterSource* rasterizer() override { return nullptr; }
   [[nodiscard]] bool allocate(std::uint32_t slot, int, int) override {
     return poses.size() < most_ && poses.emplace(slot, 1.0).second;
   }
@@ -40,7 +40,7 @@ class CountedPictures final : public CachePictures {
     poses.at(slot) = glm::dmat4(placed_.poses()[objects[0]]);
     captured.push_back(slot);
   }
-  void write(std::uint32_t, const RasterPicture&) override {}
+  void write(std::uint32_t, const RasterPicture&, int) override {}
   [[nodiscard]] int written_bits() const override { return 8; }
   [[nodiscard]] GapTable gaps(const Camera&, std::span<const std::uint32_t>) override { return {}; }
   [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t) override { return range; }
@@ -90,7 +90,7 @@ struct ChosenPictures {
 };
 
 // Boxes 10 m around the origin, half a radian apart.
-Scene ring_of_boxes(int count) {
+Scene scene_of_boxes(int count) {
   Scene scene;
   for (int i = 0; i < count; ++i) {
     const float angle = 0.5f * float(i);
@@ -116,7 +116,7 @@ Camera looking_at_boxes(int first, int last) {
 using Objects = std::vector<std::uint32_t>;
 
 TEST(PictureChooser, the_picture_that_was_not_drawn_for_longest_makes_room) {
-  const Scene scene = ring_of_boxes(4);
+  const Scene scene = scene_of_boxes(4);
   ChosenPictures frames(scene, 2);
   EXPECT_EQ(frames.choose(looking_at_boxes(0, 0)), Objects{0});
   EXPECT_EQ(frames.choose(looking_at_boxes(1, 1)), Objects{1});
@@ -128,7 +128,7 @@ TEST(PictureChooser, the_picture_that_was_not_drawn_for_longest_makes_room) {
 }
 
 TEST(PictureChooser, no_picture_that_the_frame_needs_makes_room_for_another) {
-  const Scene scene = ring_of_boxes(4);
+  const Scene scene = scene_of_boxes(4);
   ChosenPictures frames(scene, 2);
   EXPECT_EQ(frames.choose(looking_at_boxes(1, 2)), (Objects{1, 2}));
   for (int f = 0; f < 2; ++f) {
@@ -138,7 +138,7 @@ TEST(PictureChooser, no_picture_that_the_frame_needs_makes_room_for_another) {
 }
 
 TEST(PictureChooser, a_frame_that_needs_finer_texels_captures_again) {
-  const Scene scene = ring_of_boxes(1);
+  const Scene scene = scene_of_boxes(1);
   ChosenPictures frames(scene, 1);
   Camera camera = looking_at_boxes(0, 0);
   EXPECT_EQ(frames.choose(camera), Objects{0});
@@ -151,7 +151,7 @@ TEST(PictureChooser, a_frame_that_needs_finer_texels_captures_again) {
 
 // Also in later frames.
 TEST(PictureChooser, what_a_picture_shows_narrows_where_it_stands) {
-  const Scene scene = ring_of_boxes(1);
+  const Scene scene = scene_of_boxes(1);
   ChosenPictures whole(scene, 1), narrow(scene, 1);
   const DeltaRange range{0.3, 0.4};
   narrow.store->range = range;
@@ -169,7 +169,7 @@ TEST(PictureChooser, what_a_picture_shows_narrows_where_it_stands) {
 
 // Captured again and again while it goes around the eye, which strides aside.
 TEST(PictureChooser, a_picture_moves_as_its_object_has_since_the_capture) {
-  Scene scene = ring_of_boxes(1);
+  Scene scene = scene_of_boxes(1);
   scene.nodes.emplace_back();
   scene.objects[0].node = 0;
   Channel turn;

@@ -18,7 +18,17 @@ void forget(CacheState& state, std::uint32_t slot) {
   state.free_slots.push_back(slot);
 }
 
+void forget_order(CacheState& state, Entity e) {
+  if (e >= state.ordered.size() || state.ordered[e].number == 0) return;
+  Order& order = state.ordered[e];
+  state.free_slots.push_back(order.slot);
+  state.bytes -= order.bytes;
+  state.ordered_cost = std::max(0.0, state.ordered_cost - order.cost);
+  order = {};
+}
+
 void forget_entity(CacheState& state, Entity e, std::vector<std::uint32_t>& evictions) {
+  forget_order(state, e);
   for (std::uint32_t name : {state.current[e], state.previous[e]})
     if (name != 0) {
       forget(state, name - 1);
@@ -46,6 +56,9 @@ void find_bound(Plan& plan) {
 
 // How soon CacheState::usual_range and usual_life_share follow what captures show.
 constexpr double kForget = 1.0 / 32;
+// How soon CacheState::latency follows orders that took longer, and shorter: what comes too early
+// costs little.
+constexpr double kSlower = 0.5, kFaster = 0.1;
 
 // How soon a PolygonRecord, and the usual one, follow what frames took; what is older than so many
 // frames is no longer mixed with what is new.
@@ -58,6 +71,42 @@ std::optional<float> life_share(double bound_px, double limit_px, double gap_px,
   const double flat = bound_px / limit_px, torn = gap_px / gap_limit;
   if (!(flat > 0.05)) return std::nullopt;
   return float(torn > flat ? std::max(0.02, flat / torn) : 1.0);
+}
+
+// What a capture shows, and how far off it is in a frame.
+struct Narrowed {
+  double bound_px = 0, gap_px = 0;
+  bool good = false;
+};
+
+Narrowed narrow(Capture& capture, const Camera& frame, const RigidMotion& motion,
+                const DeltaRange& range, const CacheOptions& options, const GapTable& gaps) {
+  capture.range = range;
+  narrow_slab(capture.geometry, range);
+  capture.picture.geometry = capture.geometry;
+  capture.picture.gaps = gaps;
+  Narrowed narrowed{bound_total_px(capture.geometry, frame, motion) + capture.level_px,
+                    bound_gap_px(capture.geometry, gaps, frame, motion) + 2 * capture.level_px};
+  const double limit = limit_px(capture.picture, options), gap_limit = gap_limit_px(options);
+  capture.life_share = life_share(narrowed.bound_px, limit, narrowed.gap_px, gap_limit);
+  const double late = late_factor(options);
+  narrowed.good = narrowed.bound_px <= late * limit && narrowed.gap_px <= late * gap_limit;
+  return narrowed;
+}
+
+// What others like it can be expected to show.
+void learn_capture(const Capture& capture, CacheState& state) {
+  if (capture.range) {
+    state.ranges[capture.entity] = capture.range;
+    DeltaRange& usual = state.usual_range[capture.several ? 1 : 0];
+    usual.nearest += kForget * (capture.range->nearest - usual.nearest);
+    usual.farthest += kForget * (capture.range->farthest - usual.farthest);
+  }
+  if (capture.life_share) {
+    state.life_shares[capture.entity] = capture.life_share;
+    float& usual = state.usual_life_share[capture.several ? 1 : 0];
+    usual += float(kForget) * (*capture.life_share - usual);
+  }
 }
 
 }  // namespace
@@ -132,19 +181,52 @@ bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame, const De
                     const CacheOptions& options, const GapTable& gaps) {
   RILIEVO_EXPECTS_LT(index, plan.captures.size());
   Capture& capture = plan.captures[index];
-  capture.range = range;
-  narrow_slab(capture.geometry, range);
-  capture.picture.geometry = capture.geometry;
-  capture.picture.gaps = gaps;
-  const double bound_px = bound_total_px(capture.geometry, frame) + capture.level_px;
-  const double gap_px = bound_gap_px(capture.geometry, gaps, frame) + 2 * capture.level_px;
-  const double limit = limit_px(capture.picture, options), gap_limit = gap_limit_px(options);
-  capture.life_share = life_share(bound_px, limit, gap_px, gap_limit);
+  const Narrowed narrowed = narrow(capture, frame, {}, range, options, gaps);
   for (DrawnPicture& drawn : plan.pictures)
-    if (drawn.slot == capture.slot) drawn.bound_px = float(bound_px), drawn.gap_px = float(gap_px);
+    if (drawn.slot == capture.slot)
+      drawn.bound_px = float(narrowed.bound_px), drawn.gap_px = float(narrowed.gap_px);
   find_bound(plan);
-  const double late = late_factor(options);
-  return bound_px <= late * limit && gap_px <= late * gap_limit;
+  return narrowed.good;
+}
+
+bool is_wanted(const Capture& capture, const CacheState& state) {
+  return capture.order != 0 && capture.entity < state.ordered.size() &&
+         state.ordered[capture.entity].number == capture.order;
+}
+
+void cancel_order(const Capture& capture, CacheState& state) {
+  if (is_wanted(capture, state)) forget_order(state, capture.entity);
+}
+
+bool adopt_capture(Capture& capture, const Camera& frame, const Box& box, const RigidMotion& motion,
+                   const std::optional<DeltaRange>& range, const GapTable& gaps,
+                   const CacheOptions& options, CacheState& state,
+                   std::vector<std::uint32_t>& evictions) {
+  if (!is_wanted(capture, state)) return false;
+  const Order order = state.ordered[capture.entity];
+  const double longer = double(state.frame - order.frame) - state.latency;
+  state.latency += (longer > 0 ? kSlower : kFaster) * longer;
+  if (range) {
+    capture.level_px = level_px(frame, box, capture.picture.level_error);
+    const bool good = narrow(capture, frame, motion, *range, options, gaps).good;
+    learn_capture(capture, state);
+    if (!good) {
+      forget_order(state, capture.entity);
+      return false;
+    }
+  }
+  // Captured again before its last fade was over: the eldest goes.
+  if (const std::uint32_t eldest = state.previous[capture.entity]; eldest != 0) {
+    evictions.push_back(eldest - 1);
+    forget(state, eldest - 1);
+  }
+  state.previous[capture.entity] = state.current[capture.entity];
+  state.current[capture.entity] = capture.slot + 1;
+  state.slots[capture.slot] = capture.picture;
+  state.slots[capture.slot].used = state.slots[capture.slot].fade_start = state.frame;
+  state.ordered_cost = std::max(0.0, state.ordered_cost - order.cost);
+  state.ordered[capture.entity] = {};
+  return true;
 }
 
 void commit(const Plan& plan, CacheState& state) {
@@ -163,20 +245,19 @@ void commit(const Plan& plan, CacheState& state) {
   for (std::uint32_t slot : plan.evictions) forget(state, slot);
   state.ranges.resize(plan.entities);
   state.life_shares.resize(plan.entities);
+  state.ordered.resize(plan.entities);
   for (const Capture& capture : plan.captures) {
-    if (capture.range) {
-      state.ranges[capture.entity] = capture.range;
-      DeltaRange& usual = state.usual_range[capture.several ? 1 : 0];
-      usual.nearest += kForget * (capture.range->nearest - usual.nearest);
-      usual.farthest += kForget * (capture.range->farthest - usual.farthest);
-    }
-    if (capture.life_share) {
-      state.life_shares[capture.entity] = capture.life_share;
-      float& usual = state.usual_life_share[capture.several ? 1 : 0];
-      usual += float(kForget) * (*capture.life_share - usual);
-    }
+    learn_capture(capture, state);
     if (!capture.picture.held) {  // refused
       state.free_slots.push_back(capture.slot);
+      continue;
+    }
+    if (capture.order != 0) {
+      state.ordered[capture.entity] = {capture.order, capture.slot, state.frame, capture.cost,
+                                       capture.picture.bytes};
+      state.orders = capture.order;
+      state.ordered_cost += capture.cost;
+      state.bytes += capture.picture.bytes;
       continue;
     }
     RILIEVO_EXPECTS_EQ(state.previous[capture.entity], 0u);
@@ -222,6 +303,7 @@ void learn_polygons(std::span<const PolygonCost> costs, CacheState& state) {
 }
 
 void invalidate(CacheState& state, std::vector<std::uint32_t>& evictions) {
+  for (Entity e = 0; e < state.ordered.size(); ++e) forget_order(state, e);
   for (std::uint32_t slot = 0; slot < state.slots.size(); ++slot)
     if (state.slots[slot].held) {
       forget(state, slot);
@@ -234,8 +316,9 @@ void invalidate(const Hierarchy& hierarchy, std::uint32_t object, CacheState& st
   for (Entity e = 0; e < state.current.size() && e < hierarchy.nodes.size(); ++e) {
     const HierarchyNode& node = hierarchy.nodes[e];
     const auto begin = hierarchy.order.begin() + node.first, end = begin + node.count;
-    if ((state.current[e] != 0 || state.previous[e] != 0) && std::find(begin, end, object) != end)
-      forget_entity(state, e, evictions);
+    const bool any =
+        state.current[e] != 0 || state.previous[e] != 0 || state.ordered[e].number != 0;
+    if (any && std::find(begin, end, object) != end) forget_entity(state, e, evictions);
   }
 }
 

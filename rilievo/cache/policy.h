@@ -79,6 +79,10 @@ struct CacheOptions {
   // Plan::fallback. A capture that costs more alone is made when nothing else is. Infinite: no such
   // budget, nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
+  // With a budget of time: captures are made beside the frames, and come when they are done
+  // (adopt_capture). The budget is then for those that are on their way together, and again for the
+  // frame's fallback; nothing is captured for one frame alone.
+  bool beside = false;
   // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
   // its dearest polygons go into Plan::fallback, until it costs no more than they did; after a
   // jump of the eye, until it costs spike_floor (in triangles), which any frame may cost. From
@@ -226,6 +230,15 @@ struct PolygonRecord {
   std::uint32_t frame = 0;  // when it was drawn so last, + 1; 0: never
 };
 
+// A capture that is being made beside the frames.
+struct Order {
+  std::uint32_t number = 0;  // Capture::order; 0: there is none
+  std::uint32_t slot = 0;    // reserved for its picture
+  std::uint32_t frame = 0;   // that ordered it
+  double cost = 0;           // Capture::cost
+  std::uint64_t bytes = 0;   // of its picture
+};
+
 // What the planner keeps between frames. Start with an empty one.
 struct CacheState {
   std::uint32_t frame = 0;
@@ -243,9 +256,13 @@ struct CacheState {
   std::vector<PolygonRecord> polygon_records;  // by entity; empty: nothing is known of any
   float usual_polygon_share = 1;
   std::uint64_t bytes = 0;
-  double credit = 0;      // triangles saved up for captures
-  double usual_cost = 0;  // of frames so far: Plan::cost, smoothed; 0: there was none
-  double limit = 0;       // on the last frame's, if it had to be limited
+  std::vector<Order> ordered;  // by entity
+  double ordered_cost = 0;     // of all that are on their way
+  std::uint32_t orders = 0;    // so far
+  double latency = 0;          // of orders: frames until they are done, rather too many
+  double credit = 0;           // triangles saved up for captures
+  double usual_cost = 0;       // of frames so far: Plan::cost, smoothed; 0: there was none
+  double limit = 0;            // on the last frame's, if it had to be limited
 };
 
 // A picture to capture.
@@ -259,6 +276,7 @@ struct Capture {
   Picture picture;                  // as it will be committed
   bool several = false;             // shows several objects
   bool once = false;                // for this frame's eye alone: its gaps need not be known
+  std::uint32_t order = 0;          // made beside the frames: counts them from 1; 0: in this one
   std::optional<DeltaRange> range;  // the Deltas that it was found to show
   std::optional<float> life_share;  // and how much its gaps shorten its life
 };
@@ -331,9 +349,10 @@ struct PlanScratch {
   struct Request {
     Entity entity = 0;
     float deadline = 0, worth = 0;
-    float cost = 0;    // of the capture, by CostModel, in triangles
-    float texels = 0;  // near the frame, at full density
-    bool due = false;  // in view, and nothing at hand shows it but polygons that cost more
+    float cost = 0;        // of the capture, by CostModel, in triangles
+    float texels = 0;      // near the frame, at full density
+    bool due = false;      // in view, and nothing at hand shows it but polygons that cost more
+    bool ordered = false;  // on its way
   };
   std::vector<Checked> checked;         // by slot
   std::vector<std::uint8_t> choice;     // by entity
@@ -372,6 +391,20 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
 // it before commit().
 void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
                     std::span<const MovingObject> moving);
+
+// Enters a capture of an earlier plan, made beside the frames since (Capture::order), before a
+// frame by `frame` is planned: `range` is what it shows (none: nothing), `box` its entity's box and
+// `motion` its entity's motion since the capture. Returns whether it is good enough for that frame;
+// if not, or if it is no longer wanted, its picture is not needed. Appends slots whose pictures
+// went for it to `evictions`.
+[[nodiscard]] bool adopt_capture(Capture& capture, const Camera& frame, const Box& box,
+                                 const RigidMotion& motion, const std::optional<DeltaRange>& range,
+                                 const GapTable& gaps, const CacheOptions& options,
+                                 CacheState& state, std::vector<std::uint32_t>& evictions);
+// Is it still wanted? Its objects may have changed since.
+[[nodiscard]] bool is_wanted(const Capture& capture, const CacheState& state);
+// Forgets an order that could not be carried out.
+void cancel_order(const Capture& capture, CacheState& state);
 
 // Records in the state that the plan was carried out.
 void commit(const Plan& plan, CacheState& state);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <random>
 #include <set>
@@ -15,26 +14,6 @@ namespace rilievo {
 namespace {
 
 using namespace test_forest;
-
-std::vector<MovingObject> cars(int frame) {
-  std::vector<MovingObject> all;
-  for (int i = 0; i < 4; ++i) {
-    const auto place = [&](int f) {
-      glm::dmat4 m = glm::translate(glm::dmat4(1), {-20.0 + 9 * i + 0.05 * f, 0.5, -15.0 - 20 * i});
-      return glm::rotate(m, 0.002 * i * f, {0, 1, 0});
-    };
-    MovingObject car;
-    Box box;
-    box.add({-2, -0.7f, -1}), box.add({2, 0.7f, 1});
-    car.world_from_object = place(frame);
-    car.now_from_last = place(frame) * glm::inverse(place(frame - 1));
-    car.box = transformed(glm::mat4(car.world_from_object), box);
-    car.triangles = 20000;
-    car.deforms = i == 3;
-    all.push_back(car);
-  }
-  return all;
-}
 
 // Off by a share of the box's size, at any distance.
 double share_of_size_px(const ErrorModel& model, const glm::dmat4&, const Camera& frame) {

@@ -46,9 +46,10 @@ void SceneCache::build() {
   }
   build_tree({});
 
-  policy_ = store_.rasterizes() ? rasterized_cache_options() : CacheOptions{};
+  const bool rasterizes = store_.rasterizer() != nullptr;
+  policy_ = rasterizes ? rasterized_cache_options() : CacheOptions{};
   if (options_.machine)
-    use_machine(*options_.machine, store_.drawn_by(), store_.rasterizes(), policy_, clock_);
+    use_machine(*options_.machine, store_.drawn_by(), rasterizes, policy_, clock_);
   else if (store_.drawn_by() == DrawnBy::software)
     use_machine(builtin_software_costs(), DrawnBy::software, true, policy_, clock_);
   policy_.max_texels = store_.max_picture_size();
@@ -226,12 +227,15 @@ void SceneCache::release(std::uint32_t slot) {
   held_[slot].held = false;
 }
 
-void SceneCache::plan(const Camera& camera) {
-  const FrameView view = follow(motion_, camera);
+void SceneCache::follow_options() {
   policy_.error_px = options_.error_px;
   policy_.gap_px = options_.gap_px;
   policy_.fade_frames = options_.fade_frames;
   set_budget();
+}
+
+void SceneCache::plan(const Camera& camera) {
+  const FrameView view = follow(motion_, camera);
   plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_,
              level_table_);
 }
@@ -245,6 +249,7 @@ bool SceneCache::may_spike() const {
 // Of time, where captures are done when they return.
 void SceneCache::set_budget() {
   policy_.capture_cost = unlimited_.capture_cost;
+  policy_.beside = false;
   policy_.capture_triangles = unlimited_.capture_triangles;
   policy_.picture_triangles = unlimited_.picture_triangles;
   // Whoever limits what frames take wants none that takes twice as long, even where memory does not
@@ -252,17 +257,70 @@ void SceneCache::set_budget() {
   const bool limited = options_.capture_ms > 0 || options_.max_spike > 0;
   policy_.capture_share = limited ? 0 : unlimited_.capture_share;
   if (!casts_ && (options_.capture_ms > 0 || may_spike())) {
-    if (store_.rasterizes())
+    if (store_.rasterizer())
       if (auto coarse = CoarseCapture::create(finest_)) coarse_ = std::move(*coarse);
     casts_ = true;
   }
   policy_.max_spike = coarse_ ? options_.max_spike : 0;
   if (!(options_.capture_ms > 0)) return;
-  if (coarse_)
+  if (coarse_) {
     clock_.set_budget(options_.capture_ms, unlimited_, policy_);
-  else if (cost_per_ms_ > 0)
+    policy_.beside = true;
+  } else if (cost_per_ms_ > 0) {
     policy_.capture_triangles =
         std::uint64_t(options_.capture_ms * cost_per_ms_ / policy_.cost.capture_triangle);
+  }
+}
+
+void SceneCache::hold(const Capture& capture) {
+  if (capture.slot >= held_.size()) held_.resize(capture.slot + 1);
+  Held& held = held_[capture.slot];
+  held.held = true;
+  held.objects_captured = false;
+  held.camera = capture.geometry.capture;
+  objects_of(capture.entity, held.objects);
+}
+
+void SceneCache::order_captures() {
+  for (const std::uint32_t slot : plan_.evictions) release(slot);
+  if (plan_.captures.empty()) return;
+  if (!beside_) beside_ = std::make_unique<CapturesBeside>(*store_.rasterizer(), options_.samples);
+  for (const Capture& capture : plan_.captures) {
+    objects_of(capture.entity, ordered_objects_);
+    if (capture.entity < hierarchy_.nodes.size())
+      show_levels(ordered_objects_, capture.picture.level_error);
+    beside_->order(capture, ordered_objects_, std::isfinite(gap_limit_px(policy_)));
+  }
+}
+
+// Takes what has been captured beside the last frames.
+void SceneCache::adopt_captures(const Camera& camera, FrameStats& stats) {
+  if (!beside_) return;
+  const Stopwatch watch;
+  while (OrderedCapture* made = beside_->take()) {
+    Capture& capture = made->capture;
+    clock_.capture.learn(capture.cost, made->ms);
+    if (!is_wanted(capture, state_)) continue;
+    const std::uint32_t slot = stored(capture.slot);
+    if (!store_.allocate(slot, made->picture.width, made->picture.height)) {
+      cancel_order(capture, state_);
+      continue;
+    }
+    store_.write(slot, made->picture, capture.geometry.delta_bits);
+    const bool moving = capture.entity >= hierarchy_.nodes.size();
+    const Box& box = moving ? moving_[capture.entity - hierarchy_.nodes.size()].box
+                            : hierarchy_.nodes[capture.entity].box;
+    gone_.clear();
+    if (!adopt_capture(capture, camera, box, {motion_since_capture(capture.picture)},
+                       store_.delta_range(slot), made->gaps, policy_, state_, gone_)) {
+      store_.free(slot);
+      continue;
+    }
+    for (const std::uint32_t old : gone_) release(old);
+    hold(capture);
+    ++stats.captures;
+  }
+  if (stats.captures > 0) stats.capture_ms = watch.ms();
 }
 
 void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& objects) {
@@ -287,15 +345,10 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
       refuse_capture(plan_, i, hierarchy_, moving_);
       continue;
     }
-    if (capture.slot >= held_.size()) held_.resize(capture.slot + 1);
-    Held& held = held_[capture.slot];
-    held.held = true;
-    held.objects_captured = false;
-    held.camera = eye;
-    objects_of(capture.entity, held.objects);
+    hold(capture);
     ++stats.captures;
     const double before_ms = watch.ms();
-    this->capture(i, held.objects);
+    this->capture(i, held_[capture.slot].objects);
     cost += capture.cost;
     if (capture.once) continue;  // without gaps it costs less
     priced_ms += watch.ms() - before_ms;
@@ -338,7 +391,7 @@ void SceneCache::capture_fallback(FrameStats& stats) {
   }
   fallback_.held = true;
   fallback_.objects_captured = false;
-  store_.write(kFallbackSlot, *picture);
+  store_.write(kFallbackSlot, *picture, store_.written_bits());
   if (const auto range = store_.delta_range(kFallbackSlot)) narrow_slab(fallback.geometry, *range);
   clock_.fallback.learn(unlimited_.cost.fallback_texel * eye.width * eye.height, watch.ms());
   ++stats.captures;
@@ -387,8 +440,13 @@ void SceneCache::collect(FrameContent& content) {
 
 void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
   update_moving();
+  follow_options();
+  adopt_captures(camera, stats);
   plan(camera);
-  carry_out_captures(camera, stats);
+  if (policy_.beside)
+    order_captures();
+  else
+    carry_out_captures(camera, stats);
   capture_fallback(stats);
   commit(plan_, state_);
   collect(content);
@@ -430,6 +488,7 @@ void SceneCache::prepare_objects() {
   for (const DrawnPicture& drawn : plan_.pictures) {
     Held& held = held_[drawn.slot];
     if (held.objects.size() == 1 || held.objects_captured) continue;
+    if (beside_) beside_->finish();  // who probes may wait
     show_levels(held.objects, state_.slots[drawn.slot].level_error);
     store_.capture_objects(stored(drawn.slot), held.camera, held.objects);
     held.objects_captured = true;

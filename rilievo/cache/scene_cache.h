@@ -15,6 +15,7 @@
 
 #include "rilievo/cache/cache_pictures.h"
 #include "rilievo/cache/capture_clock.h"
+#include "rilievo/cache/captures_beside.h"
 #include "rilievo/cache/eye_motion.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/capture/capture_by.h"
@@ -33,9 +34,11 @@ struct ImageCacheOptions {
   double error_px = 1;  // the largest error bound of a picture that is drawn
   double gap_px = 0;    // as CacheOptions::gap_px
   std::size_t max_bytes = std::size_t(256) << 20;  // of pictures
-  // Time for captures per frame, by the clock. Where the rasteriser captures, pictures for which it
-  // does not suffice are late, and what has none is in a coarse picture by rays (policy.h,
-  // Fallback). 0: limited by CacheOptions::capture_triangles, which makes runs reproducible.
+  // Time for captures per frame, by the clock. Where the rasteriser captures, it does so beside the
+  // frames, which do not wait for it: so much is on its way at any time. Pictures that do not come
+  // in time are late, and what has none is in a coarse picture by rays (policy.h, Fallback). 0:
+  // captures are part of the frame that needs them, limited by CacheOptions::capture_triangles,
+  // which makes runs reproducible.
   double capture_ms = 0;
   // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
   // by the costs that the planner compares, shows what costs most, after a cut for instance, in a
@@ -122,10 +125,14 @@ class SceneCache {
   void show_polygon_levels();
   void add_drawable(ObjectDrawable drawable, FrameContent& content);
   void update_moving();
+  void follow_options();
   void plan(const Camera& camera);
   void set_budget();
   [[nodiscard]] bool may_spike() const;
   void capture(std::size_t index, const std::vector<std::uint32_t>& objects);
+  void order_captures();
+  void adopt_captures(const Camera& camera, FrameStats& stats);
+  void hold(const Capture& capture);
   void carry_out_captures(const Camera& camera, FrameStats& stats);
   void capture_fallback(FrameStats& stats);
   void collect(FrameContent& content);
@@ -164,10 +171,12 @@ class SceneCache {
   double cost_per_ms_ = 0;  // of captures: Capture::cost, measured
   // Where captures have a budget of time:
   CaptureClock clock_;
-  CacheOptions unlimited_;                 // policy_ without such a budget
-  bool casts_ = false;                     // has coarse_ been asked for?
-  std::unique_ptr<CoarseCapture> coarse_;  // null: not yet, or memory did not suffice
-  Held fallback_;                          // of the last frame
+  CacheOptions unlimited_;                  // policy_ without such a budget
+  bool casts_ = false;                      // has coarse_ been asked for?
+  std::unique_ptr<CoarseCapture> coarse_;   // null: not yet, or memory did not suffice
+  std::unique_ptr<CapturesBeside> beside_;  // null: nothing has been ordered yet
+  std::vector<std::uint32_t> ordered_objects_, gone_;
+  Held fallback_;  // of the last frame
 };
 
 }  // namespace rilievo

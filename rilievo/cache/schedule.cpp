@@ -58,7 +58,7 @@ bool make_room(FramePlanner& planner, std::uint64_t bytes, Entity e) {
     if (!planner.scratch.dropped[idle.back()]) planner.drop(idle.back());
     idle.pop_back();
   }
-  if (!fits())
+  if (!fits() && !planner.options.beside)
     if (const Picture* old = planner.picture_of(planner.state.current, e))
       planner.drop(planner.slot_of(old));
   return fits();
@@ -86,8 +86,9 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
     ++planner.plan.starved;
     return false;
   }
-  // Captured again before its last fade was over: the eldest goes.
-  if (const Picture* eldest = planner.picture_of(planner.state.previous, e))
+  // Captured again before its last fade was over: the eldest goes; of what comes later, then.
+  if (const Picture* eldest = planner.picture_of(planner.state.previous, e);
+      eldest && !options.beside)
     planner.drop(planner.slot_of(eldest));
   Capture made;
   made.slot = new_slot(planner);
@@ -98,6 +99,8 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   made.cost = cost;
   made.several = planner.several(e);
   made.once = estimated.once;
+  if (options.beside)
+    made.order = planner.state.orders + std::uint32_t(planner.plan.captures.size()) + 1;
 
   Picture& picture = made.picture;
   picture.entity = e;
@@ -114,8 +117,9 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   picture.used = picture.fade_start = planner.state.frame;
   // A short life has little time to be replaced in.
   const double life = (1 + options.anticipation) * estimated.life;
-  picture.lead =
-      std::uint16_t(std::clamp(life / 6, 1.0, double(options.fade_frames + options.spread_frames)));
+  const double latency = options.beside ? planner.state.latency : 0;
+  picture.lead = std::uint16_t(
+      std::clamp(life / 6 + latency, 1.0, double(options.fade_frames + options.spread_frames)));
   // Of a frame that begins with polygons all over, only some fade.
   const Picture* old = planner.picture_of(planner.state.current, e);
   const bool over_pictures = planner.valid(old) || planner.pictures_cover_below(e);
@@ -130,7 +134,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   planner.plan.bytes += bytes;
   planner.plan.captured_triangles += made.triangles;
   planner.plan.captures.push_back(made);
-  planner.scratch.captured[e] = std::uint32_t(planner.plan.captures.size());
+  if (!options.beside) planner.scratch.captured[e] = std::uint32_t(planner.plan.captures.size());
   return true;
 }
 
@@ -145,6 +149,7 @@ double fitting_scale(const FramePlanner& planner) {
 double even_pace(std::span<const PlanScratch::Request> requests) {
   double sum = 0, pace = 0;
   for (const auto& request : requests) {
+    if (request.ordered) continue;
     sum += double(request.cost);
     pace = std::max(pace, sum / std::max(1.0, double(request.deadline)));
   }
@@ -155,8 +160,9 @@ double even_pace(std::span<const PlanScratch::Request> requests) {
 // What does not fit waits, so that dear captures do not keep cheap ones from being made.
 void schedule_in_time(FramePlanner& planner, double credit) {
   const double budget = planner.options.capture_cost;
-  double spent = 0;
+  double spent = planner.options.beside ? planner.state.ordered_cost : 0;
   for (const auto& request : planner.scratch.requests) {
+    if (request.ordered) continue;
     const double cost = request.cost;
     if (request.deadline > 0 && credit < cost) break;
     if (spent > 0 && spent + cost > budget) continue;
@@ -172,7 +178,8 @@ void schedule_in_time(FramePlanner& planner, double credit) {
       planner.scratch.fallback[request.entity] = 1;
       pixels += covered_pixels(planner.view, planner.box_of(request.entity));
     }
-  planner.fallback_scale = fallback_scale(planner.view, pixels, budget - spent, planner.options);
+  const double left = planner.options.beside ? budget : budget - spent;
+  planner.fallback_scale = fallback_scale(planner.view, pixels, left, planner.options);
 }
 
 }  // namespace

@@ -44,11 +44,26 @@ class RasterSource final : public CaptureSource {
     rasterizer_.draw(camera, objects, placed_.poses(), samples, picture_);
     return picture_;
   }
-  // The last picture that was drawn.
+  // The last picture that was drawn so.
   [[nodiscard]] const RasterPicture& picture() const { return picture_; }
   [[nodiscard]] const std::vector<float>& draw_farthest(const Camera& camera,
                                                         std::span<const std::uint32_t> objects) {
     rasterizer_.draw_farthest(camera, objects, placed_.poses(), farthest_);
+    return farthest_;
+  }
+  // In two steps, of which the second needs no objects and may run beside other threads' place():
+  // only one thread draws.
+  void place(const Camera& camera, std::span<const std::uint32_t> objects,
+             std::vector<PlacedMesh>& placed) const {
+    rasterizer_.place(camera, objects, placed_.poses(), placed);
+  }
+  void draw(const Camera& camera, std::span<const PlacedMesh> placed, int samples,
+            RasterPicture& picture) {
+    rasterizer_.draw(camera, placed, samples, picture);
+  }
+  [[nodiscard]] const std::vector<float>& draw_farthest(const Camera& camera,
+                                                        std::span<const PlacedMesh> placed) {
+    rasterizer_.draw_farthest(camera, placed, farthest_);
     return farthest_;
   }
   [[nodiscard]] const ObjectPicture& draw_objects(const Camera& camera,

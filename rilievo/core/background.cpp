@@ -2,49 +2,48 @@
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <utility>
 
+#include "rilievo/core/happens.h"
+
 namespace rilievo {
 
-// ThreadSanitizer knows the mutex, but not TBB: this file is not instrumented there, as
-// parallel_for.cpp.
-struct Background::State : std::enable_shared_from_this<State> {
+struct Background::State {
   std::mutex mutex;  // held for the queue alone
   std::condition_variable done;
   std::deque<std::function<void()>> tasks;
   bool busy = false;
-  tbb::task_arena arena{tbb::task_arena::automatic, 0, tbb::task_arena::priority::low};
+  char handed_over = 0;  // for ThreadSanitizer, which knows the mutex but not TBB
+  // Of all threads but the caller's, which TBB does not count as a worker.
+  tbb::task_arena arena{std::max(1, tbb::this_task_arena::max_concurrency() - 1), 0,
+                        tbb::task_arena::priority::low};
 
-  // TBB may still hold its task when the last one of ours is done: it shares the state.
-  void begin() {
-    arena.enqueue([state = shared_from_this()] { state->run_next(); });
-  }
-  void run_next() {
-    std::function<void()> task;
-    {
-      const std::lock_guard lock(mutex);
-      task = std::move(tasks.front());
+  ~State() { detail::happens_after(handed_over); }
+
+  void run_all() {
+    std::unique_lock lock(mutex);
+    while (!tasks.empty()) {
+      std::function<void()> task = std::move(tasks.front());
       tasks.pop_front();
+      lock.unlock();
+      task();
+      task = nullptr;
+      lock.lock();
     }
-    task();
-    task = nullptr;
-    {
-      const std::lock_guard lock(mutex);
-      if (tasks.empty()) {
-        busy = false;
-        done.notify_all();
-        return;
-      }
-    }
-    begin();  // not at once: whoever needs this thread more takes it in between
+    busy = false;
+    done.notify_all();
   }
 };
 
 Background::Background() : state_(std::make_shared<State>()) {}
-Background::~Background() { wait(); }
+Background::~Background() {
+  wait();
+  detail::happens_before(state_->handed_over);
+}
 
 void Background::run(std::function<void()> task) {
   {
@@ -52,7 +51,13 @@ void Background::run(std::function<void()> task) {
     state_->tasks.push_back(std::move(task));
     if (std::exchange(state_->busy, true)) return;
   }
-  state_->begin();
+  // It shares the state, which must not go before it is over.
+  detail::happens_before(state_->handed_over);
+  state_->arena.enqueue([state = state_] {
+    detail::happens_after(state->handed_over);
+    state->run_all();
+    detail::happens_before(state->handed_over);
+  });
 }
 
 void Background::wait() {

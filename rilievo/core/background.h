@@ -1,8 +1,7 @@
-// How does work run beside what a thread does, without taking cores from it?
+// How does work run beside what a thread does, by the same workers?
 //
-// On the threads of parallel_for, when no other parallel_for needs them: a task that has begun
-// keeps its thread, and the next one begins when a thread has nothing else to do. So no more
-// threads run than there are cores.
+// On a thread of parallel_for, from when it has nothing else to do until all tasks are done. So no
+// more threads run than there are cores, and whoever wants frames to stay fast gives it little.
 #pragma once
 
 #include <functional>

@@ -2,30 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include "rilievo/core/happens.h"
 #include "rilievo/core/on_this_thread.h"
-
-// ThreadSanitizer does not see how TBB, a library that is not instrumented, orders its tasks: that
-// each starts after it was handed out, and that parallel_for ends after all of them. Under
-// ThreadSanitizer this file is not instrumented either (CMakeLists.txt), and tells just that, and
-// nothing about two tasks, whose races are to be found.
-#ifdef RILIEVO_THREAD_SANITIZER
-#include <sanitizer/tsan_interface.h>
-#endif
 
 namespace rilievo::detail {
 namespace {
-
-void happens_before([[maybe_unused]] char& what) {
-#ifdef RILIEVO_THREAD_SANITIZER
-  __tsan_release(&what);
-#endif
-}
-
-void happens_after([[maybe_unused]] char& what) {
-#ifdef RILIEVO_THREAD_SANITIZER
-  __tsan_acquire(&what);
-#endif
-}
 
 thread_local bool on_this_thread = false;
 
@@ -36,6 +17,7 @@ void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), co
     for (std::size_t i = 0; i < count; ++i) piece(body, i);
     return;
   }
+  // Each piece starts after it was handed out, and parallel_for ends after all of them.
   char begun = 0, done = 0;
   happens_before(begun);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {

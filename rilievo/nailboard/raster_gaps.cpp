@@ -4,12 +4,11 @@
 
 namespace rilievo {
 
-GapTable raster_gaps(RasterSource& source, const Camera& camera,
-                     std::span<const std::uint32_t> objects) {
-  const RasterPicture& picture = source.picture();
+GapTable raster_gaps(const RasterPicture& picture, std::span<const float> farthest,
+                     const Camera& camera) {
   RILIEVO_EXPECTS(picture.width == camera.width && picture.height == camera.height);
   return make_gap_table(eye_z_from_window_z(picture.depth, camera),
-                        eye_z_from_window_z(source.draw_farthest(camera, objects), camera));
+                        eye_z_from_window_z(farthest, camera));
 }
 
 }  // namespace rilievo

@@ -1,16 +1,17 @@
 // How wide is the strip that a picture is missing, if the rasteriser has captured it?
 #pragma once
 
-#include <cstdint>
 #include <span>
 
-#include "rilievo/capture/raster_source.h"
+#include "rilievo/core/camera.h"
 #include "rilievo/nailboard/gap_table.h"
+#include "rilievo/render/raster/raster_picture.h"
 
 namespace rilievo {
 
-// The gap table of the picture of `objects` that `source` has drawn last.
-[[nodiscard]] GapTable raster_gaps(RasterSource& source, const Camera& camera,
-                                   std::span<const std::uint32_t> objects);
+// The gap table of a picture that `camera` has captured of some objects, of whose farthest surfaces
+// the window_z are known (PictureRasterizer::draw_farthest).
+[[nodiscard]] GapTable raster_gaps(const RasterPicture& picture, std::span<const float> farthest,
+                                   const Camera& camera);
 
 }  // namespace rilievo

@@ -39,7 +39,7 @@ double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, CachePict
     [[maybe_unused]] const bool room = store.allocate(0, camera.width, camera.height);
     const RasterPicture* picture = coarse.capture(camera, 0.5f, objects);
     RILIEVO_EXPECTS(room && picture);
-    store.write(0, *picture);
+    store.write(0, *picture, store.written_bits());
     least_ms = std::min(least_ms, watch.ms());
     store.free(0);
   }

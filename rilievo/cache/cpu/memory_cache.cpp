@@ -55,7 +55,7 @@ class MemoryCache::Store final : public CachePictures {
   [[nodiscard]] std::uint64_t max_texels() const override { return max_bytes_ / kTexelBytes; }
   [[nodiscard]] std::size_t bytes() const override { return bytes_; }
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::software; }
-  [[nodiscard]] bool rasterizes() const override { return true; }
+  [[nodiscard]] RasterSource* rasterizer() override { return &source_; }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
     const std::size_t bytes = bytes_of(width, height);
@@ -80,12 +80,17 @@ class MemoryCache::Store final : public CachePictures {
     write(slot, source_.draw(camera, objects, samples_), delta_bits_);
   }
   [[nodiscard]] int written_bits() const override { return 16; }
-  void write(std::uint32_t slot, const RasterPicture& picture) override {
-    write(slot, picture, written_bits());
+  void write(std::uint32_t slot, const RasterPicture& picture, int delta_bits) override {
+    encode_picture(picture, delta_bits, encoded_);
+    slots_[slot]->assign(picture.width, picture.height, picture.color, encoded_, delta_bits);
+    if (slot >= ranges_.size()) ranges_.resize(slot + 1);
+    ranges_[slot] = rilievo::delta_range({encoded_.blocks.data(), nullptr,
+                                          std::size_t(blocks_across(picture.width)), 0,
+                                          picture.width, picture.height});
   }
   [[nodiscard]] GapTable gaps(const Camera& camera,
                               std::span<const std::uint32_t> objects) override {
-    return raster_gaps(source_, camera, objects);
+    return raster_gaps(source_.picture(), source_.draw_farthest(camera, objects), camera);
   }
   [[nodiscard]] std::optional<DeltaRange> delta_range(std::uint32_t slot) override {
     return ranges_[slot];
@@ -103,14 +108,6 @@ class MemoryCache::Store final : public CachePictures {
   }
 
  private:
-  void write(std::uint32_t slot, const RasterPicture& picture, int delta_bits) {
-    encode_picture(picture, delta_bits, encoded_);
-    slots_[slot]->assign(picture.width, picture.height, picture.color, encoded_, delta_bits);
-    if (slot >= ranges_.size()) ranges_.resize(slot + 1);
-    ranges_[slot] = rilievo::delta_range({encoded_.blocks.data(), nullptr,
-                                          std::size_t(blocks_across(picture.width)), 0,
-                                          picture.width, picture.height});
-  }
   [[nodiscard]] static std::size_t bytes_of(int width, int height) {
     const int stride = (width + kRowPadding) / kRowPadding * kRowPadding;
     return std::size_t(stride) * std::size_t(height + 2) * kTexelBytes;

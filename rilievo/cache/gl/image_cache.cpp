@@ -26,7 +26,7 @@ class ImageCache::Store final : public CachePictures {
   }
   [[nodiscard]] std::size_t bytes() const override { return pictures_.set().bytes(); }
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::opengl; }
-  [[nodiscard]] bool rasterizes() const override { return pictures_.rasterizes(); }
+  [[nodiscard]] RasterSource* rasterizer() override { return pictures_.rasterizer(); }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
     if (slot >= slots_.size()) slots_.resize(slot + 1);
@@ -42,7 +42,7 @@ class ImageCache::Store final : public CachePictures {
     pictures_.capture(camera, objects, *slots_[slot]);
   }
   [[nodiscard]] int written_bits() const override { return pictures_.set().atlas().delta_bits(); }
-  void write(std::uint32_t slot, const RasterPicture& picture) override {
+  void write(std::uint32_t slot, const RasterPicture& picture, int) override {
     pictures_.set().atlas().write(*slots_[slot], picture);
   }
   [[nodiscard]] GapTable gaps(const Camera& camera,
@@ -100,7 +100,8 @@ Result<ImageCache> ImageCache::create(SceneRenderer& renderer, const ImageCacheO
   Result<std::unique_ptr<Store>> store = make_store(renderer, options);
   if (!store) return store.error();
   if (options.machine)
-    if (Result<> known = expect_costs(*options.machine, DrawnBy::opengl, (*store)->rasterizes());
+    if (Result<> known =
+            expect_costs(*options.machine, DrawnBy::opengl, (*store)->rasterizer() != nullptr);
         !known)
       return known.error();
   return ImageCache(renderer, std::move(*store), options);

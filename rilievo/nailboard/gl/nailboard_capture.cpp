@@ -32,7 +32,8 @@ void NailboardCapture::capture(const Camera& camera, std::span<const std::uint32
 }
 
 GapTable NailboardCapture::gaps(const Camera& camera, std::span<const std::uint32_t> objects) {
-  if (rasterizer_) return raster_gaps(*rasterizer_, camera, objects);
+  if (rasterizer_)
+    return raster_gaps(rasterizer_->picture(), rasterizer_->draw_farthest(camera, objects), camera);
   const Result<Image<float>> nearest = capture_nearest(*renderer_, camera, objects);
   const Result<Image<float>> farthest = capture_farthest(*renderer_, camera, objects);
   if (!nearest.ok() || !farthest.ok()) return unknown_gaps(camera);

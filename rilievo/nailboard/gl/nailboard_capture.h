@@ -31,6 +31,7 @@ class NailboardCapture {
   [[nodiscard]] const NailboardSet& set() const { return *set_; }
   [[nodiscard]] NailboardAtlas& atlas() { return set_->atlas(); }
   [[nodiscard]] bool rasterizes() const { return rasterizer_ != nullptr; }
+  [[nodiscard]] RasterSource* rasterizer() { return rasterizer_.get(); }  // null: OpenGL captures
 
   // Captures `objects` (opaque parts) as the renderer has placed them into the slot, whose size is
   // the camera's. Changes the bound framebuffer and viewport.

@@ -11,7 +11,13 @@ namespace rilievo {
 void FrameRaster::place(const Camera& camera, std::span<const std::uint32_t> objects,
                         std::span<const glm::mat4> poses) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
-  place_meshes(scene_, materials_, camera.position(), objects, poses, placed_);
+  find_places(camera, objects, poses, placed_);
+  make_instances(camera, placed_, instances_, masks_);
+}
+
+void FrameRaster::place(const Camera& camera, std::span<const PlacedMesh> placed) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  placed_.assign(placed.begin(), placed.end());
   make_instances(camera, placed_, instances_, masks_);
 }
 

@@ -35,6 +35,12 @@ class FrameRaster final : public FrameVisibility {
   // Places the opaque and masked parts of `objects` by `poses` (of all objects), in this order.
   void place(const Camera& camera, std::span<const std::uint32_t> objects,
              std::span<const glm::mat4> poses);
+  // In two steps, of which the first uses none of the buffers.
+  void find_places(const Camera& camera, std::span<const std::uint32_t> objects,
+                   std::span<const glm::mat4> poses, std::vector<PlacedMesh>& placed) const {
+    place_meshes(scene_, materials_, camera.position(), objects, poses, placed);
+  }
+  void place(const Camera& camera, std::span<const PlacedMesh> placed);
   // Makes fill() find the farthest surfaces, back faces included, with a depth of 1 - window_z.
   // Until the next place(). What lies beyond the far plane is then drawn on it.
   void keep_farthest();

@@ -13,9 +13,9 @@ struct PictureRasterizer::State {
   std::vector<float> farthest;
 
   explicit State(const Scene& scene) : raster(scene) {}
-  void draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
-                     std::span<const glm::mat4> poses, NearPlane near_plane,
-                     std::vector<float>& depth);
+  // Of what is placed.
+  void draw(const Camera& camera, int samples, RasterPicture& picture);
+  void draw_farthest(const Camera& camera, NearPlane near_plane, std::vector<float>& depth);
 };
 
 Image<float> eye_z_from_window_z(std::span<const float> window_z, const Camera& camera) {
@@ -41,11 +41,13 @@ PictureRasterizer::PictureRasterizer(PictureRasterizer&&) noexcept = default;
 PictureRasterizer& PictureRasterizer::operator=(PictureRasterizer&&) noexcept = default;
 PictureRasterizer::~PictureRasterizer() = default;
 
-void PictureRasterizer::State::draw_farthest(const Camera& camera,
-                                             std::span<const std::uint32_t> objects,
-                                             std::span<const glm::mat4> poses, NearPlane near_plane,
+void PictureRasterizer::State::draw(const Camera& camera, int samples, RasterPicture& picture) {
+  raster.fill(camera, samples, NearPlane::clamps);
+  shader.shade(raster.view(camera), picture);
+}
+
+void PictureRasterizer::State::draw_farthest(const Camera& camera, NearPlane near_plane,
                                              std::vector<float>& depth) {
-  raster.place(camera, objects, poses);
   raster.keep_farthest();
   raster.fill(camera, 1, near_plane);
   depth.resize(std::size_t(camera.width) * std::size_t(camera.height));
@@ -58,13 +60,21 @@ void PictureRasterizer::State::draw_farthest(const Camera& camera,
 
 void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
                                       std::span<const glm::mat4> poses, std::vector<float>& depth) {
-  state_->draw_farthest(camera, objects, poses, NearPlane::clamps, depth);
+  state_->raster.place(camera, objects, poses);
+  state_->draw_farthest(camera, NearPlane::clamps, depth);
+}
+
+void PictureRasterizer::draw_farthest(const Camera& camera, std::span<const PlacedMesh> placed,
+                                      std::vector<float>& depth) {
+  state_->raster.place(camera, placed);
+  state_->draw_farthest(camera, NearPlane::clamps, depth);
 }
 
 Image<float> PictureRasterizer::capture_farthest(const Camera& camera,
                                                  std::span<const std::uint32_t> objects,
                                                  std::span<const glm::mat4> poses) {
-  state_->draw_farthest(camera, objects, poses, NearPlane::cuts, state_->farthest);
+  state_->raster.place(camera, objects, poses);
+  state_->draw_farthest(camera, NearPlane::cuts, state_->farthest);
   return eye_z_from_window_z(state_->farthest, camera);
 }
 
@@ -81,10 +91,20 @@ std::size_t PictureRasterizer::texture_bytes() const { return state_->raster.mat
 void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t> objects,
                              std::span<const glm::mat4> poses, int samples,
                              RasterPicture& picture) {
-  FrameRaster& raster = state_->raster;
-  raster.place(camera, objects, poses);
-  raster.fill(camera, samples, NearPlane::clamps);
-  state_->shader.shade(raster.view(camera), picture);
+  state_->raster.place(camera, objects, poses);
+  state_->draw(camera, samples, picture);
+}
+
+void PictureRasterizer::place(const Camera& camera, std::span<const std::uint32_t> objects,
+                              std::span<const glm::mat4> poses,
+                              std::vector<PlacedMesh>& placed) const {
+  state_->raster.find_places(camera, objects, poses, placed);
+}
+
+void PictureRasterizer::draw(const Camera& camera, std::span<const PlacedMesh> placed, int samples,
+                             RasterPicture& picture) {
+  state_->raster.place(camera, placed);
+  state_->draw(camera, samples, picture);
 }
 
 DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std::uint32_t> objects,

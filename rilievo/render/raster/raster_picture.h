@@ -57,6 +57,15 @@ class PictureRasterizer {
   void draw(const Camera& camera, std::span<const std::uint32_t> objects,
             std::span<const glm::mat4> poses, int samples, RasterPicture& picture);
 
+  // In two steps: where are the parts of such objects now? draw() and draw_farthest() then read
+  // neither objects nor poses, and may run while these change; place() may run while they do.
+  void place(const Camera& camera, std::span<const std::uint32_t> objects,
+             std::span<const glm::mat4> poses, std::vector<PlacedMesh>& placed) const;
+  void draw(const Camera& camera, std::span<const PlacedMesh> placed, int samples,
+            RasterPicture& picture);
+  void draw_farthest(const Camera& camera, std::span<const PlacedMesh> placed,
+                     std::vector<float>& depth);
+
   // Draws the object identifiers of the same picture at the texels' centres.
   void draw_objects(const Camera& camera, std::span<const std::uint32_t> objects,
                     std::span<const glm::mat4> poses, ObjectPicture& picture);
