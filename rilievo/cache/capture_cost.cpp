@@ -26,6 +26,7 @@ constexpr double kWidest = 2.5;
 constexpr double kApproach = 0.3;
 // And it goes away by at most this share, so that kMostMinified is not reached before.
 constexpr double kRecede = 0.4;
+constexpr double kShortestLife = 2;  // frames; what lives shorter is captured for one frame
 
 std::array<ViewAxes::Plane, 5> sides_of(const Camera& camera) {
   const glm::dvec3 eye = camera.position();

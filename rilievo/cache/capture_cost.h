@@ -33,9 +33,6 @@ struct ViewAxes {
 // Does the box intersect the frustum? Conservative: false only if it does not.
 [[nodiscard]] bool may_see(const std::array<ViewAxes::Plane, 5>& frustum, const Box& box);
 
-// What lives shorter is captured for one frame; frames.
-inline constexpr double kShortestLife = 2;
-
 // The estimate for one picture. Costs are in triangles.
 struct CaptureCost {
   bool possible = false;         // not too near, not too large

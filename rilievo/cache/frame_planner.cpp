@@ -100,13 +100,8 @@ CaptureCost FramePlanner::estimate(Entity e, const Level& level) const {
       estimate_capture_cost(view, box_of(e), level.triangles, drift_of(e), options,
                             expected_range(e), expected_life_share(e), level.px);
   estimated.level_error = level.error;
-  if (options.beside && estimated.possible) {
-    // It comes when a part of its life is over.
-    const double whole = (1 + options.anticipation) * estimated.life;
-    const double rest = whole - state.latency;
-    estimated.possible = !estimated.once && rest >= kShortestLife;
-    if (estimated.possible) estimated.life *= rest / whole;
-  }
+  // It would come when its frame is over.
+  if (options.beside && estimated.once) estimated.possible = false;
   return estimated;
 }
 
@@ -315,8 +310,8 @@ bool FramePlanner::request(Entity e, double deadline, bool covered) {
   if (at_hand) {
     // The fade takes place while the old picture still holds.
     const PlanScratch::Checked& checked = check(slot_of(picture));
-    const double fade = fade_length(picture->lead, options);
-    deadline = std::max(0.0, checked.remaining - fade - (options.beside ? state.latency : 0));
+    const double fade = fade_length(int(picture->lead - latency()), options);
+    deadline = std::max(0.0, checked.remaining - fade - latency());
     if (checked.late)
       deadline = 1 - std::max(checked.now_px / limit_px(*picture, options),
                               checked.gap_px / gap_limit_px(options));

@@ -117,9 +117,9 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   picture.used = picture.fade_start = planner.state.frame;
   // A short life has little time to be replaced in.
   const double life = (1 + options.anticipation) * estimated.life;
-  const double latency = options.beside ? planner.state.latency : 0;
-  picture.lead = std::uint16_t(
-      std::clamp(life / 6 + latency, 1.0, double(options.fade_frames + options.spread_frames)));
+  const double lead =
+      std::clamp(life / 6, 1.0, double(options.fade_frames + options.spread_frames));
+  picture.lead = std::uint16_t(lead + planner.latency());
   // Of a frame that begins with polygons all over, only some fade.
   const Picture* old = planner.picture_of(planner.state.current, e);
   const bool over_pictures = planner.valid(old) || planner.pictures_cover_below(e);
@@ -128,7 +128,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   if (planner.late(old))
     picture.fade_length = 1;  // what is late is shown no longer than it must be
   else if (over_pictures || (over_polygons && planner.faded_triangles <= kMaxFadedTriangles))
-    picture.fade_length = std::uint16_t(fade_length(picture.lead, options));
+    picture.fade_length = std::uint16_t(fade_length(int(lead), options));
   picture.held = true;
 
   planner.plan.bytes += bytes;
@@ -164,7 +164,8 @@ void schedule_in_time(FramePlanner& planner, double credit) {
   for (const auto& request : planner.scratch.requests) {
     if (request.ordered) continue;
     const double cost = request.cost;
-    if (request.deadline > 0 && credit < cost) break;
+    // What costs more than a budget would wait for ever, and all after it.
+    if (request.deadline > 0 && credit < std::min(cost, budget)) break;
     if (spent > 0 && spent + cost > budget) continue;
     if (!capture(planner, request.entity, cost)) continue;
     credit = std::max(0.0, credit - cost);
