@@ -62,9 +62,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->type_name("E");
   command
       .add_option("--capture-ms", options.capture_ms,
-                  "cache: time for captures per frame, in ms; what is late is drawn with a larger "
-                  "error (default: a "
-                  "budget of triangles instead, which makes runs repeatable)")
+                  "cache: time for captures beside the frame, in ms, which does not wait for them; "
+                  "what is late is drawn with a larger error (default: captures are part of the "
+                  "frame, within a budget of triangles, which makes runs repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command
