@@ -85,6 +85,7 @@ class SceneCache {
                         std::unique_ptr<DrawableFactory> factory,
                         std::vector<std::uint32_t> objects, FrameContent& content);
   void invalidate(FrameContent& content);
+  void finish_captures();
   void invalidate_object(std::uint32_t object);
 
   // Plans a frame of the scene as it is placed now, captures, and fills `content`, which is
@@ -111,6 +112,10 @@ class SceneCache {
   [[nodiscard]] std::vector<Shown> shown() const;
 
  private:
+  // The store's slots: the fallback's, then those of the plan.
+  static constexpr std::uint32_t kFallbackSlot = 0;
+  static std::uint32_t stored(std::uint32_t slot) { return slot + 1; }
+
   struct Held {
     bool held = false;
     bool objects_captured = false;  // identifiers, for probes

@@ -170,6 +170,7 @@ void MemoryCache::add_surroundings(std::unique_ptr<Drawable> drawable,
   cache_->add_surroundings(std::move(drawable), std::move(factory), std::move(objects), content());
 }
 void MemoryCache::invalidate() { cache_->invalidate(content()); }
+void MemoryCache::finish_captures() { cache_->finish_captures(); }
 void MemoryCache::invalidate_object(std::uint32_t object) { cache_->invalidate_object(object); }
 ImageCacheOptions& MemoryCache::options() { return cache_->options(); }
 std::vector<SceneCache::Shown> MemoryCache::shown() const { return cache_->shown(); }

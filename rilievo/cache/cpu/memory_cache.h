@@ -36,6 +36,7 @@ class MemoryCache final : public SoftwareFrames {
                         std::unique_ptr<DrawableFactory> factory,
                         std::vector<std::uint32_t> objects);
   void invalidate();
+  void finish_captures();
   void invalidate_object(std::uint32_t object);
   [[nodiscard]] ImageCacheOptions& options();
   [[nodiscard]] std::vector<SceneCache::Shown> shown() const;

@@ -135,7 +135,7 @@ TEST(MemoryCacheBeside, frames_do_not_wait_and_become_fine) {
 
 // Things move, change and are looked up, and levels are shown, while captures are on their way.
 TEST(MemoryCacheBeside, captures_go_on_while_things_change) {
-  const auto made = make_builtin("builtin:bridge?triangles=100000");
+  auto made = make_builtin("builtin:bridge?triangles=100000");
   ASSERT_TRUE(made.ok());
   for (const bool levels : {false, true}) {
     ImageCacheOptions options;
@@ -155,7 +155,11 @@ TEST(MemoryCacheBeside, captures_go_on_while_things_change) {
         EXPECT_TRUE(frames.cache->draw_objects().ok());
       }
       if (frame % 11 == 10) frames.cache->invalidate_object(std::uint32_t(frame));
-      if (frame == 30) frames.cache->invalidate();
+      if (frame == 30) {
+        frames.cache->finish_captures();
+        for (Light& light : made->scene.lights) light.intensity *= 0.5f;
+        frames.cache->invalidate();
+      }
       // Captured in the frame again, while others are on their way; and back.
       frames.cache->options().capture_ms = frame % 20 < 15 ? 4 : 0;
       if (frame % 3) std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -119,6 +119,7 @@ void ImageCache::add_surroundings(std::unique_ptr<Drawable> drawable,
 }
 
 void ImageCache::invalidate() { cache_->invalidate(content()); }
+void ImageCache::finish_captures() { cache_->finish_captures(); }
 void ImageCache::invalidate_object(std::uint32_t object) { cache_->invalidate_object(object); }
 ImageCacheOptions& ImageCache::options() { return cache_->options(); }
 void ImageCache::prepare_objects() { cache_->prepare_objects(); }

@@ -47,6 +47,9 @@ class ImageCache final : public SceneFrames {
 
   // Drops all pictures and baked representations, because the light has changed.
   void invalidate();
+  // Waits for captures beside the frames (capture_ms), which read the scene: before the light
+  // changes.
+  void finish_captures();
   // Drops the pictures and baked representations of one object (index into Scene::objects).
   void invalidate_object(std::uint32_t object);
 
