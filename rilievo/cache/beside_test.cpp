@@ -1,4 +1,4 @@
-// Captures that come some frames after they were ordered (CacheOptions::beside).
+// Captures that come some frames after they were ordered (CacheOptions::capture_cost).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,25 +32,10 @@ struct BesideLoop {
       Capture capture = orders.front().capture;
       orders.pop_front();
       const bool wanted = is_wanted(capture, run.state);
-      const std::size_t nodes = scene.tree.nodes.size();
-      const bool moves = capture.entity >= nodes;
-      RigidMotion motion;
-      if (moves)
-        motion.now_from_then = moving[capture.entity - nodes].world_from_object *
-                               glm::inverse(capture.picture.world_from_object);
-      std::vector<std::uint32_t> gone;
       const std::optional<DeltaRange> range =
           rng() % 20 ? std::optional(DeltaRange{0.1, 0.9}) : std::nullopt;
       none += !range;
-      const Box& box =
-          moves ? moving[capture.entity - nodes].box : scene.tree.nodes[capture.entity].box;
-      const bool good =
-          adopt_capture(capture, view.camera, box, motion, range, {}, options, run.state, gone);
-      for (const std::uint32_t slot : gone) ASSERT_EQ(run.textures.erase(slot), 1u);
-      if (good) {
-        ASSERT_TRUE(run.textures.insert(capture.slot).second);
-        ASSERT_EQ(run.state.current[capture.entity], capture.slot + 1);
-      }
+      const bool good = run.adopt(capture, scene.tree, moving, view, options, range);
       EXPECT_TRUE(wanted || !good);
       EXPECT_FALSE(is_wanted(capture, run.state));
       ++(good ? adopted : wanted ? refused : cancelled);
@@ -110,7 +95,6 @@ TEST(Beside, whatever_comes_late_each_object_is_drawn_once_within_the_bound) {
   for (const double budget : {1.0, 3'000.0, 40'000.0}) {
     CacheOptions options = rasterized_cache_options();
     options.capture_cost = budget;
-    options.beside = true;
     BesideLoop loop;
     std::mt19937 rng(6);
     int late = 0;
@@ -169,7 +153,6 @@ TEST(Beside, a_picture_is_drawn_from_the_frame_on_that_takes_it) {
   const PlanObjects forest = plant(40);
   CacheOptions options = rasterized_cache_options();
   options.capture_cost = 1e6;
-  options.beside = true;
   options.fade_frames = 1;
   BesideLoop loop;
   loop.slowest = 1;
@@ -190,7 +173,6 @@ TEST(Beside, pictures_are_ordered_as_much_earlier_as_they_take) {
   const PlanObjects forest = plant(300);
   CacheOptions options = rasterized_cache_options();
   options.capture_cost = 1e6;  // time suffices
-  options.beside = true;
   for (const int frames : {1, 8}) {
     BesideLoop loop;
     loop.fastest = loop.slowest = frames;

@@ -101,7 +101,7 @@ CaptureCost FramePlanner::estimate(Entity e, const Level& level) const {
                             expected_range(e), expected_life_share(e), level.px);
   estimated.level_error = level.error;
   // It would come when its frame is over.
-  if (options.beside && estimated.once) estimated.possible = false;
+  if (captures_beside(options) && estimated.once) estimated.possible = false;
   return estimated;
 }
 
@@ -444,7 +444,7 @@ void FramePlanner::draw(Entity e, float from, float to) {
 void FramePlanner::draw() {
   if (nodes() > 0) draw(0, 0, 1);
   for (Entity e = nodes(); e < plan.entities; ++e) draw(e, 0, 1);
-  if (!options.beside)
+  if (!captures_beside(options))
     for (const Capture& capture : plan.captures) plan.cost += capture.cost;
   limit_cost();
   if (state.usual_cost > 0)

@@ -88,7 +88,9 @@ struct FramePlanner {
   }
 
   // Frames from when a capture is asked for until its picture is there.
-  [[nodiscard]] double latency() const { return options.beside ? state.latency : 0; }
+  [[nodiscard]] double latency() const {
+    return captures_beside(options) ? std::min(state.latency, options.longest_life) : 0;
+  }
 
   // About slots. The picture of an entity; null if it has none or it has been dropped.
   [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,

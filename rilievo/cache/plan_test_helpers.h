@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -31,13 +32,45 @@ struct Loop {
   PlanScratch scratch;
   Plan plan;
   std::set<std::uint32_t> textures;  // slots whose pictures exist
+  std::vector<Capture> orders;       // made beside the last frame
 
+  // Enters one that is done. Is it good?
+  bool adopt(Capture capture, const Hierarchy& tree, std::span<const MovingObject> moving,
+             const FrameView& view, const CacheOptions& options,
+             const std::optional<DeltaRange>& range) {
+    RigidMotion motion;
+    const bool moves = capture.entity >= tree.nodes.size();
+    const Box& box =
+        moves ? moving[capture.entity - tree.nodes.size()].box : tree.nodes[capture.entity].box;
+    if (moves)
+      motion.now_from_then = moving[capture.entity - tree.nodes.size()].world_from_object *
+                             glm::inverse(capture.picture.world_from_object);
+    std::vector<std::uint32_t> gone;
+    const bool good =
+        adopt_capture(capture, view.camera, box, motion, range, {}, options, state, gone);
+    for (const std::uint32_t slot : gone) EXPECT_EQ(textures.erase(slot), 1u);
+    if (good) {
+      EXPECT_TRUE(textures.insert(capture.slot).second);
+      EXPECT_EQ(state.current[capture.entity], capture.slot + 1);
+    }
+    return good;
+  }
+
+  // What is ordered comes in the next frame.
   void frame(const Hierarchy& tree, std::span<const MovingObject> moving, const FrameView& view,
              const CacheOptions& options, const Alternatives& alternatives = {},
              const LevelTable& levels = {}) {
+    for (const Capture& capture : orders)
+      (void)adopt(capture, tree, moving, view, options, DeltaRange{});
+    orders.clear();
     plan_frame(tree, moving, state, view, options, scratch, plan, alternatives, levels);
     for (std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
-    for (const Capture& capture : plan.captures) ASSERT_TRUE(textures.insert(capture.slot).second);
+    for (const Capture& capture : plan.captures) {
+      if (capture.order != 0)
+        orders.push_back(capture);
+      else
+        ASSERT_TRUE(textures.insert(capture.slot).second);
+    }
     commit(plan, state);
   }
 };

@@ -73,16 +73,14 @@ struct CacheOptions {
   // cost without captures, by the CostModel. A frame that takes long for want of pictures then
   // takes twice as long at most, and those after it need not.
   double capture_share = 0;
-  // A budget of time instead: what all captures of a frame may cost, by the CostModel, however
-  // their objects would be drawn otherwise. What it does not suffice for is drawn from the picture
-  // at hand, which is late then, the latest being captured first; what has none is in
-  // Plan::fallback. A capture that costs more alone is made when nothing else is. Infinite: no such
-  // budget, nothing is late, and there is no fallback.
+  // A budget of time instead, by the CostModel, however objects would be drawn otherwise: captures
+  // are made beside the frames, and come when they are done (adopt_capture). Those that are on
+  // their way may cost so much together, and so may the frame's fallback. What has not come is
+  // drawn from the picture at hand, which is late then, the latest being captured first; what has
+  // none is in Plan::fallback. A capture that costs more alone is made when nothing else is, and
+  // nothing is captured for one frame alone. Infinite: no such budget, nothing is late, there is no
+  // fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
-  // With a budget of time: captures are made beside the frames, and come when they are done
-  // (adopt_capture). The budget is then for those that are on their way together, and again for the
-  // frame's fallback; nothing is captured for one frame alone.
-  bool beside = false;
   // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
   // its dearest polygons go into Plan::fallback, until it costs no more than they did; after a
   // jump of the eye, until it costs spike_floor (in triangles), which any frame may cost. From
@@ -125,9 +123,13 @@ struct CacheOptions {
   return gap_limit_px(options.error_px, options.gap_px);
 }
 
+// Are captures made beside the frames?
+[[nodiscard]] inline bool captures_beside(const CacheOptions& options) {
+  return options.capture_cost < std::numeric_limits<double>::infinity();
+}
 // The factor by which bounds may exceed their limits.
 [[nodiscard]] inline double late_factor(const CacheOptions& options) {
-  return options.capture_cost < std::numeric_limits<double>::infinity() ? options.late : 1;
+  return captures_beside(options) ? options.late : 1;
 }
 
 // Options for captures by the SIMD rasteriser (render/raster/raster_picture.h), with the pass over

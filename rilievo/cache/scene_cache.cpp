@@ -235,7 +235,6 @@ bool SceneCache::may_spike() const {
 // Of time, where captures are done when they return.
 void SceneCache::set_budget() {
   policy_.capture_cost = unlimited_.capture_cost;
-  policy_.beside = false;
   policy_.capture_triangles = unlimited_.capture_triangles;
   policy_.picture_triangles = unlimited_.picture_triangles;
   // Whoever limits what frames take wants none that takes twice as long, even where memory does not
@@ -251,7 +250,6 @@ void SceneCache::set_budget() {
   if (!(options_.capture_ms > 0)) return;
   if (coarse_) {
     clock_.set_budget(options_.capture_ms, unlimited_, policy_);
-    policy_.beside = true;
   } else if (cost_per_ms_ > 0) {
     policy_.capture_triangles =
         std::uint64_t(options_.capture_ms * cost_per_ms_ / policy_.cost.capture_triangle);
@@ -303,7 +301,7 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   follow_options();
   adopt_captures(camera, stats);
   plan(camera);
-  if (policy_.beside)
+  if (captures_beside(policy_))
     order_captures();
   else
     carry_out_captures(camera, stats);

@@ -58,7 +58,7 @@ bool make_room(FramePlanner& planner, std::uint64_t bytes, Entity e) {
     if (!planner.scratch.dropped[idle.back()]) planner.drop(idle.back());
     idle.pop_back();
   }
-  if (!fits() && !planner.options.beside)
+  if (!fits() && !captures_beside(planner.options))
     if (const Picture* old = planner.picture_of(planner.state.current, e))
       planner.drop(planner.slot_of(old));
   return fits();
@@ -88,7 +88,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   }
   // Captured again before its last fade was over: the eldest goes; of what comes later, then.
   if (const Picture* eldest = planner.picture_of(planner.state.previous, e);
-      eldest && !options.beside)
+      eldest && !captures_beside(options))
     planner.drop(planner.slot_of(eldest));
   Capture made;
   made.slot = new_slot(planner);
@@ -99,7 +99,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   made.cost = cost;
   made.several = planner.several(e);
   made.once = estimated.once;
-  if (options.beside)
+  if (captures_beside(options))
     made.order = planner.state.orders + std::uint32_t(planner.plan.captures.size()) + 1;
 
   Picture& picture = made.picture;
@@ -134,7 +134,7 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
   planner.plan.bytes += bytes;
   planner.plan.captured_triangles += made.triangles;
   planner.plan.captures.push_back(made);
-  if (!options.beside) planner.scratch.captured[e] = std::uint32_t(planner.plan.captures.size());
+  if (made.order == 0) planner.scratch.captured[e] = std::uint32_t(planner.plan.captures.size());
   return true;
 }
 
@@ -156,11 +156,12 @@ double even_pace(std::span<const PlanScratch::Request> requests) {
   return pace;
 }
 
-// Within a budget of time: what is late and what is missing first, then what the pace asks for.
+// Within a budget of time: what is late and what is missing first, then what the pace asks for; all
+// of it comes later.
 // What does not fit waits, so that dear captures do not keep cheap ones from being made.
 void schedule_in_time(FramePlanner& planner, double credit) {
   const double budget = planner.options.capture_cost;
-  double spent = planner.options.beside ? planner.state.ordered_cost : 0;
+  double spent = planner.state.ordered_cost;
   for (const auto& request : planner.scratch.requests) {
     if (request.ordered) continue;
     const double cost = request.cost;
@@ -175,12 +176,11 @@ void schedule_in_time(FramePlanner& planner, double credit) {
 
   double pixels = 0;  // of the fallback
   for (const auto& request : planner.scratch.requests)
-    if (request.due && !planner.scratch.captured[request.entity]) {
+    if (request.due) {
       planner.scratch.fallback[request.entity] = 1;
       pixels += covered_pixels(planner.view, planner.box_of(request.entity));
     }
-  const double left = planner.options.beside ? budget : budget - spent;
-  planner.fallback_scale = fallback_scale(planner.view, pixels, left, planner.options);
+  planner.fallback_scale = fallback_scale(planner.view, pixels, budget, planner.options);
 }
 
 }  // namespace
