@@ -38,7 +38,7 @@ struct FrameContent {
 // What the last frame did.
 struct FrameStats {
   int captures = 0;               // pictures captured in this frame
-  double capture_ms = 0;          // wall-clock time of captures in this frame
+  double capture_ms = 0;          // wall-clock time that this frame spent on captures
   std::size_t picture_bytes = 0;  // memory of pictures now
   double bound_px = 0;            // the largest error bound of anything drawn, pixels; 0: unknown
   double gap_px = 0;  // the largest bound of the width of gaps, pixels; 0: none, or unknown
