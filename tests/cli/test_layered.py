@@ -257,9 +257,10 @@ class Method(command.Case):
     BAKE = ("--views", "12", "--layers", "16")
 
     def test_compare_reports_them_like_any_other_method(self):
-        done = self.succeeds("compare", TEAPOTS, *self.BAKE, "--view-size", "32", "--methods",
-                             "layered,layered-slices", "--frames", "2", "--size", "96x64", "-o",
-                             self.folder / "report", "--json", "-")
+        # 12 * 32^2 texels of 17 bytes: memory for four of the fifteen, for ten by slices.
+        done = self.succeeds("compare", TEAPOTS, *self.BAKE, "--view-size", "32", "--memory-mb", "1",
+                             "--methods", "layered,layered-slices", "--frames", "2", "--size", "96x64",
+                             "-o", self.folder / "report", "--json", "-")
         methods = json.loads(done.stdout)["methods"]
         for name in ("layered", "layered-slices"):
             self.assertGreater(methods[name]["captures"], 0)
