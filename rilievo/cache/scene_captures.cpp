@@ -76,6 +76,7 @@ void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& ob
 void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   for (std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
+  finish_captures();  // of a budget that is over: they use the rasteriser
   const Stopwatch watch;
   double cost = 0, priced = 0, priced_ms = 0;
   gaps_.assign(plan_.captures.size(), {});
