@@ -30,7 +30,7 @@ namespace {
 constexpr int kSamples = 4, kKept = 8;
 // The promise counts pixels farther from a boundary than the bound of 1 px and 1.5 px more.
 constexpr int kMargin = 3;
-// Frames under a budget of time say themselves by how much their bounds are larger, gaps included.
+// The same by a frame's own bounds, which may exceed the limits under a budget of time.
 int margin_of(const FrameStats& stats) {
   return int(std::ceil(std::max(stats.bound_px, stats.gap_px) + 1.5));
 }
@@ -304,10 +304,9 @@ Result<BenchReport> real(const BenchOptions& options) {
       "{}; baselines are medians of the same frames (at least three), lod at the same error "
       "in pixels, with its own PSNR. Wrong visibility is a share of the pixels that are farther "
       "than 1 px from a "
-      "boundary; the promise counts those that are farther than the bound and 1.5 px, here {} px; "
-      "beyond "
-      "its bounds are those that are farther than the bounds that the frame itself states, of "
-      "errors and of gaps, and 1.5 px.",
+      "boundary; the promise counts those that are farther than the bound and 1.5 px, here {} px. "
+      "Beyond its bounds are pixels that are farther than the frame's own bounds, of errors and of "
+      "gaps, and 1.5 px.",
       kKept, opengl ? "OpenGL's" : "the rasteriser's", kMargin));
   report.notes.push_back(
       "gap_px is the widest strip, in the frames that were compared, that shows what lies behind a "

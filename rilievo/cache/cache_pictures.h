@@ -44,8 +44,8 @@ class CachePictures {
   // Captures `objects` (opaque parts) where they are now. The slot has the camera's size.
   virtual void capture(std::uint32_t slot, const Camera& camera,
                        std::span<const std::uint32_t> objects) = 0;
-  // Writes a picture of the slot's size that others have captured, with so many bits of Delta:
-  // those of captures, or written_bits().
+  // Writes a picture that others have captured. It has the slot's size. `delta_bits`: those of
+  // capture(), or written_bits().
   virtual void write(std::uint32_t slot, const RasterPicture& picture, int delta_bits) = 0;
   [[nodiscard]] virtual int written_bits() const = 0;
   // The gap table of the picture that was captured last.

@@ -22,7 +22,6 @@ void CapturesBeside::order(const Capture& capture, std::span<const std::uint32_t
     unused_.pop_back();
   }
   one->capture = capture;
-  one->objects.assign(objects.begin(), objects.end());
   one->gaps = {};
   one->done.store(false, std::memory_order_relaxed);
   source_.place(capture.geometry.capture, objects, one->placed);

@@ -53,9 +53,7 @@ FramePlanner::FramePlanner(const Hierarchy& tree_, std::span<const MovingObject>
       plan(plan_),
       view(view_axes(frame_, options_.fade_frames + options_.spread_frames)) {}
 
-const Box& FramePlanner::box_of(Entity e) const {
-  return is_moving(e) ? moving[e - nodes()].box : tree.nodes[e].box;
-}
+const Box& FramePlanner::box_of(Entity e) const { return rilievo::box_of(e, tree, moving); }
 
 std::uint64_t FramePlanner::triangles_of(Entity e) const {
   return is_moving(e) ? moving[e - nodes()].triangles : tree.nodes[e].triangles;
@@ -135,9 +133,7 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
   const Picture& picture = state.slots[slot];
   const MovingObject* object =
       is_moving(picture.entity) ? &moving[picture.entity - nodes()] : nullptr;
-  const glm::dmat4 motion =
-      object ? object->world_from_object * glm::inverse(picture.world_from_object)
-             : glm::dmat4(1.0);
+  const glm::dmat4 motion = motion_since(picture, tree, moving);
   const double limit = limit_px(picture, options), gap_limit = gap_limit_px(options);
   const auto holds_at = [&](int k, double factor = 1) {
     const Camera camera = k == 0 ? frame.camera : camera_ahead(frame, k);
@@ -292,8 +288,7 @@ void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
         due ? (late_factor(options) > 1 ? kFallbackDeadline : 0.0) : std::min(pays_in, kPaysLate);
   }
   scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture),
-                              float(estimated.capture), float(estimated.texels_in_frame), due,
-                              is_ordered(e)});
+                              float(estimated.capture), float(estimated.texels_in_frame), due});
   full_bytes += estimated.texels * options.bytes_per_texel;
 }
 

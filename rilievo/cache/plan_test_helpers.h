@@ -38,16 +38,9 @@ struct Loop {
   bool adopt(Capture capture, const Hierarchy& tree, std::span<const MovingObject> moving,
              const FrameView& view, const CacheOptions& options,
              const std::optional<DeltaRange>& range) {
-    RigidMotion motion;
-    const bool moves = capture.entity >= tree.nodes.size();
-    const Box& box =
-        moves ? moving[capture.entity - tree.nodes.size()].box : tree.nodes[capture.entity].box;
-    if (moves)
-      motion.now_from_then = moving[capture.entity - tree.nodes.size()].world_from_object *
-                             glm::inverse(capture.picture.world_from_object);
     std::vector<std::uint32_t> gone;
     const bool good =
-        adopt_capture(capture, view.camera, box, motion, range, {}, options, state, gone);
+        adopt_capture(capture, view.camera, tree, moving, range, {}, options, state, gone);
     for (const std::uint32_t slot : gone) EXPECT_EQ(textures.erase(slot), 1u);
     if (good) {
       EXPECT_TRUE(textures.insert(capture.slot).second);

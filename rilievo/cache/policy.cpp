@@ -1,6 +1,7 @@
 #include "rilievo/cache/policy.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "rilievo/cache/schedule.h"
 #include "rilievo/core/expects.h"
@@ -18,13 +19,17 @@ void forget(CacheState& state, std::uint32_t slot) {
   state.free_slots.push_back(slot);
 }
 
+Order end_order(CacheState& state, Entity e) {
+  const Order order = std::exchange(state.ordered[e], {});
+  state.ordered_cost = std::max(0.0, state.ordered_cost - order.cost);
+  return order;
+}
+
 void forget_order(CacheState& state, Entity e) {
   if (e >= state.ordered.size() || state.ordered[e].number == 0) return;
-  Order& order = state.ordered[e];
+  const Order order = end_order(state, e);
   state.free_slots.push_back(order.slot);
   state.bytes -= order.bytes;
-  state.ordered_cost = std::max(0.0, state.ordered_cost - order.cost);
-  order = {};
 }
 
 void forget_entity(CacheState& state, Entity e, std::vector<std::uint32_t>& evictions) {
@@ -110,6 +115,19 @@ void learn_capture(const Capture& capture, CacheState& state) {
 }
 
 }  // namespace
+
+const Box& box_of(Entity entity, const Hierarchy& hierarchy, std::span<const MovingObject> moving) {
+  const std::size_t nodes = hierarchy.nodes.size();
+  return entity >= nodes ? moving[entity - nodes].box : hierarchy.nodes[entity].box;
+}
+
+glm::dmat4 motion_since(const Picture& picture, const Hierarchy& hierarchy,
+                        std::span<const MovingObject> moving) {
+  const std::size_t nodes = hierarchy.nodes.size();
+  return picture.entity >= nodes ? moving[picture.entity - nodes].world_from_object *
+                                       glm::inverse(picture.world_from_object)
+                                 : glm::dmat4(1.0);
+}
 
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
@@ -198,16 +216,17 @@ void cancel_order(const Capture& capture, CacheState& state) {
   if (is_wanted(capture, state)) forget_order(state, capture.entity);
 }
 
-bool adopt_capture(Capture& capture, const Camera& frame, const Box& box, const RigidMotion& motion,
-                   const std::optional<DeltaRange>& range, const GapTable& gaps,
-                   const CacheOptions& options, CacheState& state,
+bool adopt_capture(Capture& capture, const Camera& frame, const Hierarchy& hierarchy,
+                   std::span<const MovingObject> moving, const std::optional<DeltaRange>& range,
+                   const GapTable& gaps, const CacheOptions& options, CacheState& state,
                    std::vector<std::uint32_t>& evictions) {
   if (!is_wanted(capture, state)) return false;
-  const Order order = state.ordered[capture.entity];
-  const double longer = double(state.frame - order.frame) - state.latency;
+  const double longer = double(state.frame - state.ordered[capture.entity].frame) - state.latency;
   state.latency += (longer > 0 ? kSlower : kFaster) * longer;
   if (range) {
-    capture.level_px = level_px(frame, box, capture.picture.level_error);
+    capture.level_px =
+        level_px(frame, box_of(capture.entity, hierarchy, moving), capture.picture.level_error);
+    const RigidMotion motion{motion_since(capture.picture, hierarchy, moving)};
     const bool good = narrow(capture, frame, motion, *range, options, gaps).good;
     learn_capture(capture, state);
     if (!good) {
@@ -224,8 +243,7 @@ bool adopt_capture(Capture& capture, const Camera& frame, const Box& box, const 
   state.current[capture.entity] = capture.slot + 1;
   state.slots[capture.slot] = capture.picture;
   state.slots[capture.slot].used = state.slots[capture.slot].fade_start = state.frame;
-  state.ordered_cost = std::max(0.0, state.ordered_cost - order.cost);
-  state.ordered[capture.entity] = {};
+  (void)end_order(state, capture.entity);
   return true;
 }
 

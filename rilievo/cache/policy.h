@@ -73,13 +73,13 @@ struct CacheOptions {
   // cost without captures, by the CostModel. A frame that takes long for want of pictures then
   // takes twice as long at most, and those after it need not.
   double capture_share = 0;
-  // A budget of time instead, by the CostModel, however objects would be drawn otherwise: captures
-  // are made beside the frames, and come when they are done (adopt_capture). Those that are on
-  // their way may cost so much together, and so may the frame's fallback. What has not come is
-  // drawn from the picture at hand, which is late then, the latest being captured first; what has
-  // none is in Plan::fallback. A capture that costs more alone is made when nothing else is, and
-  // nothing is captured for one frame alone. Infinite: no such budget, nothing is late, there is no
-  // fallback.
+  // A budget of time instead, by the CostModel. A plan then orders captures, which are made beside
+  // the frames and enter the cache when they are done (adopt_capture). All orders that are not done
+  // cost at most this together; a dearer one is made when there is no other. The frame's fallback
+  // costs at most this, too. Until a capture is done, its entity is drawn from the picture at hand,
+  // which is then late; the latest is captured first. An entity without a picture is in
+  // Plan::fallback. Nothing is captured for a single frame. Infinite: there is no such budget,
+  // nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
   // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
   // its dearest polygons go into Plan::fallback, until it costs no more than they did; after a
@@ -236,7 +236,7 @@ struct PolygonRecord {
 struct Order {
   std::uint32_t number = 0;  // Capture::order; 0: there is none
   std::uint32_t slot = 0;    // reserved for its picture
-  std::uint32_t frame = 0;   // that ordered it
+  std::uint32_t frame = 0;   // CacheState::frame when it was ordered
   double cost = 0;           // Capture::cost
   std::uint64_t bytes = 0;   // of its picture
 };
@@ -259,9 +259,9 @@ struct CacheState {
   float usual_polygon_share = 1;
   std::uint64_t bytes = 0;
   std::vector<Order> ordered;  // by entity
-  double ordered_cost = 0;     // of all that are on their way
-  std::uint32_t orders = 0;    // so far
-  double latency = 0;          // of orders: frames until they are done, rather too many
+  double ordered_cost = 0;     // of all orders that are not done
+  std::uint32_t orders = 0;    // the number of orders so far
+  double latency = 0;          // frames that an order takes; follows longer ones sooner
   double credit = 0;           // triangles saved up for captures
   double usual_cost = 0;       // of frames so far: Plan::cost, smoothed; 0: there was none
   double limit = 0;            // on the last frame's, if it had to be limited
@@ -278,7 +278,7 @@ struct Capture {
   Picture picture;                  // as it will be committed
   bool several = false;             // shows several objects
   bool once = false;                // for this frame's eye alone: its gaps need not be known
-  std::uint32_t order = 0;          // made beside the frames: counts them from 1; 0: in this one
+  std::uint32_t order = 0;          // its number if it is made beside the frames; 0: in this one
   std::optional<DeltaRange> range;  // the Deltas that it was found to show
   std::optional<float> life_share;  // and how much its gaps shorten its life
 };
@@ -351,10 +351,9 @@ struct PlanScratch {
   struct Request {
     Entity entity = 0;
     float deadline = 0, worth = 0;
-    float cost = 0;        // of the capture, by CostModel, in triangles
-    float texels = 0;      // near the frame, at full density
-    bool due = false;      // in view, and nothing at hand shows it but polygons that cost more
-    bool ordered = false;  // on its way
+    float cost = 0;    // of the capture, by CostModel, in triangles
+    float texels = 0;  // near the frame, at full density
+    bool due = false;  // in view, and nothing at hand shows it but polygons that cost more
   };
   std::vector<Checked> checked;         // by slot
   std::vector<std::uint8_t> choice;     // by entity
@@ -375,6 +374,13 @@ struct PlanScratch {
   std::vector<std::uint8_t> dropped;  // by slot
 };
 
+// The box of an entity now, world space.
+[[nodiscard]] const Box& box_of(Entity entity, const Hierarchy& hierarchy,
+                                std::span<const MovingObject> moving);
+// The motion of what a picture shows since it was captured, world space; none if it stands still.
+[[nodiscard]] glm::dmat4 motion_since(const Picture& picture, const Hierarchy& hierarchy,
+                                      std::span<const MovingObject> moving);
+
 // Plans a frame. Requires a perspective camera that passes validate(), and a state to which the
 // last plan was committed, for the same hierarchy and number of moving objects.
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
@@ -394,18 +400,19 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
 void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
                     std::span<const MovingObject> moving);
 
-// Enters a capture of an earlier plan, made beside the frames since (Capture::order), before a
-// frame by `frame` is planned: `range` is what it shows (none: nothing), `box` its entity's box and
-// `motion` its entity's motion since the capture. Returns whether it is good enough for that frame;
-// if not, or if it is no longer wanted, its picture is not needed. Appends slots whose pictures
-// went for it to `evictions`.
-[[nodiscard]] bool adopt_capture(Capture& capture, const Camera& frame, const Box& box,
-                                 const RigidMotion& motion, const std::optional<DeltaRange>& range,
-                                 const GapTable& gaps, const CacheOptions& options,
-                                 CacheState& state, std::vector<std::uint32_t>& evictions);
-// Is it still wanted? Its objects may have changed since.
+// Enters into the state a capture that an earlier plan ordered (Capture::order) and that is done.
+// Call it before the frame of camera `frame` is planned. `range`: the Deltas that the picture
+// shows; none if it is empty. Returns whether the picture is good enough for that frame and still
+// wanted; otherwise the caller drops the picture, and the order is over, too. Appends to
+// `evictions` the slot of the picture that the new one displaces, if any.
+[[nodiscard]] bool adopt_capture(Capture& capture, const Camera& frame, const Hierarchy& hierarchy,
+                                 std::span<const MovingObject> moving,
+                                 const std::optional<DeltaRange>& range, const GapTable& gaps,
+                                 const CacheOptions& options, CacheState& state,
+                                 std::vector<std::uint32_t>& evictions);
+// Is an ordered capture still wanted? Not once one of its objects was invalidated.
 [[nodiscard]] bool is_wanted(const Capture& capture, const CacheState& state);
-// Forgets an order that could not be carried out.
+// Forgets an ordered capture for which there is no room.
 void cancel_order(const Capture& capture, CacheState& state);
 
 // Records in the state that the plan was carried out.

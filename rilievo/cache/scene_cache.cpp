@@ -210,7 +210,7 @@ glm::dmat4 SceneCache::motion_since_capture(const Picture& picture) const {
   if (picture.entity < hierarchy_.nodes.size()) return glm::dmat4(1.0);
   const glm::dmat4& now = moving_[picture.entity - hierarchy_.nodes.size()].world_from_object;
   if (now == picture.world_from_object) return glm::dmat4(1.0);
-  return now * glm::inverse(picture.world_from_object);
+  return motion_since(picture, hierarchy_, moving_);
 }
 
 void SceneCache::follow_options() {
@@ -232,7 +232,8 @@ bool SceneCache::may_spike() const {
          double(hierarchy_.nodes[0].triangles) > policy_.spike_floor;
 }
 
-// Of time, where captures are done when they return.
+// Of time where it is given; of triangles that take as long where rays lack memory or OpenGL
+// captures.
 void SceneCache::set_budget() {
   policy_.capture_cost = unlimited_.capture_cost;
   policy_.capture_triangles = unlimited_.capture_triangles;
@@ -301,6 +302,7 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   follow_options();
   adopt_captures(camera, stats);
   plan(camera);
+  for (const std::uint32_t slot : plan_.evictions) release(slot);
   if (captures_beside(policy_))
     order_captures();
   else

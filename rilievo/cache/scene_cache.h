@@ -34,11 +34,12 @@ struct ImageCacheOptions {
   double error_px = 1;  // the largest error bound of a picture that is drawn
   double gap_px = 0;    // as CacheOptions::gap_px
   std::size_t max_bytes = std::size_t(256) << 20;  // of pictures
-  // Time for captures per frame, by the clock. Where the rasteriser captures, it does so beside the
-  // frames, which do not wait for it: so much is on its way at any time. Pictures that do not come
-  // in time are late, and what has none is in a coarse picture by rays (policy.h, Fallback). 0:
-  // captures are part of the frame that needs them, limited by CacheOptions::capture_triangles,
-  // which makes runs reproducible.
+  // Time for captures per frame, milliseconds. The rasteriser captures beside the frames, which do
+  // not wait for it; the captures that are not done take at most so long together. A picture whose
+  // successor is not done is drawn later than its bound allows, and an object without a picture is
+  // in a coarse picture by rays (policy.h, Fallback). OpenGL captures within the frame. 0: captures
+  // are part of the frame, and CacheOptions::capture_triangles limits them, so that runs are
+  // reproducible.
   double capture_ms = 0;
   // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
   // by the costs that the planner compares, shows what costs most, after a cut for instance, in a

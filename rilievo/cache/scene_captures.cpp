@@ -23,7 +23,6 @@ void SceneCache::hold(const Capture& capture) {
 }
 
 void SceneCache::order_captures() {
-  for (const std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
   if (!beside_) beside_ = std::make_unique<CapturesBeside>(*store_.rasterizer(), options_.samples);
   for (const Capture& capture : plan_.captures) {
@@ -48,12 +47,9 @@ void SceneCache::adopt_captures(const Camera& camera, FrameStats& stats) {
       continue;
     }
     store_.write(slot, made->picture, capture.geometry.delta_bits);
-    const bool moving = capture.entity >= hierarchy_.nodes.size();
-    const Box& box = moving ? moving_[capture.entity - hierarchy_.nodes.size()].box
-                            : hierarchy_.nodes[capture.entity].box;
     gone_.clear();
-    if (!adopt_capture(capture, camera, box, {motion_since_capture(capture.picture)},
-                       store_.delta_range(slot), made->gaps, policy_, state_, gone_)) {
+    if (!adopt_capture(capture, camera, hierarchy_, moving_, store_.delta_range(slot), made->gaps,
+                       policy_, state_, gone_)) {
       store_.free(slot);
       continue;
     }
@@ -74,7 +70,6 @@ void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& ob
 }
 
 void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
-  for (std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
   finish_captures();  // of a budget that is over: they use the rasteriser
   const Stopwatch watch;

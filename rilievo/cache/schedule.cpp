@@ -86,7 +86,8 @@ bool capture(FramePlanner& planner, Entity e, double cost) {
     ++planner.plan.starved;
     return false;
   }
-  // Captured again before its last fade was over: the eldest goes; of what comes later, then.
+  // Captured again before its last fade was over: the eldest goes. For a capture beside the frames
+  // adopt_capture() does that.
   if (const Picture* eldest = planner.picture_of(planner.state.previous, e);
       eldest && !captures_beside(options))
     planner.drop(planner.slot_of(eldest));
@@ -146,24 +147,23 @@ double fitting_scale(const FramePlanner& planner) {
 }
 
 // The pace at which requests, sorted by their deadlines, can be met: cost a frame.
-double even_pace(std::span<const PlanScratch::Request> requests) {
+double even_pace(const FramePlanner& planner) {
   double sum = 0, pace = 0;
-  for (const auto& request : requests) {
-    if (request.ordered) continue;
+  for (const auto& request : planner.scratch.requests) {
+    if (planner.is_ordered(request.entity)) continue;
     sum += double(request.cost);
     pace = std::max(pace, sum / std::max(1.0, double(request.deadline)));
   }
   return pace;
 }
 
-// Within a budget of time: what is late and what is missing first, then what the pace asks for; all
-// of it comes later.
-// What does not fit waits, so that dear captures do not keep cheap ones from being made.
+// Within a budget of time, orders what is late and what is missing first, then what the pace asks
+// for. What does not fit waits, so that dear captures do not keep cheap ones from being made.
 void schedule_in_time(FramePlanner& planner, double credit) {
   const double budget = planner.options.capture_cost;
   double spent = planner.state.ordered_cost;
   for (const auto& request : planner.scratch.requests) {
-    if (request.ordered) continue;
+    if (planner.is_ordered(request.entity)) continue;
     const double cost = request.cost;
     // What costs more than a budget would wait for ever, and all after it.
     if (request.deadline > 0 && credit < std::min(cost, budget)) break;
@@ -192,7 +192,7 @@ void schedule_captures(FramePlanner& planner) {
     return a.worth != b.worth ? a.worth > b.worth : a.entity < b.entity;
   });
   planner.plan.texel_scale = fitting_scale(planner);
-  double credit = requests.empty() ? 0 : planner.state.credit + even_pace(requests);
+  double credit = requests.empty() ? 0 : planner.state.credit + even_pace(planner);
   if (std::isfinite(planner.options.capture_cost)) return schedule_in_time(planner, credit);
 
   if (planner.captures_wait) {

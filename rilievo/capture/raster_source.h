@@ -44,15 +44,15 @@ class RasterSource final : public CaptureSource {
     rasterizer_.draw(camera, objects, placed_.poses(), samples, picture_);
     return picture_;
   }
-  // The last picture that was drawn so.
+  // The last picture that draw() returned.
   [[nodiscard]] const RasterPicture& picture() const { return picture_; }
   [[nodiscard]] const std::vector<float>& draw_farthest(const Camera& camera,
                                                         std::span<const std::uint32_t> objects) {
     rasterizer_.draw_farthest(camera, objects, placed_.poses(), farthest_);
     return farthest_;
   }
-  // In two steps, of which the second needs no objects and may run beside other threads' place():
-  // only one thread draws.
+  // The same in two steps, for captures on another thread: place() finds where the objects are now,
+  // and the others draw what was placed. Any thread may call place() while one thread draws.
   void place(const Camera& camera, std::span<const std::uint32_t> objects,
              std::vector<PlacedMesh>& placed) const {
     rasterizer_.place(camera, objects, placed_.poses(), placed);

@@ -51,7 +51,7 @@ void Background::run(std::function<void()> task) {
     state_->tasks.push_back(std::move(task));
     if (std::exchange(state_->busy, true)) return;
   }
-  // It shares the state, which must not go before it is over.
+  // The task shares the state, which must live until TBB is done with the task.
   detail::happens_before(state_->handed_over);
   state_->arena.enqueue([state = state_] {
     detail::happens_after(state->handed_over);

@@ -1,7 +1,8 @@
-// How does work run beside what a thread does, by the same workers?
+// How does work run in the background, on the worker threads of parallel_for?
 //
-// On a thread of parallel_for, from when it has nothing else to do until all tasks are done. So no
-// more threads run than there are cores, and whoever wants frames to stay fast gives it little.
+// A worker begins when no parallel_for needs it, and then runs all tasks that are queued. Meanwhile
+// parallel_for has one worker less: queue little where frames must stay fast. No more threads run
+// than there are cores.
 #pragma once
 
 #include <functional>
@@ -16,7 +17,7 @@ class Background {
   // Waits for all tasks.
   ~Background();
 
-  // Has the task run later, on another thread; does not wait. The task can read what was written
+  // Queues a task for another thread, and returns at once. The task can read what was written
   // before, may use parallel_for, and must not throw.
   void run(std::function<void()> task);
   // Returns when all tasks are done. Later code can read what they wrote.

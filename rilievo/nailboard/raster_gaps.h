@@ -9,8 +9,8 @@
 
 namespace rilievo {
 
-// The gap table of a picture that `camera` has captured of some objects, of whose farthest surfaces
-// the window_z are known (PictureRasterizer::draw_farthest).
+// The gap table of a picture that `camera` captured. `farthest`: the window_z of the farthest
+// surfaces of the same objects, as PictureRasterizer::draw_farthest() draws them.
 [[nodiscard]] GapTable raster_gaps(const RasterPicture& picture, std::span<const float> farthest,
                                    const Camera& camera);
 

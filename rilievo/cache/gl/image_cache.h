@@ -47,8 +47,8 @@ class ImageCache final : public SceneFrames {
 
   // Drops all pictures and baked representations, because the light has changed.
   void invalidate();
-  // Waits for captures beside the frames (capture_ms), which read the scene: before the light
-  // changes.
+  // Waits until no capture reads the scene (capture_ms). Call it before the light changes, and then
+  // invalidate().
   void finish_captures();
   // Drops the pictures and baked representations of one object (index into Scene::objects).
   void invalidate_object(std::uint32_t object);

@@ -30,8 +30,8 @@ class NailboardCapture {
   [[nodiscard]] NailboardSet& set() { return *set_; }
   [[nodiscard]] const NailboardSet& set() const { return *set_; }
   [[nodiscard]] NailboardAtlas& atlas() { return set_->atlas(); }
-  [[nodiscard]] bool rasterizes() const { return rasterizer_ != nullptr; }
-  [[nodiscard]] RasterSource* rasterizer() { return rasterizer_.get(); }  // null: OpenGL captures
+  // What captures; null: OpenGL does.
+  [[nodiscard]] RasterSource* rasterizer() { return rasterizer_.get(); }
 
   // Captures `objects` (opaque parts) as the renderer has placed them into the slot, whose size is
   // the camera's. Changes the bound framebuffer and viewport.

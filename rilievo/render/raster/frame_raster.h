@@ -35,7 +35,7 @@ class FrameRaster final : public FrameVisibility {
   // Places the opaque and masked parts of `objects` by `poses` (of all objects), in this order.
   void place(const Camera& camera, std::span<const std::uint32_t> objects,
              std::span<const glm::mat4> poses);
-  // In two steps, of which the first uses none of the buffers.
+  // The same in two steps. Any thread may call find_places() while one thread rasterises.
   void find_places(const Camera& camera, std::span<const std::uint32_t> objects,
                    std::span<const glm::mat4> poses, std::vector<PlacedMesh>& placed) const {
     place_meshes(scene_, materials_, camera.position(), objects, poses, placed);

@@ -57,8 +57,9 @@ class PictureRasterizer {
   void draw(const Camera& camera, std::span<const std::uint32_t> objects,
             std::span<const glm::mat4> poses, int samples, RasterPicture& picture);
 
-  // In two steps: where are the parts of such objects now? draw() and draw_farthest() then read
-  // neither objects nor poses, and may run while these change; place() may run while they do.
+  // The same in two steps. place() finds where the parts of such objects are now; draw() and
+  // draw_farthest() of what was placed read neither objects nor poses, which may change meanwhile.
+  // Any thread may call place() while one thread draws.
   void place(const Camera& camera, std::span<const std::uint32_t> objects,
              std::span<const glm::mat4> poses, std::vector<PlacedMesh>& placed) const;
   void draw(const Camera& camera, std::span<const PlacedMesh> placed, int samples,
