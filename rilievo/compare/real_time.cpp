@@ -30,6 +30,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
                                        const RealTimeOptions& options) {
   RILIEVO_EXPECTS(options.kept >= 1 && options.seconds > 0 && options.refresh > 0);
   RealTimeWalk result;
+  Camera last = walk(0).camera;
   const Result<double> first = time_frame(source, targets, walk(0));
   if (!first) return first.error();
   result.first_frame_ms = *first;
@@ -43,7 +44,11 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
     const WalkFrame frame = walk(clock);
     bool after_cut = false;
     for (; next_cut < options.cuts.size() && clock >= options.cuts[next_cut]; ++next_cut)
-      after_cut = true, since_cut = std::max(since_cut, 0.0);
+      after_cut = true;
+    // An eye that jumped there and back between two frames did not jump.
+    after_cut = after_cut && frame.camera != last;
+    if (after_cut) since_cut = std::max(since_cut, 0.0);
+    last = frame.camera;
     const double place = options.seconds * double(result.kept.size()) / options.kept;
     const bool keep = int(result.kept.size()) < options.kept && clock >= place;
     double ms = 0;

@@ -102,6 +102,21 @@ TEST_F(RealTimeTest, a_fast_method_waits_for_the_display) {
   EXPECT_EQ(walked->over_bound_share, 0);
 }
 
+TEST_F(RealTimeTest, a_jump_there_and_back_between_two_frames_is_none) {
+  Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
+  Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
+  RealTimeOptions options;
+  options.seconds = 0.3;
+  options.kept = 1;
+  options.cuts = {0.1, 0.101};
+  Sleeper slow(30);
+  const auto stand = [](double seconds) { return WalkFrame{walk(0).camera, seconds}; };
+  const Result<RealTimeWalk> walked = walk_in_real_time(slow, {&*target, &*probe}, stand, options);
+  ASSERT_TRUE(walked.ok());
+  EXPECT_FALSE(walked->cut_ms);
+  EXPECT_FALSE(walked->cut_fine_ms);
+}
+
 TEST(Cuts, are_where_two_keys_are_two_milliseconds_apart_or_less) {
   CameraPath path;
   for (const double time : {1.0, 1.5, 1.501, 2.0, 2.01})
