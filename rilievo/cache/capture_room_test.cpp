@@ -75,8 +75,9 @@ TEST(CaptureRoom, the_first_frame_captures_nothing_before_it_is_known_how_the_ey
 // one.
 double room_for_captures(const CacheOptions& options, double usual, double limit, double at_hand) {
   const double spike = std::max(options.spike_floor, options.max_spike * usual);
+  const double last = std::max(limit, options.spike_floor);
   const double allowed =
-      limit > 0 ? std::max({limit, std::min(1.3 * limit, spike), 0.5 * at_hand}) : spike;
+      limit > 0 ? std::max({last, std::min(1.3 * last, spike), 0.5 * at_hand}) : spike;
   const double walk = std::max(0.4 * options.spike_floor, options.max_spike * usual);
   return at_hand <= allowed ? std::max(0.0, std::min(allowed, walk) - at_hand) : -1;
 }

@@ -49,11 +49,13 @@ void FramePlanner::find_limit() {
   double limit = std::max(options.spike_floor, usual), allowed = spike;
   // Of an eye's first step, what it costs and what shifts tell whether it was a jump.
   jumped = frame.jumped || (frame.started && (cost_at_hand > spike || mean_shift() > kFirstShift));
-  if (jumped)
-    allowed = limit = options.spike_floor;
-  else if (state.limit > 0)  // of the last frame
-    allowed = limit = std::max(
-        {state.limit, std::min(kLimitGrowth * state.limit, spike), kLeastShare * cost_at_hand});
+  if (jumped) {
+    allowed = limit = options.jump_share * options.spike_floor;
+  } else if (state.limit > 0) {
+    const double last = std::max(state.limit, options.spike_floor);
+    allowed = limit =
+        std::max({last, std::min(kLimitGrowth * last, spike), kLeastShare * cost_at_hand});
+  }
   if (cost_at_hand > allowed)
     plan.limit = limit;
   else

@@ -82,12 +82,15 @@ struct CacheOptions {
   // nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
   // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
-  // its dearest polygons go into Plan::fallback, until it costs no more than they did; after a
-  // jump of the eye, until it costs spike_floor (in triangles), which any frame may cost. From
-  // frame to frame this limit grows by a third, up to max_spike times what the last frames cost,
-  // and is at least half of what the frame would cost without it. 0: no limit.
+  // its dearest polygons go into Plan::fallback, until it costs no more than they did, or
+  // spike_floor (in triangles), which any frame may cost. The first frame after a jump of the eye
+  // may cost jump_share of spike_floor: prices can be off by half, and it is to be complete in that
+  // time. From frame to frame the limit grows by a third, from spike_floor on, up to max_spike
+  // times what the last frames cost, and is at least half of what the frame would cost without it.
+  // 0: no limit.
   double max_spike = 0;
   double spike_floor = 360'000;
+  double jump_share = 0.65;
   // The bounds of a picture that is late may exceed their limits by this factor.
   double late = 3;
   // The largest number of triangles in a picture of several objects, which one frame must capture.

@@ -59,16 +59,20 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
       }
       if (frame % 20 == 0) {
         ++cuts;
-        EXPECT_TRUE(run.plan.limit == 0 || run.plan.limit == options.spike_floor) << frame;
+        EXPECT_TRUE(run.plan.limit == 0 ||
+                    run.plan.limit == options.jump_share * options.spike_floor)
+            << frame;
       } else if (limit > 0 && run.plan.limit > 0) {
-        // A third more, and no more than twice what the last ones cost, or half of it all.
+        // A third more than the last frame's or the floor, and no more than twice what the last
+        // ones cost, or half of it all.
         double all = 0;
         for (std::size_t i = 0; i < still.size(); ++i)
           if (may_see(axes.now, blocks.boxes[i])) all += polygon_cost(blocks, i, axes, options);
         const double spike = std::max(options.spike_floor, 2 * usual);
+        const double last = std::max(limit, options.spike_floor);
         EXPECT_LE(run.plan.limit,
-                  std::max({limit, std::min(1.3 * limit, spike), all / 2}) * (1 + 1e-9));
-        EXPECT_GE(run.plan.limit, limit);
+                  std::max({last, std::min(1.3 * last, spike), all / 2}) * (1 + 1e-9));
+        EXPECT_GE(run.plan.limit, last);
       }
       limit = run.plan.limit;
       // 1.3^12 = 23 floors are more than all of the blocks cost.
@@ -188,7 +192,7 @@ TEST(Spike, the_first_step_of_an_eye_that_stood_is_a_jump_only_if_it_costs_like_
     }
     const FrameView view = follow(motion, jump ? walking(20, 0) : walking(1, 0.02));
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
-    EXPECT_EQ(run.plan.limit, jump ? options.spike_floor : 0);
+    EXPECT_EQ(run.plan.limit, jump ? options.jump_share * options.spike_floor : 0);
     EXPECT_EQ(run.plan.fallback.objects.empty(), !jump);
   }
 }
@@ -213,7 +217,7 @@ TEST(Spike, the_first_step_of_an_eye_that_stood_is_a_jump_where_all_that_it_saw_
     const FrameView view = follow(motion, walking(1, step));
     EXPECT_TRUE(view.started && !view.jumped);
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
-    EXPECT_EQ(run.plan.limit, shift > 0.25 ? options.spike_floor : 0) << shift;
+    EXPECT_EQ(run.plan.limit, shift > 0.25 ? options.jump_share * options.spike_floor : 0) << shift;
     ++(shift > 0.25 ? jumps : steps);
   }
   EXPECT_GT(jumps, 1);
