@@ -32,6 +32,7 @@ struct BenchOptions {
   // (0: a budget of triangles instead).
   int width = 0, height = 0;
   double capture_ms = 0;
+  double late = CacheOptions{}.late;     // as ImageCacheOptions::late
   double max_spike = kInteractiveSpike;  // as ImageCacheOptions::max_spike
   bool levels = false;                   // as ImageCacheOptions::levels
   // For `real`: what the cache compares; none: the costs built in.

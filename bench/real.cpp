@@ -261,6 +261,7 @@ Result<BenchReport> real(const BenchOptions& options) {
   run.software = draws_by_software(options);
   run.cache.samples = kSamples;
   run.cache.capture_ms = options.capture_ms;
+  run.cache.late = options.late;
   run.cache.max_spike = options.max_spike;
   run.cache.levels = options.levels;
   run.cache.machine = options.machine;

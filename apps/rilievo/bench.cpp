@@ -27,7 +27,7 @@ struct BenchCommand {
   std::string draw = "automatic";
   bool quick = false, full = false;
   int width = 0, height = 0;
-  double capture_ms = 0, max_spike = kInteractiveSpike;
+  double capture_ms = 0, late = CacheOptions{}.late, max_spike = kInteractiveSpike;
   bool levels = false;
   std::optional<MachineCosts> machine;
 };
@@ -76,6 +76,7 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.draw = draw;
   bench_options.width = options.width, bench_options.height = options.height;
   bench_options.capture_ms = options.capture_ms;
+  bench_options.late = options.late;
   bench_options.max_spike = options.max_spike;
   bench_options.levels = options.levels;
   bench_options.machine = options.machine;
@@ -139,6 +140,13 @@ Command bench_command(CLI::App& app) {
                    "triangles instead)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
+  command
+      ->add_option("--late", options->late,
+                   fmt::format("For real: with --capture-ms, how many times its limits the bounds "
+                               "of what is late may reach (default {:g})",
+                               options->late))
+      ->check(in_range(1.0, 100.0))
+      ->type_name("X");
   command
       ->add_option("--max-spike", options->max_spike,
                    fmt::format("For real: how many times as much as the frames before one may cost "

@@ -92,6 +92,7 @@ ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   cache.gap_px = options.gap_px;
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
   cache.capture_ms = options.capture_ms;
+  cache.late = options.late;
   cache.max_spike = options.max_spike;
   cache.levels = options.levels;
   if (!options.fade) cache.fade_frames = 1;

@@ -68,6 +68,14 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
   command
+      .add_option("--late", options.late,
+                  fmt::format("cache: with --capture-ms, how many times as large as --error-px and "
+                              "--gap-px allow the errors of what is late may be (1: nothing is "
+                              "late, but more of a frame is coarse; default {:g})",
+                              options.late))
+      ->check(in_range(1.0, 100.0))
+      ->type_name("X");
+  command
       .add_option("--max-spike", options.max_spike,
                   fmt::format("cache: how many times as much as the frames before one may cost, "
                               "by the costs of --machine; after a cut, what costs more is coarse "

@@ -263,6 +263,7 @@ class Viewer {
     cache.error_px = state_.methods.error_px;
     cache.gap_px = state_.methods.gap_px;
     cache.capture_ms = state_.methods.capture_ms;
+    cache.late = state_.methods.late;
     cache.max_spike = state_.methods.max_spike;
     cache.outlines = state_.methods.outlines;
   }

@@ -285,7 +285,7 @@ void FramePlanner::enqueue(Entity e, double deadline, bool covered) {
     const double pays_in = estimated.capture / benefit;
     due = pays_in < kPaysSoon;
     deadline =
-        due ? (late_factor(options) > 1 ? kFallbackDeadline : 0.0) : std::min(pays_in, kPaysLate);
+        due ? (captures_beside(options) ? kFallbackDeadline : 0.0) : std::min(pays_in, kPaysLate);
   }
   scratch.requests.push_back({e, float(deadline), float(benefit / estimated.capture),
                               float(estimated.capture), float(estimated.texels_in_frame), due});

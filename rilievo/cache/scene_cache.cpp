@@ -216,6 +216,7 @@ glm::dmat4 SceneCache::motion_since_capture(const Picture& picture) const {
 void SceneCache::follow_options() {
   policy_.error_px = options_.error_px;
   policy_.gap_px = options_.gap_px;
+  policy_.late = std::max(1.0, options_.late);
   policy_.fade_frames = options_.fade_frames;
   set_budget();
 }

@@ -41,6 +41,9 @@ struct ImageCacheOptions {
   // are part of the frame, and CacheOptions::capture_triangles limits them, so that runs are
   // reproducible.
   double capture_ms = 0;
+  // With capture_ms, the rasteriser: how many times its limits the bounds of a picture may reach
+  // whose successor is not done; at least 1: none is late.
+  double late = CacheOptions{}.late;
   // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
   // by the costs that the planner compares, shows what costs most, after a cut for instance, in a
   // coarse picture by rays; bounds say so. Where the rasteriser captures. 0: no such limit.
