@@ -91,7 +91,7 @@ bool shown_near(const Image<std::uint32_t>& objects, int x, int y, double reach)
 
 // Polygons and pictures alike: what shows a teapot is near where a teapot is, and the other way.
 TEST(MemoryCacheLevels, outlines_are_off_by_no_more_than_the_bound) {
-  const auto made = make_builtin("builtin:teapot?triangles=100000");
+  const auto made = make_builtin("builtin:teapot?triangles=30000");
   ASSERT_TRUE(made.ok());
   for (const bool polygons : {false, true}) {
     ImageCacheOptions options = with_levels(6);
@@ -133,7 +133,7 @@ TEST(MemoryCacheLevels, outlines_are_off_by_no_more_than_the_bound) {
 }
 
 TEST(MemoryCacheLevels, draw_the_same_bytes_with_any_number_of_threads) {
-  const auto made = make_builtin("builtin:teapots?triangles=200000");
+  const auto made = make_builtin("builtin:teapots?triangles=60000");
   ASSERT_TRUE(made.ok());
   const auto walk = [&](const ImageCacheOptions& options) {
     const auto cache = make_cache(made->scene, options);

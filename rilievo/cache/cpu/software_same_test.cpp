@@ -172,7 +172,7 @@ TEST_F(SoftwareSame, layered_impostors_with_outlines) {
 
 TEST_F(SoftwareSame, slices_of_layered_impostors) {
   ASSERT_NO_FATAL_FAILURE(load(ring()));
-  const Setting settings[] = {{"views", "12"}, {"size", "32"}, {"warp", "slices"}};
+  const Setting settings[] = {{"ring", "5"}, {"size", "32"}, {"warp", "slices"}};
   expect_same_everywhere(baked("layered-impostor", settings), eyes_around(builtin.scene),
                          "layered-impostor");
 }

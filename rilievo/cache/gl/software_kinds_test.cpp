@@ -179,7 +179,7 @@ TEST_F(SoftwareKindsTest, baked_objects_of_a_scene) {
   options.objects.bake = OptionValues(kind.bake_options);
   options.objects.draw = OptionValues(kind.draw_options);
   ASSERT_TRUE(options.objects.bake.set("views", "12").ok());
-  ASSERT_TRUE(options.objects.bake.set("size", "64").ok());
+  ASSERT_TRUE(options.objects.bake.set("size", "32").ok());
   options.max_texel_px = 1e9;
   const auto rays = RayScene::create(builtin.scene);
   ASSERT_TRUE(rays.ok());
