@@ -92,7 +92,7 @@ struct CacheOptions {
   double spike_floor = 360'000;
   double jump_share = 0.65;
   // The bounds of a picture that is late may exceed their limits by this factor, at least 1. Beyond
-  // it the picture's objects are in Plan::fallback.
+  // it, something else stands for the picture's objects, mostly Plan::fallback.
   double late = 2;
   // The largest number of triangles in a picture of several objects, which one frame must capture.
   std::uint64_t picture_triangles = 100'000;
