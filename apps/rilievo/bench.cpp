@@ -12,6 +12,7 @@
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/machine.h"
+#include "apps/rilievo/method_options.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "bench/bench.h"
@@ -134,26 +135,7 @@ Command bench_command(CLI::App& app) {
           [options](const std::string& text) { parse_size(text, options->width, options->height); },
           "For real: size of a frame in pixels (default 1280x720)")
       ->type_name("WxH");
-  command
-      ->add_option("--capture-ms", options->capture_ms,
-                   "For real: the cache's time for captures per frame, in ms (default: a budget of "
-                   "triangles instead)")
-      ->check(in_range(0.1, 1000.0))
-      ->type_name("T");
-  command
-      ->add_option("--late", options->late,
-                   fmt::format("For real: with --capture-ms, how many times its limits the bounds "
-                               "of what is late may reach (default {:g})",
-                               options->late))
-      ->check(in_range(1.0, 100.0))
-      ->type_name("X");
-  command
-      ->add_option("--max-spike", options->max_spike,
-                   fmt::format("For real: how many times as much as the frames before one may cost "
-                               "(0: no limit; default {:g})",
-                               options->max_spike))
-      ->check(in_range(0.0, 1000.0))
-      ->type_name("X");
+  add_budget_options(*command, "For real", options->capture_ms, options->late, options->max_spike);
   command->add_flag(
       "--levels", options->levels,
       "For real: the cache draws levels of detail with bounded errors (not by OpenGL)");

@@ -19,6 +19,34 @@ std::vector<std::string_view> surroundings_kinds() {
 
 }  // namespace
 
+void add_budget_options(CLI::App& command, const std::string& of, double& capture_ms, double& late,
+                        double& max_spike) {
+  command
+      .add_option(
+          "--capture-ms", capture_ms,
+          of + ": time for captures beside the frame, in ms, which does not wait for them; "
+               "what is late is drawn with a larger error (default: captures are part of the "
+               "frame, within a budget of triangles, which makes runs repeatable)")
+      ->check(in_range(0.1, 1000.0))
+      ->type_name("T");
+  command
+      .add_option("--late", late,
+                  fmt::format("{}: with --capture-ms, how many times their limits the errors and "
+                              "gaps of what is late may be (1: nothing is late, but more of a "
+                              "frame is coarse; default {:g})",
+                              of, late))
+      ->check(in_range(1.0, 100.0))
+      ->type_name("X");
+  command
+      .add_option("--max-spike", max_spike,
+                  fmt::format("{}: how many times as much as the frames before one may cost, "
+                              "by the costs of --machine; after a cut, what costs more is coarse "
+                              "for some frames, with a larger error (0: no limit; default {:g})",
+                              of, max_spike))
+      ->check(in_range(0.0, 1000.0))
+      ->type_name("X");
+}
+
 void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option("--delta-bits", options.delta_bits,
@@ -60,29 +88,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
           "(default twice --error-px)")
       ->check(in_range(0.01, 1e6))
       ->type_name("E");
-  command
-      .add_option("--capture-ms", options.capture_ms,
-                  "cache: time for captures beside the frame, in ms, which does not wait for them; "
-                  "what is late is drawn with a larger error (default: captures are part of the "
-                  "frame, within a budget of triangles, which makes runs repeatable)")
-      ->check(in_range(0.1, 1000.0))
-      ->type_name("T");
-  command
-      .add_option("--late", options.late,
-                  fmt::format("cache: with --capture-ms, how many times as large as --error-px and "
-                              "--gap-px allow the errors of what is late may be (1: nothing is "
-                              "late, but more of a frame is coarse; default {:g})",
-                              options.late))
-      ->check(in_range(1.0, 100.0))
-      ->type_name("X");
-  command
-      .add_option("--max-spike", options.max_spike,
-                  fmt::format("cache: how many times as much as the frames before one may cost, "
-                              "by the costs of --machine; after a cut, what costs more is coarse "
-                              "for some frames, with a larger error (0: no limit; default {:g})",
-                              options.max_spike))
-      ->check(in_range(0.0, 1000.0))
-      ->type_name("X");
+  add_budget_options(command, "cache", options.capture_ms, options.late, options.max_spike);
   command
       .add_option(
           "--bake-mb", options.bake_mb,

@@ -44,6 +44,9 @@ struct MethodOptions {
 };
 
 void add_method_options(CLI::App& command, MethodOptions& options);
+// --capture-ms T, --late X and --max-spike X. `of` begins the help: "cache".
+void add_budget_options(CLI::App& command, const std::string& of, double& capture_ms, double& late,
+                        double& max_spike);
 
 // Of nailboards: --depth.
 [[nodiscard]] DepthMode depth_mode(const MethodOptions& options);

@@ -84,10 +84,10 @@ struct CacheOptions {
   // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
   // its dearest polygons go into Plan::fallback, until it costs no more than they did, or
   // spike_floor (in triangles), which any frame may cost. The first frame after a jump of the eye
-  // may cost jump_share of spike_floor: prices can be off by half, and it is to be complete in that
-  // time. From frame to frame the limit grows by a third, from spike_floor on, up to max_spike
-  // times what the last frames cost, and is at least half of what the frame would cost without it.
-  // 0: no limit.
+  // may cost jump_share of spike_floor, so that it takes no longer than spike_floor where drawing
+  // takes half as long again as the CostModel says. From frame to frame the limit grows by a
+  // third, from spike_floor on, up to max_spike times what the last frames cost, and is at least
+  // half of what the frame would cost without it. 0: no limit.
   double max_spike = 0;
   double spike_floor = 360'000;
   double jump_share = 0.65;

@@ -41,8 +41,8 @@ struct ImageCacheOptions {
   // are part of the frame, and CacheOptions::capture_triangles limits them, so that runs are
   // reproducible.
   double capture_ms = 0;
-  // With capture_ms, the rasteriser: how many times its limits the bounds of a picture may reach
-  // whose successor is not done; at least 1: none is late.
+  // With capture_ms and the rasteriser, a picture whose successor is not done stays until its
+  // bounds reach their limits times this factor. 1, the least: no picture exceeds its limits.
   double late = CacheOptions{}.late;
   // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
   // by the costs that the planner compares, shows what costs most, after a cut for instance, in a

@@ -30,8 +30,9 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
                                        const RealTimeOptions& options) {
   RILIEVO_EXPECTS(options.kept >= 1 && options.seconds > 0 && options.refresh > 0);
   RealTimeWalk result;
-  Camera last = walk(0).camera;
-  const Result<double> first = time_frame(source, targets, walk(0));
+  const WalkFrame start = walk(0);
+  Camera last = start.camera;
+  const Result<double> first = time_frame(source, targets, start);
   if (!first) return first.error();
   result.first_frame_ms = *first;
   add_stats(source.stats(), result);

@@ -45,19 +45,24 @@ class RealTimeTest : public gl::ContextTest {
     const double x = seconds + (seconds >= 0.5 ? 100.0 : 0.0);
     return {look_at({x, 0, 0}, {x, 0, -1}, {0, 1, 0}, 1, 16, 16, 0.1, 10), seconds};
   }
+  static Result<RealTimeWalk> draw_walk(
+      FrameSource& source, const RealTimeOptions& options,
+      const std::function<WalkFrame(double seconds)>& eye = walk) {
+    Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
+    Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
+    return walk_in_real_time(source, {&*target, &*probe}, eye, options);
+  }
 };
 
 // Sleeps take at least as long as they say, so that this depends on no clock from above.
 TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
-  Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
-  Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
   RealTimeOptions options;
   options.seconds = 0.9;
   options.kept = 4;
   options.refresh = 100;
   options.cuts = {0.5};
   Sleeper slow(30);
-  const Result<RealTimeWalk> walked = walk_in_real_time(slow, {&*target, &*probe}, walk, options);
+  const Result<RealTimeWalk> walked = draw_walk(slow, options);
   ASSERT_TRUE(walked.ok());
   EXPECT_GE(walked->first_frame_ms, 30);
   EXPECT_EQ(slow.eyes.size(), walked->frame_ms.size() + 1);
@@ -88,14 +93,12 @@ TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
 }
 
 TEST_F(RealTimeTest, a_fast_method_waits_for_the_display) {
-  Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
-  Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
   RealTimeOptions options;
   options.seconds = 0.4;
   options.kept = 2;
   options.refresh = 10;  // 100 ms: drawing nothing takes less
   Sleeper fast(0);
-  const Result<RealTimeWalk> walked = walk_in_real_time(fast, {&*target, &*probe}, walk, options);
+  const Result<RealTimeWalk> walked = draw_walk(fast, options);
   ASSERT_TRUE(walked.ok());
   EXPECT_LE(walked->frame_ms.size(), 5u);
   EXPECT_FALSE(walked->cut_ms);
@@ -103,15 +106,13 @@ TEST_F(RealTimeTest, a_fast_method_waits_for_the_display) {
 }
 
 TEST_F(RealTimeTest, a_jump_there_and_back_between_two_frames_is_none) {
-  Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
-  Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
   RealTimeOptions options;
   options.seconds = 0.3;
   options.kept = 1;
   options.cuts = {0.1, 0.101};
   Sleeper slow(30);
   const auto stand = [](double seconds) { return WalkFrame{walk(0).camera, seconds}; };
-  const Result<RealTimeWalk> walked = walk_in_real_time(slow, {&*target, &*probe}, stand, options);
+  const Result<RealTimeWalk> walked = draw_walk(slow, options, stand);
   ASSERT_TRUE(walked.ok());
   EXPECT_FALSE(walked->cut_ms);
   EXPECT_FALSE(walked->cut_fine_ms);
