@@ -20,8 +20,8 @@ glm::vec2 sample_position(int sample, int samples) {
 }
 
 std::size_t SampleBuffer::bytes(int size, int samples) {
-  return std::size_t(size) * std::size_t(size) * std::size_t(samples) *
-         (sizeof(float) + sizeof(std::uint32_t));
+  const std::size_t count = std::size_t(size) * std::size_t(size) * std::size_t(samples);
+  return LargeBuffer<float>::bytes(count) + LargeBuffer<std::uint32_t>::bytes(count);
 }
 
 void SampleBuffer::begin(int new_width, int new_height, int new_samples) {
@@ -32,11 +32,10 @@ void SampleBuffer::begin(int new_width, int new_height, int new_samples) {
   stride = (std::size_t(width) * std::size_t(samples) + kLongestVector - 1) / kLongestVector *
            kLongestVector;
   const std::size_t size = stride * std::size_t(height);
-  if (depth.size() < size) depth.resize(size), triangle.resize(size);
+  depth.require(size), triangle.require(size);
   parallel_for(0, (height + 63) / 64, [&](int i) {
     const int end = std::min(height, 64 * (i + 1));
-    std::fill(depth.begin() + std::ptrdiff_t(row(64 * i)), depth.begin() + std::ptrdiff_t(row(end)),
-              1.0f);
+    std::fill(depth.data() + row(64 * i), depth.data() + row(end), 1.0f);
   });
 }
 

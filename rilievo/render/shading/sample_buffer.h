@@ -8,7 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <vector>
+
+#include "rilievo/core/large_buffer.h"
 
 namespace rilievo {
 
@@ -16,8 +17,8 @@ namespace rilievo {
 struct SampleBuffer {
   int width = 0, height = 0, samples = 1;
   std::size_t stride = 0;  // samples in a row
-  std::vector<float> depth;
-  std::vector<std::uint32_t> triangle;  // valid where depth < 1
+  LargeBuffer<float> depth;
+  LargeBuffer<std::uint32_t> triangle;  // valid where depth < 1
 
   // The memory for pictures of up to `size` texels a side.
   [[nodiscard]] static std::size_t bytes(int size, int samples);
