@@ -21,10 +21,7 @@ struct FreeLargeMemory {
 };
 using LargeMemory = std::unique_ptr<std::byte, FreeLargeMemory>;
 
-// Memory of large_bytes(bytes).
 [[nodiscard]] LargeMemory allocate_large(std::size_t bytes);
-// `bytes`, in whole pages where they are large.
-[[nodiscard]] std::size_t large_bytes(std::size_t bytes);
 
 }  // namespace detail
 
@@ -41,11 +38,7 @@ class LargeBuffer {
     memory_.reset();
     size_ = 0;
     memory_ = detail::allocate_large(size * sizeof(T));
-    size_ = bytes(size) / sizeof(T);
-  }
-  // The memory for `size` elements.
-  [[nodiscard]] static std::size_t bytes(std::size_t size) {
-    return detail::large_bytes(size * sizeof(T));
+    size_ = size;
   }
 
   // The number of elements that there is room for.

@@ -20,8 +20,8 @@ glm::vec2 sample_position(int sample, int samples) {
 }
 
 std::size_t SampleBuffer::bytes(int size, int samples) {
-  const std::size_t count = std::size_t(size) * std::size_t(size) * std::size_t(samples);
-  return LargeBuffer<float>::bytes(count) + LargeBuffer<std::uint32_t>::bytes(count);
+  return std::size_t(size) * std::size_t(size) * std::size_t(samples) *
+         (sizeof(float) + sizeof(std::uint32_t));
 }
 
 void SampleBuffer::begin(int new_width, int new_height, int new_samples) {
