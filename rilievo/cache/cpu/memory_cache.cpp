@@ -28,7 +28,7 @@ int largest_picture(const ImageCacheOptions& options) {
   return options.max_bytes < least_bytes(kLargestPicture, options) ? kLargestOfLittle
                                                                    : kLargestPicture;
 }
-// Rows are padded (memory_nailboard.h); colours and codes take six bytes.
+// Rows are padded (memory_nailboard.h); colours and codes take six bytes, without padding.
 constexpr int kRowPadding = 16;
 constexpr std::size_t kTexelBytes = 6;
 // Memory of pictures that are gone, for the next ones.
@@ -58,14 +58,21 @@ class MemoryCache::Store final : public CachePictures {
   [[nodiscard]] RasterSource* rasterizer() override { return &source_; }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
-    const std::size_t bytes = bytes_of(width, height);
-    if (bytes_ + bytes > max_bytes_) return false;
+    const std::size_t needed = MemoryNailboard::bytes_of(width, height);
+    if (bytes_ + needed > max_bytes_) return false;
     if (slot >= slots_.size()) slots_.resize(slot + 1), sizes_.resize(slot + 1);
     RILIEVO_EXPECTS(sizes_[slot] == 0);
     if (!slots_[slot]) slots_[slot] = std::make_unique<MemoryNailboard>();
-    pooled_ -= slots_[slot]->bytes();
+    const std::size_t pooled = slots_[slot]->bytes();
+    pooled_ -= pooled;
+    // A picture counts with all memory that its slot holds, and must not hold much that it does not
+    // need.
+    std::size_t bytes = std::max(needed, pooled);
+    if (bytes > needed + needed / 2 || bytes_ + bytes > max_bytes_)
+      *slots_[slot] = {}, bytes = needed;
     sizes_[slot] = bytes;
     bytes_ += bytes;
+    if (bytes_ + pooled_ > max_bytes_) empty_pool();
     return true;
   }
   // The next picture of the slot takes over the memory, within limits.
@@ -108,9 +115,10 @@ class MemoryCache::Store final : public CachePictures {
   }
 
  private:
-  [[nodiscard]] static std::size_t bytes_of(int width, int height) {
-    const int stride = (width + kRowPadding) / kRowPadding * kRowPadding;
-    return std::size_t(stride) * std::size_t(height + 2) * kTexelBytes;
+  void empty_pool() {
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot)
+      if (slots_[slot] && sizes_[slot] == 0) *slots_[slot] = {};
+    pooled_ = 0;
   }
 
   int samples_;
@@ -119,7 +127,7 @@ class MemoryCache::Store final : public CachePictures {
   std::size_t max_bytes_, bytes_ = 0, pooled_ = 0;
   MemoryNailboardSet pictures_;
   std::vector<std::unique_ptr<MemoryNailboard>> slots_;  // they stay where they are
-  std::vector<std::size_t> sizes_;                       // of each slot, bytes; 0: free
+  std::vector<std::size_t> sizes_;                       // what each slot holds, bytes; 0: free
   std::vector<std::optional<DeltaRange>> ranges_;
   AtlasPicture encoded_;
 };

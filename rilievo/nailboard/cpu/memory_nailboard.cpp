@@ -16,7 +16,28 @@ static_assert(std::endian::native == std::endian::little, "two codes make a word
 constexpr std::uint16_t kNoCode = 0xffff;
 constexpr std::uint32_t kNoPair = 0xffffffff;
 
+// Room for `size` elements and no more, whose values are lost where it grows.
+template <class T>
+void make_room(std::vector<T>& elements, std::size_t size) {
+  if (elements.capacity() < size) {
+    elements = {};
+    elements.reserve(size);
+  }
+  elements.resize(size);
+}
+
 }  // namespace
+
+MemoryNailboard::Sizes MemoryNailboard::sizes_of(int width, int height) {
+  // One texel beyond the last is read, with weight 0, and more rows, which nobody uses. Rows are
+  // no power of two apart: those of a block would meet in one set of the cache.
+  std::size_t stride = (std::size_t(width) + 1 + 15) / 16 * 16;
+  if (stride % 256 == 0) stride += 16;
+  const std::size_t shown = stride * std::size_t(height);
+  const auto cells = [](int texels) { return std::size_t((texels + kCell - 1) / kCell); };
+  return {stride, shown, shown + 3 * stride + kReadBeyond, shown / 2 + stride + kReadBeyond,
+          cells(width) * cells(height)};
+}
 
 // Rows are written and looked at by bands of cells. `row(y, codes)` fills in the codes of row y,
 // from the top, and returns its colours.
@@ -25,18 +46,16 @@ void MemoryNailboard::fill(int width, int height, int delta_bits, const Row& row
   RILIEVO_EXPECTS(1 <= width && width <= 16384 && 1 <= height && height <= 16384);
   RILIEVO_EXPECTS(2 <= delta_bits && delta_bits <= 16);
   width_ = width, height_ = height, delta_bits_ = delta_bits;
-  // One texel beyond the last is read, with weight 0, and more rows, which nobody uses. Rows are
-  // no power of two apart: those of a block would meet in one set of the cache.
-  stride_ = (width + 1 + 15) / 16 * 16;
-  if (stride_ % 256 == 0) stride_ += 16;
-  const std::size_t stride = std::size_t(stride_), shown = stride * std::size_t(height);
-  color_.resize(shown + 3 * stride + kReadBeyond);
-  code_pairs_.resize(shown / 2 + stride + kReadBeyond);
+  const Sizes sizes = sizes_of(width, height);
+  const std::size_t stride = sizes.stride, shown = sizes.shown;
+  stride_ = int(stride);
+  make_room(color_, sizes.color);
+  make_room(code_pairs_, sizes.code_pairs);
   std::fill(color_.begin() + std::ptrdiff_t(shown), color_.end(), 0);
   std::fill(code_pairs_.begin() + std::ptrdiff_t(shown / 2), code_pairs_.end(), kNoPair);
   objects_.clear();
-  cell_nearest_.resize(std::size_t(cells_across()) * std::size_t(cells_down()));
-  cell_opaque_.resize(cell_nearest_.size());
+  make_room(cell_nearest_, sizes.cells);
+  make_room(cell_opaque_, sizes.cells);
   parallel_for(0, cells_down(), [&](int band) {
     // Of each column within the band.
     static thread_local std::vector<std::uint16_t> codes, nearest, farthest;
@@ -119,8 +138,15 @@ Nailboard MemoryNailboard::copy(const PictureGeometry& geometry) const {
 }
 
 std::size_t MemoryNailboard::bytes() const {
-  return (color_.size() + code_pairs_.size() + objects_.size()) * sizeof(std::uint32_t) +
-         cell_nearest_.size() * sizeof(std::uint16_t) + cell_opaque_.size();
+  return (color_.capacity() + code_pairs_.capacity() + objects_.capacity()) *
+             sizeof(std::uint32_t) +
+         cell_nearest_.capacity() * sizeof(std::uint16_t) + cell_opaque_.capacity();
+}
+
+std::size_t MemoryNailboard::bytes_of(int width, int height) {
+  const Sizes sizes = sizes_of(width, height);
+  return (sizes.color + sizes.code_pairs) * sizeof(std::uint32_t) +
+         sizes.cells * (sizeof(std::uint16_t) + sizeof(std::uint8_t));
 }
 
 }  // namespace rilievo

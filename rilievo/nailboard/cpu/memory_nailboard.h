@@ -63,9 +63,17 @@ class MemoryNailboard {
   // Of the whole picture.
   [[nodiscard]] std::uint32_t nearest() const { return nearest_; }
   [[nodiscard]] std::uint32_t steps() const { return delta_steps(delta_bits_); }
+  // The memory that it holds: that of the largest picture so far.
   [[nodiscard]] std::size_t bytes() const;
+  // The memory that a picture needs, without objects.
+  [[nodiscard]] static std::size_t bytes_of(int width, int height);
 
  private:
+  // Of the vectors below, in elements.
+  struct Sizes {
+    std::size_t stride, shown, color, code_pairs, cells;
+  };
+  [[nodiscard]] static Sizes sizes_of(int width, int height);
   template <class Row>
   void fill(int width, int height, int delta_bits, const Row& row);
 

@@ -79,6 +79,26 @@ TEST(MemoryNailboard, keeps_each_texel_whatever_was_kept_before) {
   }
 }
 
+TEST(MemoryNailboard, bytes_are_those_of_the_largest_picture_so_far) {
+  Random random(13);
+  const Camera frame = random_frame(random, 150, 92);
+  MemoryNailboard kept;
+  std::size_t most = 0;
+  for (const int texels : {20, 120, 130, 30, 20, 122}) {
+    const Nailboard board = random_picture(random, frame, 8, texels);
+    kept.assign(board);
+    const std::size_t needed = MemoryNailboard::bytes_of(board.color.width(), board.color.height());
+    MemoryNailboard alone;
+    alone.assign(board);
+    EXPECT_EQ(alone.bytes(), needed);
+    EXPECT_GE(kept.bytes(), needed);
+    most = std::max(most, needed);
+  }
+  // Of different shapes each part of the memory is the largest of its own: little more.
+  EXPECT_GE(kept.bytes(), most);
+  EXPECT_LE(kept.bytes(), most + most / 4);
+}
+
 TEST(MemoryNailboard, a_piece_of_a_prewarped_picture_is_kept_as_its_encoding_is) {
   Random random(12);
   MemoryNailboard directly, encoded;
