@@ -255,7 +255,7 @@ PlacedPicture place_picture(const ViewAxes& view, const Box& box, const CaptureC
        ++attempt, ahead = attempt < 4 ? ahead / 2 : 0) {
     const glm::dvec3 eye = view.eye + drift * ahead;
     const Seen seen = see(view, box, eye);
-    if (seen.front <= 0) continue;
+    if (!(seen.front > 0)) continue;  // nor where the drift is not a number
     Camera camera = view.camera;
     camera.world_from_eye[3] = glm::dvec4(eye, 1);
     camera.window = seen.window;

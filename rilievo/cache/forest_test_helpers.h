@@ -64,7 +64,7 @@ inline FrameView stroll(int frame) {
   return looking(eye_at(t), {std::sin(turn), -0.1, -std::cos(turn)}, velocity);
 }
 
-// Four cars, of which one deforms.
+// Four cars, of which one has no pictures.
 inline std::vector<MovingObject> cars(int frame) {
   std::vector<MovingObject> all;
   for (int i = 0; i < 4; ++i) {
@@ -79,7 +79,7 @@ inline std::vector<MovingObject> cars(int frame) {
     car.now_from_last = place(frame) * glm::inverse(place(frame - 1));
     car.box = transformed(glm::mat4(car.world_from_object), box);
     car.triangles = 20000;
-    car.deforms = i == 3;
+    car.polygons_only = i == 3;
     all.push_back(car);
   }
   return all;

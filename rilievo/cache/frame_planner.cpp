@@ -91,7 +91,7 @@ CaptureCost FramePlanner::estimate(Entity e) const {
 }
 
 CaptureCost FramePlanner::estimate(Entity e, const Level& level) const {
-  if (is_moving(e) ? moving[e - nodes()].deforms
+  if (is_moving(e) ? moving[e - nodes()].polygons_only
                    : !tree.nodes[e].leaf() && level.triangles > options.picture_triangles)
     return {};
   CaptureCost estimated =
@@ -146,7 +146,7 @@ const PlanScratch::Checked& FramePlanner::check(std::uint32_t slot) {
       return false;
     return bound_px <= factor * limit && gap_px <= factor * gap_limit;
   };
-  if (!holds_at(0, late_factor(options)) || (object && object->deforms)) {
+  if (!holds_at(0, late_factor(options)) || (object && object->polygons_only)) {
     checked.now_px = INFINITY;
     return checked;
   }

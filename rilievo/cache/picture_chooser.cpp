@@ -44,7 +44,8 @@ bool PictureChooser::is_valid(const Picture& picture, const Camera& frame,
   const glm::dvec3 capture_eye = picture.geometry.capture.position();
   const double way = glm::length(eye - capture_eye);
   const double distance = glm::length(picture.center - capture_eye);
-  if (way > options_.max_angle * distance) return false;
+  // Nor does it hold where the way is not a number: the object was scaled to nothing.
+  if (!(way <= options_.max_angle * distance)) return false;
   // A narrower field of view or a larger frame asks for finer texels.
   return texel_angle(picture.geometry.capture) * options_.texels_per_pixel <=
          1.01 * texel_angle(frame);

@@ -71,7 +71,7 @@ TEST(PolicyAlternatives, are_drawn_where_they_are_within_the_bound_and_cheaper) 
   int drawn = 0, too_far_off = 0, too_dear = 0;
   for (int i = 0; i < 3000; ++i) {
     MovingObject object = top(0, 0, std::uint64_t(1000 * std::pow(1000, u(rng))));
-    object.deforms = true;  // no pictures: polygons or the alternative
+    object.polygons_only = true;  // no pictures: polygons or the alternative
     const CostTerms cost{100 * std::pow(100, u(rng)), 2 * u(rng)};
     const Alternatives alternatives =
         alternative_of(object, {0.002 + 0.05 * u(rng), 2 * u(rng)}, cost);
@@ -100,7 +100,7 @@ TEST(PolicyAlternatives, are_drawn_where_they_are_within_the_bound_and_cheaper) 
 
 TEST(PolicyAlternatives, the_cheapest_of_several_is_drawn_and_none_that_is_absent) {
   MovingObject object = top(0, 0, 10'000'000);
-  object.deforms = true;
+  object.polygons_only = true;
   Alternatives alternatives = alternative_of(object, {1e-6, 0}, {3000, 0});
   alternatives.list.resize(3, alternatives.list[0]);
   alternatives.list[1].cost = {1000, 0};
@@ -121,7 +121,7 @@ TEST(PolicyAlternatives, the_cheapest_of_several_is_drawn_and_none_that_is_absen
 
 TEST(PolicyAlternatives, one_with_cracks_wider_than_the_limit_on_gaps_is_not_drawn) {
   MovingObject object = top(0, 0, 10'000'000);
-  object.deforms = true;
+  object.polygons_only = true;
   Alternatives alternatives = alternative_of(object, {1e-6, 0}, {1000, 0});
   alternatives.list[0].error.gap = [](const ErrorModel&, const glm::dmat4&, const Camera&) {
     return 1.5;

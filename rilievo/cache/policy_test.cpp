@@ -83,7 +83,7 @@ TEST(Policy, every_object_in_view_is_drawn_once_within_the_bound_and_the_budgets
         RigidMotion motion;
         if (picture.entity >= forest.tree.nodes.size()) {
           const MovingObject& car = moving[picture.entity - forest.tree.nodes.size()];
-          ASSERT_FALSE(car.deforms);
+          ASSERT_FALSE(car.polygons_only);
           motion.now_from_then = car.world_from_object * glm::inverse(picture.world_from_object);
         }
         const double bound = bound_error(picture.geometry, view.camera, motion).total_px;

@@ -6,6 +6,18 @@
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
+namespace {
+
+// What is scaled to nothing has none: what moves with it cannot be told from its pose.
+bool has_inverse(const glm::dmat4& pose) {
+  const glm::dmat4 inverse = glm::inverse(pose);
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(inverse[column][row])) return false;
+  return true;
+}
+
+}  // namespace
 
 SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store,
                        const ImageCacheOptions& options, FrameContent& content,
@@ -31,6 +43,7 @@ void SceneCache::build() {
       moving.triangles = count;
       moving.box = placed_.bounds()[i];
       moving.world_from_object = glm::dmat4(placed_.poses()[i]);
+      moving.polygons_only = !has_inverse(moving.world_from_object);
       moving_.push_back(moving);
     } else {
       static_objects_.push_back(i);
@@ -180,9 +193,12 @@ void SceneCache::update_moving() {
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     const std::uint32_t object = moving_objects_[i];
     const glm::dmat4 now(placed_.poses()[object]);
-    moving_[i].now_from_last = now == moving_[i].world_from_object
-                                   ? glm::dmat4(1.0)
-                                   : now * glm::inverse(moving_[i].world_from_object);
+    const bool was_flat = moving_[i].polygons_only;
+    moving_[i].polygons_only = !has_inverse(now);
+    moving_[i].now_from_last =
+        now == moving_[i].world_from_object || was_flat || moving_[i].polygons_only
+            ? glm::dmat4(1.0)
+            : now * glm::inverse(moving_[i].world_from_object);
     moving_[i].world_from_object = now;
     moving_[i].box = placed_.bounds()[object];
   }
