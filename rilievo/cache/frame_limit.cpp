@@ -1,7 +1,7 @@
 // What may a frame cost, and what is coarse in it so that it costs no more? The part of
 // FramePlanner about CacheOptions::max_spike and Plan::fallback.
 #include <algorithm>
-#include <numbers>
+#include <cmath>
 
 #include "rilievo/cache/fallback.h"
 #include "rilievo/cache/frame_planner.h"
@@ -114,8 +114,10 @@ void FramePlanner::finish_fallback() {
   plan.fallback.bound_px = bound_total_px(plan.fallback.geometry, frame.camera);
   // Rays at texels' centres may miss all of a surface into which no circle fits that reaches four.
   const Camera& coarse = plan.fallback.geometry.capture;
-  plan.fallback.texel_px = view.px * (coarse.window.right - coarse.window.left) / coarse.width;
-  plan.fallback.gap_px = std::numbers::sqrt2 * plan.fallback.texel_px;
+  const double across = view.px * (coarse.window.right - coarse.window.left) / coarse.width;
+  const double up = view.py * (coarse.window.top - coarse.window.bottom) / coarse.height;
+  plan.fallback.texel_px = across;
+  plan.fallback.gap_px = std::hypot(across, up);
 }
 
 }  // namespace rilievo

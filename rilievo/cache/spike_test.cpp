@@ -41,11 +41,12 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
         EXPECT_NEAR(run.plan.cost, cost, 1e-6 * cost);
       } else {
         ++coarse;
-        // Between texels of two pixels; also when a capture's own gaps have become known.
+        // From texel to texel across; also when a capture's own gaps have become known.
         const Camera &coarser = run.plan.fallback.geometry.capture, &frames = view.camera;
-        const double between = std::sqrt(2.0) * kWidth / coarser.width *
-                               (coarser.window.right - coarser.window.left) /
-                               (frames.window.right - frames.window.left);
+        const ImageWindow &small = coarser.window, &whole = frames.window;
+        const double between = std::hypot(
+            (small.right - small.left) / coarser.width * kWidth / (whole.right - whole.left),
+            (small.top - small.bottom) / coarser.height * kHeight / (whole.top - whole.bottom));
         EXPECT_GE(run.plan.gap_px * (1 + 1e-9), between);
         if (!run.plan.captures.empty()) {
           Plan reported = run.plan;
