@@ -20,7 +20,7 @@ void add_stats(const FrameStats& stats, RealTimeWalk& result) {
 std::vector<double> cuts_of(const CameraPath& path) {
   std::vector<double> cuts;
   for (std::size_t i = 1; i < path.keys.size(); ++i)
-    if (path.keys[i].time - path.keys[i - 1].time <= kCutSeconds)
+    if (is_cut(path.keys[i - 1], path.keys[i]))
       cuts.push_back(path.keys[i].time - path.keys[0].time);
   return cuts;
 }

@@ -40,7 +40,7 @@ struct RealTimeWalk {
   std::vector<std::pair<WalkFrame, DrawnFrame>> kept;  // as many as asked for
 };
 
-// The times at which the eye jumps (kCutSeconds), seconds after the first key.
+// The times at which the eye jumps (is_cut), seconds after the first key.
 [[nodiscard]] std::vector<double> cuts_of(const CameraPath& path);
 
 // Walks with `source`; `walk` gives the camera `seconds` after the start. Draws on after the end of

@@ -126,5 +126,14 @@ TEST(Cuts, are_where_two_keys_are_two_milliseconds_apart_or_less) {
   EXPECT_NEAR(cuts_of(path)[0], 0.501, 1e-12);
 }
 
+// Of 1.0 and 1.002 the difference is more than 0.002, if rounded.
+TEST(Cuts, are_told_by_the_distance_of_keys_at_any_time) {
+  CameraPath path;
+  for (int i = 0; i < 100; ++i)
+    for (const double time : {i + 0.0, i + 0.002, i + 0.5, i + 0.503})
+      path.keys.push_back(look_key(time, {}, {0, 0, -1}, {0, 1, 0}, 1));
+  EXPECT_EQ(cuts_of(path).size(), 100u);
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -13,17 +13,12 @@ constexpr double kOrbitSpeed = 10.0 * glm::pi<double>() / 180.0;
 constexpr double kFirstAzimuth = 0.5;  // from +z towards +x
 constexpr double kElevation = 15.0 * glm::pi<double>() / 180.0;
 
-// Does the eye jump from key `i` to the next?
-bool is_cut(std::span<const PathKey> keys, std::size_t i) {
-  return keys[i + 1].time - keys[i].time <= kCutSeconds;
-}
-
 // The keys around `i` that no cut separates from it.
 std::span<const PathKey> shot_of(std::span<const PathKey> keys, std::size_t i) {
   std::size_t first = i, last = i;
   // Three on each side: no more are asked for.
-  while (first > 0 && i - first < 3 && !is_cut(keys, first - 1)) --first;
-  while (last + 1 < keys.size() && last - i < 3 && !is_cut(keys, last)) ++last;
+  while (first > 0 && i - first < 3 && !is_cut(keys[first - 1], keys[first])) --first;
+  while (last + 1 < keys.size() && last - i < 3 && !is_cut(keys[last], keys[last + 1])) ++last;
   return keys.subspan(first, last - first + 1);
 }
 
@@ -48,8 +43,8 @@ PathKey between(const std::vector<PathKey>& keys, double time) {
   const auto above = std::upper_bound(keys.begin(), keys.end(), time,
                                       [](double t, const PathKey& key) { return t < key.time; });
   const std::size_t i = std::size_t(above - keys.begin()) - 1;
-  if (is_cut(keys, i)) return keys[i];
   const PathKey &a = keys[i], &b = keys[i + 1];
+  if (is_cut(a, b)) return a;
   const std::span<const PathKey> shot = shot_of(keys, i);
   const auto in_shot = std::size_t(&a - shot.data());
   const double step = b.time - a.time, s = (time - a.time) / step;
@@ -125,6 +120,12 @@ PathKey look_key(double time, const glm::dvec3& eye, const glm::dvec3& target, c
           vertical_fov};
 }
 
+bool is_cut(const PathKey& key, const PathKey& next) {
+  // A difference of rounded times may come out larger than it is.
+  constexpr double kRounding = 1e-6;
+  return next.time - key.time <= kCutSeconds + kRounding;
+}
+
 int frame_count(const CameraPath& path) {
   RILIEVO_EXPECTS(!path.keys.empty());
   const double seconds = path.keys.back().time - path.keys.front().time;
@@ -150,7 +151,8 @@ CameraPath there_and_back(const CameraPath& path, double seconds) {
   RILIEVO_EXPECTS(!path.keys.empty());
   const double start = path.keys.front().time, length = path.keys.back().time - start;
   CameraPath longer = path;
-  if (!(length > 0)) return longer;
+  // Else the shortest paths would have keys without end.
+  if (!(length >= 1 / kFramesPerSecond)) return longer;
   bool back = true;
   for (double turn = length; turn < seconds; turn += length, back = !back)
     for (std::size_t i = 1; i < path.keys.size(); ++i) {

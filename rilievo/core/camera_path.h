@@ -43,6 +43,9 @@ struct PathKey {
   double vertical_fov = 0.9;
 };
 
+// Does the eye jump from `key` to the next one?
+[[nodiscard]] bool is_cut(const PathKey& key, const PathKey& next);
+
 // A camera path with clipping planes for all its cameras.
 struct CameraPath {
   std::vector<PathKey> keys;  // at least one, times ascending
@@ -85,7 +88,8 @@ struct Vantage {
 [[nodiscard]] CameraPath walk_path(const Box& bounds, int frames, const Vantage& vantage = {});
 
 // The path, and back again, and so on, until it lasts at least `seconds`: an eye that does not stop
-// where a path is shorter than a walk. A path of one key stays as it is. Requires a valid path.
+// where a path is shorter than a walk. A path of one key, or shorter than a frame, stays as it is.
+// Requires a valid path.
 [[nodiscard]] CameraPath there_and_back(const CameraPath& path, double seconds);
 
 // Checks that there is a key, that times ascend, and that every number is finite and in range.

@@ -81,6 +81,11 @@ TEST(CameraPath, there_and_back_never_stands_still) {
   CameraPath one;
   one.keys.push_back({});
   EXPECT_EQ(there_and_back(one, 9).keys.size(), 1u);
+  // A path shorter than a frame would be walked millions of times.
+  one.keys.push_back({.time = 1e-7});
+  EXPECT_EQ(there_and_back(one, 1).keys.size(), 2u);
+  one.keys[1].time = 1 / kFramesPerSecond;
+  EXPECT_GE(there_and_back(one, 1).keys.back().time, 1 - 1e-12);
 }
 
 TEST(CameraPath, an_eye_that_jumps_stands_before_and_after) {
@@ -96,6 +101,22 @@ TEST(CameraPath, an_eye_that_jumps_stands_before_and_after) {
     const double expected = time < 1.5 ? 0 : time < 3 ? 100 : -50 + 2 * (time - 3);
     // 1e-9: rounding of doubles.
     ASSERT_NEAR(x_at(time), expected, 1e-9) << time;
+  }
+}
+
+TEST(CameraPath, two_milliseconds_are_a_cut_and_three_are_none_at_any_time) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> u(0, 1e5);
+  for (int i = 0; i < 200; ++i) {
+    const double time = i < 100 ? i : u(rng);
+    for (const double gap : {0.002, 0.003}) {
+      CameraPath path;
+      path.keys = {{.time = time}, {.time = time + gap, .eye = {1, 0, 0}}};
+      EXPECT_EQ(is_cut(path.keys[0], path.keys[1]), gap == 0.002) << time;
+      const double half_way = camera_at(path, time + 0.5 * gap, 8, 8).position().x;
+      // 1e-3: times around 1e5 s are known to 1e-11 s.
+      EXPECT_NEAR(half_way, gap == 0.002 ? 0 : 0.5, 1e-3) << time;
+    }
   }
 }
 

@@ -14,7 +14,7 @@
 namespace rilievo {
 
 // Averages 2 x 2 texels `level` times: colours and coverage; of Deltas the nearest. The window
-// grows to whole texels. `half` is for the steps between.
+// grows to whole texels. `scratch` is for the steps between.
 void halve_prewarped(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch);
 // The same of identifiers in the place of colours: of the nearest texel.
 void halve_identifiers(const Prewarped& picture, int level, Prewarped& halved, Prewarped& scratch);

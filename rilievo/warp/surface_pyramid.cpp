@@ -107,9 +107,10 @@ SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
       if (in_front || behind) {
         if (end >= 1) return;
         const int axis = ends.x <= ends.y ? 0 : 1;
+        // A cell at the border may reach beyond the picture.
+        const glm::ivec2 last = glm::min(low + side, size) - 1;
         for (int a = 0; a < 2; ++a)
-          texel[a] =
-              std::clamp(int(std::floor(from[a] + step[a] * end)), low[a], low[a] + side - 1);
+          texel[a] = std::clamp(int(std::floor(from[a] + step[a] * end)), low[a], last[a]);
         texel[axis] = low[axis] + (forward[axis] > 0 ? side : -1);
         moved = glm::ivec2(0);
         moved[axis] = forward[axis];

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -47,6 +48,16 @@ DepthImage jug_picture(Projection projection, int size, std::mt19937& rng) {
                                           {.projection = projection, .size = size}));
 }
 
+// Of a ray that was lost behind an outline nobody asks where.
+bool walks_agree(const SurfaceHit& slow, const SurfaceHit& fast) {
+  if (fast.hit != slow.hit || fast.passed_behind != slow.passed_behind ||
+      fast.passed_outline != slow.passed_outline)
+    return false;
+  if (!slow.hit && (!slow.passed_behind || slow.passed_outline)) return true;
+  // 1e-9: rounding of doubles along the segment.
+  return fast.texel == slow.texel && std::abs(fast.t - slow.t) < 1e-9;
+}
+
 TEST(SurfacePyramid, a_walk_over_cells_meets_what_the_walk_over_texels_meets) {
   std::mt19937 rng(1);
   int hits = 0, lost = 0, outlines = 0, wrong = 0;
@@ -66,13 +77,7 @@ TEST(SurfacePyramid, a_walk_over_cells_meets_what_the_walk_over_texels_meets) {
       const SurfaceHit slow = intersect(surface, *segment);
       const SurfaceHit fast = intersect(surface, pyramid, *segment);
       hits += slow.hit, lost += slow.passed_behind && !slow.hit, outlines += slow.passed_outline;
-      bool agree = fast.hit == slow.hit && fast.passed_behind == slow.passed_behind &&
-                   fast.passed_outline == slow.passed_outline;
-      // Of a ray that was lost behind an outline nobody asks where.
-      if (slow.hit || (slow.passed_behind && !slow.passed_outline))
-        // 1e-9: rounding of doubles along the segment.
-        agree = agree && fast.texel == slow.texel && std::abs(fast.t - slow.t) < 1e-9;
-      wrong += !agree;
+      wrong += !walks_agree(slow, fast);
     }
   }
   EXPECT_GT(hits, 3000);
@@ -80,6 +85,36 @@ TEST(SurfacePyramid, a_walk_over_cells_meets_what_the_walk_over_texels_meets) {
   EXPECT_GT(outlines, 3000);
   // A segment through a texel's very corner may be told either way.
   EXPECT_LE(wrong, 2);
+}
+
+// Where the size is no multiple of a cell's, the last cells reach beyond the picture.
+TEST(SurfacePyramid, a_walk_along_a_border_meets_what_the_walk_over_texels_meets) {
+  std::mt19937 rng(4);
+  std::uniform_real_distribution<double> u(0, 1);
+  int hits = 0, lost = 0;
+  for (int i = 0; i < 60; ++i) {
+    const int size = 5 + int(rng() % 40);
+    const Projection kind = i % 2 ? Projection::perspective : Projection::back_perspective;
+    const TexelSurface surface =
+        make_texel_surface(i % 4 < 2 ? wall(kind, size, 2, rng) : noisy(kind, size, rng));
+    const SurfacePyramid pyramid = make_surface_pyramid(surface);
+    for (int k = 0; k < 100; ++k) {
+      const int across = k % 2;
+      const bool last = k % 4 < 2;
+      const auto end = [&] {
+        glm::dvec3 p{size * u(rng), size * u(rng), 0.12 + 0.18 * u(rng)};
+        const double away = std::array{0.0, 1e-9, 1e-3, 0.4}[rng() % 4];
+        p[across] = last ? size - away : away;
+        return p;
+      };
+      const DisparitySegment segment{end(), end()};
+      const SurfaceHit slow = intersect(surface, segment);
+      EXPECT_TRUE(walks_agree(slow, intersect(surface, pyramid, segment))) << i << " " << k;
+      hits += slow.hit, lost += slow.passed_behind && !slow.hit;
+    }
+  }
+  EXPECT_GT(hits, 500);
+  EXPECT_GT(lost, 1000);
 }
 
 TEST(SurfacePyramid, a_cell_holds_all_pieces_in_it) {

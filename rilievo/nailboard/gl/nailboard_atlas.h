@@ -1,7 +1,9 @@
 // How are many pictures kept on the GPU? Colour and Delta in a few texture arrays.
 //
-// One draw call reaches all of them. Captures fill them without leaving the GPU. All memory is
-// allocated at creation, so that the budget is never exceeded. Needs a current OpenGL context.
+// One draw call reaches all of them. Captures fill them without leaving the GPU. Their memory is
+// allocated at creation, so that they never exceed the budget. Only object identifiers, which few
+// programs ask for, take memory beside it, with the first of them: 4 bytes a texel of all layers,
+// and a depth buffer of a layer. Needs a current OpenGL context.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +22,7 @@ namespace rilievo {
 
 // The size of an atlas and the encoding of its pictures.
 struct AtlasOptions {
-  std::size_t max_bytes = 256u << 20;  // capture buffers included
+  std::size_t max_bytes = 256u << 20;  // capture buffers included, object identifiers not
   int delta_bits = 8;                  // 2, 4, 6, 8 or 16
   int samples = 4;                     // per texel at capture: the antialiasing of frames
   // What who captures without OpenGL takes of the budget, for pictures of up to `size` texels a
@@ -31,8 +33,8 @@ struct AtlasOptions {
 // Pictures in texture arrays.
 class NailboardAtlas {
  public:
-  // Allocates all memory. Fails if the budget does not suffice for one picture or the driver
-  // refuses.
+  // Allocates all memory but that of object identifiers. Fails if the budget does not suffice for
+  // one picture or the driver refuses.
   [[nodiscard]] static Result<NailboardAtlas> create(const AtlasOptions& options);
 
   // Allocates a slot; none if the budget is used up.
@@ -59,7 +61,7 @@ class NailboardAtlas {
   // atlas.
   void write(const AtlasSlot& slot, std::span<const glm::u8vec4> color,
              const AtlasPicture& picture);
-  // Its object identifiers, rows from the bottom.
+  // Its object identifiers, rows from the bottom. The first call allocates their texture.
   void write_objects(const AtlasSlot& slot, std::span<const std::uint32_t> objects);
 
   // The blocks of the slot's picture (occlusion_tiles.h). The first call after a capture or a write
@@ -81,7 +83,7 @@ class NailboardAtlas {
   // Texels a side of the largest picture; smaller with a small budget.
   [[nodiscard]] int max_picture_size() const { return capture_size_; }
   [[nodiscard]] const AtlasAllocator& allocator() const { return allocator_; }
-  // The memory allocated for textures and blocks, bytes.
+  // The memory allocated for textures and blocks, but for object identifiers, bytes.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] GLuint color_texture() const { return color_; }
   [[nodiscard]] GLuint delta_texture() const { return delta_; }

@@ -26,6 +26,12 @@ namespace {
 constexpr int kUnit = 256;  // of a pixel
 constexpr int kTile = FrameTile::kSize;
 
+// Triangles are cut where they reach farther to the sides, in pixels. Coordinates are then below
+// 2^28 kUnit, the largest frame's height of 2^22 included, and differences below 2^29. An area is
+// the difference of two products of differences, an edge function at a sample the sum of two
+// products of a difference and a coordinate: below 2^59, and 64 bits hold up to 2^63.
+constexpr double kReach = 1e6;
+
 // In the frame; y points down.
 struct BlendedTriangle {
   std::int64_t x[3], y[3];         // kUnit a pixel, counter-clockwise where y points up
@@ -84,20 +90,17 @@ bool may_cover(const BlendedTriangle& t, int samples) {
   return false;
 }
 
-// One triangle, if it can be seen in the frame.
+// One triangle, if it can be seen in the frame. Corners as in place_pieces().
 std::optional<BlendedTriangle> place_triangle(const Camera& camera, int samples,
                                               const RasterInstance& in, std::uint32_t number,
-                                              const std::uint32_t* corner) {
+                                              const glm::dvec3 (&corner)[3]) {
   BlendedTriangle t;
   double per_w[3];
   for (int k = 0; k < 3; ++k) {
-    const glm::vec4 p(in.positions[corner[k]], 1);
-    const double w = double(glm::dot(in.row_w, p));
-    if (!(w > double(in.min_w)) || w <= 0) return std::nullopt;
-    per_w[k] = 1 / w;
-    const double x = double(glm::dot(in.row_x, p)) / w, y = double(glm::dot(in.row_y, p)) / w;
-    // Far outside, where single precision does not reach either.
-    if (!(std::abs(x) < 1e6 && std::abs(y) < 1e6)) return std::nullopt;
+    per_w[k] = 1 / corner[k].z;
+    const double x = corner[k].x / corner[k].z, y = corner[k].y / corner[k].z;
+    // What was cut lies at kReach but for rounding: this is no number.
+    if (!(std::abs(x) < 1.001 * kReach && std::abs(y) < 1.001 * kReach)) return std::nullopt;
     t.x[k] = rounded(x * kUnit), t.y[k] = rounded((camera.height - y) * kUnit);
   }
   std::int64_t area = (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.x[2] - t.x[0]) * (t.y[1] - t.y[0]);
@@ -123,6 +126,49 @@ std::optional<BlendedTriangle> place_triangle(const Camera& camera, int samples,
   t.inverse_z = per_w[0] - (double(t.x[0]) * t.per_x + double(t.y[0]) * t.per_y) / kUnit;
   t.number = number;
   return t;
+}
+
+// Cuts a polygon at kReach on all four sides. As NearClip does: from the corner inside to the one
+// outside, so that two triangles that share an edge get the same corner there.
+void cut_to_reach(std::vector<glm::dvec3>& polygon) {
+  std::vector<glm::dvec3> cut;
+  for (int side = 0; side < 4; ++side) {
+    const auto inside = [&](const glm::dvec3& p) {
+      return kReach * p.z + (side % 2 ? 1 : -1) * p[side / 2];
+    };
+    cut.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const glm::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      const double at_a = inside(a), at_b = inside(b);
+      if (at_a >= 0) cut.push_back(a);
+      if ((at_a >= 0) == (at_b >= 0)) continue;
+      cut.push_back(at_a >= 0 ? glm::mix(a, b, at_a / (at_a - at_b))
+                              : glm::mix(b, a, at_b / (at_b - at_a)));
+    }
+    polygon.swap(cut);
+  }
+}
+
+// Appends one triangle, or the pieces of it within kReach, if they can be seen in the frame. A
+// corner is x w, y w and w, in pixels; y points up.
+void place_pieces(const Camera& camera, int samples, const RasterInstance& in, std::uint32_t number,
+                  const std::uint32_t* indices, std::vector<BlendedTriangle>& placed) {
+  glm::dvec3 corner[3];
+  bool far = false;
+  for (int k = 0; k < 3; ++k) {
+    const glm::vec4 p(in.positions[indices[k]], 1);
+    corner[k] = {glm::dot(in.row_x, p), glm::dot(in.row_y, p), glm::dot(in.row_w, p)};
+    const double w = corner[k].z;
+    if (!(w > double(in.min_w)) || w <= 0) return;
+    far = far || !(std::abs(corner[k].x) < kReach * w && std::abs(corner[k].y) < kReach * w);
+  }
+  const auto place = [&](const glm::dvec3(&of)[3]) {
+    if (const auto t = place_triangle(camera, samples, in, number, of)) placed.push_back(*t);
+  };
+  if (!far) return place(corner);
+  std::vector<glm::dvec3> polygon(corner, corner + 3);
+  cut_to_reach(polygon);
+  for (std::size_t k = 2; k < polygon.size(); ++k) place({polygon[0], polygon[k - 1], polygon[k]});
 }
 
 // What of a tile waits to be shaded together. A thread's own; empty between tiles.
@@ -197,10 +243,8 @@ void BlendedTiles::State::place_runs(const Camera& camera, int samples) {
     const RasterInstance& in = run.instance;
     run.triangles.clear();
     for (std::uint32_t k = run.first; k < run.first + run.count; ++k)
-      if (const auto t = place_triangle(camera, samples, in,
-                                        in.numbers ? in.numbers[k] : in.first_triangle + k,
-                                        in.indices + 3 * std::size_t(k)))
-        run.triangles.push_back(*t);
+      place_pieces(camera, samples, in, in.numbers ? in.numbers[k] : in.first_triangle + k,
+                   in.indices + 3 * std::size_t(k), run.triangles);
   });
   std::size_t count = 0;
   for (std::size_t i = 0; i < run_count; ++i)
@@ -335,7 +379,7 @@ void BlendedTiles::place(const Camera& camera, int samples, const PlacedScene& p
   State& s = *state_;
   s.triangles.clear();
   if (objects.empty()) return;
-  if (!s.materials) s.materials.emplace(s.scene, true);
+  if (!s.materials) s.materials.emplace(s.scene, TexturedMaterials::blended);
   s.place_all(camera, samples, placed, objects);
   s.list_tiles();
 }

@@ -2,9 +2,10 @@
 //
 // As render/opengl draws them: after everything opaque and the sky; objects back to front, their
 // triangles in their order; each sample of a triangle that nothing opaque hides is blended over
-// what is there, premultiplied, in bytes. Writes no depth. A pixel is shaded at its centre, once
-// for each triangle. For few large triangles (windows, water): one thread places all of them, tiles
-// are drawn by all cores. The result does not depend on the number of threads.
+// what is there, premultiplied, in bytes. Writes no depth. A pixel is shaded once for each
+// triangle: at its centre, or, if not all of 4 samples show the triangle, in the middle of those
+// that do. For few large triangles (windows, water): one thread lists them by tiles, all cores
+// place and draw them. The result does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>

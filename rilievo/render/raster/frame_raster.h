@@ -42,7 +42,8 @@ class FrameRaster final : public FrameVisibility {
   }
   void place(const Camera& camera, std::span<const PlacedMesh> placed);
   // Makes fill() find the farthest surfaces, back faces included, with a depth of 1 - window_z.
-  // Until the next place(). What lies beyond the far plane is then drawn on it.
+  // Until the next place(). What lies beyond the far plane is then drawn on it; what lies in front
+  // of the near plane is nothing, whatever fill() is told.
   void keep_farthest();
   // Rasterises the parts that are placed, with 1 or 4 samples. Requires frames of at most
   // SampleRaster::kMaxSize texels a side.

@@ -73,7 +73,7 @@ class PictureRasterizer {
 
   // Draws the window_z of the farthest of all surfaces along the rays through the texels' centres,
   // including hidden ones and back faces; 1 if there is none. Rows from the bottom. Objects as in
-  // draw().
+  // draw(), but all of them beyond the near plane: what lies in front of it counts as nothing.
   void draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
                      std::span<const glm::mat4> poses, std::vector<float>& depth);
 

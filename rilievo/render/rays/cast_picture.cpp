@@ -84,6 +84,7 @@ struct PictureCaster::State {
 };
 
 PictureCaster::State::State(const RayScene& rays) : rays(rays) {
+  RILIEVO_EXPECTS(rays.parts() == RayParts::opaque);
   const Scene& scene = rays.scene();
   for (const Model& model : scene.models) {
     std::vector<std::uint32_t>& places = place_of_part.emplace_back();

@@ -1,8 +1,9 @@
 // What does a camera see of a Scene, by ray casting?
 //
 // Gives the pictures of the rasterisers without OpenGL: the same surfaces, depths, object
-// identifiers and shading (shading_model.inl). Blended parts are left out. Uses all cores;
-// the result does not depend on the number of threads.
+// identifiers and shading (shading_model.inl). Blended parts are left out: pictures require a
+// RayScene of RayParts::opaque. Uses all cores; the result does not depend on the number of
+// threads.
 #pragma once
 
 #include <memory>
@@ -32,7 +33,7 @@ struct CastOptions {
 // Draws like PictureRasterizer, with a ray through each sample.
 class PictureCaster {
  public:
-  // `scene` must outlive the object.
+  // `scene` must outlive the object, and be of RayParts::opaque.
   explicit PictureCaster(const RayScene& scene);
   PictureCaster(PictureCaster&&) noexcept;
   PictureCaster& operator=(PictureCaster&&) noexcept;

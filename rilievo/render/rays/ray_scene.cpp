@@ -143,6 +143,7 @@ RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_nea
 
 struct RayScene::State {
   const Scene* scene;
+  RayParts included;
   RTCDevice device = nullptr;
   SurfaceMaterials materials;
   std::vector<glm::mat4> poses, model_from_world;
@@ -155,7 +156,11 @@ struct RayScene::State {
   std::vector<std::uint8_t> kept;      // by object: can rays hit it?
   double time = NAN;
 
-  explicit State(const Scene& scene) : scene(&scene), materials(scene) {}
+  State(const Scene& scene, RayParts included)
+      : scene(&scene),
+        included(included),
+        materials(scene,
+                  included == RayParts::all ? TexturedMaterials::all : TexturedMaterials::opaque) {}
   [[nodiscard]] RayContext context(const RayPictureView* picture, RaySides sides,
                                    std::span<const bool> objects) const {
     RILIEVO_EXPECTS(objects.empty() || objects.size() == scene->objects.size());
@@ -182,6 +187,7 @@ RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 RayScene::~RayScene() = default;
 
 const Scene& RayScene::scene() const { return *state_->scene; }
+RayParts RayScene::parts() const { return state_->included; }
 const std::vector<glm::mat4>& RayScene::poses() const { return state_->poses; }
 const SurfaceMaterials& RayScene::materials() const { return state_->materials; }
 
@@ -215,7 +221,7 @@ glm::vec4 base_color_at(const Scene& scene, int mesh_index, std::uint32_t triang
 }
 
 Result<RayScene> RayScene::create(const Scene& scene, double time, RayParts parts) {
-  auto state = std::make_unique<State>(scene);
+  auto state = std::make_unique<State>(scene, parts);
   state->device = rtcNewDevice(nullptr);
   if (!state->device) return Error{"Embree", "no device"};
 

@@ -157,6 +157,41 @@ TEST(RayScene, what_is_not_kept_is_passed_as_if_it_were_told_to_be_and_comes_bac
   EXPECT_GT(without, 100);
 }
 
+TEST(RayScene, blended_parts_that_rays_hit_have_their_textures) {
+  Scene opaque;
+  opaque.images.emplace_back(2, 1, glm::u8vec4(255));
+  opaque.images[0](0, 0) = {0, 0, 0, 255};
+  opaque.textures.emplace_back().nearest = true;
+  Material& material = opaque.materials.emplace_back();
+  material.unlit = true, material.base_color_texture.texture = 0;
+  Mesh& mesh = opaque.meshes.emplace_back();
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.uv[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  mesh.material = 0;
+  opaque.models.emplace_back().parts.push_back({0, glm::mat4(1)});
+  opaque.objects.emplace_back();
+  finish(opaque);
+  Scene blended = opaque;
+  blended.materials[0].alpha_mode = AlphaMode::blend;
+  const Result<RayScene> expected_rays = RayScene::create(opaque);
+  const Result<RayScene> rays = RayScene::create(blended, 0, RayParts::all);
+  ASSERT_TRUE(expected_rays.ok() && rays.ok());
+  const Camera camera = look_at({0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5, 16, 16, 1, 9);
+  const HitShader expected(*expected_rays, camera), shader(*rays, camera);
+  int dark = 0;
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) {
+      const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
+      const std::optional<RayHit> hit = rays->first_hit(ray.origin, ray.direction, 0.0f, 1.0f);
+      ASSERT_TRUE(hit.has_value());
+      const glm::vec4 color = shader.shade(*hit, x, y);
+      EXPECT_EQ(color, expected.shade(*hit, x, y)) << x << " " << y;
+      dark += color.g < 0.5f;
+    }
+  EXPECT_EQ(dark, 128);
+}
+
 TEST(CastPicture, back_perspective_keeps_the_farthest_and_holds_five_faces_of_a_cube) {
   Scene scene;
   // One material, and so one part, a face: parts tell which face a texel shows.

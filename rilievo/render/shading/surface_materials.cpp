@@ -54,7 +54,7 @@ std::optional<SurfaceTexture> SurfaceMaterials::use(const TextureUse& use, bool 
   return out;
 }
 
-SurfaceMaterials::SurfaceMaterials(const Scene& scene, bool blended)
+SurfaceMaterials::SurfaceMaterials(const Scene& scene, TexturedMaterials textured)
     : scene_(&scene), chains_(scene.images.size()) {
   const Material fallback;
   for (std::size_t i = 0; i <= scene.materials.size(); ++i) {
@@ -69,7 +69,8 @@ SurfaceMaterials::SurfaceMaterials(const Scene& scene, bool blended)
     out.unlit = m.unlit, out.double_sided = m.double_sided;
     out.masked = m.alpha_mode == AlphaMode::mask;
     out.blended = m.alpha_mode == AlphaMode::blend;
-    if (out.blended == blended) {
+    if (textured == TexturedMaterials::all ||
+        out.blended == (textured == TexturedMaterials::blended)) {
       out.base = use(m.base_color_texture, true);
       if (!m.unlit) {
         out.metallic_roughness = use(m.metallic_roughness_texture, false);

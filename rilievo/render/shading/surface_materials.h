@@ -55,12 +55,19 @@ struct SurfaceMaterial {
 // A texture without its smaller levels. Requires one that exists and has texels.
 [[nodiscard]] SurfaceTexture unscaled_texture(const Scene& scene, const TextureUse& use, bool srgb);
 
+// The materials that get their textures.
+enum class TexturedMaterials {
+  opaque,   // those that do not blend
+  blended,  // the others
+  all,
+};
+
 // All materials of a scene.
 class SurfaceMaterials {
  public:
-  // `scene` must be valid and outlive the object; its materials and textures must not change. Only
-  // materials that blend, or only the others, get their textures.
-  explicit SurfaceMaterials(const Scene& scene, bool blended = false);
+  // `scene` must be valid and outlive the object; its materials and textures must not change.
+  explicit SurfaceMaterials(const Scene& scene,
+                            TexturedMaterials textured = TexturedMaterials::opaque);
 
   SurfaceMaterials(SurfaceMaterials&&) = default;  // pointers into its parts stay valid
   SurfaceMaterials& operator=(SurfaceMaterials&&) = default;
