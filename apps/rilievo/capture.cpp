@@ -42,8 +42,8 @@ bool is_seurat_capture(const std::filesystem::path& path) {
   return text && text->find("\"view_groups\"") != std::string::npos;
 }
 
-Result<std::vector<DepthImage>> seurat_views(const std::string& path) {
-  Result<SeuratCapture> capture = load_seurat_capture(path);
+Result<std::vector<DepthImage>> seurat_views(const std::string& path, bool allow_outside) {
+  Result<SeuratCapture> capture = load_seurat_capture(path, allow_outside);
   if (!capture) return capture.error();
   std::vector<DepthImage> views;
   for (std::vector<DepthImage>& group : capture->groups)
@@ -98,7 +98,7 @@ bool is_capture(const std::string& path) {
 
 Result<PhotographSource> open_photographs(const std::string& path, const FileLimits& limits) {
   if (is_seurat_capture(path)) {
-    Result<std::vector<DepthImage>> views = seurat_views(path);
+    Result<std::vector<DepthImage>> views = seurat_views(path, limits.allow_outside);
     if (!views) return views.error();
     return PhotographSource(path, std::move(*views));
   }
@@ -114,7 +114,7 @@ Result<> describe_capture(const std::string& path, const std::string& json,
   Box bounds;
   int width = 0, height = 0;
   if (is_seurat_capture(path)) {
-    const Result<std::vector<DepthImage>> views = seurat_views(path);
+    const Result<std::vector<DepthImage>> views = seurat_views(path, limits.allow_outside);
     if (!views) return views.error();
     for (const DepthImage& view : *views) {
       width = std::max(width, view.camera.width);

@@ -10,6 +10,9 @@ namespace rilievo {
 namespace {
 
 constexpr int kMaxSize = 4096;
+// Metres. Disparities, and sums of some of them, are finite as floats: errors that are not never
+// fall below what is allowed, and refinement would not end.
+constexpr double kLeastEyeZ = 1e-30;
 
 // Four disparities along a line of texels, outer ones absent (kNothing) where there is no neighbour
 // on the line; is there a jump between the middle ones? `texel` is 2 / n, a texel's width at depth
@@ -78,8 +81,16 @@ Result<> validate_environment(const EnvironmentMap& map) {
     const double reach = 1e-4 * std::max(1.0, c.z_near) + 1e-9 * glm::length(c.position());
     if (glm::distance(c.position(), first.position()) > reach)
       return Error{name, "was taken from another point than the first"};
-    for (std::size_t i = 0; i < face.depth.texels().size(); ++i)
-      if (!(face.depth.texels()[i] > 0)) return Error{name, "has a depth that is not positive"};
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        const float depth = face.depth(x, y);
+        if (!(depth > 0)) return Error{name, "has a depth that is not positive"};
+        const double eye_z = face.depth_kind == DepthKind::eye_z
+                                 ? double(depth)
+                                 : eye_z_from(face.depth_kind, depth, c, {x + 0.5, y + 0.5});
+        if (std::abs(eye_z) < kLeastEyeZ)
+          return Error{name, "has a depth that is too small to be that of a surface"};
+      }
   }
   return Done{};
 }

@@ -48,7 +48,15 @@ Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& valu
   if (values.flag("gaps") && values.flag("skin")) return Error{"--gaps", "excludes --skin"};
   options.draw.skin = !values.flag("gaps");
   options.resident = std::size_t(values.integer("resident"));
-  options.nodes = std::min(std::size_t(values.integer("nodes")), options.resident);
+  options.nodes = std::size_t(values.integer("nodes"));
+  if (options.nodes > options.resident) {
+    if (!values.given("nodes"))
+      options.nodes = options.resident;
+    else if (!values.given("resident"))
+      options.resident = options.nodes;
+    else
+      return Error{"--nodes", "is more than --resident: what is merged must be in memory"};
+  }
   return options;
 }
 
@@ -180,7 +188,8 @@ class EnvironmentFactory final : public DrawableFactory {
     const std::size_t texels = 6 * face * face;
     const std::size_t triangles =
         asked > 0 ? asked : std::size_t(kTrianglesATexel * double(texels));
-    return std::size_t(draw.integer("resident")) * (8 * texels + kTriangleBytes * triangles);
+    const Result<EnvironmentDrawOptions> options = environment_draw_options(draw);
+    return (options ? options->resident : 1) * (8 * texels + kTriangleBytes * triangles);
   }
   [[nodiscard]] Result<std::unique_ptr<Drawable>> make_drawable(
       std::unique_ptr<Representation> representation, const OptionValues& draw) override {

@@ -82,7 +82,7 @@ const std::array kDrawOptions{
     Option{.name = "resident",
            .type = OptionType::integer,
            .default_value = "4",
-           .help = "So many nodes are in memory at a time, at most",
+           .help = "So many nodes are in memory at a time, at most; --nodes if that is more",
            .unit = "N",
            .min = 1,
            .max = 256},
@@ -115,6 +115,11 @@ std::string text_of(const glm::dvec3& v) {
 }
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
+  if (!input.source.photographs().empty())
+    for (const char* name : {"auto", "region"})
+      if (values.given(name))
+        return Error{fmt::format("--{}", name),
+                     "is for scenes: the nodes of a capture stand where its cameras stood"};
   NodeBakeOptions options = bake_options(values);
   options.objects = input.objects;
   options.progress = progress;

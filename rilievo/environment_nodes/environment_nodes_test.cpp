@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "rilievo/capture/photograph_source.h"
 #include "rilievo/core/file.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/core/random.h"
 #include "rilievo/environment_nodes/bake_nodes.h"
+#include "rilievo/environment_nodes/environment_drawable.h"
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/file.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
@@ -231,6 +234,35 @@ TEST(EnvironmentNodes, a_capture_in_seurats_format_is_baked_as_the_node_that_it_
   // Its own nodes, no others.
   options.at = {{0, 0, 0}};
   EXPECT_FALSE(bake_nodes(source, options).ok());
+}
+
+TEST(EnvironmentNodes, a_capture_does_not_take_the_places_of_a_scenes_nodes) {
+  const EnvironmentMap map = room_node({-1.5, 0.2, 0.3});
+  PhotographSource source("capture", {map.faces.begin(), map.faces.end()});
+  for (const auto& [name, value] : {std::pair("auto", "2"), {"region", "0,0,0,1,1,1"}}) {
+    OptionValues values(environment_nodes_kind().bake_options);
+    ASSERT_TRUE(values.set("face", "16").ok());
+    EXPECT_TRUE(environment_nodes_kind().bake({source, {}}, values, {}).ok());
+    ASSERT_TRUE(values.set(name, value).ok());
+    const Result<Baked> baked = environment_nodes_kind().bake({source, {}}, values, {});
+    ASSERT_FALSE(baked.ok()) << name;
+    EXPECT_EQ(baked.error().where, std::string("--") + name);
+  }
+}
+
+TEST(EnvironmentNodes, as_many_are_in_memory_as_are_drawn) {
+  using Given = std::vector<std::pair<const char*, const char*>>;
+  const auto options = [](const Given& given) {
+    OptionValues values(environment_nodes_kind().draw_options);
+    for (const auto& [name, value] : given) EXPECT_TRUE(values.set(name, value).ok());
+    return environment_draw_options(values);
+  };
+  EXPECT_EQ(options({})->nodes, 2u);
+  EXPECT_EQ(options({})->resident, 4u);
+  EXPECT_EQ(options({{"nodes", "8"}})->nodes, 8u);
+  EXPECT_EQ(options({{"nodes", "8"}})->resident, 8u);
+  EXPECT_EQ(options({{"resident", "1"}})->nodes, 1u);
+  EXPECT_FALSE(options({{"nodes", "3"}, {"resident", "2"}}).ok());
 }
 
 // Seurat's own test data: its one view has parallel rays, which no node has.

@@ -38,6 +38,100 @@ double steepest(double b, double least_angle, double most_angle, double least, d
   return below > 1e-9 ? h / below : std::numeric_limits<double>::infinity();
 }
 
+// A straight line along which surfaces end: along it, all of them lie between disparities that are
+// linear from end to end.
+struct Seam {
+  std::array<glm::dvec3, 2> end;  // directions
+  std::array<double, 2> low, high;
+};
+
+// A skin's corners lie at the two ends of its line, and its two triangles, which follow each other,
+// together span what opens. A sliver's third corner lies within a texel or so of its longest side,
+// and counts as if it lay on it.
+std::vector<Seam> seams_of(const NodeMesh& mesh, const TriangleRange& skins) {
+  std::vector<Seam> seams;
+  const auto add = [&](const Seam& seam) {
+    if (!seams.empty()) {
+      Seam& last = seams.back();
+      for (const std::size_t first : {0u, 1u})
+        if (last.end[0] == seam.end[first] && last.end[1] == seam.end[1 - first]) {
+          for (const std::size_t k : {0u, 1u}) {
+            const std::size_t other = first == 0 ? k : 1 - k;
+            last.low[k] = std::min(last.low[k], seam.low[other]);
+            last.high[k] = std::max(last.high[k], seam.high[other]);
+          }
+          return;
+        }
+    }
+    seams.push_back(seam);
+  };
+  for (std::size_t t = skins.first; t < std::size_t(skins.first) + skins.count; ++t) {
+    std::array<glm::dvec3, 3> c;
+    std::array<double, 3> d;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const NodeVertex& v = mesh.vertices[mesh.indices[3 * t + k]];
+      c[k] = glm::dvec3(v.direction), d[k] = double(v.disparity);
+    }
+    if (c[0] == c[1] && c[1] == c[2]) {
+      const auto [low, high] = std::minmax({d[0], d[1], d[2]});
+      add({{c[0], c[0]}, {low, low}, {high, high}});
+      continue;
+    }
+    std::size_t a = 0;  // the longest side begins here
+    for (const std::size_t k : {1u, 2u})
+      if (glm::distance(c[k], c[(k + 1) % 3]) > glm::distance(c[a], c[(a + 1) % 3])) a = k;
+    const std::size_t b = (a + 1) % 3, m = (a + 2) % 3;
+    const glm::dvec3 side = c[b] - c[a];
+    const double there = glm::dot(c[m] - c[a], side) / glm::dot(side, side);
+    const auto [low, high] = std::minmax({d[m], glm::mix(d[a], d[b], std::clamp(there, 0.0, 1.0))});
+    for (const std::size_t e : {a, b})
+      if (c[e] != c[m]) add({{c[e], c[m]}, {d[e], low}, {d[e], high}});
+  }
+  return seams;
+}
+
+int blocks_a_side(int n) { return (n + NodeErrorModel::kBlock - 1) / NodeErrorModel::kBlock; }
+
+// A seam counts for all blocks that it passes through, cut where it leaves one for the next. Of a
+// piece the ends tell all: low, high and their difference are linear, the length of the direction
+// is convex, and 1 / distance is disparity through that length.
+void add_seam(const Seam& seam, int n, std::array<std::vector<Block>, 6>& of_face) {
+  constexpr int kBlock = NodeErrorModel::kBlock;
+  std::size_t f = 0;  // a face on which it lies
+  const auto outside = [&](const glm::dvec3& c) {
+    return glm::dot(c, glm::dvec3(face_axes()[f].forward)) < 1 - 1e-6;
+  };
+  while (f < 5 && (outside(seam.end[0]) || outside(seam.end[1]))) ++f;
+  const glm::dvec2 from = raster_of(face_axes()[f], glm::vec3(seam.end[0]), n),
+                   step = raster_of(face_axes()[f], glm::vec3(seam.end[1]), n) - from;
+  std::vector<double> cuts{0, 1};
+  for (const int axis : {0, 1})
+    for (int line = kBlock; line < n; line += kBlock)
+      if (const double t = (line - from[axis]) / step[axis]; t > 0 && t < 1) cuts.push_back(t);
+  std::sort(cuts.begin(), cuts.end());
+  const glm::dvec3 along = seam.end[1] - seam.end[0];
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double t[2] = {cuts[i - 1], cuts[i]};
+    double low[2], high[2], length[2];
+    for (const int k : {0, 1}) {
+      low[k] = glm::mix(seam.low[0], seam.low[1], t[k]);
+      high[k] = glm::mix(seam.high[0], seam.high[1], t[k]);
+      length[k] = glm::length(seam.end[0] + t[k] * along);
+    }
+    const double foot = -glm::dot(seam.end[0], along) / std::max(glm::dot(along, along), 1e-30);
+    const double nearest = glm::length(seam.end[0] + std::clamp(foot, t[0], t[1]) * along);
+    const glm::dvec2 middle = from + 0.5 * (t[0] + t[1]) * step;
+    const auto place = [&](double at) {
+      return std::size_t(std::clamp(int(at) / kBlock, 0, blocks_a_side(n) - 1));
+    };
+    Block& block = of_face[f][place(middle.y) * std::size_t(blocks_a_side(n)) + place(middle.x)];
+    const auto least = float(std::min(low[0], low[1]) / std::max(length[0], length[1]));
+    block.skin_least = block.gap > 0 ? std::min(block.skin_least, least) : least;
+    block.skin_most = std::max(block.skin_most, float(std::max(high[0], high[1]) / nearest));
+    block.gap = std::max(block.gap, float(std::max(high[0] - low[0], high[1] - low[1]) / nearest));
+  }
+}
+
 }  // namespace
 
 Image<float> seen_disparity(const NodeMesh& mesh, int face) {
@@ -81,7 +175,7 @@ Image<float> seen_disparity(const NodeMesh& mesh, int face) {
 
 NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh) {
   const CubeGrid grid(map, {});
-  const int n = grid.size(), across = (n + NodeErrorModel::kBlock - 1) / NodeErrorModel::kBlock;
+  const int n = grid.size(), across = blocks_a_side(n);
   std::array<std::vector<Block>, 6> of_face;
   parallel_for(0, 6, [&](int f) {
     const FaceAxes& axes = face_axes()[std::size_t(f)];
@@ -118,41 +212,15 @@ NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh)
             block.error = std::max(block.error, high - low);
             any = true;
           }
-        if (!any) block.half_angle = -1;
       }
   });
-  // A skin spans the disparities of its corners; it counts for the block of each of them.
-  for (std::size_t f = 0; f < 6; ++f) {
-    const TriangleRange range = mesh.skins[f];
-    for (std::size_t t = range.first; t < std::size_t(range.first) + range.count; ++t) {
-      float least = 1e30f, most = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const NodeVertex& v = mesh.vertices[mesh.indices[3 * t + k]];
-        const float r = v.disparity / glm::length(v.direction);
-        least = std::min(least, r), most = std::max(most, r);
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        const glm::vec3 c = mesh.vertices[mesh.indices[3 * t + k]].direction;
-        for (std::size_t g = 0; g < 6; ++g) {
-          const FaceAxes& axes = face_axes()[g];
-          if (glm::dot(c, glm::vec3(axes.forward)) < 1 - 1e-6f) continue;
-          const glm::dvec2 p = raster_of(axes, c, n);
-          const auto place = [&](double at) {
-            return std::size_t(std::clamp(int(at) / NodeErrorModel::kBlock, 0, across - 1));
-          };
-          Block& block = of_face[g][place(p.y) * std::size_t(across) + place(p.x)];
-          block.skin_least = block.gap > 0 ? std::min(block.skin_least, least) : least;
-          block.skin_most = std::max(block.skin_most, most);
-          block.gap = std::max(block.gap, most - least);
-        }
-      }
-    }
-  }
+  for (const TriangleRange& skins : mesh.skins)
+    for (const Seam& seam : seams_of(mesh, skins)) add_seam(seam, n, of_face);
   NodeErrorModel model;
   model.world_from_node = mesh.world_from_node;
   for (const std::vector<Block>& blocks : of_face)
     for (const Block& block : blocks)
-      if (block.half_angle >= 0) model.blocks.push_back(block);
+      if (block.error > 0 || block.gap > 0) model.blocks.push_back(block);
   return model;
 }
 

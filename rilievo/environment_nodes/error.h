@@ -31,7 +31,7 @@ struct NodeErrorModel {
     // 1 / distance along the line of sight, of samples and mesh together, and the largest
     // difference of the two.
     float least = 0, most = 0, error = 0;
-    // Of skins that begin here: the range of disparities that they span, and the widest span.
+    // The same of skins, all along them: the range of both their sides, and the widest span.
     float skin_least = 0, skin_most = 0, gap = 0;
   };
   glm::dmat4 world_from_node{1.0};

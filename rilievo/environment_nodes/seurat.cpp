@@ -9,6 +9,7 @@
 #include "rilievo/core/file.h"
 #include "rilievo/environment_nodes/cube_grid.h"
 #include "rilievo/io/exr_channels.h"
+#include "rilievo/io/load_context.h"
 #include "rilievo/io/png.h"
 
 namespace rilievo {
@@ -148,7 +149,7 @@ Result<std::vector<Image<float>>> load_channels(const fs::path& file,
   return planes;
 }
 
-Result<DepthImage> read_view(const Json& view, const fs::path& folder) {
+Result<DepthImage> read_view(const Json& view, const fs::path& folder, bool allow_outside) {
   const Json* lens = member(view, "projective_camera");
   const Json* files = member(view, "depth_image_file");
   if (!lens) return because("has no \"projective_camera\"");
@@ -196,6 +197,10 @@ Result<DepthImage> read_view(const Json& view, const fs::path& folder) {
   if (!color_path) return color_path.error();
   const Result<std::string> depth_path = text_of(*depth_file, "path");
   if (!depth_path) return depth_path.error();
+  for (const std::string* image : {&*color_path, &*depth_path})
+    if (!allow_outside && !lies_within(folder, folder / *image))
+      return because("'" + *image +
+                     "' is outside of the capture's folder (--allow-outside reads it)");
   const Result<std::vector<Image<float>>> color = load_channels(folder / *color_path, names, true);
   if (!color) return color.error();
   const Result<std::vector<Image<float>>> depth =
@@ -229,7 +234,7 @@ Result<DepthImage> read_view(const Json& view, const fs::path& folder) {
 
 }  // namespace
 
-Result<SeuratCapture> load_seurat_capture(const fs::path& path) {
+Result<SeuratCapture> load_seurat_capture(const fs::path& path, bool allow_outside) {
   std::error_code ignored;
   const fs::path file = fs::is_directory(path, ignored) ? path / "manifest.json" : path;
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
@@ -257,7 +262,7 @@ Result<SeuratCapture> load_seurat_capture(const fs::path& path) {
     capture.groups.emplace_back();
     for (std::size_t v = 0; v < views->size(); ++v) {
       if (++count > kMaxViews) return error("has too many views");
-      Result<DepthImage> picture = read_view((*views)[v], file.parent_path());
+      Result<DepthImage> picture = read_view((*views)[v], file.parent_path(), allow_outside);
       const std::string where = "view " + std::to_string(v) + " of group " + std::to_string(g);
       if (!picture)
         return picture.error().where.empty() ? error(where + ": " + picture.error().reason)

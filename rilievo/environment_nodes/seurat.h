@@ -26,8 +26,9 @@ struct SeuratCapture {
 };
 
 // Loads a capture. `path` is the manifest or the folder of manifest.json. The error names the file
-// and the reason.
-[[nodiscard]] Result<SeuratCapture> load_seurat_capture(const std::filesystem::path& path);
+// and the reason. `allow_outside` permits images outside the manifest's folder.
+[[nodiscard]] Result<SeuratCapture> load_seurat_capture(const std::filesystem::path& path,
+                                                        bool allow_outside = false);
 
 // Six views at one point as a node, with its faces in order. The views are square, 90 degrees wide,
 // one for each direction, with any rotation about their axes. Texels are copied, not interpolated.

@@ -143,6 +143,26 @@ TEST(Seurat, what_is_wrong_with_a_capture_is_said) {
   }
 }
 
+TEST(Seurat, images_outside_of_the_folder_are_refused_unless_they_are_allowed) {
+  const TemporaryFolder folder;
+  const fs::path inner = folder / "capture", secret = folder / "secret.exr";
+  ASSERT_TRUE(save_seurat_capture(inner, small_node()).ok());
+  fs::rename(inner / "face1_depth.exr", secret);
+  fs::create_symlink(secret, inner / "link.exr");
+  const Json whole = manifest_of(inner);
+  for (const std::string& image : {std::string("../secret.exr"), secret.string(),
+                                   std::string("link.exr"), std::string("../capture2/x.exr")}) {
+    Json manifest = whole;
+    manifest["view_groups"][0]["views"][1]["depth_image_file"]["depth"]["path"] = image;
+    ASSERT_TRUE(write_file(inner / "manifest.json", manifest.dump()).ok());
+    const Result<SeuratCapture> refused = load_seurat_capture(inner);
+    ASSERT_FALSE(refused.ok()) << image;
+    EXPECT_NE(refused.error().message().find("--allow-outside"), std::string::npos)
+        << refused.error().message();
+    EXPECT_EQ(load_seurat_capture(inner, true).ok(), image != "../capture2/x.exr") << image;
+  }
+}
+
 TEST(Seurat, damaged_files_are_refused) {
   const TemporaryFolder folder;
   ASSERT_TRUE(save_seurat_capture(folder.path(), small_node()).ok());

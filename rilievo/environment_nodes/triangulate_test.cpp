@@ -240,9 +240,28 @@ TEST(ValidateEnvironment, says_what_is_wrong_with_a_face) {
   bad = good;
   bad.faces[3].depth(3, 3) = -1;
   EXPECT_TRUE(has(reason(bad), "not positive")) << reason(bad);
+  // 1 / depth is infinite, or twice it is.
+  for (const float near : {1e-40f, 3e-39f}) {
+    bad = good;
+    bad.faces[3].depth(2, 3) = near;
+    EXPECT_TRUE(has(reason(bad), "too small")) << reason(bad);
+    bad.faces[3].depth_kind = DepthKind::ray;
+    EXPECT_TRUE(has(reason(bad), "too small")) << reason(bad);
+  }
   bad = good;
   bad.faces[5].depth = Image<float>(7, 8, 1.0f);
   EXPECT_TRUE(has(reason(bad), "face 5 of 6")) << reason(bad);
+}
+
+TEST(Triangulate, refinement_ends_with_the_nearest_depths_that_are_allowed) {
+  EnvironmentMap map = make_node(8, furnished_room());
+  for (int x = 0; x < 8; x += 3) map.faces[3].depth(x, 3) = 1.1e-30f;
+  ASSERT_TRUE(validate_environment(map).ok());
+  TriangulateOptions options;
+  options.reach = 1;
+  TriangulateStats stats;
+  EXPECT_GT(triangulate(map, options, &stats).triangles(), 0u);
+  EXPECT_LE(stats.worst_error_px, 0.5);
 }
 
 // Seen through a doorway, a wall's, a ceiling's and a floor's ends make one straight silhouette.

@@ -46,8 +46,10 @@ struct Instance {
   std::optional<std::uint32_t> partner = {};
 };
 
-// An upper bound of an instance's error in a frame. The kind's own function evaluates it from plain
-// data, without allocation, in about a microsecond, on any thread.
+// An upper bound of an instance's error in a frame. The kind's own function evaluates it, on any
+// thread: from plain data, without allocation, in about a microsecond. Only that of surroundings
+// asks its drawable, which must live: it allocates, takes a lock and some ten microseconds a node,
+// and tens of milliseconds where a node must be loaded first.
 struct ErrorModel {
   // The bound in pixels of the frame; infinite if the instance must not be drawn.
   using Bound = double (*)(const ErrorModel&, const glm::dmat4& world_from_capture,

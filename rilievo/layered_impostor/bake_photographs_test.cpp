@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <utility>
 
+#include "rilievo/capture/photograph_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/io/rgbd_test_helpers.h"
+#include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
@@ -151,6 +155,24 @@ TEST(BakePhotographs, what_cannot_be_baked_is_refused) {
   options.kind = PhotographViews::around;
   EXPECT_FALSE(bake_photographs(photographs, options));
   EXPECT_FALSE(bake_photographs({}, options));
+}
+
+TEST(BakePhotographs, options_of_views_around_need_them) {
+  const Scene scene = test_shapes::jug();
+  PhotographSource source("photographs", photographs_of_jug(*RayScene::create(scene), 2, 1));
+  for (const auto& [name, value] :
+       {std::pair("views", "12"), {"ring", "4"}, {"hemisphere", "on"}, {"size", "16"}}) {
+    OptionValues values(layered_impostor_kind().bake_options);
+    ASSERT_TRUE(values.set(name, value).ok());
+    const Result<Baked> baked = layered_impostor_kind().bake({source, {}}, values, {});
+    ASSERT_FALSE(baked.ok()) << name;
+    EXPECT_EQ(baked.error().where, std::string("--") + name);
+  }
+  OptionValues values(layered_impostor_kind().bake_options);
+  for (const auto& [name, value] : {std::pair("around", "on"), {"views", "12"}, {"size", "16"}})
+    ASSERT_TRUE(values.set(name, value).ok());
+  const Result<Baked> baked = layered_impostor_kind().bake({source, {}}, values, {});
+  EXPECT_TRUE(baked.ok()) << baked.error().message();
 }
 
 // From files of all three kinds the same pictures, but for millimetres and 8 bits.

@@ -188,6 +188,13 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
     find_visual_hulls(impostor.surfaces);
   for (const TexelSurface& surface : impostor.surfaces)
     impostor.slices.push_back(slice_surface(surface, options));
+  // A file's parts may name objects or not; here all do or none does.
+  if (std::any_of(pictures.begin(), pictures.end(),
+                  [](const DepthImage& picture) { return !picture.object.empty(); }))
+    for (DepthImage& picture : pictures)
+      if (picture.object.empty())
+        picture.object =
+            Image<std::uint32_t>(picture.camera.width, picture.camera.height, kNoObject);
   impostor.pictures = std::move(pictures);
   return impostor;
 }

@@ -40,8 +40,8 @@ struct SliceOptions {
   // The length by which an interval is extended, both ends together, as a share of its own
   // thickness; 0: intervals are disjoint.
   float overlap = 0.0f;
-  // Whether a texel has the interval of its patch and of the visual hull behind it (inside.h), or
-  // only its sample's depth.
+  // Whether a texel has the interval of its patch and of the visual hull behind it (visual_hull.h),
+  // or only its sample's depth.
   bool pieces = true;
   SliceSpacing spacing = SliceSpacing::eye_z;
 };
@@ -76,12 +76,12 @@ struct FillSlices {
 // A layered impostor with everything derived from its pictures.
 struct LayeredImpostor {
   std::string name;
-  Box bounds;  // of the samples, world space
+  Box bounds;  // of the samples and the corners of their pieces of surface, world space
   // For default paths. Photographs tell which way was up and where they were taken.
   Vantage vantage;
   SliceOptions slicing;
   ViewSet views;
-  std::vector<DepthImage> pictures;        // one for each direction
+  std::vector<DepthImage> pictures;        // one for each direction; all name objects or none
   std::vector<TexelSurface> surfaces;      // one for each picture
   std::vector<std::vector<Slice>> slices;  // one list for each picture, by ascending layer
   // For each picture: does an empty texel mean that nothing is there? Not if its frustum excludes

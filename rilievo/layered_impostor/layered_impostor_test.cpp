@@ -99,6 +99,24 @@ TEST(LayeredImpostor, views_are_those_of_the_cameras) {
   }
 }
 
+// Drawing looks up the object of every picture if the pictures show several.
+TEST(LayeredImpostor, all_pictures_name_objects_if_one_does) {
+  std::vector<DepthImage> pictures = jug_pictures(16);
+  const Image<std::uint32_t> named = pictures[3].object;
+  ASSERT_FALSE(named.empty());
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    if (i != 3) pictures[i].object = {};
+  Result<LayeredImpostor> impostor = make_layered_impostor(pictures, {});
+  ASSERT_TRUE(impostor.ok()) << impostor.error().message();
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    EXPECT_EQ(impostor->pictures[i].object,
+              i == 3 ? named : Image<std::uint32_t>(16, 16, kNoObject));
+  pictures[3].object = {};
+  impostor = make_layered_impostor(pictures, {});
+  ASSERT_TRUE(impostor.ok()) << impostor.error().message();
+  for (const DepthImage& picture : impostor->pictures) EXPECT_TRUE(picture.object.empty());
+}
+
 TEST(LayeredImpostor, what_is_not_one_is_refused) {
   const std::vector<DepthImage> good = jug_pictures(16);
   EXPECT_TRUE(make_layered_impostor(good, {}).ok());

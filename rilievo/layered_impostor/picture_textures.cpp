@@ -40,15 +40,15 @@ Image<glm::u8vec4> encoded_colors(const ColorImage& color) {
   return out;
 }
 
-bool shows_several_objects(std::span<const DepthImage> pictures) {
-  std::uint32_t first = kNoObject;
+ShownObjects shown_objects(std::span<const DepthImage> pictures) {
+  std::uint32_t only = kNoObject;
   for (const DepthImage& picture : pictures)
     for (const std::uint32_t object : picture.object.texels()) {
       if (object == kNoObject) continue;
-      if (first == kNoObject) first = object;
-      if (object != first) return true;
+      if (only == kNoObject) only = object;
+      if (object != only) return {.several = true};
     }
-  return false;
+  return {.only = only};
 }
 
 }  // namespace rilievo

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 #include "rilievo/core/color.h"
@@ -30,7 +31,11 @@ struct CellTexture {
 // Linear, premultiplied colours as frames are encoded: sRGB, which alpha then multiplies.
 [[nodiscard]] Image<glm::u8vec4> encoded_colors(const ColorImage& color);
 
-// Do the pictures show more than one object?
-[[nodiscard]] bool shows_several_objects(std::span<const DepthImage> pictures);
+// The objects that pictures show.
+struct ShownObjects {
+  bool several = false;
+  std::uint32_t only = kNoObject;  // the object, if it is one
+};
+[[nodiscard]] ShownObjects shown_objects(std::span<const DepthImage> pictures);
 
 }  // namespace rilievo

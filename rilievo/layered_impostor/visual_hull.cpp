@@ -48,8 +48,9 @@ Lines follow_lines(std::span<const TexelSurface> surfaces, std::size_t view) {
         });
       };
       int missed = 0;
-      for (double z = 1.0 / double(texel.q) + away; z > camera.z_near && z < camera.z_far;
-           z += away) {
+      double z = 1.0 / double(texel.q) + away;
+      // Counted: the planes of a file's camera may be so close that z + away is z.
+      for (int k = 0; k < kLines && z > camera.z_near && z < camera.z_far; ++k, z += away) {
         if (hidden(z))
           lines.reach(i, j) = float(z), missed = 0;
         else if (++missed > kThin)

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <random>
 #include <span>
+#include <vector>
 
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
@@ -115,6 +117,17 @@ TEST(Inside, one_step_that_is_seen_empty_is_passed_and_two_stop) {
   EXPECT_FLOAT_EQ(reach_past(std::array{7, 10}), 64);
   EXPECT_FLOAT_EQ(reach_past(std::array{7, 11, 12}), 10);
   EXPECT_FLOAT_EQ(reach_past(std::array{5, 6}), 0);
+}
+
+TEST(Inside, steps_too_short_to_change_a_depth_end) {
+  DepthImage picture;
+  picture.camera = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.01, 1, 1, std::nextafter(4.0, 0.0),
+                           std::nextafter(4.0, 5.0));
+  picture.color = ColorImage(1, 1, glm::vec4(1));
+  picture.depth = Image<float>(1, 1, 4.0f);
+  std::vector<TexelSurface> surfaces{make_texel_surface(picture)};
+  find_visual_hulls(surfaces);
+  EXPECT_EQ(surfaces[0].texels(0, 0).inside, 0);
 }
 
 }  // namespace

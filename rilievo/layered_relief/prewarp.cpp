@@ -23,9 +23,14 @@ constexpr int kPitchPadding = 8;
 struct KeptTile {
   bool warped = false;
   ReliefWarp by;
-  RunRange range;
+  RunRange range;  // of what `by` puts into it and its neighbours
   std::vector<ReliefSample> texels;
 };
+
+// A tile and its neighbours: what lies in it after the eye moved may have come from beside it.
+Texels with_neighbors(const TileGrid& grid, const glm::ivec2& tile) {
+  return {grid.texels_of(tile - 1).min, grid.texels_of(tile + 1).max};
+}
 
 // How far, in source texels, samples with codes of `range` that `before` put into [min, max] lie
 // from where `now` puts them. One with displacement d at q would go to
@@ -227,20 +232,22 @@ void Prewarp::State::keep_tiles(const Frame& f, std::vector<Job>& jobs) {
   kept_tiles = tiles;
   kept_resolution = f.resolution;
 
-  // What lies in a tile may have come from beside it: the worst of its neighbours counts, too.
-  const auto own_error = [&](const glm::ivec2& at) {
-    const KeptTile* tile = kept_tile(at);
-    if (!tile || !tile->warped) return 0.0;
-    const Texels texels = f.grid.texels_of(at);
-    return f.resolution * moved_by(*relief, tile->range, tile->by, f.warp,
-                                   glm::dvec2(texels.min) / f.resolution,
-                                   glm::dvec2(texels.max) / f.resolution);
-  };
+  const RunRange all{relief->tree[0].nearest, relief->tree[0].farthest};
   for (Job& job : jobs) {
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x)
-        job.error = std::max(job.error, own_error(job.tile + glm::ivec2(x, y)));
-    if (!kept_tile(job.tile)->warped) job.error = std::numeric_limits<double>::infinity();
+    const KeptTile& tile = *kept_tile(job.tile);
+    if (!tile.warped) {
+      job.error = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    const auto moved = [&](const RunRange& range, const ReliefWarp& before, const ReliefWarp& now,
+                           const Texels& in) {
+      return f.resolution * moved_by(*relief, range, before, now, glm::dvec2(in.min) / f.resolution,
+                                     glm::dvec2(in.max) / f.resolution);
+    };
+    job.error = moved(tile.range, tile.by, f.warp, with_neighbors(f.grid, job.tile));
+    // What would lie in the tile now and has come from beyond its neighbours is not in its range.
+    const double farthest = moved(all, f.warp, tile.by, f.grid.texels_of(job.tile));
+    if (farthest > f.grid.size.x) job.error = std::max(job.error, farthest);
     job.warp = job.error > options.reuse_error;
   }
   std::stable_sort(jobs.begin(), jobs.end(),
@@ -264,19 +271,26 @@ void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
   const PrewarpTile tile{texels.data(), missed, at.x, at.y, part.size().x, part.size().y, pitch};
   if (job.warp) {
     RunQuery query;
-    query.min = glm::dvec2(part.min) / f.resolution;
-    query.max = glm::dvec2(part.max) / f.resolution;
+    const auto set_rectangle = [&](const Texels& of) {
+      query.min = glm::dvec2(of.min) / f.resolution, query.max = glm::dvec2(of.max) / f.resolution;
+    };
     query.half_splat = 0.5 * options.splat_size;
     query.resolution = f.resolution;
     query.nearest = options.splat == Splat::nearest;
+    if (keep) {
+      own.runs.clear();
+      set_rectangle(with_neighbors(f.grid, job.tile));
+      keep->range = find_runs(*relief, f.warp, f.sheets, query, own.runs);
+      keep->warped = true, keep->by = f.warp;
+    }
     own.runs.clear();
-    const RunRange range = find_runs(*relief, f.warp, f.sheets, query, own.runs);
+    set_rectangle(part);
+    find_runs(*relief, f.warp, f.sheets, query, own.runs);
     // A tile that is not kept was emptied when it was copied out.
     if (keep) std::fill(texels.begin(), texels.end(), kNothing);
     stats.samples_drawn += prewarp_tile(f.coefficients, own.runs, tile);
     for (const PrewarpRun& run : own.runs) stats.samples_warped += run.count;
     ++stats.warped;
-    if (keep) keep->warped = true, keep->by = f.warp, keep->range = range;
   } else {
     stats.largest_reuse_error = std::max(stats.largest_reuse_error, job.error);
   }

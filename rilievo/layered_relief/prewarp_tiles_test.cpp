@@ -145,6 +145,69 @@ TEST(Prewarp, tiles_that_stay_show_their_samples_within_the_error_allowed) {
   EXPECT_GT(warped, 100);
 }
 
+// A wall with panes before it, and a point behind it, so that the wall is the source plane and
+// stands still. A view finds tiles that were warped when a pane was beside them, out of view.
+TEST(Prewarp, what_comes_from_beside_a_tile_that_stays_is_there) {
+  constexpr int kTexels = 96, kPane = 4;
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int stayed = 0, seen = 0;
+  for (int i = 0; i < 20; ++i) {
+    LayeredDepthImage layers;
+    layers.camera = random_parallel_camera(rng, kTexels, kTexels);
+    std::vector<glm::ivec2> panes;
+    for (int k = 0; k < 6; ++k)
+      panes.emplace_back(8 + int(40 * (1 + unit(rng))), 8 + int(40 * (1 + unit(rng))));
+    layers.first.push_back(0);
+    for (int y = 0; y < kTexels; ++y)
+      for (int x = 0; x < kTexels; ++x) {
+        const bool pane = std::any_of(panes.begin(), panes.end(), [&](const glm::ivec2& at) {
+          return x >= at.x && y >= at.y && x < at.x + kPane && y < at.y + kPane;
+        });
+        if (pane) layers.samples.push_back({glm::vec4(1), 2.5f, 2.5f});
+        layers.samples.push_back({glm::vec4(1), 3.5f, 3.5f});
+        if (x + y == 0) layers.samples.push_back({glm::vec4(1), 4.5f, 4.5f});
+        layers.first.push_back(layers.samples.size());
+      }
+    LayeredRelief relief = *build_layered_relief(layers, {.tile_size = 8});
+    const std::vector<PlacedSample> samples = label_samples(relief);
+    const ReliefFrame frame = relief.frame();
+    const PrewarpOptions options{.tile_size = 16, .reuse_error = 0.5};
+    Prewarp prewarp(relief, options);
+    glm::dvec2 target(48);
+    for (int step = 0; step < 40; ++step) {
+      // It jumps, and looks where it has looked before or somewhere else.
+      const glm::dvec3 eye = frame.world(48 + 36 * unit(rng), 48 + 36 * unit(rng), -3);
+      if (step % 3 == 0) target = glm::dvec2(48 + 40 * unit(rng), 48 + 40 * unit(rng));
+      if (step % 9 == 0) prewarp.reset();
+      const Camera view =
+          look_at(eye, frame.world(target.x, target.y, 0), {0, 1, 0}, 0.2, 64, 64, 0.01, 100);
+      Prewarped kept, fresh;
+      const auto stats = prewarp.warp(eye, &view, kept);
+      ASSERT_TRUE(stats && Prewarp(relief, options).warp(eye, &view, fresh));
+      stayed += stats->tiles - stats->warped;
+      if (fresh.color.empty()) continue;
+      const glm::ivec2 origin = grid_origin(relief, fresh, stats->resolution);
+      for (const glm::ivec2& pane : panes) {
+        // A pane is 6 texels wide, and off by half a texel where its tile has stayed.
+        const glm::dvec2 center = relief_warp(frame, eye)->moved(pane.x + 2, pane.y + 2, -1);
+        const glm::ivec2 at = glm::ivec2(glm::floor(stats->resolution * center)) - origin;
+        if (at.x < 0 || at.y < 0 || at.x >= fresh.width() || at.y >= fresh.height()) continue;
+        const auto t = std::size_t(at.y) * std::size_t(fresh.width()) + std::size_t(at.x);
+        const auto shows_pane = [&](const Prewarped& result) {
+          return result.delta[t] != kEmptyCode &&
+                 relief.d(samples[std::bit_cast<std::uint32_t>(result.color[t])].code) < -0.9;
+        };
+        if (!shows_pane(fresh)) continue;
+        ++seen;
+        ASSERT_TRUE(shows_pane(kept)) << i << " " << step;
+      }
+    }
+  }
+  EXPECT_GT(stayed, 200);
+  EXPECT_GT(seen, 200);
+}
+
 TEST(Prewarp, without_time_every_tile_that_exists_stays) {
   std::mt19937 rng(5);
   const LayeredRelief relief = tiled_relief(rng, 60, 50);

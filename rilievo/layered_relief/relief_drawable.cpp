@@ -30,12 +30,21 @@ double gap_px(const ErrorModel& model, const glm::dmat4& world_from_capture, con
   return relief_gap_px(model.load<ReliefStats>(), model.bounds, *camera);
 }
 
+bool names_objects(const ReliefPictures& pictures) {
+  for (const ReliefPictures::Picture& picture : pictures.pictures)
+    for (const LayerSample& sample : picture.layers.samples)
+      if (sample.object != kNoObject) return true;
+  return false;
+}
+
 class ReliefDrawable final : public Drawable {
  public:
-  ReliefDrawable(ReliefSet colors, ReliefSet identifiers, const ReliefStats& stats,
-                 const Box& bounds, const PrewarpOptions& options, PrewarpedBoards& boards)
+  ReliefDrawable(ReliefSet colors, ReliefSet identifiers, std::uint32_t only,
+                 const ReliefStats& stats, const Box& bounds, const PrewarpOptions& options,
+                 PrewarpedBoards& boards)
       : colors_(std::move(colors)),
         identifiers_(std::move(identifiers)),
+        only_(only),
         stats_(stats),
         bounds_(bounds),
         boards_(boards),
@@ -201,12 +210,14 @@ class ReliefDrawable final : public Drawable {
   }
 
   void add_boards(const Instance& instance, const Shown& shown, bool own) {
+    const std::uint32_t object = instance.object != kNoObject ? instance.object : only_;
     for (const Part& part : shown.parts)
       placed_.push_back({part.board, placed(part.geometry, instance.world_from_capture),
-                         own ? kNoObject : instance.object, instance.from, instance.to});
+                         own ? kNoObject : object, instance.from, instance.to});
   }
 
   ReliefSet colors_, identifiers_;  // identifiers: of several objects, else empty
+  std::uint32_t only_;              // the object, if it is one
   ReliefStats stats_;
   Box bounds_;
   PrewarpedBoards& boards_;
@@ -249,7 +260,8 @@ Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pic
   Result<ReliefSet> colors = make_relief_set(pictures);
   if (!colors) return colors.error();
   ReliefSet identifiers;
-  if (only_object(pictures) == kNoObject) {
+  const std::uint32_t only = only_object(pictures);
+  if (only == kNoObject && names_objects(pictures)) {
     Result<ReliefSet> made = make_relief_set(pictures, true);
     if (!made) return made.error();
     identifiers = *std::move(made);
@@ -263,7 +275,7 @@ Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pic
   }
   const ReliefStats stats =
       relief_stats(*colors, pictures.bounds, moved, options, known ? lacks : 0);
-  return {std::make_unique<ReliefDrawable>(*std::move(colors), std::move(identifiers), stats,
+  return {std::make_unique<ReliefDrawable>(*std::move(colors), std::move(identifiers), only, stats,
                                            pictures.bounds, options, boards)};
 }
 

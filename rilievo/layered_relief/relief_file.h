@@ -5,6 +5,7 @@
 //   rilievo.file.representation   "layered-relief"
 //   rilievo.picture.merged        ReliefPictures::Picture::merged, metres
 //   rilievo.picture.moved         ... and moved
+//   rilievo.picture.lacks         ... and lacks; absent if not known
 // Streams, tiles and quad-trees follow from the pictures and are made again on loading.
 #pragma once
 

@@ -90,6 +90,11 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
     return Error{"--textures", "is for scenes: a deep image is one texture"};
   if (!deep.empty() && values.given("share"))
     return Error{"--share", "is for scenes: a deep image is one texture"};
+  for (const LayeredDepthImage& layers : deep)
+    for (const char* name : {"size", "max-depth"})
+      if (layers.camera.projection == Projection::parallel && values.given(name))
+        return Error{fmt::format("--{}", name),
+                     "is for scenes and perspective deep images: a parallel one stays as it is"};
   if (deep.empty() && values.given("max-depth"))
     return Error{"--max-depth", "is for deep images, not for scenes"};
   Result<ReliefPictures> pictures =

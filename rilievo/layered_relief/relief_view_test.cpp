@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <string>
 
+#include "rilievo/capture/deep_image_source.h"
 #include "rilievo/layered_relief/merge_layers.h"
 #include "rilievo/layered_relief/relief_error.h"
+#include "rilievo/layered_relief/relief_kind.h"
 #include "rilievo/layered_relief/relief_set.h"
 #include "rilievo/layered_relief/relief_test_helpers.h"
 #include "rilievo/layered_relief/resample_layers.h"
@@ -294,6 +297,31 @@ TEST(ResampleLayers, samples_stay_where_their_surfaces_were_seen) {
   empty.samples.clear();
   std::fill(empty.first.begin(), empty.first.end(), 0);
   EXPECT_FALSE(resample_layers(empty));
+  EXPECT_TRUE(resample_layers(given, {.size = 128, .max_samples = layers.samples.size()}));
+  const auto refused =
+      resample_layers(given, {.size = 128, .max_samples = layers.samples.size() - 1});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().reason.find("--size"), std::string::npos);
+}
+
+// What an option says and nothing heeds is refused.
+TEST(ReliefKind, a_parallel_deep_image_takes_neither_a_size_nor_a_depth) {
+  std::mt19937 rng(2);
+  LayeredDepthImage layers = random_layers(rng, 20, 20);
+  for (const Projection projection : {Projection::parallel, Projection::perspective}) {
+    layers.camera.projection = projection;
+    DeepImageSource source("deep", {layers});
+    for (const char* name : {"size", "max-depth"}) {
+      OptionValues values(layered_relief_kind().bake_options);
+      EXPECT_TRUE(layered_relief_kind().bake({source, {}}, values, {}).ok());
+      ASSERT_TRUE(values.set(name, "64").ok());
+      const Result<Baked> baked = layered_relief_kind().bake({source, {}}, values, {});
+      ASSERT_EQ(baked.ok(), projection == Projection::perspective) << name;
+      if (!baked) {
+        EXPECT_EQ(baked.error().where, std::string("--") + name);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "rilievo/layered_relief/resample_layers.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -33,6 +35,22 @@ void each_square(const LayeredDepthImage& layers, const ResampleOptions& options
     }
 }
 
+// The texels [min, max) of a parallel camera whose centres lie within the square; the nearest one
+// if none does.
+struct SquareTexels {
+  glm::ivec2 min{0}, max{0};
+};
+SquareTexels texels_within(const Square& square, const Camera& camera, double step) {
+  const glm::dvec2 corner(camera.window.left, camera.window.top), down(1, -1);
+  const glm::dvec2 from = down * (glm::dvec2(square.min.x, square.max.y) - corner) / step,
+                   to = down * (glm::dvec2(square.max.x, square.min.y) - corner) / step;
+  SquareTexels texels{glm::ivec2(glm::ceil(from - 0.5)), glm::ivec2(glm::ceil(to - 0.5))};
+  for (const int k : {0, 1})
+    if (texels.min[k] >= texels.max[k])
+      texels.min[k] = int(std::floor(0.5 * (from[k] + to[k]))), texels.max[k] = texels.min[k] + 1;
+  return {glm::max(texels.min, 0), glm::min(texels.max, glm::ivec2(camera.width, camera.height))};
+}
+
 }  // namespace
 
 Result<ResampledLayers> resample_layers(const LayeredDepthImage& layers,
@@ -62,22 +80,26 @@ Result<ResampledLayers> resample_layers(const LayeredDepthImage& layers,
   // it is only the nearest one, up to half a texel's.
   out.error = 0.5 * std::max(largest, std::sqrt(2.0) * step);
 
+  // What is far, or seen by few texels, becomes many samples each.
+  double samples = 0;
+  each_square(layers, options, [&](const Square& square, const LayerSample&) {
+    const SquareTexels texels = texels_within(square, camera, step);
+    const glm::dvec2 extent(glm::max(texels.max - texels.min, 0));
+    samples += extent.x * extent.y;
+  });
+  if (samples > double(options.max_samples))
+    return Error{layers.name, fmt::format("would become {:.0f} samples, more than {}: take a "
+                                          "smaller --size, or leave out what is far (--max-depth)",
+                                          samples, options.max_samples)};
+
   std::vector<std::vector<LayerSample>> lines(std::size_t(camera.width) *
                                               std::size_t(camera.height));
   each_square(layers, options, [&](const Square& square, const LayerSample& given) {
     LayerSample sample = given;
     sample.depth = sample.back = float(square.z);
-    // Texels whose centres lie within.
-    const auto first = [](double from) { return int(std::ceil(from - 0.5)); };
-    int x0 = first((square.min.x - camera.window.left) / step);
-    int x1 = first((square.max.x - camera.window.left) / step);
-    int y0 = first((camera.window.top - square.max.y) / step);
-    int y1 = first((camera.window.top - square.min.y) / step);
-    const glm::dvec2 middle = 0.5 * (square.min + square.max);
-    if (x0 >= x1) x0 = int(std::floor((middle.x - camera.window.left) / step)), x1 = x0 + 1;
-    if (y0 >= y1) y0 = int(std::floor((camera.window.top - middle.y) / step)), y1 = y0 + 1;
-    for (int y = std::max(y0, 0); y < std::min(y1, camera.height); ++y)
-      for (int x = std::max(x0, 0); x < std::min(x1, camera.width); ++x)
+    const SquareTexels texels = texels_within(square, camera, step);
+    for (int y = texels.min.y; y < texels.max.y; ++y)
+      for (int x = texels.min.x; x < texels.max.x; ++x)
         lines[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)].push_back(sample);
   });
   out.layers.first.push_back(0);

@@ -5,6 +5,8 @@
 // meets the square, or of the nearest one if none does.
 #pragma once
 
+#include <cstddef>
+
 #include "rilievo/core/depth_image.h"
 
 namespace rilievo {
@@ -15,6 +17,7 @@ struct ResampleOptions {
   // Samples that begin beyond this eye_z are dropped: distant samples stand for large, coarse
   // squares.
   double max_z = 1e30;
+  std::size_t max_samples = std::size_t(1) << 27;  // of the result: 4 GB, twice that meanwhile
 };
 
 // The result and its error.
@@ -26,7 +29,7 @@ struct ResampledLayers {
 };
 
 // The new camera looks in the same direction as that of `layers`, through a window around all
-// samples. Requires a valid perspective picture. Fails if it is empty.
+// samples. Requires a valid perspective picture. Fails if it is empty or becomes too many samples.
 [[nodiscard]] Result<ResampledLayers> resample_layers(const LayeredDepthImage& layers,
                                                       const ResampleOptions& options = {});
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "rilievo/core/file_test_helpers.h"
+#include "rilievo/relief_impostor/impostor_content.h"
 #include "rilievo/relief_impostor/line_process.h"
 #include "rilievo/relief_impostor/software_shader.h"
 
@@ -267,6 +270,35 @@ TEST(LineProcess, a_program_gives_way_as_far_as_it_is_told) {
   // Nobody gives way farther than 19.
   const int own = nice_of(0);
   EXPECT_EQ(nice_of(7), std::min(19, own + 7));
+}
+
+TEST_F(ExecSourceTest, its_pictures_are_kept_until_it_or_a_file_that_it_is_given_changes) {
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", ("/nowhere:" + folder_.path().string() + ':' + path).c_str(), 1);
+  const Scene scene;
+  ImpostorContentOptions content;
+  content.shader = "exec:renderer";
+  content.store = folder_ / "kept.db";
+  content.exec = options_;
+  content.exec.arguments = {"none", "0", folder_ / "mark"};
+  std::ofstream(folder_ / "mark") << "one";
+  const auto rendered = [&] {
+    const auto made = make_impostor_content(scene, 0, content);
+    EXPECT_TRUE(made.ok()) << made.error().message();
+    if (!made.ok()) return std::uint64_t(99);
+    EXPECT_TRUE(made->sources[0]->capture({.camera = camera_, .identifiers = false}).ok());
+    return made->rendered();
+  };
+  EXPECT_EQ(rendered(), 1u);
+  EXPECT_EQ(rendered(), 0u);
+  std::ofstream(folder_ / "mark") << "two";
+  EXPECT_EQ(rendered(), 1u);
+  std::ofstream(path_, std::ios::app) << "# Another version.\n";
+  EXPECT_EQ(rendered(), 1u);
+  content.shader = "exec:no-such-renderer";
+  EXPECT_NE(make_impostor_content(scene, 0, content).error().message().find("PATH"),
+            std::string::npos);
+  ::setenv("PATH", path.c_str(), 1);
 }
 
 }  // namespace

@@ -1,7 +1,12 @@
 #include "rilievo/relief_impostor/impostor_content.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "rilievo/core/file.h"
@@ -97,6 +102,24 @@ void add_deformations(const Deformations& all, ContentHash& hash) {
   }
 }
 
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t(1) << 30;
+
+// The file that posix_spawnp() starts: without a slash, the first along PATH that may be executed.
+Result<std::filesystem::path> find_program(const std::string& program) {
+  if (program.find('/') != std::string::npos) return std::filesystem::path(program);
+  const char* set = std::getenv("PATH");
+  std::string_view folders = set ? set : "/bin:/usr/bin";
+  while (true) {
+    const std::size_t colon = folders.find(':');
+    const std::filesystem::path file = std::filesystem::path(folders.substr(0, colon)) / program;
+    std::error_code none;
+    if (std::filesystem::is_regular_file(file, none) && ::access(file.c_str(), X_OK) == 0)
+      return file;
+    if (colon == std::string_view::npos) return Error{program, "is no program along PATH"};
+    folders.remove_prefix(colon + 1);
+  }
+}
+
 // A scene's own hash does not say what the program or the field shows.
 Result<std::string> content_of(const Scene& scene, double time,
                                const ImpostorContentOptions& options,
@@ -116,12 +139,22 @@ Result<std::string> content_of(const Scene& scene, double time,
         hash.add(std::to_string(box.min[k]) + ' ' + std::to_string(box.max[k]));
     return hash.text();
   }
-  // The program's own bytes: another version of it is another content.
-  const std::string program(shader.substr(std::string_view("exec:").size()));
-  const Result<std::string> bytes = read_file(program, std::uint64_t(1) << 30);
-  if (!bytes) return bytes.error();
-  hash.add(*bytes);
-  for (const std::string& argument : options.exec.arguments) hash.add(argument);
+  // The program's own bytes, and those of the files that it is given: another version of one of
+  // them is another content.
+  const Result<std::filesystem::path> program =
+      find_program(std::string(shader.substr(std::string_view("exec:").size())));
+  if (!program) return program.error();
+  std::vector<std::filesystem::path> files{*program};
+  for (const std::string& argument : options.exec.arguments) {
+    hash.add(argument);
+    std::error_code none;
+    if (std::filesystem::is_regular_file(argument, none)) files.emplace_back(argument);
+  }
+  for (const std::filesystem::path& file : files) {
+    const Result<std::string> bytes = read_file(file, kMaxFileBytes);
+    if (!bytes) return bytes.error();
+    hash.add(*bytes);
+  }
   return hash.text();
 }
 

@@ -47,6 +47,14 @@ struct NumberedImpostor {
   double time = 0;
 };
 
+// A finished picture that shows nothing, from the rendering worker to the frame.
+struct ImpostorEmpty {
+  static constexpr std::uint64_t kNone = ~std::uint64_t(0);
+  glm::dvec3 eye{0.0};
+  double time = 0;
+  std::uint64_t after = kNone;  // the number of the picture that was published last before it
+};
+
 // A kind of work of one object: ordered by the frame, taken by one worker at a time.
 struct ImpostorWork {
   std::atomic<bool> wanted{false}, busy{false};
@@ -77,6 +85,7 @@ struct ImpostorSlot {
   // From the rendering worker: to the frame, and to the warping one.
   TripleBuffer<ImpostorJudgement> judgements;
   TripleBuffer<NumberedImpostor> pictures;
+  TripleBuffer<ImpostorEmpty> empties;
   TripleBuffer<std::stop_source> stops;
   std::atomic<double> render_s{0.1};  // the last picture took
   std::atomic<std::uint64_t> published{0};

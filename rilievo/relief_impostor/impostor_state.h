@@ -33,6 +33,8 @@ struct ImpostorSituation {
   // What the picture shows has deformed since by this much at most, pixels.
   double deformed_px = 0;
   double shown_deformed_px = 0;  // ... and what the warp shows
+  // A newer picture than that one, which serves this eye, shows nothing of the object.
+  bool empty = false;
 };
 
 // When is what good enough?

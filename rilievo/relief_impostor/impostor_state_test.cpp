@@ -97,6 +97,10 @@ TEST(ImpostorState, the_table_says_what_is_shown_and_what_is_ordered) {
           "the eye is behind the picture, no triangles",
           {.drawable = false, .picture = true, .final = true, .stretch = kNever, .warped = true},
           {Shown::stale, false, true, false}},
+      StateRow{"the first shows nothing", {.empty = true}, {Shown::object, false, false, false}},
+      StateRow{"a newer one shows nothing, no triangles",
+               {.drawable = false, .picture = true, .stretch = 2, .warped = true, .empty = true},
+               {Shown::nothing, false, false, false}},
   };
   for (const StateRow& row : rows) {
     const ImpostorStep step = next_step(row.now, {});

@@ -186,18 +186,27 @@ struct ImpostorWorkers::State {
   }
 
   // A picture is complete: to the frame and to the warping worker.
-  void publish(ImpostorSlot& slot, const DepthImage& picture, bool final, double time) {
+  void publish(ImpostorSlot& slot, const DepthImage& picture, bool final,
+               const ImpostorEye& order) {
     NumberedImpostor& to = slot.pictures.back();
     to.picture = impostor_picture(picture);
-    if (to.picture.empty()) return;
+    if (to.picture.empty()) {
+      if (!final) return;
+      // There is nothing to warp, but the frame must know, or it would order the same for ever.
+      slot.empties.back() = {order.position, order.time,
+                             slot.published.load(std::memory_order_relaxed)};
+      slot.empties.publish();
+      pictures.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
     to.final = final;
-    to.time = time;
+    to.time = order.time;
     to.number = slot.published.fetch_add(1, std::memory_order_relaxed) + 1;
     ImpostorJudgement& judged = slot.judgements.back();
     judged.geometry = to.picture.geometry;
     judged.pairs = critical_pairs(to.picture, options.regions);
     judged.final = final;
-    judged.time = time;
+    judged.time = order.time;
     judged.picture = to.number;
     judged.made = to.made = Stopwatch();
     slot.pictures.publish();
@@ -227,7 +236,7 @@ struct ImpostorWorkers::State {
     control.refined = [&](const CapturedPicture& coarser) {
       if (stop.stop_requested() || !slot.coarse_helps.load(std::memory_order_relaxed)) return;
       if (control.give_way) control.give_way();
-      publish(slot, coarser.picture, false, order.time);
+      publish(slot, coarser.picture, false, order);
     };
     BackgroundWork work(gate);
     if (options.gives_way) control.give_way = [&] { work.wait(control.stop); };
@@ -252,7 +261,7 @@ struct ImpostorWorkers::State {
     if (!captured) return fail(captured.error());
     slot.render_s.store(took / 1e3, std::memory_order_relaxed);
     if (control.give_way) control.give_way();
-    publish(slot, captured->picture, true, order.time);
+    publish(slot, captured->picture, true, order);
   }
 };
 
@@ -303,6 +312,7 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   take_newest(slot.judgements, slot.judged_before);
   const bool changed = slot.boards.update();
   slot.boards_seen += changed;
+  slot.empties.update();
   slot.stops.update();
 
   constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -362,14 +372,23 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
   // Pictures are for the end of their time, so that the eye is between the last two of them.
   const double ahead_s = std::min(2 * render_s, s.options.predict_s), lead_s = ahead_s - render_s;
   if (now.picture) now.later_stretch = stretch_from(predicted_eye(eye, render_s));
+  // Without a relief, as far as the eye has gone of the way to the object.
+  const auto stretch_beside = [&](const glm::dvec3& beside) {
+    return 1 + glm::length(beside) /
+                   std::max(1e-9, glm::length(eye.position - glm::dvec3(slot.bounds.center())));
+  };
+  const ImpostorEmpty& empty = slot.empties.front();
+  now.empty = empty.after == judged.picture &&
+              deformed_px(empty.time) <= s.options.limits.still_px &&
+              std::max(stretch_beside(eye.position - empty.eye),
+                       stretch_beside(predicted_eye(eye, render_s) - empty.eye)) <=
+                  s.options.limits.refresh;
   if (now.rendering) {
     const double remaining = std::max(0.0, render_s - slot.ordered.ms() / 1e3);
     const glm::dvec3 beside = predicted_eye(eye, remaining + lead_s) - slot.ordered_eye;
-    now.rendered_stretch =
-        now.picture
-            ? stretch_of_one(judged, judged.geometry.capture.position() + beside)
-            : 1 + glm::length(beside) /
-                      std::max(1e-9, glm::length(eye.position - glm::dvec3(slot.bounds.center())));
+    now.rendered_stretch = now.picture
+                               ? stretch_of_one(judged, judged.geometry.capture.position() + beside)
+                               : stretch_beside(beside);
   }
 
   const ImpostorStep step = next_step(now, s.options.limits);

@@ -212,6 +212,37 @@ TEST(ImpostorWorkers, pictures_are_made_for_where_the_eye_will_be) {
   EXPECT_NEAR(last_x, 2.0, 1e-9);
 }
 
+// A ball that is seen from the front alone.
+TEST(ImpostorWorkers, what_shows_nothing_is_not_rendered_again_until_something_changes) {
+  constexpr double kBehind = 3.14;
+  for (const bool drawable : {true, false}) {
+    std::atomic<int> begun{0};
+    CallableSource ball("ball", kBall,
+                        [&](const CaptureRequest& request) -> Result<CapturedPicture> {
+                          ++begun;
+                          const bool front = request.camera.position().z > 0;
+                          return ball_picture(request.camera, 0.1f, front ? 1 : 0);
+                        });
+    ImpostorWorkers workers({&ball}, {{.drawable = drawable, .deforms = 0.3}}, {.size = 64});
+    const ImpostorShown otherwise = drawable ? ImpostorShown::object : ImpostorShown::nothing;
+    ImpostorEye eye = eye_at(kBehind);
+    EXPECT_EQ(settle(workers, 0, eye).shown, otherwise);
+    EXPECT_EQ(begun, 1);
+    // As far from there as a picture would serve.
+    EXPECT_EQ(settle(workers, 0, eye_at(kBehind + 0.1)).shown, otherwise);
+    EXPECT_EQ(begun, 1);
+    eye.time = 0.1;  // it may have deformed
+    EXPECT_EQ(settle(workers, 0, eye).shown, otherwise);
+    EXPECT_EQ(begun, 2);
+    eye.position = eye_at(0).position;
+    EXPECT_EQ(settle(workers, 0, eye).shown, ImpostorShown::fresh);
+    EXPECT_EQ(begun, 3);
+    eye.position = eye_at(kBehind).position;
+    EXPECT_EQ(settle(workers, 0, eye).shown, otherwise);
+    EXPECT_EQ(begun, 4);
+  }
+}
+
 // A ball that shrinks by 0.3 metres a second.
 TEST(ImpostorWorkers, what_deforms_is_shown_for_no_longer_than_it_is_right) {
   const auto radius = [](double time) { return 1 - 0.3 * time; };

@@ -37,13 +37,18 @@ class ImpostorTiles : public Drawable, public TileDrawer {
   ImpostorTiles(LayeredImpostor impostor, const LayeredOptions& options)
       : impostor_(std::move(impostor)),
         options_(options),
-        several_(shows_several_objects(impostor_.pictures)),
+        objects_(shown_objects(impostor_.pictures)),
         error_(layered_error_model(impostor_, options)),
         cost_(layered_cost_terms(impostor_, options.method)) {}
 
+  // The identifier of an instance, unless the pictures show several objects.
+  [[nodiscard]] std::uint32_t object_of(const Instance& instance) const {
+    return instance.object != kNoObject ? instance.object : objects_.only;
+  }
+
   LayeredImpostor impostor_;  // without the texels that are kept apart
   LayeredOptions options_;
-  bool several_;           // does it show several objects?
+  ShownObjects objects_;
   std::size_t bytes_ = 0;  // of the texels
 
  private:

@@ -70,7 +70,7 @@ LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& optio
   parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
     DepthImage& picture = impostor_.pictures[i];
     pictures_[i].color = encoded_colors(picture.color);
-    if (several_) pictures_[i].object = std::move(picture.object);
+    if (objects_.several) pictures_[i].object = std::move(picture.object);
     pictures_[i].pyramid = make_surface_pyramid(impostor_.surfaces[i]);
     picture.color = {}, picture.depth = {}, picture.object = {};
   });
@@ -83,7 +83,7 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
   const std::optional<PlacedCamera> moved = place_camera(frame, instance);
   if (!moved) return false;
   out.camera = moved->camera, out.scale = moved->scale;
-  out.object = instance.object;
+  out.object = object_of(instance);
 
   const glm::dvec3 eye = out.camera.position(), center(impostor_.bounds.center());
   out.distance = glm::length(eye - center) * out.scale;
@@ -134,7 +134,7 @@ SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const P
       glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction);
   SeenLayered seen;
   seen.inverse_z = float(1 / (t * placed.scale));
-  seen.object = several_ ? picture.object(march.texel.x, march.texel.y) : placed.object;
+  seen.object = objects_.several ? picture.object(march.texel.x, march.texel.y) : placed.object;
 
   // Between the texels that are linked to the one that was hit.
   const glm::ivec2 at = march.texel;

@@ -111,7 +111,7 @@ SliceTiles::SliceTiles(LayeredImpostor impostor, const LayeredOptions& options)
     std::transform(encoded.texels().begin(), encoded.texels().end(), kept.color.texels().begin(),
                    opaque_content);
     kept.codes = slice_codes(impostor_, int(i));
-    if (several_) kept.object = std::move(picture.object);
+    if (objects_.several) kept.object = std::move(picture.object);
     picture.color = {}, picture.depth = {}, picture.object = {};
     impostor_.surfaces[i].texels = {};
   });
@@ -183,7 +183,7 @@ void SliceTiles::draw(const Camera& frame, std::span<const Instance> instances, 
     const std::optional<PlacedCamera> placed = place_camera(frame, instance);
     if (!placed) continue;
     chooser_.choose(impostor_, placed->camera.position(), options_);
-    for (const SliceQuad& quad : chooser_.quads()) place(*placed, instance.object, quad);
+    for (const SliceQuad& quad : chooser_.quads()) place(*placed, object_of(instance), quad);
   }
 }
 

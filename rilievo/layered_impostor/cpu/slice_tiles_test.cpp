@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/core/random.h"
+#include "rilievo/layered_impostor/cpu/layered_tiles.h"
 #include "rilievo/layered_impostor/jug_test_helpers.h"
 #include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/layered_impostor/warp.h"
@@ -158,6 +159,32 @@ TEST_F(SliceTilesTest, an_impostor_that_moved_is_an_eye_that_moved_the_other_way
   }
   EXPECT_GT(shown, 1000);
   EXPECT_LE(other, shown / 100);  // rounded to the other side of a texel's edge
+}
+
+// By slices and by surfaces.
+TEST(ImpostorTiles, an_instance_without_an_identifier_has_that_of_the_only_object) {
+  LayeredImpostor impostor = test_shapes::jug_impostor(32);
+  for (DepthImage& picture : impostor.pictures)
+    for (std::uint32_t& object : picture.object.texels())
+      if (object != kNoObject) object = 7;
+  const Camera camera =
+      look_at({0, 0.5, 3}, impostor.bounds.center(), {0, 1, 0}, 1, 64, 64, 0.5, 10);
+  for (const std::uint32_t named : {kNoObject, 3u})
+    for (const auto& drawable : {make_slice_tiles(impostor, {.method = LayeredMethod::slices}),
+                                 make_layered_tiles(impostor, {})}) {
+      const Instance instance{glm::dmat4(1.0), 0, named};
+      SoftwareTarget target(64, 64, 1);
+      const TileDrawer* drawers[] = {drawable->tiles()};
+      drawable->draw(camera, {&instance, 1}, Output::object_id);
+      target.draw_objects(camera.z_far, drawers);
+      int shown = 0;
+      for (const std::uint32_t object : target.objects().texels()) {
+        if (object == kNoObject) continue;
+        ++shown;
+        EXPECT_EQ(object, named == kNoObject ? 7u : named);
+      }
+      EXPECT_GT(shown, 500);
+    }
 }
 
 }  // namespace

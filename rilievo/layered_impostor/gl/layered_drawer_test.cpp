@@ -10,6 +10,7 @@
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/core/color.h"
 #include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/jug_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
 
@@ -374,6 +375,31 @@ TEST_F(LayeredDrawerTest, what_stands_in_front_hides_it_and_what_it_hides_stays_
                                     std::uint32_t(color.texels()[i].g) << 8 | color.texels()[i].b;
     }
     EXPECT_EQ(frames[0], frames[1]);
+  }
+}
+
+TEST_F(LayeredDrawerTest, an_instance_without_an_identifier_has_that_of_the_only_object) {
+  LayeredImpostor impostor = test_shapes::jug_impostor(32);
+  for (DepthImage& picture : impostor.pictures)
+    for (std::uint32_t& object : picture.object.texels())
+      if (object != kNoObject) object = 7;
+  const Camera camera = frame_camera(impostor.bounds, {0, 0, 1}, 2.5);
+  for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
+    auto drawable = make_layered_drawable(impostor, *drawer_, {.method = method});
+    ASSERT_TRUE(drawable.ok()) << drawable.error().message();
+    for (const std::uint32_t named : {kNoObject, 3u}) {
+      const Instance instance{glm::dmat4(1.0), 0, named};
+      probe_->begin();
+      (*drawable)->draw(camera, {&instance, 1}, Output::object_id);
+      const Image<std::uint32_t> objects = probe_->read_objects();
+      int shown = 0;
+      for (const std::uint32_t object : objects.texels()) {
+        if (object == kNoObject) continue;
+        ++shown;
+        EXPECT_EQ(object, named == kNoObject ? 7u : named);
+      }
+      EXPECT_GT(shown, 1000);
+    }
   }
 }
 

@@ -68,7 +68,9 @@ Result<LayeredPictures> LayeredPictures::create(LayeredImpostor impostor) {
   for (std::size_t v = 0; v < source.pictures.size(); ++v)
     upload(pictures.color_, int(v), encoded_colors(source.pictures[v].color), GL_RGBA,
            GL_UNSIGNED_BYTE);
-  if (shows_several_objects(source.pictures)) {
+  const ShownObjects objects = shown_objects(source.pictures);
+  pictures.only_object_ = objects.only;
+  if (objects.several) {
     pictures.object_ = pictures.make_array(GL_R32UI, pictures.width_, pictures.height_, 4);
     for (std::size_t v = 0; v < source.pictures.size(); ++v)
       if (!source.pictures[v].object.empty())

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "rilievo/gl/object.h"
@@ -30,6 +31,8 @@ class LayeredPictures {
 
   // Object identifiers within the pictures, if they show more than one object; else 0.
   [[nodiscard]] GLuint object_texture() const { return object_; }
+  // The object that they show, if they name exactly one; else kNoObject.
+  [[nodiscard]] std::uint32_t only_object() const { return only_object_; }
   // sRGB-encoded, premultiplied colours.
   [[nodiscard]] GLuint color_texture() const { return color_; }
 
@@ -52,6 +55,7 @@ class LayeredPictures {
   LayeredImpostor impostor_;
   int width_ = 0, height_ = 0;  // of the largest picture
   std::size_t bytes_ = 0;
+  std::uint32_t only_object_ = kNoObject;
   std::optional<SliceChooser> slice_chooser_;
   gl::Texture color_, object_, q_, slope_, links_, cells_, interval_;
 

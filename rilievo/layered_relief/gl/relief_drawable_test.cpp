@@ -263,6 +263,32 @@ TEST_F(ReliefDrawableTest, it_looks_like_the_object_near_and_far) {
   }
 }
 
+TEST_F(ReliefDrawableTest, an_instance_without_an_identifier_has_that_of_the_only_object) {
+  std::mt19937 rng(3);
+  ReliefPictures pictures;
+  pictures.pictures.push_back({random_layers(rng, 40, 40), 0, 0});
+  pictures.bounds = bounds_of(pictures);
+  const ReliefFrame frame = make_relief_set(pictures)->reliefs[0].frame();
+  const Camera camera =
+      look_at(frame.world(20, 20, 0) - 4.0 * double(pictures.bounds.radius()) * frame.f,
+              frame.world(20, 20, 0), {0.05, 1, 0.1}, 0.7, 100, 100, 0.01, 100);
+  // Pictures that name no object have the instance's alone.
+  for (const auto& [captured, named] : {std::pair(7u, kNoObject), {7u, 3u}, {kNoObject, 3u}}) {
+    for (LayerSample& sample : pictures.pictures[0].layers.samples) sample.object = captured;
+    auto drawable = make_relief_drawable(pictures, *boards, {});
+    ASSERT_TRUE(drawable) << drawable.error().message();
+    const Instance instance{glm::dmat4(1.0), 0, named};
+    const Probed drawn = probe(**drawable, camera, {&instance, 1});
+    int shown = 0;
+    for (const std::uint32_t object : drawn.object.texels()) {
+      if (object == kNoObject) continue;
+      ++shown;
+      EXPECT_EQ(object, named == kNoObject ? captured : named);
+    }
+    EXPECT_GT(shown, 100);
+  }
+}
+
 // More than there is room for at once: some are drawn, then others in their place.
 TEST_F(ReliefDrawableTest, many_instances_stand_where_they_are_placed) {
   const auto built = make_builtin("builtin:cube");
