@@ -1,5 +1,6 @@
 #include "apps/rilievo/frame_options.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "apps/rilievo/checks.h"
@@ -15,6 +16,11 @@ constexpr int kDefaultFrames = 120;
 
 }  // namespace
 
+bool is_frame_size(int width, int height) {
+  return 1 <= std::min(width, height) && std::max(width, height) <= kMaxSide &&
+         long(width) * height <= kMaxPixels;
+}
+
 void parse_size(const std::string& text, int& width, int& height) {
   int w = 0, h = 0;
   const char *begin = text.data(), *end = begin + text.size();
@@ -25,7 +31,7 @@ void parse_size(const std::string& text, int& width, int& height) {
     good = error_h == std::errc() && rest == end;
   }
   if (!good) throw CLI::ValidationError("--size", "'" + text + "' is not WIDTHxHEIGHT");
-  if (w < 1 || h < 1 || w > kMaxSide || h > kMaxSide || long(w) * h > kMaxPixels)
+  if (!is_frame_size(w, h))
     throw CLI::ValidationError("--size", text + " is not between 1x1 and 8192x8192 pixels");
   width = w;
   height = h;
@@ -35,12 +41,16 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
   command
       .add_option_function<std::string>(
           "--size",
-          [&options](const std::string& text) { parse_size(text, options.width, options.height); },
+          [&options](const std::string& text) {
+            parse_size(text, options.width, options.height);
+            options.sized = true;
+          },
           "Size of a frame in pixels (default 1280x720)")
       ->type_name("WxH");
   command
       .add_option("--frames", options.frames,
-                  "Number of frames (default: that of the path, or 120)")
+                  "Number of frames (default: all of --path, --orbit, --walk or a baked file's "
+                  "own path; 120 otherwise)")
       ->check(in_range(1, kMaxFrames))
       ->type_name("N");
   auto* path =
@@ -102,7 +112,8 @@ Box eyes_of(const CameraPath& path, int frames) {
 
 Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {
   Result<FramePlan> plan = plan_frames(options, world_bounds(opened.scene));
-  if (plan && opened.walk && options.path_file.empty() && !options.orbit) plan->path = *opened.walk;
+  if (plan && opened.walk && options.path_file.empty() && !options.orbit && !options.walk)
+    plan->path = *opened.walk;
   return plan;
 }
 

@@ -13,6 +13,7 @@ namespace rilievo::app {
 
 struct FrameOptions {
   int width = 1280, height = 720;
+  bool sized = false;  // --size was given
   int samples = 4;
   int frames = 0;  // 0: as many as the path has
   int orbit = 0, walk = 0;
@@ -38,6 +39,8 @@ struct FramePlan {
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
 
+// Is a frame of this size allowed?
+[[nodiscard]] bool is_frame_size(int width, int height);
 // "WIDTHxHEIGHT" into `width` and `height`; throws CLI::ValidationError.
 void parse_size(const std::string& text, int& width, int& height);
 

@@ -30,9 +30,9 @@ std::string help_of(const Option& option, const std::vector<std::string>& kinds)
   return help;
 }
 
-Result<OptionValues> values_of(std::span<const Option> options, const KindOptions& given) {
+Result<OptionValues> values_of(std::span<const Option> options, const GivenOptions& given) {
   OptionValues values(options);
-  for (const auto& [name, value] : given.given) {
+  for (const auto& [name, value] : given) {
     if (!values.has(name)) continue;
     if (Result<> set = values.set(name, value); !set) return set.error();
   }
@@ -52,7 +52,8 @@ void add_kind_options(CLI::App& command, KindOptionsOf which, KindOptions& optio
       const std::string name(option.name);
       const bool taken = command.get_option_no_throw("--" + name) != nullptr;
       const std::string flag = (taken ? "--view-" : "--") + name;
-      const auto keep = [&options, name](const std::string& value) { options.given[name] = value; };
+      GivenOptions& given = which == KindOptionsOf::bake ? options.bake : options.draw;
+      const auto keep = [&given, name](const std::string& value) { given[name] = value; };
       const std::string help = help_of(option, having);
       if (option.type == OptionType::flag) {
         command.add_flag_callback(
@@ -89,20 +90,25 @@ void add_kind_options(CLI::App& command, KindOptionsOf which, KindOptions& optio
 }
 
 Result<OptionValues> bake_values(const Kind& kind, const KindOptions& options) {
-  Result<OptionValues> values = values_of(kind.bake_options, options);
+  Result<OptionValues> values = values_of(kind.bake_options, options.bake);
   if (!values || !kind.check_options) return values;
   if (Result<> good = kind.check_options(*values); !good) return good.error();
   return values;
 }
 
 Result<OptionValues> draw_values(const Kind& kind, const KindOptions& options) {
-  return values_of(kind.draw_options, options);
+  return values_of(kind.draw_options, options.draw);
 }
 
 Result<> expect_options_of(const Kind& kind, const KindOptions& options) {
-  for (const auto& [name, value] : options.given)
-    if (!find_option(kind.bake_options, name) && !find_option(kind.draw_options, name))
-      return Error{"--" + name, fmt::format("is no option of {}", kind.name)};
+  const auto expect = [&](const GivenOptions& given, std::span<const Option> has) -> Result<> {
+    for (const auto& [name, value] : given)
+      if (!find_option(has, name))
+        return Error{"--" + name, fmt::format("is no option of {}", kind.name)};
+    return Done{};
+  };
+  if (Result<> good = expect(options.bake, kind.bake_options); !good) return good;
+  return expect(options.draw, kind.draw_options);
   return Done{};
 }
 
@@ -116,8 +122,10 @@ KindMethod kind_method(std::string_view name) {
 }
 
 void apply(const KindMethod& method, KindOptions& options) {
-  if (method.variant && !method.variant->option.empty())
-    options.given[std::string(method.variant->option)] = method.variant->value;
+  if (!method.variant || method.variant->option.empty()) return;
+  const std::string name(method.variant->option);
+  GivenOptions& given = find_option(method.kind->draw_options, name) ? options.draw : options.bake;
+  given[name] = method.variant->value;
 }
 
 std::vector<std::string> kind_names() {

@@ -15,9 +15,13 @@
 
 namespace rilievo::app {
 
-// What was given on the command line, or set in the panel, by Option::name.
+// By Option::name, of all kinds that have it.
+using GivenOptions = std::map<std::string, std::string, std::less<>>;
+
+// What was given on the command line, or set in the panel. An option for baking and one for drawing
+// can have the same name.
 struct KindOptions {
-  std::map<std::string, std::string, std::less<>> given;
+  GivenOptions bake, draw;
 };
 
 enum class KindOptionsOf { bake, draw };

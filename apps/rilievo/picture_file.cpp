@@ -33,6 +33,11 @@ Result<> read_text(const std::string& text, const std::string& file, FramePictur
   const Error broken{file, "the attribute of the frame's camera is broken"};
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return broken;
+  // Numbers that are none of an int become 0, which is refused.
+  const auto integer = [](const nlohmann::json& number) {
+    const double value = number.get<double>();
+    return 0 < value && value <= 1e6 ? int(value) : 0;
+  };
   try {
     Camera camera;
     for (int i = 0; i < 16; ++i)
@@ -42,9 +47,9 @@ Result<> read_text(const std::string& text, const std::string& file, FramePictur
                      window.at(2).get<double>(), window.at(3).get<double>()};
     camera.z_near = json.at("z_near").get<double>();
     camera.z_far = json.at("z_far").get<double>();
-    camera.width = json.at("size").at(0).get<int>();
-    camera.height = json.at("size").at(1).get<int>();
-    frame.delta_bits = json.at("delta_bits").get<int>();
+    camera.width = integer(json.at("size").at(0));
+    camera.height = integer(json.at("size").at(1));
+    frame.delta_bits = integer(json.at("delta_bits"));
     if (!validate(camera) || frame.delta_bits < 2 || frame.delta_bits > 16) return broken;
     frame.camera = camera;
   } catch (const nlohmann::json::exception&) {

@@ -221,7 +221,19 @@ Result<Walk> walk_of(const RenderCommand& options, const FramePictures& stored) 
     walk.plan = *plan;
     return walk;
   }
+  const FrameOptions& frames = options.frames;
+  for (const auto& [name, given] :
+       {std::pair("--orbit", frames.orbit > 0), std::pair("--walk", frames.walk > 0),
+        std::pair("--frames", frames.frames > 0), std::pair("--size", frames.sized)})
+    if (given)
+      return Error{name,
+                   "pictures of a file are drawn once, for the eye and the size that they "
+                   "were saved for; --path draws others"};
   walk.only = stored.camera ? *stored.camera : stored.pictures.front().camera;
+  if (!is_frame_size(walk.only->width, walk.only->height))
+    return Error{options.scene, fmt::format("a frame of {}x{} pixels is not between 1x1 and "
+                                            "8192x8192; --path and --size draw others",
+                                            walk.only->width, walk.only->height)};
   return walk;
 }
 
@@ -286,9 +298,13 @@ Result<> render_file(RenderCommand options) {
   if (!content) return content.error();
   if (options.method.empty())
     options.method = content->kind ? std::string(content->kind->name) : kDefaultMethod;
-  if (content->kind)
+  if (content->kind) {
     if (Result<> known = expect_method_of(*content->kind, options.method, "--method"); !known)
       return known;
+  } else if (options.method != kDefaultMethod) {
+    return Error{"--method",
+                 fmt::format("the pictures of {} are drawn as {}", options.scene, kDefaultMethod)};
+  }
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
   Result<std::unique_ptr<gl::Context>> context =
@@ -335,7 +351,8 @@ Command render_command(CLI::App& app) {
   command
       ->add_option("--save-pictures", options->pictures,
                    "Folder for the pictures from which each frame is drawn, pictures_00000.exr ...")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->excludes(loop_seconds);
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);
   add_json_option(*command, options->json);

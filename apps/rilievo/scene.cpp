@@ -26,7 +26,8 @@ Result<> run_scene(const SceneCommand& options) {
     return Error{options.output, "scenes are written as binary glTF: the name must end in .glb"};
   if (Result<> good = expect_outputs({options.output, options.path}); !good) return good;
   // "bridge" is short for "builtin:bridge"; a file is converted.
-  const bool is_file = std::filesystem::exists(options.scene);
+  std::error_code unreadable;  // open_scene() says why
+  const bool is_file = std::filesystem::exists(options.scene, unreadable) || unreadable;
   const bool is_spec = options.scene.starts_with("builtin:");
   const Result<OpenedScene> opened =
       open_scene(is_file || is_spec ? options.scene : "builtin:" + options.scene, options.limits);

@@ -61,15 +61,15 @@ void cache_panel(ViewState& state) {
 }
 
 // The options of a kind, as its row of the list says. Is the source another one after a change?
-bool option_controls(std::span<const Option> options, KindOptions& values) {
+bool option_controls(std::span<const Option> options, GivenOptions& values) {
   bool changed = false;
   for (const Option& option : options) {
     const std::string name(option.name);
-    const auto given = values.given.find(option.name);
+    const auto given = values.find(option.name);
     const std::string now =
-        given == values.given.end() ? std::string(option.default_value) : given->second;
+        given == values.end() ? std::string(option.default_value) : given->second;
     const auto set = [&](const std::string& value) {
-      values.given[name] = value;
+      values[name] = value;
       changed = true;
     };
     if (option.type == OptionType::flag) {
@@ -109,9 +109,9 @@ void method_panel(ViewState& state) {
     ImGui::EndCombo();
   }
   if (const Kind* kind = kind_method(state.method).kind) {
-    state.new_source |= option_controls(kind->draw_options, state.methods.kinds);
+    state.new_source |= option_controls(kind->draw_options, state.methods.kinds.draw);
     if (state.can_split)
-      state.new_source |= option_controls(kind->bake_options, state.methods.kinds);
+      state.new_source |= option_controls(kind->bake_options, state.methods.kinds.bake);
   }
   if (!state.can_split) return;
   // A cache keeps its pictures.

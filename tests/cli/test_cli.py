@@ -56,6 +56,7 @@ class Usage(Folder):
         self.assertFalse((self.folder / "out").exists())
 
     def test_scenes_that_are_not_there_are_named(self):
+        self.refused("scene", "a" * 300, "-o", self.folder / "x.glb")
         for scene in ["/nowhere/at all.glb", "builtin:atlantis", "builtin:teapots?triangles=-1",
                       "builtin:teapots?wheels=4", str(self.folder)]:
             with self.subTest(scene=scene):
@@ -198,6 +199,36 @@ class Results(Folder):
             self.assertEqual(files_below(self.folder / "again"), files_below(self.folder / "live"))
         info = self.succeeds("info", self.folder / "pictures" / "pictures_00000.exr", "--json", "-")
         self.assertEqual(len(json.loads(info.stdout)["pictures"]), 1)
+
+    def test_saved_pictures_refuse_what_is_for_other_frames_than_theirs(self):
+        out, pictures = self.folder / "out", self.folder / "pictures"
+        self.succeeds("render", TEAPOTS, "--frames", "1", "--size", "64x36", "-o", self.folder / "live",
+                      "--save-pictures", pictures)
+        draw = ("render", pictures / "pictures_00000.exr", "-o", out)
+        for option, value in (("--orbit", "6"), ("--walk", "6"), ("--frames", "2"), ("--size", "32x32"),
+                              ("--method", "flat"), ("--method", "cache")):
+            with self.subTest(option=option):
+                self.assertIn(option, self.refused(*draw, option, value))
+        self.assertFalse(out.exists())
+        self.refused("render", TEAPOTS, "--save-pictures", pictures, "--loop-seconds", "1")
+        path = self.write("path.json", '{"schema": "rilievo-path-1", "keys": '
+                                       '[{"time": 0, "eye": [0, 1, 9], "target": [0, 1, 0], "vertical_fov": 0.8}]}')
+        self.succeeds(*draw, "--path", path, "--frames", "2", "--size", "32x32")
+        self.assertEqual(len(files_below(out)), 2)
+
+    def test_a_walk_past_a_scene_is_not_the_scenes_own_path(self):
+        self.succeeds("render", TEAPOTS, "--size", "32x32", "--frames", "3", "-o", self.folder / "own")
+        self.succeeds("render", TEAPOTS, "--size", "32x32", "--walk", "3", "-o", self.folder / "walk")
+        own, walk = files_below(self.folder / "own"), files_below(self.folder / "walk")
+        self.assertEqual(len(walk), 3)
+        for frame in own:
+            self.assertNotEqual(own[frame], walk[frame])
+
+    def test_an_option_to_bake_and_one_to_draw_can_have_the_same_name(self):
+        small = ("--size", "48x32", "--frames", "1", "-o", self.folder / "out")
+        self.succeeds("compare", "builtin:teapot?triangles=2000", *small, "--methods",
+                      "layered-relief,environment-nodes", "--merge", "first", "--view-merge", "0.2",
+                      "--view-size", "32", "--draw", "software")
 
 
 class Benches(Folder):
