@@ -163,6 +163,39 @@ TEST(Neighbors, materials_of_an_obj_share_pictures) {
   }
 }
 
+// A library in a folder of its own, beside pictures, in which some exporters count from the model.
+TEST(Neighbors, pictures_of_a_library_lie_beside_it_or_beside_the_model) {
+  const Folders f;
+  fs::create_directory(f.model / "sub");
+  const auto picture = [&](const fs::path& file, std::uint8_t red) {
+    f.write(file, test_png::rgba8_png(Rgba8Image(1, 1, glm::u8vec4(red, 0, 0, 255))));
+  };
+  picture(f.top / "out.png", 1);
+  picture(f.model / "p.png", 2);
+  picture(f.model / "q.png", 3);
+  picture(f.model / "sub" / "p.png", 4);
+  const auto red_of = [&](const std::string& name, const std::string& library, bool allowed) {
+    f.write(f.model / "sub" / "m.mtl", "newmtl m\nmap_Kd " + name + "\n");
+    f.write(f.model / "a.obj",
+            "mtllib " + library + "\n" + std::string(kCorners) + "usemtl m\nf 1/1 2/1 3/1\n");
+    LoadOptions options;
+    options.allow_outside = allowed;
+    const Result<LoadedScene> loaded = load_scene(f.model / "a.obj", options);
+    if (!loaded.ok()) return -1;
+    return loaded->scene.images.empty() ? 0 : int(loaded->scene.images[0](0, 0).r);
+  };
+  for (const std::string library : {"sub/m.mtl", "sub\\m.mtl"}) {
+    EXPECT_EQ(red_of("p.png", library, false), 4);
+    EXPECT_EQ(red_of("sub/p.png", library, false), 4);
+    EXPECT_EQ(red_of("../p.png", library, false), 2);
+    EXPECT_EQ(red_of("q.png", library, false), 3);
+    EXPECT_EQ(red_of("../../out.png", library, false), 0);
+    EXPECT_EQ(red_of("../../out.png", library, true), 1);
+    EXPECT_EQ(red_of("../out.png", library, false), 0);
+    EXPECT_EQ(red_of("../out.png", library, true), 1);
+  }
+}
+
 // The limit is reached where the library, which is the file itself, is read a tenth time.
 TEST(Neighbors, a_library_is_read_once_whatever_its_name) {
   const Folders f;

@@ -82,7 +82,8 @@ Camera read_camera(const JsonValue& from, const glm::dmat4& world_from_eye) {
   }
   camera.window = {-right, right, -top, top};
   camera.height = kHeight;
-  camera.width = int(std::clamp(std::round(kHeight * right / top), 1.0, 16384.0));
+  // A lens without extent is 0 / 0, for which fmax takes the 1.
+  camera.width = int(std::fmin(std::fmax(std::round(kHeight * right / top), 1.0), 16384.0));
   return camera;
 }
 

@@ -45,17 +45,16 @@ int picture_of(const JsonValue& texture, std::size_t images) {
 int Materials::load_image(const JsonValue& source) {
   LoadContext& context = *document_.context;
   const auto decode = [&](int& known, Bytes encoded) {
-    known = -1;
     scene_.images.push_back(decode_picture(encoded, context.budget));
     return known = int(scene_.images.size()) - 1;
   };
   if (const JsonValue view = source["bufferView"]) {
     const Bytes encoded = read_view(document_, view.required_index(document_.count("bufferViews")));
-    const auto [known, fresh] = views_.try_emplace({encoded.data(), encoded.size()});
+    const auto [known, fresh] = views_.try_emplace({encoded.data(), encoded.size()}, -1);
     return fresh ? decode(known->second, encoded) : known->second;
   }
   const std::string uri = source["uri"].text();
-  const auto [known, fresh] = uris_.try_emplace(identity_of(uri, context));
+  const auto [known, fresh] = uris_.try_emplace(identity_of(uri, context), -1);
   if (!fresh) return known->second;
   const std::string file = read_uri(uri, context);
   return decode(known->second, bytes_of(file));

@@ -229,6 +229,24 @@ TEST(GltfRead, a_picture_that_cannot_be_read_is_left_out) {
   EXPECT_EQ(loaded->scene.materials[0].base_color_texture.texture, -1);
 }
 
+// The second image is known by its URI, and must not be taken for the first of the scene.
+TEST(GltfRead, a_picture_that_cannot_be_read_is_left_out_for_all_its_images) {
+  GltfBuilder b = test::triangle();
+  nlohmann::json each = b.json["meshes"][0]["primitives"][0];
+  for (int i = 0; i < 2; ++i) {
+    b.json["images"].push_back({{"uri", "data:image/png;base64"}});  // without a comma
+    b.json["textures"].push_back({{"source", i}});
+    b.json["materials"].push_back(
+        {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+    each["material"] = i;
+    b.json["meshes"][0]["primitives"].push_back(each);
+  }
+  const Result<LoadedScene> loaded = load_glb(b);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  EXPECT_EQ(loaded->scene.textures.size(), 0u);
+  for (const Material& m : loaded->scene.materials) EXPECT_EQ(m.base_color_texture.texture, -1);
+}
+
 TEST(GltfRead, lights_keep_their_proportions_and_light_like_the_default_sun) {
   GltfBuilder b = test::triangle();
   b.json["extensions"]["KHR_lights_punctual"]["lights"] = {
@@ -272,6 +290,18 @@ TEST(GltfRead, cameras_see_what_the_file_says) {
   // It began at its eye; ours begins a little before, and ends in the same place.
   EXPECT_NEAR(parallel.position().z - parallel.z_far, -8, 1e-12);
   EXPECT_NEAR(parallel.position().z - parallel.z_near, 0, 1e-12);
+}
+
+TEST(GltfRead, a_camera_whose_window_is_empty_is_left_out) {
+  GltfBuilder b = test::triangle();
+  b.json["cameras"] = {{{"type", "orthographic"},
+                        {"orthographic", {{"xmag", 0}, {"ymag", 0}, {"znear", 1}, {"zfar", 8}}}}};
+  b.node({{"camera", 0}});
+  const Result<LoadedScene> loaded = load_glb(b);
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  EXPECT_EQ(loaded->scene.cameras.size(), 0u);
+  const std::vector<std::string> expected = {"cameras[0] is left out: the image window is empty"};
+  EXPECT_EQ(loaded->warnings, expected);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ ObjMaterials::Map ObjMaterials::parse_map(std::string_view rest) {
   return map;
 }
 
-void ObjMaterials::parse(std::string_view text) {
+void ObjMaterials::parse(std::string_view text, const std::string& folder) {
   Definition* now = nullptr;
   for (std::optional<std::string_view> line = take_line(text); line; line = take_line(text)) {
     std::string_view rest = *line;
@@ -119,8 +119,9 @@ void ObjMaterials::parse(std::string_view text) {
     } else if (word == "pm") {
       now->material.metallic = float(std::clamp(next_number(rest, 0.0), 0.0, 1.0));
     } else if (word == "map_kd" || word == "map_d" || word == "map_ke" || word == "norm") {
-      context_.budget.take(256 + rest.size());
-      now->maps[word] = parse_map(rest);
+      context_.budget.take(256 + folder.size() + rest.size());
+      Map& map = now->maps[word] = parse_map(rest);
+      map.folder = folder;
     }
   }
 }
@@ -132,7 +133,9 @@ void ObjMaterials::read_library(const std::string& name) {
   if (libraries_.size() > kMaxCount) refuse("there are more than 1000");
   const std::string file = read_neighbor(context_, name);
   std::string converted;
-  parse(utf8_from(bytes_of(file), converted));
+  const std::size_t folder = name.find_last_of("/\\");
+  parse(utf8_from(bytes_of(file), converted),
+        folder == std::string::npos ? "" : name.substr(0, folder));
 }
 
 void ObjMaterials::read(const std::string& names) {
@@ -155,9 +158,23 @@ void ObjMaterials::read(const std::string& names) {
     }
 }
 
+// Names of pictures count from the library that has them; but some exporters write them as they are
+// found from the model's folder.
+std::string ObjMaterials::path_of(const Map& map) const {
+  if (!map.folder.empty()) try {
+      const std::string beside = map.folder + "/" + map.file;
+      std::error_code failed;
+      if (std::filesystem::is_regular_file(neighbor_path(context_, beside), failed)) return beside;
+    } catch (const LoadError&) {
+      // It would lie outside of the scene's folder.
+    }
+  return map.file;
+}
+
 // Index into images_ of a picture, decoded once whatever its names; -1 if it cannot be had.
-int ObjMaterials::image(const std::string& file) {
-  if (file.empty()) return -1;
+int ObjMaterials::image(const Map& map) {
+  if (map.file.empty()) return -1;
+  const std::string file = path_of(map);
   try {
     const auto [known, fresh] = files_.try_emplace(neighbor_path(context_, file), -1);
     if (!fresh) return known->second;
@@ -179,7 +196,7 @@ int ObjMaterials::image_with_opacity(int image, int opacity) {
   const Rgba8Image& mask = images_[std::size_t(opacity)];
   const Rgba8Image& base = image < 0 ? mask : images_[std::size_t(image)];
   try {
-    context_.budget.take(base.texels().size(), sizeof(glm::u8vec4));
+    context_.budget.take_pixels(base.texels().size(), sizeof(glm::u8vec4));
   } catch (const LoadError& fault) {
     context_.warn("an opacity picture is left out: " + fault.reason);
     return image;
@@ -197,7 +214,7 @@ AlphaMode ObjMaterials::alpha_mode(int image) {
   return known->second;
 }
 
-TextureUse ObjMaterials::texture_use(const Map& map, const std::string& opacity) {
+TextureUse ObjMaterials::texture_use(const Map& map, const Map& opacity) {
   TextureUse use;
   // In OBJ's space, where v grows upwards: uv' = scale uv + offset. With v = 1 - w on both sides,
   // w' = scale w + (1 - scale - offset).
@@ -206,12 +223,12 @@ TextureUse ObjMaterials::texture_use(const Map& map, const std::string& opacity)
   use.texture_from_uv[1][1] = float(map.scale.y);
   use.texture_from_uv[2][1] = float(1.0 - map.scale.y - map.offset.y);
 
-  const int source = image_with_opacity(image(map.file), image(opacity));
+  const int source = image_with_opacity(image(map), image(opacity));
   if (source < 0) return use;
   const auto [known, fresh] = sampled_.try_emplace({source, map.clamp}, int(textures_.size()));
   if (fresh) {
     Texture texture;
-    texture.name = map.file.empty() ? opacity : map.file;
+    texture.name = map.file.empty() ? opacity.file : map.file;
     texture.image = source;
     if (map.clamp) texture.wrap_u = texture.wrap_v = Wrap::clamp_to_edge;
     textures_.push_back(std::move(texture));
@@ -227,17 +244,17 @@ void ObjMaterials::finish(Definition& definition, bool colored) {
   const Map opacity = definition.maps["map_d"];
   Map base = definition.maps["map_kd"];
   const bool pictured = !base.file.empty();
-  if (!pictured) base = Map{"", opacity.scale, opacity.offset, opacity.clamp};
-  if (pictured || !opacity.file.empty()) m.base_color_texture = texture_use(base, opacity.file);
+  if (!pictured) base = Map{"", "", opacity.scale, opacity.offset, opacity.clamp};
+  if (pictured || !opacity.file.empty()) m.base_color_texture = texture_use(base, opacity);
   const bool has_picture = m.base_color_texture.texture >= 0;
   if (colored || (pictured && has_picture)) m.base_color = glm::vec4(1.0f);
   if (has_picture) m.alpha_mode = alpha_mode(textures_[m.base_color_texture.texture].image);
   if (const Map& glow = definition.maps["map_ke"]; !glow.file.empty()) {
-    m.emissive_texture = texture_use(glow, "");
+    m.emissive_texture = texture_use(glow, {});
     if (m.emissive == glm::vec3(0)) m.emissive = glm::vec3(1);
   }
   if (const Map& normal = definition.maps["norm"]; !normal.file.empty())
-    m.normal_texture = texture_use(normal, "");
+    m.normal_texture = texture_use(normal, {});
 
   // Some exporters confuse d with Tr: nobody models what cannot be seen.
   if (definition.opacity <= 0.0) {

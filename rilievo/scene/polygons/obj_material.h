@@ -34,7 +34,8 @@ class ObjMaterials {
 
  private:
   struct Map {
-    std::string file;
+    std::string file;    // as the library names it
+    std::string folder;  // of the library, as mtllib names it; empty: the scene's
     glm::dvec3 scale{1.0}, offset{0.0};
     bool clamp = false;
   };
@@ -45,12 +46,13 @@ class ObjMaterials {
   };
 
   void read_library(const std::string& name);
-  void parse(std::string_view text);
+  void parse(std::string_view text, const std::string& folder);
   [[nodiscard]] Map parse_map(std::string_view rest);
-  [[nodiscard]] int image(const std::string& file);
+  [[nodiscard]] std::string path_of(const Map& map) const;
+  [[nodiscard]] int image(const Map& map);
   [[nodiscard]] int image_with_opacity(int image, int opacity);
   [[nodiscard]] AlphaMode alpha_mode(int image);
-  [[nodiscard]] TextureUse texture_use(const Map& map, const std::string& opacity);
+  [[nodiscard]] TextureUse texture_use(const Map& map, const Map& opacity);
   void finish(Definition& definition, bool colored);
 
   LoadContext& context_;

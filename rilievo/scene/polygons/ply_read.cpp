@@ -1,5 +1,6 @@
-// PLY, text or binary of either byte order: polygons with normals, texture coordinates and colours
-// at their vertices. Unknown elements and properties are passed over.
+// PLY, text or binary of either byte order: polygons, and Stanford's triangle strips, with normals,
+// texture coordinates and colours at their vertices. Unknown elements and properties are passed
+// over.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -88,6 +89,9 @@ Header read_header(std::string_view text) {
     } else if (word == "end_header") {
       if (!known) refuse("is a PLY file of an unknown format");
       header.size = whole - text.size();
+      // Without properties there is nothing to read, however many are announced.
+      for (Element& element : header.elements)
+        if (element.properties.empty()) element.count = 0;
       return header;
     }
   }
@@ -145,6 +149,13 @@ class Values {
   std::string_view text_;
 };
 
+// How many values of a property follow.
+std::uint64_t length_of(const Property& property, Values& values) {
+  const double length = property.length ? values.next(*property.length) : 1.0;
+  if (!(length >= 0 && length <= 4294967295.0)) refuse("has a list of impossible length");
+  return std::uint64_t(length);
+}
+
 // Which number of a vertex a property is; -1: none that is used.
 enum Slot { px, py, pz, nx, ny, nz, tu, tv, red, green, blue, alpha, kSlots };
 
@@ -201,9 +212,7 @@ void read_vertices(const Element& element, Values& values, PolygonSoup& soup,
     v[alpha] = 1.0;
     for (std::size_t k = 0; k < slots.size(); ++k) {
       const Property& p = element.properties[k];
-      std::uint64_t repeat = 1;
-      if (p.length) repeat = std::uint64_t(std::clamp(values.next(*p.length), 0.0, 4294967295.0));
-      for (std::uint64_t r = 0; r < repeat; ++r) {
+      for (std::uint64_t left = length_of(p, values); left > 0; --left) {
         const double number = values.next(p.type);
         if (slots[k] >= 0) v[slots[k]] = slots[k] >= red ? number * color_scale(p.type) : number;
       }
@@ -219,34 +228,60 @@ void read_vertices(const Element& element, Values& values, PolygonSoup& soup,
   }
 }
 
+// Does the property list the vertices of a face?
+bool lists_vertices(const Property& p) {
+  return p.length && (p.name == "vertex_indices" || p.name == "vertex_index");
+}
+
+Corner corner_of(double vertex, const PolygonSoup& soup) {
+  if (!(vertex >= 0 && vertex < double(soup.positions.size())))
+    refuse("has a face that refers to a vertex that does not exist");
+  const std::uint32_t at = std::uint32_t(vertex);
+  return {at, soup.uv.empty() ? Corner::kNone : at, soup.normals.empty() ? Corner::kNone : at};
+}
+
 void read_faces(const Element& element, Values& values, PolygonSoup& soup, MemoryBudget& budget) {
   std::vector<Corner> polygon;
   for (std::uint64_t i = 0; i < element.count; ++i)
     for (const Property& p : element.properties) {
-      const bool corners = p.length && (p.name == "vertex_indices" || p.name == "vertex_index");
-      const double length = p.length ? values.next(*p.length) : 1.0;
-      if (!(length >= 0 && length <= 4294967295.0)) refuse("has a face of impossible length");
       polygon.clear();
-      for (std::uint64_t k = 0; k < std::uint64_t(length); ++k) {
-        const double v = values.next(p.type);
-        if (!corners) continue;
-        if (!(v >= 0 && v < double(soup.positions.size())))
-          refuse("has a face that refers to a vertex that does not exist");
-        const std::uint32_t at = std::uint32_t(v);
+      for (std::uint64_t left = length_of(p, values); left > 0; --left) {
+        const double vertex = values.next(p.type);
+        if (!lists_vertices(p)) continue;
         budget.borrow(polygon.size(), 8 * sizeof(Corner));
-        polygon.push_back(
-            {at, soup.uv.empty() ? Corner::kNone : at, soup.normals.empty() ? Corner::kNone : at});
+        polygon.push_back(corner_of(vertex, soup));
       }
-      if (corners) add_polygon(soup, polygon, 0, budget);
+      if (lists_vertices(p)) add_polygon(soup, polygon, 0, budget);
+    }
+}
+
+// All strips are one list, where -1 ends a strip. Each vertex makes a triangle with the two before
+// it; every second one runs the other way round.
+void read_strips(const Element& element, Values& values, PolygonSoup& soup, MemoryBudget& budget) {
+  for (std::uint64_t i = 0; i < element.count; ++i)
+    for (const Property& p : element.properties) {
+      std::array<Corner, 3> last;  // of the strip, the newest behind
+      std::uint64_t in_strip = 0;
+      for (std::uint64_t left = length_of(p, values); left > 0; --left) {
+        const double vertex = values.next(p.type);
+        if (!lists_vertices(p)) continue;
+        if (vertex == -1) {
+          in_strip = 0;
+          continue;
+        }
+        last = {last[1], last[2], corner_of(vertex, soup)};
+        if (++in_strip < 3) continue;
+        std::array<Corner, 3> triangle = last;
+        if (in_strip % 2 == 0) std::swap(triangle[0], triangle[1]);
+        add_polygon(soup, triangle, 0, budget);
+      }
     }
 }
 
 void pass_over(const Element& element, Values& values) {
   for (std::uint64_t i = 0; i < element.count; ++i)
-    for (const Property& p : element.properties) {
-      const double length = p.length ? values.next(*p.length) : 1.0;
-      for (double k = 0; k < length; ++k) (void)values.next(p.type);
-    }
+    for (const Property& p : element.properties)
+      for (std::uint64_t left = length_of(p, values); left > 0; --left) (void)values.next(p.type);
 }
 
 }  // namespace
@@ -260,6 +295,8 @@ Scene read_ply(Bytes file, LoadContext& context) {
       read_vertices(element, values, soup, context.budget);
     } else if (element.name == "face") {
       read_faces(element, values, soup, context.budget);
+    } else if (element.name == "tristrips") {
+      read_strips(element, values, soup, context.budget);
     } else {
       pass_over(element, values);
     }

@@ -29,11 +29,17 @@ struct PolygonSoup {
   // Three corners for each triangle, and the index of the part that each triangle belongs to:
   std::vector<Corner> triangles;
   std::vector<std::uint32_t> parts;
+
+  // How many corners add_polygon may still look at to cut polygons that are not convex: about a
+  // second's worth, and 256 more for each of their corners. Simple polygons of 20 000 corners need
+  // less than half. Was the rest of one made a fan because nothing was left?
+  std::int64_t work_left = 200'000'000;
+  bool cut_short = false;
 };
 
 // Triangulates `polygon` and appends it to part `part`. Handles nearly flat simple polygons, convex
-// or not; any other polygon gives an arbitrary triangulation. Corners must refer to existing
-// entries.
+// or not; any other polygon, and one that takes more than soup.work_left, gives an arbitrary
+// triangulation. Corners must refer to existing entries.
 void add_polygon(PolygonSoup& soup, std::span<const Corner> polygon, std::uint32_t part,
                  MemoryBudget& budget);
 

@@ -82,6 +82,54 @@ TEST(AddPolygon, triangles_tile_the_polygon) {
   }
 }
 
+// An outline's corners are whole numbers below 2^23, so that areas are exact. Triangles that all
+// run as the outline does, and have its area together, tile it.
+void expect_exact_tiling(const std::vector<glm::vec3>& outline) {
+  const PolygonSoup soup = cut(outline);
+  ASSERT_EQ(soup.parts.size(), outline.size() - 2);
+  double area = 0, tiled = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    area += cross(glm::dvec2(outline[i]), glm::dvec2(outline[(i + 1) % outline.size()]));
+  int turned = 0;
+  for (std::size_t t = 0; t < soup.parts.size(); ++t) {
+    const auto at = [&](std::size_t k) {
+      return glm::dvec2(outline[soup.triangles[3 * t + k].position]);
+    };
+    const double each = cross(at(1) - at(0), at(2) - at(0));
+    turned += each * area <= 0;
+    tiled += each;
+  }
+  EXPECT_EQ(turned, 0);
+  EXPECT_EQ(tiled, area);
+  EXPECT_FALSE(soup.cut_short);
+}
+
+TEST(AddPolygon, thousands_of_corners_are_tiled_exactly) {
+  std::mt19937 rng(75);
+  std::uniform_real_distribution<double> u(0.2, 1);
+  for (int round = 0; round < 4; ++round) {
+    constexpr int kCorners = 4000;
+    std::vector<glm::vec3> star, band, wall;
+    for (int i = 0; i < kCorners; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kCorners, radius = u(rng) * (1 << 22);
+      star.push_back(
+          {std::round(radius * std::cos(angle)), std::round(radius * std::sin(angle)), 0});
+    }
+    // Above and below the axis.
+    for (int i = 0; i < kCorners / 2; ++i) band.push_back({i, -1.0f - float(rng() % 100000), 0});
+    for (int i = kCorners / 2; i-- > 0;) band.push_back({i, 1.0f + float(rng() % 100000), 0});
+    // Battlements, whose edges have corners all along.
+    for (int i = 0; i < kCorners; ++i) wall.push_back({i, i / 50 % 2 * 300 + i / 100 % 3, 0});
+    for (int i = kCorners; i-- > 0;) wall.push_back({i, -1, 0});
+    for (std::vector<glm::vec3>* outline : {&star, &band, &wall}) {
+      if (round % 2)
+        for (glm::vec3& p : *outline) p = {p.y, p.x, 0};
+      if (round / 2) std::reverse(outline->begin(), outline->end());
+      expect_exact_tiling(*outline);
+    }
+  }
+}
+
 TEST(AddPolygon, survives_what_is_not_simple) {
   std::mt19937 rng(72);
   std::uniform_real_distribution<float> u(-1, 1);
@@ -97,12 +145,41 @@ TEST(AddPolygon, survives_what_is_not_simple) {
 }
 
 TEST(AddPolygon, a_huge_polygon_takes_no_longer_than_it_must) {
-  // A comb: every tooth hides the ears of the others. Without a limit: 10^13 tests.
+  // A comb: if every corner were tested against all others, 10^13 tests.
   std::vector<glm::vec3> comb;
   for (int i = 0; i < 20000; ++i) comb.push_back({i, i % 2 ? 1.0f : 100.0f, 0});
   comb.push_back({20000, 0, 0});
   comb.push_back({0, 0, 0});
-  EXPECT_EQ(cut(comb).parts.size(), comb.size() - 2);
+  expect_exact_tiling(comb);
+}
+
+// Corners at random cross themselves everywhere; where nearly all lie on a line, no look finds an
+// ear.
+TEST(AddPolygon, polygons_that_cross_themselves_share_what_work_is_allowed) {
+  std::mt19937 rng(76);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (const bool line : {false, true}) {
+    PolygonSoup soup;
+    soup.work_left = 0;  // but what the corners add
+    std::vector<Corner> polygon;
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+      polygon.push_back({i});
+      soup.positions.push_back({u(rng), line && i % 2000 ? 0 : u(rng), 0});
+    }
+    MemoryBudget budget(1 << 24);
+    add_polygon(soup, polygon, 0, budget);
+    EXPECT_EQ(soup.parts.size(), polygon.size() - 2);
+    EXPECT_TRUE(soup.cut_short);
+    EXPECT_LE(soup.work_left, 0);
+    EXPECT_GT(soup.work_left, -100'000);  // it ends within the look that takes the last of it
+    // A later one still has what its own corners add.
+    soup.positions = {{0, 0, 0}, {2, 1, 0}, {4, 0, 0}, {2, 4, 0}};
+    add_polygon(soup, std::span(polygon).first(4), 0, budget);
+    const std::vector<Corner> last(soup.triangles.end() - 6, soup.triangles.end());
+    const std::vector<Corner> expected = {{3}, {0}, {1}, {1}, {2}, {3}};
+    EXPECT_EQ(last, expected);
+    EXPECT_GT(soup.work_left, 0);
+  }
 }
 
 // The slow twin: every corner against every triangle.

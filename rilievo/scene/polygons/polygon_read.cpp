@@ -22,6 +22,8 @@ Material plain_material(bool colored) {
 Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene,
                LoadContext& context) {
   scene.name = context.name;
+  if (soup.cut_short)
+    context.warn("polygons that cross themselves, or have too many corners, are drawn as fans");
   add_missing_normals(soup, context.budget);
   std::vector<Mesh> meshes = weld(soup, parts.size(), context.budget);
   int plain = -1;

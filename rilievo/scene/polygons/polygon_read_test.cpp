@@ -226,6 +226,68 @@ TEST(PolygonFiles, faults_are_named) {
             "is not an STL file: it neither begins with 'solid' nor has the length it announces");
 }
 
+std::string ply_of(const std::string& elements, const std::string& body) {
+  return "ply\nformat ascii 1.0\n" + elements + "end_header\n" + body;
+}
+
+constexpr char kSixVertices[] =
+    "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n";
+constexpr char kSixPositions[] = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
+
+TEST(Ply, strips_are_cut_into_triangles_that_all_run_the_same_way) {
+  const std::string header =
+      std::string(kSixVertices) + "element tristrips 1\nproperty list int int vertex_indices\n";
+  // Two strips; the second turns on the spot, and a third is too short.
+  const Result<LoadedScene> loaded = load_polygons(
+      ply_of(header, std::string(kSixPositions) + "14 0 1 2 3 4 -1 2 3 3 4 5 -1 0 1\n"), "a.ply");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  EXPECT_EQ(loaded->warnings.size(), 0u);
+  const glm::vec3 p[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}, {1, 2, 0}};
+  const std::vector<Triangle> expected = {
+      {p[0], p[1], p[2]}, {p[2], p[1], p[3]}, {p[2], p[3], p[4]}, {p[3], p[4], p[5]}};
+  EXPECT_EQ(triangles_of(loaded->scene), expected);
+  EXPECT_EQ(reason_of_polygons(ply_of(header, std::string(kSixPositions) + "3 0 1 -2\n"), "a.ply"),
+            "has a face that refers to a vertex that does not exist");
+}
+
+// 10^10 elements of nothing would take minutes to pass over.
+TEST(Ply, elements_without_properties_take_no_time) {
+  std::string elements;
+  for (int i = 0; i < 20000; ++i)
+    elements += i % 2 ? "element face 400000\n" : "element some 400000\n";
+  EXPECT_EQ(
+      reason_of_polygons(ply_of(std::string(kSixVertices) + elements, kSixPositions), "a.ply"),
+      "has points or lines only, no triangles to draw");
+}
+
+TEST(Ply, a_list_of_impossible_length_is_refused) {
+  for (const char* element : {"face", "tristrips", "some"})
+    for (const char* length : {"nan", "-1", "inf"})
+      EXPECT_EQ(reason_of_polygons(ply_of(std::string(kSixVertices) + "element " + element +
+                                              " 1\nproperty list float int vertex_indices\n",
+                                          std::string(kSixPositions) + length + "\n"),
+                                   "a.ply"),
+                "has a list of impossible length");
+  EXPECT_EQ(reason_of_polygons(ply_of("element vertex 1\nproperty float x\nproperty float y\n"
+                                      "property float z\nproperty list double int w\n",
+                                      "0 0 0 nan\n"),
+                               "a.ply"),
+            "has a list of impossible length");
+}
+
+TEST(PolygonFiles, a_polygon_that_is_cut_short_is_a_warning) {
+  PolygonSoup soup;
+  soup.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  soup.triangles = {{0}, {1}, {2}};
+  soup.parts = {0};
+  soup.cut_short = true;
+  LoadContext context{"a", {}, 0.0, MemoryBudget(1 << 24)};
+  (void)scene_of(std::move(soup), {{"a", -1}}, {}, context);
+  const std::vector<std::string> expected = {
+      "polygons that cross themselves, or have too many corners, are drawn as fans"};
+  EXPECT_EQ(context.warnings, expected);
+}
+
 TEST(Ply, colours_of_scans_become_linear) {
   const Result<LoadedScene> loaded = load_polygons(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
