@@ -11,8 +11,8 @@
 // are optional) and a camera: either worldToCamera and worldToNDC, or one that the caller gives for
 // the display window. A file without either is refused, because a guessed camera would silently put
 // everything in the wrong place. `depth_kind` says what Z means. Samples whose Z is at least 1e30
-// or not positive are dropped; the others are sorted. Reading and writing run in the caller's
-// thread.
+// or not positive are dropped; the others are sorted. Colours that are not finite become finite as
+// in exr.h. Reading and writing run in the caller's thread.
 #pragma once
 
 #include <filesystem>

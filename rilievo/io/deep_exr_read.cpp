@@ -55,10 +55,9 @@ Result<Camera> camera_of(const Imf::Header& header, const DeepLoadOptions& optio
   return cropped_camera(header, *options.camera);
 }
 
-// OpenEXR wants the address that texel (0, 0) of its raster would have.
-char* at_origin(void* first, const Imath::Box2i& window, std::size_t stride, std::size_t width) {
-  const auto offset = std::int64_t(stride) * (std::int64_t(window.min.x) +
-                                              std::int64_t(window.min.y) * std::int64_t(width));
+// OpenEXR wants the address that column 0 of its raster would have.
+char* at_column_0(void* first, const Imath::Box2i& window, std::size_t stride) {
+  const auto offset = std::int64_t(stride) * window.min.x;
   return reinterpret_cast<char*>(std::intptr_t(first) - offset);
 }
 
@@ -78,11 +77,12 @@ Result<> read_samples(Imf::DeepScanLineInputPart& part, double file_bytes,
   const Imath::Box2i window = part.header().dataWindow();
   const Size size = size_of(window);
   const std::size_t width = std::size_t(size.width), texels = width * std::size_t(size.height);
-  std::vector<unsigned> counts(texels);
+  // One row of counts and of pointers, 0 bytes from the next: a texel may have no sample at all,
+  // but would take 60 bytes.
+  std::vector<unsigned> counts(width);
   Imf::DeepFrameBuffer planes;
-  planes.insertSampleCountSlice(
-      Imf::Slice(Imf::UINT, at_origin(counts.data(), window, sizeof(unsigned), width),
-                 sizeof(unsigned), sizeof(unsigned) * width));
+  planes.insertSampleCountSlice(Imf::Slice(
+      Imf::UINT, at_column_0(counts.data(), window, sizeof(unsigned)), sizeof(unsigned), 0));
   struct Plane {
     const char* name;
     Imf::PixelType type;
@@ -102,19 +102,20 @@ Result<> read_samples(Imf::DeepScanLineInputPart& part, double file_bytes,
   for (std::size_t i = 0; i < std::size(all); ++i) {
     const Imf::Channel* channel = channels.findChannel(all[i].name);
     if (!channel || (channel->type == Imf::UINT) != (all[i].type == Imf::UINT)) continue;
-    pointers[i].resize(texels);
+    pointers[i].resize(width);
     planes.insert(
         all[i].name,
-        Imf::DeepSlice(all[i].type, at_origin(pointers[i].data(), window, sizeof(char*), width),
-                       sizeof(char*), sizeof(char*) * width, sizeof(LayerSample), 1, 1,
-                       all[i].fill));
+        Imf::DeepSlice(all[i].type, at_column_0(pointers[i].data(), window, sizeof(char*)),
+                       sizeof(char*), 0, sizeof(LayerSample), 1, 1, all[i].fill));
   }
   part.setFrameBuffer(planes);
-  part.readPixelSampleCounts(window.min.y, window.max.y);
 
   layers.first.assign(1, 0);
   layers.first.reserve(texels + 1);
-  for (const unsigned count : counts) layers.first.push_back(layers.first.back() + count);
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    part.readPixelSampleCounts(y, y);
+    for (const unsigned count : counts) layers.first.push_back(layers.first.back() + count);
+  }
   // DEFLATE makes of one byte at most 1032; a sample has 8 bytes at least.
   if (double(layers.first.back()) * 8 > 1100.0 * file_bytes + double(4 << 20))
     return because("claims " + std::to_string(layers.first.back()) +
@@ -124,10 +125,13 @@ Result<> read_samples(Imf::DeepScanLineInputPart& part, double file_bytes,
   empty.color.a = 1;
   layers.samples.assign(layers.first.back(), empty);
   char* const base = reinterpret_cast<char*>(layers.samples.data());
-  for (std::size_t i = 0; i < std::size(all); ++i)
-    for (std::size_t t = 0; t < pointers[i].size(); ++t)
-      pointers[i][t] = base + std::size_t(layers.first[t]) * sizeof(LayerSample) + all[i].offset;
-  part.readPixels(window.min.y, window.max.y);
+  const std::uint64_t* first = layers.first.data();  // of the row's texels
+  for (int y = window.min.y; y <= window.max.y; ++y, first += width) {
+    for (std::size_t i = 0; i < std::size(all); ++i)
+      for (std::size_t x = 0; x < pointers[i].size(); ++x)
+        pointers[i][x] = base + std::size_t(first[x]) * sizeof(LayerSample) + all[i].offset;
+    part.readPixels(y, y);
+  }
   if (!channels.findChannel("ZBack"))
     for (LayerSample& sample : layers.samples) sample.back = sample.depth;
   return Done{};
@@ -137,6 +141,7 @@ Result<> read_samples(Imf::DeepScanLineInputPart& part, double file_bytes,
 Result<> adopt_foreign_samples(LayeredDepthImage& layers) {
   std::vector<LayerSample> kept;
   std::vector<std::uint64_t> first{0};
+  first.reserve(layers.first.size());
   float nearest = kNoDepth, farthest = 0;
   for (std::size_t i = 0; i + 1 < layers.first.size(); ++i) {
     for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
@@ -144,6 +149,7 @@ Result<> adopt_foreign_samples(LayeredDepthImage& layers) {
       if (std::isnan(sample.depth)) return because("a depth is not a number");
       if (!(sample.depth > 0) || sample.depth >= kForeignFar) continue;
       if (!(sample.back >= sample.depth) || sample.back >= kForeignFar) sample.back = sample.depth;
+      sample.color = finite_color(sample.color);
       kept.push_back(sample);
       nearest = std::min(nearest, sample.depth);
       farthest = std::max(farthest, sample.back);

@@ -1,9 +1,15 @@
 #include "rilievo/io/deep_exr.h"
 
+#include <ImfChannelList.h>
+#include <ImfDeepFrameBuffer.h>
+#include <ImfDeepScanLineOutputFile.h>
+#include <ImfHeader.h>
+#include <ImfPartType.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -146,6 +152,90 @@ TEST(DeepExr, every_truncation_and_every_flipped_byte_is_an_error_or_a_valid_pic
   // much as half of that around it.
   EXPECT_LT(double(after.ru_maxrss - before.ru_maxrss) / 1024, 400 + 64);
   EXPECT_GT(chunks_too_large, 20);  // five high bytes of two sizes in each chunk
+}
+
+// A file of another program, all of whose rows are alike: the samples of each column (R G B A Z).
+using ForeignSamples = std::vector<std::array<float, 5>>;
+
+void save_foreign_deep(const std::filesystem::path& path, const Imath::Box2i& window,
+                       const std::vector<ForeignSamples>& row) {
+  Imf::Header header(window, window);
+  header.setType(Imf::DEEPSCANLINE);
+  header.compression() = Imf::ZIPS_COMPRESSION;
+  std::vector<unsigned> counts;
+  for (const ForeignSamples& samples : row) counts.push_back(unsigned(samples.size()));
+  // OpenEXR wants the address that column 0 would have; the next row is 0 bytes away.
+  const auto at_column_0 = [&](auto& of) {
+    return reinterpret_cast<char*>(std::intptr_t(of.data()) -
+                                   std::int64_t(sizeof(of[0])) * window.min.x);
+  };
+  Imf::DeepFrameBuffer planes;
+  planes.insertSampleCountSlice(Imf::Slice(Imf::UINT, at_column_0(counts), sizeof(unsigned), 0));
+  std::array<std::vector<const float*>, 5> pointers;
+  const char* const names[] = {"R", "G", "B", "A", "Z"};
+  for (std::size_t c = 0; c < 5; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+    for (const ForeignSamples& samples : row)
+      pointers[c].push_back(samples.empty() ? nullptr : &samples[0][c]);
+    planes.insert(names[c], Imf::DeepSlice(Imf::FLOAT, at_column_0(pointers[c]), sizeof(float*), 0,
+                                           sizeof(ForeignSamples::value_type)));
+  }
+  Imf::DeepScanLineOutputFile file(path.c_str(), header);
+  file.setFrameBuffer(planes);
+  file.writePixels(window.max.y - window.min.y + 1);
+}
+
+TEST(DeepExr, foreign_samples_are_sorted_and_their_colours_made_finite) {
+  const TemporaryFolder folder;
+  const float nan = std::nanf("");
+  const std::vector<ForeignSamples> row = {{{kNoDepth, -kNoDepth, nan, 1, 2}},
+                                           {},
+                                           {{0, 0, 0, 1, 3}, {1, 1, 1, 1, 1}, {1, 1, 1, 1, 1e30f}},
+                                           {{1, 2, 3, nan, 5}}};
+  save_foreign_deep(folder / "a.exr", {{5, -3}, {8, -1}}, row);
+  DeepLoadOptions options;
+  options.fov = 0.9;
+  const Result<LayeredDepthImage> loaded = load_layers(folder / "a.exr", options);
+  ASSERT_TRUE(loaded) << loaded.error().message();
+  EXPECT_EQ(loaded->camera.width, 4);
+  EXPECT_EQ(loaded->camera.height, 3);
+  const std::vector<std::uint64_t> first = {0, 1, 1, 3, 4, 5, 5, 7, 8, 9, 9, 11, 12};
+  ASSERT_EQ(loaded->first, first);
+  const glm::vec4 colors[] = {{65504, -65504, 0, 1}, {1, 1, 1, 1}, {0, 0, 0, 1}, {1, 2, 3, 0}};
+  const float depths[] = {2, 1, 3, 5};
+  for (std::size_t s = 0; s < 12; ++s) {
+    EXPECT_EQ(loaded->samples[s].color, colors[s % 4]);
+    EXPECT_EQ(loaded->samples[s].depth, depths[s % 4]);
+    EXPECT_EQ(loaded->samples[s].back, depths[s % 4]);
+  }
+}
+
+// A texel without samples takes 8 bytes as it is read, 8 in the result, and 4 in OpenEXR.
+TEST(DeepExr, texels_without_samples_take_little_memory) {
+  const TemporaryFolder folder;
+  save_foreign_deep(folder / "a.exr", {{0, 0}, {1499, 999}}, std::vector<ForeignSamples>(1500));
+  DeepLoadOptions options;
+  options.fov = 0.9;
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  const Result<LayeredDepthImage> loaded = load_layers(folder / "a.exr", options);
+  getrusage(RUSAGE_SELF, &after);
+  ASSERT_TRUE(loaded) << loaded.error().message();
+  EXPECT_EQ(loaded->first.size(), 1'500'001u);
+  // 30 MiB; with pointers to the samples of all texels it would be 80.
+  EXPECT_LT(double(after.ru_maxrss - before.ru_maxrss) / 1024, 50);
+}
+
+TEST(DeepExr, a_side_that_no_camera_has_is_refused_before_anything_is_read) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_layers(folder / "a.exr", random_deep(3, 7, 6)));
+  std::string bytes = *read_file(folder / "a.exr", 1 << 20);
+  const std::string key = std::string("dataWindow\0box2i\0\x10\0\0\0", 21);
+  const std::size_t at = bytes.find(key);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + key.size() + 8, 4, std::string("\0\0\1\0", 4));
+  EXPECT_EQ(load_layers(bytes, "a.exr").error().reason,
+            "its data window is larger than 65536 texels along a side");
 }
 
 TEST(DeepExr, foreign_files_load_with_a_camera_and_are_refused_without) {

@@ -34,14 +34,11 @@ Result<std::vector<Image<float>>> load_exr_channels(const std::filesystem::path&
     Imf::InputFile file(stream, 0);
     const Imf::Header& header = file.header();
     if (header.hasType() && Imf::isDeepData(header.type())) return error("is a deep image");
+    // A channel's floats take at most twice what it claims, which may be halfs.
+    if (Result<> claims = exr::check_claims(header, double(bytes->size())); !claims)
+      return error(claims.error().reason);
     const Imath::Box2i window = header.dataWindow();
-    const std::int64_t width = std::int64_t(window.max.x) - window.min.x + 1;
-    const std::int64_t height = std::int64_t(window.max.y) - window.min.y + 1;
-    if (width < 1 || height < 1 || width > 1 << 16 || height > 1 << 16)
-      return error("its data window is not 1 to 65536 texels wide and high");
-    // DEFLATE, the densest codec in practice, makes of one byte at most 1032.
-    if (double(width) * double(height) > 1100.0 * double(bytes->size()) + double(4 << 20))
-      return error("claims more texels than its bytes can hold");
+    const exr::Size size = exr::size_of(window);
     std::vector<Image<float>> planes;
     Imf::FrameBuffer buffer;
     planes.reserve(names.size());
@@ -50,7 +47,7 @@ Result<std::vector<Image<float>>> load_exr_channels(const std::filesystem::path&
       if (!channel) return error("has no channel " + name);
       if (channel->xSampling != 1 || channel->ySampling != 1)
         return error("channel " + name + " is sub-sampled");
-      planes.emplace_back(int(width), int(height));
+      planes.emplace_back(int(size.width), int(size.height));
       if (!buffer.findSlice(name))
         buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, planes.back().texels().data(), window));
     }

@@ -10,6 +10,7 @@
 #include <ImfVecAttribute.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
@@ -69,14 +70,14 @@ Size size_of(const Imath::Box2i& box) {
   return {std::int64_t(box.max.x) - box.min.x + 1, std::int64_t(box.max.y) - box.min.y + 1};
 }
 
-// DEFLATE, the densest of the codecs in practice, makes
-// of one byte at most 1032. A buffer of lines (256 with DWAB, else at most 32) or a tile is
-// allocated even for a part that needs only a piece of it.
+// DEFLATE, the densest of the codecs in practice, makes of one byte at most 1032. A buffer of lines
+// (256 with DWAB, else at most 32) or a tile is allocated even for a part that needs only a piece
+// of it.
 Result<> check_claims(const Imf::Header& header, double file_bytes) {
   const Size size = size_of(header.dataWindow());
   if (size.width < 1 || size.height < 1) return because("its data window is empty");
-  if (size.width > 1 << 24 || size.height > 1 << 24)
-    return because("its data window is larger than 16777216 texels along a side");
+  if (size.width > 1 << 16 || size.height > 1 << 16)
+    return because("its data window is larger than 65536 texels along a side");
   double texel_bytes = 0;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
     texel_bytes += c.channel().type == Imf::HALF ? 2 : 4;
@@ -93,6 +94,14 @@ Result<> check_claims(const Imf::Header& header, double file_bytes) {
     return because("claims " + std::to_string(size.width) + " x " + std::to_string(size.height) +
                    " texels, more than its bytes can hold");
   return Done{};
+}
+
+glm::vec4 finite_color(glm::vec4 color) {
+  for (int c = 0; c < 4; ++c) {
+    if (std::isnan(color[c])) color[c] = 0;
+    if (std::isinf(color[c])) color[c] = std::copysign(65504.0f, color[c]);
+  }
+  return color;
 }
 
 void insert_camera(Imf::Header& header, const Camera& camera, const Camera& display,

@@ -72,6 +72,10 @@ struct Size {
 // Can a file of `file_bytes` hold this part?
 [[nodiscard]] Result<> check_claims(const Imf::Header& header, double file_bytes);
 
+// A colour of a foreign file: renderers write what is not finite where a path went wrong. NaN
+// becomes 0, and an infinity the largest half of its sign, as when a picture is saved.
+[[nodiscard]] glm::vec4 finite_color(glm::vec4 color);
+
 // All that a file says of a camera: our own attributes, and the standard matrices of `display`, the
 // camera of the display window.
 void insert_camera(Imf::Header& header, const Camera& camera, const Camera& display,

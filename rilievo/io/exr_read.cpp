@@ -65,16 +65,18 @@ void read_planes(Imf::InputPart& part, DepthImage& picture) {
   part.readPixels(window.min.y, window.max.y);
 }
 
-// Foreign depths to ours, and the depth range from them.
-Result<> adopt_foreign_depth(DepthImage& picture) {
+// Foreign colours and depths to ours, and the depth range from them.
+Result<> adopt_foreign_texels(DepthImage& picture) {
   float nearest = kNoDepth, farthest = 0;
   for (std::size_t i = 0; i < picture.depth.texels().size(); ++i) {
     float& depth = picture.depth.texels()[i];
+    glm::vec4& color = picture.color.texels()[i];
+    color = finite_color(color);
     if (std::isnan(depth)) return because("a depth is not a number");
     if (depth < 0) return because("a depth is negative");
     if (depth == 0 || depth >= kForeignFar) {
       depth = kNoDepth;
-      picture.color.texels()[i] = glm::vec4(0.0f);
+      color = glm::vec4(0.0f);
       if (!picture.object.empty()) picture.object.texels()[i] = kNoObject;
       continue;
     }
@@ -109,7 +111,7 @@ Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index, bool with
   Imf::InputPart part(file, index);
   read_planes(part, picture);
   if (!ours)
-    if (Result<> depth = adopt_foreign_depth(picture); !depth) return depth.error();
+    if (Result<> adopted = adopt_foreign_texels(picture); !adopted) return adopted.error();
   if (Result<> valid = validate(picture); !valid) return because(valid.error().reason);
   return picture;
 }

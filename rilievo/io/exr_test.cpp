@@ -19,6 +19,7 @@
 #include "rilievo/core/file.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/io/exr_camera.h"
+#include "rilievo/io/exr_channels.h"
 #include "rilievo/io/io_test_helpers.h"
 
 namespace rilievo {
@@ -288,6 +289,22 @@ TEST(ExrForeign, an_ordinary_render_with_depth_and_matrices_loads) {
   expect_same_view(foreign_camera(), p.camera, 1e-3);
 }
 
+TEST(ExrForeign, colours_that_are_not_finite_are_made_finite) {
+  const TemporaryFolder folder;
+  Foreign foreign(foreign_camera());
+  foreign.header.channels().insert("R", Imf::Channel(Imf::FLOAT));
+  foreign.rgb[3] = kNoDepth, foreign.rgb[4] = -kNoDepth, foreign.rgb[5] = std::nanf("");
+  foreign.rgb[6] = 1e30f;
+  foreign.save(folder / "a.exr");
+  const Result<std::vector<DepthImage>> loaded = load_pictures(folder / "a.exr");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const ColorImage& color = loaded->front().color;
+  EXPECT_EQ(color(3, 0), glm::vec4(65504, 0.5f, 0.5f, 0.5f));
+  EXPECT_EQ(color(4, 0), glm::vec4(-65504, 0.5f, 0.5f, 0.5f));
+  EXPECT_EQ(color(5, 0), glm::vec4(0, 0.5f, 0.5f, 0.5f));
+  EXPECT_EQ(color(6, 0), glm::vec4(1e30f, 0.5f, 0.5f, 0.5f));
+}
+
 TEST(ExrForeign, tiles_mipmaps_missing_alpha_and_half_depth_load) {
   const TemporaryFolder folder;
   for (const Imf::LevelMode mode : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS}) {
@@ -366,11 +383,6 @@ TEST(ExrForeign, what_is_missing_or_wrong_is_named) {
   EXPECT_EQ(reason([](Foreign& f) { f.z[17] = std::nanf(""); }), "a depth is not a number");
   EXPECT_EQ(reason([](Foreign& f) { f.z[17] = -1.0f; }), "a depth is negative");
   EXPECT_NE(reason([](Foreign& f) { f.set_camera({glm::dmat4(0.0), glm::dmat4(0.0)}); }), "");
-  EXPECT_EQ(reason([](Foreign& f) {
-              f.header.channels().insert("R", Imf::Channel(Imf::FLOAT));
-              f.rgb[3] = kNoDepth;
-            }),
-            "a colour is not finite");
   EXPECT_EQ(
       reason([](Foreign& f) { f.header.channels().insert("B", Imf::Channel(Imf::HALF, 2, 2)); }),
       "channel B is sub-sampled");
@@ -390,6 +402,23 @@ TEST(ExrForeign, a_claim_of_too_many_texels_is_refused_before_they_are_allocated
   std::ofstream(folder / "b.exr", std::ios::binary) << bytes;
   const Result<std::vector<DepthImage>> loaded = load_pictures(folder / "b.exr");
   ASSERT_FALSE(loaded.ok());
+}
+
+// Five planes of 65536 x 6 texels, of a file of less than a kilobyte.
+TEST(ExrChannels, a_claim_counts_every_channel) {
+  const TemporaryFolder folder;
+  Foreign(foreign_camera()).save(folder / "a.exr");
+  const std::string names[] = {"R", "G", "B", "A", "Z"};
+  EXPECT_TRUE(load_exr_channels(folder / "a.exr", names).ok());
+  std::string bytes = *read_file(folder / "a.exr", 1 << 24);
+  const std::string key = std::string("dataWindow\0box2i\0\x10\0\0\0", 21);
+  const std::size_t at = bytes.find(key);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + key.size() + 8, 4, std::string("\xFF\xFF\0\0", 4));
+  ASSERT_TRUE(write_file(folder / "b.exr", bytes).ok());
+  const Result<std::vector<Image<float>>> loaded = load_exr_channels(folder / "b.exr", names);
+  ASSERT_FALSE(loaded.ok());
+  EXPECT_EQ(loaded.error().reason, "claims 65536 x 6 texels, more than its bytes can hold");
 }
 
 // OpenEXR reads as many bytes as the type has: it would take the byte too many for the next name.

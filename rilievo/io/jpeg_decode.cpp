@@ -103,7 +103,7 @@ Rgba8Image decode_jpeg(Bytes encoded, MemoryBudget& budget,
   check_plausible(decoder.info, encoded.size());
 
   Rgba8Image out = make(int(decoder.info.image_width), int(decoder.info.image_height), budget);
-  budget.borrow(working_bytes(decoder.info));
+  budget.borrow_pixels(working_bytes(decoder.info), 1);
   const std::size_t row_bytes = 4 * std::size_t(out.width());
   if (!read_rows(decoder, reinterpret_cast<std::uint8_t*>(out.texels().data()), row_bytes))
     refuse(std::string("is a JPEG picture that cannot be decoded: ") + decoder.reason);

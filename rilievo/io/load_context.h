@@ -55,8 +55,12 @@ class MemoryBudget {
   void take(std::uint64_t count, std::uint64_t each = 1);
   // Takes decoded pixels, against the limit only.
   void take_pixels(std::uint64_t count, std::uint64_t each);
-  // Throws like take(), but takes nothing: for memory that is freed at once.
+  // Throw like take() and take_pixels(), but take nothing: for memory that is freed at once, as a
+  // decoder's own copy of a picture is.
   void borrow(std::uint64_t count, std::uint64_t each = 1) const;
+  void borrow_pixels(std::uint64_t count, std::uint64_t each) const {
+    (void)within_limit(count, each);
+  }
   // What is left of the limit, in bytes.
   [[nodiscard]] std::uint64_t left() const { return left_; }
 

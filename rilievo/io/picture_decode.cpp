@@ -70,12 +70,10 @@ Rgba8Image decode_webp(Bytes encoded, MemoryBudget& budget) {
   if (WebPGetFeatures(encoded.data(), encoded.size(), &features) != VP8_STATUS_OK)
     refuse("is a WebP picture that is damaged");
   if (features.has_animation) refuse("is an animated WebP picture");
-  check_size(features.width, features.height);
+  Rgba8Image out = blank<glm::u8vec4>(features.width, features.height, budget);
   // Lossless pictures are decoded whole before they are copied; of lossy ones, only the alpha.
   const bool lossy = features.format == 1;
-  budget.borrow(std::uint64_t(features.width) * std::uint64_t(features.height),
-                lossy ? 2 * features.has_alpha : 4);
-  Rgba8Image out = blank<glm::u8vec4>(features.width, features.height, budget);
+  budget.borrow_pixels(out.texels().size(), lossy ? 2 * features.has_alpha : 4);
   if (!WebPDecodeRGBAInto(encoded.data(), encoded.size(),
                           reinterpret_cast<std::uint8_t*>(out.texels().data()),
                           out.texels().size_bytes(), 4 * features.width))
@@ -106,8 +104,8 @@ Rgba8Image decode_stb(Bytes encoded, MemoryBudget& budget) {
            " texels, more than its bytes can hold");
   // Four channels as they come, four as they are asked for; one of both is freed before the copy.
   stb_largest_block = 4 * texels + 4096;
-  budget.borrow(texels, 4);
   Rgba8Image out = blank<glm::u8vec4>(width, height, budget);
+  budget.borrow_pixels(texels, 4);
   const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(
       stbi_load_from_memory(encoded.data(), size, &width, &height, &channels, 4), std::free);
   if (!decoded) fail_stb();

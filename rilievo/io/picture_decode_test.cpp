@@ -36,7 +36,8 @@ std::string reason(const std::string& bytes, std::uint64_t memory = 1 << 24) {
   }
 }
 
-std::vector<std::uint8_t> encode_jpeg_row() {
+// A black picture; in several scans if it is progressive.
+std::vector<std::uint8_t> encode_jpeg(int width, int height, bool progressive) {
   jpeg_compress_struct info{};
   jpeg_error_mgr errors{};
   info.err = jpeg_std_error(&errors);
@@ -44,13 +45,15 @@ std::vector<std::uint8_t> encode_jpeg_row() {
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
   jpeg_mem_dest(&info, &bytes, &size);
-  info.image_width = 8, info.image_height = 1, info.input_components = 1;
+  info.image_width = JDIMENSION(width), info.image_height = JDIMENSION(height);
+  info.input_components = 1;
   info.in_color_space = JCS_GRAYSCALE;
   jpeg_set_defaults(&info);
+  if (progressive) jpeg_simple_progression(&info);
   jpeg_start_compress(&info, TRUE);
-  JSAMPLE texels[8] = {};
-  JSAMPROW row = texels;
-  jpeg_write_scanlines(&info, &row, 1);
+  std::vector<JSAMPLE> texels(std::size_t(width), 0);
+  JSAMPROW row = texels.data();
+  for (int y = 0; y < height; ++y) jpeg_write_scanlines(&info, &row, 1);
   jpeg_finish_compress(&info);
   jpeg_destroy_compress(&info);
   std::vector<std::uint8_t> out(bytes, bytes + size);
@@ -211,11 +214,39 @@ TEST(DecodePicture, a_size_that_the_bytes_cannot_hold_is_refused) {
   tga.resize(100);
   EXPECT_NE(reason(tga, gibibytes).find(claims), std::string::npos) << reason(tga, gibibytes);
   // One row of grey in a baseline JPEG whose height says 16384: libjpeg would make up the rest.
-  const std::vector<std::uint8_t> row = encode_jpeg_row();
+  const std::vector<std::uint8_t> row = encode_jpeg(8, 1, false);
   std::string jpeg(row.begin(), row.end());
   const std::size_t size_at = jpeg.find("\xFF\xC0") + 5;
   jpeg[size_at] = jpeg[size_at + 2] = '\x40', jpeg[size_at + 1] = jpeg[size_at + 3] = 0;
   EXPECT_NE(reason(jpeg, gibibytes).find(claims), std::string::npos) << reason(jpeg, gibibytes);
+}
+
+// A decoder's own copy counts against the limit, as the pixels do, but not against what files earn.
+TEST(DecodePicture, a_small_file_may_hold_a_large_picture_of_any_format) {
+  constexpr int kSide = 600;
+  const Rgba8Image black(kSide, kSide, glm::u8vec4(0, 0, 0, 255));
+  std::vector<std::string> files = {test_png::rgba8_png(black)};
+  std::uint8_t* packed = nullptr;
+  const std::size_t size =
+      WebPEncodeLosslessRGBA(reinterpret_cast<const std::uint8_t*>(black.texels().data()), kSide,
+                             kSide, 4 * kSide, &packed);
+  files.emplace_back(packed, packed + size);
+  WebPFree(packed);
+  for (const bool progressive : {false, true}) {
+    const std::vector<std::uint8_t> jpeg = encode_jpeg(kSide, kSide, progressive);
+    files.emplace_back(jpeg.begin(), jpeg.end());
+  }
+  // TGA of runs: 120 times the same texel, so that five runs are a row.
+  std::string tga("\0\0\x0A\0\0\0\0\0\0\0\0\0\x58\2\x58\2\x18\x20", 18);
+  for (int i = 0; i < 5 * kSide; ++i) tga += std::string("\xF7\0\0\0", 4);
+  files.push_back(tga);
+  for (const std::string& file : files) {
+    MemoryBudget budget(1 << 26);
+    budget.take(MemoryBudget::kFree);
+    EXPECT_EQ(decode_picture(bytes_of(file), budget), black);
+    EXPECT_EQ(reason(file, 4 * kSide * kSide),
+              "needs more memory than the 1 MiB that --memory-limit-mb allows");
+  }
 }
 
 // stb_image had no words for it; to print them ended the program.

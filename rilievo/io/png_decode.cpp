@@ -160,7 +160,7 @@ Picture decode(Bytes encoded, MemoryBudget& budget, Picture (*make)(int, int, Me
   decoder.left = encoded;
   if (!begin(decoder)) fail(decoder);
   Picture out = make(int(head.width), int(head.height), budget);
-  budget.borrow(kWorkingBytes);
+  budget.borrow_pixels(kWorkingBytes, 1);
   const auto bytes = std::as_writable_bytes(out.texels());
   const std::size_t rows = std::size_t(out.height());
   if (!read_rows(decoder, transform, reinterpret_cast<std::uint8_t*>(bytes.data()),
