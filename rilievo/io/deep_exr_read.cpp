@@ -20,11 +20,6 @@ using namespace exr;
 
 namespace {
 
-// From here on a foreign depth is "nothing there".
-constexpr float kForeignFar = 1e30f;
-
-constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 34;
-
 Result<> check_deep(const Imf::Header& header) {
   if (!header.hasType() || !Imf::isDeepData(header.type())) return because("is not a deep image");
   if (header.type() != Imf::DEEPSCANLINE)

@@ -23,9 +23,6 @@ struct Stored {
   std::uint32_t id;
 };
 
-// The largest finite half.
-constexpr float kHalfMax = 65504.0f;
-
 Imf::Header header_of(const LayeredDepthImage& layers, const std::string& part_name,
                       const exr::Shared& shared) {
   Imf::Header header = exr::part_header(layers.camera, layers.depth_kind, layers.name, part_name,
@@ -45,7 +42,7 @@ void write_samples(Imf::MultiPartOutputFile& out, int index, const LayeredDepthI
   for (std::size_t i = 0; i < stored.size(); ++i) {
     const LayerSample& sample = layers.samples[i];
     for (int c = 0; c < 4; ++c)
-      stored[i].rgba[c] = half(std::clamp(sample.color[c], -kHalfMax, kHalfMax));
+      stored[i].rgba[c] = half(std::clamp(sample.color[c], -exr::kHalfMax, exr::kHalfMax));
     stored[i].z = sample.depth;
     stored[i].z_back = sample.back;
     stored[i].id = sample.object;

@@ -99,7 +99,7 @@ Result<> check_claims(const Imf::Header& header, double file_bytes) {
 glm::vec4 finite_color(glm::vec4 color) {
   for (int c = 0; c < 4; ++c) {
     if (std::isnan(color[c])) color[c] = 0;
-    if (std::isinf(color[c])) color[c] = std::copysign(65504.0f, color[c]);
+    if (std::isinf(color[c])) color[c] = std::copysign(kHalfMax, color[c]);
   }
   return color;
 }

@@ -7,6 +7,7 @@
 #include <ImfIO.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,13 @@
 #include "rilievo/core/depth.h"
 
 namespace rilievo::exr {
+
+// From here on a foreign depth is "nothing there": renderers write 1e30, 1e32, 1e38.
+inline constexpr float kForeignFar = 1e30f;
+// The largest finite half.
+inline constexpr float kHalfMax = 65504.0f;
+// Of a file that is read.
+inline constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 34;
 
 // For OpenEXR to read from. Throws where the file ends too early.
 class MemoryStream : public Imf::IStream {

@@ -21,11 +21,6 @@ using namespace exr;
 
 namespace {
 
-// From here on a foreign depth is "nothing there": renderers write 1e30, 1e32, 1e38.
-constexpr float kForeignFar = 1e30f;
-
-constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 34;
-
 Result<> check_channels(const Imf::Header& header) {
   if (header.hasType() && Imf::isDeepData(header.type()))
     return because("is a deep image, not a flat picture with depth");

@@ -15,9 +15,6 @@
 namespace rilievo {
 namespace {
 
-// The largest finite half.
-constexpr float kHalfMax = 65504.0f;
-
 Imf::Header make_header(const DepthImage& picture, const std::string& part_name,
                         const exr::Shared& shared) {
   Imf::Header header = exr::part_header(picture.camera, picture.depth_kind, picture.name, part_name,
@@ -33,7 +30,7 @@ Imf::Header make_header(const DepthImage& picture, const std::string& part_name,
 void write_planes(Imf::OutputPart part, const DepthImage& picture) {
   const int w = picture.camera.width, h = picture.camera.height;
   std::vector<half> rgba(std::size_t(w) * std::size_t(h) * 4);
-  const auto to_half = [](float v) { return half(std::clamp(v, -kHalfMax, kHalfMax)); };
+  const auto to_half = [](float v) { return half(std::clamp(v, -exr::kHalfMax, exr::kHalfMax)); };
   for (std::size_t i = 0; i < picture.color.texels().size(); ++i)
     for (int c = 0; c < 4; ++c) rgba[4 * i + c] = to_half(picture.color.texels()[i][c]);
 

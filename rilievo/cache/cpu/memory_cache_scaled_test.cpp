@@ -39,8 +39,8 @@ class ScaledToNothing : public testing::Test {
     for (const double time : {0.0, 0.5, 1.5, 1.6, 1.7, 2.5, 2.6, 3.5, 3.6}) {
       EXPECT_TRUE(frames.draw(camera_, time).ok());
       const Image<float> depth = frames.software_target()->eye_z();
-      counts.push_back(int(std::ranges::count_if(
-          depth.texels(), [](float z) { return z < kNoDepth; })));
+      counts.push_back(
+          int(std::ranges::count_if(depth.texels(), [](float z) { return z < kNoDepth; })));
     }
     return counts;
   }

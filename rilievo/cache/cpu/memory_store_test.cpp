@@ -24,8 +24,7 @@ class MemoryStore : public testing::Test {
   // A picture of the first object; false if there is no room.
   bool keep(std::uint32_t slot, int size) {
     if (!store_->allocate(slot, size, size)) return false;
-    const Camera camera =
-        look_at({0, 1, 5}, {0, 1, 0}, {0, 1, 0}, 1.0, size, size, 0.1, 100);
+    const Camera camera = look_at({0, 1, 5}, {0, 1, 0}, {0, 1, 0}, 1.0, size, size, 0.1, 100);
     const std::uint32_t object = 0;
     store_->capture(slot, camera, {&object, 1});
     store_->show(slot, picture_geometry(camera));
