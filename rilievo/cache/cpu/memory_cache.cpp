@@ -65,10 +65,11 @@ class MemoryCache::Store final : public CachePictures {
     if (!slots_[slot]) slots_[slot] = std::make_unique<MemoryNailboard>();
     const std::size_t pooled = slots_[slot]->bytes();
     pooled_ -= pooled;
-    // A picture counts with all memory that its slot holds, and must not hold much that it does not
-    // need.
+    // A picture counts with all memory that its slot holds, and holds hardly more than it needs:
+    // the planner knows only of that. (Identifiers of objects, which few programs ask for, come on
+    // top.)
     std::size_t bytes = std::max(needed, pooled);
-    if (bytes > needed + needed / 2 || bytes_ + bytes > max_bytes_)
+    if (bytes > needed + needed / 16 || bytes_ + bytes > max_bytes_)
       *slots_[slot] = {}, bytes = needed;
     sizes_[slot] = bytes;
     bytes_ += bytes;
@@ -79,6 +80,7 @@ class MemoryCache::Store final : public CachePictures {
   void free(std::uint32_t slot) override {
     bytes_ -= sizes_[slot];
     sizes_[slot] = 0;
+    slots_[slot]->drop_objects();
     if (pooled_ + slots_[slot]->bytes() > kMaxPooled) *slots_[slot] = {};
     pooled_ += slots_[slot]->bytes();
   }

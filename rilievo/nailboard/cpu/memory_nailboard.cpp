@@ -53,7 +53,7 @@ void MemoryNailboard::fill(int width, int height, int delta_bits, const Row& row
   make_room(code_pairs_, sizes.code_pairs);
   std::fill(color_.begin() + std::ptrdiff_t(shown), color_.end(), 0);
   std::fill(code_pairs_.begin() + std::ptrdiff_t(shown / 2), code_pairs_.end(), kNoPair);
-  objects_.clear();
+  drop_objects();
   make_room(cell_nearest_, sizes.cells);
   make_room(cell_opaque_, sizes.cells);
   parallel_for(0, cells_down(), [&](int band) {
