@@ -103,6 +103,7 @@ void add_deformations(const Deformations& all, ContentHash& hash) {
 }
 
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t(1) << 30;
+constexpr std::uint64_t kMaxArgumentBytes = std::uint64_t(64) << 20;
 
 // The file that posix_spawnp() starts: without a slash, the first along PATH that may be executed.
 Result<std::filesystem::path> find_program(const std::string& program) {
@@ -144,16 +145,21 @@ Result<std::string> content_of(const Scene& scene, double time,
   const Result<std::filesystem::path> program =
       find_program(std::string(shader.substr(std::string_view("exec:").size())));
   if (!program) return program.error();
-  std::vector<std::filesystem::path> files{*program};
+  const Result<std::string> bytes = read_file(*program, kMaxFileBytes);
+  if (!bytes) return bytes.error();
+  hash.add(*bytes);
   for (const std::string& argument : options.exec.arguments) {
     hash.add(argument);
     std::error_code none;
-    if (std::filesystem::is_regular_file(argument, none)) files.emplace_back(argument);
-  }
-  for (const std::filesystem::path& file : files) {
-    const Result<std::string> bytes = read_file(file, kMaxFileBytes);
-    if (!bytes) return bytes.error();
-    hash.add(*bytes);
+    if (!std::filesystem::is_regular_file(argument, none)) continue;
+    // Of what is large, and may be the scene that the program reads, size and time must do.
+    if (const Result<std::string> given = read_file(argument, kMaxArgumentBytes); given) {
+      hash.add(*given);
+    } else {
+      hash.add(std::to_string(std::filesystem::file_size(argument, none)));
+      hash.add(std::to_string(
+          std::filesystem::last_write_time(argument, none).time_since_epoch().count()));
+    }
   }
   return hash.text();
 }

@@ -378,11 +378,15 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
                    std::max(1e-9, glm::length(eye.position - glm::dvec3(slot.bounds.center())));
   };
   const ImpostorEmpty& empty = slot.empties.front();
-  now.empty = empty.after == judged.picture &&
-              deformed_px(empty.time) <= s.options.limits.still_px &&
-              std::max(stretch_beside(eye.position - empty.eye),
-                       stretch_beside(predicted_eye(eye, render_s) - empty.eye)) <=
-                  s.options.limits.refresh;
+  // What an empty picture says of other eyes is nothing: it serves the one that it was made for,
+  // give or take a hundredth of the way to the object, and not even that where the picture before
+  // it fits better.
+  constexpr double kSameEye = 1.01;
+  const double from_empty = stretch_beside(eye.position - empty.eye);
+  now.empty =
+      empty.after == judged.picture && deformed_px(empty.time) <= s.options.limits.still_px &&
+      std::max(from_empty, stretch_beside(predicted_eye(eye, render_s) - empty.eye)) <= kSameEye &&
+      !(now.picture && now.stretch <= from_empty);
   if (now.rendering) {
     const double remaining = std::max(0.0, render_s - slot.ordered.ms() / 1e3);
     const glm::dvec3 beside = predicted_eye(eye, remaining + lead_s) - slot.ordered_eye;
