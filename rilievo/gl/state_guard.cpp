@@ -14,10 +14,16 @@ constexpr GLenum kCapabilities[] = {GL_SCISSOR_TEST,
                                     GL_FRAMEBUFFER_SRGB,
                                     GL_POLYGON_OFFSET_FILL,
                                     GL_DEPTH_CLAMP,
+                                    GL_TEXTURE_CUBE_MAP_SEAMLESS,
                                     GL_CLIP_DISTANCE0,
                                     GL_CLIP_DISTANCE1,
                                     GL_CLIP_DISTANCE2,
                                     GL_CLIP_DISTANCE3};
+constexpr GLenum kTextureTargets[][2] = {
+    {GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
+    {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
+    {GL_TEXTURE_CUBE_MAP, GL_TEXTURE_BINDING_CUBE_MAP},
+    {GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE}};
 // How pictures lie in memory when they are sent and read.
 constexpr GLenum kPixelStore[] = {
     GL_UNPACK_ALIGNMENT, GL_UNPACK_SWAP_BYTES,  GL_UNPACK_LSB_FIRST,    GL_UNPACK_ROW_LENGTH,
@@ -58,25 +64,32 @@ StateGuard::StateGuard() {
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_);
   glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_);
   glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
+  glGetFloatv(GL_DEPTH_RANGE, depth_range_);
   glGetFloatv(GL_LINE_WIDTH, &line_width_);
   glGetFloatv(GL_POLYGON_OFFSET_FACTOR, &polygon_offset_[0]);
   glGetFloatv(GL_POLYGON_OFFSET_UNITS, &polygon_offset_[1]);
   glGetIntegerv(GL_ACTIVE_TEXTURE, &active_texture_);
   for (int i = 0; i < kUnits; ++i) {
     glActiveTexture(GL_TEXTURE0 + GLenum(i));
-    glGetIntegerv(GL_TEXTURE_BINDING_2D, &textures_[i][0]);
-    glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &textures_[i][1]);
+    static_assert(std::size(kTextureTargets) == kTargets);
+    for (int k = 0; k < kTargets; ++k) glGetIntegerv(kTextureTargets[k][1], &textures_[i][k]);
     glGetIntegerv(GL_SAMPLER_BINDING, &samplers_[i]);
   }
   glActiveTexture(GLenum(active_texture_));
-  for (int i = 0; i < kBindings; ++i) {
-    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, GLuint(i), &storage_[i]);
-    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, GLuint(i), &uniform_[i]);
+  for (GLuint i = 0; i < kBindings; ++i) {
+    Binding &storage = storage_[i], &uniform = uniform_[i];
+    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &storage.buffer);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &storage.start);
+    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &storage.size);
+    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, i, &uniform.buffer);
+    glGetInteger64i_v(GL_UNIFORM_BUFFER_START, i, &uniform.start);
+    glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, i, &uniform.size);
   }
 
   for (const GLenum capability : kCapabilities) glDisable(capability);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glDepthRangef(0, 1);
   for (GLuint i = 0; i < kUnits; ++i) glBindSampler(i, 0);
   for (const GLenum mode : kPixelStore) glPixelStorei(mode, as_usual(mode));
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
@@ -110,19 +123,27 @@ StateGuard::~StateGuard() {
   glPolygonMode(GL_FRONT_AND_BACK, GLenum(polygon_mode_[0]));
   glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
   glClearDepthf(clear_depth_);
+  glDepthRangef(depth_range_[0], depth_range_[1]);
   glLineWidth(line_width_);
   glPolygonOffset(polygon_offset_[0], polygon_offset_[1]);
   for (int i = 0; i < kUnits; ++i) {
     glActiveTexture(GL_TEXTURE0 + GLenum(i));
-    glBindTexture(GL_TEXTURE_2D, GLuint(textures_[i][0]));
-    glBindTexture(GL_TEXTURE_2D_ARRAY, GLuint(textures_[i][1]));
+    for (int k = 0; k < kTargets; ++k)
+      glBindTexture(kTextureTargets[k][0], GLuint(textures_[i][k]));
     glBindSampler(GLuint(i), GLuint(samplers_[i]));
   }
   glActiveTexture(GLenum(active_texture_));
   // Indexed bindings also change the generic binding, which is therefore restored after them.
-  for (int i = 0; i < kBindings; ++i) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, GLuint(i), GLuint(storage_[i]));
-    glBindBufferBase(GL_UNIFORM_BUFFER, GLuint(i), GLuint(uniform_[i]));
+  const auto bind = [](GLenum target, GLuint i, const Binding& binding) {
+    if (binding.size > 0)
+      glBindBufferRange(target, i, GLuint(binding.buffer), GLintptr(binding.start),
+                        GLsizeiptr(binding.size));
+    else
+      glBindBufferBase(target, i, GLuint(binding.buffer));
+  };
+  for (GLuint i = 0; i < kBindings; ++i) {
+    bind(GL_SHADER_STORAGE_BUFFER, i, storage_[i]);
+    bind(GL_UNIFORM_BUFFER, i, uniform_[i]);
   }
   glBindBuffer(GL_SHADER_STORAGE_BUFFER, GLuint(storage_buffer_));
   glBindBuffer(GL_UNIFORM_BUFFER, GLuint(uniform_buffer_));

@@ -19,13 +19,19 @@ class StateGuard {
   void bind_frame() const;
 
  private:
-  static constexpr int kCaps = 12, kUnits = 8, kBindings = 6, kPixelModes = 16;
+  static constexpr int kCaps = 13, kUnits = 8, kTargets = 4, kBindings = 6, kPixelModes = 16;
+  // An indexed binding of a buffer, or of a part of it.
+  struct Binding {
+    GLint buffer;
+    GLint64 start, size;  // size 0: all of it
+  };
   GLboolean caps_[kCaps], depth_mask_, color_mask_[4];
   GLint depth_func_, program_, vertex_array_, draw_framebuffer_, read_framebuffer_, viewport_[4],
-      blend_[6], cull_face_, front_face_, active_texture_, textures_[kUnits][2], samplers_[kUnits],
-      storage_[kBindings], uniform_[kBindings], scissor_[4], array_buffer_, pack_buffer_,
-      unpack_buffer_, pixel_modes_[kPixelModes], storage_buffer_, uniform_buffer_, polygon_mode_[2];
-  GLfloat clear_color_[4], clear_depth_, line_width_, polygon_offset_[2];
+      blend_[6], cull_face_, front_face_, active_texture_, textures_[kUnits][kTargets],
+      samplers_[kUnits], scissor_[4], array_buffer_, pack_buffer_, unpack_buffer_,
+      pixel_modes_[kPixelModes], storage_buffer_, uniform_buffer_, polygon_mode_[2];
+  Binding storage_[kBindings], uniform_[kBindings];
+  GLfloat clear_color_[4], clear_depth_, line_width_, polygon_offset_[2], depth_range_[2];
 };
 
 }  // namespace rilievo::gl

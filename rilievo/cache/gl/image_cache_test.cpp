@@ -9,6 +9,7 @@
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/gl/state_guard.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
@@ -200,10 +201,12 @@ TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
   // An unlikely state.
   const gl::VertexArray vertex_array = gl::make_vertex_array();
   const gl::Texture texture = gl::make_texture_2d_array(GL_RGBA8, 4, 4, 2);
-  const gl::Buffer buffer = gl::make_buffer(256, nullptr);
+  const gl::Buffer buffer = gl::make_buffer(1024, nullptr);
   glBindVertexArray(vertex_array);
   glBindTextureUnit(1, texture);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 1, buffer);
+  // 256 is a multiple of any alignment that OpenGL may ask for.
+  glBindBufferRange(GL_UNIFORM_BUFFER, 1, buffer, 256, 512);
+  glDepthRangef(0.25f, 0.5f);
   glDisable(GL_DEPTH_TEST);
   glDepthFunc(GL_ALWAYS);
   glEnable(GL_BLEND);
@@ -231,6 +234,19 @@ TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
     values.insert(values.end(), viewport, viewport + 4);
     glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, 1, &bound);
     values.push_back(bound);
+    for (const GLenum name : {GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE}) {
+      GLint64 bytes = 0;
+      glGetInteger64i_v(name, 1, &bytes);
+      values.push_back(GLint(bytes));
+    }
+    GLfloat depth_range[2];
+    glGetFloatv(GL_DEPTH_RANGE, depth_range);
+    for (const GLfloat depth : depth_range) values.push_back(GLint(1000 * depth));
+    values.push_back(glIsEnabled(GL_TEXTURE_CUBE_MAP_SEAMLESS));
+    for (const GLenum name : {GL_TEXTURE_BINDING_CUBE_MAP, GL_TEXTURE_BINDING_2D_MULTISAMPLE}) {
+      glGetIntegerv(name, &bound);
+      values.push_back(bound);
+    }
     glActiveTexture(GL_TEXTURE1);
     glGetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &bound);
     glActiveTexture(GL_TEXTURE0);
@@ -240,6 +256,18 @@ TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
   const auto before = state();
   ASSERT_TRUE(cache->draw(camera_at(builtin.path, 0, kWidth, kHeight), 0).ok());
   EXPECT_EQ(state(), before);
+  // What this cache does not change, and other kinds do.
+  GLuint other[2];
+  glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &other[0]);
+  glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &other[1]);
+  {
+    const gl::StateGuard guard;
+    glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+    for (const GLuint one : other) glBindTextureUnit(0, one);
+    EXPECT_NE(state(), before);
+  }
+  EXPECT_EQ(state(), before);
+  glDeleteTextures(2, other);
   EXPECT_TRUE(gl::check_errors("cache").ok());
 }
 
