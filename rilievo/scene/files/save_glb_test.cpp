@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "rilievo/core/file.h"
@@ -183,6 +185,40 @@ TEST(SaveGlb, geometry_and_poses_over_time_come_back) {
     for (const double time : {0.0, 0.25, 0.7, 1.31, 1.9})
       // 1e-4 m: rounding of matrices of floats, over a scene of 30 m and a chain of three nodes.
       expect_same_geometry(scene, loaded, time, 1e-4f);
+  }
+}
+
+// glTF wants matrices that are a translation, a rotation and a scale.
+void expect_no_shear(const std::string& glb) {
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, sizeof length);
+  const nlohmann::json json = nlohmann::json::parse(glb.substr(20, length));
+  for (const nlohmann::json& node : json.at("nodes")) {
+    if (!node.contains("matrix")) continue;
+    const auto column = [&](int c) {
+      const nlohmann::json& m = node.at("matrix");
+      return glm::normalize(glm::vec3(m.at(4 * c), m.at(4 * c + 1), m.at(4 * c + 2)));
+    };
+    for (int c = 0; c < 3; ++c)
+      // 1e-4: rounding of floats, as in expect_same_geometry().
+      EXPECT_NEAR(glm::dot(column(c), column((c + 1) % 3)), 0, 1e-4) << node.dump();
+  }
+}
+
+TEST(SaveGlb, sheared_objects_come_back_from_nodes_without_shear) {
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<float> u(-1, 1);
+  for (int i = 0; i < 20; ++i) {
+    const TemporaryFolder folder;
+    Scene scene = random_scene(rng);
+    for (Object& object : scene.objects) {
+      glm::mat4 shear(1);
+      shear[1][0] = u(rng), shear[2][0] = u(rng), shear[2][1] = u(rng);
+      object.placement = object.placement * shear;
+    }
+    const Scene loaded = saved_and_loaded(scene, folder);
+    for (const double time : {0.0, 0.7}) expect_same_geometry(scene, loaded, time, 1e-4f);
+    expect_no_shear(*read_file(folder / "scene.glb", 1 << 28));
   }
 }
 

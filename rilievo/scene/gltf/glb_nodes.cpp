@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "rilievo/scene/gltf/glb_writer.h"
+#include "rilievo/scene/gltf/nodes.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -20,6 +21,23 @@ GlbJson matrix_json(const Matrix& m) {
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < 4; ++r) out.push_back(m[c][r]);
   return out;
+}
+
+GlbJson node_json(const Node& n) {
+  const glm::quat q = glm::normalize(n.rotation);
+  return {{"translation", {n.translation.x, n.translation.y, n.translation.z}},
+          {"rotation", {q.x, q.y, q.z, q.w}},
+          {"scale", {n.scale.x, n.scale.y, n.scale.z}}};
+}
+
+// glTF has no sheared nodes: a shear is a stretch along turned axes, which takes two.
+std::vector<Node> sheared_nodes(const glm::mat4& placement) {
+  gltf::TreeNode tree;
+  tree.has_matrix = true;
+  tree.parent_from_node = glm::dmat4(placement);
+  std::vector<Node> nodes;
+  (void)gltf::append_node(tree, -1, nodes);
+  return nodes;
 }
 
 struct Placement {
@@ -108,15 +126,10 @@ std::vector<int> add_glb_nodes(GlbWriter& writer, const Scene& scene,
       roots.push_back(i);
     else
       writer.json["nodes"][std::size_t(parent)]["children"].push_back(i);
+    return i;
   };
 
-  for (const Node& n : scene.nodes) {
-    const glm::quat q = glm::normalize(n.rotation);
-    add({{"translation", {n.translation.x, n.translation.y, n.translation.z}},
-         {"rotation", {q.x, q.y, q.z, q.w}},
-         {"scale", {n.scale.x, n.scale.y, n.scale.z}}},
-        n.parent);
-  }
+  for (const Node& n : scene.nodes) add(node_json(n), n.parent);
 
   // Where each model stands still, if that is many places.
   std::map<int, std::vector<Placement>> standing;
@@ -132,6 +145,7 @@ std::vector<int> add_glb_nodes(GlbWriter& writer, const Scene& scene,
     const int mesh = mesh_of_model[std::size_t(object.model)];
     if (mesh < 0) continue;
     GlbJson node;
+    int parent = object.node;
     if (!object.name.empty()) node["name"] = object.name;
     node["mesh"] = mesh;
     const auto group = standing.find(object.model);
@@ -142,10 +156,14 @@ std::vector<int> add_glb_nodes(GlbWriter& writer, const Scene& scene,
       node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] =
           instances_json(writer, group->second);
       group->second.clear();
-    } else if (object.placement != glm::mat4(1.0f)) {
-      node["matrix"] = matrix_json(object.placement);
+    } else if (decompose(object.placement)) {
+      if (object.placement != glm::mat4(1.0f)) node["matrix"] = matrix_json(object.placement);
+    } else {
+      std::vector<Node> nodes = sheared_nodes(object.placement);
+      if (nodes.size() > 1) parent = add(node_json(nodes[0]), parent);
+      node.update(node_json(nodes.back()));
     }
-    add(std::move(node), object.node);
+    add(std::move(node), parent);
   }
   for (const Light& light : scene.lights) add(light_node(writer, light), -1);
   for (const Camera& camera : scene.cameras)
