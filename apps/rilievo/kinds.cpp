@@ -109,7 +109,6 @@ Result<> expect_options_of(const Kind& kind, const KindOptions& options) {
   };
   if (Result<> good = expect(options.bake, kind.bake_options); !good) return good;
   return expect(options.draw, kind.draw_options);
-  return Done{};
 }
 
 KindMethod kind_method(std::string_view name) {

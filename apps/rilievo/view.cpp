@@ -187,6 +187,8 @@ class Viewer {
       if (last) return save_png(options_.screenshot, read_window(width_, height_));
       window_.show();
     }
+    if (!options_.screenshot.empty())
+      return Error{options_.screenshot, "the window was closed before the end of the path"};
     return Done{};
   }
 
@@ -253,8 +255,15 @@ class Viewer {
     }
     state_.new_source = false;
     Result<std::unique_ptr<FrameSource>> made = subject_.make_source(state_.method, state_.methods);
-    if (!made) return made.error();
+    if (!made) {
+      if (!source_) return made.error();
+      // What the panel asked for cannot be: what there was is drawn on.
+      state_.message = made.error().message();
+      state_.method = method_;
+      return Done{};
+    }
     source_ = std::move(*made);
+    method_ = state_.method;
     return Done{};
   }
 
@@ -294,6 +303,7 @@ class Viewer {
   glm::dmat3 world_from_upright_;
   ViewState state_;
   std::unique_ptr<FrameSource> source_;
+  std::string method_;  // of source_
   std::unique_ptr<FrameTarget> left_, right_;
   MemoryWindow memory_;
   int width_ = 0, height_ = 0;

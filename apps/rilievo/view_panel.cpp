@@ -26,9 +26,11 @@ void camera_panel(ViewState& state) {
   ImGui::RadioButton("play path", &mode, int(ViewMode::play));
   state.mode = ViewMode(mode);
   if (state.mode == ViewMode::play)
-    ImGui::SliderInt("frame", &state.path_frame, 0, state.path_frames - 1);
+    ImGui::SliderInt("frame", &state.path_frame, 0, state.path_frames - 1, "%d",
+                     ImGuiSliderFlags_AlwaysClamp);
   if (state.mode == ViewMode::fly) {
-    ImGui::SliderFloat("m/s", &state.speed, 0.01f, 1000.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+    ImGui::SliderFloat("m/s", &state.speed, 0.01f, 1000.0f, "%.2f",
+                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     ImGui::TextDisabled("W A S D Q E, drag to look");
   }
   if (state.mode == ViewMode::orbit) ImGui::TextDisabled("drag to turn, wheel to come closer");
@@ -50,13 +52,14 @@ void camera_panel(ViewState& state) {
 void cache_panel(ViewState& state) {
   MethodOptions& options = state.methods;
   float error_px = float(options.error_px), capture_ms = float(options.capture_ms);
-  ImGui::SliderFloat("error, pixels", &error_px, 0.1f, 8.0f, "%.2f", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("error, pixels", &error_px, 0.1f, 8.0f, "%.2f",
+                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
   ImGui::SliderFloat("captures, ms", &capture_ms, 0.0f, 50.0f,
-                     capture_ms > 0 ? "%.1f" : "by triangles");
+                     capture_ms > 0 ? "%.1f" : "by triangles", ImGuiSliderFlags_AlwaysClamp);
   options.error_px = error_px;
   options.capture_ms = capture_ms;
   // The memory is taken at once: another budget is another cache, made when the slider is let go.
-  ImGui::SliderInt("memory, MB", &options.memory_mb, 32, 1024);
+  ImGui::SliderInt("memory, MB", &options.memory_mb, 32, 1024, "%d", ImGuiSliderFlags_AlwaysClamp);
   state.new_source |= ImGui::IsItemDeactivatedAfterEdit();
 }
 
@@ -135,7 +138,8 @@ void method_panel(ViewState& state) {
   }
   if (state.method == "cache") cache_panel(state);
   ImGui::Checkbox("split against direct drawing", &state.split);
-  if (state.split) ImGui::SliderFloat("at", &state.split_at, 0.0f, 1.0f, "%.2f");
+  if (state.split)
+    ImGui::SliderFloat("at", &state.split_at, 0.0f, 1.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
 }
 
 const char* shown_as(const ImpostorStatus& status) {

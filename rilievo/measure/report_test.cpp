@@ -244,6 +244,9 @@ TEST(SvgPlot, empty_and_constant_plots_are_drawn) {
     EXPECT_TRUE(svg_plot(plot).ends_with("</svg>\n"));
     plot.curves = {{"zero", {1, 2}, {0, 0}}};
     EXPECT_TRUE(svg_plot(plot).ends_with("</svg>\n"));
+    // Values that differ by rounding alone.
+    plot.curves = {{"nearly", {0.3, 0.1 + 0.2}, {0.1 + 0.2, 0.3}}};
+    EXPECT_EQ(svg_plot(plot).find("nan"), std::string::npos);
     plot.curves = {{"seven", {5}, {7}}};
     const std::string svg = svg_plot(plot);
     EXPECT_EQ(svg.find("nan"), std::string::npos);

@@ -84,15 +84,20 @@ Axis make_axis(const std::vector<Curve>& curves, std::vector<double> Curve::*val
   return axis;
 }
 
+// Values that differ by rounding alone are one value: ticks between them would have no end.
+bool is_one_value(const Axis& axis) {
+  return axis.high - axis.low <= 1e-9 * std::max(std::abs(axis.low), std::abs(axis.high));
+}
+
 // Some room for curves that are constant, and above and below the others.
 void widen(Axis& axis) {
   if (axis.log) {
-    if (axis.low == axis.high) axis.low /= 2, axis.high *= 2;
+    if (is_one_value(axis)) axis.low /= 2, axis.high *= 2;
     const double margin = std::pow(axis.high / axis.low, 0.05);
     axis.low /= margin, axis.high *= margin;
     return;
   }
-  if (axis.low == axis.high) {
+  if (is_one_value(axis)) {
     const double half = axis.low == 0 ? 1 : 0.1 * std::abs(axis.low);
     axis.low -= half, axis.high += half;
   }
@@ -180,7 +185,7 @@ std::string svg_plot(const Plot& plot) {
     RILIEVO_EXPECTS_EQ(curve.x.size(), curve.y.size());
   Axis x = make_axis(plot.curves, &Curve::x, plot.log_x, kLeft, kRight);
   Axis y = make_axis(plot.curves, &Curve::y, plot.log_y, kBottom, kTop);
-  if (x.low == x.high || plot.log_x) widen(x);
+  if (is_one_value(x) || plot.log_x) widen(x);
   widen(y);
   int rows = 1;
   const std::string names = legend(plot.curves, rows);

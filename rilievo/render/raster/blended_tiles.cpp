@@ -131,7 +131,7 @@ std::optional<BlendedTriangle> place_triangle(const Camera& camera, int samples,
 // Cuts a polygon at kReach on all four sides. As NearClip does: from the corner inside to the one
 // outside, so that two triangles that share an edge get the same corner there.
 void cut_to_reach(std::vector<glm::dvec3>& polygon) {
-  std::vector<glm::dvec3> cut;
+  static thread_local std::vector<glm::dvec3> cut;  // kept, so that drawing does not allocate
   for (int side = 0; side < 4; ++side) {
     const auto inside = [&](const glm::dvec3& p) {
       return kReach * p.z + (side % 2 ? 1 : -1) * p[side / 2];
@@ -166,7 +166,8 @@ void place_pieces(const Camera& camera, int samples, const RasterInstance& in, s
     if (const auto t = place_triangle(camera, samples, in, number, of)) placed.push_back(*t);
   };
   if (!far) return place(corner);
-  std::vector<glm::dvec3> polygon(corner, corner + 3);
+  static thread_local std::vector<glm::dvec3> polygon;
+  polygon.assign(corner, corner + 3);
   cut_to_reach(polygon);
   for (std::size_t k = 2; k < polygon.size(); ++k) place({polygon[0], polygon[k - 1], polygon[k]});
 }
