@@ -122,7 +122,8 @@ double widest_gap(const NodeMesh& mesh, const glm::dvec3& eye) {
 // A silhouette that is straight is one edge from border to border of a face.
 TEST(NodeBound, holds_in_the_middle_of_a_long_silhouette) {
   const EnvironmentMap map = make_node(64, [](const glm::dvec3& d) {
-    return d.x > 0 && -d.z > std::max(std::abs(d.x), std::abs(d.y)) ? 1.0 / -d.z : 10.0 / -d.z;
+    const double aside = std::max(std::abs(d.x), std::abs(d.y));
+    return (d.x > 0 && -d.z > aside ? 1.0 : 10.0) / std::max(std::abs(d.z), aside);
   });
   const NodeMesh mesh = coarse_mesh(map, 200);
   const glm::dvec3 eye(0.3, 0, 0);
