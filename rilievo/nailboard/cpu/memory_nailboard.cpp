@@ -20,7 +20,7 @@ constexpr std::uint32_t kNoPair = 0xffffffff;
 template <class T>
 void make_room(std::vector<T>& elements, std::size_t size) {
   if (elements.capacity() < size) {
-    elements = {};
+    elements.clear();  // nothing to copy
     elements.reserve(size);
   }
   elements.resize(size);

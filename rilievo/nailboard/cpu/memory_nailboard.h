@@ -53,7 +53,7 @@ class MemoryNailboard {
     return code_pairs_[std::size_t(i >> 1)] >> (16 * (i & 1)) & 0xffffu;
   }
   // Frees the memory of assign_objects(); the next assign() does, too.
-  void drop_objects() { objects_ = {}; }
+  void drop_objects() { std::vector<std::uint32_t>().swap(objects_); }
   // Of each texel, in rows of stride(); null if there are none.
   [[nodiscard]] const std::uint32_t* objects() const {
     return objects_.empty() ? nullptr : objects_.data();

@@ -91,6 +91,12 @@ TEST(MemoryNailboard, bytes_are_those_of_the_largest_picture_so_far) {
     MemoryNailboard alone;
     alone.assign(board);
     EXPECT_EQ(alone.bytes(), needed);
+    const std::vector<std::uint32_t> objects(
+        std::size_t(alone.width()) * std::size_t(alone.height()), 7);
+    alone.assign_objects(objects, true);
+    EXPECT_GT(alone.bytes(), needed);
+    alone.drop_objects();
+    EXPECT_EQ(alone.bytes(), needed);
     EXPECT_GE(kept.bytes(), needed);
     most = std::max(most, needed);
   }
