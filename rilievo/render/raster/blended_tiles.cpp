@@ -15,6 +15,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/draw_list.h"
+#include "rilievo/render/raster/clip_polygon.h"
 #include "rilievo/render/raster/near_clip.h"
 #include "rilievo/render/raster/raster_instances.h"
 #include "rilievo/render/shading/picture_shader.h"
@@ -128,25 +129,16 @@ std::optional<BlendedTriangle> place_triangle(const Camera& camera, int samples,
   return t;
 }
 
-// Cuts a polygon at kReach on all four sides. As NearClip does: from the corner inside to the one
-// outside, so that two triangles that share an edge get the same corner there.
+// Cuts a polygon at kReach on all four sides.
 void cut_to_reach(std::vector<glm::dvec3>& polygon) {
-  static thread_local std::vector<glm::dvec3> cut;  // kept, so that drawing does not allocate
-  for (int side = 0; side < 4; ++side) {
-    const auto inside = [&](const glm::dvec3& p) {
-      return kReach * p.z + (side % 2 ? 1 : -1) * p[side / 2];
-    };
-    cut.clear();
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const glm::dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-      const double at_a = inside(a), at_b = inside(b);
-      if (at_a >= 0) cut.push_back(a);
-      if ((at_a >= 0) == (at_b >= 0)) continue;
-      cut.push_back(at_a >= 0 ? glm::mix(a, b, at_a / (at_a - at_b))
-                              : glm::mix(b, a, at_b / (at_b - at_a)));
-    }
-    polygon.swap(cut);
-  }
+  static thread_local std::vector<glm::dvec3> scratch;  // kept, so that drawing does not allocate
+  for (int side = 0; side < 4; ++side)
+    clip_polygon(
+        polygon, scratch,
+        [&](const glm::dvec3& p) { return kReach * p.z + (side % 2 ? 1 : -1) * p[side / 2]; },
+        [](const glm::dvec3& in, const glm::dvec3& out, double share) {
+          return glm::mix(in, out, share);
+        });
 }
 
 // Appends one triangle, or the pieces of it within kReach, if they can be seen in the frame. A

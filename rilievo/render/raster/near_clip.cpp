@@ -1,11 +1,9 @@
-// Cf. [Sutherland and Hodgman 1974, Reentrant Polygon Clipping].
-//
-// A cut always runs from the corner inside to the corner outside, so that two triangles that share
-// an edge get the same corner there.
 #include "rilievo/render/raster/near_clip.h"
 
 #include <algorithm>
 #include <array>
+
+#include "rilievo/render/raster/clip_polygon.h"
 
 namespace rilievo {
 namespace {
@@ -39,20 +37,6 @@ float inside(const ClipVertex& v, int plane, float z_near) {
 ClipVertex between(const ClipVertex& in, const ClipVertex& out, float share) {
   return {glm::mix(in.position, out.position, share), glm::mix(in.frame, out.frame, share),
           glm::mix(in.uv, out.uv, share), glm::mix(in.color, out.color, share)};
-}
-
-void clip(int plane, float z_near, std::vector<ClipVertex>& polygon,
-          std::vector<ClipVertex>& clipped) {
-  clipped.clear();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const ClipVertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    const float at_a = inside(a, plane, z_near), at_b = inside(b, plane, z_near);
-    if (at_a >= 0) clipped.push_back(a);
-    if ((at_a >= 0) == (at_b >= 0)) continue;
-    clipped.push_back(at_a >= 0 ? between(a, b, at_a / (at_a - at_b))
-                                : between(b, a, at_b / (at_b - at_a)));
-  }
-  polygon.swap(clipped);
 }
 
 // May a triangle within the box reach through the near plane? Twice as far to both sides, for
@@ -112,7 +96,8 @@ bool NearClip::cut(const Mesh& mesh, int width, int height, float z_near,
     if (beyond == 0 || beyond == 3) continue;
     polygon.assign({vertex(corner[0]), vertex(corner[1]), vertex(corner[2])});
     for (int plane = 0; plane < 5 && !polygon.empty(); ++plane)
-      clip(plane, z_near, polygon, clipped);
+      clip_polygon(
+          polygon, clipped, [&](const ClipVertex& v) { return inside(v, plane, z_near); }, between);
     if (polygon.size() < 3) continue;
     const auto first = std::uint32_t(pieces.positions.size());
     for (const ClipVertex& v : polygon) {
