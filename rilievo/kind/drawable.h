@@ -46,10 +46,16 @@ struct Instance {
   std::optional<std::uint32_t> partner = {};
 };
 
+// What Output::object_id writes for an instance whose pictures show one object, `only`, or name
+// none (kNoObject).
+[[nodiscard]] inline std::uint32_t object_of(const Instance& instance, std::uint32_t only) {
+  return instance.object != kNoObject ? instance.object : only;
+}
+
 // An upper bound of an instance's error in a frame. The kind's own function evaluates it, on any
-// thread: from plain data, without allocation, in about a microsecond. Only that of surroundings
-// asks its drawable, which must live: it allocates, takes a lock and some ten microseconds a node,
-// and tens of milliseconds where a node must be loaded first.
+// thread. Most functions read plain data, do not allocate, and take about a microsecond. That of
+// environment nodes asks the drawable, which must outlive the model: it allocates, takes a lock,
+// and takes some ten microseconds a node, or tens of milliseconds if a node must be loaded first.
 struct ErrorModel {
   // The bound in pixels of the frame; infinite if the instance must not be drawn.
   using Bound = double (*)(const ErrorModel&, const glm::dmat4& world_from_capture,

@@ -210,10 +210,10 @@ class ReliefDrawable final : public Drawable {
   }
 
   void add_boards(const Instance& instance, const Shown& shown, bool own) {
-    const std::uint32_t object = instance.object != kNoObject ? instance.object : only_;
+    const std::uint32_t object = own ? kNoObject : object_of(instance, only_);
     for (const Part& part : shown.parts)
-      placed_.push_back({part.board, placed(part.geometry, instance.world_from_capture),
-                         own ? kNoObject : object, instance.from, instance.to});
+      placed_.push_back({part.board, placed(part.geometry, instance.world_from_capture), object,
+                         instance.from, instance.to});
   }
 
   ReliefSet colors_, identifiers_;  // identifiers: of several objects, else empty

@@ -41,11 +41,6 @@ class ImpostorTiles : public Drawable, public TileDrawer {
         error_(layered_error_model(impostor_, options)),
         cost_(layered_cost_terms(impostor_, options.method)) {}
 
-  // The identifier of an instance, unless the pictures show several objects.
-  [[nodiscard]] std::uint32_t object_of(const Instance& instance) const {
-    return instance.object != kNoObject ? instance.object : objects_.only;
-  }
-
   LayeredImpostor impostor_;  // without the texels that are kept apart
   LayeredOptions options_;
   ShownObjects objects_;

@@ -83,7 +83,7 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
   const std::optional<PlacedCamera> moved = place_camera(frame, instance);
   if (!moved) return false;
   out.camera = moved->camera, out.scale = moved->scale;
-  out.object = object_of(instance);
+  out.object = object_of(instance, objects_.only);
 
   const glm::dvec3 eye = out.camera.position(), center(impostor_.bounds.center());
   out.distance = glm::length(eye - center) * out.scale;

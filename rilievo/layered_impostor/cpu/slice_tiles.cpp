@@ -183,7 +183,8 @@ void SliceTiles::draw(const Camera& frame, std::span<const Instance> instances, 
     const std::optional<PlacedCamera> placed = place_camera(frame, instance);
     if (!placed) continue;
     chooser_.choose(impostor_, placed->camera.position(), options_);
-    for (const SliceQuad& quad : chooser_.quads()) place(*placed, object_of(instance), quad);
+    for (const SliceQuad& quad : chooser_.quads())
+      place(*placed, object_of(instance, objects_.only), quad);
   }
 }
 

@@ -41,8 +41,8 @@ class LayeredDrawable final : public Drawable {
   void place(std::span<const Instance> instances) {
     placed_.clear();
     for (const Instance& instance : instances)
-      placed_.push_back({instance.world_from_capture,
-                         instance.object != kNoObject ? instance.object : pictures_.only_object()});
+      placed_.push_back(
+          {instance.world_from_capture, object_of(instance, pictures_.only_object())});
   }
 
   LayeredPictures pictures_;
