@@ -15,6 +15,11 @@ std::span<const Option> options_of(const Kind& kind, KindOptionsOf which) {
   return which == KindOptionsOf::bake ? kind.bake_options : kind.draw_options;
 }
 
+template <class Options>
+auto& given_of(Options& options, KindOptionsOf which) {
+  return which == KindOptionsOf::bake ? options.bake : options.draw;
+}
+
 const Option* find_option(std::span<const Option> options, std::string_view name) {
   const auto found =
       std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
@@ -52,7 +57,7 @@ void add_kind_options(CLI::App& command, KindOptionsOf which, KindOptions& optio
       const std::string name(option.name);
       const bool taken = command.get_option_no_throw("--" + name) != nullptr;
       const std::string flag = (taken ? "--view-" : "--") + name;
-      GivenOptions& given = which == KindOptionsOf::bake ? options.bake : options.draw;
+      GivenOptions& given = given_of(options, which);
       const auto keep = [&given, name](const std::string& value) { given[name] = value; };
       const std::string help = help_of(option, having);
       if (option.type == OptionType::flag) {
@@ -101,14 +106,11 @@ Result<OptionValues> draw_values(const Kind& kind, const KindOptions& options) {
 }
 
 Result<> expect_options_of(const Kind& kind, const KindOptions& options) {
-  const auto expect = [&](const GivenOptions& given, std::span<const Option> has) -> Result<> {
-    for (const auto& [name, value] : given)
-      if (!find_option(has, name))
+  for (const KindOptionsOf which : {KindOptionsOf::bake, KindOptionsOf::draw})
+    for (const auto& [name, value] : given_of(options, which))
+      if (!find_option(options_of(kind, which), name))
         return Error{"--" + name, fmt::format("is no option of {}", kind.name)};
-    return Done{};
-  };
-  if (Result<> good = expect(options.bake, kind.bake_options); !good) return good;
-  return expect(options.draw, kind.draw_options);
+  return Done{};
 }
 
 KindMethod kind_method(std::string_view name) {
@@ -123,8 +125,9 @@ KindMethod kind_method(std::string_view name) {
 void apply(const KindMethod& method, KindOptions& options) {
   if (!method.variant || method.variant->option.empty()) return;
   const std::string name(method.variant->option);
-  GivenOptions& given = find_option(method.kind->draw_options, name) ? options.draw : options.bake;
-  given[name] = method.variant->value;
+  for (const KindOptionsOf which : {KindOptionsOf::bake, KindOptionsOf::draw})
+    if (find_option(options_of(*method.kind, which), name))
+      given_of(options, which)[name] = method.variant->value;
 }
 
 std::vector<std::string> kind_names() {

@@ -116,10 +116,11 @@ std::string text_of(const glm::dvec3& v) {
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   if (!input.source.photographs().empty())
-    for (const char* name : {"auto", "region"})
-      if (values.given(name))
-        return Error{fmt::format("--{}", name),
-                     "is for scenes: the nodes of a capture stand where its cameras stood"};
+    if (Result<> good = values.expect_none_of(
+            {"auto", "region"},
+            "is for scenes: the nodes of a capture stand where its cameras stood");
+        !good)
+      return good.error();
   NodeBakeOptions options = bake_options(values);
   options.objects = input.objects;
   options.progress = progress;

@@ -127,6 +127,13 @@ bool OptionValues::has(std::string_view name) const {
                      [&](const Option& option) { return option.name == name; });
 }
 
+Result<> OptionValues::expect_none_of(std::initializer_list<std::string_view> names,
+                                      const std::string& reason) const {
+  for (const std::string_view name : names)
+    if (given(name)) return Error{"--" + std::string(name), reason};
+  return Done{};
+}
+
 bool OptionValues::given(std::string_view name) const { return values_[index_of(name)].given; }
 
 bool OptionValues::flag(std::string_view name) const {

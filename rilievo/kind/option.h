@@ -4,6 +4,7 @@
 // option. Values are text, as on a command line, and are checked when they are set.
 #pragma once
 
+#include <initializer_list>
 #include <limits>
 #include <span>
 #include <string>
@@ -52,6 +53,9 @@ class OptionValues {
   // Was the value set, as opposed to left at its default?
   [[nodiscard]] bool given(std::string_view name) const;
   [[nodiscard]] bool has(std::string_view name) const;
+  // Fails if one of `names` was given. The error names it as the command line has it.
+  [[nodiscard]] Result<> expect_none_of(std::initializer_list<std::string_view> names,
+                                        const std::string& reason) const;
 
   // The value by type. Requires an option of that name and type; a choice is text, or a number if
   // all its choices are.

@@ -37,6 +37,8 @@ TEST(OptionValues, start_as_their_defaults_and_know_what_was_given) {
   EXPECT_FALSE(values.given("count"));
   ASSERT_TRUE(values.set("count", "7").ok());
   EXPECT_TRUE(values.given("count"));
+  EXPECT_EQ(values.expect_none_of({"count"}, "is for others").error().message(),
+            "--count: is for others");
   EXPECT_EQ(values.integer("count"), 7);
   EXPECT_TRUE(values.has("box"));
   EXPECT_FALSE(values.has("boxes"));

@@ -119,11 +119,11 @@ std::string text_of(const glm::vec3& v) {
 // From photographs: their own reprojection, no capture call (S2.7).
 Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& values) {
   if (!values.flag("around"))
-    for (const char* name : {"views", "ring", "hemisphere", "size"})
-      if (values.given(name))
-        return Error{
-            fmt::format("--{}", name),
-            "is for views around the box (--around): these stand at the photographs' cameras"};
+    if (Result<> good = values.expect_none_of(
+            {"views", "ring", "hemisphere", "size"},
+            "is for views around the box (--around): these stand at the photographs' cameras");
+        !good)
+      return good.error();
   const BakeOptions options = layered_bake_options(values);
   const std::span<const DepthImage> photographs = source.photographs();
   const Box box = box_from(values.numbers("box"), photographs);

@@ -79,24 +79,33 @@ const std::array kDrawOptions{
            .max = 100},
 };
 
+// Refuses options that say nothing of scenes, or of deep images.
+Result<> check_options_of_source(const OptionValues& values,
+                                 std::span<const LayeredDepthImage> deep) {
+  if (deep.empty())
+    return values.expect_none_of({"max-depth"}, "is for deep images, not for scenes");
+  if (Result<> good = values.expect_none_of({"ball"}, "is for scenes: a deep image is framed");
+      !good)
+    return good;
+  if (Result<> good = values.expect_none_of({"textures", "share"},
+                                            "is for scenes: a deep image is one texture");
+      !good)
+    return good;
+  const bool parallel = std::ranges::any_of(deep, [](const LayeredDepthImage& layers) {
+    return layers.camera.projection == Projection::parallel;
+  });
+  if (!parallel) return Done{};
+  return values.expect_none_of(
+      {"size", "max-depth"},
+      "is for scenes and perspective deep images: a parallel one stays as it is");
+}
+
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   const ReliefCaptureOptions options = relief_capture_options(values);
   const std::span<const LayeredDepthImage> deep = input.source.deep_images();
   if (options.ball > 0 && options.ball < 1)
     return Error{"--ball", "must be 0 or at least 1: the ball would be cut off"};
-  if (!deep.empty() && values.given("ball"))
-    return Error{"--ball", "is for scenes: a deep image is framed"};
-  if (!deep.empty() && values.given("textures"))
-    return Error{"--textures", "is for scenes: a deep image is one texture"};
-  if (!deep.empty() && values.given("share"))
-    return Error{"--share", "is for scenes: a deep image is one texture"};
-  for (const LayeredDepthImage& layers : deep)
-    for (const char* name : {"size", "max-depth"})
-      if (layers.camera.projection == Projection::parallel && values.given(name))
-        return Error{fmt::format("--{}", name),
-                     "is for scenes and perspective deep images: a parallel one stays as it is"};
-  if (deep.empty() && values.given("max-depth"))
-    return Error{"--max-depth", "is for deep images, not for scenes"};
+  if (Result<> good = check_options_of_source(values, deep); !good) return good.error();
   Result<ReliefPictures> pictures =
       deep.empty() ? capture_relief_pictures(input.source, input.objects, options, progress)
                    : adopt_relief_pictures(deep, options);
