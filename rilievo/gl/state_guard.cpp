@@ -24,6 +24,12 @@ constexpr GLenum kTextureTargets[][2] = {
     {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
     {GL_TEXTURE_CUBE_MAP, GL_TEXTURE_BINDING_CUBE_MAP},
     {GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE}};
+// Buffers of blocks, bound in whole or in part at indices: target, binding, start, size.
+constexpr GLenum kBlockTargets[][4] = {
+    {GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START,
+     GL_SHADER_STORAGE_BUFFER_SIZE},
+    {GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START,
+     GL_UNIFORM_BUFFER_SIZE}};
 // How pictures lie in memory when they are sent and read.
 constexpr GLenum kPixelStore[] = {
     GL_UNPACK_ALIGNMENT, GL_UNPACK_SWAP_BYTES,  GL_UNPACK_LSB_FIRST,    GL_UNPACK_ROW_LENGTH,
@@ -59,8 +65,6 @@ StateGuard::StateGuard() {
   glGetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &unpack_buffer_);
   static_assert(std::size(kPixelStore) == kPixelModes);
   for (int i = 0; i < kPixelModes; ++i) glGetIntegerv(kPixelStore[i], &pixel_modes_[i]);
-  glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage_buffer_);
-  glGetIntegerv(GL_UNIFORM_BUFFER_BINDING, &uniform_buffer_);
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_);
   glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_);
   glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
@@ -76,14 +80,16 @@ StateGuard::StateGuard() {
     glGetIntegerv(GL_SAMPLER_BINDING, &samplers_[i]);
   }
   glActiveTexture(GLenum(active_texture_));
-  for (GLuint i = 0; i < kBindings; ++i) {
-    Binding &storage = storage_[i], &uniform = uniform_[i];
-    glGetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, i, &storage.buffer);
-    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, i, &storage.start);
-    glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_SIZE, i, &storage.size);
-    glGetIntegeri_v(GL_UNIFORM_BUFFER_BINDING, i, &uniform.buffer);
-    glGetInteger64i_v(GL_UNIFORM_BUFFER_START, i, &uniform.start);
-    glGetInteger64i_v(GL_UNIFORM_BUFFER_SIZE, i, &uniform.size);
+  static_assert(std::size(kBlockTargets) == kBlocks);
+  for (int k = 0; k < kBlocks; ++k) {
+    const auto& [target, bound, start, size] = kBlockTargets[k];
+    glGetIntegerv(bound, &block_buffers_[k]);
+    for (GLuint i = 0; i < kBindings; ++i) {
+      Binding& binding = bindings_[k][i];
+      glGetIntegeri_v(bound, i, &binding.buffer);
+      glGetInteger64i_v(start, i, &binding.start);
+      glGetInteger64i_v(size, i, &binding.size);
+    }
   }
 
   for (const GLenum capability : kCapabilities) glDisable(capability);
@@ -133,20 +139,18 @@ StateGuard::~StateGuard() {
     glBindSampler(GLuint(i), GLuint(samplers_[i]));
   }
   glActiveTexture(GLenum(active_texture_));
-  // Indexed bindings also change the generic binding, which is therefore restored after them.
-  const auto bind = [](GLenum target, GLuint i, const Binding& binding) {
-    if (binding.size > 0)
-      glBindBufferRange(target, i, GLuint(binding.buffer), GLintptr(binding.start),
-                        GLsizeiptr(binding.size));
-    else
-      glBindBufferBase(target, i, GLuint(binding.buffer));
-  };
-  for (GLuint i = 0; i < kBindings; ++i) {
-    bind(GL_SHADER_STORAGE_BUFFER, i, storage_[i]);
-    bind(GL_UNIFORM_BUFFER, i, uniform_[i]);
+  for (int k = 0; k < kBlocks; ++k) {
+    const GLenum target = kBlockTargets[k][0];
+    for (GLuint i = 0; i < kBindings; ++i) {
+      const auto& [buffer, start, size] = bindings_[k][i];
+      if (size > 0)
+        glBindBufferRange(target, i, GLuint(buffer), GLintptr(start), GLsizeiptr(size));
+      else
+        glBindBufferBase(target, i, GLuint(buffer));
+    }
+    // Indexed bindings also change the generic one, which is therefore restored after them.
+    glBindBuffer(target, GLuint(block_buffers_[k]));
   }
-  glBindBuffer(GL_SHADER_STORAGE_BUFFER, GLuint(storage_buffer_));
-  glBindBuffer(GL_UNIFORM_BUFFER, GLuint(uniform_buffer_));
   glBindBuffer(GL_ARRAY_BUFFER, GLuint(array_buffer_));
 }
 

@@ -19,7 +19,8 @@ class StateGuard {
   void bind_frame() const;
 
  private:
-  static constexpr int kCaps = 13, kUnits = 8, kTargets = 4, kBindings = 6, kPixelModes = 16;
+  static constexpr int kCaps = 13, kUnits = 8, kTargets = 4, kBlocks = 2, kBindings = 6,
+                       kPixelModes = 16;
   // An indexed binding of a buffer, or of a part of it.
   struct Binding {
     GLint buffer;
@@ -29,8 +30,8 @@ class StateGuard {
   GLint depth_func_, program_, vertex_array_, draw_framebuffer_, read_framebuffer_, viewport_[4],
       blend_[6], cull_face_, front_face_, active_texture_, textures_[kUnits][kTargets],
       samplers_[kUnits], scissor_[4], array_buffer_, pack_buffer_, unpack_buffer_,
-      pixel_modes_[kPixelModes], storage_buffer_, uniform_buffer_, polygon_mode_[2];
-  Binding storage_[kBindings], uniform_[kBindings];
+      pixel_modes_[kPixelModes], block_buffers_[kBlocks], polygon_mode_[2];
+  Binding bindings_[kBlocks][kBindings];
   GLfloat clear_color_[4], clear_depth_, line_width_, polygon_offset_[2], depth_range_[2];
 };
 
