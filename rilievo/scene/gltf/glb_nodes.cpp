@@ -133,12 +133,11 @@ std::vector<int> add_glb_nodes(GlbWriter& writer, const Scene& scene,
 
   // Where each model stands still, if that is many places.
   std::map<int, std::vector<Placement>> standing;
-  const auto instance_of = [&](const Object& object) {
-    return object.node < 0 ? decompose(object.placement) : std::nullopt;
-  };
-  for (const Object& object : scene.objects)
-    if (const std::optional<Placement> p = instance_of(object))
+  for (const Object& object : scene.objects) {
+    if (object.node >= 0) continue;
+    if (const std::optional<Placement> p = decompose(object.placement))
       standing[object.model].push_back(*p);
+  }
   std::erase_if(standing, [](const auto& places) { return places.second.size() < kInstances; });
 
   for (const Object& object : scene.objects) {
@@ -149,14 +148,15 @@ std::vector<int> add_glb_nodes(GlbWriter& writer, const Scene& scene,
     if (!object.name.empty()) node["name"] = object.name;
     node["mesh"] = mesh;
     const auto group = standing.find(object.model);
-    if (group != standing.end() && instance_of(object)) {
+    const std::optional<Placement> place = decompose(object.placement);
+    if (group != standing.end() && object.node < 0 && place) {
       // The first of them stands for all.
       if (group->second.empty()) continue;
       writer.use_extension("EXT_mesh_gpu_instancing", true);
       node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] =
           instances_json(writer, group->second);
       group->second.clear();
-    } else if (decompose(object.placement)) {
+    } else if (place) {
       if (object.placement != glm::mat4(1.0f)) node["matrix"] = matrix_json(object.placement);
     } else {
       std::vector<Node> nodes = sheared_nodes(object.placement);
