@@ -189,7 +189,7 @@ struct MovingObject {
   std::uint64_t triangles = 0;
   glm::dmat4 world_from_object{1.0};  // now
   glm::dmat4 now_from_last{1.0};      // its motion in world space since the last frame
-  bool polygons_only = false;         // no picture shows it: its pose has no inverse
+  bool polygons_only = false;         // no pictures of it: its pose has no inverse
 };
 
 // The camera of a frame and its predicted motion.

@@ -193,14 +193,16 @@ void SceneCache::update_moving() {
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     const std::uint32_t object = moving_objects_[i];
     const glm::dmat4 now(placed_.poses()[object]);
-    const bool was_flat = moving_[i].polygons_only;
-    moving_[i].polygons_only = !has_inverse(now);
-    moving_[i].now_from_last =
-        now == moving_[i].world_from_object || was_flat || moving_[i].polygons_only
-            ? glm::dmat4(1.0)
-            : now * glm::inverse(moving_[i].world_from_object);
-    moving_[i].world_from_object = now;
-    moving_[i].box = placed_.bounds()[object];
+    MovingObject& moving = moving_[i];
+    moving.now_from_last = glm::dmat4(1.0);
+    if (now != moving.world_from_object) {
+      const bool had_inverse = !moving.polygons_only;
+      moving.polygons_only = !has_inverse(now);
+      if (had_inverse && !moving.polygons_only)
+        moving.now_from_last = now * glm::inverse(moving.world_from_object);
+      moving.world_from_object = now;
+    }
+    moving.box = placed_.bounds()[object];
   }
   for (Alternative& alternative : alternatives_.list) {
     if (!placed_.scene().objects[alternative.object].moving) continue;
