@@ -1,10 +1,10 @@
-// Where do many megabytes lie that are written anew for each frame? In large pages, where the
-// system has them.
+// How does memory of many megabytes cost little when it is first used? By large pages.
 //
-// The first touch of a page costs the same whether it is small or large, up to the zeroing: on
-// virtual machines 10 microseconds and more for each 4 kB, which can be most of a program's first
-// frame. So memory of 2 MB and more is aligned to pages of 2 MB and, on Linux, asked for in those
-// (transparent huge pages), and nothing is touched before it is used.
+// The system maps a page when a program first touches it. On a virtual machine that takes about 10
+// microseconds for each page of 4 kB, which delays a program's first frame; a page of 2 MB takes
+// little longer than clearing it. Buffers of 2 MB and more therefore begin at a multiple of 2 MB
+// and, on Linux, ask for transparent huge pages. Elements are not initialized, so that a page is
+// mapped only when it is used.
 #pragma once
 
 #include <cstddef>
@@ -25,24 +25,24 @@ using LargeMemory = std::unique_ptr<std::byte, FreeLargeMemory>;
 
 }  // namespace detail
 
-// Elements of a plain type that are not initialized, and are lost when the buffer grows.
+// An array of elements that are not initialized, and are lost when it grows.
 template <class T>
 class LargeBuffer {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_default_constructible_v<T>);
 
  public:
-  // Makes room for `size` elements. Where there is room already, elements keep their values;
-  // otherwise all of them are undefined afterwards. The old memory is freed first.
-  void require(std::size_t size) {
-    if (size <= size_) return;
+  // Makes the capacity at least `count`. If it grows, all elements are undefined afterwards, and
+  // the old memory is freed before the new one is allocated.
+  void require(std::size_t count) {
+    if (count <= capacity_) return;
     memory_.reset();
-    size_ = 0;
-    memory_ = detail::allocate_large(size * sizeof(T));
-    size_ = size;
+    capacity_ = 0;
+    memory_ = detail::allocate_large(count * sizeof(T));
+    capacity_ = count;
   }
 
-  // The number of elements that there is room for.
-  [[nodiscard]] std::size_t size() const { return size_; }
+  // In elements.
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] T* data() { return reinterpret_cast<T*>(memory_.get()); }
   [[nodiscard]] const T* data() const { return reinterpret_cast<const T*>(memory_.get()); }
   [[nodiscard]] T& operator[](std::size_t i) { return data()[i]; }
@@ -50,7 +50,7 @@ class LargeBuffer {
 
  private:
   detail::LargeMemory memory_;
-  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
 };
 
 }  // namespace rilievo

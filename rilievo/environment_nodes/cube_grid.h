@@ -95,8 +95,8 @@ class CubeGrid {
 };
 
 // Checks for six square faces of one size (2 to 4096 texels), 90 degrees wide, at one point, in
-// order and with consistent axes, and for depths whose disparities floats hold. The error says what
-// is wrong.
+// order and with consistent axes, and for depths that are positive and at least 1e-30 m, so that
+// disparities are finite floats. The error says what is wrong.
 [[nodiscard]] Result<> validate_environment(const EnvironmentMap& map);
 
 // The rigid motion from node space, in which the faces are those of environment_cameras.

@@ -31,7 +31,8 @@ struct NodeErrorModel {
     // 1 / distance along the line of sight, of samples and mesh together, and the largest
     // difference of the two.
     float least = 0, most = 0, error = 0;
-    // The same of skins, all along them: the range of both their sides, and the widest span.
+    // Of the skins that cross the block: the least and the largest 1 / distance of both their
+    // sides, and the largest difference between the two sides. gap 0: there is no skin.
     float skin_least = 0, skin_most = 0, gap = 0;
   };
   glm::dmat4 world_from_node{1.0};

@@ -19,10 +19,11 @@
 //
 // A foreign file loads if every part has R G B (A, id are optional), Z and both standard matrices.
 // Z is taken as eye_z; a texel whose Z is 0 or at least 1e30 shows nothing. z_near and z_far come
-// from the depths. Of colours, NaN becomes 0 and an infinity +-65504. A data window that differs
-// from the display window is a crop of the matrices' camera. Of tiled and mipmapped parts, the base
-// level is read. Deep parts, sub-sampled channels, depths that are NaN, and files that claim more
-// texels than their bytes can hold are refused. Reading and writing run in the caller's thread.
+// from the depths. In colours, NaN becomes 0 and infinities become +-65504. A data window that
+// differs from the display window is a crop of the matrices' camera. Of tiled and mipmapped parts,
+// the base level is read. Deep parts, sub-sampled channels, depths that are NaN, and files that
+// claim more texels than their bytes can hold are refused. Reading and writing run in the caller's
+// thread.
 #pragma once
 
 #include <filesystem>

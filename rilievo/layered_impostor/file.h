@@ -6,8 +6,8 @@
 //   rilievo.file.slicing          "LAYERS OVERLAP SPACING TEXELS": a whole number, a number,
 //                                 eye_z or window_z, pieces or samples
 //   rilievo.file.up               "X Y Z": the direction that is up, of any length
-//   rilievo.file.gaze             "X Y Z X Y Z": an eye and the point that it looks at. Without
-//                                 these two, y is up and default paths go around the bounds
+//   rilievo.file.gaze             "X Y Z X Y Z": an eye and the point that it looks at. If these
+//                                 two are missing, y is up and default paths go around the bounds
 //   rilievo.picture.fills         "NEIGHBOR LAYER X0 Y0 X1 Y1" for each slice that fills this
 //                                 view's holes (S2.6), separated by "; ". In all views or in none:
 //                                 without, they have not been looked for

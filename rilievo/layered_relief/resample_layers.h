@@ -17,7 +17,8 @@ struct ResampleOptions {
   // Samples that begin beyond this eye_z are dropped: distant samples stand for large, coarse
   // squares.
   double max_z = 1e30;
-  std::size_t max_samples = std::size_t(1) << 27;  // of the result: 4 GB, twice that meanwhile
+  // A result of more samples is an error. So many take 4 GB, and 8 GB while they are made.
+  std::size_t max_samples = std::size_t(1) << 27;
 };
 
 // The result and its error.

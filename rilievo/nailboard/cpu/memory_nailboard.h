@@ -65,9 +65,9 @@ class MemoryNailboard {
   // Of the whole picture.
   [[nodiscard]] std::uint32_t nearest() const { return nearest_; }
   [[nodiscard]] std::uint32_t steps() const { return delta_steps(delta_bits_); }
-  // The memory that it holds: that of the largest picture so far.
+  // The memory that it holds, which suffices for the largest picture so far.
   [[nodiscard]] std::size_t bytes() const;
-  // The memory that a picture needs, without objects.
+  // The memory that a picture of this size needs, without objects.
   [[nodiscard]] static std::size_t bytes_of(int width, int height);
 
  private:

@@ -121,7 +121,7 @@ class RayScene {
                               float t_far) const;
 
   [[nodiscard]] const Scene& scene() const;
-  [[nodiscard]] RayParts parts() const;
+  [[nodiscard]] RayParts parts() const;  // that rays can hit
   // world_from_model of each object.
   [[nodiscard]] const std::vector<glm::mat4>& poses() const;
   [[nodiscard]] const SurfaceMaterials& materials() const;

@@ -30,11 +30,11 @@ struct PolygonSoup {
   std::vector<Corner> triangles;
   std::vector<std::uint32_t> parts;
 
-  // How many corners add_polygon may still look at to cut polygons that are not convex: about a
-  // second's worth, and 256 more for each of their corners. Simple polygons of 20 000 corners need
-  // less than half. Was the rest of one made a fan because nothing was left?
+  // The corners that add_polygon may still look at to cut polygons that are not convex. It looks at
+  // 200 million in about a second, and a simple polygon of 20 000 corners needs less than half of
+  // them. Each polygon adds 256 for each of its corners.
   std::int64_t work_left = 200'000'000;
-  bool cut_short = false;
+  bool cut_short = false;  // work_left did not suffice: the rest of a polygon became a fan
 };
 
 // Triangulates `polygon` and appends it to part `part`. Handles nearly flat simple polygons, convex
