@@ -15,6 +15,16 @@ void add_stats(const FrameStats& stats, RealTimeWalk& result) {
   result.picture_bytes = std::max(result.picture_bytes, stats.picture_bytes);
 }
 
+// Are both eyes the same but for rounding? A path that returns to a place may compute it anew.
+bool same_place(const Camera& a, const Camera& b) {
+  constexpr double kRounding = 1e-9;
+  const double far_off = glm::length(a.position()) + glm::length(b.position());
+  double most = glm::distance(a.position(), b.position()) / std::max(1.0, far_off);
+  for (int i = 0; i < 3; ++i)
+    most = std::max(most, glm::distance(a.world_from_eye[i], b.world_from_eye[i]));
+  return most <= kRounding;
+}
+
 }  // namespace
 
 std::vector<double> cuts_of(const CameraPath& path) {
@@ -47,7 +57,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
     for (; next_cut < options.cuts.size() && clock >= options.cuts[next_cut]; ++next_cut)
       after_cut = true;
     // An eye that jumped there and back between two frames did not jump.
-    after_cut = after_cut && frame.camera != last;
+    after_cut = after_cut && !same_place(frame.camera, last);
     if (after_cut) since_cut = std::max(since_cut, 0.0);
     last = frame.camera;
     const double place = options.seconds * double(result.kept.size()) / options.kept;
