@@ -29,8 +29,11 @@ TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
   for (int frame = 0; frame < 3; ++frame) EXPECT_FALSE(follow(motion, at(6)).jumped);
   EXPECT_FALSE(follow(motion, at(6.1)).jumped);  // it walks again
   EXPECT_TRUE(follow(motion, at(0)).jumped);     // a jump is not what it may be compared with
-  EXPECT_FALSE(follow(motion, at(5.1)).jumped);  // or else a motion, if it goes on
+  EXPECT_TRUE(follow(motion, at(5.1)).jumped);   // the way back is another one
   EXPECT_FALSE(follow(motion, at(5.2)).jumped);
+  EXPECT_TRUE(follow(motion, at(0)).jumped);
+  EXPECT_FALSE(follow(motion, at(-5.2)).jumped);  // or else a motion, if it goes on
+  EXPECT_FALSE(follow(motion, at(-5.1)).jumped);
   const auto turned = [&](double x, double radians) {
     return look_at({x, 0, 0}, {x + std::sin(radians), 0, -std::cos(radians)}, {0, 1, 0}, 1.0, 640,
                    360, 0.1, 100);
@@ -46,6 +49,11 @@ TEST(EyeMotion, a_jump_is_told_from_a_motion_that_becomes_faster) {
     EXPECT_TRUE(view.started);
     EXPECT_EQ(view.jumped, turn > 0.5);
   }
+  // A step that is long for a walk is no jump if it is short for the jump before it.
+  EyeMotion walk;
+  for (const double x : {0.0, 0.1, 0.2}) (void)follow(walk, at(x));
+  EXPECT_TRUE(follow(walk, at(600)).jumped);
+  EXPECT_FALSE(follow(walk, at(595)).jumped);
 }
 
 }  // namespace
