@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/cache/capture_clock.h"
 #include "rilievo/cache/capture_cost.h"
+#include "rilievo/cache/cost_clock.h"
 #include "rilievo/cache/fallback.h"
 #include "rilievo/cache/plan_test_helpers.h"
 
@@ -107,7 +107,7 @@ TEST(BudgetTest, after_a_cut_what_is_missing_is_in_the_fallback_until_time_allow
   const PlanObjects blocks = blocks_on_a_grid(16);
   CacheOptions options = rasterized_cache_options();
   options.picture_triangles = 100'000;
-  options.capture_cost = 60'000;
+  options.capture_cost = options.fallback_cost = 60'000;
   Loop run;
   std::size_t in_fallback = 0, polygons = 0;
   for (int frame = 0; frame < 180; ++frame) {
@@ -132,7 +132,7 @@ TEST(BudgetTest, after_a_cut_what_is_missing_is_in_the_fallback_until_time_allow
 TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
   const PlanObjects blocks = blocks_on_a_grid(16);
   CacheOptions options = rasterized_cache_options();
-  options.capture_cost = 1;
+  options.capture_cost = options.fallback_cost = 1;
   Loop run;
   for (int frame = 0; frame < 120; ++frame) {
     const FrameView view = standing(frame, 0.02);
@@ -151,7 +151,7 @@ TEST(BudgetTest, only_what_is_due_is_in_the_fallback) {
   blocks.build();
   CacheOptions options;             // captures are dear
   options.picture_triangles = 600;  // no pictures of several blocks
-  options.capture_cost = 1;
+  options.capture_cost = options.fallback_cost = 1;
   Loop run;
   std::size_t waiting = 0, in_fallback = 0;
   for (int frame = 0; frame < 60; ++frame) {
@@ -183,7 +183,7 @@ TEST(BudgetTest, a_picture_is_late_rather_than_missing_and_the_latest_is_capture
     const FrameView view{
         look_at(eye, eye - glm::dvec3(0, 4, 25), {0, 1, 0}, 1.0, 640, 360, 0.1, 400),
         glm::dvec3(0.2, 0, 0)};
-    if (frame == 60) options.capture_cost = 4'000;
+    if (frame == 60) options.capture_cost = options.fallback_cost = 4'000;
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
     expect_complete(run, blocks, view);
     const bool limited = frame >= 60;
@@ -209,20 +209,21 @@ TEST(BudgetTest, a_picture_is_late_rather_than_missing_and_the_latest_is_capture
   EXPECT_GT(compared, 20);
 }
 
-TEST(FallbackTest, its_texels_are_as_fine_as_the_budget_allows_between_one_and_two_pixels) {
+TEST(FallbackTest, its_texels_are_as_fine_as_the_budget_and_the_frame_allow) {
   const FrameView view = standing(0);
   const ViewAxes axes = view_axes(view, 0);
   CacheOptions options = rasterized_cache_options();
   options.cost.fallback_texel = 2;
-  EXPECT_EQ(fallback_scale(axes, 10'000, 1e9, options), 1);
-  EXPECT_EQ(fallback_scale(axes, 10'000, 0, options), 0.5);
-  EXPECT_EQ(fallback_scale(axes, 10'000, -5, options), 0.5);
-  const double scale = fallback_scale(axes, 10'000, 11'000, options);
+  EXPECT_EQ(fallback_scale(axes, 10'000, 1e9, 0.5, options), 1);
+  for (const double coarsest : {0.5, 0.3})
+    for (const double none : {0, -5})
+      EXPECT_EQ(fallback_scale(axes, 10'000, none, coarsest, options), coarsest);
+  const double scale = fallback_scale(axes, 10'000, 11'000, 0.5, options);
   EXPECT_NEAR(2 * 10'000 * scale * scale, 11'000, 1e-6);
   // Never more than the frame.
-  EXPECT_EQ(fallback_scale(axes, 1e9, 2 * 640 * 360, options), 1);
+  EXPECT_EQ(fallback_scale(axes, 1e9, 2 * 640 * 360, 0.5, options), 1);
   options.max_texels = 160;
-  EXPECT_EQ(fallback_scale(axes, 10'000, 1e9, options), 0.25);
+  EXPECT_EQ(fallback_scale(axes, 10'000, 1e9, 0.5, options), 0.25);
 }
 
 TEST(FallbackTest, its_camera_sees_what_the_frame_sees_of_the_boxes) {
@@ -320,8 +321,8 @@ TEST(BudgetTest, without_a_budget_of_time_nothing_is_late_and_there_is_no_fallba
   }
 }
 
-TEST(CapturePriceTest, rises_fast_and_falls_slowly) {
-  CapturePrice price{1};
+TEST(MeasuredPriceTest, rises_fast_and_falls_slowly) {
+  MeasuredPrice price{1};
   price.learn(10, 30);  // 3 a cost
   EXPECT_DOUBLE_EQ(price.ms_per_cost, 2);
   price.learn(10, 10);
@@ -330,18 +331,26 @@ TEST(CapturePriceTest, rises_fast_and_falls_slowly) {
   EXPECT_DOUBLE_EQ(price.ms_per_cost, 1.9);
 }
 
-TEST(CaptureClockTest, turns_milliseconds_into_costs) {
+TEST(CostClockTest, turns_milliseconds_into_costs) {
   const CacheOptions original = rasterized_cache_options();
   CacheOptions options = original;
-  const CaptureClock clock{{1e-3}, {3e-3}};
+  CostClock clock(2e-4);
+  clock.drawing = {5e-4}, clock.capture = {1e-3}, clock.fallback = {3e-3};
   clock.set_budget(8, original, options);
   EXPECT_NEAR(options.capture_cost, 8000, 1e-6);
-  // A texel's cost in milliseconds is what it was, by the fallback's own price.
-  EXPECT_NEAR(options.cost.fallback_texel * 1e-3, original.cost.fallback_texel * 3e-3, 1e-12);
+  EXPECT_NEAR(options.fallback_cost, 16000, 1e-6);
+  // A texel takes as many milliseconds as before, by the fallback's own price.
+  EXPECT_NEAR(options.cost.fallback_texel * 5e-4, original.cost.fallback_texel * 3e-3, 1e-12);
+  // The first frame after a jump takes what it took where drawing took 2e-4.
+  EXPECT_NEAR(options.jump_share * 5e-4, original.jump_share * 2e-4, 1e-12);
   // Half of the budget for the triangles of a picture of several objects.
   EXPECT_NEAR(double(options.picture_triangles) * options.cost.capture_triangle, 4000, 1);
   clock.set_budget(1e9, original, options);
   EXPECT_EQ(options.picture_triangles, original.picture_triangles);
+  // A machine that draws faster than the model says does not do more.
+  clock.drawing = {1e-4};
+  clock.set_budget(8, original, options);
+  EXPECT_EQ(options.jump_share, original.jump_share);
 }
 
 }  // namespace

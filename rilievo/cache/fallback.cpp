@@ -8,8 +8,6 @@
 namespace rilievo {
 namespace {
 
-constexpr double kCoarsestFallback = 0.5;
-
 // Of `texels` side by side in [low, high], keeps those that touch [from, to], and one on each side.
 void keep_texels(double from, double to, double& low, double& high, int& texels) {
   const double texel = (high - low) / texels;
@@ -23,12 +21,11 @@ void keep_texels(double from, double to, double& low, double& high, int& texels)
 
 }  // namespace
 
-double fallback_scale(const ViewAxes& view, double pixels, double budget,
+double fallback_scale(const ViewAxes& view, double pixels, double budget, double coarsest,
                       const CacheOptions& options) {
   const double all = double(view.camera.width) * view.camera.height;
   const double at_full_scale = options.cost.fallback_texel * std::max(1.0, std::min(pixels, all));
-  const double scale =
-      std::clamp(std::sqrt(std::max(0.0, budget) / at_full_scale), kCoarsestFallback, 1.0);
+  const double scale = std::clamp(std::sqrt(std::max(0.0, budget) / at_full_scale), coarsest, 1.0);
   return std::min(scale,
                   double(options.max_texels) / std::max(view.camera.width, view.camera.height));
 }

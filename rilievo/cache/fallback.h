@@ -10,11 +10,14 @@
 
 namespace rilievo {
 
+// Texels of two pixels still tell what each pixel shows.
+inline constexpr double kCoarsestFallback = 0.5;
+
 // The scale of the fallback's texels, 1: those of the frame; for objects that cover `pixels`
-// pixels, with `budget` left for them (CacheOptions::capture_cost). At least one half, where the
-// largest picture allows it: texels of two pixels still tell what each pixel shows.
+// pixels, with `budget` left for them (CacheOptions::fallback_cost). At least `coarsest`, where the
+// largest picture allows it.
 [[nodiscard]] double fallback_scale(const ViewAxes& view, double pixels, double budget,
-                                    const CacheOptions& options);
+                                    double coarsest, const CacheOptions& options);
 
 // The geometry of a picture of what lies in `boxes` (not empty) with texels of this scale: those of
 // a picture of the whole frame, of the part around the boxes.

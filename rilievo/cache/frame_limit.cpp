@@ -17,6 +17,9 @@ constexpr double kLeastShare = 0.5;
 // Where nothing jumped, captures do not make a frame cost more than this share of spike_floor or
 // max_spike times what is usual; in the second frame they cost no more than this.
 constexpr double kWalkFloor = 0.4, kCaptureFloor = 0.2;
+// After a jump the fallback takes no more than this share of what the frame may cost, down to
+// texels of four pixels, which still show what is where.
+constexpr double kFallbackShare = 0.8, kCoarsestAfterJump = 0.25;
 // An eye that stood has jumped if its first step shifts what it saw by more, radians.
 constexpr double kFirstShift = 0.25;
 
@@ -71,13 +74,26 @@ bool FramePlanner::falls_back(Entity e, float from, float to) const {
   return stands_for(e, polygon_cost(e)).cost > options.cost.fallback_texel * texels;
 }
 
+// The smallest scale of the fallback: after a jump no larger than leaves some of the frame's limit.
+double FramePlanner::coarsest_fallback() const {
+  if (!jumped) return kCoarsestFallback;
+  const double pixels = double(view.camera.width) * view.camera.height;
+  const double most =
+      std::sqrt(kFallbackShare * plan.limit / (options.cost.fallback_texel * pixels));
+  return std::clamp(most, kCoarsestAfterJump, kCoarsestFallback);
+}
+
 // Moves the dearest polygons into the fallback, which costs the same however many it shows, until
 // the frame costs what it may; none where that would cost more.
 void FramePlanner::limit_cost() {
   if (!(plan.limit > 0)) return;
   const double frame = double(view.camera.width) * view.camera.height;
-  if (!plan.fallback.objects.empty())
-    plan.cost += options.cost.fallback_texel * frame * fallback_scale * fallback_scale;
+  const auto count_fallback = [&](double scale) {
+    plan.cost -= plan.fallback_cost;
+    plan.fallback_cost = options.cost.fallback_texel * frame * scale * scale;
+    plan.cost += plan.fallback_cost;
+  };
+  if (!plan.fallback.objects.empty()) count_fallback(fallback_scale);
   if (plan.cost <= plan.limit) return;
   std::vector<std::uint32_t>& dearest = scratch.dearest;
   dearest.clear();
@@ -87,11 +103,11 @@ void FramePlanner::limit_cost() {
       dearest.push_back(i);
       polygons += double(scratch.polygons[i].cost);
     }
-  const double coarsest = options.cost.fallback_texel * frame / 4;
-  if (plan.fallback.objects.empty()) {
-    if (polygons <= coarsest) return;
-    plan.cost += coarsest;
-  }
+  const double coarsest = coarsest_fallback();
+  if (plan.fallback.objects.empty() &&
+      polygons <= options.cost.fallback_texel * frame * coarsest * coarsest)
+    return;
+  count_fallback(coarsest);
   std::sort(dearest.begin(), dearest.end(), [&](std::uint32_t a, std::uint32_t b) {
     const float cost_a = scratch.polygons[a].cost, cost_b = scratch.polygons[b].cost;
     return cost_a != cost_b ? cost_a > cost_b : a < b;
@@ -106,7 +122,8 @@ void FramePlanner::limit_cost() {
     plan.polygons[dearest[moved]].to = 0;
   }
   std::erase_if(plan.polygons, [](const DrawnObject& drawn) { return drawn.to <= 0; });
-  fallback_scale = rilievo::fallback_scale(view, frame, plan.limit - plan.cost + coarsest, options);
+  fallback_scale = rilievo::fallback_scale(view, frame, plan.limit - plan.cost + plan.fallback_cost,
+                                           coarsest, options);
 }
 
 void FramePlanner::finish_fallback() {

@@ -140,6 +140,7 @@ struct FramePlanner {
   // By how much what the last frame drew as pictures has shifted since: the mean, radians.
   [[nodiscard]] double mean_shift() const;
   [[nodiscard]] bool falls_back(Entity e, float from, float to) const;
+  [[nodiscard]] double coarsest_fallback() const;
   void limit_cost();
   void finish_fallback();
   void emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,

@@ -177,7 +177,7 @@ Result<> expect_costs(const MachineCosts& costs, DrawnBy drawn_by, bool rasteriz
 }
 
 void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
-                 CacheOptions& options, CaptureClock& clock) {
+                 CacheOptions& options, CostClock& clock) {
   RILIEVO_EXPECTS(expect_costs(costs, drawn_by, rasterizes).ok());
   const DrawTimes& draw = drawn_by == DrawnBy::software ? costs.draw_software : *costs.draw_opengl;
   const CaptureTimes& capture = rasterizes ? costs.capture_rasterizer : *costs.capture_opengl;
@@ -192,7 +192,7 @@ void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
   cost.capture_triangle = capture.triangle_ns / triangle;
   cost.capture_texel = capture.texel_ns / triangle;
   cost.fallback_texel = costs.ray_texel_ns / triangle;
-  clock.capture.ms_per_cost = clock.fallback.ms_per_cost = 1e-6 * triangle;
+  clock = CostClock(1e-6 * triangle);
   const auto in_time = [&](double ns) {
     return std::uint64_t(std::max(1.0, std::round(ns / capture.triangle_ns)));
   };

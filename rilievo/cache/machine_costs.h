@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "rilievo/cache/capture_clock.h"
+#include "rilievo/cache/cost_clock.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/core/result.h"
 
@@ -79,7 +79,7 @@ inline constexpr double kLeastNs = 1e-4, kMostNs = 1e9;
 // take as long as the built-in ones on their machine. `clock` starts at the machine's prices.
 // Requires expect_costs().
 void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
-                 CacheOptions& options, CaptureClock& clock);
+                 CacheOptions& options, CostClock& clock);
 
 // What drawing a kind's instance costs under `model`, whose triangles can be cheap or dear: work
 // follows what a picture's pixel takes; triangles are triangles. `triangles` of the result is 0.

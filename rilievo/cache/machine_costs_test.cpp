@@ -128,7 +128,7 @@ TEST(MachineCosts, those_of_the_machine_that_the_defaults_are_from_give_the_defa
     EXPECT_EQ(a.capture_triangles, b.capture_triangles);
     EXPECT_EQ(a.picture_triangles, b.picture_triangles);
   };
-  CaptureClock clock;
+  CostClock clock;
   CacheOptions options;
   use_machine(builtin_machine(), DrawnBy::opengl, false, options, clock);
   expect_same(options, {});
@@ -137,8 +137,8 @@ TEST(MachineCosts, those_of_the_machine_that_the_defaults_are_from_give_the_defa
   CacheOptions rasterized = rasterized_cache_options();
   rasterized.capture_triangles = 1'428'571;  // in 40 ms instead of 140, of 28 ns each
   expect_same(options, rasterized);
-  EXPECT_DOUBLE_EQ(clock.capture.ms_per_cost, 280e-6);
-  EXPECT_DOUBLE_EQ(clock.fallback.ms_per_cost, 280e-6);
+  for (const MeasuredPrice& price : {clock.drawing, clock.capture, clock.fallback})
+    EXPECT_DOUBLE_EQ(price.ms_per_cost, 280e-6);
 }
 
 TEST(MachineCosts, measured_without_opengl_do_not_serve_it) {
@@ -172,7 +172,7 @@ struct Chosen {
 Chosen walk_on(const MachineCosts& costs) {
   const PlanObjects forest = plant(700);
   CacheOptions options = rasterized_cache_options();
-  CaptureClock clock;
+  CostClock clock;
   use_machine(costs, DrawnBy::software, true, options, clock);
   options.fade_frames = 1;  // nothing is drawn from two
   Loop run;
@@ -235,7 +235,7 @@ TEST(MeasuredCosts, of_this_machine_can_be_stored_and_used) {
   ASSERT_TRUE(stored.ok()) << stored.error().message();
   EXPECT_EQ(*stored, *measured);
   CacheOptions options;
-  CaptureClock clock;
+  CostClock clock;
   use_machine(*stored, DrawnBy::software, true, options, clock);
   EXPECT_GT(options.cost.picture_pixel, 0);
   EXPECT_GE(options.picture_triangles, 1u);

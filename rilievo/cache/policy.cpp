@@ -145,7 +145,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   plan.polygon_triangles = plan.captured_triangles = 0;
   plan.single = plan.hierarchy = plan.starved = 0;
   plan.polygon_px = 0;
-  plan.cost = plan.limit = plan.usual_cost = 0;
+  plan.cost = plan.fallback_cost = plan.limit = plan.usual_cost = 0;
   plan.bytes = state.bytes;
 
   scratch.checked.assign(state.slots.size(), {});

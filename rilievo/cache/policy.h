@@ -75,19 +75,21 @@ struct CacheOptions {
   double capture_share = 0;
   // A budget of time instead, by the CostModel. A plan then orders captures, which are made beside
   // the frames and enter the cache when they are done (adopt_capture). All orders that are not done
-  // cost at most this together; a dearer one is made when there is no other. The frame's fallback
-  // costs at most this, too. Until a capture is done, its entity is drawn from the picture at hand,
-  // which is then late; the latest is captured first. An entity without a picture is in
-  // Plan::fallback. Nothing is captured for a single frame. Infinite: there is no such budget,
-  // nothing is late, and there is no fallback.
+  // cost at most this together; a dearer one is made when there is no other. Until a capture is
+  // done, its entity is drawn from the picture at hand, which is then late; the latest is captured
+  // first. An entity without a picture is in Plan::fallback. Nothing is captured for a single
+  // frame. Infinite: there is no such budget, nothing is late, and there is no fallback.
   double capture_cost = std::numeric_limits<double>::infinity();
+  // With such a budget, what the frame's fallback may cost.
+  double fallback_cost = std::numeric_limits<double>::infinity();
   // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
   // its dearest polygons go into Plan::fallback, until it costs no more than they did, or
   // spike_floor (in triangles), which any frame may cost. The first frame after a jump of the eye
   // may cost jump_share of spike_floor, so that it takes no longer than spike_floor where drawing
-  // takes half as long again as the CostModel says. From frame to frame the limit grows by a
-  // third, from spike_floor on, up to max_spike times what the last frames cost, and is at least
-  // half of what the frame would cost without it. 0: no limit.
+  // takes half as long again as the CostModel says; the fallback's texels are then up to four
+  // pixels wide, elsewhere two. From frame to frame the limit grows by a third, from spike_floor
+  // on, up to max_spike times what the last frames cost, and is at least half of what the frame
+  // would cost without it. 0: no limit.
   double max_spike = 0;
   double spike_floor = 360'000;
   double jump_share = 0.65;
@@ -337,9 +339,10 @@ struct Plan {
   double gap_px = 0;              // the largest bound_gap_px of the pictures drawn, and of cracks
   int starved = 0;                // captures for which memory did not suffice
   double credit = 0, texel_scale = 1;
-  double cost = 0;        // of drawing and captures, by CostModel, in triangles
-  double limit = 0;       // on it, if it had to be limited
-  double usual_cost = 0;  // CacheState's after it
+  double cost = 0;           // of drawing and captures, by CostModel, in triangles
+  double fallback_cost = 0;  // what of it is for the fallback
+  double limit = 0;          // on it, if it had to be limited
+  double usual_cost = 0;     // CacheState's after it
 };
 
 // Buffers of plan_frame; their contents are not used between frames.

@@ -333,9 +333,12 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   stats.bound_px = plan_.bound_px;
   stats.gap_px = plan_.gap_px;
   stats.picture_bytes = store_.bytes() + alternative_bytes_;
+  since_choice_ = {};
 }
 
 void SceneCache::learn(std::span<const ObjectWork> work, std::span<const float> seen_shares) {
+  if (captures_beside(policy_))
+    clock_.drawing.learn(plan_.cost - plan_.fallback_cost, since_choice_.ms());
   if (!options_.learn) return;
   learn_seen(plan_, seen_shares, state_);
   work_of_.resize(placed_.scene().objects.size());

@@ -14,12 +14,13 @@
 #include <vector>
 
 #include "rilievo/cache/cache_pictures.h"
-#include "rilievo/cache/capture_clock.h"
 #include "rilievo/cache/captures_beside.h"
+#include "rilievo/cache/cost_clock.h"
 #include "rilievo/cache/eye_motion.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/capture/capture_by.h"
 #include "rilievo/capture/coarse_capture.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/frame_content.h"
 #include "rilievo/frame/object_levels.h"
 #include "rilievo/kind/kind.h"
@@ -179,7 +180,8 @@ class SceneCache {
   EyeMotion motion_;
   double cost_per_ms_ = 0;  // of captures: Capture::cost, measured
   // Where captures have a budget of time:
-  CaptureClock clock_;
+  CostClock clock_;
+  Stopwatch since_choice_;
   CacheOptions unlimited_;                  // policy_ without such a budget
   bool casts_ = false;                      // has coarse_ been asked for?
   std::unique_ptr<CoarseCapture> coarse_;   // null: not yet, or memory did not suffice

@@ -180,7 +180,8 @@ void schedule_in_time(FramePlanner& planner, double credit) {
       planner.scratch.fallback[request.entity] = 1;
       pixels += covered_pixels(planner.view, planner.box_of(request.entity));
     }
-  planner.fallback_scale = fallback_scale(planner.view, pixels, budget, planner.options);
+  planner.fallback_scale = fallback_scale(planner.view, pixels, planner.options.fallback_cost,
+                                          kCoarsestFallback, planner.options);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(Spike, a_frame_after_a_cut_costs_what_it_may_and_shows_all_until_it_is_fine
       const ViewAxes axes = view_axes(view, 0);
       for (std::size_t i = 0; i < still.size(); ++i)
         EXPECT_TRUE(complete(still[i]) || !may_see(axes.now, blocks.boxes[i])) << i;
-      // Texels of two pixels at most.
+      // Texels of two pixels at most: rays are cheap here.
       EXPECT_LE(run.plan.bound_px, options.error_px + std::sqrt(0.5) + 1e-9);
       const double cost = cost_of(run, blocks, view, options);
       if (run.plan.fallback.objects.empty()) {
@@ -176,6 +176,38 @@ TEST(Spike, without_a_limit_and_below_the_floor_nothing_is_coarse) {
       EXPECT_EQ(run.plan.limit, 0);
       EXPECT_LE(run.plan.bound_px, one.error_px);
     }
+  }
+}
+
+// Rays for the whole frame may cost more than the frame may: then they are fewer.
+TEST(Spike, after_a_jump_the_coarse_picture_leaves_a_share_of_the_limit) {
+  std::mt19937 rng(17);
+  const PlanObjects blocks = blocks_of_all_sizes(rng);
+  // With half as many texels across and up, 58 000 of them; the limit is 117 000.
+  for (const auto& [texel, scale] : {std::pair(1.0, 0.5), {4.0, 0.3187}, {20.0, 0.25}}) {
+    CacheOptions options = limited_options();
+    options.cost.fallback_texel = texel;
+    options.captures = 3;  // it takes some frames until all is fine
+    Loop run;
+    EyeMotion motion = walking_elsewhere();
+    int coarse = 0, coarse_later = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      const FrameView view = follow(motion, walking(frame, 0.02));
+      ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
+      if (run.plan.fallback.objects.empty()) continue;
+      const double pixels = 1 / run.plan.fallback.texel_px;
+      if (frame % 20 > 0) {
+        ++coarse_later;
+        EXPECT_GE(pixels, 0.5 - 1e-9) << frame;
+      } else {
+        ++coarse;
+        // Within a texel or two of the frame, and finer where polygons left something.
+        EXPECT_GE(pixels, scale - 1e-3) << frame;
+        EXPECT_LE(pixels, 1.2 * scale) << frame;
+      }
+    }
+    EXPECT_EQ(coarse, 3);
+    EXPECT_GT(coarse_later, 3);
   }
 }
 
