@@ -23,8 +23,7 @@ constexpr float kEdge = 1 / 50.f;  // of the depth, from pixel to pixel: another
 class OldLightRays final : public RayShader {
  public:
   OldLightRays(const TracedScene& traced, const Camera& before, const Camera& now)
-      : traced_(traced),
-        before_(before),
+      : before_(before),
         now_(now),
         objects_(*traced.scene, std::span(&traced.object, 1)),
         rays_(picture_rays(before)),
@@ -73,7 +72,6 @@ class OldLightRays final : public RayShader {
     return hit;
   }
 
-  const TracedScene& traced_;
   const Camera &before_, &now_;
   ObjectSet objects_;
   PictureRays rays_, new_rays_;

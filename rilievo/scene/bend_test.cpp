@@ -79,7 +79,7 @@ std::string bent_file(unsigned seed, bool normals, float longer = 1) {
   for (std::size_t j = 0; j < joints; ++j) {
     const int node =
         b.node({{"translation", any.several(3, -0.6f, 0.6f)}, {"rotation", any.turn()}});
-    if (j > 0) b.json["nodes"][std::size_t(node - 1)]["children"] = {node};
+    if (j > 0) b.json["nodes"][std::size_t(node - 1)]["children"] = nlohmann::json::array({node});
     skin["joints"].push_back(node);
     animate(node, "rotation", "VEC4", 4, false, [&] { return any.turn(); });
     if (j % 2)
@@ -96,7 +96,7 @@ std::string bent_file(unsigned seed, bool normals, float longer = 1) {
     bind.insert(bind.end(), m.begin(), m.end());
   }
   skin["inverseBindMatrices"] = b.floats(bind, "MAT4");
-  b.json["skins"] = {skin};
+  b.json["skins"] = nlohmann::json::array({skin});
   for (const int node : {skinned, plain})
     animate(node, "weights", "SCALAR", 2, node == plain, [&] { return any.several(2, 0, 1); });
   animate(plain, "translation", "VEC3", 3, false, [&] { return any.several(3, 2, 4); });

@@ -195,13 +195,13 @@ TEST(GltfMesh, skins_and_morph_targets_are_posed_as_defined) {
     for (std::size_t j = 0; j < joints; ++j) {
       const std::vector<float> t = random_floats(rng, 3);
       const int node = b.node({{"translation", t}});
-      if (j > 0) b.json["nodes"][node - 1]["children"] = {node};
+      if (j > 0) b.json["nodes"][node - 1]["children"] = nlohmann::json::array({node});
       skin["joints"].push_back(node);
       parent[3] += glm::dvec4(t[0], t[1], t[2], 0);
       world_from_joint.push_back(parent);
     }
     skin["inverseBindMatrices"] = b.floats(bind, "MAT4");
-    b.json["skins"] = {skin};
+    b.json["skins"] = nlohmann::json::array({skin});
     // Weights from 0.25, 0.75 to 1, 0 within two seconds.
     b.json["animations"] = {
         {{"samplers",
