@@ -148,8 +148,10 @@ void add_trees(Scene& scene, const Land& land, double triangles, Random& random)
         leaves);
   for (const Spot& spot : spots) {
     const glm::vec3 foot{spot.place.x, land.height(spot.place.x, spot.place.y), spot.place.y};
-    add_object(scene, "tree", models[spot.kind],
-               at(foot, random.between(0, 6.28f), glm::vec3(random.between(0.8f, 1.15f))));
+    // One after the other, for the same order with every compiler.
+    const float scale = random.between(0.8f, 1.15f);
+    const float angle = random.between(0, 6.28f);
+    add_object(scene, "tree", models[spot.kind], at(foot, angle, glm::vec3(scale)));
   }
 }
 
@@ -175,9 +177,10 @@ void add_rocks(Scene& scene, const Land& land, double triangles, Random& random)
     const float z = random.between(-34, 34), side = i % 3 ? 1.0f : -1.0f;
     const float x = river(z) + side * random.between(15.5f, 19.5f);
     const float size = random.between(0.7f, 2.6f);
+    const float height = size * random.between(0.7f, 1.1f);
+    const float angle = random.between(0, 6.28f);
     add_object(scene, "rock", models[i % 3],
-               at({x, land.height(x, z) + 0.1f * size, z}, random.between(0, 6.28f),
-                  glm::vec3(size, size * random.between(0.7f, 1.1f), size)));
+               at({x, land.height(x, z) + 0.1f * size, z}, angle, glm::vec3(size, height, size)));
   }
 }
 

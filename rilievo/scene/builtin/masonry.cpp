@@ -60,9 +60,12 @@ void add_stone(Mesh& mesh, const Wall& wall, const Stone& stone, int n, Random& 
   BoxShape shape;
   shape.n = {n, n, 1};
   shape.back = wall.two_sided;
+  // Each in a statement of its own, for the same order with every compiler.
+  const float blue = random.between(-1, 1);
+  const float red = random.between(-1, 1);
+  const float tint = random.between(-1, 1);
   const glm::vec3 color =
-      wall.color * (1 + wall.tints * random.between(-1.0f, 1.0f)) *
-      (1.0f + 0.04f * glm::vec3(random.between(-1, 1), 0, random.between(-1, 1)));
+      wall.color * (1 + wall.tints * tint) * (1.0f + 0.04f * glm::vec3(red, 0, blue));
   const std::uint64_t seed = random.next();
   const float width = stone.s1 - stone.s0 - 2 * wall.joint;
   add_box(mesh, shape, [&](const glm::vec3& c) {

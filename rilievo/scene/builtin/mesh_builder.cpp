@@ -136,10 +136,11 @@ void add_box(Mesh& mesh, const BoxShape& shape,
             q[u] = i + du, q[v] = j + dv;
             return at(q);
           };
-          if (positive)
-            add_quad(mesh, corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1));
-          else
-            add_quad(mesh, corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
+          // One after the other: each may add a vertex, and arguments of one call have no order.
+          const std::uint32_t last = positive ? corner(0, 1) : corner(1, 0);
+          const std::uint32_t opposite = corner(1, 1);
+          const std::uint32_t second = positive ? corner(1, 0) : corner(0, 1);
+          add_quad(mesh, corner(0, 0), second, opposite, last);
         }
     }
   }
