@@ -146,15 +146,16 @@ Frame new_frame(const Solid& solid, const PictureGeometry& picture, SplitMix64& 
   const glm::dvec3 center(bounds(solid).center());
   const glm::dvec3 old_eye = picture.capture.position();
   Frame frame;
-  const glm::dvec3 eye = old_eye + distance * random.power(1e-3, 0.3) * random.direction();
-  const glm::dvec3 target = center + distance * random.between(0, 0.4) * random.direction();
-  const bool upright = random.next() < 0.5;
-  frame.camera = look_at(eye, target, upright ? glm::dvec3(0, 1, 0) : random.direction(),
-                         random.between(0.5, 1.5), 1280, 720, 1e-3 * distance, 10 * distance);
+  const glm::dvec3 eye = old_eye + random.vector(distance * random.power(1e-3, 0.3));
+  const glm::dvec3 target = center + random.vector(distance * random.between(0, 0.4));
+  const glm::dvec3 up = random.next() < 0.5 ? glm::dvec3(0, 1, 0) : random.direction();
+  frame.camera =
+      look_at(eye, target, up, random.between(0.5, 1.5), 1280, 720, 1e-3 * distance, 10 * distance);
   if (random.next() < 0.5) {
     glm::dmat4 m = glm::translate(glm::dmat4(1), center);
-    m = glm::translate(m, distance * random.power(1e-4, 0.1) * random.direction());
-    m = glm::rotate(m, random.power(1e-3, 0.2), random.direction());
+    m = glm::translate(m, random.vector(distance * random.power(1e-4, 0.1)));
+    const glm::dvec3 axis = random.direction();
+    m = glm::rotate(m, random.power(1e-3, 0.2), axis);
     frame.motion.now_from_then = glm::translate(m, -center);
   }
   return frame;

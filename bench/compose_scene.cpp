@@ -80,8 +80,8 @@ std::vector<Nailboard> compose_pictures(int count, double cover, int delta_bits)
   std::vector<std::pair<bool, std::uint64_t>> looks;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const glm::dvec2 size = glm::clamp(scale * sizes[i], 12.0, 310.0);
-    const glm::dvec2 at(random.between(0.3 * size.x, frame.width - 0.3 * size.x),
-                        random.between(0.3 * size.y, frame.height - 0.3 * size.y));
+    const glm::dvec2 at{random.between(0.3 * size.x, frame.width - 0.3 * size.x),
+                        random.between(0.3 * size.y, frame.height - 0.3 * size.y)};
     const double z = random.power(20, 200), angle = random.between(0, 2 * M_PI);
     const glm::dvec3 middle = world_from_raster(frame, at, z);
     const glm::dvec3 eye =
@@ -96,7 +96,8 @@ std::vector<Nailboard> compose_pictures(int count, double cover, int delta_bits)
                 distance - radius, distance + radius);
     boards[i].geometry = picture_geometry(capture);
     boards[i].geometry.delta_bits = delta_bits;
-    looks.emplace_back(random.next() < 0.5, std::uint64_t(random.below(1 << 30)));
+    const bool first = random.next() < 0.5;
+    looks.emplace_back(first, std::uint64_t(random.below(1 << 30)));
   }
   parallel_for(std::size_t(0), boards.size(),
                [&](std::size_t i) { fill(boards[i], looks[i].first, looks[i].second); });

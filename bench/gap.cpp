@@ -61,18 +61,18 @@ struct GapFrame {
 GapFrame new_frame(const GapCapture& captured, SplitMix64& random) {
   const glm::dvec3 old_eye = captured.picture.capture.position();
   const double distance = glm::length(old_eye);
-  glm::dvec3 step = distance * random.power(0.01, 0.1) * random.direction();
+  glm::dvec3 step = random.vector(distance * random.power(0.01, 0.1));
   if (random.next() < 0.4) step -= 0.9 * glm::dot(step, old_eye) / (distance * distance) * old_eye;
   GapFrame frame;
-  const glm::dvec3 target = distance * random.between(0, 0.15) * random.direction();
-  frame.camera = look_at(old_eye + step, target,
-                         random.next() < 0.5 ? glm::dvec3(0, 1, 0) : random.direction(),
-                         random.between(0.4, 1.0), 480, 320, 0.01 * distance, 10 * distance);
+  const glm::dvec3 target = random.vector(distance * random.between(0, 0.15));
+  const glm::dvec3 up = random.next() < 0.5 ? glm::dvec3(0, 1, 0) : random.direction();
+  frame.camera = look_at(old_eye + step, target, up, random.between(0.4, 1.0), 480, 320,
+                         0.01 * distance, 10 * distance);
   if (random.next() < 0.5) {
-    frame.motion.now_from_then =
-        glm::rotate(glm::dmat4(1), random.power(1e-3, 0.05), random.direction());
+    const glm::dvec3 axis = random.direction();
+    frame.motion.now_from_then = glm::rotate(glm::dmat4(1), random.power(1e-3, 0.05), axis);
     frame.motion.now_from_then[3] =
-        glm::dvec4(distance * random.power(1e-3, 0.03) * random.direction(), 1);
+        glm::dvec4(random.vector(distance * random.power(1e-3, 0.03)), 1);
   }
   frame.camera_then = frame.camera;
   frame.camera_then.world_from_eye =
@@ -124,8 +124,8 @@ double widest(const GapCapture& captured, const GapFrame& frame, SplitMix64& ran
   double widest = 0;
   int runs = 0;
   for (int i = 0; i < kGapRays && runs < kRuns; ++i) {
-    const glm::dvec2 raster(random.next() * frame.camera.width,
-                            random.next() * frame.camera.height);
+    const glm::dvec2 raster{random.next() * frame.camera.width,
+                            random.next() * frame.camera.height};
     glm::dvec3 point;
     if (!missing.at(raster, &point)) continue;
     widest = std::max(widest, missing.run(raster, point));

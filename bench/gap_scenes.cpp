@@ -71,9 +71,11 @@ GapSolid disc(const glm::dvec3& center, double radius, const glm::dvec3& normal)
 
 void add_leaves(GapScene& scene, int count, double size, const glm::dvec3& center, double spread,
                 SplitMix64& random) {
-  for (int i = 0; i < count; ++i)
-    scene.solids.push_back(disc(center + spread * std::cbrt(random.next()) * random.direction(),
-                                size * random.between(0.3, 1), random.direction()));
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 at = center + random.vector(spread * std::cbrt(random.next()));
+    const double radius = size * random.between(0.3, 1);
+    scene.solids.push_back(disc(at, radius, random.direction()));
+  }
 }
 
 }  // namespace
@@ -113,17 +115,23 @@ GapScene make_gap_scene(std::size_t kind, SplitMix64& random) {
     case 0:
       add(ball({0, 0, 0}, in(0.5, 2)));
       break;
-    case 1:
-      add(box_of({0, 0, 0}, {in(0.4, 1.2), in(0.4, 1.2), in(0.4, 1.2)},
-                 axes_of(random.direction(), random.direction())));
+    case 1: {
+      const glm::dvec3 half{in(0.4, 1.2), in(0.4, 1.2), in(0.4, 1.2)};
+      const glm::dvec3 x = random.direction(), y = random.direction();
+      add(box_of({0, 0, 0}, half, axes_of(x, y)));
       break;
-    case 2:
-      add(box_of({in(-0.5, 0.5), in(-0.5, 0.5), 0}, {1, 1, in(0.3, 2)}));
+    }
+    case 2: {
+      const glm::dvec3 center{in(-0.5, 0.5), in(-0.5, 0.5), 0};
+      add(box_of(center, {1, 1, in(0.3, 2)}));
       break;
+    }
     case 3:
       add(box_of({0, 0, 1}, {1, 1, 0.03}));
-      for (int i = 0; i < 4; ++i)
-        add(box_of({in(0.2, 1.6), in(-0.8, 0.8), in(-1.5, 0.5)}, {1, in(0.05, 0.2), 0.05}));
+      for (int i = 0; i < 4; ++i) {
+        const glm::dvec3 center{in(0.2, 1.6), in(-0.8, 0.8), in(-1.5, 0.5)};
+        add(box_of(center, {1, in(0.05, 0.2), 0.05}));
+      }
       break;
     case 4:  // bars wholly behind the plate, for an eye some ten metres away
       add(box_of({0, 0, 1}, {1, 1, 0.03}));
@@ -168,14 +176,18 @@ GapScene make_gap_scene(std::size_t kind, SplitMix64& random) {
     case 10:
       for (int i = 0; i < 18; ++i) {
         const double width = in(0.04, 0.2);
-        add(box_of({in(-1.5, 1.5), 0, in(-3, 2)}, {width, 1, width},
-                   axes_of({1, in(-0.2, 0.2), in(-1, 1)}, {in(-0.2, 0.2), 1, 0})));
+        const glm::dvec3 center{in(-1.5, 1.5), 0, in(-3, 2)};
+        const glm::dvec3 x{1, in(-0.2, 0.2), in(-1, 1)}, y{in(-0.2, 0.2), 1, 0};
+        add(box_of(center, {width, 1, width}, axes_of(x, y)));
       }
       break;
     default:
-      for (int i = 0; i < 9; ++i)
-        add(box_of({in(-1.2, 1.2), in(-1, 1), in(-2.5, 1.5)}, {in(0.1, 0.6), in(0.1, 0.6), 0.02},
-                   axes_of({1, 0, in(-0.3, 0.3)}, {in(-0.3, 0.3), 1, in(-0.3, 0.3)})));
+      for (int i = 0; i < 9; ++i) {
+        const glm::dvec3 center{in(-1.2, 1.2), in(-1, 1), in(-2.5, 1.5)};
+        const glm::dvec3 half{in(0.1, 0.6), in(0.1, 0.6), 0.02};
+        const glm::dvec3 x{1, 0, in(-0.3, 0.3)}, y{in(-0.3, 0.3), 1, in(-0.3, 0.3)};
+        add(box_of(center, half, axes_of(x, y)));
+      }
   }
   return scene;
 }

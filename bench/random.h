@@ -7,8 +7,8 @@
 
 namespace rilievo::bench {
 
-// The same numbers with every compiler and library. Not named as rilievo/core/random.h's, which
-// other benchmarks use.
+// The same numbers with every compiler and library, if no expression asks for two of them: operands
+// and arguments have no order. Not named as rilievo/core/random.h's, which other benchmarks use.
 struct SplitMix64 {
   std::uint64_t state;
   double next() {  // [0, 1)
@@ -22,11 +22,13 @@ struct SplitMix64 {
   int below(int count) { return int(next() * count); }
   glm::dvec3 direction() {
     for (;;) {
-      const glm::dvec3 p(between(-1, 1), between(-1, 1), between(-1, 1));
+      const glm::dvec3 p{between(-1, 1), between(-1, 1), between(-1, 1)};  // in this order
       const double length = glm::length(p);
       if (length > 1e-3 && length <= 1) return p / length;
     }
   }
+  // A vector of this length in any direction.
+  glm::dvec3 vector(double length) { return length * direction(); }
 };
 
 }  // namespace rilievo::bench

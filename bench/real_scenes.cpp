@@ -86,12 +86,12 @@ Rgba8Image spotted_image(std::uint64_t seed) {
   for (int spot = 0; spot < 600; ++spot) {
     const int x = int(random.between(0, kSize)), y = int(random.between(0, kSize));
     const int r = int(random.between(2, 14));
-    const glm::u8vec4 color(int(random.between(40, 255)), int(random.between(40, 220)),
-                            int(random.between(30, 180)), 255);
+    const glm::ivec3 color{int(random.between(40, 255)), int(random.between(40, 220)),
+                           int(random.between(30, 180))};
     for (int dy = -r; dy <= r; ++dy)
       for (int dx = -r; dx <= r; ++dx)
         if (dx * dx + dy * dy <= r * r)
-          image((x + dx + kSize) % kSize, (y + dy + kSize) % kSize) = color;
+          image((x + dx + kSize) % kSize, (y + dy + kSize) % kSize) = glm::u8vec4(color, 255);
   }
   return image;
 }

@@ -28,7 +28,7 @@ std::vector<glm::dvec3> directions(int steps) {
   glm::dquat turn(1, 0, 0, 0);
   glm::dvec3 axis(0.2, 1, 0);
   for (int i = 0; i < steps; ++i) {
-    axis = glm::normalize(axis + 0.25 * glm::dvec3(unit(rng), unit(rng), unit(rng)));
+    axis = glm::normalize(axis + 0.25 * glm::dvec3{unit(rng), unit(rng), unit(rng)});
     turn = glm::angleAxis((i % 30 == 29 ? 41.2 : 1.2) * 0.0174533, axis) * turn;
     all.push_back(turn * glm::dvec3(0, 0, 1));
   }

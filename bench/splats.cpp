@@ -118,7 +118,7 @@ Result<BenchReport> splats(const BenchOptions& options) {
       const double u = size * (0.5 + 1.25 * unit(rng)), v = size * (0.5 + 1.25 * unit(rng));
       const glm::dvec3 eye = source.world(u, v, -away);
       const glm::dvec3 target = source.world(0.5 * size, 0.5 * size, 0);
-      const glm::dvec3 up(0.4 * unit(rng), 1, 0.4 * unit(rng));
+      const glm::dvec3 up{0.4 * unit(rng), 1, 0.4 * unit(rng)};
       const int pixels = 2 * size;
       const double fov = 2 * std::atan(0.25 * pixels * texel / away);
       const Camera camera = look_at(eye, target, up, fov, pixels, pixels, 0.01 * away, 10 * away);
