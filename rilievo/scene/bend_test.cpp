@@ -28,7 +28,10 @@ struct Numbers {
     return out;
   }
   std::vector<float> turn() {
-    glm::vec4 q((*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1), (*this)(0.5f, 1));
+    // One after the other, for the same order with every compiler.
+    glm::vec4 q;
+    q.w = (*this)(0.5f, 1);
+    for (const int i : {2, 1, 0}) q[i] = (*this)(-1, 1);
     q /= glm::length(q);
     return {q.x, q.y, q.z, q.w};
   }
@@ -219,8 +222,7 @@ TEST(Bend, keys_may_be_far_apart) {
   const DeformationBounds bounds = deformation_bounds(
       slow->scene, slow->deformations)[std::size_t(slow->scene.objects[0].model)];
   EXPECT_GT(bounds.speed, 0);
-  // Metres a second: tangents of 0.3 at most, and all joints at once.
-  EXPECT_LT(bounds.speed, 3);
+  EXPECT_LT(bounds.speed, 1);  // metres a second: a few in half an hour, and all joints at once
   const Result<LoadedScene> ages = load_bent(bent_file(1, true, 1e30f), 0, true);
   ASSERT_TRUE(ages.ok());
   EXPECT_TRUE(ages->deformations.meshes.empty());
