@@ -46,9 +46,15 @@ inline Camera random_camera(const Box& bounds, std::mt19937& rng, int size) {
   std::uniform_real_distribution<double> u(0, 1);
   std::normal_distribution<double> n;
   const double distance = 1.3 + 6 * u(rng) * u(rng), radius = bounds.radius();
-  const glm::dvec3 direction = glm::normalize(glm::dvec3(n(rng), n(rng), n(rng)));
+  // One after the other, for the same order with every compiler.
+  const auto vector = [&] {
+    glm::dvec3 v;
+    for (const int i : {2, 1, 0}) v[i] = n(rng);
+    return v;
+  };
+  const glm::dvec3 direction = glm::normalize(vector());
   const glm::dvec3 center(bounds.center());
-  const glm::dvec3 aside = 0.3 * radius * glm::dvec3(n(rng), n(rng), n(rng));
+  const glm::dvec3 aside = 0.3 * radius * vector();
   return look_at(center + direction * (distance * radius), center + aside, {0.1, 1, 0.05},
                  2 * std::asin(std::min(0.9, 1 / distance)), size, size, 0.02 * radius,
                  20 * radius);
