@@ -23,6 +23,9 @@ namespace rilievo {
 // `text` without white space at either end.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
+// `text` with the letters A to Z as a to z.
+[[nodiscard]] std::string lower_case(std::string_view text);
+
 // The number at the beginning of a word, whatever follows it ("3.1+e2" is 3.1); none if there is no
 // number. Can be infinite.
 [[nodiscard]] std::optional<double> number_of(std::string_view word);

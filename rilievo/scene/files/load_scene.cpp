@@ -1,7 +1,6 @@
 #include "rilievo/scene/files/load_scene.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -10,6 +9,7 @@
 
 #include "rilievo/core/file.h"
 #include "rilievo/io/load_context.h"
+#include "rilievo/io/text_scan.h"
 #include "rilievo/scene/gltf/read.h"
 #include "rilievo/scene/polygons/polygon_read.h"
 #include "rilievo/scene/solid_materials.h"
@@ -22,8 +22,7 @@ bool starts_with(Bytes bytes, std::string_view magic) {
 }
 
 std::string lower_extension(const std::filesystem::path& path) {
-  std::string e = path.extension().string();
-  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string e = lower_case(path.extension().string());
   return e.empty() ? e : e.substr(1);
 }
 
@@ -62,7 +61,7 @@ std::string kind_of(Bytes file, const std::string& extension) {
   if (extension == "gltf") return "gltf";
   if (extension == "ply") refuse("is not a PLY file: it does not begin with 'ply'");
   if (extension == "obj" || extension == "stl") return extension;
-  if (starts_with(file, "solid ") || is_binary_stl(file)) return "stl";
+  if (is_text_stl(file) || is_binary_stl(file)) return "stl";
   const auto first =
       std::find_if(file.begin(), file.end(), [](std::uint8_t c) { return c > ' ' && c < 0x80; });
   if (first != file.end() && *first == '{') return "gltf";

@@ -1,7 +1,6 @@
 #include "rilievo/scene/polygons/obj_material.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <optional>
 
@@ -10,13 +9,6 @@
 
 namespace rilievo {
 namespace {
-
-std::string lower(std::string_view word) {
-  std::string out(word);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return out;
-}
 
 double next_number(std::string_view& rest, double otherwise) {
   const std::optional<double> number = number_of(take_word(rest));
@@ -62,7 +54,7 @@ ObjMaterials::Map ObjMaterials::parse_map(std::string_view rest) {
   while (true) {
     std::string_view after = trimmed(rest);
     if (!after.starts_with('-')) break;
-    const std::string option = lower(take_word(after));
+    const std::string option = lower_case(take_word(after));
     if (option == "-s" || option == "-o" || option == "-t") {
       glm::dvec3 v(option == "-s" ? 1.0 : 0.0);
       // One to three numbers follow.
@@ -80,7 +72,7 @@ ObjMaterials::Map ObjMaterials::parse_map(std::string_view rest) {
     } else if (option == "-mm") {
       (void)take_word(after), (void)take_word(after);
     } else {
-      const std::string argument = lower(take_word(after));
+      const std::string argument = lower_case(take_word(after));
       if (option == "-clamp") map.clamp = argument == "on";
     }
     rest = after;
@@ -93,7 +85,7 @@ void ObjMaterials::parse(std::string_view text, const std::string& folder) {
   Definition* now = nullptr;
   for (std::optional<std::string_view> line = take_line(text); line; line = take_line(text)) {
     std::string_view rest = *line;
-    const std::string word = lower(take_word(rest));
+    const std::string word = lower_case(take_word(rest));
     if (word == "newmtl") {
       const std::string name(trimmed(rest));
       context_.budget.take(sizeof(Definition) + 2 * name.size() + 128);

@@ -1,7 +1,8 @@
 // Wavefront OBJ: polygons, groups and materials; points, lines and free-form surfaces are left out.
 //
 // Every name after `o` or `g` is an Object; a vertex may have a colour behind its position, as
-// sculpting programs write it.
+// sculpting programs write it: from 0 to 1, or in bytes. A face may refer to what follows it.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -14,6 +15,16 @@
 namespace rilievo {
 namespace {
 
+// What a vertex without a colour has until all are read.
+constexpr glm::vec4 kNoColor(-1.0f);
+
+// A face that refers to what follows it.
+struct LateFace {
+  std::size_t line = 0;  // of the file
+  std::uint32_t part = 0;
+  std::vector<Corner> corners;
+};
+
 class Reader {
  public:
   explicit Reader(LoadContext& context) : context_(context), library_(context) {}
@@ -22,7 +33,8 @@ class Reader {
     std::string joined;
     for (std::optional<std::string_view> line = next(text, joined); line; line = next(text, joined))
       read_statement(*line);
-    if (!soup_.colors.empty()) soup_.colors.resize(soup_.positions.size(), glm::vec4(1.0f));
+    add_late_faces();
+    finish_colors();
     if (!any_statement_) refuse("is not an OBJ file: it has no statement of one");
     if (soup_.triangles.empty() && !soup_.positions.empty()) context_.skip_points_or_lines();
     for (SoupPart& part : parts_)
@@ -111,18 +123,38 @@ class Reader {
     soup_.positions.push_back(p);
     if (n < 6) return;
     context_.budget.take(2 * sizeof(glm::vec4));
-    soup_.colors.resize(soup_.positions.size() - 1, glm::vec4(1.0f));
-    soup_.colors.push_back(linear_from_screen({v[3], v[4], v[5], n > 6 ? v[6] : 1.0}));
+    soup_.colors.resize(soup_.positions.size() - 1, kNoColor);
+    soup_.colors.push_back(glm::vec4(v[3], v[4], v[5], n > 6 ? v[6] : 1.0));
   }
 
-  // "7", "-1": from the first, or back from the last one so far.
+  // Makes the colours linear: they are as the file has them until all are read.
+  void finish_colors() {
+    if (soup_.colors.empty()) return;
+    soup_.colors.resize(soup_.positions.size(), kNoColor);
+    // Whether they are bytes only the whole file tells. Rounding alone may bring 1 a little above
+    // 1; bytes of which none is above 2 would be a black object.
+    const bool bytes =
+        std::any_of(soup_.colors.begin(), soup_.colors.end(), [](const glm::vec4& c) {
+          return c != kNoColor && std::max({c.r, c.g, c.b}) > 2.0f;
+        });
+    for (glm::vec4& c : soup_.colors) {
+      if (c == kNoColor) c = glm::vec4(bytes ? 255.0f : 1.0f);
+      if (bytes) c = glm::vec4(glm::vec3(c) / 255.0f, c.a > 2.0f ? c.a / 255.0f : c.a);
+      c = linear_from_screen(c);
+    }
+  }
+
+  // "7", "-1": from the first, or back from the last one so far. The first may be still to come.
   std::uint32_t resolve(std::string_view digits, std::size_t count, const char* what) const {
     const std::optional<std::int64_t> i = whole_number_of(digits);
     if (!i) fail("has '" + std::string(digits.substr(0, 20)) + "' where a number belongs");
     const std::int64_t at = *i > 0 ? *i - 1 : *i + std::int64_t(count);
-    if (*i == 0 || at < 0 || at >= std::int64_t(count))
-      fail("refers to " + std::string(what) + " " + std::to_string(*i) + but_there_are(count));
+    if (*i == 0 || at < 0 || at >= std::int64_t(Corner::kNone)) fail_reference(what, *i, count);
     return std::uint32_t(at);
+  }
+
+  [[noreturn]] void fail_reference(const char* what, std::int64_t number, std::size_t count) const {
+    fail("refers to " + std::string(what) + " " + std::to_string(number) + but_there_are(count));
   }
 
   void read_face(std::string_view rest) {
@@ -144,7 +176,38 @@ class Reader {
     }
     if (polygon_.size() < 3) return context_.skip_points_or_lines();
     if (part_ < 0) part_ = find_part();
-    add_polygon(soup_, polygon_, std::uint32_t(part_), context_.budget);
+    if (std::all_of(polygon_.begin(), polygon_.end(),
+                    [&](const Corner& c) { return is_read(c); })) {
+      add_polygon(soup_, polygon_, std::uint32_t(part_), context_.budget);
+    } else {
+      context_.budget.take(2 * sizeof(LateFace) + polygon_.size() * sizeof(Corner));
+      late_faces_.push_back({line_, std::uint32_t(part_), polygon_});
+    }
+  }
+
+  static bool is_below(std::uint32_t index, std::size_t count) {
+    return index == Corner::kNone || index < count;
+  }
+
+  bool is_read(const Corner& c) const {
+    return c.position < soup_.positions.size() && is_below(c.uv, soup_.uv.size()) &&
+           is_below(c.normal, soup_.normals.size());
+  }
+
+  // Adds the faces that referred to what followed them.
+  void add_late_faces() {
+    for (const LateFace& face : late_faces_) {
+      line_ = face.line;
+      const auto check = [&](const char* what, std::uint32_t index, std::size_t count) {
+        if (!is_below(index, count)) fail_reference(what, std::int64_t(index) + 1, count);
+      };
+      for (const Corner& c : face.corners) {
+        check("vertex", c.position, soup_.positions.size());
+        check("texture coordinate", c.uv, soup_.uv.size());
+        check("normal", c.normal, soup_.normals.size());
+      }
+      add_polygon(soup_, face.corners, face.part, context_.budget);
+    }
   }
 
   // The part of the current object with the current material.
@@ -165,6 +228,7 @@ class Reader {
   ObjMaterials library_;
   PolygonSoup soup_;
   std::vector<Corner> polygon_;
+  std::vector<LateFace> late_faces_;
   std::string object_, material_;
   int part_ = -1;                // of the soup, for the next face; -1: to be found
   std::vector<SoupPart> parts_;  // material: an index into material_names_ until all is read

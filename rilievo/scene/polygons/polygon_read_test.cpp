@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <random>
 
@@ -96,6 +97,9 @@ TEST(PolygonFiles, the_same_mesh_in_every_format_is_the_same) {
     EXPECT_EQ(triangles_of(load_polygons(obj, "a.obj")->scene), expected);
     EXPECT_EQ(triangles_of(load_polygons(relative, "a.obj")->scene), expected);
     EXPECT_EQ(triangles_of(load_polygons(stl + "endsolid\n", "a.stl")->scene), expected);
+    std::string capitals = "\n" + stl;
+    for (char& c : capitals) c = char(std::toupper(c));
+    EXPECT_EQ(triangles_of(load_polygons(capitals, "a.stl")->scene), expected);
     EXPECT_EQ(triangles_of(load_polygons(binary_stl, "a.stl")->scene), expected);
 
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
@@ -176,6 +180,30 @@ TEST(Obj, attributes_are_kept_and_v_is_turned_round) {
   EXPECT_EQ(mesh.colors[2], glm::vec4(1));
 }
 
+TEST(Obj, colours_may_be_bytes) {
+  const Result<LoadedScene> loaded =
+      load_polygons("v 0 0 0 255 51 0\nv 1 0 0 1 1 1 128\nv 0 1 0\nf 1 2 3\n", "a.obj");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const std::vector<glm::vec4>& colors = loaded->scene.meshes[0].colors;
+  EXPECT_EQ(colors[0], glm::vec4(1, linear_from_srgb(0.2f), 0, 1));
+  const float dark = linear_from_srgb(1 / 255.0f);
+  EXPECT_EQ(colors[1], glm::vec4(dark, dark, dark, 128 / 255.0f));
+  EXPECT_EQ(colors[2], glm::vec4(1));
+}
+
+// Sweet Home 3D's models have such faces; what they refer to is there once the file has been read.
+TEST(Obj, a_face_may_refer_to_what_follows_it) {
+  const Result<LoadedScene> loaded = load_polygons(
+      "v 0 0 0\nv 1 0 0\nvt 0 0\nusemtl a\nf 1/2 2/1/1 3/2\nusemtl b\nf -2 -1 3\nv 0 1 0\n"
+      "vt 0.5 0.25\nvn 0 0 1\n",
+      "a.obj");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  const Triangle expected = {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)};
+  EXPECT_EQ(triangles_of(loaded->scene), (std::vector<Triangle>{expected, expected}));
+  EXPECT_EQ(loaded->scene.meshes[0].uv[0][0], glm::vec2(0.5f, 0.75f));
+  EXPECT_EQ(loaded->scene.meshes[0].uv[0][1], glm::vec2(0, 1));
+}
+
 TEST(Obj, a_missing_library_is_a_warning_only) {
   const TemporaryFolder folder;
   (void)write_file(folder / "a.obj",
@@ -206,6 +234,14 @@ TEST(PolygonFiles, faults_are_named) {
             "line 2 refers to vertex 2, but there is only one");
   EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1 1 0\n", "a.obj"),
             "line 2 refers to vertex 0, but there is only one");
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1 1 -2\n", "a.obj"),
+            "line 2 refers to vertex -2, but there is only one");
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1 1 4294967296\n", "a.obj"),
+            "line 2 refers to vertex 4294967296, but there is only one");
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1/2 1 1\nvt 0 0\nv 1 0 0\n", "a.obj"),
+            "line 2 refers to texture coordinate 2, but there is only one");
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nf 1//3 1 1\nvn 0 0 1\nvn 0 1 0\nv 1 0 0\n", "a.obj"),
+            "line 2 refers to normal 3, but there are only 2");
   EXPECT_EQ(reason_of_polygons("v 0 0\n", "a.obj"),
             "line 1 has a vertex with fewer than three numbers");
   EXPECT_EQ(reason_of_polygons("v 0 0 nan\n", "a.obj"),

@@ -1,5 +1,6 @@
 // STL, binary or text: triangles without anything else. Facet normals are left out, for they say
 // nothing that the corners do not, and are often wrong.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -35,7 +36,9 @@ void read_binary(Bytes file, PolygonSoup& soup, MemoryBudget& budget) {
 void read_text(std::string_view text, PolygonSoup& soup, MemoryBudget& budget) {
   std::vector<glm::vec3> loop;
   bool facets = false;
-  for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
+  // Some writers use capitals throughout.
+  for (std::string word = lower_case(take_word(text)); !word.empty();
+       word = lower_case(take_word(text))) {
     if (word == "solid") {
       // The name, which may be anything.
       text.remove_prefix(std::min(text.find_first_of("\r\n"), text.size()));
@@ -60,6 +63,13 @@ void read_text(std::string_view text, PolygonSoup& soup, MemoryBudget& budget) {
 
 }  // namespace
 
+bool is_text_stl(Bytes file) {
+  std::string converted;
+  // Its beginning is enough, a few empty lines included.
+  std::string_view head = utf8_from(file.first(std::min<std::size_t>(file.size(), 256)), converted);
+  return lower_case(take_word(head)) == "solid";
+}
+
 bool is_binary_stl(Bytes file) {
   if (file.size() < 84) return false;
   std::uint32_t count = 0;
@@ -75,7 +85,7 @@ Scene read_stl(Bytes file, LoadContext& context) {
   } else {
     std::string converted;
     const std::string_view text = utf8_from(file, converted);
-    if (!trimmed(text).starts_with("solid"))
+    if (!is_text_stl(file))
       refuse("is not an STL file: it neither begins with 'solid' nor has the length it announces");
     read_text(text, soup, context.budget);
   }
