@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -84,6 +85,72 @@ TEST(Inside, reaches_into_what_is_solid_and_not_beyond) {
   EXPECT_GT(depth / with, 0.5);  // the body is 2 across
   // Between the handle and the body lies space that only some see through.
   EXPECT_LT(outside, points / 50);
+}
+
+// What find_visual_hulls() promises, one step after the other.
+float inside_by_steps(std::span<const TexelSurface> surfaces, const TexelSurface& surface, int x,
+                      int y) {
+  const Camera& camera = surface.camera;
+  const float q = surface.texels(x, y).q;
+  const int size = camera.width, stride = (size + 63) / 64;
+  const int u = std::min(x / stride * stride + stride / 2, size - 1);
+  const int v = std::min(y / stride * stride + stride / 2, size - 1);
+  if (q == 0 || surface.texels(u, v).q == 0) return 0;
+  const double step = (camera.z_far - camera.z_near) / 64;
+  double z = 1 / double(surface.texels(u, v).q);
+  float reach = 0;
+  for (int carved = 0, k = 0; k < 64; ++k) {
+    z += camera.keeps_farthest() ? -step : step;
+    if (!(z > camera.z_near && z < camera.z_far)) break;
+    const glm::dvec3 world = world_from_raster(camera, {u + 0.5, v + 0.5}, z);
+    bool hidden = true;
+    for (const TexelSurface& other : surfaces) {
+      if (&other == &surface) continue;
+      const glm::dvec3 at = raster_from_world(other.camera, world);
+      if (!(at.z > 0 && at.x >= 0 && at.y >= 0 && at.x < size && at.y < size)) continue;
+      const SurfaceTexel& texel = other.texels(int(at.x), int(at.y));
+      const double patch = surface_q(texel, glm::floor(glm::dvec2(at)) + 0.5, glm::dvec2(at));
+      hidden &=
+          texel.q != 0 && (other.camera.keeps_farthest() ? 1 / at.z >= patch : 1 / at.z <= patch);
+    }
+    carved = hidden ? 0 : carved + 1;
+    if (carved == 2) break;
+    if (hidden) reach = float(z);
+  }
+  const bool behind = camera.keeps_farthest() ? reach * q < 1 : reach * q > 1;
+  return reach != 0 && behind ? reach : 0;
+}
+
+TEST(Inside, is_what_one_step_after_the_other_finds) {
+  std::mt19937 rng(9);
+  int with = 0, without = 0;
+  for (Projection kind : {Projection::perspective, Projection::back_perspective})
+    for (int size : {24, 96})
+      for (double holes : {0.0, 0.02}) {
+        std::vector<TexelSurface> surfaces;
+        for (DepthImage& picture : test_shapes::cast_views(
+                 test_shapes::jug(), make_view_set({.spread = ViewSpread::faces_12}),
+                 {.projection = kind, .size = size})) {
+          // Holes are seen through: lines then end anywhere.
+          for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+              if (double(rng()) < holes * 0x1p32) {
+                picture.depth(x, y) = kNoDepth;
+                picture.color(x, y) = glm::vec4(0);
+              }
+          surfaces.push_back(make_texel_surface(picture));
+        }
+        find_visual_hulls(surfaces);
+        for (const TexelSurface& surface : surfaces)
+          for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+              const float inside = surface.texels(x, y).inside;
+              ASSERT_EQ(inside, inside_by_steps(surfaces, surface, x, y));
+              if (surface.texels(x, y).q != 0) ++(inside != 0 ? with : without);
+            }
+      }
+  EXPECT_GT(with, 10000);
+  EXPECT_GT(without, 10000);
 }
 
 // A line of sight into 64 steps of one metre, and a picture from the side with a column for each

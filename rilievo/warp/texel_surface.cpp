@@ -71,12 +71,6 @@ DepthInterval depth_interval(const SurfaceTexel& texel) {
   return {1 / (texel.q + 0.5f * high), 1 / (texel.q + 0.5f * low)};
 }
 
-double surface_q(const SurfaceTexel& texel, const glm::dvec2& center, const glm::dvec2& at) {
-  const glm::dvec2 d = at - center;
-  return double(texel.q) + std::abs(d.x) * double(texel.slope[d.x >= 0 ? 0 : 2]) +
-         std::abs(d.y) * double(texel.slope[d.y >= 0 ? 1 : 3]);
-}
-
 double patch_gap(const TexelSurface& surface, const glm::ivec2& texel) {
   return kPatchGap * smaller_side(surface.camera) * double(surface.texels(texel.x, texel.y).q);
 }

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -56,8 +57,12 @@ struct DepthInterval {
 [[nodiscard]] DepthInterval depth_interval(const SurfaceTexel& texel);
 
 // The disparity q of a texel's patch at raster position `at`, inside the texel or on its edge.
-[[nodiscard]] double surface_q(const SurfaceTexel& texel, const glm::dvec2& center,
-                               const glm::dvec2& at);
+[[nodiscard]] inline double surface_q(const SurfaceTexel& texel, const glm::dvec2& center,
+                                      const glm::dvec2& at) {
+  const double dx = at.x - center.x, dy = at.y - center.y;
+  return double(texel.q) + std::abs(dx) * double(texel.slope[dx >= 0 ? 0 : 2]) +
+         std::abs(dy) * double(texel.slope[dy >= 0 ? 1 : 3]);
+}
 
 // The patch of a texel and that of a linked neighbour pass for one surface where they nearly meet
 // on the border between them: up to this depth, in texels, and as a difference in q.
