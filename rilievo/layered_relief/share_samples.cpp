@@ -32,6 +32,9 @@ struct Added {
   std::vector<std::uint32_t> head;  // by line of sight, into the others
   std::vector<std::uint32_t> next, line;
   std::vector<LayerSample> samples;
+  // By line of sight, the depths of its list, sorted: there are hundreds where a line runs along a
+  // face that other pictures see.
+  std::vector<std::vector<float>> depths;
 };
 
 double largest_texel(const Camera& camera) {
@@ -63,7 +66,7 @@ double farthest_from_lattice(const Camera& camera, const glm::dvec3& normal) {
 }
 
 // Is there a sample, an own or an added one, within `reach` metres of a place? Looked for in the
-// nine lines of sight around it.
+// nine lines of sight around it, first in the one through it, which has most of them.
 bool is_represented(const LayeredDepthImage& layers, const Added& added, const glm::dvec2& at,
                     double depth, double per_metre, double reach) {
   const Camera& camera = layers.camera;
@@ -71,18 +74,28 @@ bool is_represented(const LayeredDepthImage& layers, const Added& added, const g
                          (camera.window.top - camera.window.bottom) / camera.height);
   const int x0 = std::clamp(int(at.x), 0, camera.width - 1);
   const int y0 = std::clamp(int(at.y), 0, camera.height - 1);
-  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
-    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x) {
-      const glm::dvec2 across = (glm::dvec2(x + 0.5, y + 0.5) - at) * texel;
-      const double left = reach * reach - glm::dot(across, across);
-      if (left < 0) continue;
-      const double along = std::sqrt(left) * per_metre;
-      const std::size_t line = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
-      for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
-        if (std::abs(double(layers.samples[s].depth) - depth) <= along) return true;
-      for (std::uint32_t k = added.head[line]; k != kNone; k = added.next[k])
-        if (std::abs(double(added.samples[k].depth) - depth) <= along) return true;
+  const auto has_one = [&](int x, int y) {
+    const double across = (x + 0.5 - at.x) * texel.x, up = (y + 0.5 - at.y) * texel.y;
+    const double left = reach * reach - (across * across + up * up);
+    if (left < 0) return false;
+    const double along = std::sqrt(left) * per_metre;
+    const std::size_t line = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+    // Its own are sorted, nearest first.
+    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
+      const double farther = double(layers.samples[s].depth) - depth;
+      if (farther > along) break;
+      if (farther >= -along) return true;
     }
+    const std::vector<float>& depths = added.depths[line];
+    const auto near = std::partition_point(depths.begin(), depths.end(), [&](float added_depth) {
+      return double(added_depth) - depth < -along;
+    });
+    return near != depths.end() && double(*near) - depth <= along;
+  };
+  if (has_one(x0, y0)) return true;
+  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
+    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x)
+      if ((x != x0 || y != y0) && has_one(x, y)) return true;
   return false;
 }
 
@@ -107,6 +120,8 @@ void add_from(const LayeredDepthImage& from, const LayeredDepthImage& to, double
           depth_from_eye_z(to.depth_kind, there.z, target, glm::dvec2(x + 0.5, y + 0.5));
       if (is_represented(to, added, glm::dvec2(there), depth, per_metre, reach)) continue;
       sample.depth = sample.back = float(depth);
+      std::vector<float>& depths = added.depths[line];
+      depths.insert(std::upper_bound(depths.begin(), depths.end(), sample.depth), sample.depth);
       added.next.push_back(added.head[line]);
       added.head[line] = std::uint32_t(added.samples.size());
       added.line.push_back(std::uint32_t(line));
@@ -177,6 +192,7 @@ void share_samples(ReliefPictures& pictures, double reach) {
         to.depth_kind == DepthKind::window_z ? 1 / (to.camera.z_far - to.camera.z_near) : 1.0;
     Added added;
     added.head.assign(to.first.size() - 1, kNone);
+    added.depths.resize(to.first.size() - 1);
     for (std::size_t k = 0; k < shared.size(); ++k)
       if (k != i) add_from(pictures.pictures[k].layers, to, metres, per_metre, added);
     shared[i] = with(to, added);
