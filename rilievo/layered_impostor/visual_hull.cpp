@@ -28,8 +28,7 @@ static_assert(kLines <= std::numeric_limits<Steps>::digits);
 // 64 x 64 x 64 points for each pair of pictures.
 class Carver {
  public:
-  explicit Carver(const TexelSurface& surface)
-      : surface_(&surface), away_is_nearer_(surface.camera.keeps_farthest()) {
+  explicit Carver(const TexelSurface& surface) : surface_(&surface) {
     const glm::dmat4 matrix = eye_from_world(surface.camera);
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column) rows_[row][column] = matrix[column][row];
@@ -48,7 +47,7 @@ class Carver {
     const SurfaceTexel& texel = surface_->texels(x, y);
     if (texel.q == 0) return true;
     const double q = surface_q(texel, {x + 0.5, y + 0.5}, {u, v});
-    return away_is_nearer_ ? scale < q : scale > q;
+    return surface_->camera.keeps_farthest() ? scale < q : scale > q;
   }
 
  private:
@@ -58,7 +57,6 @@ class Carver {
   }
 
   const TexelSurface* surface_;
-  bool away_is_nearer_;
   std::array<std::array<double, 4>, 3> rows_;
 };
 

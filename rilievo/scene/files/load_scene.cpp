@@ -61,7 +61,10 @@ std::string kind_of(Bytes file, const std::string& extension) {
   if (extension == "gltf") return "gltf";
   if (extension == "ply") refuse("is not a PLY file: it does not begin with 'ply'");
   if (extension == "obj" || extension == "stl") return extension;
-  if (is_text_stl(file) || is_binary_stl(file)) return "stl";
+  const Bytes head = file.first(std::min<std::size_t>(file.size(), 6));
+  if (lower_case({reinterpret_cast<const char*>(head.data()), head.size()}) == "solid " ||
+      is_binary_stl(file))
+    return "stl";
   const auto first =
       std::find_if(file.begin(), file.end(), [](std::uint8_t c) { return c > ' ' && c < 0x80; });
   if (first != file.end() && *first == '{') return "gltf";

@@ -16,9 +16,6 @@ namespace rilievo {
 [[nodiscard]] Scene read_ply(Bytes file, LoadContext& context);
 [[nodiscard]] Scene read_stl(Bytes file, LoadContext& context);
 
-// Does the file begin as an STL file in text does: with `solid`, in letters of either case?
-[[nodiscard]] bool is_text_stl(Bytes file);
-
 // Does the file's length match the number of triangles in a binary STL header?
 [[nodiscard]] bool is_binary_stl(Bytes file);
 

@@ -97,9 +97,13 @@ TEST(PolygonFiles, the_same_mesh_in_every_format_is_the_same) {
     EXPECT_EQ(triangles_of(load_polygons(obj, "a.obj")->scene), expected);
     EXPECT_EQ(triangles_of(load_polygons(relative, "a.obj")->scene), expected);
     EXPECT_EQ(triangles_of(load_polygons(stl + "endsolid\n", "a.stl")->scene), expected);
-    std::string capitals = "\n" + stl;
+    EXPECT_EQ(triangles_of(load_polygons(stl, "no extension")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons(std::string(300, '\n') + "solid_" + stl, "a.stl")->scene),
+              expected);
+    std::string capitals = stl;
     for (char& c : capitals) c = char(std::toupper(c));
-    EXPECT_EQ(triangles_of(load_polygons(capitals, "a.stl")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons("\n" + capitals, "a.stl")->scene), expected);
+    EXPECT_EQ(triangles_of(load_polygons(capitals, "no extension")->scene), expected);
     EXPECT_EQ(triangles_of(load_polygons(binary_stl, "a.stl")->scene), expected);
 
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {

@@ -63,13 +63,6 @@ void read_text(std::string_view text, PolygonSoup& soup, MemoryBudget& budget) {
 
 }  // namespace
 
-bool is_text_stl(Bytes file) {
-  std::string converted;
-  // Its beginning is enough, a few empty lines included.
-  std::string_view head = utf8_from(file.first(std::min<std::size_t>(file.size(), 256)), converted);
-  return lower_case(take_word(head)) == "solid";
-}
-
 bool is_binary_stl(Bytes file) {
   if (file.size() < 84) return false;
   std::uint32_t count = 0;
@@ -85,7 +78,7 @@ Scene read_stl(Bytes file, LoadContext& context) {
   } else {
     std::string converted;
     const std::string_view text = utf8_from(file, converted);
-    if (!is_text_stl(file))
+    if (lower_case(trimmed(text).substr(0, 5)) != "solid")
       refuse("is not an STL file: it neither begins with 'solid' nor has the length it announces");
     read_text(text, soup, context.budget);
   }
