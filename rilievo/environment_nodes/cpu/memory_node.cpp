@@ -40,15 +40,13 @@ MemoryNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
   const auto word = [](const glm::u8vec4& c) {
     return std::uint32_t(c.r) | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16;
   };
+  node.color.reserve(6 * std::size_t(wide) * std::size_t(wide));
   for (std::size_t f = 0; f < 6; ++f) {
     const FaceAxes& axes = face_axes()[f];
-    node.color[f].resize(std::size_t(wide) * std::size_t(wide));
     for (int y = -1; y <= size; ++y)
       for (int x = -1; x <= size; ++x) {
-        std::uint32_t& to =
-            node.color[f][std::size_t(y + 1) * std::size_t(wide) + std::size_t(x + 1)];
         if (x >= 0 && y >= 0 && x < size && y < size) {
-          to = word(faces[f](x, y));
+          node.color.push_back(word(faces[f](x, y)));
           continue;
         }
         // What lies beyond the edge is in the neighbour.
@@ -56,41 +54,23 @@ MemoryNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
                     v = 1 - 2 * (float(y) + 0.5f) / float(size);
         const FacePoint at = face_point(glm::vec3(axes.forward) + u * glm::vec3(axes.right) +
                                         v * glm::vec3(axes.up));
-        to = word(faces[std::size_t(at.face)](texel_at(at.u, size), texel_at(at.v, size)));
+        node.color.push_back(
+            word(faces[std::size_t(at.face)](texel_at(at.u, size), texel_at(at.v, size))));
       }
   }
-  if (!map.faces[0].object.empty())
-    for (std::size_t f = 0; f < 6; ++f) {
-      node.object[f] = map.faces[f].object;
-      if (node.object[f].empty()) node.object[f] = Image<std::uint32_t>(size, size, kNoObject);
-    }
+  if (map.faces[0].object.empty()) return node;
+  for (const DepthImage& face : map.faces) {
+    const std::span<const std::uint32_t> object = face.object.texels();
+    if (object.empty())
+      node.object.insert(node.object.end(), std::size_t(size) * std::size_t(size), kNoObject);
+    else
+      node.object.insert(node.object.end(), object.begin(), object.end());
+  }
   return node;
 }
 
 std::size_t MemoryNode::bytes() const {
-  const auto texels = std::size_t(mesh.face_size) * std::size_t(mesh.face_size);
-  return rilievo::bytes(mesh) + 6 * texels * (has_objects() ? 8 : 4);
-}
-
-glm::vec3 MemoryNode::color_in(const glm::vec3& direction) const {
-  const FacePoint at = face_point(direction);
-  const int size = mesh.face_size, wide = size + 2;
-  const float u = at.u * float(size) + 0.5f, v = at.v * float(size) + 0.5f;
-  const int x = std::clamp(int(u), 0, size), y = std::clamp(int(v), 0, size);
-  const float fx = std::clamp(u - float(x), 0.0f, 1.0f), fy = std::clamp(v - float(y), 0.0f, 1.0f);
-  const std::uint32_t* row =
-      &color[std::size_t(at.face)][std::size_t(y) * std::size_t(wide) + std::size_t(x)];
-  const auto texel = [](std::uint32_t c) {
-    return glm::vec3(float(c & 0xffu), float(c >> 8 & 0xffu), float(c >> 16 & 0xffu));
-  };
-  return glm::mix(glm::mix(texel(row[0]), texel(row[1]), fx),
-                  glm::mix(texel(row[wide]), texel(row[wide + 1]), fx), fy);
-}
-
-std::uint32_t MemoryNode::object_in(const glm::vec3& direction) const {
-  const FacePoint at = face_point(direction);
-  return object[std::size_t(at.face)](texel_at(at.u, mesh.face_size),
-                                      texel_at(at.v, mesh.face_size));
+  return rilievo::bytes(mesh) + 4 * (color.size() + object.size());
 }
 
 }  // namespace rilievo

@@ -16,17 +16,14 @@ namespace rilievo {
 struct MemoryNode {
   NodeMesh mesh;
   std::array<SideReach, 6> reaches;
-  // The faces, sRGB-encoded, each with a border of one texel from its neighbours.
-  std::array<std::vector<std::uint32_t>, 6> color;
-  std::array<Image<std::uint32_t>, 6> object;  // empty if the pictures have none
+  // The faces one after the other, row by row. Colours are sRGB-encoded, and faces of `wide` texels
+  // a side have a border of one texel from their neighbours. No identifiers if the pictures have
+  // none.
+  std::vector<std::uint32_t> color, object;
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(mesh.world_from_node[3]); }
-  [[nodiscard]] bool has_objects() const { return !object[0].empty(); }
+  [[nodiscard]] int wide() const { return mesh.face_size + 2; }
   [[nodiscard]] std::size_t bytes() const;
-  // The colour in a direction, in node space, of any length: between four texels, 0 to 255.
-  [[nodiscard]] glm::vec3 color_in(const glm::vec3& direction) const;
-  // The identifier there.
-  [[nodiscard]] std::uint32_t object_in(const glm::vec3& direction) const;
 };
 
 // Requires a valid environment, and a mesh of it.

@@ -6,7 +6,8 @@
 //
 // up to a factor, which does not change a direction.
 //
-// The rasteriser's depth is a - nearest / eye_z, with a just below 1, so that the sky is drawn.
+// The rasteriser's depth is kSkyDepth - nearest / eye_z, just below 1 for the sky, so that it is
+// drawn.
 #include "rilievo/environment_nodes/cpu/node_layer.h"
 
 #include <algorithm>
@@ -18,7 +19,6 @@
 namespace rilievo {
 namespace {
 
-constexpr double kSkyDepth = 1 - 0x1p-20;
 // Nodes are drawn from the eye; nearer than this share of the frame's near plane is nothing.
 constexpr double kNearShare = 0.25;
 // Triangles are cut so many frames beside the frame, where single precision would not suffice.
@@ -75,7 +75,6 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   width_ = frame.width, height_ = frame.height, samples_ = samples;
   nearest_ = kNearShare * frame.z_near;
-  z_far_ = frame.z_far;
   nodes_.clear();
   for (Soup* soup : {&surfaces_, &skins_, &doubtful_}) {
     soup->positions.clear(), soup->indices.clear(), soup->node.clear(), soup->triangle.clear();
@@ -86,7 +85,7 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
     nodes_.push_back(
         {drawn, 0.5 * width_ * (clip[0] + clip[3]), 0.5 * height_ * (clip[1] + clip[3]), clip[3]});
   }
-  // Of equal depths OpenGL shows the last, the rasteriser the first: beyond the far plane.
+  // Of equal depths OpenGL shows the last, the rasteriser the first.
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     const Placed& placed = nodes_[i];
     const MemoryNode& node = *placed.drawn.node;
@@ -103,6 +102,7 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
   }
   for (Soup* soup : {&surfaces_, &skins_}) rasterize(*soup, width_, height_, samples_);
   rasterize_doubtful();
+  find_triangles();
 }
 
 void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup) {
@@ -138,7 +138,7 @@ void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part
         const ClipCorner& c = polygon[k];
         const double w = std::max(c.raster.z, 1e-30);
         soup.positions.emplace_back(c.raster.x / w, c.raster.y / w,
-                                    kSkyDepth - nearest_ * std::max(c.disparity / w, 1 / z_far_));
+                                    double(kSkyDepth) - nearest_ * std::max(c.disparity / w, 0.0));
       }
       for (int k = 2; k < count; ++k) {
         soup.indices.insert(soup.indices.end(),
@@ -205,10 +205,6 @@ void NodeLayer::rasterize_doubtful() {
   });
 }
 
-float NodeLayer::inverse_z(float depth) const {
-  return float((kSkyDepth - double(depth)) / nearest_);
-}
-
 NodeLayer::Weights NodeLayer::weights(const Placed& placed, std::uint32_t triangle) const {
   const NodeMesh& mesh = placed.drawn.node->mesh;
   glm::dvec3 m[3];
@@ -223,18 +219,48 @@ NodeLayer::Weights NodeLayer::weights(const Placed& placed, std::uint32_t triang
   return out;
 }
 
-glm::vec3 NodeLayer::direction(const NodeSample& sample, int x, int y) const {
-  const Placed& placed = nodes_[sample.node];
+// Weights are taken at a corner, from which those of the triangle's pixels differ by little: in
+// single precision the differences lose nothing.
+NodeTriangle NodeLayer::triangle_of(const Soup& soup, std::size_t triangle) const {
+  const Placed& placed = nodes_[soup.node[triangle]];
   const NodeMesh& mesh = placed.drawn.node->mesh;
-  const Weights w = weights(placed, sample.triangle);
-  const glm::dvec3 p(x + 0.5, height_ - y - 0.5, 1);
-  glm::dvec3 sum(0.0);
-  for (int k = 0; k < 3; ++k)
-    sum +=
-        glm::dot(w.of[k], p) *
-        glm::dvec3(
-            mesh.vertices[mesh.indices[3 * std::size_t(sample.triangle) + std::size_t(k)]].texture);
-  return glm::vec3(glm::normalize(sum));
+  const std::uint32_t number = soup.triangle[triangle];
+  const Weights w = weights(placed, number);
+  glm::dvec3 at(0.0), per_x(0.0), per_y(0.0);
+  const glm::dvec3 corner(soup.positions[soup.indices[3 * triangle]]);
+  const glm::dvec2 from(std::clamp(std::floor(corner.x), 0.0, double(width_)) + 0.5,
+                        std::clamp(std::floor(corner.y), 0.0, double(height_)) + 0.5);
+  double length = 0;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 texture(
+        mesh.vertices[mesh.indices[3 * std::size_t(number) + std::size_t(k)]].texture);
+    at += glm::dot(w.of[k], glm::dvec3(from, 1)) * texture;
+    per_x += w.of[k].x * texture, per_y += w.of[k].y * texture;
+    length += std::abs(w.of[k].x) + std::abs(w.of[k].y) + std::abs(w.of[k].z);
+  }
+  // Nothing underflows; the length of a direction does not matter.
+  const double scale = length > 0 ? 1 / length : 0;
+  NodeTriangle out;
+  out.at = glm::vec3(scale * at);
+  out.per_x = glm::vec3(scale * per_x), out.per_y = glm::vec3(-scale * per_y);
+  out.x = float(from.x), out.y = float(height_ - from.y);
+  out.quality = std::round(253 * mesh.quality[number]);
+  out.node = soup.node[triangle];
+  return out;
+}
+
+void NodeLayer::find_triangles() {
+  triangles_.resize(surfaces_.triangle.size() + skins_.triangle.size() + doubtful_.triangle.size());
+  NodeTriangle* to = triangles_.data();
+  constexpr std::size_t kPiece = 1024;
+  for (const Soup* soup : {&surfaces_, &skins_, &doubtful_}) {
+    const std::size_t count = soup->triangle.size();
+    parallel_for(std::size_t(0), (count + kPiece - 1) / kPiece, [&](std::size_t piece) {
+      for (std::size_t t = piece * kPiece; t < std::min(count, (piece + 1) * kPiece); ++t)
+        to[t] = triangle_of(*soup, t);
+    });
+    to += count;
+  }
 }
 
 NodeLayer::SkinWidth NodeLayer::skin_width(const Placed& placed, std::uint32_t triangle) const {
@@ -251,19 +277,26 @@ NodeLayer::SkinWidth NodeLayer::skin_width(const Placed& placed, std::uint32_t t
   return width;
 }
 
-// The rate at which the stretch changes over the frame tells the width. OpenGL's derivatives are
-// differences between the pixels of a square of 2 x 2, from even ones on.
+// The rate at which the stretch s / w changes over the frame tells the width. OpenGL's derivatives
+// are differences between the pixels of a square of 2 x 2, from even ones on. Without divisions:
+//
+//   |s1 / w1 - s0 / w0| = |s1 w0 - s0 w1| / |w0 w1|
 bool NodeLayer::SkinWidth::is_narrow(double x, double y) const {
-  const auto at = [&](double px, double py) {
-    return (stretch.x * px + stretch.y * py + stretch.z) /
-           (weight.x * px + weight.y * py + weight.z);
-  };
   const double px = x + 0.5, py = y + 0.5;
-  if (!(at(px, py) >= 0)) return true;
-  const double left = 2 * std::floor(x / 2) + 0.5, low = 2 * std::floor(y / 2) + 0.5;
-  const double change =
-      std::abs(at(left + 1, py) - at(left, py)) + std::abs(at(px, low + 1) - at(px, low));
-  return !(change * widest < 1);
+  const double s = stretch.x * px + stretch.y * py + stretch.z,
+               w = weight.x * px + weight.y * py + weight.z;
+  if (!(s * w >= 0)) return true;
+  struct Change {
+    double by, of;
+  };
+  // From the even pixel to the odd one along an axis, this one being `odd` or not.
+  const auto along = [&](bool odd, double per_s, double per_w) {
+    const double s0 = odd ? s - per_s : s, w0 = odd ? w - per_w : w;
+    return Change{std::abs((s0 + per_s) * w0 - s0 * (w0 + per_w)), std::abs(w0 * (w0 + per_w))};
+  };
+  const auto is_odd = [](double v) { return 2 * std::floor(v / 2) != v; };
+  const Change a = along(is_odd(x), stretch.x, weight.x), b = along(is_odd(y), stretch.y, weight.y);
+  return !((a.by * b.of + b.by * a.of) * widest < a.of * b.of);
 }
 
 // Where is a skin narrow? Everywhere 2, somewhere 1, nowhere 0: as at its corners.
@@ -279,23 +312,14 @@ int NodeLayer::narrowness(const Placed& placed, std::uint32_t triangle,
   return narrow == 0 ? 0 : narrow == corners.size() ? 2 : 1;
 }
 
-NodeSample NodeLayer::at(int x, int y, int s) const {
-  const auto sample_of = [&](const Soup& soup, const SampleBuffer& seen, bool skin) {
-    NodeSample sample;
-    if (soup.triangle.empty()) return sample;
-    const std::size_t i =
-        seen.row(height_ - 1 - y) + std::size_t(x) * std::size_t(samples_) + std::size_t(s);
-    if (seen.depth[i] >= 1) return sample;
-    sample.inverse_z = std::max(inverse_z(seen.depth[i]), 1e-30f);
-    sample.node = soup.node[seen.triangle[i]], sample.triangle = soup.triangle[seen.triangle[i]];
-    sample.skin = skin;
-    return sample;
+std::array<NodeLayer::Seen, 3> NodeLayer::seen() const {
+  const auto shown = [](const Soup& soup, const SampleBuffer& samples) {
+    return soup.triangle.empty() ? nullptr : &samples;
   };
-  NodeSample shown = sample_of(surfaces_, surfaces_.raster.seen(), false);
-  for (const NodeSample& skin :
-       {sample_of(skins_, skins_.raster.seen(), true), sample_of(doubtful_, doubtful_seen_, true)})
-    if (skin.inverse_z > 0 && skin.inverse_z >= shown.inverse_z) shown = skin;
-  return shown;
+  return {
+      Seen{shown(surfaces_, surfaces_.raster.seen()), 0},
+      Seen{shown(skins_, skins_.raster.seen()), first_skin()},
+      Seen{shown(doubtful_, doubtful_seen_), first_skin() + std::uint32_t(skins_.triangle.size())}};
 }
 
 }  // namespace rilievo

@@ -1,4 +1,6 @@
 // Which triangle of which node does each sample of a frame show? Internal to environment_nodes/cpu.
+// Samples lie in visibility buffers (SampleBuffer), of surfaces, of skins, and of skins that are
+// drawn in part.
 //
 // A skin is drawn only where it is narrow enough. Skins that are so everywhere are rasterised by
 // SIMD, as surfaces are; of those that are so in part each pixel is asked before it is drawn.
@@ -25,11 +27,15 @@ struct DrawnNode {
   bool front_only = false;  // of surfaces only what the eye sees from the front
 };
 
-// What a sample shows.
-struct NodeSample {
-  float inverse_z = 0;                   // 1 / eye_z, of the frame that was placed; 0: nothing
-  std::uint32_t node = 0, triangle = 0;  // of the drawn nodes; of the node's mesh
-  bool skin = false;
+// A triangle in the frame, or what the near plane leaves of it. At pixel (px, py), y downwards, it
+// has the colour that lies in the direction, in node space and of any length,
+//
+//   at + (px - x) per_x + (py - y) per_y
+struct alignas(64) NodeTriangle {
+  glm::vec3 at{0.0f}, per_x{0.0f}, per_y{0.0f};
+  float x = 0, y = 0;
+  float quality = 0;       // NodeMesh::quality in whole steps of 1 / 253; 0 for skins
+  std::uint32_t node = 0;  // of the drawn ones
 };
 
 // Nodes in one z-buffer.
@@ -39,11 +45,24 @@ class NodeLayer {
   void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes);
 
   [[nodiscard]] int samples() const { return samples_; }
-  [[nodiscard]] const DrawnNode& drawn(std::uint32_t node) const { return nodes_[node].drawn; }
-  // Sample s of pixel (x, y); y counts from the top.
-  [[nodiscard]] NodeSample at(int x, int y, int s) const;
-  // The direction, in node space, whose colour a triangle has at the pixel's centre.
-  [[nodiscard]] glm::vec3 direction(const NodeSample& sample, int x, int y) const;
+  [[nodiscard]] std::size_t nodes() const { return nodes_.size(); }
+  [[nodiscard]] const DrawnNode& drawn(std::size_t node) const { return nodes_[node].drawn; }
+  // Of all parts; from first_skin() on they are skins.
+  [[nodiscard]] std::span<const NodeTriangle> triangles() const { return triangles_; }
+  [[nodiscard]] std::uint32_t first_skin() const {
+    return std::uint32_t(surfaces_.triangle.size());
+  }
+
+  // The triangles of a part: number 0 of the buffer is number `first` of triangles().
+  struct Seen {
+    const SampleBuffer* samples = nullptr;  // null: shows nothing
+    std::uint32_t first = 0;
+  };
+  // Of those that show something, the nearest is seen; of equally near ones the last.
+  [[nodiscard]] std::array<Seen, 3> seen() const;
+  // 1 / eye_z of a sample is (kSkyDepth - depth) / nearest().
+  static constexpr float kSkyDepth = 1 - 0x1p-20f;
+  [[nodiscard]] double nearest() const { return nearest_; }
 
   // How wide a skin is: its stretch at p = (x, y, 1), y upwards, is stretch.p / weight.p.
   struct SkinWidth {
@@ -72,7 +91,7 @@ class NodeLayer {
     std::vector<RasterInstance> instances;
     SampleRaster raster;
   };
-  // The corners of a triangle as rows give them, and the planes through them: a pixel's weights.
+  // The planes through a triangle's corners as rows give them: a pixel's weights.
   struct Weights {
     glm::dvec3 of[3];
   };
@@ -89,16 +108,17 @@ class NodeLayer {
     CornerEdges edges;
     SkinWidth width;
   };
-  [[nodiscard]] float inverse_z(float depth) const;
+  [[nodiscard]] NodeTriangle triangle_of(const Soup& soup, std::size_t triangle) const;
+  void find_triangles();
 
   int width_ = 0, height_ = 0, samples_ = 1;
   double nearest_ = 1;  // eye_z of the plane at which triangles are cut
-  double z_far_ = 1;    // farther is drawn there
   std::vector<Placed> nodes_;
   std::vector<glm::dvec3> corners_;   // of a node's vertices
   Soup surfaces_, skins_, doubtful_;  // doubtful: skins that are narrow in part
   std::vector<DoubtfulSkin> doubtful_edges_;
   SampleBuffer doubtful_seen_;  // where they are
+  std::vector<NodeTriangle> triangles_;
 };
 
 }  // namespace rilievo
