@@ -15,6 +15,16 @@ struct PixelRay {
   glm::dvec3 origin{0.0}, direction{0.0};
   double begin = 0, end = 0;
 };
+// Bounds, with room for rounding, which must not cut off what lies on a face.
+class RayBounds {
+ public:
+  explicit RayBounds(const Box& bounds);
+  // Keeps of a ray what lies within; false if nothing does.
+  [[nodiscard]] bool keep(PixelRay& ray) const;
+
+ private:
+  glm::dvec3 low_, high_;
+};
 // The ray of a raster position; none if it misses the bounds.
 [[nodiscard]] std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
                                                 const glm::dvec2& raster);

@@ -40,6 +40,22 @@ Seen what_is_seen(const LayeredImpostor& impostor, int view, const PixelRay& ray
 
 }  // namespace
 
+RayBounds::RayBounds(const Box& bounds) {
+  const glm::dvec3 slack(1e-4 * double(bounds.radius()) + 1e-9);
+  low_ = glm::dvec3(bounds.min) - slack, high_ = glm::dvec3(bounds.max) + slack;
+}
+
+bool RayBounds::keep(PixelRay& ray) const {
+  for (int a = 0; a < 3; ++a) {
+    const double t0 = (low_[a] - ray.origin[a]) / ray.direction[a];
+    const double t1 = (high_[a] - ray.origin[a]) / ray.direction[a];
+    if (std::isnan(t0) || std::isnan(t1)) continue;  // along a face
+    ray.begin = std::max(ray.begin, std::min(t0, t1));
+    ray.end = std::min(ray.end, std::max(t0, t1));
+  }
+  return ray.begin < ray.end;
+}
+
 std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
                                   const glm::dvec2& raster) {
   PixelRay ray;
@@ -47,17 +63,7 @@ std::optional<PixelRay> pixel_ray(const Box& bounds, const Camera& camera,
   ray.direction = world_from_raster(camera, raster, 1.0) - ray.origin;
   ray.begin = camera.z_near;
   ray.end = camera.z_far;
-  // Rounding must not cut off what lies on a face.
-  const glm::dvec3 slack(1e-4 * double(bounds.radius()) + 1e-9);
-  const glm::dvec3 lo = glm::dvec3(bounds.min) - slack, hi = glm::dvec3(bounds.max) + slack;
-  for (int a = 0; a < 3; ++a) {
-    const double t0 = (lo[a] - ray.origin[a]) / ray.direction[a];
-    const double t1 = (hi[a] - ray.origin[a]) / ray.direction[a];
-    if (std::isnan(t0) || std::isnan(t1)) continue;  // along a face
-    ray.begin = std::max(ray.begin, std::min(t0, t1));
-    ray.end = std::min(ray.end, std::max(t0, t1));
-  }
-  if (!(ray.begin < ray.end)) return std::nullopt;
+  if (!RayBounds(bounds).keep(ray)) return std::nullopt;
   return ray;
 }
 

@@ -13,7 +13,9 @@
 #include "rilievo/warp/surface_pyramid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "rilievo/warp/texel_march.h"
 
@@ -29,11 +31,11 @@ void add(const SurfaceCell& cell, SurfaceCell& to) {
   to.holes = to.holes || cell.holes;
 }
 
-int side_of(int level) {
-  int side = SurfacePyramid::kBlock;
-  for (int i = 0; i < level; ++i) side *= SurfacePyramid::kFactor;
-  return side;
-}
+// A cell's side is a power of two: coordinates of cells are those of texels without some bits.
+constexpr int kBlockBits = 2, kFactorBits = 2;
+static_assert(1 << kBlockBits == SurfacePyramid::kBlock);
+static_assert(1 << kFactorBits == SurfacePyramid::kFactor);
+constexpr int bits_of(int level) { return kBlockBits + level * kFactorBits; }
 
 }  // namespace
 
@@ -42,8 +44,8 @@ SurfacePyramid make_surface_pyramid(const TexelSurface& surface) {
   const int w = surface.texels.width(), h = surface.texels.height();
   SurfacePyramid pyramid;
   for (int level = 0; level < SurfacePyramid::kLevels; ++level) {
-    const int side = side_of(level);
-    pyramid.levels.emplace_back((w + side - 1) / side, (h + side - 1) / side);
+    const int bits = bits_of(level), more = (1 << bits) - 1;
+    pyramid.levels.emplace_back((w + more) >> bits, (h + more) >> bits);
   }
   Image<SurfaceCell>& finest = pyramid.levels[0];
   for (int y = 0; y < h; ++y)
@@ -74,17 +76,24 @@ SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
   const glm::dvec2 from(segment.from), step(segment.to - segment.from);
   const glm::ivec2 size{surface.texels.width(), surface.texels.height()};
   glm::ivec2 forward, ahead;
+  glm::dvec2 per_step, never;  // of an axis along which the segment does not move
   for (int a = 0; a < 2; ++a) {
+    const bool moves = std::abs(step[a]) > 1e-12;
     ahead[a] = step[a] >= 0;
     forward[a] = 2 * ahead[a] - 1;
+    per_step[a] = moves ? 1 / step[a] : 0;
+    never[a] = moves ? 0 : 1e300;
   }
   // Of the border of [low, low + side) in front, on either axis.
   const auto exits = [&](const glm::ivec2& low, int side) {
-    glm::dvec2 t;
-    for (int a = 0; a < 2; ++a)
-      t[a] = std::abs(step[a]) > 1e-12 ? (low[a] + ahead[a] * side - from[a]) / step[a] : 1e300;
-    return t;
+    return (glm::dvec2(low + ahead * side) - from) * per_step + never;
   };
+  std::array<const SurfaceCell*, SurfacePyramid::kLevels> cells;
+  std::array<int, SurfacePyramid::kLevels> cells_wide;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    cells[i] = pyramid.levels[i].texels().data();
+    cells_wide[i] = pyramid.levels[i].width();
+  }
 
   SurfaceHit march;
   WalkCost spent;
@@ -94,9 +103,10 @@ SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
   int level = SurfacePyramid::kLevels - 1;
   const auto run = [&] {
     for (;;) {
-      const int side = side_of(level);
-      const glm::ivec2 at = texel / side, low = at * side;
-      const SurfaceCell& cell = pyramid.levels[std::size_t(level)](at.x, at.y);
+      const int bits = bits_of(level), side = 1 << bits;
+      const glm::ivec2 at = texel >> bits, low = at << bits;
+      const auto l = std::size_t(level);
+      const SurfaceCell& cell = cells[l][std::ptrdiff_t(at.y) * cells_wide[l] + at.x];
       ++spent.cells;
       const glm::dvec2 ends = exits(low, side);
       const double end = std::min({ends.x, ends.y, 1.0});
@@ -118,8 +128,8 @@ SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
         before = in_front ? 1 : -1;
         if (texel[axis] < 0 || texel[axis] >= size[axis]) return;
         // Into another cell of the coarser level: that may be stepped over as a whole.
-        if (level + 1 < SurfacePyramid::kLevels && texel[axis] / (side * SurfacePyramid::kFactor) !=
-                                                       low[axis] / (side * SurfacePyramid::kFactor))
+        const int coarser = bits + kFactorBits;
+        if (level + 1 < SurfacePyramid::kLevels && texel[axis] >> coarser != low[axis] >> coarser)
           ++level;
         continue;
       }
@@ -160,8 +170,8 @@ SurfaceHit intersect(const TexelSurface& surface, const SurfacePyramid& pyramid,
         t = leave;
         before = leaves;
         if (texel[axis] < 0 || texel[axis] >= size[axis]) return;
-      } while (texel / side == at);
-      if (texel / (side * SurfacePyramid::kFactor) != at / SurfacePyramid::kFactor) ++level;
+      } while (texel >> bits == at);
+      if (texel >> (bits + kFactorBits) != at >> kFactorBits) ++level;
     }
   };
   run();

@@ -127,7 +127,6 @@ TexelSurface make_texel_surface(const DepthImage& picture, const LinkOptions& op
 std::optional<DisparitySegment> disparity_segment(const Camera& camera, const glm::dvec3& from,
                                                   const glm::dvec3& to) {
   RILIEVO_EXPECTS(camera.projection != Projection::parallel);
-  // Clip in homogeneous coordinates (u w, v w, 1, w) with w = eye_z, where all is linear.
   const glm::dmat4 eye_from = eye_from_world(camera);
   const ImageWindow& window = camera.window;
   const auto homogeneous = [&](const glm::dvec3& world) {
@@ -136,7 +135,12 @@ std::optional<DisparitySegment> disparity_segment(const Camera& camera, const gl
     return glm::dvec3((eye.x - window.left * w) / (window.right - window.left) * camera.width,
                       (window.top * w - eye.y) / (window.top - window.bottom) * camera.height, w);
   };
-  glm::dvec3 p = homogeneous(from), q = homogeneous(to);
+  return disparity_segment_between(camera, homogeneous(from), homogeneous(to));
+}
+
+std::optional<DisparitySegment> disparity_segment_between(const Camera& camera, const glm::dvec3& p,
+                                                          const glm::dvec3& q) {
+  // All is linear in homogeneous coordinates.
   double t0 = 0, t1 = 1;
   const auto clip = [&](double at_from, double at_to) {  // keeps where the value is >= 0
     if (at_from < 0 && at_to < 0) t1 = -1;

@@ -101,6 +101,10 @@ struct DisparitySegment {
 [[nodiscard]] std::optional<DisparitySegment> disparity_segment(const Camera& camera,
                                                                 const glm::dvec3& from,
                                                                 const glm::dvec3& to);
+// The same of homogeneous points (u w, v w, w) with w = eye_z, which are affine in world space.
+[[nodiscard]] std::optional<DisparitySegment> disparity_segment_between(const Camera& camera,
+                                                                        const glm::dvec3& from,
+                                                                        const glm::dvec3& to);
 
 // The result of a height-field ray march. A ray that neither hit nor passed behind an edge crossed
 // only free space.

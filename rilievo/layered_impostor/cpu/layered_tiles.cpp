@@ -1,6 +1,7 @@
 #include "rilievo/layered_impostor/cpu/layered_tiles.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -29,12 +30,25 @@ struct LayeredPicture {
   SurfacePyramid pyramid;
 };
 
-// An impostor in a frame.
+// A picture that is marched through. With t the frame's eye_z, the point of a pixel's ray is, as
+// the picture's (u w, v w, w),
+//
+//   eye + t per_raster (x, y, 1)
+struct MarchedView {
+  std::size_t view = 0;
+  float weight = 0, rest = 0;  // rest: of the views after it
+  glm::dvec3 eye{0.0};
+  glm::dmat3 per_raster{0.0};
+};
+
+// An impostor in a frame. Its rays are those of `camera`, in the world of the capture.
 struct PlacedLayered {
-  Camera camera;  // in the world of the capture
+  Camera camera;
+  glm::dmat3 ray_from_raster{0.0};
   double scale = 1;
   std::uint32_t object = kNoObject;
-  ServingViews serving;
+  std::array<MarchedView, ServingViews::kMost> views;
+  int count = 0;
   double distance = 0;
   float nearest = 0;  // 1 / eye_z, which nothing exceeds
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -55,17 +69,19 @@ class LayeredTiles final : public ImpostorTiles {
 
  private:
   [[nodiscard]] bool place(const Camera& frame, const Instance& instance, PlacedLayered& out) const;
+  void place_views(const glm::dvec3& eye, PlacedLayered& out) const;
   void draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const;
   [[nodiscard]] SeenLayered look(const PlacedLayered& placed, double x, double y) const;
-  [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, int view, const PixelRay& ray,
-                                    const SurfaceHit& march) const;
+  [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, const MarchedView& view,
+                                    const glm::dvec3& along, const SurfaceHit& march) const;
 
+  RayBounds bounds_;
   std::vector<LayeredPicture> pictures_;
   std::vector<PlacedLayered> placed_;  // front to back; kept, so that drawing does not allocate
 };
 
 LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& options)
-    : ImpostorTiles(std::move(impostor), options) {
+    : ImpostorTiles(std::move(impostor), options), bounds_(impostor_.bounds) {
   pictures_.resize(impostor_.pictures.size());
   parallel_for(std::size_t(0), pictures_.size(), [&](std::size_t i) {
     DepthImage& picture = impostor_.pictures[i];
@@ -87,7 +103,12 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
 
   const glm::dvec3 eye = out.camera.position(), center(impostor_.bounds.center());
   out.distance = glm::length(eye - center) * out.scale;
-  out.serving = views_for_eye(impostor_, eye, options_);
+  const auto ray_at = [&](double x, double y) {
+    return world_from_raster(out.camera, {x, y}, 1.0) - eye;
+  };
+  const glm::dvec3 corner_ray = ray_at(0, 0);
+  out.ray_from_raster = {ray_at(1, 0) - corner_ray, ray_at(0, 1) - corner_ray, corner_ray};
+  place_views(eye, out);
 
   double x0 = 1e30, y0 = 1e30, x1 = -1e30, y1 = -1e30, nearest = 1e300;
   const double slack = 1e-4 * double(impostor_.bounds.radius());
@@ -113,6 +134,26 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
   return out.x0 < out.x1 && out.y0 < out.y1;
 }
 
+void LayeredTiles::place_views(const glm::dvec3& eye, PlacedLayered& out) const {
+  const ServingViews serving = views_for_eye(impostor_, eye, options_);
+  out.count = serving.count;
+  float rest = 0;
+  for (int i = serving.count; i-- > 0;) {
+    MarchedView& marched = out.views[std::size_t(i)];
+    marched.view = std::size_t(serving.views[i]);
+    marched.weight = serving.weights[i], marched.rest = rest;
+    rest += serving.weights[i];
+    const Camera& camera = impostor_.pictures[marched.view].camera;
+    const auto& [l, r, b, t] = camera.window;
+    const double per_u = camera.width / (r - l), per_v = camera.height / (t - b);
+    // Columns: what x, y and z of the picture's eye space add to (u w, v w, w).
+    const glm::dmat3 raster_from_eye{per_u, 0, 0, 0, -per_v, 0, l * per_u, -t * per_v, -1};
+    const glm::dmat4 from_world = eye_from_world(camera);
+    marched.eye = raster_from_eye * glm::dvec3(from_world * glm::dvec4(eye, 1));
+    marched.per_raster = raster_from_eye * glm::dmat3(from_world) * out.ray_from_raster;
+  }
+}
+
 void LayeredTiles::draw(const Camera& frame, std::span<const Instance> instances, Output) {
   RILIEVO_EXPECTS(frame.projection == Projection::perspective);
   placed_.clear();
@@ -124,14 +165,13 @@ void LayeredTiles::draw(const Camera& frame, std::span<const Instance> instances
       [](const PlacedLayered& a, const PlacedLayered& b) { return a.distance < b.distance; });
 }
 
-SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const PixelRay& ray,
-                                  const SurfaceHit& march) const {
-  const auto v = std::size_t(view);
+// `along`: the ray's direction as the view's picture has it.
+SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, const MarchedView& view,
+                                  const glm::dvec3& along, const SurfaceHit& march) const {
+  const std::size_t v = view.view;
   const LayeredPicture& picture = pictures_[v];
-  const glm::dvec3 world =
-      world_from_raster(impostor_.pictures[v].camera, glm::dvec2(march.at), 1 / march.at.z);
-  const double t =
-      glm::dot(world - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction);
+  const glm::dvec3 from_eye = glm::dvec3(march.at.x, march.at.y, 1) / march.at.z - view.eye;
+  const double t = glm::dot(from_eye, along) / glm::dot(along, along);
   SeenLayered seen;
   seen.inverse_z = float(1 / (t * placed.scale));
   seen.object = objects_.several ? picture.object(march.texel.x, march.texel.y) : placed.object;
@@ -150,25 +190,26 @@ SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, int view, const P
 
 // The rules are those of warp_surfaces().
 SeenLayered LayeredTiles::look(const PlacedLayered& placed, double x, double y) const {
-  const std::optional<PixelRay> ray = pixel_ray(impostor_.bounds, placed.camera, {x, y});
-  if (!ray) return {};
+  const glm::dvec3 raster(x, y, 1);
+  PixelRay ray{placed.camera.position(), placed.ray_from_raster * raster, placed.camera.z_near,
+               placed.camera.z_far};
+  if (!bounds_.keep(ray)) return {};
   SeenLayered certain, doubtful, skin;
   int inside = 0;
   float surface = 0, nothing = 0, heaviest = 0;
   glm::vec4 blended(0.0f);
-  for (int i = 0; i < placed.serving.count; ++i) {
-    const float own = placed.serving.weights[i];
-    if (own == 0 && surface + nothing > 0) break;
-    const float weight = own > 0 ? own : 1.0f;
-    const int view = placed.serving.views[i];
-    const auto v = std::size_t(view);
-    const std::optional<DisparitySegment> segment =
-        disparity_segment(impostor_.pictures[v].camera, ray->origin + ray->begin * ray->direction,
-                          ray->origin + ray->end * ray->direction);
+  for (int i = 0; i < placed.count; ++i) {
+    const MarchedView& view = placed.views[std::size_t(i)];
+    if (view.weight == 0 && surface + nothing > 0) break;
+    const float weight = view.weight > 0 ? view.weight : 1.0f;
+    const std::size_t v = view.view;
+    const glm::dvec3 along = view.per_raster * raster;
+    const std::optional<DisparitySegment> segment = disparity_segment_between(
+        impostor_.pictures[v].camera, view.eye + ray.begin * along, view.eye + ray.end * along);
     const SurfaceHit march =
         segment ? intersect(impostor_.surfaces[v], pictures_[v].pyramid, *segment) : SurfaceHit{};
     if (march.hit) {
-      const SeenLayered seen = seen_at(placed, view, *ray, march);
+      const SeenLayered seen = seen_at(placed, view, along, march);
       if (seen.inverse_z > doubtful.inverse_z) doubtful = seen;
       if (march.passed_behind) continue;
       surface += weight;
@@ -176,14 +217,15 @@ SeenLayered LayeredTiles::look(const PlacedLayered& placed, double x, double y) 
       if (weight > heaviest) heaviest = weight, certain = seen;
     } else if (!march.passed_behind) {
       if (impostor_.complete[v]) nothing += weight;
+      if (nothing > surface + view.rest) return {};  // whatever the others show
     } else {
       inside += march.passed_outline ? -1 : 1;
       if (!march.passed_outline && skin.inverse_z == kNothing)
-        skin = seen_at(placed, view, *ray, march);
+        skin = seen_at(placed, view, along, march);
     }
   }
   if (nothing > surface) return {};
-  if (doubtful.inverse_z == kNothing && inside > 0 && placed.serving.count > 1) doubtful = skin;
+  if (doubtful.inverse_z == kNothing && inside > 0 && placed.count > 1) doubtful = skin;
   if (surface == 0) return doubtful;
   certain.color = blended / surface;
   return certain;
