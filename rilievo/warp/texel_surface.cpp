@@ -17,10 +17,10 @@
 #include "rilievo/warp/texel_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rilievo/core/expects.h"
-#include "rilievo/warp/texel_march.h"
 
 namespace rilievo {
 namespace {
@@ -60,6 +60,53 @@ void close_corners(TexelSurface& surface) {
     }
 }
 
+// The bit of the link from a texel to the neighbour at `step`; -1 if that is not a neighbour.
+int link_of(const glm::ivec2& step) {
+  for (int k = 0; k < 8; ++k)
+    if (kLinkSteps[k] == step) return k;
+  return -1;
+}
+
+// A ray over a surface.
+struct TexelMarch {
+  const TexelSurface& surface;
+  const DisparitySegment& segment;
+  double sigma;
+
+  [[nodiscard]] glm::dvec3 at(double t) const { return glm::mix(segment.from, segment.to, t); }
+  // Positive in front of the texel's patch.
+  [[nodiscard]] double side(const glm::ivec2& texel, double t) const {
+    const SurfaceTexel& piece = surface.texels(texel.x, texel.y);
+    if (piece.q == 0) return 1;
+    const glm::dvec3 p = at(t);
+    return sigma * (p.z - surface_q(piece, glm::dvec2(texel) + 0.5, glm::dvec2(p)));
+  }
+  [[nodiscard]] bool linked(const glm::ivec2& last, const glm::ivec2& texel) const {
+    return surface.texels(last.x, last.y).links >> link_of(texel - last) & 1;
+  }
+  // Crossing the border to a texel at t, from in front of the patch of the one at `last` to behind
+  // the other's: do the two pass for one surface there? They are linked, and nearly meet.
+  [[nodiscard]] bool meets(const glm::ivec2& last, const glm::ivec2& texel, double t) const {
+    return linked(last, texel) && side(last, t) - side(texel, t) <= patch_gap(surface, last);
+  }
+  // The intersection with the patch between t0 (in front) and t1 (not in front): a line meets a
+  // plane in each interval between the texel's middle lines.
+  [[nodiscard]] double root(const glm::ivec2& texel, double t0, double t1) const {
+    std::array<double, 2> middle;
+    for (int a = 0; a < 2; ++a)
+      middle[a] = std::clamp((texel[a] + 0.5 - segment.from[a]) / (segment.to[a] - segment.from[a]),
+                             t0, t1);
+    double s0 = side(texel, t0);
+    for (double t : {std::min(middle[0], middle[1]), std::max(middle[0], middle[1]), t1}) {
+      if (!(t > t0)) continue;  // also where the segment does not move in u or in v
+      const double s = side(texel, t);
+      if (s <= 0) return t0 + (t - t0) * s0 / (s0 - s);
+      t0 = t, s0 = s;
+    }
+    return t1;
+  }
+};
+
 }  // namespace
 
 DepthInterval depth_interval(const SurfaceTexel& texel) {
@@ -71,8 +118,10 @@ DepthInterval depth_interval(const SurfaceTexel& texel) {
   return {1 / (texel.q + 0.5f * high), 1 / (texel.q + 0.5f * low)};
 }
 
+double patch_gap_per_q(const Camera& camera) { return kPatchGap * smaller_side(camera); }
+
 double patch_gap(const TexelSurface& surface, const glm::ivec2& texel) {
-  return kPatchGap * smaller_side(surface.camera) * double(surface.texels(texel.x, texel.y).q);
+  return patch_gap_per_q(surface.camera) * double(surface.texels(texel.x, texel.y).q);
 }
 
 SampleWeights sample_weights(const SurfaceTexel& texel, const glm::dvec2& offset) {

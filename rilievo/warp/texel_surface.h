@@ -67,6 +67,8 @@ struct DepthInterval {
 // The patch of a texel and that of a linked neighbour pass for one surface where they nearly meet
 // on the border between them: up to this depth, in texels, and as a difference in q.
 inline constexpr double kPatchGap = 0.25;
+// That of a camera's texels for each q of a patch, and of a patch.
+[[nodiscard]] double patch_gap_per_q(const Camera& camera);
 [[nodiscard]] double patch_gap(const TexelSurface& surface, const glm::ivec2& texel);
 
 // The weights by which samples are interpolated, at an offset from the texel's centre of at most

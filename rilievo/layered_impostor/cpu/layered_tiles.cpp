@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/cpu/impostor_tiles.h"
+#include "rilievo/layered_impostor/cpu/march_rays.h"
 #include "rilievo/layered_impostor/cpu/placed_camera.h"
 #include "rilievo/layered_impostor/cpu/slice_tiles.h"
 #include "rilievo/layered_impostor/layered_kind.h"
@@ -17,7 +19,6 @@
 #include "rilievo/layered_impostor/pixel_march.h"
 #include "rilievo/layered_impostor/slice_quads.h"
 #include "rilievo/render/software/frame_tile.h"
-#include "rilievo/warp/surface_pyramid.h"
 
 namespace rilievo {
 namespace {
@@ -27,7 +28,7 @@ constexpr float kNothing = 0;  // 1 / eye_z where there is none
 struct LayeredPicture {
   Image<glm::u8vec4> color;
   Image<std::uint32_t> object;  // empty if all show one
-  SurfacePyramid pyramid;
+  MarchSurface surface;
 };
 
 // A picture that is marched through. With t the frame's eye_z, the point of a pixel's ray is, as
@@ -71,9 +72,17 @@ class LayeredTiles final : public ImpostorTiles {
   [[nodiscard]] bool place(const Camera& frame, const Instance& instance, PlacedLayered& out) const;
   void place_views(const glm::dvec3& eye, PlacedLayered& out) const;
   void draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const;
-  [[nodiscard]] SeenLayered look(const PlacedLayered& placed, double x, double y) const;
+  static constexpr int kRow = FrameTile::kBlock;
+  static_assert(kRow == MarchRays::kCount);
+  struct Look;
+  // What pixels show from (x, y) to the right, those whose bit is set.
+  void look(const PlacedLayered& placed, int x, int y, std::uint32_t wanted,
+            SeenLayered (&shown)[kRow]) const;
+  // Where a ray ended; `along` is its direction as the view's picture has it.
   [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, const MarchedView& view,
-                                    const glm::dvec3& along, const SurfaceHit& march) const;
+                                    const MarchRays& rays, std::size_t ray,
+                                    const glm::dvec3& along) const;
+  static void write(const SeenLayered& seen, FrameTile& tile, int block, int pixel);
 
   RayBounds bounds_;
   std::vector<LayeredPicture> pictures_;
@@ -87,12 +96,13 @@ LayeredTiles::LayeredTiles(LayeredImpostor impostor, const LayeredOptions& optio
     DepthImage& picture = impostor_.pictures[i];
     pictures_[i].color = encoded_colors(picture.color);
     if (objects_.several) pictures_[i].object = std::move(picture.object);
-    pictures_[i].pyramid = make_surface_pyramid(impostor_.surfaces[i]);
+    pictures_[i].surface = make_march_surface(impostor_.surfaces[i]);
     picture.color = {}, picture.depth = {}, picture.object = {};
+    impostor_.surfaces[i].texels = {};
   });
-  for (std::size_t i = 0; i < pictures_.size(); ++i)
-    bytes_ += pictures_[i].color.texels().size() * (4 + sizeof(SurfaceTexel)) +
-              4 * pictures_[i].object.texels().size();
+  for (const LayeredPicture& picture : pictures_)
+    bytes_ += picture.color.texels().size() * kColorBytes + picture.surface.bytes() +
+              4 * picture.object.texels().size();
 }
 
 bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLayered& out) const {
@@ -165,70 +175,113 @@ void LayeredTiles::draw(const Camera& frame, std::span<const Instance> instances
       [](const PlacedLayered& a, const PlacedLayered& b) { return a.distance < b.distance; });
 }
 
-// `along`: the ray's direction as the view's picture has it.
 SeenLayered LayeredTiles::seen_at(const PlacedLayered& placed, const MarchedView& view,
-                                  const glm::dvec3& along, const SurfaceHit& march) const {
-  const std::size_t v = view.view;
-  const LayeredPicture& picture = pictures_[v];
-  const glm::dvec3 from_eye = glm::dvec3(march.at.x, march.at.y, 1) / march.at.z - view.eye;
+                                  const MarchRays& rays, std::size_t ray,
+                                  const glm::dvec3& along) const {
+  const LayeredPicture& picture = pictures_[view.view];
+  glm::vec3 hit;  // u, v, q
+  for (int k = 0; k < 3; ++k)
+    hit[k] = rays.from[k][ray] + rays.t[ray] * (rays.to[k][ray] - rays.from[k][ray]);
+  const glm::dvec3 from_eye = glm::dvec3(hit.x, hit.y, 1) / double(hit.z) - view.eye;
   const double t = glm::dot(from_eye, along) / glm::dot(along, along);
   SeenLayered seen;
   seen.inverse_z = float(1 / (t * placed.scale));
-  seen.object = objects_.several ? picture.object(march.texel.x, march.texel.y) : placed.object;
+  const glm::ivec2 texel(rays.x[ray], rays.y[ray]);
+  seen.object = objects_.several ? picture.object(texel.x, texel.y) : placed.object;
 
   // Between the texels that are linked to the one that was hit.
-  const glm::ivec2 at = march.texel;
-  const SampleWeights weights = sample_weights(impostor_.surfaces[v].texels(at.x, at.y),
-                                               glm::dvec2(march.at) - (glm::dvec2(at) + 0.5));
-  seen.color = interpolate(weights, at,
-                           [&](const glm::ivec2& texel) {
-                             return glm::vec4(picture.color(texel.x, texel.y));
-                           }) /
-               255.0f;
+  const std::size_t i =
+      std::size_t(texel.y) * std::size_t(picture.surface.width) + std::size_t(texel.x);
+  const SampleWeights weights =
+      sample_weights({.links = std::uint8_t(picture.surface.texels[i].links)},
+                     glm::dvec2(hit) - (glm::dvec2(texel) + 0.5));
+  seen.color =
+      interpolate(weights, texel,
+                  [&](const glm::ivec2& at) { return glm::vec4(picture.color(at.x, at.y)); }) /
+      255.0f;
   return seen;
 }
 
-// The rules are those of warp_surfaces().
-SeenLayered LayeredTiles::look(const PlacedLayered& placed, double x, double y) const {
-  const glm::dvec3 raster(x, y, 1);
-  PixelRay ray{placed.camera.position(), placed.ray_from_raster * raster, placed.camera.z_near,
-               placed.camera.z_far};
-  if (!bounds_.keep(ray)) return {};
+// What a pixel shows, as view after view is marched through.
+struct LayeredTiles::Look {
+  PixelRay ray;
   SeenLayered certain, doubtful, skin;
   int inside = 0;
   float surface = 0, nothing = 0, heaviest = 0;
-  glm::vec4 blended(0.0f);
-  for (int i = 0; i < placed.count; ++i) {
-    const MarchedView& view = placed.views[std::size_t(i)];
-    if (view.weight == 0 && surface + nothing > 0) break;
-    const float weight = view.weight > 0 ? view.weight : 1.0f;
-    const std::size_t v = view.view;
-    const glm::dvec3 along = view.per_raster * raster;
-    const std::optional<DisparitySegment> segment = disparity_segment_between(
-        impostor_.pictures[v].camera, view.eye + ray.begin * along, view.eye + ray.end * along);
-    const SurfaceHit march =
-        segment ? intersect(impostor_.surfaces[v], pictures_[v].pyramid, *segment) : SurfaceHit{};
-    if (march.hit) {
-      const SeenLayered seen = seen_at(placed, view, along, march);
-      if (seen.inverse_z > doubtful.inverse_z) doubtful = seen;
-      if (march.passed_behind) continue;
-      surface += weight;
-      blended += weight * seen.color;
-      if (weight > heaviest) heaviest = weight, certain = seen;
-    } else if (!march.passed_behind) {
-      if (impostor_.complete[v]) nothing += weight;
-      if (nothing > surface + view.rest) return {};  // whatever the others show
-    } else {
-      inside += march.passed_outline ? -1 : 1;
-      if (!march.passed_outline && skin.inverse_z == kNothing)
-        skin = seen_at(placed, view, along, march);
-    }
+  glm::vec4 blended{0.0f};
+
+  // Nothing, whatever the views show that are left, of this weight.
+  [[nodiscard]] bool is_empty(float rest) const { return nothing > surface + rest; }
+  [[nodiscard]] SeenLayered shown(bool several_views) const {
+    if (is_empty(0)) return {};
+    if (surface == 0)
+      return doubtful.inverse_z == kNothing && inside > 0 && several_views ? skin : doubtful;
+    SeenLayered out = certain;
+    out.color = blended / surface;
+    return out;
   }
-  if (nothing > surface) return {};
-  if (doubtful.inverse_z == kNothing && inside > 0 && placed.count > 1) doubtful = skin;
-  if (surface == 0) return doubtful;
-  certain.color = blended / surface;
-  return certain;
+};
+
+// The rules are those of warp_surfaces().
+void LayeredTiles::look(const PlacedLayered& placed, int x, int y, std::uint32_t wanted,
+                        SeenLayered (&shown)[kRow]) const {
+  std::array<Look, kRow> looks;
+  const auto raster = [&](std::size_t i) { return glm::dvec3(x + double(i) + 0.5, y + 0.5, 1); };
+  const auto for_bits = [](std::uint32_t bits, const auto& visit) {
+    for (; bits; bits &= bits - 1) visit(std::size_t(std::countr_zero(bits)));
+  };
+  std::uint32_t looking = wanted;
+  for_bits(wanted, [&](std::size_t i) {
+    looks[i].ray = {placed.camera.position(), placed.ray_from_raster * raster(i),
+                    placed.camera.z_near, placed.camera.z_far};
+    if (!bounds_.keep(looks[i].ray)) looking &= ~(1u << i);
+  });
+  const std::uint32_t in_bounds = looking;
+  MarchRays rays;
+  std::array<glm::dvec3, kRow> along;
+  for (int k = 0; k < placed.count && looking; ++k) {
+    const MarchedView& view = placed.views[std::size_t(k)];
+    const Camera& camera = impostor_.pictures[view.view].camera;
+    if (view.weight == 0)
+      for_bits(looking, [&](std::size_t i) {
+        if (looks[i].surface + looks[i].nothing > 0) looking &= ~(1u << i);
+      });
+    rays.wanted = 0;
+    for_bits(looking, [&](std::size_t i) {
+      along[i] = view.per_raster * raster(i);
+      const std::optional<DisparitySegment> segment = disparity_segment_between(
+          camera, view.eye + looks[i].ray.begin * along[i], view.eye + looks[i].ray.end * along[i]);
+      if (!segment) return;
+      rays.wanted |= 1u << i;
+      for (int a = 0; a < 3; ++a)
+        rays.from[a][i] = float(segment->from[a]), rays.to[a][i] = float(segment->to[a]);
+    });
+    march_rays(pictures_[view.view].surface, rays);
+    const float weight = view.weight > 0 ? view.weight : 1.0f;
+    for_bits(looking, [&](std::size_t i) {
+      Look& look = looks[i];
+      const bool behind = rays.passed_behind >> i & 1;
+      if (rays.hit >> i & 1) {
+        const SeenLayered seen = seen_at(placed, view, rays, i, along[i]);
+        if (seen.inverse_z > look.doubtful.inverse_z) look.doubtful = seen;
+        if (behind) return;
+        look.surface += weight;
+        look.blended += weight * seen.color;
+        if (weight > look.heaviest) look.heaviest = weight, look.certain = seen;
+      } else if (!behind) {
+        if (impostor_.complete[view.view]) look.nothing += weight;
+        if (look.is_empty(view.rest)) looking &= ~(1u << i);
+      } else {
+        const bool outline = rays.passed_outline >> i & 1;
+        look.inside += outline ? -1 : 1;
+        if (!outline && look.skin.inverse_z == kNothing)
+          look.skin = seen_at(placed, view, rays, i, along[i]);
+      }
+    });
+  }
+  for_bits(wanted, [&](std::size_t i) {
+    shown[i] = in_bounds >> i & 1 ? looks[i].shown(placed.count > 1) : SeenLayered{};
+  });
 }
 
 void LayeredTiles::draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const {
@@ -238,33 +291,45 @@ void LayeredTiles::draw_block(const PlacedLayered& placed, FrameTile& tile, int 
   if (x0 >= placed.x1 || y0 >= placed.y1 || x0 + kBlock <= placed.x0 || y0 + kBlock <= placed.y0)
     return;
   const int planes = tile.planes(block);
-  for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
-    const int x = x0 + i % kBlock, y = y0 + i / kBlock;
-    if (x < placed.x0 || y < placed.y0 || x >= placed.x1 || y >= placed.y1) continue;
-    float farthest = tile.plane(block, 0).inverse_z[i];
-    for (int s = 1; s < planes; ++s)
-      farthest = std::min(farthest, tile.plane(block, s).inverse_z[i]);
-    if (placed.nearest <= farthest) continue;
-    const SeenLayered seen = look(placed, x + 0.5, y + 0.5);
-    if (!(seen.inverse_z > farthest)) continue;
-    std::uint32_t content = seen.object;
-    if (tile.of == TileContent::color) {
-      content = 0xff000000u;
-      for (int c = 0; c < 3; ++c)
-        content |=
-            std::uint32_t(std::clamp(seen.color[c] / std::max(seen.color.a, 1e-3f), 0.0f, 1.0f) *
-                              255.0f +
-                          0.5f)
-            << (8 * c);
+  for (int row = 0; row < kBlock; ++row) {
+    const int y = y0 + row;
+    if (y < placed.y0 || y >= placed.y1) continue;
+    std::uint32_t wanted = 0;
+    float farthest[kRow];
+    for (int k = 0; k < kRow; ++k) {
+      const int i = row * kBlock + k;
+      farthest[k] = tile.plane(block, 0).inverse_z[i];
+      for (int s = 1; s < planes; ++s)
+        farthest[k] = std::min(farthest[k], tile.plane(block, s).inverse_z[i]);
+      if (x0 + k >= placed.x0 && x0 + k < placed.x1 && placed.nearest > farthest[k])
+        wanted |= 1u << k;
     }
-    for (int s = 0; s < planes; ++s) {
-      FrameTile::Plane& plane = tile.plane(block, s);
-      if (!(seen.inverse_z > plane.inverse_z[i])) continue;
-      plane.inverse_z[i] = seen.inverse_z;
-      plane.content[i] = content;
-    }
-    tile.changed[block] = true;
+    if (!wanted) continue;
+    SeenLayered shown[kRow];
+    look(placed, x0, y, wanted, shown);
+    for (int k = 0; k < kRow; ++k)
+      if ((wanted >> k & 1) && shown[k].inverse_z > farthest[k])
+        write(shown[k], tile, block, row * kBlock + k);
   }
+}
+
+void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, int pixel) {
+  std::uint32_t content = seen.object;
+  if (tile.of == TileContent::color) {
+    content = 0xff000000u;
+    for (int c = 0; c < 3; ++c)
+      content |=
+          std::uint32_t(
+              std::clamp(seen.color[c] / std::max(seen.color.a, 1e-3f), 0.0f, 1.0f) * 255.0f + 0.5f)
+          << (8 * c);
+  }
+  for (int s = 0; s < tile.planes(block); ++s) {
+    FrameTile::Plane& plane = tile.plane(block, s);
+    if (!(seen.inverse_z > plane.inverse_z[pixel])) continue;
+    plane.inverse_z[pixel] = seen.inverse_z;
+    plane.content[pixel] = content;
+  }
+  tile.changed[block] = true;
 }
 
 void LayeredTiles::draw_tile(FrameTile& tile) const {

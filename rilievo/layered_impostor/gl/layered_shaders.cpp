@@ -1,8 +1,4 @@
-// The march is that of warp/surface_pyramid.cpp: there are the rules and their reasons.
-//
-// Drivers for processors run both sides of every branch for some eight pixels together; loops alone
-// are left early, and only at their ends. So each loop holds one thing, steps over cells or steps
-// over texels, and tests last. Where the piece is met is found after the loops.
+// The march is that of layered_impostor/cpu/march_rays.cpp: there are the rules and their reasons.
 #include "rilievo/layered_impostor/gl/layered_shaders.h"
 
 #include <string>
