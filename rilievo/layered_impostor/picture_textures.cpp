@@ -1,6 +1,7 @@
 #include "rilievo/layered_impostor/picture_textures.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rilievo/layered_impostor/draw_options.h"
 
@@ -16,6 +17,21 @@ CellTexture cell_texture(int width, int height) {
     side *= SurfacePyramid::kFactor;
   }
   return texture;
+}
+
+Image<glm::vec2> pyramid_cells(const TexelSurface& surface, const CellTexture& layout) {
+  Image<glm::vec2> cells(layout.columns, layout.rows, glm::vec2(0));
+  const SurfacePyramid pyramid = make_surface_pyramid(surface);
+  for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
+    const Image<SurfaceCell>& from = pyramid.levels[level];
+    for (int y = 0; y < from.height(); ++y)
+      for (int x = 0; x < from.width(); ++x) {
+        const SurfaceCell& cell = from(x, y);
+        cells(layout.level_at[level] + x, y) = {cell.front,
+                                                std::abs(cell.back) * (cell.holes ? -1.0f : 1.0f)};
+      }
+  }
+  return cells;
 }
 
 std::size_t layered_texture_bytes(int views, int width, int height, LayeredMethod method) {

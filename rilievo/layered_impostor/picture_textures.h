@@ -27,6 +27,10 @@ struct CellTexture {
   std::array<int, SurfacePyramid::kLevels> level_at{};
 };
 [[nodiscard]] CellTexture cell_texture(int width, int height);
+// The front of each cell, and the magnitude of its back, negative if there are holes in it; 0 where
+// there is no cell.
+[[nodiscard]] Image<glm::vec2> pyramid_cells(const TexelSurface& surface,
+                                             const CellTexture& layout);
 
 // Linear, premultiplied colours as frames are encoded: sRGB, which alpha then multiplies.
 [[nodiscard]] Image<glm::u8vec4> encoded_colors(const ColorImage& color);

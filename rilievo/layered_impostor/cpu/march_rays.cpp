@@ -14,8 +14,6 @@
 // loops alone are left early. So each loop holds one thing, steps over cells or steps over texels.
 #include "rilievo/layered_impostor/cpu/march_rays.h"
 
-#include <cmath>
-
 #include "rilievo/layered_impostor/picture_textures.h"
 
 // This file is compiled once for each instruction set.
@@ -55,7 +53,7 @@ HWY_INLINE VF select(MF mask, VF yes, VF no) { return hn::IfThenElse(mask, yes, 
 class March {
  public:
   March(const MarchSurface& surface, const MarchRays& rays, int first)
-      : surface_(surface), columns_(hn::Set(i32, surface.columns)) {
+      : surface_(surface), columns_(hn::Set(i32, surface.cells.width())) {
     for (int a = 0; a < 3; ++a) {
       from_[a] = hn::Load(f, rays.from[a] + first);
       step_[a] = hn::Sub(hn::Load(f, rays.to[a] + first), from_[a]);
@@ -159,7 +157,7 @@ class March {
   HWY_INLINE void over_cells(MarchRays& rays) {
     const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
     const VI one_i = hn::Set(i32, 1);
-    const float* cells = &surface_.cells[0].x;
+    const float* cells = &surface_.cells.texels()[0].x;
     for (MF walks = hn::Not(done_); !hn::AllFalse(f, walks); ++rays.cell_steps) {
       const VI bits = hn::Add(hn::Set(i32, kBlockBits), hn::Mul(level_, hn::Set(i32, kFactorBits)));
       const VI side = hn::Shl(one_i, bits);
@@ -364,19 +362,9 @@ MarchSurface make_march_surface(const TexelSurface& surface) {
     const auto& [right, down, left, up] = texel.slope;
     out.texels.push_back({texel.q, {right, down, left, up}, texel.links});
   }
-  const SurfacePyramid pyramid = make_surface_pyramid(surface);
   const CellTexture layout = cell_texture(out.width, out.height);
-  out.columns = layout.columns, out.level_at = layout.level_at;
-  out.cells.assign(std::size_t(layout.columns) * std::size_t(layout.rows), glm::vec2(0));
-  for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
-    const Image<SurfaceCell>& from = pyramid.levels[level];
-    for (int y = 0; y < from.height(); ++y)
-      for (int x = 0; x < from.width(); ++x) {
-        const SurfaceCell& cell = from(x, y);
-        const int i = y * layout.columns + layout.level_at[level] + x;
-        out.cells[std::size_t(i)] = {cell.front, std::abs(cell.back) * (cell.holes ? -1.0f : 1.0f)};
-      }
-  }
+  out.level_at = layout.level_at;
+  out.cells = pyramid_cells(surface, layout);
   return out;
 }
 

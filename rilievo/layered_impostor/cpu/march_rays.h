@@ -9,6 +9,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "rilievo/core/image.h"
+#include "rilievo/layered_impostor/picture_textures.h"
 #include "rilievo/warp/surface_pyramid.h"
 #include "rilievo/warp/texel_surface.h"
 
@@ -26,14 +28,11 @@ struct MarchSurface {
   float sigma = 1;      // as SurfacePyramid's
   float gap_per_q = 0;  // see patch_gap_per_q()
   std::vector<Texel> texels;
-  // The levels beside each other, each from column level_at on: the front of a cell, and the
-  // magnitude of its back, negative if there are holes in it.
-  std::vector<glm::vec2> cells;
-  int columns = 0;
+  Image<glm::vec2> cells;  // pyramid_cells()
   std::array<int, SurfacePyramid::kLevels> level_at{};
 
   [[nodiscard]] std::size_t bytes() const {
-    return texels.size() * sizeof(Texel) + cells.size() * sizeof(glm::vec2);
+    return texels.size() * sizeof(Texel) + cells.texels().size() * kCellBytes;
   }
 };
 [[nodiscard]] MarchSurface make_march_surface(const TexelSurface& surface);

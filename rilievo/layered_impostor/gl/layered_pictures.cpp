@@ -21,23 +21,6 @@ void upload(GLuint texture, int layer, const Image<T>& image, GLenum format, GLe
                       image.texels().data());
 }
 
-// The pyramid's levels side by side, as the shader wants them: empty cells are in front of nothing.
-Image<glm::vec2> cells_of(const TexelSurface& surface, int columns, int rows,
-                          std::span<const int> level_at) {
-  Image<glm::vec2> cells(columns, rows, glm::vec2(0));
-  const SurfacePyramid pyramid = make_surface_pyramid(surface);
-  for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
-    const Image<SurfaceCell>& from = pyramid.levels[level];
-    for (int y = 0; y < from.height(); ++y)
-      for (int x = 0; x < from.width(); ++x) {
-        const SurfaceCell& cell = from(x, y);
-        cells(level_at[level] + x, y) = {cell.front,
-                                         std::abs(cell.back) * (cell.holes ? -1.0f : 1.0f)};
-      }
-  }
-  return cells;
-}
-
 }  // namespace
 
 gl::Texture LayeredPictures::make_array(GLenum format, int width, int height, int texel_bytes) {
@@ -106,9 +89,7 @@ LayeredPictures::SurfaceTextures LayeredPictures::surface_textures() {
       upload(q_, int(v), q, GL_RED, GL_FLOAT);
       upload(slope_, int(v), slope, GL_RG_INTEGER, GL_UNSIGNED_INT);
       upload(links_, int(v), links, GL_RED_INTEGER, GL_UNSIGNED_BYTE);
-      upload(cells_, int(v),
-             cells_of(impostor_.surfaces[v], size.columns, size.rows, size.level_at), GL_RG,
-             GL_FLOAT);
+      upload(cells_, int(v), pyramid_cells(impostor_.surfaces[v], size), GL_RG, GL_FLOAT);
     }
   }
   return {q_, slope_, links_, cells_, cell_texture(width_, height_).level_at};
