@@ -84,9 +84,8 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, s.drawn[i].node->eye())) / sum));
   const std::span<const DrawnNode> all(s.drawn);
   if (!placed.merged) {
-    placed.count = all.size();
-    for (std::size_t i = 0; i < all.size(); ++i)
-      placed.layers[i].place(frame, output == Output::color ? s.samples : 1, all.subspan(i, 1));
+    placed.count = 1;
+    placed.layers[0].place(frame, output == Output::color ? s.samples : 1, all);
   } else if (options.merge == NodeMerge::first) {
     placed.count = 2;
     placed.layers[0].place(frame, 1, all.first(1));

@@ -123,6 +123,14 @@ float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, in
   return hn::GetLane(hn::MaxOfLanes(f, nearest));
 }
 
+// Where the fields of the wanted triangles lie from those of the first one, in words.
+HWY_INLINE VI index_of(VU triangle, MF wanted) {
+  const U u32;
+  constexpr std::uint32_t kWords = sizeof(NodeTriangle) / sizeof(std::uint32_t);
+  const VU of = hn::IfThenElseZero(hn::RebindMask(u32, wanted), triangle);
+  return hn::BitCast(I(), hn::Mul(of, hn::Set(u32, kWords)));
+}
+
 // Directions in node space.
 struct Directions {
   VF x, y, z;
@@ -133,7 +141,6 @@ HWY_INLINE Directions find_directions(const NodeTriangle* triangles, VU number, 
                                       VF y) {
   const F f;
   const U u32;
-  const I i32;
   const auto along = [&](VF at, VF per_x, VF per_y, VF dx, VF dy) {
     return hn::Add(at, hn::Add(hn::Mul(dx, per_x), hn::Mul(dy, per_y)));
   };
@@ -146,10 +153,7 @@ HWY_INLINE Directions find_directions(const NodeTriangle* triangles, VU number, 
     };
     return {axis(0), axis(1), axis(2)};
   }
-  // Others than the wanted are those of the first.
-  const VU of = hn::IfThenElse(hn::RebindMask(u32, wanted), number, one);
-  constexpr int kFloats = sizeof(NodeTriangle) / sizeof(float);
-  const VI index = hn::BitCast(i32, hn::Mul(of, hn::Set(u32, std::uint32_t(kFloats))));
+  const VI index = index_of(number, wanted);
   const auto field = [&](const float& of_first) { return hn::GatherIndex(f, &of_first, index); };
   const NodeTriangle& first = triangles[0];
   const VF dx = hn::Sub(x, field(first.x)), dy = hn::Sub(y, field(first.y));
@@ -262,10 +266,7 @@ HWY_INLINE void for_nodes(const NodeLayer& layer, VU triangle, MF wanted, const 
     return;
   }
   const U u32;
-  HWY_ALIGN std::uint32_t number[kBlock], node[kBlock];
-  hn::Store(hn::IfThenElseZero(hn::RebindMask(u32, wanted), triangle), u32, number);
-  for (std::size_t i = 0; i < hn::Lanes(f); ++i) node[i] = layer.triangles()[number[i]].node;
-  const VU of = hn::Load(u32, node);
+  const VU of = hn::GatherIndex(u32, &layer.triangles()[0].node, index_of(triangle, wanted));
   for (std::size_t n = 0; n < layer.nodes(); ++n) {
     const MF its = hn::And(wanted, hn::RebindMask(f, hn::Eq(of, hn::Set(u32, std::uint32_t(n)))));
     if (!hn::AllFalse(f, its)) visit(*layer.drawn(n).node, its);
@@ -415,14 +416,10 @@ HWY_INLINE void merge(const PlacedNodes& placed, const Shown (&shown)[kMaxDrawnN
     counts = hn::And(counts, hn::Le(hn::Div(one, hn::Max(z[k], hn::Set(f, 1e-30f))), limit));
     out.share[k] = zero;
     if (hn::AllFalse(f, counts)) continue;
-    HWY_ALIGN std::uint32_t triangle[kBlock];
-    HWY_ALIGN float quality[kBlock];
-    hn::Store(
-        hn::IfThenElseZero(hn::RebindMask(u32, counts), hn::Load(u32, shown[k][0].triangle + i)),
-        u32, triangle);
-    for (std::size_t n = 0; n < hn::Lanes(f); ++n)
-      quality[n] = placed.layers[k].triangles()[triangle[n]].quality;
-    VF weight = hn::IfThenElse(only_skins, one, hn::Add(hn::Load(f, quality), hn::Set(f, 0.25f)));
+    const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
+    const VF quality =
+        hn::GatherIndex(f, &placed.layers[k].triangles()[0].quality, index_of(triangle, counts));
+    VF weight = hn::IfThenElse(only_skins, one, hn::Add(quality, hn::Set(f, 0.25f)));
     if (placed.options.merge == NodeMerge::positional)
       weight = hn::Mul(weight, hn::Set(f, placed.nearness[k]));
     const MF best = hn::And(counts, hn::Gt(weight, most));

@@ -16,8 +16,10 @@ struct PlacedNodes {
   double scale = 1;  // metres of the frame for each of the layers'
   std::uint32_t object = kNoObject;
   NodeDrawOptions options;
-  bool merged = false;    // else one is drawn over the other
-  std::size_t count = 0;  // of layers in use
+  bool merged = false;  // else one is drawn over the other
+  // Of layers in use: one for each node that is merged (NodeMerge::first: one for the first, one
+  // for the others), else one for all.
+  std::size_t count = 0;
   // Of each layer's node, for NodeMerge::positional.
   std::array<float, kMaxDrawnNodes> nearness{};
   std::array<NodeLayer, kMaxDrawnNodes> layers;
