@@ -8,6 +8,7 @@
 #include "bench/decoupling.h"
 #include "bench/deep_objects.h"
 #include "bench/draw.h"
+#include "bench/kinds.h"
 #include "bench/layered.h"
 #include "bench/layered_cost.h"
 #include "bench/nailboard_bits.h"
@@ -37,6 +38,8 @@ std::span<const Bench> benches() {
       Bench{"draw", "How many nailboards in a millisecond, and against a textured quad?",
             Needs::opengl, draw},
       Bench{"compose", "How fast are nailboards drawn without OpenGL?", Needs::nothing, compose},
+      Bench{"kinds", "How fast is each baked kind drawn without OpenGL, and against polygons?",
+            Needs::nothing, kinds_without_opengl},
       Bench{"capture", "What does capturing a picture cost, by OpenGL, by our rasteriser, by rays?",
             Needs::opengl, capture},
       Bench{"tradeoff", "What does an allowed error buy, and what does it cost?", Needs::opengl,

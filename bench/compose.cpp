@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -11,11 +10,10 @@
 #include <vector>
 
 #include "bench/compose_scene.h"
+#include "bench/timing.h"
 #include "rilievo/core/parallel_for.h"
-#include "rilievo/core/stopwatch.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
-#include "rilievo/measure/stats.h"
 #include "rilievo/nailboard/cpu/nailboard_composer.h"
 #include "rilievo/nailboard/gl/nailboard_drawer.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -58,29 +56,6 @@ struct Composition {
   }
 };
 
-// Runs of some frames each, the ways of drawing in turn, so that each meets the same load.
-struct Times {
-  std::vector<double> runs;  // milliseconds a frame: the median of the run's frames
-  [[nodiscard]] double least() const { return *std::min_element(runs.begin(), runs.end()); }
-  [[nodiscard]] double median() const { return percentile(runs, 0.5); }
-};
-
-void measure_ways(int runs, int frames, std::span<const std::function<void()>> ways,
-                  std::vector<Times>& times) {
-  times.assign(ways.size(), {});
-  for (const auto& way : ways) way();  // compiles shaders, touches memory
-  for (int run = 0; run < runs; ++run)
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      std::vector<double> ms;
-      for (int frame = 0; frame < frames; ++frame) {
-        const Stopwatch watch;
-        ways[i]();
-        ms.push_back(watch.ms());
-      }
-      times[i].runs.push_back(percentile(ms, 0.5));
-    }
-}
-
 // Copies `bytes` on all cores, in pieces of a megabyte.
 class CoresCopy {
  public:
@@ -97,14 +72,8 @@ class CoresCopy {
   std::vector<char> from_, to_;
 };
 
-// The machine's load over the last minute; it is what other programs did to these figures.
-double machine_load() {
-  double now = 0;
-  return getloadavg(&now, 1) == 1 ? now : 0;
-}
-
 struct ComposeRun {
-  Times software, opengl, copy;
+  RunTimes software, opengl, copy;
   std::uint64_t pixels = 0;  // of the rectangles around the pictures
   double psnr = 0;           // against OpenGL
 };
@@ -139,8 +108,7 @@ Result<ComposeRun> draw_both(Composition& composition, int samples, int runs, in
       gl::finish();
     });
   }
-  std::vector<Times> times;
-  measure_ways(runs, frames, ways, times);
+  const std::vector<RunTimes> times = time_in_turn(runs, frames, ways);
   drawing.software = times[0], drawing.copy = times[1];
   if (with_gl) {
     drawing.opengl = times[2];

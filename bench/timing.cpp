@@ -1,6 +1,7 @@
 #include "bench/timing.h"
 
-#include <vector>
+#include <algorithm>
+#include <cstdlib>
 
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/measure/stats.h"
@@ -22,6 +23,27 @@ double median_ms(int runs, int warm_ups, const std::function<void()>& work,
     if (run >= warm_ups) ms.push_back(took_ms);
   }
   return percentile(ms, 0.5);
+}
+
+double RunTimes::least() const { return *std::min_element(runs.begin(), runs.end()); }
+double RunTimes::median() const { return percentile(runs, 0.5); }
+
+std::vector<RunTimes> time_in_turn(int runs, int frames,
+                                   std::span<const std::function<void()>> ways) {
+  std::vector<RunTimes> times(ways.size());
+  for (const auto& way : ways) way();  // compiles shaders, touches memory
+  for (int run = 0; run < runs; ++run)
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      std::vector<double> ms;
+      for (int frame = 0; frame < frames; ++frame) ms.push_back(ms_of(ways[i]));
+      times[i].runs.push_back(percentile(ms, 0.5));
+    }
+  return times;
+}
+
+double machine_load() {
+  double now = 0;
+  return getloadavg(&now, 1) == 1 ? now : 0;
 }
 
 }  // namespace rilievo::bench

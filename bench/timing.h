@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <vector>
 
 namespace rilievo::bench {
 
@@ -11,5 +13,19 @@ namespace rilievo::bench {
 // memory. `prepare` comes before each one and is not timed; it may be empty.
 [[nodiscard]] double median_ms(int runs, int warm_ups, const std::function<void()>& work,
                                const std::function<void()>& prepare = {});
+
+// Milliseconds of a frame, of each run the median of its frames.
+struct RunTimes {
+  std::vector<double> runs;
+  [[nodiscard]] double least() const;
+  [[nodiscard]] double median() const;
+};
+// Runs of some frames each, the ways of drawing in turn, so that each meets the same load. Each is
+// called once before.
+[[nodiscard]] std::vector<RunTimes> time_in_turn(int runs, int frames,
+                                                 std::span<const std::function<void()>> ways);
+
+// The machine's load over the last minute: what other programs did to the figures.
+[[nodiscard]] double machine_load();
 
 }  // namespace rilievo::bench

@@ -125,9 +125,9 @@ Command bench_command(CLI::App& app) {
       ->type_name("SHADER");
   command
       ->add_option("--scene", options->scenes,
-                   "For node-places: scenes besides stonehenge; for real: scenes instead of its "
-                   "own, each with "
-                   "the walks NAME-*.json beside it")
+                   "For node-places: scenes besides stonehenge; for kinds: objects besides its "
+                   "own; for real: scenes instead of its own, each with the walks NAME-*.json "
+                   "beside it")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(

@@ -66,6 +66,12 @@ class NoOpenGL(command.Case):
     def test_benches_run_or_say_that_they_need_opengl(self):
         for draw in "automatic", "software":
             self.succeeds("bench", "nailboard-bits", "--quick", "--draw", draw, **self.none)
+        done = self.succeeds("bench", "kinds", "--quick", "--json", "-", **self.none)
+        figures = json.loads(done.stdout)["figures"]
+        for kind in ("teapots_impostor_surfaces", "teapots_impostor_slices", "teapots_relief",
+                     "stonehenge_nodes_merged", "stonehenge_nodes_layering"):
+            self.assertGreater(figures[f"{kind}_ms"], 0)
+            self.assertNotIn(f"{kind}_opengl_over_software", figures)
         for bench, draw in (("draw", "automatic"), ("nailboard-bits", "opengl")):
             self.refused(("bench", bench, "--quick", "--draw", draw), f"bench {bench}: needs OpenGL",
                          **self.none)
