@@ -5,7 +5,8 @@
 #include "rilievo/environment_nodes/cpu/shade_nodes.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstddef>
+#include <cstdint>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/environment_nodes/cube_grid.h"
@@ -41,7 +42,7 @@ struct Shown {
   HWY_ALIGN std::uint32_t triangle[kPixels];
 };
 
-// The samples of `count` pixels from the left, of a row of a visibility buffer.
+// The samples of a row of a block, as a visibility buffer has them.
 template <int samples>
 struct RowLoad {
   const float* depth;
