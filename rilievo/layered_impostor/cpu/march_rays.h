@@ -35,6 +35,7 @@ struct MarchSurface {
     return texels.size() * sizeof(Texel) + cells.texels().size() * kCellBytes;
   }
 };
+// Lays a surface out.
 [[nodiscard]] MarchSurface make_march_surface(const TexelSurface& surface);
 
 // Rays that march together, and where they end. Of each a segment (u, v, q) within the picture, as
