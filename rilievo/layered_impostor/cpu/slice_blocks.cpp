@@ -180,8 +180,7 @@ class SliceBlock {
     const VI column = hn::ConvertTo(i32, hn::IfThenElseZero(found.shown, u)),
              row = hn::ConvertTo(i32, hn::IfThenElseZero(found.shown, v));
     found.texel = hn::Add(hn::Mul(row, hn::Set(i32, picture.codes.width())), column);
-    const auto* codes = reinterpret_cast<const std::uint32_t*>(picture.codes.texels().data());
-    const VU code = hn::GatherIndex(u32, codes, found.texel);
+    const VU code = hn::GatherIndex(u32, picture.codes.texels().data(), found.texel);
     const VI front = hn::BitCast(i32, hn::And(code, hn::Set(u32, 0xffffu))),
              back = hn::BitCast(i32, hn::ShiftRight<16>(code));
     const auto shows = hn::And(hn::Lt(front, hn::Set(i32, placed_.back)),

@@ -24,8 +24,10 @@ namespace rilievo {
 
 // A picture as slices show it.
 struct SlicedPicture {
-  Image<std::uint32_t> color;   // as tiles hold it, opaque
-  Image<glm::u16vec2> codes;    // the depths between which a slice shows a texel: slice_codes()
+  Image<std::uint32_t> color;  // as tiles hold it, opaque
+  // The depths between which a slice shows a texel, those of slice_codes(): the first in the lower
+  // half.
+  Image<std::uint32_t> codes;
   Image<std::uint32_t> object;  // empty if all show one
 };
 

@@ -60,7 +60,10 @@ SliceTiles::SliceTiles(LayeredImpostor impostor, const LayeredOptions& options)
     kept.color = Image<std::uint32_t>(encoded.width(), encoded.height());
     std::transform(encoded.texels().begin(), encoded.texels().end(), kept.color.texels().begin(),
                    opaque_content);
-    kept.codes = slice_codes(impostor_, int(i));
+    const Image<glm::u16vec2> codes = slice_codes(impostor_, int(i));
+    kept.codes = Image<std::uint32_t>(codes.width(), codes.height());
+    std::transform(codes.texels().begin(), codes.texels().end(), kept.codes.texels().begin(),
+                   [](const glm::u16vec2& code) { return code.x | std::uint32_t(code.y) << 16; });
     if (objects_.several) kept.object = std::move(picture.object);
     picture.color = {}, picture.depth = {}, picture.object = {};
     impostor_.surfaces[i].texels = {};
