@@ -105,7 +105,7 @@ KindScene within_scene(std::string name, BuiltinScene builtin, int count, const 
 
 // What all ways of drawing a scene's kinds share.
 struct Stage {
-  const Scene nothing;  // for the sky: none
+  const Scene nothing{};  // for the sky: none
   std::optional<SceneRenderer> renderer;
   std::optional<FrameTarget> target;
 };
