@@ -10,6 +10,16 @@ namespace {
 
 thread_local bool on_this_thread = false;
 
+// Tells at the end of a scope, exceptions included.
+struct BeforeAtEnd {
+  char& what;
+  ~BeforeAtEnd() { happens_before(what); }
+};
+struct AfterAtEnd {
+  char& what;
+  ~AfterAtEnd() { happens_after(what); }
+};
+
 }  // namespace
 
 void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), const void* body) {
@@ -20,12 +30,12 @@ void parallel_for(std::size_t count, void (*piece)(const void*, std::size_t), co
   // Each piece starts after it was handed out, and parallel_for ends after all of them.
   char begun = 0, done = 0;
   happens_before(begun);
+  const AfterAtEnd all{done};
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
     happens_after(begun);
+    const BeforeAtEnd one{done};
     piece(body, i);
-    happens_before(done);
   });
-  happens_after(done);
 }
 
 }  // namespace rilievo::detail
