@@ -182,18 +182,14 @@ Result<BenchReport> compose(const BenchOptions& options) {
       if (options.progress) options.progress(++done, 4);
     }
   }
-  report.figures.emplace_back("load_before", load_before);
-  report.figures.emplace_back("load_after", machine_load());
   report.tables.push_back(std::move(table));
   report.notes = {
       fmt::format("{} runs of {} frames each; a run is the median of its frames. Placing, sorting, "
                   "clearing, averaging and copying out are included.",
                   runs, frames),
       "Mpixel/s are of the rectangles around the pictures. memcpy copies, on all cores, as many "
-      "bytes as all pictures and the frame's colour and depth have.",
-      "The load is the machine's, of one minute: above the number of cores, others took part of "
-      "the "
-      "time."};
+      "bytes as all pictures and the frame's colour and depth have."};
+  report_load(load_before, report);
   if (!with_gl) report.notes.push_back("No OpenGL to compare with: " + context.error().message());
   return report;
 }

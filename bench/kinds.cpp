@@ -112,7 +112,7 @@ struct Stage {
 
 struct KindRun {
   RunTimes software, opengl;
-  double worst_psnr = std::numeric_limits<double>::quiet_NaN();  // against OpenGL, of all eyes
+  double worst_psnr = std::numeric_limits<double>::infinity();  // against OpenGL, of all eyes
 };
 
 Result<std::unique_ptr<Drawable>> bake_drawable(const KindScene& scene, const KindCase& one,
@@ -160,27 +160,20 @@ Result<KindRun> run_kind(const KindScene& scene, const KindCase& one, CaptureSou
         std::make_unique<StoredFrames>(*stage.renderer, std::move(*drawable), instances, false);
     ways.push_back(way_of(*opengl, scene, &stage));
   }
-  // Each failure would come again: a frame of each is drawn where failures are seen.
+  // Failures are seen here: each would come again.
+  KindRun run;
   for (const Camera& camera : scene.cameras) {
     if (Result<> drawn = software.draw(camera, 0); !drawn) return drawn.error();
     if (!opengl) continue;
     stage.target->begin();
     if (Result<> drawn = opengl->draw(camera, 0); !drawn) return drawn.error();
     stage.target->resolve();
-  }
-  const std::vector<RunTimes> times = time_in_turn(runs, int(scene.cameras.size()), ways);
-  KindRun run{times[0], {}};
-  if (!opengl) return run;
-  run.opengl = times[1];
-  run.worst_psnr = std::numeric_limits<double>::infinity();
-  for (const Camera& camera : scene.cameras) {
-    (void)software.draw(camera, 0);
-    stage.target->begin();
-    (void)opengl->draw(camera, 0);
-    stage.target->resolve();
     run.worst_psnr = std::min(run.worst_psnr,
                               psnr_db(stage.target->read(), software.software_target()->color()));
   }
+  const std::vector<RunTimes> times = time_in_turn(runs, int(scene.cameras.size()), ways);
+  run.software = times[0];
+  if (opengl) run.opengl = times[1];
   return run;
 }
 
@@ -270,16 +263,13 @@ Result<BenchReport> kinds_without_opengl(const BenchOptions& options) {
       if (options.progress) options.progress(++done, int(3 * scenes->size()) - 1);
     }
   }
-  report.figures.emplace_back("load_before", load_before);
-  report.figures.emplace_back("load_after", machine_load());
   report.tables.push_back(std::move(table));
   report.notes = {
       fmt::format("{} runs of a frame from each of {} eyes; a run is the median of its frames. "
                   "Kinds are baked by rays with their default options, and drawn without the sky.",
                   runs, scenes->front().cameras.size()),
-      "Polygons are the whole scene's, by our rasteriser, with the sky.",
-      "The load is the machine's, of one minute: above the number of cores, others took part of "
-      "the time."};
+      "Polygons are the whole scene's, by our rasteriser, with the sky."};
+  report_load(load_before, report);
   if (!context) report.notes.push_back("No OpenGL to compare with: " + context.error().message());
   return report;
 }

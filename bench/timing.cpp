@@ -46,4 +46,12 @@ double machine_load() {
   return getloadavg(&now, 1) == 1 ? now : 0;
 }
 
+void report_load(double before, BenchReport& report) {
+  report.figures.emplace_back("load_before", before);
+  report.figures.emplace_back("load_after", machine_load());
+  report.notes.emplace_back(
+      "The load is the machine's, of one minute: above the number of cores, others took part of "
+      "the time.");
+}
+
 }  // namespace rilievo::bench

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/measure/bench_report.h"
+
 namespace rilievo::bench {
 
 // Milliseconds of one run.
@@ -27,5 +29,8 @@ struct RunTimes {
 
 // The machine's load over the last minute: what other programs did to the figures.
 [[nodiscard]] double machine_load();
+// Adds the load before a measurement and now to the report's figures, and a note that explains
+// them.
+void report_load(double before, BenchReport& report);
 
 }  // namespace rilievo::bench
