@@ -67,7 +67,8 @@ struct DepthInterval {
 // The patch of a texel and that of a linked neighbour pass for one surface where they nearly meet
 // on the border between them: up to this depth, in texels, and as a difference in q.
 inline constexpr double kPatchGap = 0.25;
-// That of a camera's texels for each q of a patch, and of a patch.
+// The largest such difference in q: for a patch with q = 1 in pictures of the camera, and for the
+// patch of a texel.
 [[nodiscard]] double patch_gap_per_q(const Camera& camera);
 [[nodiscard]] double patch_gap(const TexelSurface& surface, const glm::ivec2& texel);
 
@@ -103,7 +104,7 @@ struct DisparitySegment {
 [[nodiscard]] std::optional<DisparitySegment> disparity_segment(const Camera& camera,
                                                                 const glm::dvec3& from,
                                                                 const glm::dvec3& to);
-// The same of homogeneous points (u w, v w, w) with w = eye_z, which are affine in world space.
+// The same for end points in homogeneous raster coordinates (u w, v w, w), where w = eye_z.
 [[nodiscard]] std::optional<DisparitySegment> disparity_segment_between(const Camera& camera,
                                                                         const glm::dvec3& from,
                                                                         const glm::dvec3& to);

@@ -2,7 +2,10 @@
 // slices? Internal to `layered_impostor/cpu`.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
 #include <utility>
 
 #include "rilievo/kind/drawable.h"
@@ -15,6 +18,16 @@
 #include "rilievo/render/software/line_tiles.h"
 
 namespace rilievo {
+
+// A premultiplied, encoded colour as tiles hold it, opaque.
+[[nodiscard]] inline std::uint32_t opaque_content(const glm::vec4& color) {
+  std::uint32_t content = 0xff000000u;
+  for (int c = 0; c < 3; ++c)
+    content |=
+        std::uint32_t(std::clamp(color[c] / std::max(color.a, 1e-3f), 0.0f, 1.0f) * 255.0f + 0.5f)
+        << (8 * c);
+  return content;
+}
 
 // Knows the impostor; who derives from it keeps its texels as it draws them, and draws.
 class ImpostorTiles : public Drawable, public TileDrawer {

@@ -314,15 +314,8 @@ void LayeredTiles::draw_block(const PlacedLayered& placed, FrameTile& tile, int 
 }
 
 void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, int pixel) {
-  std::uint32_t content = seen.object;
-  if (tile.of == TileContent::color) {
-    content = 0xff000000u;
-    for (int c = 0; c < 3; ++c)
-      content |=
-          std::uint32_t(
-              std::clamp(seen.color[c] / std::max(seen.color.a, 1e-3f), 0.0f, 1.0f) * 255.0f + 0.5f)
-          << (8 * c);
-  }
+  const std::uint32_t content =
+      tile.of == TileContent::color ? opaque_content(seen.color) : seen.object;
   for (int s = 0; s < tile.planes(block); ++s) {
     FrameTile::Plane& plane = tile.plane(block, s);
     if (!(seen.inverse_z > plane.inverse_z[pixel])) continue;

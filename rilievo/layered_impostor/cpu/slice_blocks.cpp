@@ -26,17 +26,7 @@ using MF = hn::Mask<F>;
 
 constexpr int kBlock = FrameTile::kBlock;
 
-// The least 1 / eye_z of a block's samples.
-float find_farthest(FrameTile& tile, int block) {
-  if (!tile.changed[block]) return tile.farthest[block];
-  const F f;
-  VF least = hn::Load(f, tile.first[block].inverse_z);
-  for (int s = 0; s < tile.planes(block); ++s)
-    for (int i = 0; i < FrameTile::kBlockPixels; i += int(hn::Lanes(f)))
-      least = hn::Min(least, hn::Load(f, tile.plane(block, s).inverse_z + i));
-  tile.changed[block] = false;
-  return tile.farthest[block] = hn::GetLane(hn::MinOfLanes(f, least));
-}
+#include "rilievo/render/software/tile_kernels.inl"
 
 double at(const glm::dvec3& affine, double x, double y) {
   return affine.x * x + affine.y * y + affine.z;
@@ -82,7 +72,7 @@ class SliceBlock {
     if (x0 >= x1 || y0 >= y1) return;
     const glm::dvec3& w = placed_.w;
     const double most = std::max({at(w, x0, y0), at(w, x1, y0), at(w, x0, y1), at(w, x1, y1)});
-    if (float(most * placed_.inverse_scale) <= find_farthest(tile_, block_)) return;
+    if (float(most * placed_.inverse_scale) <= farthest(tile_, block_)) return;
     inside_ = std::min({within(placed_, x0, y0), within(placed_, x1, y0), within(placed_, x0, y1),
                         within(placed_, x1, y1)}) >= 0;
     // Before anything is written: the same whatever the number of lanes.
@@ -111,15 +101,6 @@ class SliceBlock {
     const MF across = hn::And(hn::Ge(u, edge(texels.x)), hn::Le(u, edge(texels.z)));
     return hn::And(near,
                    hn::And(across, hn::And(hn::Ge(v, edge(texels.y)), hn::Le(v, edge(texels.w)))));
-  }
-  // In [0, 1): shader::kPixelHash. Rows count from the bottom there.
-  HWY_INLINE VF pixel_hash(VF x, int y) const {
-    const F f;
-    const VF column = hn::Add(x, hn::Set(f, float(left_)));
-    const VF row = hn::Set(f, float(tile_.height - 1 - (top_ + y)) * 0.00583715f);
-    const auto fract = [](VF a) { return hn::Sub(a, hn::Floor(a)); };
-    const VF dot = hn::Add(hn::Mul(column, hn::Set(f, 0.06711056f)), row);
-    return fract(hn::Mul(hn::Set(f, 52.9829189f), fract(dot)));
   }
 
   // Calls visit(y, first, x, in) for the vectors of a rectangle of the block's pixels, from (first,
@@ -187,7 +168,7 @@ class SliceBlock {
                                hn::Gt(back, hn::Set(i32, placed_.front - 1)));
     found.shown = hn::And(found.shown, hn::RebindMask(f, shows));
     if (placed_.from > 0 || placed_.to < 1) {
-      const VF hash = pixel_hash(x, y);
+      const VF hash = pixel_hash(f, tile_, left_, top_, middle, hn::Set(f, center_y));
       found.shown = hn::And(found.shown, hn::And(hn::Ge(hash, hn::Set(f, placed_.from)),
                                                  hn::Lt(hash, hn::Set(f, placed_.to))));
     }
@@ -216,10 +197,7 @@ class SliceBlock {
       MF nearer = hn::And(found.shown, hn::Gt(inverse_z, before));
       if (planes > 1 && !inside_) nearer = hn::And(nearer, found.covered[s]);
       if (hn::AllFalse(f, nearer)) continue;
-      hn::Store(hn::IfThenElse(nearer, inverse_z, before), f, plane.inverse_z + pixel);
-      hn::Store(hn::IfThenElse(hn::RebindMask(u32, nearer), content,
-                               hn::Load(u32, plane.content + pixel)),
-                u32, plane.content + pixel);
+      put(f, plane, pixel, nearer, inverse_z, content);
       tile_.changed[block_] = true;
     }
   }

@@ -17,16 +17,6 @@
 namespace rilievo {
 namespace {
 
-std::uint32_t opaque_content(const glm::u8vec4& premultiplied) {
-  const glm::vec4 color = glm::vec4(premultiplied) / 255.0f;
-  std::uint32_t content = 0xff000000u;
-  for (int c = 0; c < 3; ++c)
-    content |=
-        std::uint32_t(std::clamp(color[c] / std::max(color.a, 1e-3f), 0.0f, 1.0f) * 255.0f + 0.5f)
-        << (8 * c);
-  return content;
-}
-
 // The least code that is not less than a scaled depth.
 int first_code(float scaled) {
   int code = int(std::clamp(std::floor(scaled * 65535.0f), 0.0f, 65536.0f));
@@ -58,8 +48,9 @@ SliceTiles::SliceTiles(LayeredImpostor impostor, const LayeredOptions& options)
     SlicedPicture& kept = pictures_[i];
     const Image<glm::u8vec4> encoded = encoded_colors(picture.color);
     kept.color = Image<std::uint32_t>(encoded.width(), encoded.height());
-    std::transform(encoded.texels().begin(), encoded.texels().end(), kept.color.texels().begin(),
-                   opaque_content);
+    std::transform(
+        encoded.texels().begin(), encoded.texels().end(), kept.color.texels().begin(),
+        [](const glm::u8vec4& texel) { return opaque_content(glm::vec4(texel) / 255.0f); });
     const Image<glm::u16vec2> codes = slice_codes(impostor_, int(i));
     kept.codes = Image<std::uint32_t>(codes.width(), codes.height());
     std::transform(codes.texels().begin(), codes.texels().end(), kept.codes.texels().begin(),

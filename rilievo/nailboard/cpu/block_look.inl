@@ -38,27 +38,6 @@ HWY_INLINE Reach find_reach(const float (&u)[4], const float (&v)[4], float rang
   return across < float(kSpan - 2) && down < 1 ? Reach::span : Reach::any;
 }
 
-float find_farthest(const FrameTile& tile, int block) {
-  const F f;
-  VF least = hn::Set(f, std::numeric_limits<float>::infinity());
-  const auto look = [&](const FrameTile::Plane& plane) {
-    for (int i = 0; i < kPixels; i += int(hn::Lanes(f)))
-      least = hn::Min(least, hn::Load(f, plane.inverse_z + i));
-  };
-  look(tile.first[block]);
-  if (tile.expanded[block])
-    for (const FrameTile::Plane& plane : tile.more[block]) look(plane);
-  return hn::GetLane(hn::MinOfLanes(f, least));
-}
-
-HWY_INLINE float farthest(FrameTile& tile, int block) {
-  if (tile.changed[block]) {
-    tile.farthest[block] = find_farthest(tile, block);
-    tile.changed[block] = false;
-  }
-  return tile.farthest[block];
-}
-
 alignas(16) constexpr float kCornerX[4] = {0, kBlock, 0, kBlock}, kCornerY[4] = {0, 0, kBlock,
                                                                                  kBlock};
 

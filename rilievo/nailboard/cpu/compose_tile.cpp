@@ -26,6 +26,8 @@ namespace {
 
 #include "rilievo/nailboard/cpu/texel_span.inl"
 
+#include "rilievo/render/software/tile_kernels.inl"
+
 #include "rilievo/nailboard/cpu/block_look.inl"
 
 // Alpha 1 in 15 bits, as all channels.
@@ -59,18 +61,6 @@ struct Found {
   bool cut;                                     // the polygon's edge passes between samples
   std::uint64_t groups;                         // bit g: the g-th vector has something to draw
 };
-
-// In [0, 1): shader::kPixelHash, of the pixels at an offset from the block's corner. Rows count
-// from the bottom there.
-HWY_INLINE VF pixel_hash(const FrameTile& tile, int x, int y, VF dx, VF dy) {
-  const F f;
-  const VF column = hn::Floor(hn::Add(hn::Set(f, float(x)), dx));
-  const VF row = hn::Floor(hn::Sub(hn::Set(f, float(tile.height - y)), dy));
-  const auto fract = [](VF a) { return hn::Sub(a, hn::Floor(a)); };
-  const VF dot =
-      hn::Add(hn::Mul(column, hn::Set(f, 0.06711056f)), hn::Mul(row, hn::Set(f, 0.00583715f)));
-  return fract(hn::Mul(hn::Set(f, 52.9829189f), fract(dot)));
-}
 
 // Which samples of some pixels does the polygon cover? Its edges are where u, v, width - u or
 // height
@@ -158,7 +148,7 @@ HWY_INLINE bool find_depths(const Board& board, const FrameTile& tile, int block
         least = hn::Min(least, hn::Load(f, plane.inverse_z + i));
     shown = hn::And(shown, hn::Gt(inverse_z, least));
     if (share) {
-      const VF hash = pixel_hash(tile, x, y, dx, dy);
+      const VF hash = pixel_hash(f, tile, x, y, dx, dy);
       shown = hn::And(shown, hn::And(hn::Ge(hash, hn::Set(f, placed.share_from)),
                                      hn::Lt(hash, hn::Set(f, placed.share_to))));
     }
