@@ -91,16 +91,18 @@ Result<> check_file(const fs::path& path) {
   return Error{path.string(), "is missing, or is no file"};
 }
 
-Result<std::vector<double>> numbers(std::string_view text, std::size_t count) {
+Result<std::vector<double>> numbers(std::string_view whole, std::string_view text,
+                                    std::size_t count) {
   std::vector<double> values;
   for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
     const std::optional<double> value = number_of(word);
-    if (!value || !std::isfinite(*value) || values.size() == count)
-      return Error{"", "does not hold " + std::to_string(count) + " finite numbers"};
+    if (!value) return Error{"", line_name(whole, word.data()) + " " + no_number(word)};
+    if (values.size() == count)
+      return Error{"", "holds more than " + std::to_string(count) + " numbers"};
     values.push_back(*value);
   }
   if (values.size() != count)
-    return Error{"", "does not hold " + std::to_string(count) + " finite numbers"};
+    return Error{"", "does not hold " + std::to_string(count) + " numbers"};
   return values;
 }
 

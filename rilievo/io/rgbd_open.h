@@ -25,8 +25,10 @@ inline constexpr std::uint64_t kMaxTextBytes = 256u << 20;
 // Checks that there is a file at `path`; the error names it.
 [[nodiscard]] Result<> check_file(const std::filesystem::path& path);
 
-// Reads exactly `count` numbers from text.
-[[nodiscard]] Result<std::vector<double>> numbers(std::string_view text, std::size_t count);
+// Reads exactly `count` numbers, finite or not, from `text`, a part of `whole`. The error names the
+// line of `whole`.
+[[nodiscard]] Result<std::vector<double>> numbers(std::string_view whole, std::string_view text,
+                                                  std::size_t count);
 
 // Open a capture of each format; the error names the file and the reason.
 [[nodiscard]] Result<RgbdCapture> open_transforms(const std::filesystem::path& file,

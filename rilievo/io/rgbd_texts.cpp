@@ -27,6 +27,8 @@ Result<glm::dmat4> pose_of(std::span<const double> rows) {
 
 // Of fx 0 cx, 0 fy cy, 0 0 1, counted from the top left texel's centre.
 Result<RgbdIntrinsics> lens_of(std::span<const double> rows) {
+  if (!std::all_of(rows.begin(), rows.end(), [](double v) { return std::isfinite(v); }))
+    return Error{"", "is a matrix that is not finite"};
   if (rows[1] != 0 || rows[3] != 0 || rows[6] != 0 || rows[7] != 0 || rows[8] != 1)
     return Error{"", "is not a matrix fx 0 cx, 0 fy cy, 0 0 1"};
   const RgbdIntrinsics lens{rows[0], rows[4], rows[2] + 0.5, rows[5] + 0.5, 0, 0, 0};
@@ -109,15 +111,15 @@ Result<RgbdCapture> open_trajectory(const fs::path& file) {
   std::string_view left = *text;
   while (!trimmed(left).empty()) {
     const std::string entry = "entry " + std::to_string(capture.frames.size()) + ": ";
-    std::string block;
+    const char* begin = left.data();
     for (int line = 0; line < 5;) {
       const std::optional<std::string_view> next = take_line(left);
       if (!next) return error(entry + "has fewer than five lines");
       if (trimmed(*next).empty()) continue;
-      block.append(*next).append(" ");
       ++line;
     }
-    const Result<std::vector<double>> values = numbers(block, 3 + 16);
+    const std::string_view block(begin, std::size_t(left.data() - begin));
+    const Result<std::vector<double>> values = numbers(*text, block, 3 + 16);
     if (!values) return error(entry + values.error().reason);
     const double index = (*values)[0];
     if (!(index >= 0 && index < double(colors->size()) && index == std::floor(index)))
@@ -137,7 +139,7 @@ Result<RgbdCapture> open_pose_files(const fs::path& folder) {
   const fs::path lens_file = folder / "camera-intrinsics.txt";
   const Result<std::string> lens_text = read_file(lens_file, kMaxTextBytes);
   if (!lens_text) return lens_text.error();
-  const Result<std::vector<double>> lens_values = numbers(*lens_text, 9);
+  const Result<std::vector<double>> lens_values = numbers(*lens_text, *lens_text, 9);
   if (!lens_values) return Error{lens_file.string(), lens_values.error().reason};
   const Result<RgbdIntrinsics> lens = lens_of(*lens_values);
   if (!lens) return Error{lens_file.string(), lens.error().reason};
@@ -158,7 +160,7 @@ Result<RgbdCapture> open_pose_files(const fs::path& folder) {
     const fs::path file = folder / (name + std::string(kPose));
     const Result<std::string> text = read_file(file, kMaxTextBytes);
     if (!text) return text.error();
-    const Result<std::vector<double>> values = numbers(*text, 16);
+    const Result<std::vector<double>> values = numbers(*text, *text, 16);
     if (!values) return Error{file.string(), values.error().reason};
     const Result<glm::dmat4> pose = pose_of(*values);
     if (!pose) return Error{file.string(), pose.error().reason};

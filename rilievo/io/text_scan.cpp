@@ -1,5 +1,7 @@
 #include "rilievo/io/text_scan.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
 
@@ -19,12 +21,26 @@ void append_utf8(std::uint32_t c, std::string& to) {
   }
 }
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v'; }
+bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 // std::from_chars takes no plus sign.
 std::string_view without_plus(std::string_view word) {
   const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-' && word[1] != '+';
   return word.substr(plus ? 1 : 0);
+}
+
+// "1.#INF", "-1.#IND00", "1.#QNAN": what is not finite.
+std::optional<double> microsofts_number(std::string_view word) {
+  const bool negative = word.starts_with('-');
+  word.remove_prefix(negative ? 1 : 0);
+  if (!word.starts_with("1.#")) return {};
+  word.remove_prefix(3);
+  while (word.ends_with('0')) word.remove_suffix(1);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (word == "INF") return negative ? -kInfinity : kInfinity;
+  if (word == "IND" || word == "QNAN" || word == "SNAN")
+    return std::numeric_limits<double>::quiet_NaN();
+  return {};
 }
 
 }  // namespace
@@ -91,14 +107,30 @@ std::string lower_case(std::string_view text) {
 
 std::optional<double> number_of(std::string_view word) {
   word = without_plus(word);
+  constexpr std::size_t kMaxDigits = 400;  // more than a double's, written without an exponent
+  std::array<char, kMaxDigits> pointed;
+  if (const std::size_t comma = word.find(','); comma != word.npos) {
+    const bool one = word.find(',', comma + 1) == word.npos && word.find('.') == word.npos;
+    // A comma between digits: one at an end separates what is beside it.
+    const auto is_digit = [&](std::size_t at) {
+      return at < word.size() && word[at] >= '0' && word[at] <= '9';
+    };
+    if (!one || comma == 0 || !is_digit(comma - 1) || !is_digit(comma + 1) ||
+        word.size() > kMaxDigits)
+      return {};
+    std::copy(word.begin(), word.end(), pointed.begin());
+    pointed[comma] = '.';
+    word = {pointed.data(), word.size()};
+  }
   double value = 0.0;
   const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (failure == std::errc::invalid_argument) return {};
+  if (end != word.data() + word.size()) return microsofts_number(word);
   // Too large, or too small: which of the two, the exponent's sign tells.
   if (failure == std::errc::result_out_of_range) {
-    const std::string_view read(word.data(), std::size_t(end - word.data()));
-    const bool small = read.find("e-") != read.npos || read.find("E-") != read.npos;
-    return small ? 0.0 : std::numeric_limits<double>::infinity();
+    const bool small = word.find("e-") != word.npos || word.find("E-") != word.npos;
+    const double huge = std::numeric_limits<double>::infinity();
+    return small ? 0.0 : word[0] == '-' ? -huge : huge;
   }
   return value;
 }
@@ -109,6 +141,23 @@ std::optional<std::int64_t> whole_number_of(std::string_view word) {
   const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (failure != std::errc() || end != word.data() + word.size()) return {};
   return value;
+}
+
+std::string line_name(std::string_view text, const char* at) {
+  std::string_view before = text.substr(0, std::size_t(at - text.data()));
+  std::size_t line = 1;
+  while (!before.empty()) {
+    const std::size_t end = before.find_first_of("\r\n");
+    if (end == before.npos) break;
+    before.remove_prefix(before.substr(end).starts_with("\r\n") ? end + 2 : end + 1);
+    ++line;
+  }
+  return "line " + std::to_string(line);
+}
+
+std::string no_number(std::string_view word) {
+  if (word.empty()) return "lacks a number";
+  return "has '" + std::string(word.substr(0, 20)) + "' where a number belongs";
 }
 
 }  // namespace rilievo

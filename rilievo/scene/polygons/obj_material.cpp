@@ -11,8 +11,14 @@ namespace rilievo {
 namespace {
 
 double next_number(std::string_view& rest, double otherwise) {
-  const std::optional<double> number = number_of(take_word(rest));
-  return number && std::isfinite(*number) ? *number : otherwise;
+  const std::string_view word = take_word(rest);
+  if (word.empty() || word[0] == '#') {
+    rest = {};
+    return otherwise;
+  }
+  const std::optional<double> number = number_of(word);
+  if (!number) refuse(no_number(word));
+  return std::isfinite(*number) ? *number : otherwise;
 }
 
 // "r g b", or one number for all three.
@@ -81,73 +87,81 @@ ObjMaterials::Map ObjMaterials::parse_map(std::string_view rest) {
   return map;
 }
 
-void ObjMaterials::parse(std::string_view text, const std::string& folder) {
+void ObjMaterials::parse(std::string_view text, const std::string& library) {
   Definition* now = nullptr;
+  std::size_t number = 0;
   for (std::optional<std::string_view> line = take_line(text); line; line = take_line(text)) {
-    std::string_view rest = *line;
-    const std::string word = lower_case(take_word(rest));
-    if (word == "newmtl") {
-      const std::string name(trimmed(rest));
-      context_.budget.take(sizeof(Definition) + 2 * name.size() + 128);
-      now = &(definitions_[name] = Definition{});
-      now->material.name = name;
-      now->material.base_color = {0.8f, 0.8f, 0.8f, 1.0f};
-    } else if (!now) {
-      continue;
-    } else if (word == "kd") {
-      now->material.base_color = glm::vec4(glm::min(color(rest), 1.0f), 1.0f);
-    } else if (word == "ke") {
-      now->material.emissive = color(rest);
-    } else if (word == "d") {
-      now->opacity = next_number(rest, 1.0);
-    } else if (word == "tr") {
-      now->opacity = 1.0 - next_number(rest, 0.0);
-    } else if (word == "ns") {
-      // Blinn's exponent n as a width: alpha^2 = 2 / (n + 2), and roughness^2 = alpha.
-      const double n = std::clamp(next_number(rest, 0.0), 0.0, 1e6);
-      if (n > 0) now->material.roughness = float(std::pow(2.0 / (n + 2.0), 0.25));
-    } else if (word == "pr") {
-      now->material.roughness = float(std::clamp(next_number(rest, 0.8), 0.0, 1.0));
-    } else if (word == "pm") {
-      now->material.metallic = float(std::clamp(next_number(rest, 0.0), 0.0, 1.0));
-    } else if (word == "map_kd" || word == "map_d" || word == "map_ke" || word == "norm") {
-      context_.budget.take(256 + folder.size() + rest.size());
-      Map& map = now->maps[word] = parse_map(rest);
-      map.folder = folder;
+    ++number;
+    try {
+      parse_line(*line, library, now);
+    } catch (const LoadError& fault) {
+      refuse("'" + library + "' line " + std::to_string(number) + " " + fault.reason);
     }
   }
 }
 
-void ObjMaterials::read_library(const std::string& name) {
-  if (!libraries_.insert(neighbor_path(context_, name)).second) return;
-  // Looking for files takes time, and nobody has so many.
-  constexpr std::size_t kMaxCount = 1000;
-  if (libraries_.size() > kMaxCount) refuse("there are more than 1000");
-  const std::string file = read_neighbor(context_, name);
+void ObjMaterials::parse_line(std::string_view rest, const std::string& library, Definition*& now) {
+  const std::string word = lower_case(take_word(rest));
+  if (word == "newmtl") {
+    const std::string name(trimmed(rest));
+    context_.budget.take(sizeof(Definition) + 2 * name.size() + 128);
+    now = &(definitions_[name] = Definition{});
+    now->material.name = name;
+    now->material.base_color = {0.8f, 0.8f, 0.8f, 1.0f};
+  } else if (!now) {
+    return;
+  } else if (word == "kd") {
+    now->material.base_color = glm::vec4(glm::min(color(rest), 1.0f), 1.0f);
+  } else if (word == "ke") {
+    now->material.emissive = color(rest);
+  } else if (word == "d") {
+    now->opacity = next_number(rest, 1.0);
+  } else if (word == "tr") {
+    now->opacity = 1.0 - next_number(rest, 0.0);
+  } else if (word == "ns") {
+    // Blinn's exponent n as a width: alpha^2 = 2 / (n + 2), and roughness^2 = alpha.
+    const double n = std::clamp(next_number(rest, 0.0), 0.0, 1e6);
+    if (n > 0) now->material.roughness = float(std::pow(2.0 / (n + 2.0), 0.25));
+  } else if (word == "pr") {
+    now->material.roughness = float(std::clamp(next_number(rest, 0.8), 0.0, 1.0));
+  } else if (word == "pm") {
+    now->material.metallic = float(std::clamp(next_number(rest, 0.0), 0.0, 1.0));
+  } else if (word == "map_kd" || word == "map_d" || word == "map_ke" || word == "norm") {
+    context_.budget.take(256 + library.size() + rest.size());
+    Map& map = now->maps[word] = parse_map(rest);
+    const std::size_t folder = library.find_last_of("/\\");
+    map.folder = folder == std::string::npos ? "" : library.substr(0, folder);
+  }
+}
+
+std::string ObjMaterials::read_library(const std::string& name) {
+  std::string file;
+  try {
+    if (!libraries_.insert(neighbor_path(context_, name)).second) return {};
+    // Looking for files takes time, and nobody has so many.
+    constexpr std::size_t kMaxCount = 1000;
+    if (libraries_.size() > kMaxCount) refuse("there are more than 1000");
+    file = read_neighbor(context_, name);
+  } catch (const LoadError& fault) {
+    return fault.reason;
+  }
   std::string converted;
-  const std::size_t folder = name.find_last_of("/\\");
-  parse(utf8_from(bytes_of(file), converted),
-        folder == std::string::npos ? "" : name.substr(0, folder));
+  parse(utf8_from(bytes_of(file), converted), name);
+  return {};
 }
 
 void ObjMaterials::read(const std::string& names) {
   if (!statements_.insert(names).second) return;
   // A name with spaces, or several names: try the whole first.
-  std::string why;
-  try {
-    return read_library(names);
-  } catch (const LoadError& fault) {
-    why = fault.reason;
-  }
+  const std::string why = read_library(names);
+  if (why.empty()) return;
   std::string_view rest = names;
   const std::string_view first = take_word(rest);
   if (trimmed(rest).empty()) return context_.warn("the material library is left out: " + why);
   rest = names;
-  for (std::string_view name = first; !(name = take_word(rest)).empty();) try {
-      read_library(std::string(name));
-    } catch (const LoadError& fault) {
-      context_.warn("a material library is left out: " + fault.reason);
-    }
+  for (std::string_view name = first; !(name = take_word(rest)).empty();)
+    if (const std::string fault = read_library(std::string(name)); !fault.empty())
+      context_.warn("a material library is left out: " + fault);
 }
 
 // Names of pictures count from the library that has them; but some exporters write them as they are

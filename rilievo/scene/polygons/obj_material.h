@@ -22,7 +22,7 @@ class ObjMaterials {
   explicit ObjMaterials(LoadContext& context) : context_(context) {}
 
   // Reads the libraries of an mtllib statement, each library once. A library that cannot be read is
-  // a warning.
+  // a warning, a number that is none throws.
   void read(const std::string& names);
 
   // The index of the named material, loaded with its pictures; -1 if there is none. `colored`: the
@@ -45,8 +45,10 @@ class ObjMaterials {
     std::map<std::string, Map> maps;  // by statement: "map_kd"
   };
 
-  void read_library(const std::string& name);
-  void parse(std::string_view text, const std::string& folder);
+  // Why the library cannot be read, or nothing.
+  [[nodiscard]] std::string read_library(const std::string& name);
+  void parse(std::string_view text, const std::string& library);
+  void parse_line(std::string_view line, const std::string& library, Definition*& now);
   [[nodiscard]] Map parse_map(std::string_view rest);
   [[nodiscard]] std::string path_of(const Map& map) const;
   [[nodiscard]] int image(const Map& map);

@@ -70,7 +70,7 @@ class Reader {
          word = take_word(rest)) {
       if (word[0] == '#') break;
       const std::optional<double> number = number_of(word);
-      if (!number) fail("has '" + std::string(word.substr(0, 20)) + "' where a number belongs");
+      if (!number) fail(no_number(word));
       numbers[n++] = *number;
     }
     return n;
@@ -83,7 +83,9 @@ class Reader {
       read_position(rest);
     } else if (word == "vt") {
       double uv[2] = {0, 0};
-      read_numbers(rest, uv);
+      // One coordinate is legal, and two might be written with a comma between them.
+      if (read_numbers(rest, uv) == 1 && rest.find(',') != rest.npos)
+        fail("has '" + std::string(trimmed(rest).substr(0, 20)) + "', one number or two");
       context_.budget.take(2 * sizeof(glm::vec2));
       // v grows upwards there, downwards here.
       soup_.uv.push_back(glm::vec2(uv[0], 1.0 - uv[1]));
@@ -147,7 +149,7 @@ class Reader {
   // "7", "-1": from the first, or back from the last one so far. The first may be still to come.
   std::uint32_t resolve(std::string_view digits, std::size_t count, const char* what) const {
     const std::optional<std::int64_t> i = whole_number_of(digits);
-    if (!i) fail("has '" + std::string(digits.substr(0, 20)) + "' where a number belongs");
+    if (!i) fail(no_number(digits));
     const std::int64_t at = *i > 0 ? *i - 1 : *i + std::int64_t(count);
     if (*i == 0 || at < 0 || at >= std::int64_t(Corner::kNone)) fail_reference(what, *i, count);
     return std::uint32_t(at);

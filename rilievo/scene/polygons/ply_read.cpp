@@ -104,12 +104,15 @@ class Values {
   Values(Bytes file, const Header& header)
       : format_(header.format),
         left_(file.subspan(header.size)),
-        text_(reinterpret_cast<const char*>(left_.data()), left_.size()) {}
+        whole_(reinterpret_cast<const char*>(file.data()), file.size()),
+        text_(whole_.substr(header.size)) {}
 
   double next(Type type) {
     if (format_ == Header::Format::text) {
-      const std::optional<double> number = number_of(take_word(text_));
-      if (!number) refuse("is a PLY file that is cut short, or has something else than numbers");
+      const std::string_view word = take_word(text_);
+      const std::optional<double> number = number_of(word);
+      if (!number && word.empty()) refuse("is a PLY file that is cut short");
+      if (!number) refuse(line_name(whole_, word.data()) + " " + no_number(word));
       return *number;
     }
     switch (type) {
@@ -146,7 +149,7 @@ class Values {
 
   Header::Format format_;
   Bytes left_;
-  std::string_view text_;
+  std::string_view whole_, text_;  // of a text: the file, and what is left
 };
 
 // How many values of a property follow.

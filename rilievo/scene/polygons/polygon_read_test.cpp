@@ -260,10 +260,57 @@ TEST(PolygonFiles, faults_are_named) {
       "is a PLY file with a property of the unknown type 'real'");
   EXPECT_EQ(reason_of_polygons("ply\nformat ascii 1.0\n", "a.ply"),
             "is a PLY file whose header has no end");
-  EXPECT_EQ(reason_of_polygons("solid a\nvertex 0 0 x\n", "a.stl"), "has 'x' for a coordinate");
+  EXPECT_EQ(reason_of_polygons("solid a\nvertex 0 0 x\n", "a.stl"),
+            "line 2 has 'x' where a number belongs");
   EXPECT_EQ(reason_of_polygons("solid a\n", "a.stl"), "is an STL file without facets");
   EXPECT_EQ(reason_of_polygons("what\n", "a.stl"),
             "is not an STL file: it neither begins with 'solid' nor has the length it announces");
+}
+
+TEST(PolygonFiles, decimal_commas_are_read_and_other_words_name_their_line) {
+  const Triangle expected = {glm::vec3(0.5f, 0, 0), glm::vec3(1, -0.25f, 0), glm::vec3(0, 1, 2)};
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const Result<LoadedScene> loaded[] = {
+      load_polygons("v 0,5 0 0\nv 1 -0,25 0\nv 0 1 2\nvt 0,5 0,5\nf 1 2 3\n", "a.obj"),
+      load_polygons(ply + "0,5 0 0\n1 -0,25 0\n0 1 2\n3 0 1 2\n", "a.ply"),
+      load_polygons("solid a\nvertex 0,5 0 0\nvertex 1 -0,25 0\nvertex 0 1 2\nendloop\n", "a.stl")};
+  for (const Result<LoadedScene>& scene : loaded) {
+    ASSERT_TRUE(scene) << scene.error().message();
+    EXPECT_EQ(triangles_of(scene->scene), std::vector<Triangle>{expected});
+  }
+  const std::pair<std::string, std::string> obj[] = {
+      {"v 0.5x 0 0\n", "line 1 has '0.5x' where a number belongs"},
+      {"v 0 0 0\r\nv 1,2,3\n", "line 2 has '1,2,3' where a number belongs"},
+      {"v 1, 2, 3\n", "line 1 has '1,' where a number belongs"},
+      {"v 1,5 2\n", "line 1 has a vertex with fewer than three numbers"},
+      {"vn 0 0 1.0f\n", "line 1 has '1.0f' where a number belongs"},
+      {"vt 0,5\n", "line 1 has '0,5', one number or two"},
+      {"v 0 0 0 0.5 0.5 0.5;\n", "line 1 has '0.5;' where a number belongs"},
+      {"v 0 0 0\nf 1 1 1x\n", "line 2 has '1x' where a number belongs"}};
+  for (const auto& [text, reason] : obj) EXPECT_EQ(reason_of_polygons(text, "a.obj"), reason);
+  EXPECT_EQ(reason_of_polygons(ply + "0 0 0\n1 0 0\n0 1.5.5 0\n3 0 1 2\n", "a.ply"),
+            "line 12 has '1.5.5' where a number belongs");
+  EXPECT_EQ(reason_of_polygons("solid a\nfacet\nvertex 0 0 1,2.5\n", "a.stl"),
+            "line 3 has '1,2.5' where a number belongs");
+}
+
+TEST(Obj, numbers_of_materials_may_have_commas_and_are_refused_by_line) {
+  const TemporaryFolder folder;
+  const std::string obj =
+      "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+  (void)write_file(folder / "a.obj", obj);
+  (void)write_file(folder / "m.mtl", "newmtl m\nKd 0,8 0,25 0,125 # red\nd 0,5\n");
+  const Result<LoadedScene> loaded = load_scene(folder / "a.obj");
+  ASSERT_TRUE(loaded) << loaded.error().message();
+  EXPECT_EQ(material_of(loaded->scene, 0).base_color, glm::vec4(0.8f, 0.25f, 0.125f, 0.5f));
+  for (const char* statement : {"Kd 0.5 0.5x 0", "d 1..0", "Tr x", "Ns 10;", "Pr 1,2,3", "Ke 1f"}) {
+    (void)write_file(folder / "m.mtl", std::string("newmtl m\n\n") + statement + "\n");
+    const Result<LoadedScene> refused = load_scene(folder / "a.obj");
+    ASSERT_FALSE(refused) << statement;
+    EXPECT_EQ(refused.error().reason.find("'m.mtl' line 3 has '"), 0u) << refused.error().reason;
+  }
 }
 
 std::string ply_of(const std::string& elements, const std::string& body) {

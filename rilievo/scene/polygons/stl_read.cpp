@@ -34,6 +34,7 @@ void read_binary(Bytes file, PolygonSoup& soup, MemoryBudget& budget) {
 }
 
 void read_text(std::string_view text, PolygonSoup& soup, MemoryBudget& budget) {
+  const std::string_view whole = text;
   std::vector<glm::vec3> loop;
   bool facets = false;
   // Some writers use capitals throughout.
@@ -47,7 +48,7 @@ void read_text(std::string_view text, PolygonSoup& soup, MemoryBudget& budget) {
       for (int c = 0; c < 3; ++c) {
         const std::string_view digits = take_word(text);
         const std::optional<double> number = number_of(digits);
-        if (!number) refuse("has '" + std::string(digits.substr(0, 20)) + "' for a coordinate");
+        if (!number) refuse(line_name(whole, digits.data()) + " " + no_number(digits));
         p[c] = float(*number);
       }
       budget.borrow(loop.size(), sizeof(glm::vec3));
