@@ -1,0 +1,73 @@
+#include "rilievo/keyframes/eye_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+// The share of the last step in the mean: steps differ by as much as frames take.
+constexpr double kNewest = 0.15;
+// A step that is as many times longer than the mean is a jump; shorter than this share of the
+// distance between the near plane and the eye it is none.
+constexpr double kJump = 20, kLeastJump = 50;
+constexpr double kJumpTurn = 0.7;  // radians
+
+glm::dvec3 rotation_between(const Camera& from, const Camera& to) {
+  const glm::dmat3 turn =
+      glm::dmat3(to.world_from_eye) * glm::transpose(glm::dmat3(from.world_from_eye));
+  const glm::dquat q = glm::quat_cast(turn);
+  const glm::dvec3 axis(q.x, q.y, q.z);
+  const double sine = glm::length(axis);
+  if (sine < 1e-12) return glm::dvec3(0);
+  const double angle = 2 * std::atan2(sine, q.w);
+  return axis / sine * (angle > glm::pi<double>() ? angle - 2 * glm::pi<double>() : angle);
+}
+
+}  // namespace
+
+void EyePrediction::follow(const Camera& camera) {
+  jumped_ = false;
+  if (any_) {
+    const glm::dvec3 step = camera.position() - last_.position();
+    const glm::dvec3 turn = rotation_between(last_, camera);
+    const double least = kLeastJump * camera.z_near;
+    jumped_ = glm::length(step) > std::max(kJump * glm::length(step_), least) ||
+              glm::length(turn) > kJumpTurn;
+    if (jumped_) {
+      step_ = turn_ = glm::dvec3(0);
+    } else if (step == glm::dvec3(0) && glm::length(turn) < 1e-9) {
+      // An eye that stands does not drift on.
+      step_ = turn_ = glm::dvec3(0);
+    } else {
+      const bool first = step_ == glm::dvec3(0) && turn_ == glm::dvec3(0);
+      step_ = first ? step : glm::mix(step_, step, kNewest);
+      turn_ = first ? turn : glm::mix(turn_, turn, kNewest);
+    }
+  }
+  any_ = true;
+  last_ = camera;
+}
+
+Camera EyePrediction::after(double frames) const {
+  RILIEVO_EXPECTS(any_);
+  Camera camera = last_;
+  glm::dmat3 axes(last_.world_from_eye);
+  const double angle = glm::length(turn_);
+  if (angle > 1e-9) {
+    const double all = std::min(angle * frames, kMostTurn);
+    axes = glm::mat3_cast(glm::angleAxis(all, turn_ / angle)) * axes;
+    // Rigid, whatever rounding did.
+    axes[2] = glm::normalize(axes[2]);
+    axes[0] = glm::normalize(glm::cross(axes[1], axes[2]));
+    axes[1] = glm::cross(axes[2], axes[0]);
+  }
+  camera.world_from_eye = glm::dmat4(axes);
+  camera.world_from_eye[3] = glm::dvec4(last_.position() + frames * step_, 1);
+  return camera;
+}
+
+}  // namespace rilievo

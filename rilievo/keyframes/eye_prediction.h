@@ -1,0 +1,32 @@
+// Where will the eye be some frames from now, judging by the last ones?
+//
+// The mean step and turn of the last frames go on. A jump is no motion: after it the eye stands,
+// until it moves again. World space; metres and radians per frame.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "rilievo/core/camera.h"
+
+namespace rilievo {
+
+// Follows an eye.
+class EyePrediction {
+ public:
+  // The turn that is predicted at most, in all: an eye that turns fast soon looks at one thing.
+  static constexpr double kMostTurn = 0.5;
+
+  // The next frame's camera.
+  void follow(const Camera& camera);
+  // The last camera, moved on by `frames` frames. Requires that one was followed.
+  [[nodiscard]] Camera after(double frames) const;
+  // Has the eye jumped to the last camera?
+  [[nodiscard]] bool jumped() const { return jumped_; }
+
+ private:
+  bool any_ = false, jumped_ = false;
+  Camera last_;
+  glm::dvec3 step_{0.0}, turn_{0.0};  // the turn: an axis in world space, as long as its angle
+};
+
+}  // namespace rilievo

@@ -1,0 +1,78 @@
+#include "rilievo/keyframes/keyframe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+int parts(int whole, int part) { return (whole + part - 1) / part; }
+
+template <class T>
+void set_size(Image<T>& image, int width, int height) {
+  if (image.width() != width || image.height() != height) image = Image<T>(width, height);
+}
+
+}  // namespace
+
+void InverseRange::add(float inverse_z) {
+  if (inverse_z <= 0) return;
+  if (empty()) farthest = nearest = inverse_z;
+  farthest = std::min(farthest, inverse_z), nearest = std::max(nearest, inverse_z);
+}
+
+void InverseRange::add(const InverseRange& other) {
+  if (other.empty()) return;
+  add(other.farthest);
+  add(other.nearest);
+}
+
+void resize(Keyframe& keyframe, const Camera& camera) {
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  const int width = camera.width, height = camera.height;
+  keyframe.camera = camera;
+  set_size(keyframe.color, width, height);
+  set_size(keyframe.inverse_z, width, height);
+  set_size(keyframe.object, width, height);
+  set_size(keyframe.segments, parts(width, Keyframe::kColumns), height);
+  set_size(keyframe.blocks, keyframe.segments.width(), parts(height, Keyframe::kRows));
+}
+
+void find_ranges(Keyframe& keyframe, int from, int to) {
+  RILIEVO_EXPECTS(from % Keyframe::kRows == 0);
+  RILIEVO_EXPECTS(to % Keyframe::kRows == 0 || to == keyframe.camera.height);
+  const int width = keyframe.camera.width, columns = keyframe.segments.width();
+  for (int y = from; y < to; ++y) {
+    const std::span<const float> row = keyframe.inverse_z.row(y);
+    for (int i = 0; i < columns; ++i) {
+      InverseRange range;
+      for (int x = i * Keyframe::kColumns; x < std::min((i + 1) * Keyframe::kColumns, width); ++x)
+        range.add(row[std::size_t(x)]);
+      keyframe.segments(i, y) = range;
+      InverseRange& block = keyframe.blocks(i, y / Keyframe::kRows);
+      if (y % Keyframe::kRows == 0) block = {};
+      block.add(range);
+    }
+  }
+}
+
+Camera keyframe_camera(const Camera& frame, double margin, double texels) {
+  RILIEVO_EXPECTS(margin >= 1 && texels > 0);
+  Camera camera = frame;
+  // As many texels on either side, so that a pixel's texels keep their places.
+  const auto wider = [&](int pixels) {
+    const int more = int(std::ceil((margin - 1) * pixels * texels / 2 - 1e-9));
+    return std::max(1, int(std::ceil(pixels * texels - 1e-9)) + 2 * more);
+  };
+  camera.width = wider(frame.width), camera.height = wider(frame.height);
+  const ImageWindow& w = frame.window;
+  const double x = (w.left + w.right) / 2, y = (w.bottom + w.top) / 2;
+  const double half_x = (w.right - w.left) / frame.width / texels * camera.width / 2,
+               half_y = (w.top - w.bottom) / frame.height / texels * camera.height / 2;
+  camera.window = {x - half_x, x + half_x, y - half_y, y + half_y};
+  return camera;
+}
+
+}  // namespace rilievo

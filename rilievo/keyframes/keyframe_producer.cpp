@@ -1,0 +1,163 @@
+#include "rilievo/keyframes/keyframe_producer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
+
+namespace rilievo {
+namespace {
+
+// Keyframes that are kept: one behind, one ahead. A coarse one is in the place of one.
+constexpr std::size_t kKept = 2;
+// A coarse keyframe's texels for each pixel of the frame, in each direction; and its margin.
+constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
+// How much less a coarse keyframe counts.
+constexpr float kCoarseWeight = 1e-4f;
+// What is being made for an eye that looks elsewhere, by so many radians, is given up.
+constexpr double kElsewhere = 0.7;
+
+bool same_view(const Camera& a, const Camera& b) {
+  double most = 0;
+  for (int c = 0; c < 3; ++c)
+    most = std::max(most, glm::length(a.world_from_eye[c] - b.world_from_eye[c]));
+  return most < 1e-7 && glm::length(a.position() - b.position()) < 1e-6 * a.z_near &&
+         a.window == b.window && a.width == b.width && a.height == b.height;
+}
+
+double turn_between(const Camera& a, const Camera& b) {
+  return std::acos(std::clamp(glm::dot(a.forward(), b.forward()), -1.0, 1.0));
+}
+
+// Its view, of the frame's eye.
+Camera plain(const Camera& camera, const Camera& frame, double margin) {
+  Camera moved = frame;
+  moved.world_from_eye = camera.world_from_eye;
+  return keyframe_camera(moved, margin);
+}
+
+}  // namespace
+
+KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
+                                   const KeyframeOptions& options,
+                                   std::vector<std::uint32_t> objects)
+    : source_(source), quick_(quick), options_(options), objects_(std::move(objects)) {
+  RILIEVO_EXPECTS(options.interval >= 1 && options.margin >= 1);
+}
+
+std::size_t KeyframeProducer::bytes() const {
+  std::size_t texels = 0;
+  for (const std::vector<Keyframe>* list : {&ready_, &spare_})
+    for (const Keyframe& key : *list) texels += key.color.texels().size();
+  return texels * (2 * sizeof(std::uint32_t) + sizeof(float));
+}
+
+KeyframeWork KeyframeProducer::take_work() { return std::exchange(done_, {}); }
+
+void KeyframeProducer::choose() {
+  chosen_.clear();
+  const auto distance = [&](const Keyframe& key) {
+    return glm::length(key.camera.position() - frame_.position());
+  };
+  double sum = 0;
+  for (const Keyframe& key : ready_) sum += distance(key);
+  for (const Keyframe& key : ready_) {
+    // On a line between two eyes: their linear interpolation, squared.
+    const double near = 1 / (distance(key) / std::max(sum, 1e-12) + 1e-3);
+    chosen_.push_back({&key, float(near * near) * (key.coarse ? kCoarseWeight : 1.0f)});
+  }
+}
+
+std::span<const WarpedKeyframe> KeyframeProducer::follow(const Camera& frame, double time) {
+  frame_ = frame;
+  time_ = time;
+  if (std::exchange(complete_, false)) add(maker_.take());
+  prediction_.follow(frame);
+  choose();
+  return chosen_;
+}
+
+Keyframe KeyframeProducer::reusable() {
+  if (spare_.empty()) return {};
+  Keyframe key = std::move(spare_.back());
+  spare_.pop_back();
+  return key;
+}
+
+void KeyframeProducer::begin(const Camera& eye) {
+  maker_.begin({plain(eye, frame_, options_.margin), objects_, options_.samples, time_, false},
+               reusable());
+}
+
+void KeyframeProducer::add(Keyframe keyframe) {
+  // A coarse one is made where the others show little.
+  std::size_t kept = keyframe.coarse ? 0 : kKept - 1;
+  for (std::size_t i = ready_.size(); i-- > 0;) {
+    // Of the others the newest stay; a coarse one until two others are there.
+    if (kept > 0) {
+      --kept;
+      continue;
+    }
+    spare_.push_back(std::move(ready_[i]));
+    ready_.erase(ready_.begin() + std::ptrdiff_t(i));
+  }
+  ready_.push_back(std::move(keyframe));
+  // Memory for one that is made and one that is coarse.
+  while (spare_.size() > 2) spare_.erase(spare_.begin());
+}
+
+Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
+  const Stopwatch watch;
+  if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
+  const bool coarse = options_.keyframe_ms > 0 && any();
+  if (coarse) {
+    KeyframeMaker maker;
+    maker.begin({keyframe_camera(frame_, kCoarseMargin, kCoarseTexels), objects_, 1, time_, true},
+                reusable());
+    if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
+    add(maker.take());
+    ++done_.coarse;
+  } else {
+    begin(frame_);
+    if (Result<> made = maker_.step(source_, 1 << 20); !made) return made.error();
+    add(maker_.take());
+    ++done_.completed;
+  }
+  done_.ms += watch.ms();
+  choose();
+  return {std::span<const WarpedKeyframe>(chosen_)};
+}
+
+int KeyframeProducer::rows_a_frame() const {
+  const int height = keyframe_camera(frame_, options_.margin).height;
+  int rows = (height + options_.interval - 1) / options_.interval;
+  if (options_.keyframe_ms > 0 && ms_per_row_ > 0)
+    rows = std::min(rows, std::max(1, int(options_.keyframe_ms / ms_per_row_)));
+  return (rows + Keyframe::kRows - 1) / Keyframe::kRows * Keyframe::kRows;
+}
+
+Result<> KeyframeProducer::work() {
+  const int rows = rows_a_frame();
+  if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
+    spare_.push_back(maker_.give_up());
+  if (!maker_.busy()) {
+    const int height = keyframe_camera(frame_, options_.margin).height;
+    const Camera eye = prediction_.after(2.0 * ((height + rows - 1) / rows));
+    const Camera camera = plain(eye, frame_, options_.margin);
+    for (const Keyframe& key : ready_)
+      if (!key.coarse && same_view(key.camera, camera)) return Done{};
+    begin(eye);
+  }
+  const Stopwatch watch;
+  const int before = maker_.rows_left();
+  if (Result<> made = maker_.step(source_, rows); !made) return made.error();
+  const double ms = watch.ms(), per_row = ms / (before - maker_.rows_left());
+  ms_per_row_ = ms_per_row_ == 0 ? per_row : ms_per_row_ + (per_row - ms_per_row_) * 0.1;
+  done_.ms += ms;
+  if (!maker_.busy()) complete_ = true, ++done_.completed;
+  return Done{};
+}
+
+}  // namespace rilievo

@@ -1,0 +1,81 @@
+// Which keyframes are made, when, and from which are frames warped?
+//
+// While the eye moves one keyframe after the other is made for where it will be when the next one
+// is complete, so that frames lie between a keyframe behind the eye and one ahead of it. With N
+// frames for each keyframe, one that is begun now is complete in N frames and replaced in 2 N: it
+// is made for the eye in 2 N frames. Each frame does a part of the work, a band of rows
+// (make_keyframe.h). An eye that stands gets a keyframe of its own, and then nothing more is made.
+//
+// After a jump nothing shows what the eye sees: a keyframe is made at once, and with a limit of
+// time a coarse one, by a source that is fast for few texels.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/core/result.h"
+#include "rilievo/keyframes/eye_prediction.h"
+#include "rilievo/keyframes/make_keyframe.h"
+#include "rilievo/keyframes/warp_keyframes.h"
+
+namespace rilievo {
+
+// How keyframes are made.
+struct KeyframeOptions {
+  double margin = 1.2;     // of a keyframe's sides over the frame's
+  int samples = 4;         // of a texel: 1, 4 or 16
+  int interval = 16;       // the least number of frames for a keyframe
+  double keyframe_ms = 0;  // the most time that a frame spends on keyframes; 0: no limit
+};
+
+// What producing did since the last time it was asked.
+struct KeyframeWork {
+  int completed = 0, coarse = 0;
+  double ms = 0;
+};
+
+// Makes keyframes for one eye.
+class KeyframeProducer {
+ public:
+  // Keyframes show `objects` (empty: all). The sources must outlive the object; `quick` makes the
+  // coarse ones.
+  KeyframeProducer(CaptureSource& source, CaptureSource& quick, const KeyframeOptions& options,
+                   std::vector<std::uint32_t> objects = {});
+
+  // Begins a frame: those to warp from. Empty before the first keyframe.
+  [[nodiscard]] std::span<const WarpedKeyframe> follow(const Camera& frame, double time);
+  // Makes a keyframe for this frame now, and returns those to warp from. Fails where a source does.
+  [[nodiscard]] Result<std::span<const WarpedKeyframe>> make_now();
+  // Ends a frame: makes a part of a keyframe. Fails where the source does.
+  Result<> work();
+
+  [[nodiscard]] bool any() const { return !ready_.empty(); }
+  // The memory of keyframes.
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] KeyframeWork take_work();
+  // Those that the last frame was warped from.
+  [[nodiscard]] std::span<const WarpedKeyframe> chosen() const { return chosen_; }
+
+ private:
+  void choose();
+  void begin(const Camera& eye);
+  void add(Keyframe keyframe);
+  [[nodiscard]] Keyframe reusable();
+  [[nodiscard]] int rows_a_frame() const;
+
+  CaptureSource &source_, &quick_;
+  KeyframeOptions options_;
+  std::vector<std::uint32_t> objects_;
+  EyePrediction prediction_;
+  Camera frame_;
+  double time_ = 0;
+  std::vector<Keyframe> ready_, spare_;  // the newest last
+  KeyframeMaker maker_;
+  bool complete_ = false;  // what is made: it is used from the next frame on
+  std::vector<WarpedKeyframe> chosen_;
+  double ms_per_row_ = 0;
+  KeyframeWork done_;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,95 @@
+#include "rilievo/keyframes/keyframe_producer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/capture/raster_source.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+struct ProducerStage {
+  BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  PlacedScene placed{made.scene};
+  RasterSource source{placed};
+
+  static Camera eye(double x, double turn = 0) {
+    const glm::dvec3 at(x, 1.7, 12);
+    return look_at(at, at + glm::dvec3(std::sin(turn), 0, -std::cos(turn)), {0, 1, 0}, 0.9, 96, 64,
+                   0.1, 200);
+  }
+};
+
+TEST(EyePrediction, ASteadyEyeGoesOnAndAJumpIsNoMotion) {
+  EyePrediction prediction;
+  for (int i = 0; i < 20; ++i) prediction.follow(ProducerStage::eye(0.02 * i, 0.01 * i));
+  EXPECT_FALSE(prediction.jumped());
+  const Camera ahead = prediction.after(10), expected = ProducerStage::eye(0.02 * 29, 0.29);
+  EXPECT_NEAR(glm::length(ahead.position() - expected.position()), 0, 1e-9);
+  EXPECT_NEAR(glm::length(ahead.forward() - expected.forward()), 0, 1e-9);
+  EXPECT_TRUE(validate(ahead));
+  prediction.follow(ProducerStage::eye(30));
+  EXPECT_TRUE(prediction.jumped());
+  EXPECT_EQ(prediction.after(10).position(), ProducerStage::eye(30).position());
+}
+
+TEST(KeyframeProducer, TheEyeOfASteadyWalkIsBetweenTwoKeyframes) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 4});
+  int between = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Camera frame = ProducerStage::eye(0.02 * i);
+    if (producer.follow(frame, 0).empty()) {
+      ASSERT_TRUE(producer.make_now());
+    }
+    if (producer.chosen().size() == 2) {
+      const double a = producer.chosen()[0].keyframe->camera.position().x,
+                   b = producer.chosen()[1].keyframe->camera.position().x;
+      between += std::min(a, b) <= frame.position().x + 1e-9 &&
+                 frame.position().x <= std::max(a, b) + 1e-9;
+    }
+    ASSERT_TRUE(producer.work());
+  }
+  EXPECT_GE(between, 30);
+}
+
+TEST(KeyframeProducer, AnEyeThatStandsGetsItsOwnKeyframeAndThenNothingIsMade) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 2});
+  for (int i = 0; i < 30; ++i) {
+    if (producer.follow(ProducerStage::eye(std::min(i, 7) * 0.02), 0).empty()) {
+      ASSERT_TRUE(producer.make_now());
+    }
+    ASSERT_TRUE(producer.work());
+    if (i == 20) (void)producer.take_work();
+  }
+  EXPECT_EQ(producer.take_work().completed, 0);
+  EXPECT_EQ(producer.chosen().back().keyframe->camera.position(),
+            ProducerStage::eye(0.14).position());
+}
+
+TEST(KeyframeProducer, WithALimitOfTimeAJumpGetsACoarseKeyframeAndThenFineOnes) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source,
+                            {.samples = 1, .interval = 2, .keyframe_ms = 1000});
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  ASSERT_TRUE(producer.make_now());
+  EXPECT_EQ(producer.take_work().coarse, 0);
+  (void)producer.follow(ProducerStage::eye(5, 3), 0);
+  const auto made = producer.make_now();
+  ASSERT_TRUE(made);
+  EXPECT_EQ(producer.take_work().coarse, 1);
+  ASSERT_EQ(made->size(), 1u);
+  EXPECT_TRUE((*made)[0].keyframe->coarse);
+  for (int i = 0; i < 12; ++i) {
+    (void)producer.follow(ProducerStage::eye(5 + 0.01 * i, 3), 0);
+    ASSERT_TRUE(producer.work());
+  }
+  for (const WarpedKeyframe& one : producer.chosen()) EXPECT_FALSE(one.keyframe->coarse);
+}
+
+}  // namespace
+}  // namespace rilievo

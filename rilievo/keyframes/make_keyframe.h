@@ -1,0 +1,58 @@
+// Makes a keyframe band by band, by any capture source.
+//
+// A band is a few rows, captured by a camera of their own: it can be made between two frames, and
+// the rest later. Colours have 1, 4 or 16 samples a texel; with 16 the band is captured at twice
+// the size, and of the four depths the second nearest stays, averaged with those of the same
+// surface. Colours are averaged as displayed bytes, as frames average theirs. One thread; the
+// source uses more.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/core/result.h"
+#include "rilievo/keyframes/keyframe.h"
+
+namespace rilievo {
+
+// What to make.
+struct KeyframeRequest {
+  Camera camera;
+  std::span<const std::uint32_t> objects = {};  // that it shows; empty: all. Copied
+  int samples = 4;                              // of a texel: 1, 4 or 16
+  double time = 0;                              // seconds
+  bool coarse = false;
+};
+
+// A keyframe that is being made.
+class KeyframeMaker {
+ public:
+  // Begins anew; what was made before is lost. Takes the memory of `reuse`.
+  void begin(const KeyframeRequest& request, Keyframe reuse = {});
+  // Is there a keyframe that is begun and not complete?
+  [[nodiscard]] bool busy() const { return next_row_ < keyframe_.camera.height; }
+  [[nodiscard]] int rows_left() const { return keyframe_.camera.height - next_row_; }
+  [[nodiscard]] const Camera& camera() const { return keyframe_.camera; }
+
+  // Makes the next rows, at least `rows` (rounded up to Keyframe::kRows). Requires busy(). Fails
+  // where the source does.
+  Result<> step(CaptureSource& source, int rows, const CaptureControl* control = nullptr);
+  // The complete keyframe. Requires that it was begun and is not busy().
+  [[nodiscard]] Keyframe take();
+  // Stops; returns its memory.
+  [[nodiscard]] Keyframe give_up();
+
+ private:
+  KeyframeRequest request_;
+  std::vector<std::uint32_t> objects_;
+  Keyframe keyframe_;
+  int next_row_ = 1 << 30;
+};
+
+// All at once.
+[[nodiscard]] Result<Keyframe> make_keyframe(CaptureSource& source, const KeyframeRequest& request,
+                                             const CaptureControl* control = nullptr);
+
+}  // namespace rilievo

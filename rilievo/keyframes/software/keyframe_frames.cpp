@@ -1,0 +1,220 @@
+#include "rilievo/keyframes/software/keyframe_frames.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "rilievo/capture/raster_source.h"
+#include "rilievo/capture/ray_source.h"
+#include "rilievo/core/color.h"
+#include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/keyframes/software/keyframe_tiles.h"
+#include "rilievo/render/raster/blended_tiles.h"
+#include "rilievo/render/raster/polygon_tiles.h"
+#include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/render/software/sky_tiles.h"
+#include "rilievo/render/software/software_target.h"
+
+namespace rilievo {
+namespace {
+
+// Holes that get all samples: more than these are drawn coarse for the sake of time.
+constexpr std::size_t kMostFineHoles = 30000;
+
+DepthImage picture_of(const Keyframe& key, std::string name) {
+  DepthImage picture;
+  picture.name = std::move(name);
+  picture.camera = key.camera;
+  picture.color = ColorImage(key.camera.width, key.camera.height);
+  picture.depth = Image<float>(key.camera.width, key.camera.height, kNoDepth);
+  picture.object = key.object;
+  const std::array<float, 256>& linear = linear_of_srgb_bytes();
+  for (std::size_t i = 0; i < key.color.texels().size(); ++i) {
+    const std::uint32_t color = key.color.texels()[i];
+    const float w = key.inverse_z.texels()[i];
+    picture.color.texels()[i] = {linear[color & 255], linear[color >> 8 & 255],
+                                 linear[color >> 16 & 255], 1};
+    if (w > 0) picture.depth.texels()[i] = 1 / w;
+  }
+  return picture;
+}
+
+}  // namespace
+
+struct KeyframeFrames::State {
+  const Scene& scene;
+  KeyframeFramesOptions options;
+  PlacedScene placed;
+  RayScene rays;
+  RaySource ray_source;
+  std::optional<RasterSource> raster_source;
+  std::vector<bool> moves;  // by object
+  bool any_still = false, blends = false;
+  std::optional<KeyframeProducer> producer;
+
+  SoftwareTarget target;
+  WarpedFrame warped;
+  Image<std::uint32_t> shown;
+  KeyframeTiles keyframe_tiles;
+  PolygonTiles polygons;
+  SkyTiles sky;
+  BlendedTiles blended;
+  std::vector<std::uint32_t> in_view, still, live, blended_in_view;
+  std::vector<const TileDrawer*> drawers;
+  Camera camera;
+  FrameStats stats;
+  KeyframeShares shares;
+
+  State(const Scene& scene, RayScene made_rays, CaptureSource* source,
+        const KeyframeFramesOptions& options);
+  void find_view();
+  Result<> warp(double time);
+};
+
+KeyframeFrames::State::State(const Scene& scene, RayScene made_rays, CaptureSource* source,
+                             const KeyframeFramesOptions& options)
+    : scene(scene),
+      options(options),
+      placed(scene),
+      rays(std::move(made_rays)),
+      ray_source(rays),
+      moves(scene.objects.size()),
+      target(1, 1, options.samples),
+      keyframe_tiles(rays),
+      polygons(scene),
+      sky(scene.sky),
+      blended(scene) {
+  std::vector<std::uint32_t> objects;
+  bool any_moves = false;
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+    moves[i] = scene.objects[i].moving;
+    any_moves = any_moves || moves[i];
+    if (!moves[i]) objects.push_back(i);
+    blends = blends || placed.has_blended_parts(i);
+  }
+  any_still = !objects.empty();
+  if (!any_moves) objects.clear();  // all: sources leave out what they do not see
+  if (!source && options.by == KeyframesBy::raster) source = &raster_source.emplace(placed);
+  if (!source) source = &ray_source;
+  producer.emplace(*source, ray_source, options.keyframes, std::move(objects));
+}
+
+void KeyframeFrames::State::find_view() {
+  in_view.clear();
+  placed.cull(camera, in_view);
+  still.clear(), live.clear(), blended_in_view.clear();
+  for (const std::uint32_t object : in_view) {
+    (moves[object] ? live : still).push_back(object);
+    if (placed.has_blended_parts(object)) blended_in_view.push_back(object);
+  }
+}
+
+Result<> KeyframeFrames::State::warp(double time) {
+  const Stopwatch watch;
+  std::span<const WarpedKeyframe> from = producer->follow(camera, time);
+  const double most = options.most_filled * camera.width * camera.height;
+  if (!from.empty()) warp_keyframes(from, camera, warped);
+  if (from.empty() || double(warped.holes()) > most) {
+    Result<std::span<const WarpedKeyframe>> made = producer->make_now();
+    if (!made) return made.error();
+    warp_keyframes(*made, camera, warped);
+  }
+  shares.warp_ms = watch.ms();
+  return Done{};
+}
+
+KeyframeFrames::KeyframeFrames(std::unique_ptr<State> state) : state_(std::move(state)) {}
+KeyframeFrames::~KeyframeFrames() = default;
+
+Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
+    const Scene& scene, const KeyframeFramesOptions& options) {
+  Result<RayScene> rays = RayScene::create(scene);
+  if (!rays) return rays.error();
+  return {std::unique_ptr<KeyframeFrames>(
+      new KeyframeFrames(std::make_unique<State>(scene, std::move(*rays), nullptr, options)))};
+}
+
+Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
+    const Scene& scene, CaptureSource& source, const KeyframeFramesOptions& options) {
+  Result<RayScene> rays = RayScene::create(scene);
+  if (!rays) return rays.error();
+  return {std::unique_ptr<KeyframeFrames>(
+      new KeyframeFrames(std::make_unique<State>(scene, std::move(*rays), &source, options)))};
+}
+
+Result<> KeyframeFrames::draw(const Camera& camera, double time) {
+  State& s = *state_;
+  s.camera = camera;
+  s.placed.set_time(time);
+  s.shares = {};
+  s.stats.captures = 0, s.stats.capture_ms = 0;
+  s.find_view();
+  if (s.target.width() != camera.width || s.target.height() != camera.height)
+    s.target = SoftwareTarget(camera.width, camera.height, s.options.samples);
+  s.drawers.clear();
+  if (s.any_still) {
+    if (Result<> done = s.warp(time); !done) return done;
+    const Stopwatch watch;
+    s.keyframe_tiles.place(camera, s.options.samples, s.warped, s.still, kMostFineHoles);
+    s.shares.fill_ms = watch.ms();
+    s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
+    s.drawers.push_back(&s.keyframe_tiles);
+  }
+  const Stopwatch tiles;
+  s.shares.live = int(s.live.size());
+  if (Result<> done = s.polygons.place(camera, s.options.samples, s.placed, s.live, {}); !done)
+    return done;
+  if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&s.polygons, &s.polygons.shading()});
+  s.sky.place(camera);
+  s.drawers.push_back(&s.sky);
+  if (s.any_still) s.drawers.push_back(&s.keyframe_tiles.sky());
+  if (s.blends) {
+    s.blended.place(camera, s.options.samples, s.placed, s.blended_in_view);
+    if (s.blended.any()) s.drawers.push_back(&s.blended);
+  }
+  s.target.draw(camera.z_far, s.drawers);
+  s.shares.tiles_ms = tiles.ms();
+  if (s.any_still)
+    if (Result<> done = s.producer->work(); !done) return done;
+
+  const KeyframeWork work = s.producer->take_work();
+  s.shares.keyframe_ms = work.ms;
+  s.shares.completed = work.completed;
+  s.shares.coarse = work.coarse > 0;
+  s.stats.captures = work.completed + work.coarse;
+  s.stats.capture_ms = work.ms;
+  s.stats.picture_bytes = s.producer->bytes();
+  s.stats.polygons = int(s.live.size());
+  s.stats.by_kind.clear();
+  s.stats.by_kind.emplace_back("keyframe", int(s.producer->chosen().size()));
+  return Done{};
+}
+
+Result<> KeyframeFrames::draw_objects() {
+  State& s = *state_;
+  s.drawers.clear();
+  if (s.any_still) {
+    warp_objects(s.producer->chosen(), s.camera, s.warped, s.shown);
+    s.keyframe_tiles.place_objects(s.camera, s.warped, s.shown, s.still);
+    s.drawers.push_back(&s.keyframe_tiles);
+  }
+  if (Result<> done = s.polygons.place_objects(s.camera, s.placed, s.live, {}); !done) return done;
+  if (!s.live.empty()) s.drawers.push_back(&s.polygons);
+  s.target.draw_objects(s.camera.z_far, s.drawers);
+  return Done{};
+}
+
+const SoftwareTarget* KeyframeFrames::software_target() const { return &state_->target; }
+const FrameStats& KeyframeFrames::stats() const { return state_->stats; }
+const KeyframeShares& KeyframeFrames::shares() const { return state_->shares; }
+
+std::vector<DepthImage> KeyframeFrames::read_pictures() const {
+  std::vector<DepthImage> pictures;
+  for (const WarpedKeyframe& one : state_->producer->chosen())
+    pictures.push_back(picture_of(*one.keyframe, "keyframe " + std::to_string(pictures.size())));
+  return pictures;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,67 @@
+// Draws a scene's frames from keyframes, without OpenGL.
+//
+// A frame is warped from two keyframes; what neither shows is filled by rays; what moves and what
+// blends is drawn as polygons into the same z-buffer. Then a part of the next keyframe is made. The
+// cost depends on the frame's size, whatever the scene. Into a target of the source's own. Uses all
+// cores; without a limit of time the frames depend neither on it nor on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rilievo/frame/frame_source.h"
+#include "rilievo/keyframes/keyframe_producer.h"
+
+namespace rilievo {
+
+struct Scene;
+
+// Who makes keyframes of a scene.
+enum class KeyframesBy { raster, rays };
+
+// Options of KeyframeFrames.
+struct KeyframeFramesOptions {
+  KeyframeOptions keyframes;
+  KeyframesBy by = KeyframesBy::raster;
+  int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
+  // Frames of which a larger share would be holes get a keyframe at once.
+  double most_filled = 0.08;
+};
+
+// What the last frame consisted of, as shares of its pixels, and times.
+struct KeyframeShares {
+  double filled = 0;
+  int live = 0;         // objects that were drawn as polygons because they move
+  bool coarse = false;  // a coarse keyframe was made for this frame
+  int completed = 0;    // keyframes that it completed
+  double warp_ms = 0, fill_ms = 0, tiles_ms = 0, keyframe_ms = 0;
+};
+
+// Frames of one scene.
+class KeyframeFrames final : public FrameSource {
+ public:
+  // `scene` must be valid and outlive the source. Fails if memory does not suffice.
+  [[nodiscard]] static Result<std::unique_ptr<KeyframeFrames>> create(
+      const Scene& scene, const KeyframeFramesOptions& options);
+  // The same with keyframes by another source, which must outlive this one.
+  [[nodiscard]] static Result<std::unique_ptr<KeyframeFrames>> create(
+      const Scene& scene, CaptureSource& source, const KeyframeFramesOptions& options);
+  ~KeyframeFrames() override;
+
+  // See FrameSource. Fail where a capture does.
+  Result<> draw(const Camera& camera, double time) override;
+  Result<> draw_objects() override;
+  [[nodiscard]] const SoftwareTarget* software_target() const override;
+  [[nodiscard]] const FrameStats& stats() const override;
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
+
+  [[nodiscard]] const KeyframeShares& shares() const;
+
+ private:
+  struct State;
+  explicit KeyframeFrames(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rilievo

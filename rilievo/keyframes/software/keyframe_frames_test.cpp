@@ -1,0 +1,118 @@
+#include "rilievo/keyframes/software/keyframe_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 100;
+
+double psnr_of(const Rgba8Image& a, const Rgba8Image& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.texels().size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      const double d = double(a.texels()[i][c]) - double(b.texels()[i][c]);
+      sum += d * d;
+    }
+  return sum == 0 ? 100 : 10 * std::log10(255.0 * 255.0 * 3 * double(a.texels().size()) / sum);
+}
+
+// The share of pixels whose object is none of those that the other frame shows at the pixel and its
+// neighbours: an edge may be a pixel off.
+double wrong_share(const Image<std::uint32_t>& a, const Image<std::uint32_t>& b) {
+  int wrong = 0;
+  for (int y = 1; y + 1 < a.height(); ++y)
+    for (int x = 1; x + 1 < a.width(); ++x) {
+      bool found = false;
+      for (int i = 0; i < 9; ++i) found = found || b(x - 1 + i % 3, y - 1 + i / 3) == a(x, y);
+      wrong += !found;
+    }
+  return double(wrong) / (a.width() * a.height());
+}
+
+TEST(KeyframeFrames, AWalkLooksLikeDirectFrames) {
+  const BuiltinScene made = *make_builtin("builtin:bridge?triangles=100000");
+  KeyframeFramesOptions options;
+  options.keyframes.interval = 6;
+  auto frames = KeyframeFrames::create(made.scene, options);
+  ASSERT_TRUE(frames);
+  SoftwareDirectFrames direct(made.scene, 4);
+  for (int i = 0; i < 30; ++i) {
+    const double time = frame_time(made.path, i);
+    const Camera camera = camera_at(made.path, time, kWidth, kHeight);
+    ASSERT_TRUE((*frames)->draw(camera, time));
+    if (i % 4 != 1) continue;
+    ASSERT_TRUE(direct.draw(camera, time));
+    EXPECT_GT(psnr_of((*frames)->software_target()->color(), direct.software_target()->color()), 28)
+        << i;
+    ASSERT_TRUE((*frames)->draw_objects());
+    ASSERT_TRUE(direct.draw_objects());
+    EXPECT_LT(
+        wrong_share((*frames)->software_target()->objects(), direct.software_target()->objects()),
+        0.003);
+    EXPECT_LT(
+        wrong_share(direct.software_target()->objects(), (*frames)->software_target()->objects()),
+        0.003);
+  }
+}
+
+TEST(KeyframeFrames, HolesAreFilled) {
+  // Keyframes without a margin and an eye that turns: a strip at the border is in none of them.
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  KeyframeFramesOptions options;
+  options.keyframes.margin = 1, options.keyframes.interval = 100;
+  auto frames = KeyframeFrames::create(made.scene, options);
+  ASSERT_TRUE(frames);
+  SoftwareDirectFrames direct(made.scene, 4);
+  const Camera before = camera_at(made.path, 0, kWidth, kHeight);
+  Camera camera = before;
+  const glm::dmat4 turn = glm::rotate(glm::dmat4(1), 0.05, glm::dvec3(0, 1, 0));
+  for (int c = 0; c < 3; ++c) camera.world_from_eye[c] = turn * before.world_from_eye[c];
+  ASSERT_TRUE((*frames)->draw(before, 0));
+  ASSERT_TRUE((*frames)->draw(camera, 0));
+  EXPECT_GT((*frames)->shares().filled, 0.02);
+  EXPECT_EQ((*frames)->stats().captures, 0);
+  ASSERT_TRUE(direct.draw(camera, 0));
+  // The strip, pixel by pixel: rays and triangles differ on edges only.
+  const Rgba8Image &a = (*frames)->software_target()->color(),
+                   &b = direct.software_target()->color();
+  int apart = 0, count = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < 4; ++x, ++count)
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(a(x, y).a, 255);
+        if (std::abs(int(a(x, y)[c]) - int(b(x, y)[c])) > 3) {
+          ++apart;
+          break;
+        }
+      }
+  EXPECT_LE(apart, count / 20);
+}
+
+TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {
+  BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
+  bool any = false;
+  for (const Object& object : made.scene.objects) any = any || object.moving;
+  ASSERT_TRUE(any) << "the scene should have something that moves";
+  auto frames = KeyframeFrames::create(made.scene, {});
+  ASSERT_TRUE(frames);
+  SoftwareDirectFrames direct(made.scene, 4);
+  for (int i = 0; i < 8; ++i) {
+    const double time = frame_time(made.path, 4 * i);
+    const Camera camera = camera_at(made.path, time, kWidth, kHeight);
+    ASSERT_TRUE((*frames)->draw(camera, time));
+    ASSERT_TRUE(direct.draw(camera, time));
+    EXPECT_GT((*frames)->shares().live, 0);
+    EXPECT_GT(psnr_of((*frames)->software_target()->color(), direct.software_target()->color()),
+              30);
+  }
+}
+
+}  // namespace
+}  // namespace rilievo

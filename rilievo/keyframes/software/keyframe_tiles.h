@@ -1,0 +1,44 @@
+// How does a warped frame get into the tiles of a SoftwareTarget?
+//
+// As one sample a pixel, with its depth, so that polygons before and behind it are drawn as ever.
+// What it does not show is filled by rays, with all samples of the frame. Uses all cores; the
+// result does not depend on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/keyframes/warp_keyframes.h"
+#include "rilievo/render/rays/cast_pixels.h"
+#include "rilievo/render/software/frame_tile.h"
+
+namespace rilievo {
+
+// Draws a warped frame: itself first; and sky() after the scene's sky.
+class KeyframeTiles final : public TileDrawer {
+ public:
+  // `rays`, of the scene, fills holes, and must outlive the object.
+  explicit KeyframeTiles(const RayScene& rays);
+  ~KeyframeTiles() override;
+
+  // Prepares a frame of colours with 1 or 4 samples: finds what `objects` show in the holes. More
+  // than `most_fine` holes get one sample each. `warped` must live until the frame is drawn.
+  void place(const Camera& camera, int samples, const WarpedFrame& warped,
+             std::span<const std::uint32_t> objects, std::size_t most_fine);
+  // Prepares a frame of identifiers: `shown` of what was warped, and what `objects` show in holes.
+  void place_objects(const Camera& camera, const WarpedFrame& warped,
+                     const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);
+
+  void draw_tile(FrameTile& tile) const override;
+  // The sky as keyframes show it, with what was before it in part of a texel.
+  [[nodiscard]] const TileDrawer& sky() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rilievo

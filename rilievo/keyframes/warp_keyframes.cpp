@@ -1,0 +1,192 @@
+#include "rilievo/keyframes/warp_keyframes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <numeric>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/large_buffer.h"
+#include "rilievo/core/parallel_for.h"
+#include "rilievo/keyframes/warp_rows.h"
+
+namespace rilievo {
+namespace {
+
+// Rows and columns that something can cover, in pixels. Not rounded.
+struct Reach {
+  float x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+
+  [[nodiscard]] bool meets(float low_y, float high_y, float width) const {
+    return y1 >= low_y && y0 <= high_y && x1 >= 0 && x0 <= width;
+  }
+};
+
+// Where texels of columns [from_x, to_x] and rows [from_y, to_y] go with depths of a range: x' and
+// y' are ratios of affine functions, so that their extremes are at corners. `slack`: half of the
+// largest square, and rounding.
+Reach reach_of(const RasterMap& map, float from_x, float to_x, float from_y, float to_y,
+               const InverseRange& range, float slack) {
+  Reach out;
+  for (int i = 0; i < 8; ++i) {
+    const float x = i & 1 ? to_x : from_x, y = i & 2 ? to_y : from_y;
+    const float w = i & 4 ? range.nearest : range.farthest;
+    const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2] + r[3] * w; };
+    const float z = row(map.z);
+    if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY};
+    const float at_x = row(map.x) / z, at_y = row(map.y) / z;
+    out.x0 = std::min(out.x0, at_x - slack), out.x1 = std::max(out.x1, at_x + slack);
+    out.y0 = std::min(out.y0, at_y - slack), out.y1 = std::max(out.y1, at_y + slack);
+  }
+  return out;
+}
+
+void splat_strip(const WarpSource& source, float near, const DepthStrip& strip) {
+  const Keyframe& key = *source.keyframe;
+  const float low = float(strip.first - 1), high = float(strip.first + strip.rows + 1);
+  const float slack =
+      kHalfSquare * std::max(1.0f, kMostMagnified * std::max(1.0f, source.pixels_per_texel)) + 1;
+  const int width = key.camera.width, height = key.camera.height;
+  for (int by = 0; by < key.blocks.height(); ++by)
+    for (int bx = 0; bx < key.blocks.width(); ++bx) {
+      const InverseRange& range = key.blocks(bx, by);
+      if (range.empty()) continue;
+      const int from = bx * Keyframe::kColumns, to = std::min(from + Keyframe::kColumns, width);
+      const int top = by * Keyframe::kRows, bottom = std::min(top + Keyframe::kRows, height);
+      if (!reach_of(source.to_frame, float(from), float(to), float(top), float(bottom), range,
+                    slack)
+               .meets(low, high, float(strip.width)))
+        continue;
+      for (int y = top; y < bottom; ++y) {
+        const InverseRange& of_row = key.segments(bx, y);
+        if (of_row.empty()) continue;
+        const float at = float(y) + 0.5f;
+        if (reach_of(source.to_frame, float(from), float(to), at, at, of_row, slack)
+                .meets(low, high, float(strip.width)))
+          splat_row(source, y, from, to, near, strip);
+      }
+    }
+}
+
+template <class T>
+void fit(Image<T>& image, int width, int height) {
+  if (image.width() != width || image.height() != height) image = Image<T>(width, height);
+}
+
+double pixels_per_tangent(const Camera& camera) {
+  return camera.width / (camera.window.right - camera.window.left);
+}
+
+// What each keyframe needs; returns their number.
+int make_sources(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
+                 std::array<WarpSource, kMostKeyframes>& sources) {
+  RILIEVO_EXPECTS(!keyframes.empty() && keyframes.size() <= kMostKeyframes);
+  int count = 0;
+  for (const WarpedKeyframe& one : keyframes) {
+    RILIEVO_EXPECTS(one.keyframe && one.weight > 0);
+    const Camera& camera = one.keyframe->camera;
+    sources[std::size_t(count++)] = {one.keyframe, raster_map(frame, camera),
+                                     raster_map(camera, frame), one.weight,
+                                     float(pixels_per_tangent(frame) / pixels_per_tangent(camera))};
+  }
+  return count;
+}
+
+}  // namespace
+
+RasterMap raster_map(const Camera& to, const Camera& from) {
+  // World space, relative to the target's eye: R(x, y) and E.
+  const glm::dmat3 from_axes(from.world_from_eye), to_axes(to.world_from_eye);
+  const ImageWindow &f = from.window, &t = to.window;
+  const glm::dvec3 per_x = (f.right - f.left) / from.width * from_axes[0];
+  const glm::dvec3 per_y = (f.bottom - f.top) / from.height * from_axes[1];
+  const glm::dvec3 corner = from_axes * glm::dvec3(f.left, f.top, -1);
+  const glm::dvec3 columns[4] = {per_x, per_y, corner, from.position() - to.position()};
+  RasterMap map{};
+  for (int i = 0; i < 4; ++i) {
+    const glm::dvec3 eye = glm::transpose(to_axes) * columns[i];
+    const double z = -eye.z;
+    map.x[i] = float((eye.x - t.left * z) / (t.right - t.left) * to.width);
+    map.y[i] = float((t.top * z - eye.y) / (t.top - t.bottom) * to.height);
+    map.z[i] = float(z);
+  }
+  return map;
+}
+
+std::size_t WarpedFrame::holes() const {
+  const std::span<const std::uint32_t> of = holes_in_strip.texels();
+  return std::accumulate(of.begin(), of.end(), std::size_t(0));
+}
+
+void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
+                    WarpedFrame& out) {
+  std::array<WarpSource, kMostKeyframes> sources;
+  const int count = make_sources(keyframes, frame, sources);
+  const int strips = (frame.height + WarpedFrame::kStrip - 1) / WarpedFrame::kStrip;
+  fit(out.color, frame.width, frame.height);
+  fit(out.inverse_z, frame.width, frame.height);
+  fit(out.holes_in_strip, strips, 1);
+  const float near = float(1 / frame.z_near);
+  parallel_for(0, strips, [&](int i) {
+    static thread_local LargeBuffer<float> memory;
+    DepthStrip strip;
+    strip.first = i * WarpedFrame::kStrip;
+    strip.rows = std::min(WarpedFrame::kStrip, frame.height - strip.first);
+    strip.width = frame.width;
+    strip.stride = std::size_t((frame.width + 15) / 16 * 16 + 2 * DepthStrip::kBorder);
+    const std::size_t size = strip.stride * std::size_t(strip.rows + 2);
+    memory.require(size);
+    strip.inverse_z = memory.data();
+    std::fill_n(strip.inverse_z, size, 0.0f);
+    for (int k = 0; k < count; ++k) splat_strip(sources[std::size_t(k)], near, strip);
+    std::uint32_t holes = 0;
+    for (int y = strip.first; y < strip.first + strip.rows; ++y)
+      holes += shade_row(sources.data(), count, strip, y, out.inverse_z.row(y).data(),
+                         out.color.row(y).data());
+    out.holes_in_strip(i, 0) = holes;
+  });
+}
+
+void warp_objects(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
+                  const WarpedFrame& warped, Image<std::uint32_t>& objects) {
+  std::array<WarpSource, kMostKeyframes> sources;
+  const int count = make_sources(keyframes, frame, sources);
+  fit(objects, frame.width, frame.height);
+  parallel_for(0, frame.height, [&](int y) {
+    for (int x = 0; x < frame.width; ++x) {
+      std::uint32_t& object = objects(x, y);
+      object = kNoObject;
+      const float w = warped.inverse_z(x, y);
+      if (w <= 0 || warped.hole(x, y)) continue;
+      // The texel of the surface with the most weight in the colour.
+      float most = 0;
+      for (int k = 0; k < count; ++k) {
+        const WarpSource& source = sources[std::size_t(k)];
+        const Keyframe& key = *source.keyframe;
+        const float px = float(x) + 0.5f, py = float(y) + 0.5f;
+        const auto row = [&](const float(&r)[4]) {
+          return r[0] * px + r[1] * py + r[2] + r[3] * w;
+        };
+        const float z = row(source.from_frame.z);
+        if (!(z > 0)) continue;
+        const float qx = row(source.from_frame.x) / z - 0.5f,
+                    qy = row(source.from_frame.y) / z - 0.5f;
+        if (!(qx >= 0 && qy >= 0 && qx < float(key.camera.width - 1) &&
+              qy < float(key.camera.height - 1)))
+          continue;
+        const int ix = int(qx), iy = int(qy);
+        for (int i = 0; i < 4; ++i) {
+          const float at = key.inverse_z(ix + i % 2, iy + i / 2), there = w / z;
+          if (!(std::abs(at - there) <= kSameSurfaceDepth * there)) continue;
+          const float ax = qx - float(ix), ay = qy - float(iy);
+          const float weight =
+              source.weight * (i % 2 ? ax : 1 - ax) * (i / 2 ? ay : 1 - ay) + 1e-6f;
+          if (weight > most) most = weight, object = key.object(ix + i % 2, iy + i / 2);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace rilievo

@@ -1,0 +1,71 @@
+// Warps two or three keyframes to a frame's eye, and merges them.
+//
+// First forward in depth: each texel of each keyframe goes where the frame's eye sees its surface,
+// as a square as large as it appears there, and the nearest stays. Then backward in colour: each
+// pixel's surface is looked up in every keyframe. The four texels around the place count as far as
+// they show the same surface (S3.7), and a keyframe counts the more, the nearer its eye is and the
+// smaller its texels appear. A crack between the squares of a surface that came nearer is closed
+// where a keyframe confirms that the surface is there. What no keyframe shows is a hole.
+//
+// Raster coordinates and 1 / eye_z go from one camera to another by a matrix: with a point at
+// raster (x, y) and w = 1 / eye_z, eye E and the ray R(x, y) through it, affine in x and y,
+//
+//   E + R(x, y) / w      in the other camera, times w:      (X, Y, Z) = A (x, y, 1) + b w
+//   x' = X / Z,  y' = Y / Z,  w' = w / Z
+//
+// where w = 0, the sky, is no special case. A strip of rows is warped by one thread, so that its
+// depths stay in its core's cache. SIMD; the same bytes with any number of threads and any
+// instruction set. A steady frame allocates nothing.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "rilievo/core/image.h"
+#include "rilievo/keyframes/keyframe.h"
+
+namespace rilievo {
+
+// Raster coordinates and 1 / eye_z of one camera in another: rows of (A | b) as above.
+struct RasterMap {
+  float x[4], y[4], z[4];
+};
+[[nodiscard]] RasterMap raster_map(const Camera& to, const Camera& from);
+
+// A keyframe and how much it counts.
+struct WarpedKeyframe {
+  const Keyframe* keyframe = nullptr;
+  float weight = 1;  // positive
+};
+
+// A frame that was warped. All images have the frame's size.
+struct WarpedFrame {
+  static constexpr int kStrip = 32;     // rows
+  Image<std::uint32_t> color;           // as Keyframe's; 0: a hole
+  Image<float> inverse_z;               // 1 / eye_z; 0: sky or a hole
+  Image<std::uint32_t> holes_in_strip;  // one row: the number of holes of each strip
+
+  [[nodiscard]] bool hole(int x, int y) const { return color(x, y) == 0; }
+  [[nodiscard]] std::size_t holes() const;
+};
+
+// Depths that differ by a smaller share belong to one surface: at a grazing angle a texel's depth
+// is off by more than its size.
+inline constexpr float kSameSurfaceDepth = 0.03f;
+// The share of the four texels around a place that must show the pixel's surface.
+inline constexpr float kLeastShare = 0.25f;
+// Half of the side of a texel's square, in texels: a little more than half, against cracks.
+inline constexpr float kHalfSquare = 0.55f;
+// Texels do not grow by more. What is so much nearer than at capture has been left behind.
+inline constexpr float kMostMagnified = 4;
+
+// Warps and merges. Nothing nearer than the frame's z_near is shown. Requires at least one
+// keyframe.
+void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
+                    WarpedFrame& out);
+
+// The objects of the frame's pixels, as it was warped; kNoObject in holes.
+void warp_objects(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
+                  const WarpedFrame& warped, Image<std::uint32_t>& objects);
+
+}  // namespace rilievo

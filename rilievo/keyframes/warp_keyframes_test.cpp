@@ -1,0 +1,221 @@
+#include "rilievo/keyframes/warp_keyframes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/random.h"
+
+namespace rilievo {
+namespace {
+
+constexpr std::uint32_t kOpaque = 0xff000000u;
+
+// A picture of random patches at random depths, some of them sky.
+Keyframe random_keyframe(Random& random, const Camera& camera) {
+  Keyframe key;
+  resize(key, camera);
+  std::fill(key.inverse_z.texels().begin(), key.inverse_z.texels().end(), 0.02f);
+  for (int i = 0; i < 40; ++i) {
+    const int x0 = int(random.between(0, camera.width)), y0 = int(random.between(0, camera.height));
+    const int wide = int(random.between(1, 30)), high = int(random.between(1, 30));
+    const bool sky = random.between(0, 1) < 0.2;
+    const double depth = random.between(2, 40), slope = random.between(-0.004, 0.004);
+    for (int y = y0; y < std::min(y0 + high, camera.height); ++y)
+      for (int x = x0; x < std::min(x0 + wide, camera.width); ++x) {
+        key.inverse_z(x, y) = sky ? 0.0f : float(1 / depth + slope * (x - x0) / wide);
+        key.object(x, y) = sky ? kNoObject : std::uint32_t(i + 1);
+      }
+  }
+  for (std::uint32_t& color : key.color.texels())
+    color = kOpaque | std::uint32_t(random.between(0, double(1 << 24)));
+  find_ranges(key, 0, camera.height);
+  return key;
+}
+
+Camera random_eye(Random& random, int width, int height) {
+  const auto some = [&](double size) {
+    return glm::dvec3(random.between(-size, size), random.between(-size, size),
+                      random.between(-size, size));
+  };
+  const glm::dvec3 eye = some(0.5);
+  return look_at(eye, eye + glm::dvec3(0, 0, -10) + some(1.5), {some(0.2).x, 1, 0}, 0.9, width,
+                 height, 0.1, 100);
+}
+
+float apply(const float (&row)[4], float x, float y, float w) {
+  return row[0] * x + (row[1] * y + row[2]) + row[3] * w;
+}
+
+// The definition, pixel by pixel: no strips, no vectors, no ranges.
+struct Slow {
+  struct Lookup {
+    float r = 0, g = 0, b = 0, weight = 0;
+  };
+  std::span<const WarpedKeyframe> keys;
+  Camera frame;
+  Image<float> depth;  // with a border of one pixel
+
+  float& at(int x, int y) { return depth(x + 1, y + 1); }
+  static float scale(const Camera& frame, const Camera& key) {
+    const auto per_tangent = [](const Camera& c) {
+      return c.width / (c.window.right - c.window.left);
+    };
+    return float(per_tangent(frame) / per_tangent(key));
+  }
+
+  void splat(const Keyframe& key) {
+    const RasterMap map = raster_map(frame, key.camera);
+    const float texel = scale(frame, key.camera);
+    for (int y = 0; y < key.camera.height; ++y)
+      for (int x = 0; x < key.camera.width; ++x) {
+        const float w = key.inverse_z(x, y), px = float(x) + 0.5f, py = float(y) + 0.5f;
+        const float z = apply(map.z, px, py, w);
+        if (!(w > 0) || !(z > 1e-6f)) continue;
+        const float per_z = 1 / z, there = w * per_z;
+        if (there > float(1 / frame.z_near)) continue;
+        const float qx = apply(map.x, px, py, w) * per_z - 0.5f,
+                    qy = apply(map.y, px, py, w) * per_z - 0.5f;
+        const float half = kHalfSquare * std::min(std::max(per_z * texel, 1.0f),
+                                                  kMostMagnified * std::max(1.0f, texel));
+        // Rows above and below the frame count as neighbours, columns beside it do not.
+        const int top = std::max(-1, int(std::clamp(qy - half, -2.0f, 1e6f))),
+                  left = std::max(0, int(std::clamp(qx - half, -2.0f, 1e6f)));
+        for (int row = top; row <= std::min(float(frame.height), qy + half); ++row)
+          for (int column = left; column <= std::min(float(frame.width - 1), qx + half); ++column)
+            if (float(row) >= qy - half && float(row) <= qy + half && float(column) >= qx - half &&
+                float(column) <= qx + half)
+              at(column, row) = std::max(at(column, row), there);
+      }
+  }
+
+  Lookup find(float px, float py, float w) const {
+    Lookup found;
+    for (const WarpedKeyframe& one : keys) {
+      const Keyframe& key = *one.keyframe;
+      const RasterMap map = raster_map(key.camera, frame);
+      const float z = apply(map.z, px, py, w);
+      const float per_z = 1 / std::max(z, 1e-6f);
+      const float qx = apply(map.x, px, py, w) * per_z - 0.5f,
+                  qy = apply(map.y, px, py, w) * per_z - 0.5f;
+      if (!(z > 1e-6f && qx >= 0 && qy >= 0 && qx < float(key.camera.width - 1) &&
+            qy < float(key.camera.height - 1)))
+        continue;
+      const int ix = int(qx), iy = int(qy);
+      const float ax = qx - float(ix), ay = qy - float(iy), there = w * per_z;
+      const float weights[4] = {(1 - ax) * (1 - ay), ax * (1 - ay), (1 - ax) * ay, ax * ay};
+      Lookup here;
+      for (int i = 0; i < 4; ++i) {
+        const int x = ix + i % 2, y = iy + i / 2;
+        if (!(std::abs(key.inverse_z(x, y) - there) <= kSameSurfaceDepth * there)) continue;
+        const std::uint32_t color = key.color(x, y);
+        here.weight += weights[i];
+        here.r += weights[i] * float(color & 255), here.g += weights[i] * float(color >> 8 & 255);
+        here.b += weights[i] * float(color >> 16 & 255);
+      }
+      if (!(here.weight > kLeastShare)) continue;
+      const float magnified = std::max(z * scale(frame, key.camera), 1.0f);
+      const float counts = one.weight / (magnified * magnified);
+      found.r += counts * here.r, found.g += counts * here.g, found.b += counts * here.b;
+      found.weight += counts * here.weight;
+    }
+    return found;
+  }
+
+  void draw(Image<std::uint32_t>& color, Image<float>& inverse_z) {
+    depth = Image<float>(frame.width + 2, frame.height + 2);
+    for (const WarpedKeyframe& one : keys) splat(*one.keyframe);
+    color = Image<std::uint32_t>(frame.width, frame.height);
+    inverse_z = Image<float>(frame.width, frame.height);
+    for (int y = 0; y < frame.height; ++y)
+      for (int x = 0; x < frame.width; ++x) {
+        const float px = float(x) + 0.5f, py = float(y) + 0.5f;
+        const float closed =
+            std::max(std::min(at(x - 1, y), at(x + 1, y)), std::min(at(x, y - 1), at(x, y + 1)));
+        float w = at(x, y);
+        const bool crack = closed > w * (1 + kSameSurfaceDepth);
+        Lookup found = find(px, py, crack ? closed : w);
+        if (crack && found.weight > 0) w = closed;
+        if (crack && !(found.weight > 0)) found = find(px, py, w);
+        if (!(found.weight > 0)) continue;
+        const float per_weight = 1 / found.weight;
+        const auto byte = [&](float sum) {
+          return std::uint32_t(std::min(sum * per_weight + 0.5f, 255.0f));
+        };
+        color(x, y) = kOpaque | byte(found.r) | byte(found.g) << 8 | byte(found.b) << 16;
+        inverse_z(x, y) = w;
+      }
+  }
+};
+
+TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
+  Random random(41);
+  for (int i = 0; i < 24; ++i) {
+    const Camera frame = random_eye(random, 70 + 7 * (i % 5), 45 + 11 * (i % 4));
+    std::vector<Keyframe> keys;
+    for (int k = 0; k < 1 + i % 3; ++k)
+      keys.push_back(random_keyframe(
+          random,
+          keyframe_camera(random_eye(random, frame.width, frame.height), 1.2, k == 2 ? 0.5 : 1)));
+    std::vector<WarpedKeyframe> warped;
+    for (const Keyframe& key : keys) warped.push_back({&key, float(random.between(0.1, 2))});
+    WarpedFrame out;
+    warp_keyframes(warped, frame, out);
+    Slow slow{warped, frame, {}};
+    Image<std::uint32_t> color;
+    Image<float> inverse_z;
+    slow.draw(color, inverse_z);
+    EXPECT_EQ(out.inverse_z, inverse_z) << i;
+    EXPECT_EQ(out.color, color) << i;
+    std::size_t holes = 0;
+    for (const std::uint32_t one : color.texels()) holes += one == 0;
+    EXPECT_EQ(out.holes(), holes);
+    EXPECT_GT(holes, 0u);
+    EXPECT_LT(holes, color.texels().size() / 2);
+  }
+}
+
+TEST(WarpKeyframes, AtItsOwnEyeAKeyframeIsItself) {
+  Random random(2);
+  const Camera frame = random_eye(random, 120, 80);
+  const Keyframe key = random_keyframe(random, keyframe_camera(frame, 1.1));
+  const int x0 = (key.camera.width - frame.width) / 2, y0 = (key.camera.height - frame.height) / 2;
+  WarpedFrame out;
+  const WarpedKeyframe one{&key, 1};
+  warp_keyframes({&one, 1}, frame, out);
+  EXPECT_EQ(out.holes(), 0u);
+  Image<std::uint32_t> objects;
+  warp_objects({&one, 1}, frame, out, objects);
+  int others = 0;
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      others += out.color(x, y) != key.color(x + x0, y + y0);
+      if (out.color(x, y) == key.color(x + x0, y + y0) && out.inverse_z(x, y) > 0) {
+        EXPECT_EQ(objects(x, y), key.object(x + x0, y + y0));
+      }
+    }
+  EXPECT_EQ(others, 0);
+}
+
+TEST(WarpKeyframes, MapsAreThoseOfCameras) {
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    const Camera from = random_eye(random, 640, 480), to = random_eye(random, 320, 200);
+    const RasterMap map = raster_map(to, from);
+    const glm::dvec2 at(random.between(0, 640), random.between(0, 480));
+    const double eye_z = random.between(3, 50);
+    const glm::dvec3 expected = raster_from_world(to, world_from_raster(from, at, eye_z));
+    const float w = float(1 / eye_z), x = float(at.x), y = float(at.y);
+    const float z = apply(map.z, x, y, w);
+    // Single precision of coordinates of hundreds.
+    EXPECT_NEAR(apply(map.x, x, y, w) / z, expected.x, 2e-3);
+    EXPECT_NEAR(apply(map.y, x, y, w) / z, expected.y, 2e-3);
+    EXPECT_NEAR(z / w / expected.z, 1, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace rilievo

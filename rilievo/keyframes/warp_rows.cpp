@@ -1,0 +1,271 @@
+// Positions and footprints are computed for a vector of texels, and stored one texel at a time: two
+// texels of a vector may cover one pixel, and most cover one or two. The largest of what meets at a
+// pixel does not depend on the order.
+#include "rilievo/keyframes/warp_rows.h"
+
+#include <algorithm>
+
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rilievo/keyframes/warp_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rilievo {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+namespace {
+
+#include "rilievo/core/lane_numbers.inl"
+
+using F = hn::CappedTag<float, 16>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+using VU = hn::Vec<U>;
+using Mask = hn::Mask<F>;
+constexpr std::size_t kMaxLanes = 16;
+
+HWY_INLINE VF number(float value) { return hn::Set(F(), value); }
+
+// A row of a RasterMap along a row of texels.
+struct Along {
+  float per_x, start, per_w;
+
+  Along(const float (&row)[4], float y)
+      : per_x(row[0]), start(row[1] * y + row[2]), per_w(row[3]) {}
+  HWY_INLINE VF at(VF x, VF w) const {
+    return hn::Add(hn::Add(hn::Mul(number(per_x), x), number(start)), hn::Mul(number(per_w), w));
+  }
+};
+
+HWY_INLINE VF clamped(VF v, float low, float high) {
+  return hn::Min(hn::Max(v, number(low)), number(high));
+}
+
+void splat(const WarpSource& source, int y, int from, int to, float near, const DepthStrip& out) {
+  const F f;
+  const I i32;
+  const int lanes = int(hn::Lanes(f));
+  const float py = float(y) + 0.5f;
+  const Along along_x(source.to_frame.x, py), along_y(source.to_frame.y, py),
+      along_z(source.to_frame.z, py);
+  const float* const depths = source.keyframe->inverse_z.row(y).data();
+  const VF most = number(kMostMagnified * std::max(1.0f, source.pixels_per_texel));
+  const int first = out.first - 1, last = out.first + out.rows;
+  alignas(64) std::int32_t places[kMaxLanes], wides[kMaxLanes], highs[kMaxLanes];
+  alignas(64) float inverse_z[kMaxLanes];
+  alignas(64) float tail[kMaxLanes] = {};
+  for (int x = from; x < to; x += lanes) {
+    const float* at = depths + x;
+    if (to - x < lanes) {
+      std::fill_n(tail, kMaxLanes, 0.0f);
+      std::copy_n(at, to - x, tail);
+      at = tail;
+    }
+    const VF w = hn::LoadU(f, at);
+    const VF px = hn::Add(hn::ConvertTo(f, lane_numbers(i32, x)), number(0.5f));
+    const VF z = along_z.at(px, w);
+    const VF per_z = hn::Div(number(1), hn::Max(z, number(1e-6f)));
+    const VF there = hn::Mul(w, per_z);
+    const Mask shown = hn::And(hn::And(hn::Gt(w, hn::Zero(f)), hn::Gt(z, number(1e-6f))),
+                               hn::Le(there, number(near)));
+    if (hn::AllFalse(f, shown)) continue;
+    const VF qx = hn::Sub(hn::Mul(along_x.at(px, w), per_z), number(0.5f));
+    const VF qy = hn::Sub(hn::Mul(along_y.at(px, w), per_z), number(0.5f));
+    const VF magnified =
+        hn::Min(hn::Max(hn::Mul(per_z, number(source.pixels_per_texel)), number(1)), most);
+    const VF half = hn::Mul(number(kHalfSquare), magnified);
+    const auto whole = [&](VF v, float low, float high) {
+      return hn::ConvertTo(i32, clamped(v, low, high));
+    };
+    const float right = float(out.width - 1);
+    const VI left_x = whole(hn::Ceil(hn::Sub(qx, half)), 0, right + 1),
+             right_x = whole(hn::Floor(hn::Add(qx, half)), -1, right),
+             top = whole(hn::Ceil(hn::Sub(qy, half)), float(first), float(last + 1)),
+             bottom = whole(hn::Floor(hn::Add(qy, half)), float(first - 1), float(last));
+    const VI wide = hn::Sub(right_x, left_x), high = hn::Sub(bottom, top);
+    const VI before_0 = hn::Set(i32, -1), two = hn::Set(i32, 2);
+    const auto within = hn::And(hn::RebindMask(i32, shown),
+                                hn::And(hn::Gt(wide, before_0), hn::Gt(high, before_0)));
+    if (hn::AllFalse(i32, within)) continue;
+    const VI stride = hn::Set(i32, int(out.stride));
+    // Places in the strip; what is not within changes nothing, at a place of its own.
+    const VI place = hn::Add(hn::Mul(hn::Sub(top, hn::Set(i32, first)), stride),
+                             hn::Add(left_x, hn::Set(i32, DepthStrip::kBorder)));
+    hn::Store(hn::IfThenElseZero(within, place), i32, places);
+    hn::Store(hn::IfThenElseZero(hn::RebindMask(f, within), there), f, inverse_z);
+    hn::Store(hn::IfThenElseZero(within, wide), i32, wides);
+    const auto small = hn::Or(hn::Not(within), hn::And(hn::Lt(wide, two), hn::Lt(high, two)));
+    if (hn::AllTrue(i32, small)) {
+      hn::Store(hn::IfThenElseZero(within, hn::Mul(high, stride)), i32, highs);
+      for (int lane = 0; lane < lanes; ++lane) {
+        // One or two pixels wide and high: without branches, which would be mispredicted.
+        const float nearest = inverse_z[lane];
+        float* const upper = out.inverse_z + places[lane];
+        float* const lower = upper + highs[lane];
+        const int beside = wides[lane];
+        upper[0] = std::max(upper[0], nearest), upper[beside] = std::max(upper[beside], nearest);
+        lower[0] = std::max(lower[0], nearest), lower[beside] = std::max(lower[beside], nearest);
+      }
+      continue;
+    }
+    hn::Store(hn::IfThenElse(within, high, before_0), i32, highs);
+    for (int lane = 0; lane < lanes; ++lane) {
+      const float nearest = inverse_z[lane];
+      float* row = out.inverse_z + places[lane];
+      for (int y_left = highs[lane]; y_left >= 0; --y_left, row += out.stride)
+        for (int column = 0; column <= wides[lane]; ++column)
+          row[column] = std::max(row[column], nearest);
+    }
+  }
+}
+
+// What the keyframes show of places in the frame.
+struct Found {
+  VF r, g, b, weight;
+};
+
+HWY_INLINE VF byte_of(VU color, int shift) {
+  const U u;
+  return hn::ConvertTo(
+      F(), hn::BitCast(I(), hn::And(hn::ShiftRightSame(color, shift), hn::Set(u, 255))));
+}
+
+// Looks up the surfaces at pixels `px` of row `py`, at 1 / eye_z `w`.
+HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF w) {
+  const F f;
+  const I i32;
+  const U u32;
+  Found found{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
+  for (int k = 0; k < count; ++k) {
+    const WarpSource& source = sources[k];
+    const Keyframe& key = *source.keyframe;
+    const int width = key.camera.width, height = key.camera.height;
+    const Along along_x(source.from_frame.x, py), along_y(source.from_frame.y, py),
+        along_z(source.from_frame.z, py);
+    const VF z = along_z.at(px, w);
+    const VF per_z = hn::Div(number(1), hn::Max(z, number(1e-6f)));
+    const VF qx = hn::Sub(hn::Mul(along_x.at(px, w), per_z), number(0.5f));
+    const VF qy = hn::Sub(hn::Mul(along_y.at(px, w), per_z), number(0.5f));
+    const Mask within = hn::And(
+        hn::And(hn::Gt(z, number(1e-6f)),
+                hn::And(hn::Ge(qx, hn::Zero(f)), hn::Ge(qy, hn::Zero(f)))),
+        hn::And(hn::Lt(qx, number(float(width - 1))), hn::Lt(qy, number(float(height - 1)))));
+    if (hn::AllFalse(f, within)) continue;
+    const VF x_floor = hn::Floor(qx), y_floor = hn::Floor(qy);
+    const VF ax = hn::Sub(qx, x_floor), ay = hn::Sub(qy, y_floor);
+    const auto whole = [&](VF v) { return hn::ConvertTo(i32, hn::IfThenElseZero(within, v)); };
+    const VI at = hn::Add(hn::Mul(whole(y_floor), hn::Set(i32, width)), whole(x_floor));
+    const VF there = hn::Mul(w, per_z);
+    const VF slack = hn::Mul(number(kSameSurfaceDepth), there);
+    const VF one = number(1);
+    const VF weights[4] = {hn::Mul(hn::Sub(one, ax), hn::Sub(one, ay)),
+                           hn::Mul(ax, hn::Sub(one, ay)), hn::Mul(hn::Sub(one, ax), ay),
+                           hn::Mul(ax, ay)};
+    const float* depths = key.inverse_z.texels().data();
+    const auto* colors = reinterpret_cast<const std::int32_t*>(key.color.texels().data());
+    VF share = hn::Zero(f), r = hn::Zero(f), g = hn::Zero(f), b = hn::Zero(f);
+    for (int i = 0; i < 4; ++i) {
+      const std::ptrdiff_t offset = std::ptrdiff_t(i / 2) * width + i % 2;
+      const VF depth = hn::GatherIndex(f, depths + offset, at);
+      const VU color = hn::BitCast(u32, hn::GatherIndex(i32, colors + offset, at));
+      const Mask same = hn::Le(hn::Abs(hn::Sub(depth, there)), slack);
+      const VF weight = hn::IfThenElseZero(same, weights[i]);
+      share = hn::Add(share, weight);
+      r = hn::Add(r, hn::Mul(weight, byte_of(color, 0)));
+      g = hn::Add(g, hn::Mul(weight, byte_of(color, 8)));
+      b = hn::Add(b, hn::Mul(weight, byte_of(color, 16)));
+    }
+    const Mask shows = hn::And(within, hn::Gt(share, number(kLeastShare)));
+    const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
+    const VF counts =
+        hn::IfThenElseZero(shows, hn::Div(number(source.weight), hn::Mul(magnified, magnified)));
+    found.r = hn::Add(found.r, hn::Mul(counts, r));
+    found.g = hn::Add(found.g, hn::Mul(counts, g));
+    found.b = hn::Add(found.b, hn::Mul(counts, b));
+    found.weight = hn::Add(found.weight, hn::Mul(counts, share));
+  }
+  return found;
+}
+
+HWY_INLINE VF select(Mask yes, VF a, VF b) { return hn::IfThenElse(yes, a, b); }
+
+std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& strip, int y,
+                    float* inverse_z, std::uint32_t* color) {
+  const F f;
+  const I i32;
+  const U u32;
+  const int lanes = int(hn::Lanes(f));
+  const float py = float(y) + 0.5f;
+  const float *row = strip.row(y), *above = strip.row(y - 1), *below = strip.row(y + 1);
+  std::uint32_t holes = 0;
+  for (int x = 0; x < strip.width; x += lanes) {
+    const VF px = hn::Add(hn::ConvertTo(f, lane_numbers(i32, x)), number(0.5f));
+    const VF splatted = hn::LoadU(f, row + x);
+    // A crack: much nearer on both sides.
+    const VF beside = hn::Min(hn::LoadU(f, row + x - 1), hn::LoadU(f, row + x + 1));
+    const VF around = hn::Min(hn::LoadU(f, above + x), hn::LoadU(f, below + x));
+    const VF closed = hn::Max(beside, around);
+    const Mask crack = hn::Gt(closed, hn::Mul(splatted, number(1 + kSameSurfaceDepth)));
+    VF w = select(crack, closed, splatted);
+    Found found = find(sources, count, px, py, w);
+    const Mask refused = hn::And(crack, hn::Le(found.weight, hn::Zero(f)));
+    if (!hn::AllFalse(f, refused)) {
+      const Found behind = find(sources, count, px, py, splatted);
+      w = select(refused, splatted, w);
+      found = {select(refused, behind.r, found.r), select(refused, behind.g, found.g),
+               select(refused, behind.b, found.b), select(refused, behind.weight, found.weight)};
+    }
+    const Mask shown = hn::Gt(found.weight, hn::Zero(f));
+    const VF per_weight = hn::Div(number(1), select(shown, found.weight, number(1)));
+    const auto byte = [&](VF sum) {
+      const VF value = hn::Min(hn::Add(hn::Mul(sum, per_weight), number(0.5f)), number(255));
+      return hn::BitCast(u32, hn::ConvertTo(i32, value));
+    };
+    VU out = hn::Or(hn::Or(byte(found.r), hn::ShiftLeft<8>(byte(found.g))),
+                    hn::Or(hn::ShiftLeft<16>(byte(found.b)), hn::Set(u32, 0xff000000u)));
+    out = hn::IfThenElseZero(hn::RebindMask(u32, shown), out);
+    w = hn::IfThenElseZero(shown, w);
+    const int left = strip.width - x;
+    if (left >= lanes) {
+      hn::StoreU(out, u32, color + x);
+      hn::StoreU(w, f, inverse_z + x);
+      holes += std::uint32_t(lanes) - std::uint32_t(hn::CountTrue(f, shown));
+      continue;
+    }
+    alignas(64) std::uint32_t colors[kMaxLanes];
+    alignas(64) float depths[kMaxLanes];
+    hn::Store(out, u32, colors);
+    hn::Store(w, f, depths);
+    for (int i = 0; i < left; ++i)
+      color[x + i] = colors[i], inverse_z[x + i] = depths[i], holes += colors[i] == 0;
+  }
+  return holes;
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace rilievo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rilievo {
+
+HWY_EXPORT(splat);
+HWY_EXPORT(shade);
+
+void splat_row(const WarpSource& source, int y, int from, int to, float near,
+               const DepthStrip& out) {
+  HWY_DYNAMIC_DISPATCH(splat)(source, y, from, to, near, out);
+}
+
+std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,
+                        float* inverse_z, std::uint32_t* color) {
+  return HWY_DYNAMIC_DISPATCH(shade)(sources, count, strip, y, inverse_z, color);
+}
+
+}  // namespace rilievo
+#endif

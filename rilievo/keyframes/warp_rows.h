@@ -1,0 +1,41 @@
+// The SIMD passes of keyframes/warp_keyframes.h. Internal: not a stable interface.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "rilievo/keyframes/warp_keyframes.h"
+
+namespace rilievo {
+
+// What warping one keyframe needs.
+struct WarpSource {
+  const Keyframe* keyframe = nullptr;
+  RasterMap to_frame, from_frame;
+  float weight = 1;
+  float pixels_per_texel = 1;  // of what has the same depth in both
+};
+// The most keyframes that one frame is warped from.
+inline constexpr std::size_t kMostKeyframes = 4;
+
+// Depths of rows [first, first + rows) of a frame, with a border of one pixel on each side.
+struct DepthStrip {
+  static constexpr int kBorder = 16;  // columns: a row begins at a whole vector
+  float* inverse_z = nullptr;         // of the row above the first one, at its border
+  std::size_t stride = 0;
+  int first = 0, rows = 0, width = 0;
+
+  [[nodiscard]] float* row(int y) const {
+    return inverse_z + std::size_t(y - first + 1) * stride + kBorder;
+  }
+};
+
+// Draws the squares of texels [from, to) of a row into the strip. Nothing nearer than 1 / near.
+void splat_row(const WarpSource& source, int y, int from, int to, float near,
+               const DepthStrip& out);
+
+// The rows of the strip: depths and colours of row y. Returns the number of holes.
+std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,
+                        float* inverse_z, std::uint32_t* color);
+
+}  // namespace rilievo
