@@ -25,7 +25,7 @@
 #include "rilievo/compare/compare.h"
 #include "rilievo/compare/drawn_error.h"
 #include "rilievo/gl/context.h"
-#include "rilievo/measure/stats.h"
+#include "rilievo/measure/report_summary.h"
 #include "rilievo/scene/position_colors.h"
 
 namespace rilievo::app {
@@ -38,7 +38,7 @@ struct CompareCommand {
   std::vector<std::string> methods;
   FrameOptions frames;
   MethodOptions method_options;
-  bool pop = false, real_time = false, drawn_error = false;
+  bool pop = false, real_time = false, drawn_error = false, one_sample = false;
   bool bends = false;  // the scene by time, and some method shows it
 };
 
@@ -52,23 +52,22 @@ std::vector<std::string> with_direct(const std::vector<std::string>& methods, bo
 }
 
 void print_summary(const Report& report) {
-  print("{:<16}{:>10}{:>10}{:>10}{:>9}{:>10}{:>12}{:>10}\n", "method", "p50 ms", "p99 ms",
-        "PSNR dB", "SSIM", "FLIP", "wrong vis.", "captures");
+  print("{:<16}{:>9}{:>9}{:>9}{:>8}{:>8}{:>8}{:>8}{:>10}{:>9}{:>11}{:>11}{:>9}\n", "method",
+        "p50 ms", "p99 ms", "PSNR dB", "least", "SSIM", "FLIP", "99 %", "wrong %", "ghost %",
+        "speckle %", "flicker %", "captures");
   for (const MethodResult& method : report.methods) {
-    const auto mean_of = [&](double FrameResult::*figure) {
-      double sum = 0;
-      for (const FrameResult& frame : method.frames) sum += std::min(frame.*figure, kMaxPsnrDb);
-      return sum / double(method.frames.size());
-    };
-    std::vector<double> ms;
-    for (const FrameResult& frame : method.frames) ms.push_back(frame.frame_ms);
-    const Summary time = method.walked_ms ? *method.walked_ms : summarize(ms);
-    print("{:<16}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.4f}{:>10.4f}{:>10.4f} %{:>10}\n", method.name,
-          time.p50, time.p99, mean_of(&FrameResult::psnr_db), mean_of(&FrameResult::ssim),
-          mean_of(&FrameResult::flip), 100 * mean_of(&FrameResult::wrong_visibility),
-          method.captures);
+    const MethodSummary s = summarize(method);
+    print(
+        "{:<16}{:>9.2f}{:>9.2f}{:>9.2f}{:>8.2f}{:>8.4f}{:>8.4f}{:>8.4f}{:>10.4f}{:>9.3g}{:>11.3g}{:"
+        ">11.3g}{:>9}\n",
+        method.name, s.frame_ms.p50, s.frame_ms.p99, s.psnr_db.mean, s.psnr_db.min, s.ssim.mean,
+        s.flip.mean, s.flip_p99.mean, 100 * s.wrong_visibility.mean, 100 * s.ghost.mean,
+        100 * s.speckle.mean, 100 * s.flicker.mean, method.captures);
   }
 }
+
+// Direct drawing without antialiasing: what aliasing alone does to the figures.
+constexpr char kOneSample[] = "direct-1-sample";
 
 // What draws each method; what the file holds, if there is one, is what they draw.
 Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
@@ -77,6 +76,8 @@ Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
   // It draws the true frames, and only software bends what bends by time.
   if (method == "direct-raster" && options.bends)
     return make_software_source(method, options.method_options, options.frames.samples, scene);
+  if (method == kOneSample)
+    return make_software_source("direct-raster", options.method_options, 1, scene);
   if (options.file.empty() || !kind_method(method).kind)
     return make_scene_source(method, options.method_options, options.frames.samples, scene,
                              renderer);
@@ -137,8 +138,10 @@ Result<> run_compare(CompareCommand options) {
   std::optional<SceneRenderer> renderer;
   std::vector<std::unique_ptr<FrameSource>> sources;
   std::vector<ComparedSource> compared;
-  for (const std::string& method :
-       with_direct(options.methods, options.bends || options.method_options.draw == "software")) {
+  std::vector<std::string> methods =
+      with_direct(options.methods, options.bends || options.method_options.draw == "software");
+  if (options.one_sample) methods.emplace_back(kOneSample);
+  for (const std::string& method : methods) {
     Result<std::unique_ptr<FrameSource>> source =
         source_of(method, options, opened->scene, renderer);
     if (!source) return source.error();
@@ -275,6 +278,9 @@ Command compare_command(CLI::App& app) {
                  "Also measure how far from their true places surfaces are drawn: all methods walk "
                  "again, through a scene whose colours tell positions (takes twice as long)")
       ->excludes("--real-time");
+  command->add_flag("--one-sample", options->one_sample,
+                    "Also draw polygons with one sample a pixel, as direct-1-sample: what aliasing "
+                    "alone does to the figures");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

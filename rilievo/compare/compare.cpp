@@ -8,6 +8,7 @@
 
 #include "rilievo/gl/context.h"
 #include "rilievo/io/jpeg.h"
+#include "rilievo/measure/artifacts.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/gap_width.h"
 #include "rilievo/measure/popping.h"
@@ -42,30 +43,50 @@ struct Tally {
   }
 
   // The difference of two frames that are the same need not be measured.
-  static double flip_of(const Rgba8Image& truth, const Rgba8Image& frame) {
-    return truth == frame ? 0 : flip(truth, frame);
+  static FlipSummary flip_of(const Rgba8Image& truth, const Rgba8Image& frame) {
+    return truth == frame ? FlipSummary() : summarize_flip(truth, frame);
+  }
+  static Artifacts artifacts_of(const Rgba8Image& truth, const Rgba8Image& frame) {
+    return truth == frame ? Artifacts() : count_artifacts(truth, frame);
+  }
+  static bool polygons_alone(const FrameStats& stats) {
+    return stats.polygons > 0 && stats.groups == 0 &&
+           std::all_of(stats.by_kind.begin(), stats.by_kind.end(),
+                       [](const auto& kind) { return kind.second == 0; });
   }
 
   void add_frame(const DrawnFrame& truth, const DrawnFrame& frame, const BoundLimits& limits) {
     over_bound += !limits.hold(frame.stats);
     const Visibility visibility = compare_visibility(truth.objects, frame.objects);
-    result.frames.push_back({frame.frame_ms, psnr_db(truth.color, frame.color),
-                             ssim(truth.color, frame.color), flip_of(truth.color, frame.color),
-                             visibility.wrong_share(), visibility.uncovered_share(),
-                             double(visibility.counted) / double(truth.objects.texels().size()),
-                             widest_gap_px(truth.objects, truth.eye_z, frame.eye_z)});
+    const FlipSummary flip = flip_of(truth.color, frame.color);
+    const Artifacts artifacts = artifacts_of(truth.color, frame.color);
+    FrameResult& now = result.frames.emplace_back();
+    now.frame_ms = frame.frame_ms;
+    now.psnr_db = psnr_db(truth.color, frame.color);
+    now.ssim = ssim(truth.color, frame.color);
+    now.flip = flip.mean, now.flip_p99 = flip.p99;
+    now.wrong_visibility = visibility.wrong_share();
+    now.uncovered = visibility.uncovered_share();
+    now.counted = double(visibility.counted) / double(truth.objects.texels().size());
+    now.gap_px = widest_gap_px(truth.objects, truth.eye_z, frame.eye_z);
+    now.ghost = artifacts.ghost, now.speckle = artifacts.speckle;
+    now.pictures = !polygons_alone(frame.stats);
     add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_stats(frame.stats);
   }
 
   // FLIP maps between the true frame and the one before it, and between `frame` and the one before
   // it; empty for the first.
-  void add_change(const Rgba8Image& frame, const Image<float>& true_change,
-                  const Image<float>& change) {
-    if (!true_change.empty()) {
-      const Pop now = largest_pop(true_change, change);
-      pop = {std::max(pop.frame, now.frame), std::max(pop.tile, now.tile)};
-    }
+  void add_pop(const Image<float>& true_change, const Image<float>& change) {
+    if (true_change.empty()) return;
+    const Pop now = largest_pop(true_change, change);
+    pop = {std::max(pop.frame, now.frame), std::max(pop.tile, now.tile)};
+  }
+  // `true_last` is the true frame before `truth`; empty for the first.
+  void add_change(const Rgba8Image& true_last, const Rgba8Image& truth, const Rgba8Image& frame) {
+    if (!true_last.empty())
+      result.flicker.push_back(
+          truth == frame && true_last == last ? 0 : flicker(true_last, truth, last, frame));
     last = frame;
   }
   // FLIP map from the last frame to this one; empty if there was none.
@@ -164,10 +185,12 @@ Result<Report> compare(std::span<const ComparedSource> sources,
       if (shown) report.true_pictures.push_back(jpeg(truth.color));
       const Image<float> true_change =
           options.pop ? tallies[0].change_to(truth.color) : Image<float>();
+      const Rgba8Image true_last = tallies[0].last;
       for (std::size_t s = 0; s < sources.size(); ++s) {
         if (options.pop)
-          tallies[s].add_change(drawn[s][i].color, true_change,
-                                s == 0 ? true_change : tallies[s].change_to(drawn[s][i].color));
+          tallies[s].add_pop(true_change,
+                             s == 0 ? true_change : tallies[s].change_to(drawn[s][i].color));
+        tallies[s].add_change(true_last, truth.color, drawn[s][i].color);
         tallies[s].add_frame(truth, drawn[s][i], options.limits);
         if (!shown) continue;
         tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));

@@ -280,4 +280,14 @@ double flip(const Rgba8Image& truth, const Rgba8Image& frame, const FlipOptions&
   return mean_of(flip_map(truth, frame, options));
 }
 
+FlipSummary summarize_flip(const Rgba8Image& truth, const Rgba8Image& frame,
+                           const FlipOptions& options) {
+  Image<float> map = flip_map(truth, frame, options);
+  const double mean = mean_of(map);
+  const std::span<float> values = map.texels();
+  const std::size_t rank = (values.size() * 99 + 99) / 100 - 1;  // rounded up
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(rank), values.end());
+  return {mean, double(values[rank])};
+}
+
 }  // namespace rilievo

@@ -32,6 +32,14 @@ struct FlipOptions {
 [[nodiscard]] double flip(const Rgba8Image& truth, const Rgba8Image& frame,
                           const FlipOptions& options = {});
 
+// The map's mean, and the smallest value that 99 % of its pixels do not exceed: faults that cover a
+// small part of the frame show in the latter only.
+struct FlipSummary {
+  double mean = 0, p99 = 0;
+};
+[[nodiscard]] FlipSummary summarize_flip(const Rgba8Image& truth, const Rgba8Image& frame,
+                                         const FlipOptions& options = {});
+
 // A frame that several others are compared with: its filters run once.
 class FlipTruth {
  public:

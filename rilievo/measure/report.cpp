@@ -26,6 +26,12 @@ Json method_json(const MethodResult& method) {
   out["uncovered"] = mean_max(s.uncovered);
   out["counted"] = mean_min(s.counted);
   out["gap_px"] = mean_max(s.gap_px);
+  out["flip_p99"] = mean_max(s.flip_p99);
+  out["ghost"] = mean_max(s.ghost);
+  out["speckle"] = mean_max(s.speckle);
+  if (!method.flicker.empty()) out["flicker"] = mean_max(s.flicker);
+  out["picture_frames"] = std::count_if(method.frames.begin(), method.frames.end(),
+                                        [](const FrameResult& f) { return f.pictures; });
   out["captures"] = method.captures;
   out["capture_ms"] = method.capture_ms;
   out["picture_bytes"] = method.picture_bytes;
@@ -61,6 +67,10 @@ Json method_json(const MethodResult& method) {
   all["wrong_visibility"] = series(method, &FrameResult::wrong_visibility);
   all["uncovered"] = series(method, &FrameResult::uncovered);
   all["gap_px"] = series(method, &FrameResult::gap_px);
+  all["flip_p99"] = series(method, &FrameResult::flip_p99);
+  all["ghost"] = series(method, &FrameResult::ghost);
+  all["speckle"] = series(method, &FrameResult::speckle);
+  if (!method.flicker.empty()) all["flicker"] = method.flicker;
   return out;
 }
 
@@ -76,14 +86,23 @@ std::vector<double> series(const MethodResult& method, double FrameResult::*figu
 
 MethodSummary summarize(const MethodResult& method) {
   const auto of = [&](double FrameResult::*figure) { return summarize(series(method, figure)); };
+  std::vector<double> psnr;
+  const bool any = std::any_of(method.frames.begin(), method.frames.end(),
+                               [](const FrameResult& f) { return f.pictures; });
+  for (const FrameResult& f : method.frames)
+    if (f.pictures || !any) psnr.push_back(std::min(f.psnr_db, kMaxPsnrDb));
   return {method.walked_ms ? *method.walked_ms : of(&FrameResult::frame_ms),
-          of(&FrameResult::psnr_db),
+          summarize(psnr),
           of(&FrameResult::ssim),
           of(&FrameResult::flip),
           of(&FrameResult::wrong_visibility),
           of(&FrameResult::uncovered),
           of(&FrameResult::counted),
-          of(&FrameResult::gap_px)};
+          of(&FrameResult::gap_px),
+          of(&FrameResult::flip_p99),
+          of(&FrameResult::ghost),
+          of(&FrameResult::speckle),
+          method.flicker.empty() ? Summary() : summarize(method.flicker)};
 }
 
 std::string report_json(const Report& report) {

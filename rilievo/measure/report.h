@@ -4,7 +4,8 @@
 // without external files.
 //
 // The PSNR of identical frames is infinite, which JSON cannot express and a mean cannot use. Values
-// above kMaxPsnrDb count as kMaxPsnrDb.
+// above kMaxPsnrDb count as kMaxPsnrDb. The mean and the least PSNR are those of frames that show
+// pictures, if any frame does: frames of polygons alone are the true frames, and say nothing.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +32,9 @@ struct FrameResult {
   double wrong_visibility = 0, uncovered = 0;  // shares, 0 to 1
   double counted = 1;                          // the share of pixels that wrong_visibility counts
   double gap_px = 0;                           // as widest_gap_px()
+  double flip_p99 = 0;                         // of FLIP's map
+  double ghost = 0, speckle = 0;               // as count_artifacts()
+  bool pictures = true;                        // shows some; not polygons alone
 };
 
 // How far from their true places surfaces were drawn, in pixels (compare/drawn_error.h), and what
@@ -55,6 +59,8 @@ struct ErrorPx {
 struct MethodResult {
   std::string name;
   std::vector<FrameResult> frames;  // as many as every other method has, at least one
+  // As flicker(), of each frame but the first. Empty if frames do not follow each other.
+  std::vector<double> flicker;
   double depth_error_p50 = 0, depth_error_p99 = 0;
   std::int64_t captures = 0;
   double capture_ms = 0;            // sum over all frames

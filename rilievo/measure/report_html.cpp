@@ -33,7 +33,8 @@ const std::array kReportRows = {
         [](const MethodResult&, const MethodSummary& s) { return ms(s.frame_ms.p99); }},
     Row{"Frame time, longest", "",
         [](const MethodResult&, const MethodSummary& s) { return ms(s.frame_ms.max); }},
-    Row{"PSNR, mean / least", "Against the true frames, 8-bit sRGB; higher is better.",
+    Row{"PSNR, mean / least",
+        "Against the true frames, 8-bit sRGB; higher is better. Of frames that show pictures.",
         [](const MethodResult&, const MethodSummary& s) {
           return decibel(s.psnr_db.mean) + " / " + decibel(s.psnr_db.min);
         }},
@@ -44,6 +45,26 @@ const std::array kReportRows = {
     Row{"FLIP, mean / most", "Perceived difference, 0 to 1; lower is better.",
         [](const MethodResult&, const MethodSummary& s) {
           return fmt::format("{:.4f} / {:.4f}", s.flip.mean, s.flip.max);
+        }},
+    Row{"FLIP of 99 %, mean / most", "99 of 100 pixels of a frame are no more different.",
+        [](const MethodResult&, const MethodSummary& s) {
+          return fmt::format("{:.4f} / {:.4f}", s.flip_p99.mean, s.flip_p99.max);
+        }},
+    Row{"Ghost edges, mean / most",
+        "Share of pixels at an edge where the true frame has none within two pixels.",
+        [](const MethodResult&, const MethodSummary& s) {
+          return percent(s.ghost.mean) + " / " + percent(s.ghost.max);
+        }},
+    Row{"Speckle, mean / most",
+        "Share of isolated pixels, off their neighbours as none of the true frame's near by is.",
+        [](const MethodResult&, const MethodSummary& s) {
+          return percent(s.speckle.mean) + " / " + percent(s.speckle.max);
+        }},
+    Row{"Flicker, mean / most",
+        "How much more pixels change from frame to frame than the true frames' near by; of 1.",
+        [](const MethodResult& m, const MethodSummary& s) {
+          return m.flicker.empty() ? std::string()
+                                   : fmt::format("{:.2g} / {:.2g}", s.flicker.mean, s.flicker.max);
         }},
     Row{"Wrong visibility, mean / most",
         "Share of pixels that show another object than the true frame; pixels within 1 pixel of an "

@@ -6,9 +6,10 @@
 
 namespace rilievo {
 
-// The statistics of each measure over all frames.
+// The statistics of each measure over all frames; of PSNR over those that show pictures, if any.
 struct MethodSummary {
   Summary frame_ms, psnr_db, ssim, flip, wrong_visibility, uncovered, counted, gap_px;
+  Summary flip_p99, ghost, speckle, flicker;
 };
 
 // One measure of all frames, in order; PSNR is limited to kMaxPsnrDb.

@@ -30,6 +30,8 @@ Report small_report() {
     for (int i = 0; i < 3; ++i)
       m.frames.push_back(
           {10.0 + i, 30.0 + i, 0.9, 0.1, 0.001 * i, 0.002 * i, 0.75 + 0.1 * i, 2.0 * i});
+    for (FrameResult& f : m.frames) f.flip_p99 = 0.5, f.ghost = 0.01, f.speckle = 0.02;
+    m.flicker = {0.25, 0.75};
     m.depth_error_p50 = 0.25;
     m.captures = 7;
     m.capture_ms = 70;
@@ -61,6 +63,11 @@ TEST(Report, json_has_the_keys_of_its_schema_and_their_figures) {
   EXPECT_EQ(m["uncovered"]["max"], 0.004);
   EXPECT_EQ(m["counted"]["min"], 0.75);
   EXPECT_EQ(m["gap_px"]["max"], 4);
+  EXPECT_EQ(m["flip_p99"]["max"], 0.5);
+  EXPECT_EQ(m["ghost"]["max"], 0.01);
+  EXPECT_EQ(m["speckle"]["max"], 0.02);
+  EXPECT_EQ(m["flicker"], Json({{"mean", 0.5}, {"max", 0.75}}));
+  EXPECT_EQ(m["picture_frames"], 3);
   EXPECT_EQ(m["depth_error"], Json({{"p50", 0.25}, {"p99", 0.0}}));
   EXPECT_EQ(m["captures"], 7);
   EXPECT_EQ(m["capture_ms"], 70);
@@ -68,6 +75,21 @@ TEST(Report, json_has_the_keys_of_its_schema_and_their_figures) {
   EXPECT_EQ(m["series"]["frame_ms"], Json({10.0, 11.0, 12.0}));
   // Identical frames are no null.
   EXPECT_EQ(j["methods"]["direct"]["psnr_db"]["mean"], kMaxPsnrDb);
+}
+
+TEST(Report, frames_of_polygons_alone_do_not_make_pictures_look_better) {
+  Report r = small_report();
+  MethodResult& cache = r.methods[1];
+  cache.frames[0].pictures = false;
+  cache.frames[0].psnr_db = std::numeric_limits<double>::infinity();
+  Json m = Json::parse(report_json(r))["methods"]["nailboard"];
+  EXPECT_EQ(m["psnr_db"], Json({{"mean", 31.5}, {"min", 31.0}}));
+  EXPECT_EQ(m["picture_frames"], 2);
+  EXPECT_EQ(m["series"]["psnr_db"][0], kMaxPsnrDb);
+  // Where there are no others they are what there is to say.
+  for (FrameResult& f : cache.frames) f.pictures = false, f.psnr_db = 60;
+  m = Json::parse(report_json(r))["methods"]["nailboard"];
+  EXPECT_EQ(m["psnr_db"]["mean"], 60);
 }
 
 TEST(Report, keys_of_later_methods_are_there_only_where_they_are_known) {
