@@ -16,14 +16,14 @@ glm::dvec3 rotation_vector(const glm::dmat3& m) {
 }
 
 // By how many times a motion may become faster or slower from frame to frame.
-constexpr double kFaster = 8;
+constexpr double kMostGrowth = 8;
 
 // More than a frame that took longer explains, or an eye that starts to walk. What goes on for two
 // frames, within 60 degrees of the same direction, is a motion, and so is the first.
 bool jumps(const glm::dvec3& now, const glm::dvec3& before, double longest) {
   const double length = glm::length(now), length_before = glm::length(before);
-  if (longest <= 0 || length <= kFaster * longest || length_before > kFaster * length) return false;
-  return length > kFaster * length_before || glm::dot(now, before) < 0.5 * length * length_before;
+  if (longest <= 0 || length <= kMostGrowth * longest || length_before > kMostGrowth * length) return false;
+  return length > kMostGrowth * length_before || glm::dot(now, before) < 0.5 * length * length_before;
 }
 
 // An eye that stood has jumped if its first turn is larger, radians.
