@@ -43,9 +43,10 @@ function(rilievo_library name with_gl)
   endforeach()
   add_library(${target} STATIC ${sources})
   # Highway compiles these once for each instruction set: each must be the file that is compiled.
+  # The named ones are new: alone, they leave the others' batches, and what ccache has, as they are.
   foreach(source ${sources})
     file(STRINGS ${source} several REGEX "foreach_target" LIMIT_COUNT 1)
-    if(several)
+    if(several OR source MATCHES "texel_rule|texel_shader|unmix_edges|sample_target")
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()
   endforeach()

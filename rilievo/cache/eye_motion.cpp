@@ -22,8 +22,10 @@ constexpr double kMostGrowth = 8;
 // frames, within 60 degrees of the same direction, is a motion, and so is the first.
 bool jumps(const glm::dvec3& now, const glm::dvec3& before, double longest) {
   const double length = glm::length(now), length_before = glm::length(before);
-  if (longest <= 0 || length <= kMostGrowth * longest || length_before > kMostGrowth * length) return false;
-  return length > kMostGrowth * length_before || glm::dot(now, before) < 0.5 * length * length_before;
+  if (longest <= 0 || length <= kMostGrowth * longest || length_before > kMostGrowth * length)
+    return false;
+  return length > kMostGrowth * length_before ||
+         glm::dot(now, before) < 0.5 * length * length_before;
 }
 
 // An eye that stood has jumped if its first turn is larger, radians.

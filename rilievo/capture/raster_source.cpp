@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "rilievo/capture/bound_thin_texels.h"
 #include "rilievo/render/raster/sample_raster.h"
 
 namespace rilievo {
@@ -50,6 +51,7 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest)
     captured.farthest = rasterizer_.capture_farthest(camera, objects, placed_.poses());
+  bound_thin_texels(captured);
   return captured;
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "rilievo/capture/bound_thin_texels.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/rays/cast_layers.h"
 #include "rilievo/render/rays/cast_picture.h"
@@ -55,6 +56,7 @@ Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
   captured.picture.name = name();
   if (!request.identifiers) captured.picture.object = {};
   if (request.farthest) captured.farthest = cast_farthest(rays_, request.camera, request.objects);
+  bound_thin_texels(captured);
   return captured;
 }
 

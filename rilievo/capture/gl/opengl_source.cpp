@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "rilievo/capture/bound_thin_texels.h"
 #include "rilievo/capture/gl/capture_layers.h"
 #include "rilievo/capture/gl/capture_picture.h"
 
@@ -23,6 +24,7 @@ Result<CapturedPicture> OpenGLSource::capture(const CaptureRequest& request) {
   Result<Image<float>> farthest = capture_farthest(renderer_, request.camera, objects);
   if (!farthest) return farthest.error();
   captured.farthest = std::move(*farthest);
+  bound_thin_texels(captured);
   return captured;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/plate_test_helpers.h"
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/source_test_helpers.h"
@@ -135,6 +136,61 @@ TEST_F(SourcesTest, capture_the_same_sky) {
       EXPECT_LT(wrong_skies[i], texels / 200);
     }
   }
+}
+
+// The texel rule (core/texel_rule.h); the others have it in capture/texel_colors_test.cpp.
+TEST_F(SourcesTest, colours_of_OpenGL_are_those_of_the_surface_whose_depth_a_texel_has) {
+  Random random(1);
+  int edges = 0;
+  for (int round = 0; round < 6; ++round) {
+    const Scene scene = test_plate::plate(random, round % 2);
+    auto renderer = SceneRenderer::create(scene);
+    ASSERT_TRUE(renderer);
+    OpenGLSource source(*renderer);
+    const Camera camera = test_plate::plate_camera(random, 90);
+    const auto captured = source.capture({.camera = camera, .with_sky = round % 3 == 0});
+    ASSERT_TRUE(captured) << captured.error().message();
+    const DepthImage& picture = captured->picture;
+    const auto is_red = [&](int x, int y) {
+      return test_plate::is_plate(camera, {x + 0.5, y + 0.5}, picture.depth(x, y));
+    };
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 90; ++x) {
+        if (!picture.covered(x, y)) continue;
+        // Half floats.
+        ASSERT_LT(test_plate::off_color(picture.color(x, y), is_red(x, y)), 2e-3f)
+            << round << ' ' << x << ' ' << y;
+        edges += x > 0 && picture.covered(x - 1, y) && is_red(x, y) != is_red(x - 1, y);
+      }
+  }
+  EXPECT_GT(edges, 200);
+}
+
+// Thinner than a texel: centres and samples see different wires, or none.
+TEST_F(SourcesTest, no_texel_of_a_thin_wire_is_black) {
+  Random random(2);
+  Scene scene = test_plate::plate(random, false);
+  for (glm::vec3& corner : scene.meshes[0].positions) corner.y *= 0.01f;
+  scene.models[0].bounds = {};
+  finish(scene);
+  auto renderer = SceneRenderer::create(scene);
+  ASSERT_TRUE(renderer);
+  OpenGLSource source(*renderer);
+  const std::uint32_t wire[] = {0};
+  int texels = 0;
+  for (int round = 0; round < 10; ++round) {
+    const auto captured =
+        source.capture({.camera = test_plate::plate_camera(random, 90), .objects = wire});
+    ASSERT_TRUE(captured);
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 90; ++x) {
+        if (!captured->picture.covered(x, y)) continue;
+        ++texels;
+        ASSERT_GT(captured->picture.color(x, y).a, 0);
+        ASSERT_LT(test_plate::off_color(captured->picture.color(x, y), true), 2e-3f);
+      }
+  }
+  EXPECT_GT(texels, 100);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rilievo/render/raster/frame_raster.h"
+#include "rilievo/render/shading/texel_shader.h"
 
 namespace rilievo {
 
@@ -124,11 +125,20 @@ DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std:
   for (int y = 0; y < camera.height; ++y)
     std::copy_n(centers.object.begin() + std::ptrdiff_t(std::size_t(y) * width), width,
                 picture.object.row(camera.height - 1 - y).begin());
-  // ... and colours averaged over the texel.
-  if (samples > 1) raster.fill(camera, samples, NearPlane::cuts);
-  PictureView view = raster.view(camera);
-  view.scene.scale = ColorScale::linear;
-  state_->shader.shade(view, picture, with_sky);
+  // ... and the colour of that surface, averaged over the texel.
+  const auto linear_view = [&] {
+    PictureView view = raster.view(camera);
+    view.scene.scale = ColorScale::linear;
+    return view;
+  };
+  if (samples == 1) {
+    state_->shader.shade(linear_view(), picture, with_sky);
+    return picture;
+  }
+  const CenterTexels of_centers = centers_of(raster.seen());
+  raster.fill(camera, samples, NearPlane::cuts);
+  const ShownTexels shown = choose_texels(of_centers, raster.seen(), raster.meshes(), picture);
+  shade_texels(linear_view(), shown, picture, with_sky);
   return picture;
 }
 

@@ -11,9 +11,13 @@
 #include "rilievo/render/rays/hit_surface.h"
 #include "rilievo/render/shading/picture_shader.h"
 #include "rilievo/render/shading/shading_model.h"
+#include "rilievo/render/shading/texel_shader.h"
 
 namespace rilievo {
 namespace {
+
+// The farthest depth of a SampleBuffer that is not nothing.
+constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // The camera's rays, in doubles: the k-th from where it stops looking, see camera_ray().
 class CameraRays {
@@ -81,6 +85,8 @@ struct PictureCaster::State {
         {placed, seen_by, surface_lights(rays.scene(), camera.position(), lights), seen.samples}};
   }
   void set(std::size_t sample, float depth, std::uint32_t object, int part, std::uint32_t triangle);
+  [[nodiscard]] std::uint32_t triangle_of(std::uint32_t object, int part,
+                                          std::uint32_t triangle) const;
 };
 
 PictureCaster::State::State(const RayScene& rays) : rays(rays) {
@@ -116,11 +122,15 @@ void PictureCaster::State::place(const Camera& camera, std::span<const std::uint
 // What a sample shows: `depth` as SampleBuffer has it, of an object from 0 on.
 void PictureCaster::State::set(std::size_t sample, float depth, std::uint32_t object, int part,
                                std::uint32_t triangle) {
-  constexpr float kBelowOne = 0x1.fffffep-1f;
   seen.depth[sample] = std::clamp(depth, 0.0f, kBelowOne);
+  seen.triangle[sample] = triangle_of(object, part, triangle);
+}
+
+// The number of a triangle in the SampleBuffer.
+std::uint32_t PictureCaster::State::triangle_of(std::uint32_t object, int part,
+                                                std::uint32_t triangle) const {
   const auto& places = place_of_part[std::size_t(rays.scene().objects[object].model)];
-  seen.triangle[sample] =
-      placed[first_of_object[object] + places[std::size_t(part)]].first_triangle + triangle;
+  return placed[first_of_object[object] + places[std::size_t(part)]].first_triangle + triangle;
 }
 
 void PictureCaster::State::cast(const PictureRays& seen_by, const Camera& camera, bool all_objects,
@@ -230,6 +240,11 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
   const int last = camera.height - 1;  // rows from the top
   RayPictureView seen_by{picture_rays(camera), camera.position(), {}};
   if (!all) seen_by.objects = {s.included.get(), rays.scene().objects.size()};
+  CenterTexels centers;
+  if (options.samples > 1) {
+    centers.depth = Image<float>(camera.width, camera.height, 1.0f);
+    centers.triangle = Image<std::uint32_t>(camera.width, camera.height, ShownTexels::kNothing);
+  }
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
@@ -237,16 +252,25 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
       if (!hit) continue;
       picture.depth(x, y) = float(ray.eye_z_start + double(hit->distance) * ray.eye_z_step);
       picture.object(x, y) = hit->object;
-      if (options.samples == 1)
+      if (options.samples == 1) {
         s.set(s.seen.row(last - y) + std::size_t(x), 0.0f, hit->object - 1, hit->part,
               hit->triangle);
+      } else {
+        const double z = depth_from_eye_z(DepthKind::window_z, picture.depth(x, y), camera, {});
+        centers.depth(x, last - y) =
+            std::min(float(camera.keeps_farthest() ? 1.0 - z : z), kBelowOne);
+        centers.triangle(x, last - y) = s.triangle_of(hit->object - 1, hit->part, hit->triangle);
+      }
     }
   });
   const PictureView view{
       s.seen,
       {s.placed, picture_rays(camera), surface_lights(rays.scene(), camera.position(), s.lights),
        s.seen.samples, ColorScale::linear}};
-  s.shader.shade(view, picture, options.sky);
+  if (options.samples == 1)
+    s.shader.shade(view, picture, options.sky);
+  else
+    shade_texels(view, choose_texels(centers, s.seen, s.placed, picture), picture, options.sky);
   return picture;
 }
 
