@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "rilievo/warp/reproject.h"
+#include "rilievo/warp/unmix_edges.h"
 
 namespace rilievo {
 
@@ -10,7 +11,9 @@ PhotographSource::PhotographSource(std::string name, std::vector<DepthImage> pho
                                    const Box& box)
     : name_(std::move(name)),
       photographs_(std::move(photographs)),
-      box_(box.empty() ? measured_bounds(photographs_) : box) {}
+      box_(box.empty() ? measured_bounds(photographs_) : box) {
+  for (DepthImage& photograph : photographs_) unmix_edges(photograph);
+}
 
 Box PhotographSource::bounds(std::span<const std::uint32_t>) const { return box_; }
 

@@ -8,6 +8,7 @@
 
 #include "rilievo/io/exr_channels.h"
 #include "rilievo/relief_impostor/line_process.h"
+#include "rilievo/warp/unmix_edges.h"
 
 namespace rilievo {
 namespace {
@@ -264,6 +265,7 @@ Result<CapturedPicture> ExecSource::capture(const CaptureRequest& request) {
     for (int x = 0; x < camera.width; x += tile)
       if (Result<> made = render(request, tile_of(camera, x, y, tile), x, y, picture); !made)
         return made.error();
+  unmix_edges(picture);
   return captured;
 }
 

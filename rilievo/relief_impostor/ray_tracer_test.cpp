@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <vector>
 
+#include "rilievo/capture/plate_test_helpers.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
 #include "rilievo/render/rays/box_test_helpers.h"
@@ -291,15 +292,18 @@ TEST(RayTracer, depths_and_objects_are_those_of_all_other_sources) {
       if (camera.projection == Projection::parallel)
         camera.window = {-0.7 * radius, 0.7 * radius, -0.5 * radius, 0.5 * radius};
       const std::uint32_t some[] = {0, 2};
-      CaptureRequest request{.camera = camera, .samples = round % 2 ? 4 : 1, .farthest = true};
+      const int samples = round % 2 ? 4 : 1;
+      CaptureRequest request{.camera = camera, .samples = samples, .farthest = true};
       if (round % 2) request.objects = some;
-      const CapturedPicture traced = traced_picture(tracer, request),
-                            cast = traced_picture(source, request);
+      const CapturedPicture traced = traced_picture(tracer, request);
+      // Of texels' centres: a thin surface that only samples see is others' alone.
+      request.samples = 1;
+      const CapturedPicture cast = traced_picture(source, request);
       EXPECT_TRUE(validate(traced.picture).ok());
       // Beside silhouettes, a tracer's texels show what only their samples see.
       for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x)
-          if (cast.picture.covered(x, y) || request.samples == 1) {
+          if (cast.picture.covered(x, y) || samples == 1) {
             EXPECT_EQ(traced.picture.depth(x, y), cast.picture.depth(x, y));
             EXPECT_EQ(traced.picture.object(x, y), cast.picture.object(x, y));
           }
@@ -460,6 +464,33 @@ TEST(RayTracer, impossible_requests_are_refused) {
   EXPECT_FALSE(tracer.capture({.camera = camera, .samples = 0}).ok());
   EXPECT_FALSE(tracer.capture({.camera = camera, .samples = 5000}).ok());
   EXPECT_FALSE(tracer.capture({.camera = camera, .with_sky = true}).ok());
+}
+
+// The texel rule (core/texel_rule.h).
+TEST(RayTracer, colours_are_those_of_the_surface_whose_depth_a_texel_has) {
+  Random random(1);
+  int edges = 0;
+  for (int round = 0; round < 6; ++round) {
+    const Scene scene = test_plate::plate(random, round % 2);
+    const Result<RayScene> rays = RayScene::create(scene, 0, RayParts::all);
+    ASSERT_TRUE(rays);
+    RayTracer tracer(*rays);
+    const Camera camera = test_plate::plate_camera(random, 60);
+    const auto captured = tracer.capture({.camera = camera, .samples = round < 3 ? 4 : 16});
+    ASSERT_TRUE(captured);
+    const DepthImage& picture = captured->picture;
+    const auto is_red = [&](int x, int y) {
+      return test_plate::is_plate(camera, {x + 0.5, y + 0.5}, picture.depth(x, y));
+    };
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 60; ++x) {
+        if (!picture.covered(x, y)) continue;
+        ASSERT_LT(test_plate::off_color(picture.color(x, y), is_red(x, y)), 1e-5f)
+            << round << ' ' << x << ' ' << y;
+        edges += x > 0 && picture.covered(x - 1, y) && is_red(x, y) != is_red(x - 1, y);
+      }
+  }
+  EXPECT_GT(edges, 150);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/core/texel_rule.h"
 #include "rilievo/render/shading/sample_buffer.h"
 
 namespace rilievo {
@@ -12,6 +13,8 @@ namespace {
 
 constexpr int kFirstStep = 8;  // texels from one to the next in the first pass
 constexpr int kMaxSamples = 4096;
+// The slope that a surface may have of which one sample is known.
+constexpr float kUnknownSlope = 4;
 
 // Where in its texel a sample lies, from the lower left corner.
 glm::dvec2 place_of_sample(int sample, int samples) {
@@ -32,6 +35,7 @@ class RefinedPicture {
     picture.depth = Image<float>(camera_.width, camera_.height, kNoDepth);
     picture.object = Image<std::uint32_t>(camera_.width, camera_.height, kNoObject);
     if (request.farthest) out_.farthest = Image<float>(camera_.width, camera_.height, kNoDepth);
+    covered_ = Image<float>(camera_.width, camera_.height);
   }
 
   [[nodiscard]] bool stopped() const {
@@ -56,32 +60,56 @@ class RefinedPicture {
     });
   }
 
-  // Texels beside those whose centre shows something: a silhouette may go through them.
+  // Texels through which a silhouette may go: beside those whose centre shows something, and those
+  // that have another surface, or nothing, beside them.
   void find_edges() {
-    edge_ = Image<std::uint8_t>(camera_.width, camera_.height);
-    const auto shows = [&](int x, int y) {
-      return x >= 0 && y >= 0 && x < camera_.width && y < camera_.height &&
-             out_.picture.covered(x, y);
-    };
-    parallel_for(0, camera_.height, [&](int y) {
-      for (int x = 0; x < camera_.width; ++x)
-        edge_(x, y) =
-            !shows(x, y) && (shows(x - 1, y) || shows(x + 1, y) || shows(x, y - 1) ||
-                             shows(x, y + 1) || shows(x - 1, y - 1) || shows(x + 1, y - 1) ||
-                             shows(x - 1, y + 1) || shows(x + 1, y + 1));
+    const int width = camera_.width, height = camera_.height;
+    edge_ = Image<Edge>(width, height, Edge::none);
+    const Nearness nearness(camera_);
+    Image<float> center(width, height, kNoNearness);
+    parallel_for(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x)
+        if (out_.picture.covered(x, y))
+          center(x, y) = nearness.of_eye_z(double(out_.picture.depth(x, y)));
+    });
+    planes_ = Image<TexelPlane>(width, height);
+    parallel_for(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x) {
+        const bool shows = out_.picture.covered(x, y);
+        if (shows) planes_(x, y) = texel_plane(nearness, center, out_.picture.object, x, y);
+        for (int k = 0; k < 9; ++k) {
+          const glm::ivec2 step(k % 3 - 1, k / 3 - 1), at = glm::ivec2(x, y) + step;
+          if (k == 4 || at.x < 0 || at.y < 0 || at.x >= width || at.y >= height) continue;
+          if (shows
+                  ? !planes_(x, y).shows(step, center(at.x, at.y), out_.picture.object(at.x, at.y))
+                  : out_.picture.covered(at.x, at.y))
+            edge_(x, y) = shows ? Edge::inside : Edge::beside;
+        }
+      }
     });
   }
 
-  // The samples [from, to) of all texels, from 1; of those beside silhouettes the first, too.
+  // The samples [from, to) of all texels, from 1; of those at silhouettes the first, too.
   void more_samples(int from, int to) {
     parallel_for(0, camera_.height, [&](int y) {
       for (int x = 0; x < camera_.width; ++x) {
-        const bool edge = edge_(x, y);
-        if (!edge && !out_.picture.covered(x, y)) continue;
-        for (int s = edge && from == 1 ? 0 : from; s < to && !halted(); ++s) {
+        const Edge edge = edge_(x, y);
+        if (edge == Edge::none && !out_.picture.covered(x, y)) continue;
+        if (edge == Edge::inside && from == 1)
+          out_.picture.color(x, y) = glm::vec4(0), covered_(x, y) = 0;
+        for (int s = edge != Edge::none && from == 1 ? 0 : from; s < to && !halted(); ++s) {
           const glm::vec4 light = sampled(x, y, s);
-          if (edge && light.a > 0 && !out_.picture.covered(x, y)) start_beside(x, y, s);
-          if (out_.picture.covered(x, y)) out_.picture.color(x, y) += light;
+          if (edge == Edge::beside && light.a > 0 && !out_.picture.covered(x, y))
+            start_beside(x, y, s);
+          if (!out_.picture.covered(x, y)) continue;
+          covered_(x, y) += light.a;
+          if (edge == Edge::none || shows_own(x, y, s)) out_.picture.color(x, y) += light;
+        }
+        // No sample shows what the centre does.
+        if (edge == Edge::inside && to == request_.samples && !(out_.picture.color(x, y).a > 0) &&
+            !halted()) {
+          out_.picture.color(x, y) = shader_.light(x, y, glm::dvec2(0.5), 0);
+          covered_(x, y) = std::max(covered_(x, y), out_.picture.color(x, y).a);
         }
       }
     });
@@ -96,7 +124,11 @@ class RefinedPicture {
       const int from_y = y - y % step;
       for (int x = 0; x < camera_.width; ++x) {
         const int from_x = x - x % step;
-        out.picture.color(x, y) = share * out_.picture.color(from_x, from_y);
+        // The colour of the texel's surface; its alpha is that of all samples.
+        const glm::vec4 sum = out_.picture.color(from_x, from_y);
+        const float covered = covered_(from_x, from_y);
+        out.picture.color(x, y) =
+            share * (sum.a > 0 && sum.a != covered ? covered / sum.a * sum : sum);
         out.picture.depth(x, y) = out_.picture.depth(from_x, from_y);
         out.picture.object(x, y) = out_.picture.object(from_x, from_y);
         if (request_.farthest) out.farthest(x, y) = out_.farthest(from_x, from_y);
@@ -116,6 +148,7 @@ class RefinedPicture {
     out_.picture.depth(x, y) = seen->eye_z;
     out_.picture.object(x, y) = seen->object;
     out_.picture.color(x, y) = sampled(x, y, 0);
+    covered_(x, y) = out_.picture.color(x, y).a;
   }
   // What a sample shows of a texel whose centre shows nothing.
   void start_beside(int x, int y, int sample) {
@@ -124,6 +157,20 @@ class RefinedPicture {
     if (!seen) return;
     out_.picture.depth(x, y) = seen->eye_z;
     out_.picture.object(x, y) = seen->object;
+    const Nearness nearness(camera_);
+    TexelPlane& plane = planes_(x, y);
+    plane.nearness = nearness.of_eye_z(double(seen->eye_z));
+    plane.room = nearness.noise + kUnknownSlope * nearness.texel(plane.nearness);
+    plane.object = seen->object;
+  }
+  // Does a sample show the texel's surface?
+  [[nodiscard]] bool shows_own(int x, int y, int sample) const {
+    const glm::dvec2 place = place_of_sample(sample, request_.samples);
+    const auto seen = shader_.nearest({x + place.x, y + 1 - place.y});
+    if (!seen) return false;
+    const Nearness nearness(camera_);
+    return planes_(x, y).shows(glm::vec2(place.x - 0.5, 0.5 - place.y),
+                               nearness.of_eye_z(double(seen->eye_z)), seen->object);
   }
   [[nodiscard]] glm::vec4 sampled(int x, int y, int sample) const {
     return shader_.light(x, y, place_of_sample(sample, request_.samples), sample);
@@ -132,8 +179,15 @@ class RefinedPicture {
   const RayShader& shader_;
   const CaptureRequest& request_;
   const Camera& camera_;
-  CapturedPicture out_;  // colours: sums over the samples
-  Image<std::uint8_t> edge_;
+  CapturedPicture out_;   // colours: sums over the samples of the texel's surface
+  Image<float> covered_;  // the sum of alphas of all samples
+  enum class Edge : std::uint8_t {
+    none,
+    beside,  // the centre shows nothing
+    inside,
+  };
+  Image<Edge> edge_;
+  Image<TexelPlane> planes_;
 };
 
 }  // namespace
