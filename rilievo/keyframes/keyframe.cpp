@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -41,21 +42,22 @@ void resize(Keyframe& keyframe, const Camera& camera) {
 }
 
 void find_ranges(Keyframe& keyframe, int from, int to) {
-  RILIEVO_EXPECTS(from % Keyframe::kRows == 0);
-  RILIEVO_EXPECTS(to % Keyframe::kRows == 0 || to == keyframe.camera.height);
-  const int width = keyframe.camera.width, columns = keyframe.segments.width();
-  for (int y = from; y < to; ++y) {
-    const std::span<const float> row = keyframe.inverse_z.row(y);
-    for (int i = 0; i < columns; ++i) {
-      InverseRange range;
-      for (int x = i * Keyframe::kColumns; x < std::min((i + 1) * Keyframe::kColumns, width); ++x)
-        range.add(row[std::size_t(x)]);
-      keyframe.segments(i, y) = range;
-      InverseRange& block = keyframe.blocks(i, y / Keyframe::kRows);
-      if (y % Keyframe::kRows == 0) block = {};
-      block.add(range);
+  const int width = keyframe.camera.width;
+  RILIEVO_EXPECTS(from % Keyframe::kColumns == 0);
+  RILIEVO_EXPECTS(to % Keyframe::kColumns == 0 || to == width);
+  parallel_for(0, keyframe.blocks.height(), [&](int row) {
+    const int top = row * Keyframe::kRows,
+              bottom = std::min(top + Keyframe::kRows, keyframe.camera.height);
+    for (int i = from / Keyframe::kColumns; i * Keyframe::kColumns < to; ++i) {
+      InverseRange& block = keyframe.blocks(i, row) = {};
+      for (int y = top; y < bottom; ++y) {
+        InverseRange& range = keyframe.segments(i, y) = {};
+        const int end = std::min((i + 1) * Keyframe::kColumns, width);
+        for (int x = i * Keyframe::kColumns; x < end; ++x) range.add(keyframe.inverse_z(x, y));
+        block.add(range);
+      }
     }
-  }
+  });
 }
 
 Camera keyframe_camera(const Camera& frame, double margin, double texels) {

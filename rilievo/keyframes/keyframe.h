@@ -42,7 +42,7 @@ struct Keyframe {
 
 // Gives the keyframe the size of its camera. Does not allocate if it has that size already.
 void resize(Keyframe& keyframe, const Camera& camera);
-// Finds the ranges of depth of rows [from, to), which begin and end at blocks or at the last row.
+// Finds the ranges of depth of columns [from, to), which begin and end at segments, or at the end.
 void find_ranges(Keyframe& keyframe, int from, int to);
 
 // The camera of a keyframe at a frame's eye: `margin` times as wide and high (1: as the frame), and

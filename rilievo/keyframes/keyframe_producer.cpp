@@ -16,6 +16,10 @@ constexpr std::size_t kKept = 2;
 constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
 // How much less a coarse keyframe counts.
 constexpr float kCoarseWeight = 1e-4f;
+// A keyframe whose weight is a smaller share of the largest is spare.
+constexpr float kSpareWeight = 0.2f;
+// The share of the last band in the mean cost of a column.
+constexpr double kNewestCost = 0.1;
 // What is being made for an eye that looks elsewhere, by so many radians, is given up.
 constexpr double kElsewhere = 0.7;
 
@@ -61,12 +65,18 @@ void KeyframeProducer::choose() {
   const auto distance = [&](const Keyframe& key) {
     return glm::length(key.camera.position() - frame_.position());
   };
-  double sum = 0;
+  double sum = 0, most = 0;
   for (const Keyframe& key : ready_) sum += distance(key);
   for (const Keyframe& key : ready_) {
-    // On a line between two eyes: their linear interpolation, squared.
     const double near = 1 / (distance(key) / std::max(sum, 1e-12) + 1e-3);
     chosen_.push_back({&key, float(near * near) * (key.coarse ? kCoarseWeight : 1.0f)});
+    most = std::max(most, double(chosen_.back().weight));
+  }
+  // One that counts little is spare; others lose as much, so that none comes or goes at once.
+  for (WarpedKeyframe& one : chosen_) {
+    const float less = one.weight - kSpareWeight * float(most);
+    one.spare = less <= 0;
+    if (!one.spare) one.weight = less;
   }
 }
 
@@ -130,31 +140,35 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   return {std::span<const WarpedKeyframe>(chosen_)};
 }
 
-int KeyframeProducer::rows_a_frame() const {
-  const int height = keyframe_camera(frame_, options_.margin).height;
-  int rows = (height + options_.interval - 1) / options_.interval;
-  if (options_.keyframe_ms > 0 && ms_per_row_ > 0)
-    rows = std::min(rows, std::max(1, int(options_.keyframe_ms / ms_per_row_)));
-  return (rows + Keyframe::kRows - 1) / Keyframe::kRows * Keyframe::kRows;
+int KeyframeProducer::columns_a_frame() const {
+  constexpr int kBand = KeyframeMaker::kBand;
+  const int width = keyframe_camera(frame_, options_.margin).width;
+  int columns = (width + options_.interval - 1) / options_.interval;
+  if (!(options_.keyframe_ms > 0)) return (columns + kBand - 1) / kBand * kBand;
+  // Within the time, and no more than needed.
+  if (ms_per_column_ > 0) columns = std::min(columns, int(options_.keyframe_ms / ms_per_column_));
+  return std::max(columns / kBand, 1) * kBand;
 }
 
 Result<> KeyframeProducer::work() {
-  const int rows = rows_a_frame();
+  const int columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     spare_.push_back(maker_.give_up());
   if (!maker_.busy()) {
-    const int height = keyframe_camera(frame_, options_.margin).height;
-    const Camera eye = prediction_.after(2.0 * ((height + rows - 1) / rows));
+    const int width = keyframe_camera(frame_, options_.margin).width;
+    const Camera eye = prediction_.after(2.0 * ((width + columns - 1) / columns));
     const Camera camera = plain(eye, frame_, options_.margin);
     for (const Keyframe& key : ready_)
       if (!key.coarse && same_view(key.camera, camera)) return Done{};
     begin(eye);
   }
   const Stopwatch watch;
-  const int before = maker_.rows_left();
-  if (Result<> made = maker_.step(source_, rows); !made) return made.error();
-  const double ms = watch.ms(), per_row = ms / (before - maker_.rows_left());
-  ms_per_row_ = ms_per_row_ == 0 ? per_row : ms_per_row_ + (per_row - ms_per_row_) * 0.1;
+  const int before = maker_.columns_left();
+  if (Result<> made = maker_.step(source_, columns); !made) return made.error();
+  const double ms = watch.ms(), per_column = ms / (before - maker_.columns_left());
+  ms_per_column_ = ms_per_column_ == 0
+                       ? per_column
+                       : ms_per_column_ + (per_column - ms_per_column_) * kNewestCost;
   done_.ms += ms;
   if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};

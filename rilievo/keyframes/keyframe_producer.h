@@ -3,7 +3,7 @@
 // While the eye moves one keyframe after the other is made for where it will be when the next one
 // is complete, so that frames lie between a keyframe behind the eye and one ahead of it. With N
 // frames for each keyframe, one that is begun now is complete in N frames and replaced in 2 N: it
-// is made for the eye in 2 N frames. Each frame does a part of the work, a band of rows
+// is made for the eye in 2 N frames. Each frame does a part of the work, a band of columns
 // (make_keyframe.h). An eye that stands gets a keyframe of its own, and then nothing more is made.
 //
 // After a jump nothing shows what the eye sees: a keyframe is made at once, and with a limit of
@@ -62,7 +62,7 @@ class KeyframeProducer {
   void begin(const Camera& eye);
   void add(Keyframe keyframe);
   [[nodiscard]] Keyframe reusable();
-  [[nodiscard]] int rows_a_frame() const;
+  [[nodiscard]] int columns_a_frame() const;
 
   CaptureSource &source_, &quick_;
   KeyframeOptions options_;
@@ -74,7 +74,7 @@ class KeyframeProducer {
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
-  double ms_per_row_ = 0;
+  double ms_per_column_ = 0;
   KeyframeWork done_;
 };
 

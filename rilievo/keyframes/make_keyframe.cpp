@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "rilievo/core/color.h"
@@ -63,23 +64,23 @@ std::pair<float, std::uint32_t> of_four(const Quarters& in) {
   return {sum / float(count), in.object[order[1]]};
 }
 
-// Rows [first, first + height of the picture / scale) of the keyframe.
+// Columns [first, first + width of the picture / scale) of the keyframe.
 void take_over(const DepthImage& picture, int scale, int first, Keyframe& keyframe) {
-  const int width = keyframe.camera.width, rows = picture.camera.height / scale;
+  const int columns = picture.camera.width / scale;
   const bool objects = !picture.object.empty();
-  parallel_for(0, rows, [&](int row) {
-    const int y = first + row;
-    for (int x = 0; x < width; ++x) {
+  parallel_for(0, keyframe.camera.height, [&](int y) {
+    for (int column = 0; column < columns; ++column) {
+      const int x = first + column;
       if (scale == 1) {
-        keyframe.color(x, y) = bytes_of(picture.color(x, row));
-        keyframe.inverse_z(x, y) = inverse_of(picture.depth(x, row));
-        keyframe.object(x, y) = objects ? picture.object(x, row) : kNoObject;
+        keyframe.color(x, y) = bytes_of(picture.color(column, y));
+        keyframe.inverse_z(x, y) = inverse_of(picture.depth(column, y));
+        keyframe.object(x, y) = objects ? picture.object(column, y) : kNoObject;
         continue;
       }
       Quarters quarters;
       std::uint32_t even = 0x00020002u, odd = 0x00020002u;  // sums of bytes 0 and 2, 1 and 3
       for (int i = 0; i < 4; ++i) {
-        const int from_x = 2 * x + i % 2, from_y = 2 * row + i / 2;
+        const int from_x = 2 * column + i % 2, from_y = 2 * y + i / 2;
         const std::uint32_t bytes = bytes_of(picture.color(from_x, from_y));
         even += bytes & 0x00ff00ffu, odd += bytes >> 8 & 0x00ff00ffu;
         quarters.inverse_z[i] = inverse_of(picture.depth(from_x, from_y));
@@ -91,14 +92,14 @@ void take_over(const DepthImage& picture, int scale, int first, Keyframe& keyfra
   });
 }
 
-// Rows [from, to) of a camera, at `scale` times its size.
+// Columns [from, to) of a camera, at `scale` times its size.
 Camera band_of(const Camera& camera, int from, int to, int scale) {
   Camera band = camera;
   const ImageWindow& w = camera.window;
-  const double per_row = (w.top - w.bottom) / camera.height;
-  band.window.top = w.top - from * per_row;
-  band.window.bottom = w.top - to * per_row;
-  band.width = camera.width * scale, band.height = (to - from) * scale;
+  const double per_column = (w.right - w.left) / camera.width;
+  band.window.left = w.left + from * per_column;
+  band.window.right = w.left + to * per_column;
+  band.width = (to - from) * scale, band.height = camera.height * scale;
   return band;
 }
 
@@ -112,13 +113,14 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   keyframe_ = std::move(reuse);
   resize(keyframe_, request.camera);
   keyframe_.coarse = request.coarse;
-  next_row_ = 0;
+  next_ = 0;
 }
 
-Result<> KeyframeMaker::step(CaptureSource& source, int rows, const CaptureControl* control) {
+Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureControl* control) {
   RILIEVO_EXPECTS(busy());
-  const int whole = (std::max(rows, 1) + Keyframe::kRows - 1) / Keyframe::kRows * Keyframe::kRows;
-  const int from = next_row_, to = std::min(from + whole, keyframe_.camera.height);
+  const int width = keyframe_.camera.width;
+  const int whole = (std::max(columns, 1) + kBand - 1) / kBand * kBand;
+  const int from = next_, to = std::min(from + whole, width);
   const int scale = request_.samples == 16 ? 2 : 1;
   CaptureRequest request;
   request.camera = band_of(keyframe_.camera, from, to, scale);
@@ -130,8 +132,12 @@ Result<> KeyframeMaker::step(CaptureSource& source, int rows, const CaptureContr
   Result<CapturedPicture> captured = source.capture(request);
   if (!captured) return captured.error();
   take_over(captured->picture, scale, from, keyframe_);
-  find_ranges(keyframe_, from, to);
-  next_row_ = to;
+  // Of the segments that are complete now.
+  const auto complete = [&](int column) {
+    return column == width ? width : column / Keyframe::kColumns * Keyframe::kColumns;
+  };
+  find_ranges(keyframe_, complete(from), complete(to));
+  next_ = to;
   return Done{};
 }
 
@@ -141,7 +147,7 @@ Keyframe KeyframeMaker::take() {
 }
 
 Keyframe KeyframeMaker::give_up() {
-  next_row_ = 1 << 30;
+  next_ = 1 << 30;
   return std::exchange(keyframe_, {});
 }
 
@@ -149,8 +155,7 @@ Result<Keyframe> make_keyframe(CaptureSource& source, const KeyframeRequest& req
                                const CaptureControl* control) {
   KeyframeMaker maker;
   maker.begin(request);
-  if (Result<> done = maker.step(source, request.camera.height, control); !done)
-    return done.error();
+  if (Result<> done = maker.step(source, request.camera.width, control); !done) return done.error();
   return {maker.take()};
 }
 

@@ -1,10 +1,11 @@
 // Makes a keyframe band by band, by any capture source.
 //
-// A band is a few rows, captured by a camera of their own: it can be made between two frames, and
-// the rest later. Colours have 1, 4 or 16 samples a texel; with 16 the band is captured at twice
-// the size, and of the four depths the second nearest stays, averaged with those of the same
-// surface. Colours are averaged as displayed bytes, as frames average theirs. One thread; the
-// source uses more.
+// A band is a few columns, captured by a camera of their own: it can be made between two frames,
+// and the rest later. Columns, because each of them crosses the horizon, where most of a scene is:
+// of rows some would take many times as long as others. Colours have 1, 4 or 16 samples a texel;
+// with 16 the band is captured at twice the size, and of the four depths the second nearest stays,
+// averaged with those of the same surface. Colours are averaged as displayed bytes, as frames
+// average theirs. One thread; the source uses more.
 #pragma once
 
 #include <cstdint>
@@ -32,13 +33,15 @@ class KeyframeMaker {
   // Begins anew; what was made before is lost. Takes the memory of `reuse`.
   void begin(const KeyframeRequest& request, Keyframe reuse = {});
   // Is there a keyframe that is begun and not complete?
-  [[nodiscard]] bool busy() const { return next_row_ < keyframe_.camera.height; }
-  [[nodiscard]] int rows_left() const { return keyframe_.camera.height - next_row_; }
+  [[nodiscard]] bool busy() const { return next_ < keyframe_.camera.width; }
+  [[nodiscard]] int columns_left() const { return keyframe_.camera.width - next_; }
   [[nodiscard]] const Camera& camera() const { return keyframe_.camera; }
 
-  // Makes the next rows, at least `rows` (rounded up to Keyframe::kRows). Requires busy(). Fails
-  // where the source does.
-  Result<> step(CaptureSource& source, int rows, const CaptureControl* control = nullptr);
+  // The columns of a band are a multiple.
+  static constexpr int kBand = 16;
+  // Makes the next columns (rounded up to a multiple of kBand). Requires busy(). Fails where the
+  // source does.
+  Result<> step(CaptureSource& source, int columns, const CaptureControl* control = nullptr);
   // The complete keyframe. Requires that it was begun and is not busy().
   [[nodiscard]] Keyframe take();
   // Stops; returns its memory.
@@ -48,7 +51,7 @@ class KeyframeMaker {
   KeyframeRequest request_;
   std::vector<std::uint32_t> objects_;
   Keyframe keyframe_;
-  int next_row_ = 1 << 30;
+  int next_ = 1 << 30;  // column
 };
 
 // All at once.

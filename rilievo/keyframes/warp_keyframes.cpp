@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numeric>
+#include <vector>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/large_buffer.h"
@@ -29,9 +30,9 @@ struct Reach {
 Reach reach_of(const RasterMap& map, float from_x, float to_x, float from_y, float to_y,
                const InverseRange& range, float slack) {
   Reach out;
-  for (int i = 0; i < 8; ++i) {
-    const float x = i & 1 ? to_x : from_x, y = i & 2 ? to_y : from_y;
-    const float w = i & 4 ? range.nearest : range.farthest;
+  for (int i = 0; i < (from_y == to_y ? 4 : 8); ++i) {
+    const float x = i & 1 ? to_x : from_x, y = i & 4 ? to_y : from_y;
+    const float w = i & 2 ? range.nearest : range.farthest;
     const auto row = [&](const float(&r)[4]) { return r[0] * x + r[1] * y + r[2] + r[3] * w; };
     const float z = row(map.z);
     if (!(z > 1e-6f)) return {-INFINITY, INFINITY, -INFINITY, INFINITY};
@@ -42,28 +43,47 @@ Reach reach_of(const RasterMap& map, float from_x, float to_x, float from_y, flo
   return out;
 }
 
-void splat_strip(const WarpSource& source, float near, const DepthStrip& strip) {
+// Half of the largest square of a texel, and rounding.
+float slack_of(const WarpSource& source) {
+  return kHalfSquare * std::max(1.0f, kMostMagnified * std::max(1.0f, source.pixels_per_texel)) + 1;
+}
+
+// The reach of each block.
+void find_reaches(const WarpSource& source, std::vector<Reach>& reaches) {
   const Keyframe& key = *source.keyframe;
-  const float low = float(strip.first - 1), high = float(strip.first + strip.rows + 1);
-  const float slack =
-      kHalfSquare * std::max(1.0f, kMostMagnified * std::max(1.0f, source.pixels_per_texel)) + 1;
-  const int width = key.camera.width, height = key.camera.height;
+  const float slack = slack_of(source);
+  reaches.clear();
   for (int by = 0; by < key.blocks.height(); ++by)
     for (int bx = 0; bx < key.blocks.width(); ++bx) {
       const InverseRange& range = key.blocks(bx, by);
-      if (range.empty()) continue;
+      const int from = bx * Keyframe::kColumns, top = by * Keyframe::kRows;
+      const int to = std::min(from + Keyframe::kColumns, key.camera.width),
+                bottom = std::min(top + Keyframe::kRows, key.camera.height);
+      reaches.push_back(range.empty() ? Reach{}
+                                      : reach_of(source.to_frame, float(from), float(to),
+                                                 float(top), float(bottom), range, slack));
+    }
+}
+
+void splat_strip(const WarpSource& source, std::span<const Reach> reaches, float near,
+                 const DepthStrip& strip) {
+  const Keyframe& key = *source.keyframe;
+  const float low = float(strip.first - 1), high = float(strip.first + strip.rows + 1);
+  const float slack = slack_of(source);
+  const int width = key.camera.width, height = key.camera.height;
+  for (int by = 0; by < key.blocks.height(); ++by)
+    for (int bx = 0; bx < key.blocks.width(); ++bx) {
+      const Reach& reach = reaches[std::size_t(by * key.blocks.width() + bx)];
+      if (!reach.meets(low, high, float(strip.width))) continue;
       const int from = bx * Keyframe::kColumns, to = std::min(from + Keyframe::kColumns, width);
       const int top = by * Keyframe::kRows, bottom = std::min(top + Keyframe::kRows, height);
-      if (!reach_of(source.to_frame, float(from), float(to), float(top), float(bottom), range,
-                    slack)
-               .meets(low, high, float(strip.width)))
-        continue;
+      const bool inside = reach.y0 >= low && reach.y1 <= high;
       for (int y = top; y < bottom; ++y) {
         const InverseRange& of_row = key.segments(bx, y);
         if (of_row.empty()) continue;
         const float at = float(y) + 0.5f;
-        if (reach_of(source.to_frame, float(from), float(to), at, at, of_row, slack)
-                .meets(low, high, float(strip.width)))
+        if (inside || reach_of(source.to_frame, float(from), float(to), at, at, of_row, slack)
+                          .meets(low, high, float(strip.width)))
           splat_row(source, y, from, to, near, strip);
       }
     }
@@ -83,13 +103,19 @@ int make_sources(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
                  std::array<WarpSource, kMostKeyframes>& sources) {
   RILIEVO_EXPECTS(!keyframes.empty() && keyframes.size() <= kMostKeyframes);
   int count = 0;
-  for (const WarpedKeyframe& one : keyframes) {
-    RILIEVO_EXPECTS(one.keyframe && one.weight > 0);
-    const Camera& camera = one.keyframe->camera;
-    sources[std::size_t(count++)] = {one.keyframe, raster_map(frame, camera),
-                                     raster_map(camera, frame), one.weight,
-                                     float(pixels_per_tangent(frame) / pixels_per_tangent(camera))};
-  }
+  for (const bool spare : {false, true})
+    for (const WarpedKeyframe& one : keyframes) {
+      RILIEVO_EXPECTS(one.keyframe && one.weight > 0);
+      if (one.spare != spare) continue;
+      const Camera& camera = one.keyframe->camera;
+      sources[std::size_t(count++)] = {
+          one.keyframe,
+          raster_map(frame, camera),
+          raster_map(camera, frame),
+          one.weight,
+          spare,
+          float(pixels_per_tangent(frame) / pixels_per_tangent(camera))};
+    }
   return count;
 }
 
@@ -128,6 +154,10 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
   fit(out.inverse_z, frame.width, frame.height);
   fit(out.holes_in_strip, strips, 1);
   const float near = float(1 / frame.z_near);
+  // Kept by the thread that draws frames.
+  static thread_local std::array<std::vector<Reach>, kMostKeyframes> memory_of_reaches;
+  std::array<std::vector<Reach>, kMostKeyframes>& reaches = memory_of_reaches;
+  for (int k = 0; k < count; ++k) find_reaches(sources[std::size_t(k)], reaches[std::size_t(k)]);
   parallel_for(0, strips, [&](int i) {
     static thread_local LargeBuffer<float> memory;
     DepthStrip strip;
@@ -139,7 +169,8 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
     memory.require(size);
     strip.inverse_z = memory.data();
     std::fill_n(strip.inverse_z, size, 0.0f);
-    for (int k = 0; k < count; ++k) splat_strip(sources[std::size_t(k)], near, strip);
+    for (int k = 0; k < count; ++k)
+      splat_strip(sources[std::size_t(k)], reaches[std::size_t(k)], near, strip);
     std::uint32_t holes = 0;
     for (int y = strip.first; y < strip.first + strip.rows; ++y)
       holes += shade_row(sources.data(), count, strip, y, out.inverse_z.row(y).data(),

@@ -35,7 +35,8 @@ struct RasterMap {
 // A keyframe and how much it counts.
 struct WarpedKeyframe {
   const Keyframe* keyframe = nullptr;
-  float weight = 1;  // positive
+  float weight = 1;    // positive
+  bool spare = false;  // counts only where no other one shows all of a pixel's surface
 };
 
 // A frame that was warped. All images have the frame's size.
@@ -52,8 +53,9 @@ struct WarpedFrame {
 // Depths that differ by a smaller share belong to one surface: at a grazing angle a texel's depth
 // is off by more than its size.
 inline constexpr float kSameSurfaceDepth = 0.03f;
-// The share of the four texels around a place that must show the pixel's surface.
-inline constexpr float kLeastShare = 0.25f;
+// Weights of the four texels around a place are whole numbers that make up this, or a little less.
+// So many of them must show the pixel's surface; with more than so many all of it is shown.
+inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
 // Texels do not grow by more. What is so much nearer than at capture has been left behind.

@@ -32,7 +32,7 @@ Keyframe random_keyframe(Random& random, const Camera& camera) {
   }
   for (std::uint32_t& color : key.color.texels())
     color = kOpaque | std::uint32_t(random.between(0, double(1 << 24)));
-  find_ranges(key, 0, camera.height);
+  find_ranges(key, 0, camera.width);
   return key;
 }
 
@@ -94,34 +94,39 @@ struct Slow {
 
   Lookup find(float px, float py, float w) const {
     Lookup found;
-    for (const WarpedKeyframe& one : keys) {
-      const Keyframe& key = *one.keyframe;
-      const RasterMap map = raster_map(key.camera, frame);
-      const float z = apply(map.z, px, py, w);
-      const float per_z = 1 / std::max(z, 1e-6f);
-      const float qx = apply(map.x, px, py, w) * per_z - 0.5f,
-                  qy = apply(map.y, px, py, w) * per_z - 0.5f;
-      if (!(z > 1e-6f && qx >= 0 && qy >= 0 && qx < float(key.camera.width - 1) &&
-            qy < float(key.camera.height - 1)))
-        continue;
-      const int ix = int(qx), iy = int(qy);
-      const float ax = qx - float(ix), ay = qy - float(iy), there = w * per_z;
-      const float weights[4] = {(1 - ax) * (1 - ay), ax * (1 - ay), (1 - ax) * ay, ax * ay};
-      Lookup here;
-      for (int i = 0; i < 4; ++i) {
-        const int x = ix + i % 2, y = iy + i / 2;
-        if (!(std::abs(key.inverse_z(x, y) - there) <= kSameSurfaceDepth * there)) continue;
-        const std::uint32_t color = key.color(x, y);
-        here.weight += weights[i];
-        here.r += weights[i] * float(color & 255), here.g += weights[i] * float(color >> 8 & 255);
-        here.b += weights[i] * float(color >> 16 & 255);
+    int most = 0;
+    for (const bool spare : {false, true})
+      for (const WarpedKeyframe& one : keys) {
+        if (one.spare != spare || (spare && most >= kAllShown)) continue;
+        const Keyframe& key = *one.keyframe;
+        const RasterMap map = raster_map(key.camera, frame);
+        const float z = apply(map.z, px, py, w);
+        const float per_z = 1 / std::max(z, 1e-6f);
+        const float qx = apply(map.x, px, py, w) * per_z - 0.5f,
+                    qy = apply(map.y, px, py, w) * per_z - 0.5f;
+        if (!(z > 1e-6f && qx >= 0 && qy >= 0 && qx < float(key.camera.width - 1) &&
+              qy < float(key.camera.height - 1)))
+          continue;
+        const int ix = int(qx), iy = int(qy);
+        const float ax = qx - float(ix), ay = qy - float(iy), there = w * per_z;
+        int shown = 0, r = 0, g = 0, b = 0;
+        for (int i = 0; i < 4; ++i) {
+          const int x = ix + i % 2, y = iy + i / 2;
+          if (!(std::abs(key.inverse_z(x, y) - there) <= kSameSurfaceDepth * there)) continue;
+          const float across = (i % 2 ? ax : 1 - ax) * float(kTexelWeights);
+          const int weight = int(across * (i / 2 ? ay : 1 - ay));
+          const std::uint32_t color = key.color(x, y);
+          shown += weight;
+          r += weight * int(color & 255), g += weight * int(color >> 8 & 255);
+          b += weight * int(color >> 16 & 255);
+        }
+        most = std::max(most, shown);
+        if (shown <= kLeastShown) continue;
+        const float magnified = std::max(z * scale(frame, key.camera), 1.0f);
+        const float counts = one.weight / (magnified * magnified);
+        found.r += counts * float(r), found.g += counts * float(g), found.b += counts * float(b);
+        found.weight += counts * float(shown);
       }
-      if (!(here.weight > kLeastShare)) continue;
-      const float magnified = std::max(z * scale(frame, key.camera), 1.0f);
-      const float counts = one.weight / (magnified * magnified);
-      found.r += counts * here.r, found.g += counts * here.g, found.b += counts * here.b;
-      found.weight += counts * here.weight;
-    }
     return found;
   }
 
@@ -161,7 +166,8 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
           random,
           keyframe_camera(random_eye(random, frame.width, frame.height), 1.2, k == 2 ? 0.5 : 1)));
     std::vector<WarpedKeyframe> warped;
-    for (const Keyframe& key : keys) warped.push_back({&key, float(random.between(0.1, 2))});
+    for (const Keyframe& key : keys)
+      warped.push_back({&key, float(random.between(0.1, 2)), warped.size() % 2 == 1 && i % 2 == 1});
     WarpedFrame out;
     warp_keyframes(warped, frame, out);
     Slow slow{warped, frame, {}};

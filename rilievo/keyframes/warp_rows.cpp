@@ -123,37 +123,35 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
   }
 }
 
-// What the keyframes show of places in the frame.
+// What the keyframes show of places in the frame: sums of bytes, weighted.
 struct Found {
   VF r, g, b, weight;
 };
 
-HWY_INLINE VF byte_of(VU color, int shift) {
-  const U u;
-  return hn::ConvertTo(
-      F(), hn::BitCast(I(), hn::And(hn::ShiftRightSame(color, shift), hn::Set(u, 255))));
-}
-
-// Looks up the surfaces at pixels `px` of row `py`, at 1 / eye_z `w`.
+// Looks up the surfaces at pixels `px` of row `py`, at 1 / eye_z `w`. Colours are summed two bytes
+// at a time, in 16 bits each: weights are whole and make up at most 256.
 HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF w) {
   const F f;
   const I i32;
   const U u32;
+  const VF one = number(1);
   Found found{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
+  VF most = hn::Zero(f);  // of the surface that one of them shows
   for (int k = 0; k < count; ++k) {
     const WarpSource& source = sources[k];
     const Keyframe& key = *source.keyframe;
     const int width = key.camera.width, height = key.camera.height;
+    const Mask wanted = source.spare ? hn::Lt(most, number(float(kAllShown))) : hn::Eq(w, w);
+    if (hn::AllFalse(f, wanted)) continue;
     const Along along_x(source.from_frame.x, py), along_y(source.from_frame.y, py),
         along_z(source.from_frame.z, py);
     const VF z = along_z.at(px, w);
-    const VF per_z = hn::Div(number(1), hn::Max(z, number(1e-6f)));
+    const VF per_z = hn::Div(one, hn::Max(z, number(1e-6f)));
     const VF qx = hn::Sub(hn::Mul(along_x.at(px, w), per_z), number(0.5f));
     const VF qy = hn::Sub(hn::Mul(along_y.at(px, w), per_z), number(0.5f));
-    const Mask within = hn::And(
-        hn::And(hn::Gt(z, number(1e-6f)),
-                hn::And(hn::Ge(qx, hn::Zero(f)), hn::Ge(qy, hn::Zero(f)))),
-        hn::And(hn::Lt(qx, number(float(width - 1))), hn::Lt(qy, number(float(height - 1)))));
+    const Mask right = hn::And(hn::Ge(qx, hn::Zero(f)), hn::Lt(qx, number(float(width - 1))));
+    const Mask below = hn::And(hn::Ge(qy, hn::Zero(f)), hn::Lt(qy, number(float(height - 1))));
+    const Mask within = hn::And(hn::And(wanted, hn::Gt(z, number(1e-6f))), hn::And(right, below));
     if (hn::AllFalse(f, within)) continue;
     const VF x_floor = hn::Floor(qx), y_floor = hn::Floor(qy);
     const VF ax = hn::Sub(qx, x_floor), ay = hn::Sub(qy, y_floor);
@@ -161,31 +159,37 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     const VI at = hn::Add(hn::Mul(whole(y_floor), hn::Set(i32, width)), whole(x_floor));
     const VF there = hn::Mul(w, per_z);
     const VF slack = hn::Mul(number(kSameSurfaceDepth), there);
-    const VF one = number(1);
-    const VF weights[4] = {hn::Mul(hn::Sub(one, ax), hn::Sub(one, ay)),
-                           hn::Mul(ax, hn::Sub(one, ay)), hn::Mul(hn::Sub(one, ax), ay),
-                           hn::Mul(ax, ay)};
+    const VF left_weight = hn::Mul(hn::Sub(one, ax), number(float(kTexelWeights))),
+             right_weight = hn::Mul(ax, number(float(kTexelWeights))), up = hn::Sub(one, ay);
+    const VF weights[4] = {hn::Mul(left_weight, up), hn::Mul(right_weight, up),
+                           hn::Mul(left_weight, ay), hn::Mul(right_weight, ay)};
     const float* depths = key.inverse_z.texels().data();
     const auto* colors = reinterpret_cast<const std::int32_t*>(key.color.texels().data());
-    VF share = hn::Zero(f), r = hn::Zero(f), g = hn::Zero(f), b = hn::Zero(f);
+    const VU pairs = hn::Set(u32, 0x00ff00ffu);
+    VU shown = hn::Zero(u32);
+    VU even = hn::Zero(u32), odd = hn::Zero(u32);  // bytes 0 and 2, 1 and 3
     for (int i = 0; i < 4; ++i) {
       const std::ptrdiff_t offset = std::ptrdiff_t(i / 2) * width + i % 2;
       const VF depth = hn::GatherIndex(f, depths + offset, at);
       const VU color = hn::BitCast(u32, hn::GatherIndex(i32, colors + offset, at));
       const Mask same = hn::Le(hn::Abs(hn::Sub(depth, there)), slack);
-      const VF weight = hn::IfThenElseZero(same, weights[i]);
-      share = hn::Add(share, weight);
-      r = hn::Add(r, hn::Mul(weight, byte_of(color, 0)));
-      g = hn::Add(g, hn::Mul(weight, byte_of(color, 8)));
-      b = hn::Add(b, hn::Mul(weight, byte_of(color, 16)));
+      const VU weight = hn::BitCast(
+          u32, hn::ConvertTo(i32, hn::IfThenElseZero(hn::And(same, within), weights[i])));
+      shown = hn::Add(shown, weight);
+      even = hn::Add(even, hn::Mul(weight, hn::And(color, pairs)));
+      odd = hn::Add(odd, hn::Mul(weight, hn::And(hn::ShiftRight<8>(color), pairs)));
     }
-    const Mask shows = hn::And(within, hn::Gt(share, number(kLeastShare)));
+    const auto number_of = [&](VU v) { return hn::ConvertTo(f, hn::BitCast(i32, v)); };
+    const VF share = number_of(shown);
+    const Mask shows = hn::Gt(share, number(float(kLeastShown)));
+    most = hn::Max(most, share);
     const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
     const VF counts =
         hn::IfThenElseZero(shows, hn::Div(number(source.weight), hn::Mul(magnified, magnified)));
-    found.r = hn::Add(found.r, hn::Mul(counts, r));
-    found.g = hn::Add(found.g, hn::Mul(counts, g));
-    found.b = hn::Add(found.b, hn::Mul(counts, b));
+    const VU low = hn::Set(u32, 0xffffu);
+    found.r = hn::Add(found.r, hn::Mul(counts, number_of(hn::And(even, low))));
+    found.g = hn::Add(found.g, hn::Mul(counts, number_of(hn::And(odd, low))));
+    found.b = hn::Add(found.b, hn::Mul(counts, number_of(hn::ShiftRight<16>(even))));
     found.weight = hn::Add(found.weight, hn::Mul(counts, share));
   }
   return found;

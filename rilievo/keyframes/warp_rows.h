@@ -13,6 +13,7 @@ struct WarpSource {
   const Keyframe* keyframe = nullptr;
   RasterMap to_frame, from_frame;
   float weight = 1;
+  bool spare = false;          // these come last
   float pixels_per_texel = 1;  // of what has the same depth in both
 };
 // The most keyframes that one frame is warped from.
