@@ -3,7 +3,7 @@
 #include <ctime>
 #include <memory>
 
-#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/gl/scene_frames.h"
@@ -77,7 +77,7 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
 Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOptions cache,
                                      const CachedWalkOptions& options) {
   cache.samples = options.samples;
-  Result<std::unique_ptr<MemoryCache>> source = MemoryCache::create(builtin.scene, cache);
+  Result<std::unique_ptr<SoftwareCache>> source = SoftwareCache::create(builtin.scene, cache);
   if (!source) return source.error();
   CachedWalk walk;
   std::vector<double> times, busy;

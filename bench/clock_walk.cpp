@@ -9,8 +9,8 @@
 #include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/cpu/software_chosen_frames.h"
-#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/frame/software/software_chosen_frames.h"
+#include "rilievo/nailboard/software/software_boards.h"
 
 namespace rilievo::bench {
 
@@ -22,8 +22,8 @@ Result<ImpostorDrawer> impostor_drawer(const Scene& scene, SceneRenderer* render
     auto frames = SoftwareChosenFrames::create(
         scene, samples, options.outlines,
         [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
-          auto chooser = std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
-                                                           std::move(content), options);
+          auto chooser = std::make_unique<ImpostorChooser>(
+              placed, std::make_unique<SoftwareBoards>(), std::move(content), options);
           made.chooser = chooser.get();
           return {std::move(chooser)};
         });

@@ -14,8 +14,8 @@
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
-#include "rilievo/nailboard/cpu/nailboard_composer.h"
 #include "rilievo/nailboard/gl/nailboard_drawer.h"
+#include "rilievo/nailboard/software/nailboard_composer.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/render/software/software_target.h"
 
@@ -27,8 +27,8 @@ constexpr double kCover = 3;
 
 // Pictures, ready for both ways of drawing.
 struct Composition {
-  std::vector<MemoryNailboard> pictures;
-  std::vector<MemoryNailboardInstance> in_memory;
+  std::vector<SoftwareNailboard> pictures;
+  std::vector<SoftwareNailboardInstance> in_memory;
   std::optional<NailboardAtlas> atlas;
   std::vector<NailboardInstance> on_gpu;
   std::size_t bytes = 0;  // of the texels in memory

@@ -9,8 +9,8 @@
 #include <map>
 #include <string>
 
-#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/compare/compare.h"
@@ -19,8 +19,8 @@
 #include "rilievo/layered_relief/relief_kind.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/rays/cast_picture.h"
-#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/software/software_factories.h"
 #include "rilievo/scene/files/load_scene.h"
 
 namespace rilievo::bench {
@@ -61,10 +61,10 @@ Result<ImageCache> cache_with_reliefs(SceneRenderer& renderer, const ImageCacheO
 }
 
 // The same without OpenGL.
-Result<std::unique_ptr<MemoryCache>> software_cache_with_reliefs(const Scene& scene,
-                                                                 const ImageCacheOptions& options,
-                                                                 bool quick) {
-  Result<std::unique_ptr<MemoryCache>> cache = MemoryCache::create(scene, options);
+Result<std::unique_ptr<SoftwareCache>> software_cache_with_reliefs(const Scene& scene,
+                                                                   const ImageCacheOptions& options,
+                                                                   bool quick) {
+  Result<std::unique_ptr<SoftwareCache>> cache = SoftwareCache::create(scene, options);
   if (!cache) return cache.error();
   const Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
@@ -138,10 +138,10 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
     if (!nailboards) return nailboards.error();
     Result<ImageCache> reliefs = cache_with_reliefs(*renderer, cache_options, options.quick);
     if (!reliefs) return reliefs.error();
-    Result<std::unique_ptr<MemoryCache>> nailboards_software =
-        MemoryCache::create(scene, cache_options);
+    Result<std::unique_ptr<SoftwareCache>> nailboards_software =
+        SoftwareCache::create(scene, cache_options);
     if (!nailboards_software) return nailboards_software.error();
-    Result<std::unique_ptr<MemoryCache>> reliefs_software =
+    Result<std::unique_ptr<SoftwareCache>> reliefs_software =
         software_cache_with_reliefs(scene, cache_options, options.quick);
     if (!reliefs_software) return reliefs_software.error();
     const auto walk = [&](int frame) {

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/software/software_frames.h"
 #include "rilievo/gl/context.h"
 
 namespace rilievo::bench {
@@ -31,7 +31,7 @@ std::unique_ptr<FrameSource> polygon_drawer(const Scene& scene, SceneRenderer* r
 Result<std::unique_ptr<FrameSource>> make_cache(const Scene& scene, SceneRenderer* renderer,
                                                 const ImageCacheOptions& options) {
   if (!renderer) {
-    Result<std::unique_ptr<MemoryCache>> made = MemoryCache::create(scene, options);
+    Result<std::unique_ptr<SoftwareCache>> made = SoftwareCache::create(scene, options);
     if (!made) return made.error();
     return {std::move(*made)};
   }

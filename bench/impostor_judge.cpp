@@ -7,7 +7,7 @@
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
-#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/relief_impostor/impostor_warp.h"
 #include "rilievo/relief_impostor/merge_warps.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -96,7 +96,7 @@ ImpostorQuality mean_quality(const std::vector<ImpostorQuality>& all) {
 ImpostorJudge::ImpostorJudge(const TracedScene& traced, int width, int height, int samples)
     : traced_(&traced),
       target_(width, height, samples),
-      drawable_(std::make_unique<ImpostorDrawable>(std::make_unique<MemoryBoards>(), 1)),
+      drawable_(std::make_unique<ImpostorDrawable>(std::make_unique<SoftwareBoards>(), 1)),
       truth_objects_{traced.object} {}
 
 Result<DepthImage> ImpostorJudge::shade(const Camera& seen_from, const WorkerOptions& options) {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/capture/shaders/ray_tracer.h"
 #include "rilievo/relief_impostor/impostor_drawable.h"
-#include "rilievo/relief_impostor/ray_tracer.h"
 #include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/scene.h"
 

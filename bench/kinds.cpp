@@ -17,15 +17,15 @@
 
 #include "bench/timing.h"
 #include "rilievo/capture/ray_source.h"
-#include "rilievo/frame/cpu/software_frames.h"
-#include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/frame/software/software_stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/render/opengl/frame_target.h"
-#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
+#include "rilievo/representation/software/software_factories.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/drawn_by.h"
-#include "rilievo/cache/cpu/memory_picture_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
+#include "rilievo/cache/software/software_picture_frames.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/io/png.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -44,7 +44,8 @@ Result<Rgba8Image> picture_of(FrameSource& source, const WalkFrame& frame,
 Result<std::unique_ptr<FrameSource>> make_pictures(const Scene& scene, SceneRenderer* renderer,
                                                    const PictureFramesOptions& options) {
   if (!renderer) {
-    Result<std::unique_ptr<SoftwareChosenFrames>> made = make_memory_picture_frames(scene, options);
+    Result<std::unique_ptr<SoftwareChosenFrames>> made =
+        make_software_picture_frames(scene, options);
     if (!made) return made.error();
     return {std::move(*made)};
   }

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/capture/shaders/ray_tracer.h"
 #include "rilievo/core/on_this_thread.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
 #include "rilievo/relief_impostor/critical_points.h"
-#include "rilievo/relief_impostor/ray_tracer.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
 

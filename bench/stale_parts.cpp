@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "rilievo/capture/shaders/refine_picture.h"
+#include "rilievo/capture/shaders/trace_light.h"
 #include "rilievo/core/random.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/psnr.h"
-#include "rilievo/relief_impostor/refine_picture.h"
-#include "rilievo/relief_impostor/trace_light.h"
 #include "rilievo/render/rays/cast_picture.h"
 
 namespace rilievo::bench {

@@ -25,7 +25,7 @@ function(rilievo_install target name with_gl)
     # What the readers and writers of OpenEXR share; it needs OpenEXR's headers.
     list(FILTER headers EXCLUDE REGEX "/io/(exr_header|exr_parts|deep_exr_parts)\\.h$")
     # It needs Highway's headers.
-    list(FILTER headers EXCLUDE REGEX "/(render/shading/simd_numbers|nailboard/cpu/texel_span|relief_impostor/warp_texels)\\.inl$")
+    list(FILTER headers EXCLUDE REGEX "/(render/shading/simd_numbers|nailboard/software/texel_span|relief_impostor/warp_texels)\\.inl$")
     # Behind builtin.h.
     list(FILTER headers EXCLUDE REGEX "/scene/builtin/(bridge|parts|traffic|masonry|mesh_builder)[^/]*\\.h$")
     foreach(header ${headers})

@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "apps/rilievo/cache_source.h"
-#include "rilievo/cache/cpu/memory_picture_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/cache/impostor_chooser.h"
-#include "rilievo/frame/cpu/software_frames.h"
-#include "rilievo/frame/cpu/software_level_frames.h"
+#include "rilievo/cache/software/software_picture_frames.h"
 #include "rilievo/frame/gl/level_frames.h"
 #include "rilievo/frame/gl/processor_frames.h"
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/frame/software/software_level_frames.h"
 #include "rilievo/render/raster/raster_renderer.h"
 #include "rilievo/render/rays/ray_renderer.h"
 #include "rilievo/render/rays/ray_visibility.h"
@@ -78,7 +78,7 @@ Source make_pictures(const PictureFramesOptions& options, SceneRenderer& rendere
   return {std::make_unique<PictureFrames>(std::move(*made))};
 }
 Source make_software_pictures(const PictureFramesOptions& options, const Scene& scene) {
-  Result<std::unique_ptr<SoftwareChosenFrames>> made = make_memory_picture_frames(scene, options);
+  Result<std::unique_ptr<SoftwareChosenFrames>> made = make_software_picture_frames(scene, options);
   if (!made) return Error{"--memory-mb", made.error().reason};
   return {std::move(*made)};
 }

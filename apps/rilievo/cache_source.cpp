@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "apps/rilievo/prepared_kind.h"
-#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/render/rays/ray_scene.h"
-#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
 namespace {
@@ -124,8 +124,8 @@ Result<std::unique_ptr<FrameSource>> make_cache(const MethodOptions& options, in
 Result<std::unique_ptr<FrameSource>> make_software_cache(const MethodOptions& options, int samples,
                                                          const Scene& scene) {
   if (Result<> enough = expect_memory(options); !enough) return enough.error();
-  Result<std::unique_ptr<MemoryCache>> made =
-      MemoryCache::create(scene, cache_options(options, samples));
+  Result<std::unique_ptr<SoftwareCache>> made =
+      SoftwareCache::create(scene, cache_options(options, samples));
   if (!made) return Error{"--memory-mb", made.error().reason};
   if (options.bake_mb > 0) {
     Result<RayScene> rays = RayScene::create(scene);

@@ -3,8 +3,8 @@
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/output.h"
 #include "rilievo/cache/gl/impostor_frames.h"
-#include "rilievo/frame/cpu/software_chosen_frames.h"
-#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/frame/software/software_chosen_frames.h"
+#include "rilievo/nailboard/software/software_boards.h"
 
 namespace rilievo::app {
 
@@ -107,7 +107,7 @@ Result<std::unique_ptr<FrameSource>> make_software_impostor_frames(const Imposto
   Result<std::unique_ptr<SoftwareChosenFrames>> made = SoftwareChosenFrames::create(
       scene, samples, outlines,
       [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
-        return {std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
+        return {std::make_unique<ImpostorChooser>(placed, std::make_unique<SoftwareBoards>(),
                                                   std::move(*content),
                                                   frames_options(options, outlines))};
       },

@@ -5,11 +5,11 @@
 #include "apps/rilievo/prepared_kind.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/capture/ray_source.h"
-#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/frame/gl/chosen_frames.h"
+#include "rilievo/frame/software/software_chosen_frames.h"
 #include "rilievo/render/rays/ray_scene.h"
-#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
 namespace {

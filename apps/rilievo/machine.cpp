@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "apps/rilievo/output.h"
-#include "rilievo/cache/cpu/measure_software.h"
 #include "rilievo/cache/gl/measure_opengl.h"
+#include "rilievo/cache/software/measure_software.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/machine.h"
 

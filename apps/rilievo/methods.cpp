@@ -10,7 +10,7 @@
 #include "apps/rilievo/kind_sources.h"
 #include "apps/rilievo/stored_sources.h"
 #include "rilievo/cache/impostor_chooser.h"
-#include "rilievo/representation/cpu/software_factories.h"
+#include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
 namespace {

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
-#include "rilievo/representation/cpu/software_factories.h"
+#include "rilievo/frame/software/software_stored_frames.h"
 #include "rilievo/representation/gl/factories.h"
+#include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
 namespace {

@@ -18,11 +18,11 @@
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
-#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/cpu/software_chosen_frames.h"
 #include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/software/software_chosen_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/io/png.h"
@@ -250,7 +250,7 @@ class Viewer {
     }
     if (!state_.new_source) {
       if (auto* cache = dynamic_cast<ImageCache*>(source_.get())) change(cache->options());
-      if (auto* cache = dynamic_cast<MemoryCache*>(source_.get())) change(cache->options());
+      if (auto* cache = dynamic_cast<SoftwareCache*>(source_.get())) change(cache->options());
       return Done{};
     }
     state_.new_source = false;

@@ -5,7 +5,7 @@
 
 Started by Rilievo, it starts Blender without a window, and Blender runs this file again. Requests come
 as lines of JSON on the standard input, answers leave on the standard output; what Blender itself prints
-goes to the standard error. rilievo/relief_impostor/exec_source.h has the protocol.
+goes to the standard error. rilievo/capture/shaders/exec_source.h has the protocol.
 
 FILE may also come in RILIEVO_BLENDER_FILE; RILIEVO_BLENDER_SAMPLES replaces the samples that are asked for.
 """

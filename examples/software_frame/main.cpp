@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   if (!made) return std::cerr << made.error().message() << "\n", 2;
   const int frames = argc > 3 ? std::atoi(argv[3]) : 24;
 
-  Result<std::unique_ptr<MemoryCache>> cache = MemoryCache::create(made->scene, {});
+  Result<std::unique_ptr<SoftwareCache>> cache = SoftwareCache::create(made->scene, {});
   if (!cache) return std::cerr << cache.error().message() << "\n", 2;
   double last_ms = 0;
   for (int frame = 0; frame < frames; ++frame) {

@@ -1,7 +1,7 @@
 // How long do pictures, polygons and captures take on one machine?
 //
 // The planner compares costs; policy.h has those of the machine that it was written on. These are
-// of any other: measured in a second or two (cache/cpu/measure_software.h, cache/gl/
+// of any other: measured in a second or two (cache/software/measure_software.h, cache/gl/
 // measure_opengl.h), kept in a file (docs/formats.md), and handed to the cache in
 // ImageCacheOptions. With the same file the cache decides the same on all machines. All times are
 // nanoseconds of a frame with 4 samples a pixel, on all cores. Plain data; pure functions.

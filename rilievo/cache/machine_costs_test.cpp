@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "rilievo/cache/cpu/measure_software.h"
 #include "rilievo/cache/forest_test_helpers.h"
 #include "rilievo/cache/measure_costs.h"
+#include "rilievo/cache/software/measure_software.h"
 #include "rilievo/core/file_test_helpers.h"
 
 namespace rilievo {

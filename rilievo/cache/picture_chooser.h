@@ -3,7 +3,7 @@
 //
 // scene_cache.h does better: its threshold is an error bound in pixels, and a picture can show many
 // objects. cache/gl/picture_frames.h draws the frames with OpenGL,
-// cache/cpu/memory_picture_frames.h without.
+// cache/software/software_picture_frames.h without.
 #pragma once
 
 #include <cstddef>

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/nailboard/cpu/memory_nailboard_set.h"
+#include "rilievo/nailboard/software/software_nailboard_set.h"
 
 namespace rilievo {
 namespace {
@@ -56,7 +56,7 @@ class CountedPictures final : public CachePictures {
  private:
   const PlacedScene& placed_;
   std::size_t most_;
-  MemoryNailboardSet set_{DepthMode::exact};
+  SoftwareNailboardSet set_{DepthMode::exact};
 };
 
 // A scene's frames, of which only the choice is made.

@@ -4,7 +4,7 @@
 // Each moving object is a nailboard or polygons, depending on its cost and its picture's expected
 // life. Baked representations of any kind can stand for objects too. policy.h decides; this class
 // keeps what is decided, and has a CachePictures make the pictures. cache/gl/image_cache.h draws
-// the frames with OpenGL, cache/cpu/memory_cache.h without.
+// the frames with OpenGL, cache/software/software_cache.h without.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/cpu/memory_cache.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
@@ -52,7 +52,7 @@ class ChoosingCache {
   ChoosingCache()
       : scene_(boxes_around()),
         placed_(scene_),
-        store_(std::move(*MemoryCache::make_pictures(placed_, {}))),
+        store_(std::move(*SoftwareCache::make_pictures(placed_, {}))),
         cache_(placed_, *store_, {}, content_) {}
 
   // The eye strides aside. `work`: of objects that are polygons for all pixels; of others nothing.

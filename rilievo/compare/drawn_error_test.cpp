@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/frame/cpu/software_frames.h"
 #include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/software/software_frames.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/builtin/mesh_builder.h"

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "rilievo/environment_nodes/bake_nodes.h"
-#include "rilievo/environment_nodes/cpu/node_tiles.h"
 #include "rilievo/environment_nodes/environment_kind.h"
-#include "rilievo/frame/cpu/software_stored_frames.h"
+#include "rilievo/environment_nodes/software/node_tiles.h"
+#include "rilievo/frame/software/software_stored_frames.h"
 
 namespace rilievo::test_baked_nodes {
 

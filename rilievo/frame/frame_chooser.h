@@ -1,6 +1,7 @@
 // What is each object of a frame drawn from? The choice, apart from who draws it.
 //
-// frame/gl/scene_frames.h draws what is chosen with OpenGL, frame/cpu/software_frames.h without.
+// frame/gl/scene_frames.h draws what is chosen with OpenGL, frame/software/software_frames.h
+// without.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@
 #include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_drawable.h"
-#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/mesh_tools.h"
@@ -74,7 +74,7 @@ double distance_to_shown(const Image<float>& shown, int x, int y, float farthest
 // `reach`: metres to the nearest sample, as far as is known.
 Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach, double splat,
              Random& random, int eyes) {
-  MemoryBoards boards;
+  SoftwareBoards boards;
   PrewarpOptions options;
   options.splat_size = splat;
   options.max_size = 2048;
@@ -373,7 +373,7 @@ TEST(ShareSamples, no_point_of_a_face_is_farther_from_a_hit_than_claimed) {
 
 // Is a bound of cracks claimed of a drawable of these pictures? One of errors always is.
 bool claims_cracks(const ReliefPictures& pictures, double splat) {
-  MemoryBoards boards;
+  SoftwareBoards boards;
   const auto drawable = make_relief_drawable(pictures, boards, {.splat_size = splat});
   EXPECT_TRUE(drawable.ok());
   const Camera camera = look_at({4, 1, 2}, {0, 0, 0}, {0, 1, 0}, 0.6, 64, 64, 0.1, 20);

@@ -9,10 +9,11 @@
 #include <system_error>
 #include <utility>
 
+#include "rilievo/capture/shaders/posed_tracer.h"
+#include "rilievo/capture/shaders/ray_tracer.h"
+#include "rilievo/capture/store/content_hash.h"
 #include "rilievo/core/file.h"
-#include "rilievo/relief_impostor/content_hash.h"
-#include "rilievo/relief_impostor/posed_tracer.h"
-#include "rilievo/relief_impostor/ray_tracer.h"
+#include "rilievo/relief_impostor/impostor_motion.h"
 
 namespace rilievo {
 namespace {
@@ -251,9 +252,9 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
   }
 
   if (!options.store.empty()) {
-    Result<ImpostorStore> store = ImpostorStore::open(options.store, options.store_options);
+    Result<PictureStore> store = PictureStore::open(options.store, options.store_options);
     if (!store) return store.error();
-    content.store = std::make_unique<ImpostorStore>(std::move(*store));
+    content.store = std::make_unique<PictureStore>(std::move(*store));
   }
   KeptOptions kept{"", shader_of(options), options.warn};
   if (content.store) {

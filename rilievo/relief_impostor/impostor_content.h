@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include "rilievo/capture/shaders/software_shader.h"
+#include "rilievo/capture/store/kept_source.h"
 #include "rilievo/relief_impostor/impostor_workers.h"
-#include "rilievo/relief_impostor/kept_source.h"
-#include "rilievo/relief_impostor/software_shader.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/scene/bend.h"
 
@@ -46,7 +46,7 @@ struct ShadedImpostor {
 struct ImpostorContent {
   std::unique_ptr<RayScene> rays;  // of raytrace
   std::vector<std::unique_ptr<CaptureSource>> shaders;
-  std::unique_ptr<ImpostorStore> store;              // null: none
+  std::unique_ptr<PictureStore> store;               // null: none
   std::vector<std::unique_ptr<KeptSource>> sources;  // one for each worker
   std::vector<ShadedImpostor> impostors;
 

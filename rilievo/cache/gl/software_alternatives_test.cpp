@@ -8,16 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/render/rays/ray_scene.h"
-#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
+#include "rilievo/representation/software/software_factories.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
@@ -72,7 +72,7 @@ class SoftwareAlternativesTest : public SceneTest {
                           const ImageCacheOptions& options, double distance,
                           bool together = false) {
     auto opengl = ImageCache::create(*renderer, options);
-    auto memory = MemoryCache::create(builtin.scene, options);
+    auto memory = SoftwareCache::create(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && memory.ok());
     ASSERT_NO_FATAL_FAILURE(add_baked(*opengl, drawable_rows(), kind, settings, together));
     ASSERT_NO_FATAL_FAILURE(
@@ -149,14 +149,14 @@ TEST_F(SoftwareAlternativesTest, a_layered_impostor_stands_for_a_heavy_object) {
 TEST_F(SoftwareAlternativesTest, frames_without_one_stay_the_same_byte_for_byte) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:fern?triangles=100000"));
   const ImageCacheOptions options;
-  const auto make = [&] { return std::move(*MemoryCache::create(builtin.scene, options)); };
+  const auto make = [&] { return std::move(*SoftwareCache::create(builtin.scene, options)); };
   const auto none = make(), empty = make(), coarse = make(), dropped = make();
   auto factory = make_factory(software_drawable_rows(), "layered-relief");
   ASSERT_TRUE(factory.ok());
   empty->add_alternatives({}, std::move(*factory));
   // Texels of a tenth of the object: never within a pixel.
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "10"}};
-  for (MemoryCache* cache : {coarse.get(), dropped.get()}) {
+  for (SoftwareCache* cache : {coarse.get(), dropped.get()}) {
     ASSERT_NO_FATAL_FAILURE(
         add_baked(*cache, software_drawable_rows(), "layered-relief", settings));
   }
@@ -165,7 +165,7 @@ TEST_F(SoftwareAlternativesTest, frames_without_one_stay_the_same_byte_for_byte)
   for (int frame = 0; frame < 5; ++frame) {
     const Camera camera = camera_of(frame, 2.2);
     ASSERT_TRUE(none->draw(camera, 0).ok());
-    for (MemoryCache* cache : {empty.get(), coarse.get(), dropped.get()}) {
+    for (SoftwareCache* cache : {empty.get(), coarse.get(), dropped.get()}) {
       ASSERT_TRUE(cache->draw(camera, 0).ok());
       EXPECT_EQ(cache->stats().count("layered-relief"), 0);
       EXPECT_EQ(cache->stats().bound_px, none->stats().bound_px);

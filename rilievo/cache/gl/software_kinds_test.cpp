@@ -7,26 +7,26 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/cpu/blended_scene_test_helpers.h"
-#include "rilievo/cache/cpu/memory_cache.h"
 #include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
+#include "rilievo/cache/software/blended_scene_test_helpers.h"
+#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
 #include "rilievo/environment_nodes/environment_kind.h"
-#include "rilievo/frame/cpu/software_chosen_frames.h"
-#include "rilievo/frame/cpu/software_stored_frames.h"
 #include "rilievo/frame/gl/chosen_frames.h"
 #include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/software/software_chosen_frames.h"
+#include "rilievo/frame/software/software_stored_frames.h"
 #include "rilievo/measure/psnr.h"
-#include "rilievo/nailboard/cpu/memory_boards.h"
+#include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/rays/ray_visibility.h"
-#include "rilievo/representation/cpu/software_factories.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
+#include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo {
 namespace {
@@ -159,7 +159,7 @@ TEST_F(SoftwareKindsTest, relief_impostors) {
       [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
         auto second = content();
         if (!second) return second.error();
-        return {std::make_unique<ImpostorChooser>(placed, std::make_unique<MemoryBoards>(),
+        return {std::make_unique<ImpostorChooser>(placed, std::make_unique<SoftwareBoards>(),
                                                   std::move(*second), options)};
       });
   ASSERT_TRUE(opengl.ok() && software.ok());
@@ -240,7 +240,7 @@ TEST_F(SoftwareKindsTest, outlines) {
   options.learn = false;  // OpenGL does not
   options.outlines = true;
   auto opengl = ImageCache::create(*renderer, options);
-  auto memory = MemoryCache::create(builtin.scene, options);
+  auto memory = SoftwareCache::create(builtin.scene, options);
   ASSERT_TRUE(opengl.ok() && memory.ok());
   int yellow = 0, both = 0;
   for (int frame = 0; frame < 3; ++frame) {

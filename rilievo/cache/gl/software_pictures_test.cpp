@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "rilievo/cache/cpu/memory_picture_frames.h"
 #include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
+#include "rilievo/cache/software/software_picture_frames.h"
 
 namespace rilievo {
 namespace {
@@ -16,7 +16,7 @@ class SoftwarePicturesTest : public AlikeTest {
   void expect_same_walk(PictureFramesOptions options, std::span<const int> frames) {
     options.capture_by = CaptureBy::rasterizer;
     auto opengl = PictureFrames::create(*renderer, options);
-    auto software = make_memory_picture_frames(builtin.scene, options);
+    auto software = make_software_picture_frames(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && software.ok());
     int captures = 0, kept = 0;
     for (const int frame : frames) {
@@ -61,7 +61,7 @@ TEST_F(SoftwarePicturesTest, pictures_are_read_back_as_opengl_s_are) {
   PictureFramesOptions options;
   options.capture_by = CaptureBy::rasterizer;
   auto opengl = PictureFrames::create(*renderer, options);
-  auto software = make_memory_picture_frames(builtin.scene, options);
+  auto software = make_software_picture_frames(builtin.scene, options);
   ASSERT_TRUE(opengl.ok() && software.ok());
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   frame_of(*opengl, camera);

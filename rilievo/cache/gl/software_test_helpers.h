@@ -9,7 +9,7 @@
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/cache/machine_costs.h"
-#include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/frame/software/software_frames.h"
 #include "rilievo/measure/psnr.h"
 
 namespace rilievo {

@@ -1,6 +1,6 @@
 // How is a scene drawn by levels of detail? A baseline: what most engines do.
 //
-// object_levels.h chooses them. frame/cpu/software_level_frames.h draws them without OpenGL.
+// object_levels.h chooses them. frame/software/software_level_frames.h draws them without OpenGL.
 #pragma once
 
 #include <memory>

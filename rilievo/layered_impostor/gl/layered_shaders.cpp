@@ -1,4 +1,5 @@
-// The march is that of layered_impostor/cpu/march_rays.cpp: there are the rules and their reasons.
+// The march is that of layered_impostor/software/march_rays.cpp: there are the rules and their
+// reasons.
 #include "rilievo/layered_impostor/gl/layered_shaders.h"
 
 #include <string>

@@ -7,9 +7,9 @@
 #include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/measure/psnr.h"
-#include "rilievo/nailboard/cpu/composer_test_helpers.h"
-#include "rilievo/nailboard/cpu/nailboard_composer.h"
 #include "rilievo/nailboard/gl/nailboard_drawer.h"
+#include "rilievo/nailboard/software/composer_test_helpers.h"
+#include "rilievo/nailboard/software/nailboard_composer.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/render/software/software_target.h"
 
@@ -75,8 +75,8 @@ TEST_F(SoftwareSameTest, opengl_and_processors_draw_the_same) {
       Random random(std::uint64_t(++seed));
       const Camera frame = random_frame(random, kSameWidth, kSameHeight);
       std::vector<NailboardInstance> on_gpu;
-      std::vector<MemoryNailboard> pictures(kSameCount);
-      std::vector<MemoryNailboardInstance> in_memory;
+      std::vector<SoftwareNailboard> pictures(kSameCount);
+      std::vector<SoftwareNailboardInstance> in_memory;
       for (int i = 0; i < kSameCount; ++i) {
         const Nailboard board = random_picture(random, frame, bits, 200);
         const auto slot = atlas->allocate(board.color.width(), board.color.height());

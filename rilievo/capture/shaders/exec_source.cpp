@@ -1,0 +1,272 @@
+#include "rilievo/capture/shaders/exec_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "rilievo/capture/shaders/line_process.h"
+#include "rilievo/io/exr_channels.h"
+#include "rilievo/warp/unmix_edges.h"
+
+namespace rilievo {
+namespace {
+
+using ExecJson = nlohmann::json;
+
+ExecJson matrix_json(const glm::dmat4& m) {
+  ExecJson out = ExecJson::array();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) out.push_back(m[column][row]);
+  return out;
+}
+
+ExecJson json_of_camera(const Camera& camera) {
+  const ImageWindow& w = camera.window;
+  return {{"projection", camera.projection == Projection::parallel ? "parallel" : "perspective"},
+          {"width", camera.width},
+          {"height", camera.height},
+          {"window", {w.left, w.right, w.bottom, w.top}},
+          {"z_near", camera.z_near},
+          {"z_far", camera.z_far},
+          {"world_from_eye", matrix_json(camera.world_from_eye)},
+          {"eye_from_world", matrix_json(eye_from_world(camera))},
+          {"clip_from_eye", matrix_json(clip_from_eye(camera))}};
+}
+
+// What a program says, on one line and not for ever.
+std::string quoted(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+  if (text.size() > 200) text = text.substr(0, 200) + "...";
+  return "\"" + text + "\"";
+}
+
+// The part of a camera's picture from texel (x, y), from the top left corner.
+Camera tile_of(const Camera& camera, int x, int y, int size) {
+  Camera tile = camera;
+  const int right = std::min(camera.width, x + size), bottom = std::min(camera.height, y + size);
+  const ImageWindow& w = camera.window;
+  const double per_x = (w.right - w.left) / camera.width;
+  const double per_y = (w.top - w.bottom) / camera.height;
+  tile.window = {w.left + x * per_x, w.left + right * per_x, w.top - bottom * per_y,
+                 w.top - y * per_y};
+  tile.width = right - x, tile.height = bottom - y;
+  return tile;
+}
+
+Result<Box> box_of(const ExecJson& answer) {
+  const Error error{"", "gives no bounds: two corners of three numbers"};
+  const auto found = answer.find("bounds");
+  if (found == answer.end() || !found->is_array() || found->size() != 2) return error;
+  Box box;
+  for (const ExecJson& corner : *found) {
+    if (!corner.is_array() || corner.size() != 3) return error;
+    glm::vec3 p;
+    for (int i = 0; i < 3; ++i) {
+      const ExecJson& number = corner[std::size_t(i)];
+      if (!number.is_number() || !(std::abs(number.get<double>()) <= 1e9)) return error;
+      p[i] = number.get<float>();
+    }
+    box.add(p);
+  }
+  return box;
+}
+
+// The picture that a program has written for `camera`, into a larger one at (x, y).
+Result<> read_render(const std::filesystem::path& path, const Camera& camera, int x, int y,
+                     DepthImage& into) {
+  const std::string names[] = {"R", "G", "B", "Z", "A"};
+  Result<std::vector<Image<float>>> planes = load_exr_channels(path, names);
+  if (!planes) planes = load_exr_channels(path, std::span(names).first(4));
+  if (!planes) return planes.error();
+  const Image<float>& z = (*planes)[3];
+  const auto error = [&](const char* reason) { return Error{path.string(), reason}; };
+  if (z.width() != camera.width || z.height() != camera.height)
+    return error("is not of the size that was asked for");
+  for (int row = 0; row < camera.height; ++row)
+    for (int column = 0; column < camera.width; ++column) {
+      const float depth = z(column, row);
+      if (std::isnan(depth) || depth < 0) return error("has a depth that is not a distance");
+      // Outside of the planes of the frustum there is nothing for a camera to see.
+      if (double(depth) < camera.z_near || double(depth) >= camera.z_far) continue;
+      glm::vec4 color(0, 0, 0, 1);
+      for (int c = 0; c < 3; ++c) color[c] = (*planes)[std::size_t(c)](column, row);
+      if (planes->size() > 4) color.a = (*planes)[4](column, row);
+      for (int c = 0; c < 4; ++c)
+        if (!std::isfinite(color[c])) return error("has a colour that is not finite");
+      into.color(x + column, y + row) = color;
+      into.depth(x + column, y + row) = depth;
+    }
+  return Done{};
+}
+
+}  // namespace
+
+std::string camera_json(const Camera& camera) { return json_of_camera(camera).dump(); }
+
+ExecSource::ExecSource(const std::string& program, ExecOptions options)
+    : name_("exec:" + program), options_(std::move(options)) {}
+
+ExecSource::~ExecSource() {
+  process_.reset();
+  std::error_code ignored;
+  if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+}
+
+std::filesystem::path ExecSource::file_of(std::uint64_t id) const {
+  return folder_ / (std::to_string(id) + ".exr");
+}
+
+// The program is of no more use; warns once.
+Error ExecSource::failed(const std::string& reason) {
+  process_.reset();
+  stale_id_ = 0;
+  ++failures_;
+  const bool given_up = failures_ >= options_.max_failures;
+  if (options_.warn && (given_up || !warned_))
+    options_.warn(name_ + ": " + reason +
+                  (given_up ? "; it is given up" : "; it is started again for the next picture"));
+  warned_ = true;
+  return Error{name_, reason};
+}
+
+// Waits for the answer to a request that nobody wants any more.
+Result<> ExecSource::hear_stale(const std::stop_token& stop, bool& died) {
+  if (stale_id_ == 0) return Done{};
+  const std::uint64_t id = std::exchange(stale_id_, 0);
+  const Result<std::string> heard = ask_once("", id, stop, died);
+  std::error_code ignored;
+  if (heard) std::filesystem::remove(file_of(id), ignored);
+  return heard ? Result<>(Done{}) : Result<>(heard.error());
+}
+
+// The answer to a request that has been sent, or is sent here unless it is empty.
+Result<std::string> ExecSource::ask_once(const std::string& request, std::uint64_t id,
+                                         const std::stop_token& stop, bool& died) {
+  died = false;
+  if (!request.empty() && !process_->send(request)) {
+    died = true;
+    return failed("has ended, or does not read its input");
+  }
+  std::string line;
+  const auto until =
+      LineProcess::Clock::now() + std::chrono::duration_cast<LineProcess::Clock::duration>(
+                                      std::chrono::duration<double>(options_.limit_s));
+  switch (process_->receive(line, until, stop)) {
+    case LineProcess::Heard::line:
+      break;
+    case LineProcess::Heard::stopped:
+      stale_id_ = id;
+      return Error{name_, std::string(kCaptureStopped)};
+    case LineProcess::Heard::late:
+      return failed("has not answered within its time limit");
+    case LineProcess::Heard::ended:
+      died = true;
+      return failed("has ended without an answer");
+    case LineProcess::Heard::too_long:
+      return failed("answers with a line that does not end");
+  }
+  const ExecJson answer = ExecJson::parse(line, nullptr, false);
+  if (!answer.is_object() || !answer.contains("id") || !answer["id"].is_number_integer() ||
+      answer["id"] != id)
+    return failed("answers with something else than JSON for the request: " + quoted(line));
+  return line;
+}
+
+Result<std::string> ExecSource::ask(const std::string& request, std::uint64_t id,
+                                    const std::stop_token& stop) {
+  // What has died meanwhile is started again, once for each request.
+  for (int attempt = 0;; ++attempt) {
+    if (failures_ >= options_.max_failures)
+      return Error{name_, "has failed too often in a row and is given up"};
+    if (!process_) {
+      Result<std::unique_ptr<LineProcess>> started =
+          LineProcess::start(name_.substr(5), options_.arguments, options_.nice);
+      if (!started) return failed(started.error().reason);
+      process_ = *std::move(started);
+    }
+    bool died = false;
+    Result<> stale = hear_stale(stop, died);
+    if (stale) {
+      Result<std::string> answer = ask_once(request, id, stop, died);
+      if (answer || !died || attempt > 0) return answer;
+    } else if (!died || attempt > 0) {
+      return stale.error();
+    }
+  }
+}
+
+Result<std::unique_ptr<ExecSource>> ExecSource::start(const std::string& program,
+                                                      ExecOptions options) {
+  std::unique_ptr<ExecSource> source(new ExecSource(program, std::move(options)));
+  std::error_code failed;
+  std::string folder =
+      (std::filesystem::temp_directory_path(failed) / "rilievo-exec-XXXXXX").string();
+  if (failed || !::mkdtemp(folder.data())) return Error{folder, "is a folder that cannot be made"};
+  source->folder_ = folder;
+  // What fails here is the caller's to say.
+  const auto warn = std::exchange(source->options_.warn, {});
+  const std::uint64_t id = ++source->last_id_;
+  const ExecJson request{{"rilievo", 1}, {"id", id}, {"request", "bounds"}};
+  const Result<std::string> answer = source->ask(request.dump(), id, {});
+  if (!answer) return answer.error();
+  const Result<Box> box = box_of(ExecJson::parse(*answer, nullptr, false));
+  if (!box) return Error{source->name_, box.error().reason};
+  source->bounds_ = *box;
+  source->options_.warn = warn;
+  source->failures_ = 0, source->warned_ = false;
+  return source;
+}
+
+// Asks for the picture of `camera`, which lies at (x, y) in `into`.
+Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera, int x, int y,
+                            DepthImage& into) {
+  const std::uint64_t id = ++last_id_;
+  const std::filesystem::path file = file_of(id);
+  const ExecJson json{{"rilievo", 1},
+                      {"id", id},
+                      {"request", "picture"},
+                      {"file", file.string()},
+                      {"samples", request.samples},
+                      {"time", request.time},
+                      {"camera", json_of_camera(camera)}};
+  const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
+  const Result<std::string> line = ask(json.dump(), id, stop);
+  std::error_code ignored;
+  if (!line) return line.error();
+  const ExecJson answer = ExecJson::parse(*line, nullptr, false);
+  if (const auto error = answer.find("error"); error != answer.end())
+    return Error{name_,
+                 "says " + quoted(error->is_string() ? error->get<std::string>() : error->dump())};
+  const Result<> read = read_render(file, camera, x, y, into);
+  std::filesystem::remove(file, ignored);
+  if (!read) return failed("has not made the picture: " + read.error().message());
+  failures_ = 0;
+  return Done{};
+}
+
+Result<CapturedPicture> ExecSource::capture(const CaptureRequest& request) {
+  const Camera& camera = request.camera;
+  if (Result<> valid = validate(camera); !valid) return valid.error();
+  if (!request.objects.empty()) return Error{name_, "knows no single objects"};
+  if (camera.keeps_farthest() || request.farthest)
+    return Error{name_, "knows nearest surfaces only"};
+  if (request.with_sky) return Error{name_, "captures no sky"};
+  CapturedPicture captured;
+  DepthImage& picture = captured.picture;
+  picture.name = name_;
+  picture.camera = camera;
+  picture.color = ColorImage(camera.width, camera.height);
+  picture.depth = Image<float>(camera.width, camera.height, kNoDepth);
+  const int tile = options_.tile > 0 ? options_.tile : std::max(camera.width, camera.height);
+  for (int y = 0; y < camera.height; y += tile)
+    for (int x = 0; x < camera.width; x += tile)
+      if (Result<> made = render(request, tile_of(camera, x, y, tile), x, y, picture); !made)
+        return made.error();
+  unmix_edges(picture);
+  return captured;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,67 @@
+#include "rilievo/capture/shaders/ray_tracer.h"
+
+#include "rilievo/capture/shaders/refine_picture.h"
+#include "rilievo/core/random.h"
+#include "rilievo/render/rays/cast_picture.h"
+
+namespace rilievo {
+namespace {
+
+// The rays of one picture.
+class TracedRays final : public RayShader {
+ public:
+  TracedRays(const RayScene& rays, const CaptureRequest& request, const TraceOptions& options)
+      : camera_(request.camera),
+        rays_(rays),
+        objects_(rays.scene(), request.objects),
+        picture_rays_(picture_rays(camera_)),
+        tracer_(rays, picture_rays_, camera_.position(), objects_, options) {}
+
+  [[nodiscard]] std::optional<Seen> nearest(const glm::dvec2& raster) const override {
+    const CameraRay ray = camera_ray(camera_, raster);
+    const auto hit = tracer_.first_hit(ray.origin, ray.direction);
+    if (!hit) return std::nullopt;
+    return Seen{float(ray.eye_z_start + double(hit->distance) * ray.eye_z_step), hit->object};
+  }
+
+  [[nodiscard]] float farthest(const glm::dvec2& raster) const override {
+    return farthest_eye_z(rays_, camera_, raster, objects_);
+  }
+
+  [[nodiscard]] glm::vec4 light(int x, int y, const glm::dvec2& place, int sample) const override {
+    const CameraRay ray = camera_ray(camera_, {x + place.x, y + 1 - place.y});
+    const auto hit = tracer_.first_hit(ray.origin, ray.direction);
+    if (!hit) return glm::vec4(0.0f);
+    const glm::vec3 way =
+        picture_rays_.through(float(x + place.x), float(camera_.height - 1 - y + place.y));
+    return tracer_.light(*hit, way, {combine(std::uint64_t(x), std::uint64_t(y)), sample});
+  }
+
+ private:
+  const Camera& camera_;
+  const RayScene& rays_;
+  ObjectSet objects_;
+  PictureRays picture_rays_;
+  LightTracer tracer_;
+};
+
+}  // namespace
+
+Box RayTracer::bounds(std::span<const std::uint32_t> objects) const {
+  const Scene& scene = rays_.scene();
+  Box bounds;
+  const auto add = [&](std::uint32_t object) {
+    const Model& model = scene.models[std::size_t(scene.objects[object].model)];
+    if (!model.parts.empty()) bounds.add(transformed(rays_.poses()[object], model.bounds));
+  };
+  for (const std::uint32_t object : objects) add(object);
+  if (objects.empty())
+    for (std::uint32_t object = 0; object < scene.objects.size(); ++object) add(object);
+  return bounds;
+}
+
+Result<CapturedPicture> RayTracer::capture(const CaptureRequest& request) {
+  return refine_picture(TracedRays(rays_, request, options_), request, name());
+}
+
+}  // namespace rilievo

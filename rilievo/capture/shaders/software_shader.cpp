@@ -1,0 +1,48 @@
+#include "rilievo/capture/shaders/software_shader.h"
+
+#include <string>
+#include <utility>
+
+#include "rilievo/capture/shaders/ray_tracer.h"
+
+namespace rilievo {
+namespace {
+
+constexpr std::string_view kField = "sdf:", kProgram = "exec:";
+
+Error unknown_shader(std::string_view text) {
+  std::string names;
+  for (const DistanceField& field : distance_fields()) names += ", sdf:" + std::string(field.name);
+  return {"shader '" + std::string(text) + "'",
+          "is unknown; there are raytrace" + names + " and exec:PROGRAM"};
+}
+
+}  // namespace
+
+Result<> check_shader(std::string_view text) {
+  const bool known =
+      text == "raytrace" ||
+      (text.starts_with(kField) && find_distance_field(text.substr(kField.size()))) ||
+      (text.starts_with(kProgram) && text.size() > kProgram.size());
+  if (!known) return unknown_shader(text);
+  return Done{};
+}
+
+Result<std::unique_ptr<CaptureSource>> make_shader(std::string_view text,
+                                                   const ShaderInput& input) {
+  using Made = std::unique_ptr<CaptureSource>;
+  if (Result<> known = check_shader(text); !known) return known.error();
+  if (text.starts_with(kField))
+    return Made(std::make_unique<FieldShader>(*find_distance_field(text.substr(kField.size())),
+                                              input.look));
+  if (text.starts_with(kProgram)) {
+    Result<std::unique_ptr<ExecSource>> started =
+        ExecSource::start(std::string(text.substr(kProgram.size())), input.exec);
+    if (!started) return started.error();
+    return Made(*std::move(started));
+  }
+  if (!input.rays) return Error{"shader 'raytrace'", "needs a scene"};
+  return Made(std::make_unique<RayTracer>(*input.rays, input.trace));
+}
+
+}  // namespace rilievo

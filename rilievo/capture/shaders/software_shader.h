@@ -1,0 +1,35 @@
+// Which software shader does a text name?
+//
+//   raytrace      the scene, ray-traced (ray_tracer.h)
+//   sdf:NAME      a field of signed distances (field_shader.h): torus, gyroid, menger
+//   exec:PROGRAM  a renderer in another process (exec_source.h): only for a user who names it,
+//   never
+//                 for a file that does
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/capture/shaders/exec_source.h"
+#include "rilievo/capture/shaders/field_shader.h"
+#include "rilievo/capture/shaders/trace_light.h"
+
+namespace rilievo {
+
+// What shaders are made from.
+struct ShaderInput {
+  const RayScene* rays = nullptr;  // for raytrace; must outlive the shader
+  TraceOptions trace = {};
+  FieldLook look = {};
+  ExecOptions exec = {};
+};
+
+// Does the text name a shader, as far as that can be said before it is made?
+[[nodiscard]] Result<> check_shader(std::string_view text);
+
+// Makes the shader. The error says which there are, or what it lacks.
+[[nodiscard]] Result<std::unique_ptr<CaptureSource>> make_shader(std::string_view text,
+                                                                 const ShaderInput& input);
+
+}  // namespace rilievo

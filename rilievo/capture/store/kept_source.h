@@ -1,0 +1,59 @@
+// Is a picture rendered, or was it before? A capture source that looks into a store first. (S5.6)
+//
+// A picture is kept for the cell of its eye, a cube with a side of a hundredth of the distance from
+// what it shows, or less: whoever asks from the same cell gets it with its own camera, which a warp
+// makes up for. A store that fails costs renderings, nothing else. As safe for threads as the
+// source that renders; several may share a store.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/capture/store/picture_store.h"
+
+namespace rilievo {
+
+// What pictures are kept by.
+struct KeptOptions {
+  std::string content;  // content_hash(), or what stands for it
+  std::string shader;   // with the options that change its pictures
+  // Gets the first failure of the store, once.
+  std::function<void(const std::string&)> warn = {};
+};
+
+// The key of the picture of a request; `bounds`: of what it shows.
+[[nodiscard]] PictureKey kept_key(const CaptureRequest& request, const Box& bounds,
+                                  const KeptOptions& options);
+
+// A source with a store in front of it.
+class KeptSource final : public CaptureSource {
+ public:
+  // Both must outlive it. Without a store everything is rendered.
+  KeptSource(CaptureSource& source, PictureStore* store, KeptOptions options)
+      : source_(source), store_(store), options_(std::move(options)) {}
+
+  [[nodiscard]] std::string_view name() const override { return source_.name(); }
+  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
+    return source_.bounds(objects);
+  }
+  // Pictures with farthest depths or the sky are not kept. Fails where the source does.
+  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+  [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
+
+  // The pictures that the source rendered, and those that the store had. Any thread.
+  [[nodiscard]] std::uint64_t rendered() const { return rendered_; }
+  [[nodiscard]] std::uint64_t found() const { return found_; }
+
+ private:
+  void fail(const Error& error);
+
+  CaptureSource& source_;
+  PictureStore* store_;
+  KeptOptions options_;
+  std::atomic<std::uint64_t> rendered_{0}, found_{0};
+  bool warned_ = false;
+};
+
+}  // namespace rilievo

@@ -1,0 +1,195 @@
+// Which colours and identifiers do triangles of nodes have at pixels' centres? For shade_nodes.cpp,
+// within its namespace: compiled once for each instruction set. Internal: not a stable interface.
+
+// Where the fields of the wanted triangles lie from those of the first one, in words.
+HWY_INLINE VI index_of(VU triangle, MF wanted) {
+  const U u32;
+  constexpr std::uint32_t kWords = sizeof(NodeTriangle) / sizeof(std::uint32_t);
+  const VU of = hn::IfThenElseZero(hn::RebindMask(u32, wanted), triangle);
+  return hn::BitCast(I(), hn::Mul(of, hn::Set(u32, kWords)));
+}
+
+// Directions in node space.
+struct Directions {
+  VF x, y, z;
+};
+
+// Where triangles have their colours at pixels' centres.
+HWY_INLINE Directions find_directions(const NodeTriangle* triangles, VU number, MF wanted, VF x,
+                                      VF y) {
+  const F f;
+  const U u32;
+  const auto along = [&](VF at, VF per_x, VF per_y, VF dx, VF dy) {
+    return hn::Add(at, hn::Add(hn::Mul(dx, per_x), hn::Mul(dy, per_y)));
+  };
+  const VU one = hn::Set(u32, hn::ExtractLane(number, hn::FindKnownFirstTrue(f, wanted)));
+  if (hn::AllFalse(f, hn::AndNot(hn::RebindMask(f, hn::Eq(number, one)), wanted))) {
+    const NodeTriangle& t = triangles[hn::GetLane(one)];
+    const VF dx = hn::Sub(x, hn::Set(f, t.x)), dy = hn::Sub(y, hn::Set(f, t.y));
+    const auto axis = [&](int k) {
+      return along(hn::Set(f, t.at[k]), hn::Set(f, t.per_x[k]), hn::Set(f, t.per_y[k]), dx, dy);
+    };
+    return {axis(0), axis(1), axis(2)};
+  }
+  const VI index = index_of(number, wanted);
+  const auto field = [&](const float& of_first) { return hn::GatherIndex(f, &of_first, index); };
+  const NodeTriangle& first = triangles[0];
+  const VF dx = hn::Sub(x, field(first.x)), dy = hn::Sub(y, field(first.y));
+  const auto axis = [&](int k) {
+    return along(field(first.at[k]), field(first.per_x[k]), field(first.per_y[k]), dx, dy);
+  };
+  return {axis(0), axis(1), axis(2)};
+}
+
+// Where directions meet a cube's faces: u to the right and v downwards, each from 0 to 1.
+struct FacePoints {
+  VI face;
+  VF u, v;
+};
+
+HWY_INLINE FacePoints find_face_points(const Directions& d, MF wanted) {
+  const F f;
+  const I i32;
+  const VF ax = hn::Abs(d.x), ay = hn::Abs(d.y), az = hn::Abs(d.z), zero = hn::Zero(f);
+  const MF is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
+  const MF is_y = hn::AndNot(is_x, hn::Ge(ay, az));
+  const VF depth = hn::IfThenElse(is_x, ax, hn::IfThenElse(is_y, ay, az));
+  FacePoints points{hn::Zero(i32), zero, zero};
+  VF right = zero, up = zero;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const MF on_axis = axis == 0 ? is_x : axis == 1 ? is_y : hn::Not(hn::Or(is_x, is_y));
+    const VF along = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
+    const MF on_face = hn::And(on_axis, face % 2 ? hn::Lt(along, zero) : hn::Ge(along, zero));
+    if (hn::AllFalse(f, hn::And(on_face, wanted))) continue;
+    const FaceAxes& axes = face_axes()[std::size_t(face)];
+    const auto part = [&](const glm::ivec3& of) {
+      return hn::Add(
+          hn::Add(hn::Mul(hn::Set(f, float(of.x)), d.x), hn::Mul(hn::Set(f, float(of.y)), d.y)),
+          hn::Mul(hn::Set(f, float(of.z)), d.z));
+    };
+    right = hn::IfThenElse(on_face, part(axes.right), right);
+    up = hn::IfThenElse(on_face, part(axes.up), up);
+    points.face = hn::IfThenElse(hn::RebindMask(i32, on_face), hn::Set(i32, face), points.face);
+  }
+  const VF half = hn::Set(f, 0.5f);
+  points.u = hn::Add(half, hn::Div(hn::Mul(half, right), depth));
+  points.v = hn::Sub(half, hn::Div(hn::Mul(half, up), depth));
+  return points;
+}
+
+// Between 0 and `most`; 0 for what is no number.
+HWY_INLINE VF limited(VF value, VF most) {
+  const F f;
+  value = hn::IfThenElseZero(hn::Gt(value, hn::Zero(f)), value);
+  return hn::Min(value, most);
+}
+
+// sRGB-encoded, 0 to 255.
+struct Colors {
+  VF r, g, b;
+};
+
+// The colours of a node between four texels.
+HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
+  const F f;
+  const I i32;
+  const U u32;
+  const int wide = node.wide();
+  const VF size = hn::Set(f, float(node.mesh.face_size)), half = hn::Set(f, 0.5f),
+           one = hn::Set(f, 1.0f);
+  const VF u = hn::Add(hn::Mul(at.u, size), half), v = hn::Add(hn::Mul(at.v, size), half);
+  const VI x = hn::ConvertTo(i32, limited(u, size)), y = hn::ConvertTo(i32, limited(v, size));
+  const VF fx = limited(hn::Sub(u, hn::ConvertTo(f, x)), one),
+           fy = limited(hn::Sub(v, hn::ConvertTo(f, y)), one);
+  const VI row = hn::Add(hn::Mul(at.face, hn::Set(i32, wide)), y);
+  const VI index = hn::Add(hn::Mul(row, hn::Set(i32, wide)), x);
+  const std::uint32_t* texels = node.color.data();
+  const VU t00 = hn::GatherIndex(u32, texels, index), t10 = hn::GatherIndex(u32, texels + 1, index),
+           t01 = hn::GatherIndex(u32, texels + wide, index),
+           t11 = hn::GatherIndex(u32, texels + wide + 1, index);
+  const auto mix = [](VF a, VF b, VF by) { return hn::Add(a, hn::Mul(by, hn::Sub(b, a))); };
+  const auto channel = [&]<int shift>() {
+    const auto of = [&](VU texel) {
+      return hn::ConvertTo(
+          f, hn::BitCast(i32, hn::And(hn::ShiftRight<shift>(texel), hn::Set(u32, 0xffu))));
+    };
+    return mix(mix(of(t00), of(t10), fx), mix(of(t01), of(t11), fx), fy);
+  };
+  return {channel.template operator()<0>(), channel.template operator()<8>(),
+          channel.template operator()<16>()};
+}
+
+// The identifiers of a node's nearest texels.
+HWY_INLINE VU find_objects(const SoftwareNode& node, const FacePoints& at) {
+  const F f;
+  const I i32;
+  const U u32;
+  const int size = node.mesh.face_size;
+  const VF scale = hn::Set(f, float(size)), most = hn::Set(f, float(size - 1));
+  const auto texel = [&](VF share) {
+    return hn::ConvertTo(i32, limited(hn::Mul(share, scale), most));
+  };
+  const VI row = hn::Add(hn::Mul(at.face, hn::Set(i32, size)), texel(at.v));
+  return hn::GatherIndex(u32, node.object.data(),
+                         hn::Add(hn::Mul(row, hn::Set(i32, size)), texel(at.u)));
+}
+
+// Calls visit(node, mask) for each node of which a wanted lane shows a triangle.
+template <class Visit>
+HWY_INLINE void for_nodes(const NodeLayer& layer, VU triangle, MF wanted, const Visit& visit) {
+  const F f;
+  if (layer.nodes() == 1) {
+    visit(*layer.drawn(0).node, wanted);
+    return;
+  }
+  const U u32;
+  const VU of = hn::GatherIndex(u32, &layer.triangles()[0].node, index_of(triangle, wanted));
+  for (std::size_t n = 0; n < layer.nodes(); ++n) {
+    const MF its = hn::And(wanted, hn::RebindMask(f, hn::Eq(of, hn::Set(u32, std::uint32_t(n)))));
+    if (!hn::AllFalse(f, its)) visit(*layer.drawn(n).node, its);
+  }
+}
+
+// The colours of the wanted lanes' triangles, at least one, at pixels' centres.
+HWY_INLINE Colors shade(const NodeLayer& layer, VU triangle, MF wanted, VF x, VF y) {
+  const F f;
+  const Directions directions = find_directions(layer.triangles().data(), triangle, wanted, x, y);
+  const FacePoints points = find_face_points(directions, wanted);
+  Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f)};
+  for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
+    const Colors found = find_colors(node, points);
+    colors.r = hn::IfThenElse(its, found.r, colors.r);
+    colors.g = hn::IfThenElse(its, found.g, colors.g);
+    colors.b = hn::IfThenElse(its, found.b, colors.b);
+  });
+  return colors;
+}
+
+HWY_INLINE VU bytes_of(const Colors& colors) {
+  const F f;
+  const I i32;
+  const U u32;
+  const auto byte = [&](VF value) {
+    return hn::BitCast(
+        u32, hn::ConvertTo(i32, hn::Add(limited(value, hn::Set(f, 255.0f)), hn::Set(f, 0.5f))));
+  };
+  return hn::Or(hn::Or(hn::Set(u32, 0xff000000u), byte(colors.r)),
+                hn::Or(hn::ShiftLeft<8>(byte(colors.g)), hn::ShiftLeft<16>(byte(colors.b))));
+}
+
+// What a tile holds of the wanted lanes' triangles.
+HWY_INLINE VU find_content(const PlacedNodes& placed, const NodeLayer& layer, TileContent of,
+                           VU triangle, MF wanted, VF x, VF y) {
+  const U u32;
+  if (of == TileContent::color) return bytes_of(shade(layer, triangle, wanted, x, y));
+  if (placed.object != kNoObject) return hn::Set(u32, placed.object);
+  const FacePoints points =
+      find_face_points(find_directions(layer.triangles().data(), triangle, wanted, x, y), wanted);
+  VU content = hn::Set(u32, 1u);
+  for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
+    if (!node.object.empty())
+      content = hn::IfThenElse(hn::RebindMask(u32, its), find_objects(node, points), content);
+  });
+  return content;
+}

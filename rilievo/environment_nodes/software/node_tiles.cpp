@@ -1,0 +1,108 @@
+#include "rilievo/environment_nodes/software/node_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/environment_nodes/environment_drawable.h"
+#include "rilievo/environment_nodes/software/node_layer.h"
+#include "rilievo/environment_nodes/software/shade_nodes.h"
+#include "rilievo/environment_nodes/software/software_node.h"
+
+namespace rilievo {
+namespace {
+
+constexpr float kAnyWidth = 1e30f;
+
+}  // namespace
+
+struct NodeTiles::State {
+  std::map<std::size_t, std::unique_ptr<SoftwareNode>> nodes;
+  std::vector<std::unique_ptr<SoftwareNode>> dropped;  // may be placed still
+  std::vector<std::unique_ptr<PlacedNodes>> placed;    // kept, so that drawing does not allocate
+  std::size_t count = 0;                               // of them in use
+  std::vector<DrawnNode> drawn;
+  int samples = 1;
+};
+
+NodeTiles::NodeTiles() : state_(new State) {}
+NodeTiles::~NodeTiles() = default;
+
+void NodeTiles::keep(std::size_t node, const EnvironmentMap& map, const NodeMesh& mesh) {
+  drop(node);
+  state_->nodes[node] = std::make_unique<SoftwareNode>(make_memory_node(map, mesh));
+}
+
+void NodeTiles::drop(std::size_t node) {
+  const auto found = state_->nodes.find(node);
+  if (found == state_->nodes.end()) return;
+  state_->dropped.push_back(std::move(found->second));
+  state_->nodes.erase(found);
+}
+
+bool NodeTiles::holds(std::size_t node) const { return state_->nodes.contains(node); }
+
+std::size_t NodeTiles::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [number, node] : state_->nodes) sum += node->bytes();
+  return sum;
+}
+
+void NodeTiles::set_samples(int samples) { state_->samples = samples; }
+
+void NodeTiles::begin() {
+  state_->count = 0;
+  state_->dropped.clear();
+}
+
+void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::size_t> nodes,
+                     Output output, std::uint32_t object, const NodeDrawOptions& options) {
+  RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMaxDrawnNodes);
+  State& s = *state_;
+  if (s.count == s.placed.size()) s.placed.push_back(std::make_unique<PlacedNodes>());
+  PlacedNodes& placed = *s.placed[s.count++];
+  placed.scale = scale, placed.object = object, placed.options = options;
+  const glm::dvec3 eye = frame.position();
+  // At the first node's own place only that one, which shows everything visible from there.
+  const glm::dvec3 first = s.nodes.at(nodes[0])->eye();
+  if (output == Output::color && glm::distance(eye, first) < 1e-6 * std::max(1.0, glm::length(eye)))
+    nodes = nodes.first(1);
+  placed.merged =
+      output == Output::color && nodes.size() > 1 && options.merge != NodeMerge::layering;
+  s.drawn.clear();
+  double sum = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const SoftwareNode& node = *s.nodes.at(nodes[i]);
+    s.drawn.push_back({&node, i == 0 && options.skin ? kAnyWidth : kNodeCrack, i > 0});
+    sum += 1 / std::max(1e-9, glm::distance(eye, node.eye()));
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    placed.nearness[i] =
+        float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, s.drawn[i].node->eye())) / sum));
+  const std::span<const DrawnNode> all(s.drawn);
+  if (!placed.merged) {
+    placed.count = 1;
+    placed.layers[0].place(frame, output == Output::color ? s.samples : 1, all);
+  } else if (options.merge == NodeMerge::first) {
+    placed.count = 2;
+    placed.layers[0].place(frame, 1, all.first(1));
+    placed.layers[1].place(frame, 1, all.subspan(1));
+  } else {
+    placed.count = all.size();
+    for (std::size_t i = 0; i < all.size(); ++i)
+      placed.layers[i].place(frame, 1, all.subspan(i, 1));
+  }
+}
+
+void NodeTiles::draw_tile(FrameTile& tile) const {
+  for (std::size_t p = 0; p < state_->count; ++p) shade_nodes(*state_->placed[p], tile);
+}
+
+Result<std::unique_ptr<DrawableFactory>> make_environment_tiles_factory() {
+  return {make_environment_factory([] { return std::make_unique<NodeTiles>(); })};
+}
+
+}  // namespace rilievo

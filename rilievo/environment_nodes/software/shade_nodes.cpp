@@ -1,0 +1,346 @@
+// A block of 8 x 8 pixels at a time: what its samples show of each layer, which of that is nearest,
+// then the colours of that alone. Merging is by whole bytes of colour, as with OpenGL, where layers
+// are textures. No fused multiply-adds and no estimates: every instruction set gives the same
+// bytes.
+#include "rilievo/environment_nodes/software/shade_nodes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/environment_nodes/cube_grid.h"
+
+// This file is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rilievo/environment_nodes/software/shade_nodes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rilievo {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+namespace {
+
+// A vector is a row of a block, or half of one.
+using F = hn::CappedTag<float, FrameTile::kBlock>;
+using U = hn::RebindToUnsigned<F>;
+using I = hn::RebindToSigned<F>;
+using VF = hn::Vec<F>;
+using VU = hn::Vec<U>;
+using VI = hn::Vec<I>;
+using MF = hn::Mask<F>;
+
+constexpr int kBlock = FrameTile::kBlock, kPixels = FrameTile::kBlockPixels;
+// Just before the far plane: what is drawn there covers nothing's 1 / eye_z.
+constexpr float kBeforeFar = 1 + 0x1p-20f;
+
+#include "rilievo/environment_nodes/software/node_texels.inl"
+
+#include "rilievo/render/software/tile_kernels.inl"
+
+// What one sample of each pixel of a block shows of a layer.
+struct Shown {
+  HWY_ALIGN float inverse_z[kPixels];  // of the frame; 0: nothing
+  HWY_ALIGN std::uint32_t triangle[kPixels];
+};
+
+// The samples of a row of a block, as a visibility buffer has them.
+template <int samples>
+struct RowLoad {
+  const float* depth;
+  const std::uint32_t* triangle;
+  // At the right edge of the frame: a copy, with nothing beyond it.
+  HWY_ALIGN float depths[kBlock * samples];
+  HWY_ALIGN std::uint32_t triangles[kBlock * samples];
+
+  RowLoad(const SampleBuffer& from, int x, int row) {
+    depth = from.depths(row) + std::size_t(x) * samples;
+    triangle = from.triangles(row) + std::size_t(x) * samples;
+    if (x + kBlock <= from.width) return;
+    std::fill_n(depths, kBlock * samples, 1.0f);
+    std::fill_n(triangles, kBlock * samples, 0u);
+    std::copy_n(depth, (from.width - x) * samples, depths);
+    std::copy_n(triangle, (from.width - x) * samples, triangles);
+    depth = depths, triangle = triangles;
+  }
+  // Of the pixels from `i` on.
+  HWY_INLINE void load(int i, VF (&z)[samples], VU (&t)[samples]) const {
+    const F f;
+    const U u32;
+    if constexpr (samples == 1) {
+      z[0] = hn::LoadU(f, depth + i), t[0] = hn::LoadU(u32, triangle + i);
+    } else {
+      hn::LoadInterleaved4(f, depth + 4 * i, z[0], z[1], z[2], z[3]);
+      hn::LoadInterleaved4(u32, triangle + 4 * i, t[0], t[1], t[2], t[3]);
+    }
+  }
+};
+
+// What all samples of a block show of a layer. Returns the nearest one's 1 / eye_z, 0 for nothing.
+template <int samples>
+float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, int x, int y,
+                 Shown (&out)[samples]) {
+  const F f;
+  const U u32;
+  const VF sky = hn::Set(f, NodeLayer::kSkyDepth), one = hn::Set(f, 1.0f), zero = hn::Zero(f);
+  const VF per_depth = hn::Set(f, float(1 / (layer.nearest() * scale)));
+  // What is infinitely far is not nothing; what lies beyond the far plane is drawn there.
+  const VF something = hn::Set(f, 1e-30f), least = hn::Set(f, tile.nothing * kBeforeFar);
+  const std::array<NodeLayer::Seen, 3> parts = layer.seen();
+  VF nearest = zero;
+  for (int row = 0; row < kBlock; ++row) {
+    const int first = row * kBlock;
+    for (int i = 0; i < kBlock; i += int(hn::Lanes(f)))
+      for (Shown& s : out) {
+        hn::Store(zero, f, s.inverse_z + first + i);
+        hn::Store(hn::Zero(u32), u32, s.triangle + first + i);
+      }
+    if (y + row >= tile.height) continue;
+    for (const NodeLayer::Seen& part : parts) {
+      if (!part.samples) continue;
+      const RowLoad<samples> from(*part.samples, x, tile.height - 1 - (y + row));
+      for (int i = 0; i < kBlock; i += int(hn::Lanes(f))) {
+        VF depth[samples];
+        VU triangle[samples];
+        from.load(i, depth, triangle);
+        for (int s = 0; s < samples; ++s) {
+          const VF z = hn::Max(hn::Mul(hn::Sub(sky, depth[s]), per_depth), something);
+          const VF before = hn::Load(f, out[s].inverse_z + first + i);
+          const MF seen = hn::And(hn::Lt(depth[s], one), hn::Ge(z, before));
+          hn::Store(hn::IfThenElse(seen, z, before), f, out[s].inverse_z + first + i);
+          hn::Store(hn::IfThenElse(hn::RebindMask(u32, seen),
+                                   hn::Add(triangle[s], hn::Set(u32, part.first)),
+                                   hn::Load(u32, out[s].triangle + first + i)),
+                    u32, out[s].triangle + first + i);
+        }
+      }
+    }
+    for (int i = 0; i < kBlock; i += int(hn::Lanes(f)))
+      for (Shown& s : out) {
+        VF z = hn::Load(f, s.inverse_z + first + i);
+        z = hn::IfThenElseZero(hn::Gt(z, zero), hn::Max(z, least));
+        hn::Store(z, f, s.inverse_z + first + i);
+        nearest = hn::Max(nearest, z);
+      }
+  }
+  return hn::GetLane(hn::MaxOfLanes(f, nearest));
+}
+
+// The centres of a block's pixels from the i-th on.
+HWY_INLINE VF center_x(int x, int i) {
+  const F f;
+  return hn::Add(hn::Iota(f, 0), hn::Set(f, float(x + i % kBlock) + 0.5f));
+}
+HWY_INLINE VF center_y(int y, int i) { return hn::Set(F(), float(y + i / kBlock) + 0.5f); }
+
+// Draws a layer over what the block shows.
+template <int samples>
+void draw_over(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& tile, int block, int x,
+               int y) {
+  const F f;
+  const U u32;
+  Shown shown[samples];
+  const float nearest = find_shown<samples>(layer, placed.scale, tile, x, y, shown);
+  if (nearest == 0 || nearest < tile.farthest[block]) return;
+  const int lanes = int(hn::Lanes(f));
+  const VF zero = hn::Zero(f);
+  for (int i = 0; samples > 1 && !tile.expanded[block] && i < kPixels; i += lanes) {
+    const VU first = hn::Load(u32, shown[0].triangle + i);
+    const MF any = hn::Gt(hn::Load(f, shown[0].inverse_z + i), zero);
+    MF differ = hn::Lt(zero, zero);
+    for (int s = 1; s < samples; ++s) {
+      const MF also = hn::Gt(hn::Load(f, shown[s].inverse_z + i), zero);
+      const VU triangle = hn::Load(u32, shown[s].triangle + i);
+      differ =
+          hn::Or(differ, hn::Or(hn::Xor(any, also), hn::RebindMask(f, hn::Ne(triangle, first))));
+    }
+    if (!hn::AllFalse(f, differ)) tile.expand(block);
+  }
+  const int planes = tile.samples == 4 ? tile.planes(block) : 1;
+  for (int i = 0; i < kPixels; i += lanes) {
+    const VF px = center_x(x, i), py = center_y(y, i);
+    const VU first = hn::Load(u32, shown[0].triangle + i);
+    const MF of_first = hn::Gt(hn::Load(f, shown[0].inverse_z + i), zero);
+    VU first_content = hn::Zero(u32);  // once it is known
+    bool known = false;
+    for (int s = 0; s < planes; ++s) {
+      FrameTile::Plane& plane = tile.plane(block, s);
+      const VF z = hn::Load(f, shown[s].inverse_z + i), before = hn::Load(f, plane.inverse_z + i);
+      const MF seen = hn::And(hn::Gt(z, zero), hn::Ge(z, before));
+      if (hn::AllFalse(f, seen)) continue;
+      const VU triangle = hn::Load(u32, shown[s].triangle + i);
+      const MF other = hn::Or(hn::RebindMask(f, hn::Ne(triangle, first)), hn::Not(of_first));
+      VU content = first_content;
+      if (!hn::AllFalse(f, hn::And(seen, other))) {
+        content = find_content(placed, layer, tile.of, triangle, seen, px, py);
+      } else if (!known) {
+        first_content = content = find_content(placed, layer, tile.of, first, of_first, px, py);
+        known = true;
+      }
+      put(f, plane, i, seen, z, content);
+      tile.changed[block] = true;
+    }
+  }
+}
+
+// Are the triangles skins?
+HWY_INLINE MF are_skins(const NodeLayer& layer, VU triangle) {
+  const I i32;
+  const VI first = hn::Set(i32, std::int32_t(layer.first_skin()));
+  return hn::RebindMask(F(), hn::Not(hn::Lt(hn::BitCast(i32, triangle), first)));
+}
+
+// What pixels show of the layers: the share of each in the colour, and 1 / eye_z (0: nothing).
+struct Merged {
+  VF share[kMaxDrawnNodes];
+  VF inverse_z;
+};
+
+// The nearest surface, and what lies within the tolerance of it: see gl/node_shaders.cpp.
+HWY_INLINE void merge(const PlacedNodes& placed, const Shown (&shown)[kMaxDrawnNodes][1], int i,
+                      Merged& out) {
+  const F f;
+  const U u32;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
+  VF z[kMaxDrawnNodes];
+  MF skin[kMaxDrawnNodes];
+  VF nearest = zero, nearest_skin = zero;
+  for (std::size_t k = 0; k < placed.count; ++k) {
+    z[k] = hn::Load(f, shown[k][0].inverse_z + i);
+    skin[k] = are_skins(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i));
+    nearest = hn::IfThenElse(skin[k], nearest, hn::Max(nearest, z[k]));
+    nearest_skin = hn::IfThenElse(skin[k], hn::Max(nearest_skin, z[k]), nearest_skin);
+  }
+  const MF only_skins = hn::Eq(nearest, zero);
+  nearest = hn::IfThenElse(only_skins, nearest_skin, nearest);
+  const VF limit =
+      hn::Div(hn::Set(f, 1 + placed.options.tolerance), hn::Max(nearest, hn::Set(f, 1e-30f)));
+  const bool binary = placed.options.merge == NodeMerge::binary;
+  VF most = hn::Set(f, -1.0f), sum = zero;
+  out.inverse_z = nearest;
+  for (std::size_t k = 0; k < placed.count; ++k) {
+    MF counts = hn::And(hn::Gt(z[k], zero), hn::Not(hn::Xor(skin[k], only_skins)));
+    counts = hn::And(counts, hn::Le(hn::Div(one, hn::Max(z[k], hn::Set(f, 1e-30f))), limit));
+    out.share[k] = zero;
+    if (hn::AllFalse(f, counts)) continue;
+    const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
+    const VF quality =
+        hn::GatherIndex(f, &placed.layers[k].triangles()[0].quality, index_of(triangle, counts));
+    VF weight = hn::IfThenElse(only_skins, one, hn::Add(quality, hn::Set(f, 0.25f)));
+    if (placed.options.merge == NodeMerge::positional)
+      weight = hn::Mul(weight, hn::Set(f, placed.nearness[k]));
+    const MF best = hn::And(counts, hn::Gt(weight, most));
+    most = hn::IfThenElse(best, weight, most);
+    out.inverse_z = hn::IfThenElse(best, z[k], out.inverse_z);
+    if (binary)
+      for (std::size_t before = 0; before < k; ++before)
+        out.share[before] = hn::IfThenZeroElse(best, out.share[before]);
+    out.share[k] = binary ? hn::IfThenElseZero(best, one) : hn::IfThenElseZero(counts, weight);
+    sum = hn::Add(sum, hn::IfThenElseZero(counts, weight));
+  }
+  if (binary) return;
+  sum = hn::Max(sum, hn::Set(f, 1e-20f));
+  for (std::size_t k = 0; k < placed.count; ++k) out.share[k] = hn::Div(out.share[k], sum);
+}
+
+// Others only in the gaps of the first.
+HWY_INLINE void merge_first(const PlacedNodes& placed, const Shown (&shown)[kMaxDrawnNodes][1],
+                            int i, Merged& out) {
+  const F f;
+  const U u32;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
+  const auto skin = [&](std::size_t k) {
+    return are_skins(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i));
+  };
+  const VF first = hn::Load(f, shown[0][0].inverse_z + i),
+           others = hn::Load(f, shown[1][0].inverse_z + i);
+  const MF gap = hn::Or(hn::Eq(first, zero), skin(0));
+  const MF fills = hn::Or(hn::Not(skin(1)), hn::Gt(others, first));
+  const MF second = hn::And(gap, hn::And(hn::Gt(others, zero), fills));
+  out.inverse_z = hn::IfThenElse(second, others, first);
+  out.share[0] = hn::IfThenZeroElse(second, one);
+  out.share[1] = hn::IfThenElseZero(second, one);
+}
+
+// Draws merged layers over what the block shows.
+void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, int y) {
+  const F f;
+  const U u32;
+  Shown shown[kMaxDrawnNodes][1];
+  float nearest = 0;
+  for (std::size_t k = 0; k < placed.count; ++k)
+    nearest =
+        std::max(nearest, find_shown<1>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
+  if (nearest == 0 || nearest <= tile.farthest[block]) return;
+  const int planes = tile.planes(block);
+  const VF zero = hn::Zero(f), half = hn::Set(f, 0.5f);
+  for (int i = 0; i < kPixels; i += int(hn::Lanes(f))) {
+    Merged merged;
+    if (placed.options.merge == NodeMerge::first)
+      merge_first(placed, shown, i, merged);
+    else
+      merge(placed, shown, i, merged);
+    VF farthest = hn::Load(f, tile.first[block].inverse_z + i);
+    for (int s = 1; s < planes; ++s)
+      farthest = hn::Min(farthest, hn::Load(f, tile.plane(block, s).inverse_z + i));
+    const MF seen = hn::Gt(merged.inverse_z, farthest);
+    if (hn::AllFalse(f, seen)) continue;
+    const VF px = center_x(x, i), py = center_y(y, i);
+    Colors sum{zero, zero, zero};
+    for (std::size_t k = 0; k < placed.count; ++k) {
+      const MF has_share = hn::And(seen, hn::Gt(merged.share[k], zero));
+      if (hn::AllFalse(f, has_share)) continue;
+      const Colors colors =
+          shade(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i), has_share, px, py);
+      const auto add = [&](VF& to, VF value) {
+        value = hn::Mul(merged.share[k], hn::Floor(hn::Add(value, half)));
+        to = hn::Add(to, hn::IfThenElseZero(has_share, value));
+      };
+      add(sum.r, colors.r), add(sum.g, colors.g), add(sum.b, colors.b);
+    }
+    const VU content = bytes_of(sum);
+    for (int s = 0; s < planes; ++s) {
+      FrameTile::Plane& plane = tile.plane(block, s);
+      const VF before = hn::Load(f, plane.inverse_z + i);
+      const MF nearer = hn::Gt(merged.inverse_z, before);
+      put(f, plane, i, nearer, merged.inverse_z, content);
+    }
+    tile.changed[block] = true;
+  }
+}
+
+void shade_tile(const PlacedNodes& placed, FrameTile& tile) {
+  for (int block = 0; block < FrameTile::kBlockCount; ++block) {
+    const int x = tile.x + block % FrameTile::kBlocks * kBlock,
+              y = tile.y + block / FrameTile::kBlocks * kBlock;
+    if (x >= tile.width || y >= tile.height) continue;
+    if (placed.merged) {
+      draw_merged(placed, tile, block, x, y);
+      continue;
+    }
+    if (tile.samples == 4)
+      draw_over<4>(placed, placed.layers[0], tile, block, x, y);
+    else
+      draw_over<1>(placed, placed.layers[0], tile, block, x, y);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace rilievo
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rilievo {
+
+HWY_EXPORT(shade_tile);
+
+void shade_nodes(const PlacedNodes& placed, FrameTile& tile) {
+  RILIEVO_EXPECTS(placed.merged || placed.layers[0].samples() == tile.samples);
+  HWY_DYNAMIC_DISPATCH(shade_tile)(placed, tile);
+}
+
+}  // namespace rilievo
+#endif

@@ -1,0 +1,32 @@
+// How are placed environment nodes drawn into one tile? Internal to environment_nodes/software.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "rilievo/environment_nodes/node_store.h"
+#include "rilievo/environment_nodes/software/node_layer.h"
+#include "rilievo/render/software/frame_tile.h"
+
+namespace rilievo {
+
+// Nodes that are drawn together: a call of NodeStore::draw().
+struct PlacedNodes {
+  double scale = 1;  // metres of the frame for each of the layers'
+  std::uint32_t object = kNoObject;
+  NodeDrawOptions options;
+  bool merged = false;  // else one is drawn over the other
+  // Of layers in use: one for each node that is merged (NodeMerge::first: one for the first, one
+  // for the others), else one for all.
+  std::size_t count = 0;
+  // Of each layer's node, for NodeMerge::positional.
+  std::array<float, kMaxDrawnNodes> nearness{};
+  std::array<NodeLayer, kMaxDrawnNodes> layers;
+};
+
+// Draws them into a tile of the frame in which they were placed. Merged nodes have one sample a
+// pixel, others as many as the tile. SIMD.
+void shade_nodes(const PlacedNodes& placed, FrameTile& tile);
+
+}  // namespace rilievo

@@ -1,0 +1,440 @@
+// Against a slow drawing, which asks every triangle about every sample; against OpenGL's in
+// cache/gl/software_kinds_test.cpp.
+#include "rilievo/environment_nodes/software/shade_nodes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rilievo/core/color.h"
+#include "rilievo/core/random.h"
+#include "rilievo/environment_nodes/node_test_helpers.h"
+#include "rilievo/environment_nodes/software/node_tiles.h"
+
+namespace rilievo {
+namespace {
+
+// One tile, of which the frame does not fill a whole number of blocks.
+constexpr int kShadeWidth = 45, kShadeHeight = 35;
+
+// A node, as it was captured.
+struct ShadeNode {
+  EnvironmentMap map;
+  NodeMesh mesh;
+  std::array<Rgba8Image, 6> colors;
+};
+
+// What a sample shows.
+struct SlowSample {
+  double inverse_z = 0;  // 0: nothing
+  bool skin = false;
+  const ShadeNode* node = nullptr;
+  std::uint32_t triangle = 0;
+};
+
+// What a sample or a pixel is to show.
+struct SlowPixel {
+  double inverse_z = 0;  // 0: nothing
+  glm::dvec3 color{0.0};
+};
+
+// The colour that a direction meets, and the identifier.
+struct SlowTexel {
+  glm::dvec3 color{0.0};
+  std::uint32_t object = kNoObject;
+};
+
+SlowTexel nearest_texel(const ShadeNode& node, const glm::dvec3& d) {
+  const int size = node.mesh.face_size;
+  const auto& faces = face_axes();
+  const auto along = [&](int f) { return glm::dot(d, glm::dvec3(faces[std::size_t(f)].forward)); };
+  int face = 0;
+  for (int f = 1; f < 6; ++f)
+    if (along(f) > along(face)) face = f;
+  const FaceAxes& axes = faces[std::size_t(face)];
+  const auto at = [&](const glm::ivec3& axis) {
+    const double share = 0.5 + 0.5 * glm::dot(d, glm::dvec3(axis)) / along(face);
+    return std::clamp(int(share * size), 0, size - 1);
+  };
+  const int x = at(axes.right), y = at(-axes.up);
+  const DepthImage& picture = node.map.faces[std::size_t(face)];
+  return {glm::dvec3(node.colors[std::size_t(face)](x, y)),
+          picture.object.empty() ? 1u : picture.object(x, y)};
+}
+
+// Between four texels; those beyond a face's edge are its neighbours'.
+SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d) {
+  const int size = node.mesh.face_size;
+  SlowTexel out = nearest_texel(node, d);
+  const glm::dvec3 a = glm::abs(d);
+  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  const FaceAxes& axes = face_axes()[std::size_t(2 * axis + (d[axis] < 0))];
+  const double u = (0.5 + 0.5 * glm::dot(d, glm::dvec3(axes.right)) / a[axis]) * size - 0.5,
+               v = (0.5 - 0.5 * glm::dot(d, glm::dvec3(axes.up)) / a[axis]) * size - 0.5;
+  out.color = glm::dvec3(0.0);
+  for (int k = 0; k < 4; ++k) {
+    const double x = std::floor(u) + (k & 1), y = std::floor(v) + (k >> 1);
+    const glm::dvec3 texel = glm::dvec3(axes.forward) +
+                             (2 * (x + 0.5) / size - 1) * glm::dvec3(axes.right) -
+                             (2 * (y + 0.5) / size - 1) * glm::dvec3(axes.up);
+    out.color += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) * nearest_texel(node, texel).color;
+  }
+  return out;
+}
+
+class SlowNodes {
+ public:
+  SlowNodes(const Camera& frame, std::vector<const ShadeNode*> nodes,
+            const NodeDrawOptions& options)
+      : frame_(frame), nodes_(std::move(nodes)), options_(options) {
+    double sum = 0;
+    for (const ShadeNode* node : nodes_) {
+      const NodeMesh& mesh = node->mesh;
+      const glm::dmat4 clip = clip_from_node(mesh, frame_);
+      std::vector<glm::dvec3> raster;
+      for (const NodeVertex& v : mesh.vertices) {
+        const glm::dvec4 at = clip * glm::dvec4(v.direction, v.disparity);
+        raster.emplace_back(0.5 * frame_.width * (at.x + at.w), 0.5 * frame_.height * (at.y + at.w),
+                            at.w);
+      }
+      raster_.push_back(std::move(raster));
+      nearness_.push_back(1 / glm::distance(frame.position(), glm::dvec3(mesh.world_from_node[3])));
+      sum += nearness_.back();
+    }
+    for (double& of : nearness_) of /= sum;
+  }
+
+  // What node `i` shows at a place of the frame, in pixels, y upwards. Skins are asked at the pixel
+  // that the place is in.
+  [[nodiscard]] SlowSample look(std::size_t i, const glm::dvec2& place) const {
+    const ShadeNode& node = *nodes_[i];
+    SlowSample best;
+    for (std::uint32_t t = 0; t < node.mesh.triangles(); ++t) {
+      const std::uint32_t* corners = &node.mesh.indices[3 * std::size_t(t)];
+      glm::dmat3 m;
+      glm::dvec3 disparity;
+      for (int k = 0; k < 3; ++k) {
+        m[k] = raster_[i][corners[k]];
+        disparity[k] = double(node.mesh.vertices[corners[k]].disparity);
+      }
+      const double det = glm::determinant(m);
+      const bool skin = t >= node.mesh.surface_triangles();
+      if (det == 0 || (det < 0 && i > 0 && !skin)) continue;  // edge-on, or seen from behind
+      const glm::dmat3 inverse = glm::inverse(m);
+      const glm::dvec3 weights = inverse * glm::dvec3(place, 1);
+      if (!glm::all(glm::greaterThanEqual(weights, glm::dvec3(0.0)))) continue;
+      const double inverse_z = std::max(glm::dot(weights, disparity), 1e-30);
+      if (inverse_z > 4 / frame_.z_near) continue;
+      if (inverse_z < best.inverse_z || (inverse_z == best.inverse_z && !skin)) continue;
+      if (skin && (i > 0 || !options_.skin) && !is_narrow(node, corners, inverse, place)) continue;
+      best = {inverse_z, skin, &node, t};
+    }
+    if (best.inverse_z > 0) best.inverse_z = std::max(best.inverse_z, 1 / frame_.z_far);
+    return best;
+  }
+  // The texel that a sample of a pixel shows, at the pixel's centre.
+  [[nodiscard]] SlowTexel shade(std::size_t i, const SlowSample& sample,
+                                const glm::dvec2& center) const {
+    const std::uint32_t* corners = &sample.node->mesh.indices[3 * std::size_t(sample.triangle)];
+    glm::dmat3 m;
+    for (int k = 0; k < 3; ++k) m[k] = raster_[i][corners[k]];
+    const glm::dvec3 weights = glm::inverse(m) * glm::dvec3(center, 1);
+    glm::dvec3 direction(0.0);
+    for (int k = 0; k < 3; ++k)
+      direction += weights[k] * glm::dvec3(sample.node->mesh.vertices[corners[k]].texture);
+    return slow_texel(*sample.node, direction);
+  }
+
+  // What a pixel shows of all nodes, merged.
+  [[nodiscard]] SlowPixel merged(const glm::dvec2& center) const {
+    std::vector<SlowSample> seen;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) seen.push_back(look(i, center));
+    if (options_.merge == NodeMerge::first) {
+      // The others have one z-buffer.
+      std::size_t other = 1;
+      for (std::size_t i = 2; i < seen.size(); ++i)
+        if (seen[i].inverse_z >= seen[other].inverse_z) other = i;
+      const SlowSample &first = seen[0], &others = seen[other];
+      const bool gap = first.inverse_z == 0 || first.skin;
+      const bool fills =
+          others.inverse_z > 0 && (!others.skin || others.inverse_z > first.inverse_z);
+      const std::size_t i = gap && fills ? other : 0;
+      if (seen[i].inverse_z == 0) return {};
+      return {seen[i].inverse_z, shade(i, seen[i], center).color};
+    }
+    double nearest = 0;
+    bool skins = true;
+    for (const SlowSample& s : seen) skins = skins && (s.inverse_z == 0 || s.skin);
+    for (const SlowSample& s : seen)
+      if (s.skin == skins) nearest = std::max(nearest, s.inverse_z);
+    if (nearest == 0) return {};
+    SlowPixel out;
+    double most = -1, weights = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const SlowSample& s = seen[i];
+      if (s.inverse_z == 0 || s.skin != skins) continue;
+      if (nearest > (1 + double(options_.tolerance)) * s.inverse_z) continue;
+      double weight = 1;
+      if (!skins) weight = std::round(253 * double(s.node->mesh.quality[s.triangle])) + 0.25;
+      if (options_.merge == NodeMerge::positional) weight *= nearness_[i];
+      const glm::dvec3 color = glm::floor(shade(i, s, center).color + 0.5);
+      const bool best = weight > most;
+      if (best) most = weight, out.inverse_z = s.inverse_z;
+      if (options_.merge != NodeMerge::binary)
+        out.color += weight * color, weights += weight;
+      else if (best)
+        out.color = color, weights = 1;
+    }
+    out.color /= weights;
+    return out;
+  }
+
+ private:
+  // By OpenGL's derivatives, which are differences within squares of 2 x 2 pixels.
+  [[nodiscard]] bool is_narrow(const ShadeNode& node, const std::uint32_t* corners,
+                               const glm::dmat3& inverse, const glm::dvec2& place) const {
+    const auto stretch = [&](double x, double y) {
+      const glm::dvec3 weights = inverse * glm::dvec3(x, y, 1);
+      double of = 0;
+      for (int k = 0; k < 3; ++k) of += weights[k] * double(node.mesh.vertices[corners[k]].stretch);
+      return of / (weights.x + weights.y + weights.z);
+    };
+    const double x = std::floor(place.x), y = std::floor(place.y);
+    if (stretch(x + 0.5, y + 0.5) < 0) return true;
+    const double even_x = 2 * std::floor(x / 2) + 0.5, even_y = 2 * std::floor(y / 2) + 0.5;
+    const double width = std::abs(stretch(even_x + 1, y + 0.5) - stretch(even_x, y + 0.5)) +
+                         std::abs(stretch(x + 0.5, even_y + 1) - stretch(x + 0.5, even_y));
+    return width * double(kNodeCrack) >= 1;
+  }
+
+  Camera frame_;
+  std::vector<const ShadeNode*> nodes_;
+  NodeDrawOptions options_;
+  std::vector<std::vector<glm::dvec3>> raster_;  // (x w, y w, w) of each node's vertices
+  std::vector<double> nearness_;
+};
+
+class ShadeNodesTest : public testing::Test {
+ protected:
+  // Three nodes in a furnished room without a ceiling.
+  void SetUp() override {
+    for (const glm::dvec3& eye :
+         {glm::dvec3(-0.5, 0, 0.2), glm::dvec3(0.6, 0.1, 0), glm::dvec3(0.1, 0.3, 0.9)}) {
+      const DistanceAlong room =
+          nearest_of({box_around(glm::dvec3(-3, -1.4, -2) - eye, glm::dvec3(3, 9, 2.5) - eye),
+                      ball(glm::dvec3(0.4, -0.5, -1.2) - eye, 0.4),
+                      ball(glm::dvec3(-1.4, 0.2, 1.5) - eye, 0.5)});
+      ShadeNode node;
+      node.map = make_node(
+          20,
+          [&](const glm::dvec3& d) {
+            const double nearest = room(d);
+            return nearest * d.y > 4 ? INFINITY : nearest;
+          },
+          [&](const glm::dvec3& d, double distance) {
+            if (!std::isfinite(distance)) return glm::vec4(0.1f, 0.3f, 0.9f, 1);
+            return glm::vec4(glm::fract(glm::vec3(eye + distance * d)) * 0.8f + 0.1f, 1);
+          },
+          eye);
+      for (std::size_t f = 0; f < 6; ++f) {
+        DepthImage& face = node.map.faces[f];
+        face.object = Image<std::uint32_t>(20, 20, kNoObject);
+        for (int y = 0; y < 20; ++y)
+          for (int x = 0; x < 20; ++x)
+            if (face.covered(x, y)) face.object(x, y) = std::uint32_t(2 + f + (x / 7) * 6);
+        node.colors[f] = srgb8_from_linear(face.color);
+      }
+      node.mesh = triangulate(node.map, {});
+      nodes_.push_back(std::move(node));
+    }
+    for (std::size_t i = 0; i < nodes_.size(); ++i) tiles_.keep(i, nodes_[i].map, nodes_[i].mesh);
+  }
+
+  [[nodiscard]] static Camera random_camera(Random& random) {
+    const double x = random.between(-1.2f, 1.2f), y = random.between(-0.6f, 0.6f),
+                 z = random.between(-0.7f, 1.2f), angle = random.between(0, 6.28f),
+                 up = random.between(-0.8f, 0.8f);
+    const glm::dvec3 eye(x, y, z);
+    return look_at(eye, eye + glm::dvec3(std::cos(angle), up, std::sin(angle)), {0, 1, 0}, 1.0,
+                   kShadeWidth, kShadeHeight, 0.05, 40);
+  }
+
+  // The tile that is the whole frame.
+  [[nodiscard]] std::unique_ptr<FrameTile> drawn(const Camera& frame, std::size_t count,
+                                                 const NodeDrawOptions& options, int samples,
+                                                 Output output) {
+    auto tile = std::make_unique<FrameTile>();
+    tile->width = frame.width, tile->height = frame.height;
+    tile->samples = samples;
+    tile->of = output == Output::color ? TileContent::color : TileContent::object_id;
+    tile->nothing = float(1 / frame.z_far);
+    for (int block = 0; block < FrameTile::kBlockCount; ++block) {
+      tile->expanded[block] = tile->changed[block] = false;
+      tile->farthest[block] = tile->nothing;
+      std::fill_n(tile->first[block].content, FrameTile::kBlockPixels, 0u);
+      std::fill_n(tile->first[block].inverse_z, FrameTile::kBlockPixels, tile->nothing);
+    }
+    const std::size_t all[] = {0, 1, 2};
+    tiles_.set_samples(samples);
+    tiles_.begin();
+    tiles_.draw(frame, 1.0, {all, count}, output, kNoObject, options);
+    tiles_.draw_tile(*tile);
+    return tile;
+  }
+  [[nodiscard]] std::vector<const ShadeNode*> first(std::size_t count) const {
+    std::vector<const ShadeNode*> out;
+    for (std::size_t i = 0; i < count; ++i) out.push_back(&nodes_[i]);
+    return out;
+  }
+
+  // What sample s of a pixel is to show of nodes over each other: the nearest one, and what is as
+  // near within what depths can tell.
+  [[nodiscard]] static std::vector<SlowPixel> looks(const SlowNodes& slow, std::size_t count, int x,
+                                                    int y, int s, int samples) {
+    const glm::dvec2 corner(x, kShadeHeight - 1 - y);
+    const glm::dvec2 in = samples == 1 ? glm::dvec2(0.5)
+                                       : glm::dvec2(double(FrameTile::kSampleX[s]),
+                                                    1 - double(FrameTile::kSampleY[s]));
+    std::vector<SlowPixel> out(1);
+    for (std::size_t n = 0; n < count; ++n) {
+      const SlowSample seen = slow.look(n, corner + in);
+      if (seen.inverse_z > 0)
+        out.push_back({seen.inverse_z, slow.shade(n, seen, corner + 0.5).color});
+    }
+    std::sort(out.begin(), out.end(),
+              [](const SlowPixel& a, const SlowPixel& b) { return a.inverse_z > b.inverse_z; });
+    while (out.back().inverse_z < out[0].inverse_z - kDepthError * (1 + out[0].inverse_z))
+      out.pop_back();
+    return out;
+  }
+
+  struct Differences {
+    int samples = 0, shown = 0, skins = 0, depth = 0, color = 0;
+  };
+  // The visibility buffer's depth has 24 bits.
+  static constexpr double kDepthError = 1e-5;
+  // A sample as it was drawn, with what it is to show: one of these, if depths do not tell which is
+  // in front. The depth may be off by `slope` besides.
+  static void compare(Differences& found, std::span<const SlowPixel> expected, double slope,
+                      const FrameTile::Plane& drawn, int pixel, float nothing) {
+    const double z = double(drawn.inverse_z[pixel]);
+    const bool shown = z > double(nothing);
+    ++found.samples, found.shown += shown;
+    bool depth = shown != (expected[0].inverse_z > 0), color = false;
+    if (shown && !depth) {
+      depth = color = true;
+      for (const SlowPixel& one : expected) {
+        if (std::abs(z - one.inverse_z) > kDepthError * (1 + one.inverse_z) + slope) continue;
+        depth = false;
+        const std::uint32_t content = drawn.content[pixel];
+        bool alike = true;
+        for (int c = 0; c < 3; ++c)  // both are rounded
+          alike = alike && std::abs(double(content >> (8 * c) & 0xff) - one.color[c]) <= 1.01;
+        color = color && !alike;
+      }
+    }
+    found.depth += depth, found.color += color && !depth;
+  }
+  // Where a sample lies within 1/256 of a pixel of an edge, either side is right; of skins that are
+  // narrow in part, where the width is the limit.
+  static void expect_few(const Differences& found) {
+    EXPECT_GT(found.shown, found.samples / 2);
+    EXPECT_LE(found.depth, found.samples / 200) << "of " << found.samples;
+    EXPECT_LE(found.color, found.samples / 200) << "of " << found.samples;
+  }
+
+  std::vector<ShadeNode> nodes_;
+  NodeTiles tiles_;
+};
+
+TEST_F(ShadeNodesTest, merged_nodes_are_what_the_slow_drawing_shows) {
+  Random random(5);
+  for (const NodeMerge merge :
+       {NodeMerge::binary, NodeMerge::weighted, NodeMerge::positional, NodeMerge::first})
+    for (const bool skin : {false, true}) {
+      SCOPED_TRACE(std::to_string(int(merge)) + (skin ? ", skins" : ""));
+      Differences found;
+      for (int i = 0; i < 6; ++i) {
+        const Camera frame = random_camera(random);
+        const NodeDrawOptions options{.merge = merge, .skin = skin};
+        const SlowNodes slow(frame, first(3), options);
+        const auto tile = drawn(frame, 3, options, 1, Output::color);
+        for (int y = 0; y < frame.height; ++y)
+          for (int x = 0; x < frame.width; ++x) {
+            const SlowPixel pixel = slow.merged({x + 0.5, frame.height - y - 0.5});
+            const TilePixel at(*tile, x, y);
+            const FrameTile::Plane& plane = tile->first[at.block];
+            compare(found, {&pixel, 1}, 0, plane, at.pixel, tile->nothing);
+          }
+      }
+      expect_few(found);
+    }
+}
+
+// One node, or one over the other, with one and with four samples a pixel.
+TEST_F(ShadeNodesTest, nodes_over_each_other_are_what_the_slow_drawing_shows) {
+  Random random(6);
+  for (const int samples : {1, 4})
+    for (const std::size_t count : {std::size_t(1), std::size_t(3)}) {
+      SCOPED_TRACE(std::to_string(samples) + " samples, nodes: " + std::to_string(count));
+      Differences found;
+      for (int i = 0; i < 6; ++i) {
+        const Camera frame = random_camera(random);
+        const NodeDrawOptions options{.merge = NodeMerge::layering, .skin = i % 2 == 0};
+        const SlowNodes slow(frame, first(count), options);
+        const auto tile = drawn(frame, count, options, samples, Output::color);
+        for (int y = 0; y < frame.height; ++y)
+          for (int x = 0; x < frame.width; ++x)
+            for (int s = 0; s < samples; ++s) {
+              const TilePixel at(*tile, x, y);
+              if (s > 0 && !tile->expanded[at.block]) continue;
+              // A block has in all samples what its first one shows until it expands.
+              double slope = 0;
+              const std::vector<SlowPixel> first = looks(slow, count, x, y, 0, samples);
+              std::vector<SlowPixel> expected = looks(slow, count, x, y, s, samples);
+              if (s > 0) slope = std::abs(first[0].inverse_z - expected[0].inverse_z);
+              compare(found, expected, slope, tile->plane(at.block, s), at.pixel, tile->nothing);
+            }
+      }
+      expect_few(found);
+    }
+}
+
+TEST_F(ShadeNodesTest, identifiers_are_those_of_the_texels) {
+  Random random(7);
+  int shown = 0, other = 0;
+  for (int i = 0; i < 6; ++i) {
+    const Camera frame = random_camera(random);
+    const std::size_t count = i % 2 ? 3 : 1;
+    const NodeDrawOptions options{.merge = NodeMerge::positional};
+    const SlowNodes slow(frame, first(count), options);
+    const auto tile = drawn(frame, count, options, 1, Output::object_id);
+    for (int y = 0; y < frame.height; ++y)
+      for (int x = 0; x < frame.width; ++x) {
+        const glm::dvec2 center(x + 0.5, frame.height - y - 0.5);
+        SlowSample best;
+        std::uint32_t object = 0;
+        for (std::size_t n = 0; n < count; ++n) {
+          const SlowSample seen = slow.look(n, center);
+          if (seen.inverse_z == 0 || seen.inverse_z < best.inverse_z) continue;
+          best = seen;
+          object = slow.shade(n, seen, center).object;
+        }
+        const TilePixel at(*tile, x, y);
+        shown += object != 0;
+        other += tile->first[at.block].content[at.pixel] != object;
+      }
+  }
+  EXPECT_GT(shown, 5000);
+  EXPECT_LE(other, shown / 200);  // at edges, as above, and halfway between texels
+}
+
+}  // namespace
+}  // namespace rilievo

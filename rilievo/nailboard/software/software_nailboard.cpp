@@ -1,0 +1,152 @@
+#include "rilievo/nailboard/software/software_nailboard.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
+
+namespace rilievo {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "two codes make a word");
+
+constexpr std::uint16_t kNoCode = 0xffff;
+constexpr std::uint32_t kNoPair = 0xffffffff;
+
+// Room for `size` elements and no more, whose values are lost where it grows.
+template <class T>
+void make_room(std::vector<T>& elements, std::size_t size) {
+  if (elements.capacity() < size) {
+    elements.clear();  // nothing to copy
+    elements.reserve(size);
+  }
+  elements.resize(size);
+}
+
+}  // namespace
+
+SoftwareNailboard::Sizes SoftwareNailboard::sizes_of(int width, int height) {
+  // One texel beyond the last is read, with weight 0, and more rows, which nobody uses. Rows are
+  // no power of two apart: those of a block would meet in one set of the cache.
+  std::size_t stride = (std::size_t(width) + 1 + 15) / 16 * 16;
+  if (stride % 256 == 0) stride += 16;
+  const std::size_t shown = stride * std::size_t(height);
+  const auto cells = [](int texels) { return std::size_t((texels + kCell - 1) / kCell); };
+  return {stride, shown, shown + 3 * stride + kReadBeyond, shown / 2 + stride + kReadBeyond,
+          cells(width) * cells(height)};
+}
+
+// Rows are written and looked at by bands of cells. `row(y, codes)` fills in the codes of row y,
+// from the top, and returns its colours.
+template <class Row>
+void SoftwareNailboard::fill(int width, int height, int delta_bits, const Row& row) {
+  RILIEVO_EXPECTS(1 <= width && width <= 16384 && 1 <= height && height <= 16384);
+  RILIEVO_EXPECTS(2 <= delta_bits && delta_bits <= 16);
+  width_ = width, height_ = height, delta_bits_ = delta_bits;
+  const Sizes sizes = sizes_of(width, height);
+  const std::size_t stride = sizes.stride, shown = sizes.shown;
+  stride_ = int(stride);
+  make_room(color_, sizes.color);
+  make_room(code_pairs_, sizes.code_pairs);
+  std::fill(color_.begin() + std::ptrdiff_t(shown), color_.end(), 0);
+  std::fill(code_pairs_.begin() + std::ptrdiff_t(shown / 2), code_pairs_.end(), kNoPair);
+  drop_objects();
+  make_room(cell_nearest_, sizes.cells);
+  make_room(cell_opaque_, sizes.cells);
+  parallel_for(0, cells_down(), [&](int band) {
+    // Of each column within the band.
+    static thread_local std::vector<std::uint16_t> codes, nearest, farthest;
+    static thread_local std::vector<std::uint32_t> common;
+    codes.assign(stride, kNoCode);
+    nearest.assign(stride, kNoCode), farthest.assign(stride, 0), common.assign(stride, ~0u);
+    const int end = std::min(height_, (band + 1) * kCell);
+    for (int y = band * kCell; y < end; ++y) {
+      std::uint32_t* const color = &color_[std::size_t(y) * stride];
+      std::memcpy(color, row(y, codes.data()), std::size_t(width_) * sizeof *color);
+      std::fill(color + width_, color + stride, 0);
+      std::memcpy(&code_pairs_[std::size_t(y) * stride / 2], codes.data(),
+                  stride * sizeof(std::uint16_t));
+      const std::uint16_t* const code = codes.data();
+      for (int x = 0; x < width_; ++x) nearest[x] = std::min(nearest[x], code[x]);
+      for (int x = 0; x < width_; ++x) farthest[x] = std::max(farthest[x], code[x]);
+      for (int x = 0; x < width_; ++x) common[x] &= color[x];
+    }
+    for (int cell = 0; cell < cells_across(); ++cell) {
+      std::uint16_t least = kNoCode;
+      bool opaque = true;
+      for (int x = cell * kCell; x < std::min(width_, (cell + 1) * kCell); ++x) {
+        least = std::min(least, nearest[x]);
+        opaque = opaque && farthest[x] <= steps() && common[x] >> 24 == 255;
+      }
+      const std::size_t i = std::size_t(band) * std::size_t(cells_across()) + std::size_t(cell);
+      cell_nearest_[i] = least;
+      cell_opaque_[i] = opaque;
+    }
+  });
+  nearest_ = *std::min_element(cell_nearest_.begin(), cell_nearest_.end());
+}
+
+void SoftwareNailboard::assign(const Nailboard& nailboard) {
+  fill(nailboard.color.width(), nailboard.color.height(), nailboard.geometry.delta_bits,
+       [&](int y, std::uint16_t* codes) {
+         std::ranges::copy(nailboard.delta.row(y), codes);
+         return nailboard.color.row(y).data();
+       });
+}
+
+void SoftwareNailboard::assign(int width, int height, std::span<const glm::u8vec4> color,
+                               const AtlasPicture& encoded, int delta_bits) {
+  RILIEVO_EXPECTS_EQ(color.size(), std::size_t(width) * std::size_t(height));
+  fill(width, height, delta_bits, [&](int y, std::uint16_t* codes) {
+    const std::size_t from = std::size_t(height - 1 - y) * std::size_t(width);
+    if (delta_bits > 8)
+      std::copy_n(&encoded.codes16[from], width, codes);
+    else
+      std::copy_n(&encoded.codes8[from], width, codes);
+    return &color[from];
+  });
+}
+
+void SoftwareNailboard::assign(const Prewarped& picture, const PicturePiece& piece) {
+  fill(piece.width, piece.height, picture.geometry.delta_bits, [&](int y, std::uint16_t* codes) {
+    static thread_local std::vector<std::uint16_t> nearest;
+    codes_of_row(picture, piece, y, codes, nearest);
+    return &picture.color[std::size_t(piece.y + y) * std::size_t(picture.width()) +
+                          std::size_t(piece.x)];
+  });
+}
+
+void SoftwareNailboard::assign_objects(std::span<const std::uint32_t> objects, bool from_bottom) {
+  RILIEVO_EXPECTS_EQ(objects.size(), std::size_t(width_) * std::size_t(height_));
+  objects_.assign(color_.size(), kNoObject);
+  for (int y = 0; y < height_; ++y)
+    std::copy_n(&objects[std::size_t(from_bottom ? height_ - 1 - y : y) * std::size_t(width_)],
+                width_, &objects_[std::size_t(y) * std::size_t(stride_)]);
+}
+
+Nailboard SoftwareNailboard::copy(const PictureGeometry& geometry) const {
+  Nailboard copy{geometry, Rgba8Image(width_, height_), Image<std::uint16_t>(width_, height_)};
+  for (int y = 0; y < height_; ++y) {
+    std::memcpy(copy.color.row(y).data(), &color_[std::size_t(y) * std::size_t(stride_)],
+                std::size_t(width_) * sizeof(glm::u8vec4));
+    for (int x = 0; x < width_; ++x) copy.delta(x, y) = std::uint16_t(code(x, y));
+  }
+  return copy;
+}
+
+std::size_t SoftwareNailboard::bytes() const {
+  return (color_.capacity() + code_pairs_.capacity() + objects_.capacity()) *
+             sizeof(std::uint32_t) +
+         cell_nearest_.capacity() * sizeof(std::uint16_t) + cell_opaque_.capacity();
+}
+
+std::size_t SoftwareNailboard::bytes_of(int width, int height) {
+  const Sizes sizes = sizes_of(width, height);
+  return (sizes.color + sizes.code_pairs) * sizeof(std::uint32_t) +
+         sizes.cells * (sizeof(std::uint16_t) + sizeof(std::uint8_t));
+}
+
+}  // namespace rilievo
