@@ -3,10 +3,9 @@
 #include <ctime>
 #include <memory>
 
-#include "rilievo/cache/software/software_cache.h"
+#include "bench/drawn_by.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
@@ -20,13 +19,13 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
   if (!renderer) return renderer.error();
   Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
   if (!target) return target.error();
-  DirectFrames direct(*renderer);
-  std::vector<std::unique_ptr<ImageCache>> sources;
+  const auto direct = polygon_drawer(builtin.scene, &*renderer, options.samples);
+  std::vector<std::unique_ptr<FrameSource>> sources;
   for (ImageCacheOptions cache : caches) {
     cache.samples = options.samples;
-    Result<ImageCache> made = ImageCache::create(*renderer, cache);
+    Result<CachedFrames> made = make_cache(builtin.scene, &*renderer, cache);
     if (!made) return made.error();
-    sources.push_back(std::make_unique<ImageCache>(std::move(*made)));
+    sources.push_back(std::move(made->frames));
   }
 
   const std::size_t count = sources.size();
@@ -40,7 +39,7 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
         options.compare_every > 0 && frame % options.compare_every == options.compare_every - 1;
     Rgba8Image truth;
     if (compared) {
-      const Result<double> ms = time_frame(direct, *target, at);
+      const Result<double> ms = time_frame(*direct, *target, at);
       if (!ms) return ms.error();
       direct_ms.push_back(*ms);
       truth = target->read();
@@ -77,8 +76,9 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
 Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOptions cache,
                                      const CachedWalkOptions& options) {
   cache.samples = options.samples;
-  Result<std::unique_ptr<SoftwareCache>> source = SoftwareCache::create(builtin.scene, cache);
-  if (!source) return source.error();
+  const Result<CachedFrames> made = make_cache(builtin.scene, nullptr, cache);
+  if (!made) return made.error();
+  FrameSource& source = *made->frames;
   CachedWalk walk;
   std::vector<double> times, busy;
   for (int frame = 0; frame < options.frames; ++frame) {
@@ -86,10 +86,10 @@ Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOpti
     const Camera camera = camera_at(builtin.path, time, options.width, options.height);
     const std::clock_t before = std::clock();
     const Stopwatch watch;
-    if (Result<> drawn = (*source)->draw(camera, time); !drawn) return drawn.error();
+    if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
     const double ms = watch.ms();
-    walk.captures += (*source)->stats().captures;
-    walk.bound_px = std::max(walk.bound_px, (*source)->stats().bound_px);
+    walk.captures += source.stats().captures;
+    walk.bound_px = std::max(walk.bound_px, source.stats().bound_px);
     if (frame == 0) walk.first_frame_ms = ms;
     if (frame == 0 && options.frames > 1) continue;
     times.push_back(ms);

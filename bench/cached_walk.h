@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/cache/scene_cache.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/scene/builtin/builtin.h"
 

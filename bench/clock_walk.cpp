@@ -6,37 +6,22 @@
 #include <chrono>
 #include <thread>
 
-#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/software/software_chosen_frames.h"
-#include "rilievo/nailboard/software/software_boards.h"
+#include "rilievo/frame/owned_frames.h"
+#include "rilievo/method/relief_impostors.h"
 
 namespace rilievo::bench {
 
 Result<ImpostorDrawer> impostor_drawer(const Scene& scene, SceneRenderer* renderer,
                                        ImpostorContent content,
                                        const ImpostorFramesOptions& options, int samples) {
-  ImpostorDrawer made;
-  if (!renderer) {
-    auto frames = SoftwareChosenFrames::create(
-        scene, samples, options.outlines,
-        [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
-          auto chooser = std::make_unique<ImpostorChooser>(
-              placed, std::make_unique<SoftwareBoards>(), std::move(content), options);
-          made.chooser = chooser.get();
-          return {std::move(chooser)};
-        });
-    if (!frames) return frames.error();
-    made.frames = std::move(*frames);
-    return made;
-  }
-  renderer->set_time(0.0);
-  auto frames = ImpostorFrames::create(*renderer, std::move(content), options);
-  if (!frames) return frames.error();
-  made.chooser = &(*frames)->chooser();
-  made.frames = std::move(*frames);
-  return made;
+  std::unique_ptr<Backend> backend = make_backend(scene, renderer, samples);
+  backend->set_time(0.0);
+  Result<ImpostorFrames> made = make_impostor_frames(*backend, std::move(content), options);
+  if (!made) return made.error();
+  return ImpostorDrawer{std::make_unique<OwnedFrames>(std::move(backend), std::move(made->frames)),
+                        made->chooser};
 }
 
 namespace {

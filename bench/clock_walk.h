@@ -9,8 +9,8 @@
 
 #include "bench/drawn_by.h"
 #include "bench/impostor_judge.h"
-#include "rilievo/cache/impostor_chooser.h"
 #include "rilievo/frame/frame_source.h"
+#include "rilievo/method/relief_impostors.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::bench {

@@ -9,18 +9,14 @@
 #include <map>
 #include <string>
 
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/software/software_cache.h"
-#include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/capture/ray_source.h"
+#include "bench/drawn_by.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_relief/relief_kind.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/rays/cast_picture.h"
-#include "rilievo/representation/gl/factories.h"
-#include "rilievo/representation/software/software_factories.h"
+#include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/representation/bake_objects.h"
 #include "rilievo/scene/files/load_scene.h"
 
 namespace rilievo::bench {
@@ -32,8 +28,7 @@ constexpr double kErrorPx = 2;
 constexpr const char* kTexels = "640";
 
 // Adds one relief of all objects to a cache: they are parts of one thing.
-template <class Cache>
-Result<> add_reliefs(Cache& cache, const PlacedScene& placed, CaptureSource& source,
+Result<> add_reliefs(SceneCache& cache, const PlacedScene& placed, CaptureSource& source,
                      std::span<const DrawableRow> rows, bool quick) {
   const Kind& kind = layered_relief_kind();
   Result<std::unique_ptr<DrawableFactory>> factory = make_factory(rows, kind.name);
@@ -49,28 +44,16 @@ Result<> add_reliefs(Cache& cache, const PlacedScene& placed, CaptureSource& sou
   return Done{};
 }
 
-Result<ImageCache> cache_with_reliefs(SceneRenderer& renderer, const ImageCacheOptions& options,
-                                      bool quick) {
-  Result<ImageCache> cache = ImageCache::create(renderer, options);
+// Drawn by OpenGL, or without it (null).
+Result<CachedFrames> cache_with_reliefs(const Scene& scene, SceneRenderer* renderer,
+                                        const ImageCacheOptions& options, bool quick) {
+  Result<CachedFrames> cache = make_cache(scene, renderer, options);
   if (!cache) return cache.error();
-  OpenGLSource source(renderer);
-  if (Result<> added = add_reliefs(*cache, renderer.placed(), source, drawable_rows(), quick);
-      !added)
-    return added.error();
-  return cache;
-}
-
-// The same without OpenGL.
-Result<std::unique_ptr<SoftwareCache>> software_cache_with_reliefs(const Scene& scene,
-                                                                   const ImageCacheOptions& options,
-                                                                   bool quick) {
-  Result<std::unique_ptr<SoftwareCache>> cache = SoftwareCache::create(scene, options);
-  if (!cache) return cache.error();
-  const Result<RayScene> rays = RayScene::create(scene);
-  if (!rays) return rays.error();
-  RaySource source(*rays);
+  const std::unique_ptr<Backend> backend = make_backend(scene, renderer, options.samples);
+  const Result<std::unique_ptr<CaptureSource>> source = backend->make_capture_source();
+  if (!source) return source.error();
   if (Result<> added =
-          add_reliefs(**cache, PlacedScene(scene), source, software_drawable_rows(), quick);
+          add_reliefs(*cache->cache, backend->placed(), **source, backend->drawables(), quick);
       !added)
     return added.error();
   return cache;
@@ -131,27 +114,26 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
     const Box box = world_bounds(scene);
     Result<SceneRenderer> renderer = SceneRenderer::create(scene);
     if (!renderer) return renderer.error();
-    DirectFrames direct(*renderer);
+    const auto direct = polygon_drawer(scene, &*renderer, compare_options.samples);
     ImageCacheOptions cache_options;
     cache_options.error_px = kErrorPx;
-    Result<ImageCache> nailboards = ImageCache::create(*renderer, cache_options);
-    if (!nailboards) return nailboards.error();
-    Result<ImageCache> reliefs = cache_with_reliefs(*renderer, cache_options, options.quick);
-    if (!reliefs) return reliefs.error();
-    Result<std::unique_ptr<SoftwareCache>> nailboards_software =
-        SoftwareCache::create(scene, cache_options);
-    if (!nailboards_software) return nailboards_software.error();
-    Result<std::unique_ptr<SoftwareCache>> reliefs_software =
-        software_cache_with_reliefs(scene, cache_options, options.quick);
-    if (!reliefs_software) return reliefs_software.error();
+    std::vector<CachedFrames> caches;  // nailboards and reliefs, by OpenGL and without
+    for (SceneRenderer* const by : {&*renderer, static_cast<SceneRenderer*>(nullptr)})
+      for (const bool with_reliefs : {false, true}) {
+        Result<CachedFrames> made =
+            with_reliefs ? cache_with_reliefs(scene, by, cache_options, options.quick)
+                         : make_cache(scene, by, cache_options);
+        if (!made) return made.error();
+        caches.push_back(std::move(*made));
+      }
     const auto walk = [&](int frame) {
       return WalkFrame{camera_of(box, frame, compare_options.width, compare_options.height), 0.0};
     };
-    const ComparedSource sources[] = {{"direct", &direct},
-                                      {"nailboards", &*nailboards},
-                                      {"reliefs", &*reliefs},
-                                      {"nailboards-software", nailboards_software->get()},
-                                      {"reliefs-software", reliefs_software->get()}};
+    const ComparedSource sources[] = {{"direct", direct.get()},
+                                      {"nailboards", caches[0].frames.get()},
+                                      {"reliefs", caches[1].frames.get()},
+                                      {"nailboards-software", caches[2].frames.get()},
+                                      {"reliefs-software", caches[3].frames.get()}};
     const Result<Report> compared = compare(sources, walk, compare_options);
     if (!compared) return compared.error();
     std::map<std::string, double> p50s;

@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "bench/drawn_by.h"
 #include "bench/random.h"
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/scene/builtin/mesh_builder.h"
@@ -143,13 +143,13 @@ class DrawnCases {
   DrawnCases(const Scene& scene, double scale) : scene_(scene), scale_(scale) {}
 
   void add_frame(const Camera& camera, const std::vector<glm::mat4>& poses, const DrawnFrame& truth,
-                 const DrawnFrame& seen, const ImageCache& cache) {
+                 const DrawnFrame& seen, const SceneCache& cache) {
     struct Shown {
       double bound_px = 0, unseen = 0, texel_px = 0;
       int pictures = 0;
     };
     std::vector<Shown> shown(scene_.objects.size());
-    for (const ImageCache::Shown& picture : cache.shown()) {
+    for (const SceneCache::Shown& picture : cache.shown()) {
       const glm::dvec3 captured_from =
           picture.world_now_from_capture * glm::dvec4(picture.geometry.capture.position(), 1);
       for (const std::uint32_t object : picture.objects) {
@@ -219,9 +219,9 @@ Result<DrawnBoundStats> run_drawn_bound_benchmark(const DrawnBoundOptions& optio
   ImageCacheOptions cache_options;
   cache_options.error_px = options.error_px;
   cache_options.samples = kDrawnSamples;
-  Result<ImageCache> cache = ImageCache::create(*renderer, cache_options);
+  const Result<CachedFrames> cache = make_cache(scene, &*renderer, cache_options);
   if (!cache) return cache.error();
-  DirectFrames direct(*renderer);
+  const auto direct = polygon_drawer(scene, &*renderer, kDrawnSamples);
   std::vector<glm::mat4> poses;
 
   DrawnCases cases(scene, options.scale);
@@ -233,12 +233,12 @@ Result<DrawnBoundStats> run_drawn_bound_benchmark(const DrawnBoundOptions& optio
     frame.time = f / 25.0;
     frame.camera = look_at(leg.eye + seconds * leg.velocity, leg.target, {0, 1, 0}, 0.8,
                            kDrawnWidth, kDrawnHeight, 0.1, 200);
-    Result<DrawnFrame> seen = draw_frame(*cache, {&*target, &*probe}, frame);
+    Result<DrawnFrame> seen = draw_frame(*cache->frames, {&*target, &*probe}, frame);
     if (!seen) return seen.error();
-    Result<DrawnFrame> truth = draw_frame(direct, {&*target, &*probe}, frame);
+    Result<DrawnFrame> truth = draw_frame(*direct, {&*target, &*probe}, frame);
     if (!truth) return truth.error();
     pose(scene, frame.time, poses);
-    cases.add_frame(frame.camera, poses, *truth, *seen, *cache);
+    cases.add_frame(frame.camera, poses, *truth, *seen, *cache->cache);
     if (options.progress)
       options.progress(std::min(cases.stats.cases, options.cases), options.cases);
     // Pictures stand for most balls; if none ever did, there would be no end.

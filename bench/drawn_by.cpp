@@ -2,13 +2,28 @@
 
 #include <utility>
 
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/software/software_cache.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_backend.h"
+#include "rilievo/frame/gl/opengl_frames.h"
+#include "rilievo/frame/owned_frames.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/method/direct.h"
+#include "rilievo/method/stored.h"
 
 namespace rilievo::bench {
+namespace {
+
+std::unique_ptr<FrameSource> frames_of(const Scene& scene, SceneRenderer* renderer, int samples,
+                                       std::unique_ptr<FrameChooser> chooser,
+                                       std::unique_ptr<FrameVisibility> visibility = nullptr) {
+  if (renderer) return std::make_unique<OpenGLFrames>(*renderer, std::move(chooser));
+  auto backend = std::make_unique<SoftwareBackend>(scene, samples);
+  auto frames =
+      std::make_unique<SoftwareFrames>(*backend, std::move(chooser), std::move(visibility));
+  return std::make_unique<OwnedFrames>(std::move(backend), std::move(frames));
+}
+
+}  // namespace
 
 bool draws_by_software(const BenchOptions& options) {
   return options.draw == "software" || (options.draw == "automatic" && gl::is_software());
@@ -22,22 +37,33 @@ Result<std::unique_ptr<SceneRenderer>> make_renderer(const Scene& scene,
   return std::make_unique<SceneRenderer>(std::move(*made));
 }
 
-std::unique_ptr<FrameSource> polygon_drawer(const Scene& scene, SceneRenderer* renderer,
-                                            int samples) {
-  if (renderer) return std::make_unique<DirectFrames>(*renderer);
-  return std::make_unique<SoftwareDirectFrames>(scene, samples);
+std::unique_ptr<Backend> make_backend(const Scene& scene, SceneRenderer* renderer, int samples) {
+  if (renderer) return std::make_unique<OpenGLBackend>(*renderer, samples);
+  return std::make_unique<SoftwareBackend>(scene, samples);
 }
 
-Result<std::unique_ptr<FrameSource>> make_cache(const Scene& scene, SceneRenderer* renderer,
-                                                const ImageCacheOptions& options) {
-  if (!renderer) {
-    Result<std::unique_ptr<SoftwareCache>> made = SoftwareCache::create(scene, options);
-    if (!made) return made.error();
-    return {std::move(*made)};
-  }
-  Result<ImageCache> made = ImageCache::create(*renderer, options);
+std::unique_ptr<FrameSource> polygon_drawer(const Scene& scene, SceneRenderer* renderer,
+                                            int samples,
+                                            std::unique_ptr<FrameVisibility> visibility) {
+  return frames_of(scene, renderer, samples, std::make_unique<DirectChooser>(),
+                   std::move(visibility));
+}
+
+std::unique_ptr<FrameSource> stored_drawer(const Scene& scene, SceneRenderer* renderer, int samples,
+                                           std::unique_ptr<Drawable> drawable,
+                                           std::vector<Instance> instances) {
+  return frames_of(scene, renderer, samples,
+                   std::make_unique<StoredChooser>(
+                       PictureSet{std::move(drawable), std::move(instances)}, StoredOptions{}));
+}
+
+Result<CachedFrames> make_cache(const Scene& scene, SceneRenderer* renderer,
+                                const ImageCacheOptions& options) {
+  std::unique_ptr<Backend> backend = make_backend(scene, renderer, options.samples);
+  Result<CachedFrames> made = make_cached_frames(*backend, options);
   if (!made) return made.error();
-  return {std::make_unique<ImageCache>(std::move(*made))};
+  made->frames = std::make_unique<OwnedFrames>(std::move(backend), std::move(made->frames));
+  return made;
 }
 
 }  // namespace rilievo::bench

@@ -17,9 +17,6 @@
 
 #include "bench/timing.h"
 #include "rilievo/capture/ray_source.h"
-#include "rilievo/frame/gl/stored_frames.h"
-#include "rilievo/frame/software/software_frames.h"
-#include "rilievo/frame/software/software_stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/render/opengl/frame_target.h"
@@ -146,30 +143,31 @@ Result<KindRun> run_kind(const KindScene& scene, const KindCase& one, CaptureSou
   auto tiles = bake_drawable(scene, one, source, **software_factory);
   if (!tiles) return tiles.error();
   const std::vector<Instance> instances{Instance{}};
-  SoftwareStoredFrames software(stage.nothing, kKindSamples, std::move(*tiles), instances, false);
-  std::vector<std::function<void()>> ways{way_of(software, scene, nullptr)};
+  const auto software =
+      stored_drawer(stage.nothing, nullptr, kKindSamples, std::move(*tiles), instances);
+  std::vector<std::function<void()>> ways{way_of(*software, scene, nullptr)};
   std::unique_ptr<DrawableFactory> factory;
-  std::unique_ptr<StoredFrames> opengl;
+  std::unique_ptr<FrameSource> opengl;
   if (stage.renderer) {
     auto made = make_factory(drawable_rows(), one.kind);
     if (!made) return made.error();
     factory = std::move(*made);
     auto drawable = bake_drawable(scene, one, source, *factory);
     if (!drawable) return drawable.error();
-    opengl =
-        std::make_unique<StoredFrames>(*stage.renderer, std::move(*drawable), instances, false);
+    opengl = stored_drawer(stage.nothing, &*stage.renderer, kKindSamples, std::move(*drawable),
+                           instances);
     ways.push_back(way_of(*opengl, scene, &stage));
   }
   // Failures are seen here: each would come again.
   KindRun run;
   for (const Camera& camera : scene.cameras) {
-    if (Result<> drawn = software.draw(camera, 0); !drawn) return drawn.error();
+    if (Result<> drawn = software->draw(camera, 0); !drawn) return drawn.error();
     if (!opengl) continue;
     stage.target->begin();
     if (Result<> drawn = opengl->draw(camera, 0); !drawn) return drawn.error();
     stage.target->resolve();
     run.worst_psnr = std::min(run.worst_psnr,
-                              psnr_db(stage.target->read(), software.software_target()->color()));
+                              psnr_db(stage.target->read(), software->software_target()->color()));
   }
   const std::vector<RunTimes> times = time_in_turn(runs, int(scene.cameras.size()), ways);
   run.software = times[0];
@@ -230,8 +228,8 @@ Result<BenchReport> kinds_without_opengl(const BenchOptions& options) {
     Result<RayScene> rays = RayScene::create(scene.scene);
     if (!rays) return rays.error();
     RaySource source(*rays);
-    SoftwareDirectFrames polygons(scene.scene, kKindSamples);
-    const std::function<void()> direct = way_of(polygons, scene, nullptr);
+    const auto polygons = polygon_drawer(scene.scene, nullptr, kKindSamples);
+    const std::function<void()> direct = way_of(*polygons, scene, nullptr);
     const RunTimes raster = time_in_turn(runs, int(scene.cameras.size()), {&direct, 1})[0];
     report.figures.emplace_back(scene.name + "_polygons_ms", raster.median());
     for (const KindCase& one : kind_cases(scene.surroundings, options.quick)) {

@@ -6,12 +6,13 @@
 
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/random.h"
-#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
 #include "rilievo/measure/visibility.h"
+#include "rilievo/method/stored.h"
 
 namespace rilievo::bench {
 namespace {
@@ -63,8 +64,9 @@ Result<std::unique_ptr<FrameSource>> impostor_source(SceneRenderer& renderer, La
   Result<std::unique_ptr<Drawable>> drawable =
       make_layered_drawable(std::move(impostor), drawer, options);
   if (!drawable) return drawable.error();
-  return {std::make_unique<StoredFrames>(renderer, std::move(*drawable),
-                                         std::vector<Instance>{{glm::dmat4(1.0), 0, 1}}, false)};
+  PictureSet stored{std::move(*drawable), {{glm::dmat4(1.0), 0, 1}}};
+  return {std::make_unique<OpenGLFrames>(
+      renderer, std::make_unique<StoredChooser>(std::move(stored), StoredOptions{}))};
 }
 
 Result<SmallFrames> SmallFrames::create(int size, int samples) {

@@ -12,9 +12,10 @@
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
 #include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/flip.h"
+#include "rilievo/method/direct.h"
 
 namespace rilievo::bench {
 namespace {
@@ -67,7 +68,7 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
     }
     return flips;
   };
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct(*renderer, std::make_unique<DirectChooser>());
   const Result<std::vector<double>> true_changes = changes(direct);
   if (!true_changes) return true_changes.error();
 

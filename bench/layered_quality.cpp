@@ -7,11 +7,12 @@
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
 #include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/bake.h"
 #include "rilievo/layered_impostor/error.h"
 #include "rilievo/measure/report.h"
+#include "rilievo/method/direct.h"
 
 namespace rilievo::bench {
 namespace {
@@ -62,7 +63,7 @@ Result<Subject> make_subject(const BenchObject& object, SmallFrames& frames, int
   eye_options.size = size;
   Subject subject{
       object, std::move(*renderer), random_eyes(world_bounds(object.scene), eye_options), {}};
-  DirectFrames direct(subject.renderer);
+  OpenGLFrames direct(subject.renderer, std::make_unique<DirectChooser>());
   for (const Camera& camera : subject.cameras) {
     Result<ShownFrame> shown = frames.draw(direct, camera);
     if (!shown) return shown.error();

@@ -12,10 +12,11 @@
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
 #include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/visibility.h"
+#include "rilievo/method/direct.h"
 
 namespace rilievo::bench {
 namespace {
@@ -96,7 +97,7 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   constexpr std::size_t kOffsets = kMaxDegrees / kTearsStep + 1;
   std::vector<std::vector<Visibility>> found(std::size(kTearsWays),
                                              std::vector<Visibility>(kOffsets));
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct(*renderer, std::make_unique<DirectChooser>());
   for (std::size_t view = 0; view < impostor->pictures.size(); view += every) {
     std::vector<std::vector<Eye>> eyes(kOffsets);
     for (std::size_t o = 0; o < kOffsets; ++o)

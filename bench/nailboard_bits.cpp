@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "bench/drawn_by.h"
-#include "rilievo/cache/gl/picture_frames.h"
-#include "rilievo/cache/software/software_picture_frames.h"
 #include "rilievo/compare/compare.h"
+#include "rilievo/frame/owned_frames.h"
 #include "rilievo/io/png.h"
+#include "rilievo/method/pictures.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
@@ -43,15 +43,10 @@ Result<Rgba8Image> picture_of(FrameSource& source, const WalkFrame& frame,
 // `renderer`: null: software.
 Result<std::unique_ptr<FrameSource>> make_pictures(const Scene& scene, SceneRenderer* renderer,
                                                    const PictureFramesOptions& options) {
-  if (!renderer) {
-    Result<std::unique_ptr<SoftwareChosenFrames>> made =
-        make_software_picture_frames(scene, options);
-    if (!made) return made.error();
-    return {std::move(*made)};
-  }
-  Result<PictureFrames> made = PictureFrames::create(*renderer, options);
+  std::unique_ptr<Backend> backend = make_backend(scene, renderer, options.samples);
+  Result<std::unique_ptr<FrameSource>> made = make_picture_frames(*backend, options);
   if (!made) return made.error();
-  return {std::make_unique<PictureFrames>(std::move(*made))};
+  return {std::make_unique<OwnedFrames>(std::move(backend), std::move(*made))};
 }
 
 }  // namespace

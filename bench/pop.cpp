@@ -24,9 +24,8 @@ Result<BenchReport> pop(const BenchOptions& options) {
       polygon_drawer(built->scene, renderer->get(), compare_options.samples);
   ImageCacheOptions at_once;
   at_once.fade_frames = 1;
-  const Result<std::unique_ptr<FrameSource>> faded = make_cache(built->scene, renderer->get(), {}),
-                                             unfaded =
-                                                 make_cache(built->scene, renderer->get(), at_once);
+  const Result<CachedFrames> faded = make_cache(built->scene, renderer->get(), {}),
+                             unfaded = make_cache(built->scene, renderer->get(), at_once);
   if (!faded || !unfaded) return faded ? unfaded.error() : faded.error();
 
   compare_options.width = options.quick ? 160 : 960;
@@ -41,7 +40,7 @@ Result<BenchReport> pop(const BenchOptions& options) {
                      time};
   };
   const ComparedSource sources[] = {
-      {"direct", direct.get()}, {"faded", faded->get()}, {"at once", unfaded->get()}};
+      {"direct", direct.get()}, {"faded", faded->frames.get()}, {"at once", unfaded->frames.get()}};
   const Result<Report> compared = compare(sources, walk, compare_options);
   if (!compared) return compared.error();
 

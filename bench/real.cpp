@@ -13,15 +13,13 @@
 #include "bench/real_scenes.h"
 #include "rilievo/compare/real_time.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/gl/level_frames.h"
-#include "rilievo/frame/software/software_frames.h"
-#include "rilievo/frame/software/software_level_frames.h"
 #include "rilievo/io/jpeg.h"
 #include "rilievo/measure/gap_width.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/report.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/measure/visibility.h"
+#include "rilievo/method/levels.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo::bench {
@@ -67,20 +65,19 @@ struct RealRun {
 Result<std::vector<Baseline>> make_baselines(const Scene& scene, SceneRenderer* renderer,
                                              double error_px) {
   std::vector<Baseline> baselines;
-  if (renderer) baselines.push_back({"direct", std::make_unique<DirectFrames>(*renderer)});
-  baselines.push_back({"direct-raster", std::make_unique<SoftwareDirectFrames>(scene, kSamples)});
+  if (renderer) baselines.push_back({"direct", polygon_drawer(scene, renderer, kSamples)});
+  baselines.push_back({"direct-raster", polygon_drawer(scene, nullptr, kSamples)});
   Result<std::unique_ptr<RayVisibility>> rays = RayVisibility::create(scene);
   if (!rays) return rays.error();
-  baselines.push_back(
-      {"direct-rays", std::make_unique<SoftwareDirectFrames>(scene, kSamples, std::move(*rays))});
+  baselines.push_back({"direct-rays", polygon_drawer(scene, nullptr, kSamples, std::move(*rays))});
   ObjectLevels levels = make_object_levels(scene);
-  if (renderer) {
-    auto by_opengl = LevelFrames::create(levels, error_px);
-    if (!by_opengl) return by_opengl.error();
-    baselines.push_back({"lod", std::move(*by_opengl)});
+  for (const bool by_opengl : {true, false}) {
+    if (by_opengl && !renderer) continue;
+    auto made = make_level_frames(*make_backend(scene, by_opengl ? renderer : nullptr, kSamples),
+                                  levels, error_px);
+    if (!made) return made.error();
+    baselines.push_back({by_opengl ? "lod" : "lod-raster", std::move(*made)});
   }
-  baselines.push_back(
-      {"lod-raster", SoftwareLevelFrames::create(std::move(levels), kSamples, error_px)});
   return baselines;
 }
 
@@ -212,8 +209,7 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
   report.notes.push_back(fmt::format("{}: the cache is drawn by {}.", real_scene.name,
                                      software ? "software" : "OpenGL"));
   for (const RealWalk& walk : real_scene.walks(*scene)) {
-    Result<std::unique_ptr<FrameSource>> cache =
-        make_cache(*scene, software ? nullptr : renderer, run.cache);
+    const Result<CachedFrames> cache = make_cache(*scene, software ? nullptr : renderer, run.cache);
     if (!cache) return cache.error();
     // Whoever stands still finds every picture at hand.
     const CameraPath path = there_and_back(walk.path, kLongestWalk);
@@ -230,15 +226,15 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
     options.limits = {run.cache.error_px, gap_limit_px(run.cache.error_px, run.cache.gap_px)};
     options.cuts = cuts_of(path);
     Figures figures;
-    Result<RealTimeWalk> walked = walk_in_real_time(**cache, targets, at, options);
+    Result<RealTimeWalk> walked = walk_in_real_time(*cache->frames, targets, at, options);
     if (!walked) return walked.error();
     figures.walk = std::move(*walked);
     if (software && automatic) {
       ImageCacheOptions by_opengl = run.cache;
       by_opengl.levels = false;  // it has none
-      Result<std::unique_ptr<FrameSource>> other = make_cache(*scene, renderer, by_opengl);
+      const Result<CachedFrames> other = make_cache(*scene, renderer, by_opengl);
       if (!other) return other.error();
-      walked = walk_in_real_time(**other, targets, at, options);
+      walked = walk_in_real_time(*other->frames, targets, at, options);
       if (!walked) return walked.error();
       figures.opengl_p50_ms = summarize(walked->frame_ms).p50;
     }

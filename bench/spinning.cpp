@@ -7,12 +7,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <string_view>
 
-#include "rilievo/cache/gl/image_cache.h"
+#include "bench/drawn_by.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/representation/bake_objects.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -57,7 +57,7 @@ Result<Scene> teapots(int triangles, int rows, int frames) {
   return scene;
 }
 
-Result<ImageCache> cache_with(SceneRenderer& renderer, const char* warp, bool quick) {
+Result<CachedFrames> cache_with(SceneRenderer& renderer, const char* warp, bool quick) {
   constexpr std::size_t kAll = std::size_t(256) << 20;
   const Kind& kind = layered_impostor_kind();
   Result<std::unique_ptr<DrawableFactory>> factory = make_factory(drawable_rows(), kind.name);
@@ -75,9 +75,9 @@ Result<ImageCache> cache_with(SceneRenderer& renderer, const char* warp, bool qu
   ImageCacheOptions options;
   options.max_bytes = kAll;
   for (const ObjectDrawable& one : *drawables) options.max_bytes -= one.drawable->bytes();
-  Result<ImageCache> cache = ImageCache::create(renderer, options);
+  Result<CachedFrames> cache = make_cache(renderer.scene(), &renderer, options);
   if (!cache) return cache.error();
-  cache->add_alternatives(std::move(*drawables), std::move(*factory));
+  cache->cache->add_alternatives(std::move(*drawables), std::move(*factory));
   return cache;
 }
 
@@ -96,12 +96,12 @@ Result<BenchReport> spinning(const BenchOptions& options) {
   Result<SceneRenderer> renderer = SceneRenderer::create(*scene);
   if (!renderer) return renderer.error();
 
-  DirectFrames direct(*renderer);
-  Result<ImageCache> alone = ImageCache::create(*renderer, {});
+  const auto direct = polygon_drawer(*scene, &*renderer, 4);
+  const Result<CachedFrames> alone = make_cache(*scene, &*renderer, {});
   if (!alone) return alone.error();
-  Result<ImageCache> walk = cache_with(*renderer, "surfaces", options.quick);
+  const Result<CachedFrames> walk = cache_with(*renderer, "surfaces", options.quick);
   if (!walk) return walk.error();
-  Result<ImageCache> slices = cache_with(*renderer, "slices", options.quick);
+  const Result<CachedFrames> slices = cache_with(*renderer, "slices", options.quick);
   if (!slices) return slices.error();
 
   // Slowly around all of them.
@@ -112,8 +112,10 @@ Result<BenchReport> spinning(const BenchOptions& options) {
                              compare_options.height, 0.5, 500),
                      kFrame_s * frame};
   };
-  const ComparedSource sources[] = {
-      {"direct", &direct}, {"cache", &*alone}, {"walk", &*walk}, {"slices", &*slices}};
+  const ComparedSource sources[] = {{"direct", direct.get()},
+                                    {"cache", alone->frames.get()},
+                                    {"walk", walk->frames.get()},
+                                    {"slices", slices->frames.get()}};
   const Result<Report> compared = compare(sources, frame_at, compare_options);
   if (!compared) return compared.error();
 

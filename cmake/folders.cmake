@@ -4,7 +4,7 @@
 
 # In the order in which they may include each other; tools/check_layers has the exact table.
 set(RILIEVO_FOLDERS core measure gl io warp scene render capture kind nailboard layered_impostor
-    environment_nodes layered_relief relief_impostor representation frame keyframes cache compare)
+    environment_nodes layered_relief relief_impostor representation frame keyframes cache method compare)
 set(RILIEVO_GL_FOLDERS gl compare)
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco

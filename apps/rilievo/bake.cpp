@@ -25,10 +25,11 @@
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/camera_path.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/deep_exr.h"
 #include "rilievo/measure/stats.h"
+#include "rilievo/method/direct.h"
 #include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/representation/kinds.h"
@@ -56,7 +57,7 @@ Result<double> direct_ms(SceneRenderer& renderer, int width, int height) {
   if (!target) return target.error();
   constexpr int kFrames = 5;
   const CameraPath path = orbit_path(world_bounds(renderer.scene()), kFrames);
-  DirectFrames direct(renderer);
+  OpenGLFrames direct(renderer, std::make_unique<DirectChooser>());
   std::vector<double> ms;
   // One more to warm up.
   for (int frame = 0; frame <= kFrames; ++frame) {

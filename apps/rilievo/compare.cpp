@@ -69,22 +69,25 @@ void print_summary(const Report& report) {
 // Direct drawing without antialiasing: what aliasing alone does to the figures.
 constexpr char kOneSample[] = "direct-1-sample";
 
+// What draws the scene, with the frames' samples and with one.
+struct Stages {
+  Stages(const Scene& scene, int samples, const Deformations* deformations = nullptr)
+      : all(scene, samples, deformations), one_sample(scene, 1, deformations) {}
+  Stage all, one_sample;
+};
+
 // What draws each method; what the file holds, if there is one, is what they draw.
-Result<std::unique_ptr<FrameSource>> source_of(const std::string& method,
-                                               const CompareCommand& options, const Scene& scene,
-                                               std::optional<SceneRenderer>& renderer) {
-  // It draws the true frames, and only software bends what bends by time.
-  if (method == "direct-raster" && options.bends)
-    return make_software_source(method, options.method_options, options.frames.samples, scene);
-  if (method == kOneSample)
-    return make_software_source("direct-raster", options.method_options, 1, scene);
+Result<Method> make(const std::string& method, const CompareCommand& options, Stages& stages) {
+  if (method == kOneSample) {
+    MethodOptions software = options.method_options;
+    software.draw = "software";
+    return stages.one_sample.make("direct-raster", software);
+  }
   if (options.file.empty() || !kind_method(method).kind)
-    return make_scene_source(method, options.method_options, options.frames.samples, scene,
-                             renderer);
+    return stages.all.make(method, options.method_options);
   Result<PictureFileContent> content = open_representation(options.file);
   if (!content) return content.error();
-  return make_file_source(method, options.method_options, options.frames.samples,
-                          std::move(content->representation), scene, renderer);
+  return stages.all.make(method, options.method_options, std::move(content->representation));
 }
 
 // All methods walk again, through a scene whose colours tell positions. `truth` draws the scene.
@@ -98,16 +101,16 @@ Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, Fra
   // A store knows pictures by their colours, too, but not by codes.
   CompareCommand of_coded = options;
   of_coded.method_options.impostors.store.clear();
-  std::optional<SceneRenderer> renderer;
-  std::vector<std::unique_ptr<FrameSource>> sources;
+  Stages stages(coded, options.frames.samples);
+  std::vector<Method> methods;
   std::vector<ComparedSource> compared;
   for (const MethodResult& method : report.methods) {
     // Its polygons are others, and show their own positions where they lie.
     if (method.name == "lod" || (method.name == "cache" && options.method_options.levels)) continue;
-    Result<std::unique_ptr<FrameSource>> source = source_of(method.name, of_coded, coded, renderer);
-    if (!source) return source.error();
-    sources.push_back(std::move(*source));
-    compared.push_back({method.name, sources.back().get()});
+    Result<Method> made = make(method.name, of_coded, stages);
+    if (!made) return made.error();
+    methods.push_back(std::move(*made));
+    compared.push_back({method.name, methods.back().frames.get()});
   }
   return measure_drawn_errors(coded, *half_periods, compared, walk, compare_options, report);
 }
@@ -134,19 +137,17 @@ Result<> run_compare(CompareCommand options) {
   if (!plan) return plan.error();
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
   options.method_options.impostors.background = options.real_time;
-  if (options.bends) options.method_options.impostors.deformations = &opened->deformations;
-  std::optional<SceneRenderer> renderer;
-  std::vector<std::unique_ptr<FrameSource>> sources;
+  Stages stages(opened->scene, options.frames.samples, &opened->deformations);
+  std::vector<Method> methods;
   std::vector<ComparedSource> compared;
-  std::vector<std::string> methods =
+  std::vector<std::string> names =
       with_direct(options.methods, options.bends || options.method_options.draw == "software");
-  if (options.one_sample) methods.emplace_back(kOneSample);
-  for (const std::string& method : methods) {
-    Result<std::unique_ptr<FrameSource>> source =
-        source_of(method, options, opened->scene, renderer);
-    if (!source) return source.error();
-    sources.push_back(std::move(*source));
-    compared.push_back({method, sources.back().get()});
+  if (options.one_sample) names.emplace_back(kOneSample);
+  for (const std::string& name : names) {
+    Result<Method> made = make(name, options, stages);
+    if (!made) return made.error();
+    methods.push_back(std::move(*made));
+    compared.push_back({name, methods.back().frames.get()});
   }
 
   CompareOptions compare_options;
@@ -186,8 +187,8 @@ Result<> run_compare(CompareCommand options) {
         "The scene bends by time, which OpenGL's polygons do not show: the true "
         "frames are direct-raster's, by software.");
   if (options.drawn_error)
-    if (Result<> done =
-            add_drawn_errors(options, opened->scene, *sources[0], walk, compare_options, *report);
+    if (Result<> done = add_drawn_errors(options, opened->scene, *compared[0].source, walk,
+                                         compare_options, *report);
         !done)
       return done;
   progress.clear();

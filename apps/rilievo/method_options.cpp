@@ -52,7 +52,13 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       .add_option("--delta-bits", options.delta_bits,
                   "Bits of a picture's depth (Delta) per texel (default 8)")
       ->check(CLI::IsMember({2, 4, 6, 8, 16}));
-  command.add_option("--depth", options.depth, "How nailboards write depth (default exact)")
+  command
+      .add_option_function<std::string>(
+          "--depth",
+          [&options](const std::string& depth) {
+            options.depth_mode = depth == "linear" ? DepthMode::linear : DepthMode::exact;
+          },
+          "How nailboards write depth (default exact)")
       ->check(CLI::IsMember({"exact", "linear"}));
   command.add_flag("--outlines", options.outlines,
                    "Outline everything that is drawn from a picture");
@@ -132,10 +138,6 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   add_impostor_options(command, options.impostors);
   add_kind_options(command, KindOptionsOf::draw, options.kinds);
   add_kind_options(command, KindOptionsOf::bake, options.kinds);
-}
-
-DepthMode depth_mode(const MethodOptions& options) {
-  return options.depth == "linear" ? DepthMode::linear : DepthMode::exact;
 }
 
 }  // namespace rilievo::app

@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <utility>
 
-#include "apps/rilievo/builtin_methods.h"
-#include "apps/rilievo/kind_sources.h"
-#include "apps/rilievo/stored_sources.h"
-#include "rilievo/cache/impostor_chooser.h"
+#include "apps/rilievo/output.h"
+#include "apps/rilievo/progress.h"
+#include "rilievo/frame/software/software_backend.h"
 #include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
@@ -24,34 +22,25 @@ std::optional<std::string> refused(const std::string& method) {
   return factory ? std::nullopt : std::optional<std::string>(factory.error().reason);
 }
 
-// Does `automatic` draw a scene without OpenGL though there is one? `direct` is OpenGL's baseline,
-// kinds are baked by OpenGL where there is one, and polygons that are presented by it do not bend.
-bool chooses_software(const std::string& method, const MethodOptions& options, int samples) {
-  if (options.draw != "automatic" || method == "direct" || kind_method(method).kind) return false;
-  const Deformations* deformations = options.impostors.deformations;
-  const bool bends = deformations && !deformations->meshes.empty() && method == "direct-raster";
-  return (gl::is_software() || bends) && !needs_opengl(method, options, samples);
+// With what the library reports while a method is made.
+template <typename Make>
+Result<Method> with_reports(const MethodOptions& options, const Make& make) {
+  Progress progress("view");
+  rilievo::MethodOptions with = options;
+  with.progress = [&](int done, int total) { progress.show(done, total); };
+  with.warn = [](const std::string& text) { complain("warning: " + text); };
+  return make(with);
 }
 
 }  // namespace
 
-const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const BuiltinMethod& method : builtin_methods()) all.emplace_back(method.name);
-    for (std::string& name : kind_method_names()) all.push_back(std::move(name));
-    return all;
-  }();
-  return names;
-}
-
 bool is_method(const std::string& name) {
-  return kind_method(name).kind ||
-         std::find(method_names().begin(), method_names().end(), name) != method_names().end();
+  return kind_method(name).kind || find_method(methods(), name);
 }
 
 bool bends_by_time(const std::string& method) {
-  return method == kReliefImpostorName || method == "direct-raster";
+  const MethodRow* row = find_method(methods(), method);
+  return row && row->bends;
 }
 
 CLI::Validator known_method() {
@@ -93,61 +82,65 @@ Result<std::unique_ptr<gl::Context>> open_opengl(std::span<const std::string> me
   return none;
 }
 
-Result<std::unique_ptr<FrameSource>> make_software_source(const std::string& method,
-                                                          const MethodOptions& options, int samples,
-                                                          const Scene& scene) {
-  if (const auto reason = needs_opengl(method, options, samples)) return Error{"--draw", *reason};
-  for (const BuiltinMethod& builtin : builtin_methods())
-    if (method == builtin.name) return builtin.make_software(options, samples, scene);
-  return make_software_kind(kind_method(method), options, samples, scene);
+// A presented frame's samples, deformations and pictures are the backend's.
+Result<Backend*> Stage::backend(bool software, bool bends) {
+  std::unique_ptr<Backend>& made = (software ? software_ : opengl_)[bends];
+  if (made) return made.get();
+  const Deformations* deformations = bends ? deformations_ : nullptr;
+  if (software) {
+    made = std::make_unique<SoftwareBackend>(scene_, samples_, deformations);
+    return made.get();
+  }
+  if (!renderer_) {
+    Result<SceneRenderer> renderer = SceneRenderer::create(scene_);
+    if (!renderer) return renderer.error();
+    renderer_.emplace(std::move(*renderer));
+  }
+  made = std::make_unique<OpenGLBackend>(*renderer_, samples_, deformations);
+  return made.get();
 }
 
-Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
-                                                 const MethodOptions& options, int samples,
-                                                 SceneRenderer& renderer) {
-  if (options.draw == "software" || chooses_software(method, options, samples))
-    return make_software_source(method, options, samples, renderer.scene());
-  for (const BuiltinMethod& builtin : builtin_methods())
-    if (method == builtin.name) return builtin.make(options, samples, renderer);
-  return make_kind(kind_method(method), options, renderer);
-}
-
-Result<> make_renderer(const Scene& scene, std::optional<SceneRenderer>& renderer) {
-  if (renderer) return Done{};
-  Result<SceneRenderer> made = SceneRenderer::create(scene);
-  if (!made) return made.error();
-  renderer.emplace(std::move(*made));
-  return Done{};
-}
-
-Result<std::unique_ptr<FrameSource>> make_scene_source(const std::string& method,
-                                                       const MethodOptions& options, int samples,
-                                                       const Scene& scene,
-                                                       std::optional<SceneRenderer>& renderer) {
-  if (options.draw == "software" || chooses_software(method, options, samples))
-    return make_software_source(method, options, samples, scene);
-  if (Result<> made = make_renderer(scene, renderer); !made) return made.error();
-  return make_source(method, options, samples, *renderer);
-}
-
-Result<bool> draws_by_software(const std::string& method, const MethodOptions& options,
-                               int samples) {
-  const std::optional<std::string> reason = needs_opengl(method, options, samples);
+Result<Method> Stage::make(const std::string& method, const MethodOptions& options) {
+  const MethodRow* row = find_method(methods(), method);
+  const std::optional<std::string> reason = needs_opengl(method, options, samples_);
   if (options.draw == "software" && reason) return Error{"--draw", *reason};
-  return options.draw == "software" ||
-         (options.draw == "automatic" && !reason && gl::is_software());
+  // Kinds are baked by OpenGL where there is one.
+  const bool software =
+      options.draw == "software" ||
+      (options.draw == "automatic" && row && row->software_first && !reason && gl::is_software());
+  const Result<Backend*> backend = this->backend(software, row && row->bends);
+  if (!backend) return backend.error();
+  return with_reports(options, [&](const rilievo::MethodOptions& with) {
+    return make_method(method, with, **backend);
+  });
 }
 
-Result<std::unique_ptr<FrameSource>> make_file_source(
-    const std::string& method, const MethodOptions& options, int samples,
-    std::unique_ptr<Representation> representation, const Scene& sky,
-    std::optional<SceneRenderer>& renderer) {
-  const Result<bool> software = draws_by_software(method, options, samples);
-  if (!software) return software.error();
-  if (*software)
-    return make_software_stored_source(method, options, samples, std::move(representation), sky);
-  if (Result<> made = make_renderer(sky, renderer); !made) return made.error();
-  return make_stored_source(method, options, std::move(representation), *renderer);
+Result<Backend*> Stage::backend_of_file(const std::string& method, const MethodOptions& options) {
+  const std::optional<std::string> reason = needs_opengl(method, options, samples_);
+  if (options.draw == "software" && reason) return Error{"--draw", *reason};
+  return backend(
+      options.draw == "software" || (options.draw == "automatic" && !reason && gl::is_software()),
+      false);
+}
+
+Result<Method> Stage::make(const std::string& method, const MethodOptions& options,
+                           std::unique_ptr<Representation> representation) {
+  const Result<Backend*> backend = backend_of_file(method, options);
+  if (!backend) return backend.error();
+  return make_stored_method(method, options, **backend, std::move(representation));
+}
+
+Result<Method> Stage::make(const std::string& method, const MethodOptions& options,
+                           std::span<const DepthImage> pictures, int delta_bits) {
+  const Result<Backend*> backend = backend_of_file(method, options);
+  if (!backend) return backend.error();
+  return make_stored_method(pictures, delta_bits, options, **backend);
+}
+
+Result<Method> Stage::make_direct() {
+  const Result<Backend*> backend = this->backend(false, false);
+  if (!backend) return backend.error();
+  return make_method("direct", {}, **backend);
 }
 
 }  // namespace rilievo::app

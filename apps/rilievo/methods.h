@@ -1,4 +1,4 @@
-// Which methods draw a scene, or the contents of a file, and who draws them: OpenGL, or software?
+// Methods on the command line, and who draws them: OpenGL, or software.
 //
 // MethodOptions::draw decides. `automatic` is software where OpenGL runs on processors or is
 // missing; but `direct` is OpenGL's where there is one, as is a kind of representation that is
@@ -12,20 +12,14 @@
 #include <vector>
 
 #include "apps/rilievo/method_options.h"
-#include "rilievo/frame/frame_source.h"
+#include "rilievo/frame/gl/opengl_backend.h"
 #include "rilievo/gl/context.h"
-#include "rilievo/render/opengl/scene_renderer.h"
-#include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
 
-// direct, direct-raster, direct-rays, lod, flat, nailboard, cache, relief-impostor, and those of
-// all kinds.
-[[nodiscard]] const std::vector<std::string>& method_names();
 // Does --method take it? Former names too.
 [[nodiscard]] bool is_method(const std::string& name);
-// Does the method show skins and morph targets by time, if it is given Deformations? direct-raster
-// by software only.
+// Does the method show skins and morph targets by time, if the stage has Deformations?
 [[nodiscard]] bool bends_by_time(const std::string& method);
 // For CLI options that take one or several methods.
 [[nodiscard]] CLI::Validator known_method();
@@ -44,37 +38,36 @@ namespace rilievo::app {
 [[nodiscard]] Result<std::unique_ptr<gl::Context>> open_opengl(std::span<const std::string> methods,
                                                                int samples, MethodOptions& options);
 
-// Draws a scene without OpenGL (FrameSource::software_target). `scene` must outlive the source.
-// Fails where OpenGL is needed.
-[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_software_source(
-    const std::string& method, const MethodOptions& options, int samples, const Scene& scene);
+// A scene and the backends that draw it, each made when the first method needs it. After
+// open_opengl(). Methods must not outlive it.
+class Stage {
+ public:
+  // `scene` (empty: for files) and `deformations` must outlive the stage. `samples` is the frame's
+  // antialiasing, which pictures share.
+  Stage(const Scene& scene, int samples, const Deformations* deformations = nullptr)
+      : scene_(scene), samples_(samples), deformations_(deformations) {}
 
-// Draws `renderer`'s scene, by OpenGL or by software. Needs a current OpenGL context; `renderer`
-// must outlive the source. `samples` is the frame's antialiasing, which pictures share.
-[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_source(const std::string& method,
-                                                               const MethodOptions& options,
-                                                               int samples,
-                                                               SceneRenderer& renderer);
+  // Draws the scene. The errors name options.
+  [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options);
+  // Draws what a file holds, under the scene's sky.
+  [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options,
+                                    std::unique_ptr<Representation> representation);
+  [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options,
+                                    std::span<const DepthImage> pictures, int delta_bits);
+  // Direct drawing by OpenGL.
+  [[nodiscard]] Result<Method> make_direct();
 
-// Makes `renderer` if it is empty. Needs a current OpenGL context; `scene` must outlive it.
-[[nodiscard]] Result<> make_renderer(const Scene& scene, std::optional<SceneRenderer>& renderer);
+ private:
+  [[nodiscard]] Result<Backend*> backend(bool software, bool bends);
+  [[nodiscard]] Result<Backend*> backend_of_file(const std::string& method,
+                                                 const MethodOptions& options);
 
-// The same after open_opengl(). Makes `renderer` if it is empty and the source needs it; `scene`
-// and `renderer` must outlive the source.
-[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_scene_source(
-    const std::string& method, const MethodOptions& options, int samples, const Scene& scene,
-    std::optional<SceneRenderer>& renderer);
-
-// After open_opengl(): is what a file holds drawn without OpenGL? The error says why it cannot be.
-[[nodiscard]] Result<bool> draws_by_software(const std::string& method,
-                                             const MethodOptions& options, int samples);
-
-// Draws what a file holds, under the sky of a scene, after open_opengl(). Makes `renderer`, of that
-// scene, if it is empty and the source needs it; both must outlive the source. A drawable takes the
-// representation for itself: one load for each source.
-[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_file_source(
-    const std::string& method, const MethodOptions& options, int samples,
-    std::unique_ptr<Representation> representation, const Scene& sky,
-    std::optional<SceneRenderer>& renderer);
+  const Scene& scene_;
+  int samples_;
+  const Deformations* deformations_;
+  std::optional<SceneRenderer> renderer_;
+  // Without what bends, and with it:
+  std::unique_ptr<Backend> software_[2], opengl_[2];
+};
 
 }  // namespace rilievo::app

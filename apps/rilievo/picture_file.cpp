@@ -1,13 +1,11 @@
 #include "apps/rilievo/picture_file.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/rilievo/kinds.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/representation/kinds.h"
+#include "rilievo/representation/load_representation.h"
 
 namespace rilievo::app {
 namespace {
@@ -90,10 +88,11 @@ Result<PictureFileContent> open_pictures(const std::string& file) {
 }
 
 Result<PictureFileContent> open_representation(const std::string& file) {
-  Result<PictureFileContent> content = open_pictures(file);
-  if (content && !content->kind)
-    return Error{file, fmt::format("holds plain pictures, nothing that was baked ({})",
-                                   fmt::join(kind_names(), ", "))};
+  Result<LoadedRepresentation> loaded = load_representation(file);
+  if (!loaded) return loaded.error();
+  PictureFileContent content;
+  content.kind = loaded->kind;
+  content.representation = std::move(loaded->representation);
   return content;
 }
 

@@ -20,8 +20,6 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/gl/stored_frames.h"
-#include "rilievo/frame/software/software_stored_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
@@ -185,6 +183,13 @@ Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& sourc
   return write_json(options.json, json);
 }
 
+// Frames have the size asked for, or that of the only camera.
+Result<> draw_or_loop(const RenderCommand& options, const Walk& walk, FrameSource& source) {
+  if (options.loop_seconds > 0) return loop(options, walk, source);
+  return draw_frames(options, walk, walk.only ? walk.only->width : options.frames.width,
+                     walk.only ? walk.only->height : options.frames.height, source);
+}
+
 Result<> render_scene(const RenderCommand& options) {
   if (!options.pictures.empty() && options.method == "direct")
     return Error{"--save-pictures", "direct drawing uses no pictures"};
@@ -199,17 +204,13 @@ Result<> render_scene(const RenderCommand& options) {
   if (!plan) return plan.error();
   MethodOptions methods = options.methods;
   methods.eyes = eyes_of(plan->path, plan->frames);
-  methods.impostors.deformations = &opened->deformations;
   const Result<std::unique_ptr<gl::Context>> context =
       open_opengl({&options.method, 1}, options.frames.samples, methods);
   if (!context) return context.error();
-  std::optional<SceneRenderer> renderer;
-  Result<std::unique_ptr<FrameSource>> source =
-      make_scene_source(options.method, methods, options.frames.samples, opened->scene, renderer);
-  if (!source) return source.error();
-  const Walk walk{*plan, {}, options.time};
-  if (options.loop_seconds > 0) return loop(options, walk, **source);
-  return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
+  Stage stage(opened->scene, options.frames.samples, &opened->deformations);
+  Result<Method> method = stage.make(options.method, methods);
+  if (!method) return method.error();
+  return draw_or_loop(options, {*plan, {}, options.time}, *method->frames);
 }
 
 // The eye of the frame that the pictures were saved from; else that of the first picture.
@@ -237,60 +238,29 @@ Result<Walk> walk_of(const RenderCommand& options, const FramePictures& stored) 
   return walk;
 }
 
-// What draws a file's content.
-struct StoredBackend {
-  std::unique_ptr<gl::Context> context;  // null: software
-  std::optional<SceneRenderer> renderer;
-  Scene sky;
-};
-
-Result<> render_pictures(const RenderCommand& options, const FramePictures& stored,
-                         StoredBackend& backend) {
+Result<> render_pictures(const RenderCommand& options, const FramePictures& stored) {
   const Result<Walk> walk = walk_of(options, stored);
   if (!walk) return walk.error();
-  const DepthMode mode = depth_mode(options.methods);
-  const auto named = [&](const Error& error) {
-    return Error{options.scene, error.where + ": " + error.reason};
-  };
-  std::unique_ptr<FrameSource> source;
-  const Result<bool> software =
-      draws_by_software(options.method, options.methods, options.frames.samples);
-  if (!software) return software.error();
-  if (!*software) {
-    if (Result<> made = make_renderer(backend.sky, backend.renderer); !made) return made;
-    Result<StoredPictures> pictures =
-        make_stored_pictures(stored.pictures, mode, stored.delta_bits);
-    if (!pictures) return named(pictures.error());
-    source =
-        std::make_unique<StoredFrames>(*backend.renderer, std::move(pictures->set),
-                                       std::move(pictures->instances), options.methods.outlines);
-  } else {
-    Result<SoftwarePictures> pictures =
-        make_software_pictures(stored.pictures, mode, stored.delta_bits);
-    if (!pictures) return named(pictures.error());
-    source = std::make_unique<SoftwareStoredFrames>(
-        backend.sky, options.frames.samples, std::move(pictures->set),
-        std::move(pictures->instances), options.methods.outlines);
-  }
-  if (options.loop_seconds > 0) return loop(options, *walk, *source);
-  const bool saved_size = walk->only.has_value();
-  return draw_frames(options, *walk, saved_size ? walk->only->width : options.frames.width,
-                     saved_size ? walk->only->height : options.frames.height, *source);
+  const Scene nothing;
+  Stage stage(nothing, options.frames.samples);
+  Result<Method> method =
+      stage.make(options.method, options.methods, stored.pictures, stored.delta_bits);
+  if (!method && method.error().where.starts_with("--")) return method.error();
+  if (!method) return Error{options.scene, method.error().where + ": " + method.error().reason};
+  return draw_or_loop(options, *walk, *method->frames);
 }
 
-Result<> render_representation(const RenderCommand& options, PictureFileContent content,
-                               StoredBackend& backend) {
+Result<> render_representation(const RenderCommand& options, PictureFileContent content) {
   const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
-  Result<std::unique_ptr<FrameSource>> source =
-      make_file_source(options.method, options.methods, options.frames.samples,
-                       std::move(content.representation), backend.sky, backend.renderer);
-  if (!source)
-    return source.error().where.starts_with("--") ? source.error()
-                                                  : Error{options.scene, source.error().reason};
-  const Walk walk{*plan, {}};
-  if (options.loop_seconds > 0) return loop(options, walk, **source);
-  return draw_frames(options, walk, options.frames.width, options.frames.height, **source);
+  const Scene nothing;
+  Stage stage(nothing, options.frames.samples);
+  Result<Method> method =
+      stage.make(options.method, options.methods, std::move(content.representation));
+  if (!method)
+    return method.error().where.starts_with("--") ? method.error()
+                                                  : Error{options.scene, method.error().reason};
+  return draw_or_loop(options, {*plan, {}}, *method->frames);
 }
 
 Result<> render_file(RenderCommand options) {
@@ -307,13 +277,11 @@ Result<> render_file(RenderCommand options) {
   }
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
-  Result<std::unique_ptr<gl::Context>> context =
+  const Result<std::unique_ptr<gl::Context>> context =
       open_opengl({&options.method, 1}, options.frames.samples, options.methods);
   if (!context) return context.error();
-  StoredBackend backend;
-  backend.context = std::move(*context);
-  return content->kind ? render_representation(options, std::move(*content), backend)
-                       : render_pictures(options, content->frame, backend);
+  return content->kind ? render_representation(options, std::move(*content))
+                       : render_pictures(options, content->frame);
 }
 
 }  // namespace

@@ -18,11 +18,7 @@
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/frame/software/software_chosen_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/io/png.h"
@@ -147,9 +143,7 @@ struct Subject {
   Box bounds;
   FramePlan plan;
   std::vector<std::string> methods;  // the first if none is asked for
-  std::function<Result<std::unique_ptr<FrameSource>>(const std::string& method,
-                                                     const MethodOptions& options)>
-      make_source;
+  std::function<Result<Method>(const std::string& method, const MethodOptions& options)> make;
   FrameSource* direct = nullptr;  // none if nothing but pictures is known
   Vantage vantage{};
 };
@@ -207,16 +201,15 @@ class Viewer {
     const Camera camera = state_.mode == ViewMode::play
                               ? camera_at(state_.path, state_.time, width_, height_)
                               : camera_of(state_, width_, height_);
-    const Result<double> ms = draw(*source_, *left_, camera, state_.time);
+    const Result<double> ms = draw(*method_.frames, *left_, camera, state_.time);
     if (!ms) return ms.error();
-    measure(state_, source_->stats(), *ms);
+    measure(state_, method_.frames->stats(), *ms);
     state_.impostors.clear();
-    if (const auto* frames = dynamic_cast<const ImpostorFrames*>(source_.get()))
-      state_.impostors.assign(frames->statuses().begin(), frames->statuses().end());
-    if (const auto* frames = dynamic_cast<const SoftwareChosenFrames*>(source_.get()))
-      if (const auto* chooser = dynamic_cast<const ImpostorChooser*>(&frames->chooser()))
-        state_.impostors.assign(chooser->statuses().begin(), chooser->statuses().end());
-    if (const SoftwareTarget* memory = source_->software_target())
+    if (method_.impostors) {
+      const std::span<const ImpostorStatus> statuses = method_.impostors();
+      state_.impostors.assign(statuses.begin(), statuses.end());
+    }
+    if (const SoftwareTarget* memory = method_.frames->software_target())
       memory_.show(memory->color(), 0, width_);
     else
       show_columns(*left_, 0, width_);
@@ -249,32 +242,21 @@ class Viewer {
       }
     }
     if (!state_.new_source) {
-      if (auto* cache = dynamic_cast<ImageCache*>(source_.get())) change(cache->options());
-      if (auto* cache = dynamic_cast<SoftwareCache*>(source_.get())) change(cache->options());
+      if (method_.follow) method_.follow(state_.methods);
       return Done{};
     }
     state_.new_source = false;
-    Result<std::unique_ptr<FrameSource>> made = subject_.make_source(state_.method, state_.methods);
+    Result<Method> made = subject_.make(state_.method, state_.methods);
     if (!made) {
-      if (!source_) return made.error();
+      if (!method_.frames) return made.error();
       // What the panel asked for cannot be: what there was is drawn on.
       state_.message = made.error().message();
-      state_.method = method_;
+      state_.method = name_;
       return Done{};
     }
-    source_ = std::move(*made);
-    method_ = state_.method;
+    method_ = std::move(*made);
+    name_ = state_.method;
     return Done{};
-  }
-
-  // What the panel changes while the cache runs.
-  void change(ImageCacheOptions& cache) const {
-    cache.error_px = state_.methods.error_px;
-    cache.gap_px = state_.methods.gap_px;
-    cache.capture_ms = state_.methods.capture_ms;
-    cache.late = state_.methods.late;
-    cache.max_spike = state_.methods.max_spike;
-    cache.outlines = state_.methods.outlines;
   }
 
   // The picture without the panel, if a screenshot was asked for.
@@ -302,8 +284,8 @@ class Viewer {
   glm::dvec3 center_;
   glm::dmat3 world_from_upright_;
   ViewState state_;
-  std::unique_ptr<FrameSource> source_;
-  std::string method_;  // of source_
+  Method method_;
+  std::string name_;  // of method_
   std::unique_ptr<FrameTarget> left_, right_;
   MemoryWindow memory_;
   int width_ = 0, height_ = 0;
@@ -321,17 +303,16 @@ Result<> view_scene(const ViewCommand& options) {
   if (!plan) return plan.error();
   const auto window = open_window(options);
   if (!window) return window.error();
-  Result<SceneRenderer> renderer = SceneRenderer::create(opened->scene);
-  if (!renderer) return renderer.error();
-  DirectFrames direct(*renderer);
-  Subject subject{world_bounds(opened->scene), *plan, {"cache"}, {}, &direct};
+  Stage stage(opened->scene, options.frames.samples, &opened->deformations);
+  Result<Method> direct = stage.make_direct();
+  if (!direct) return direct.error();
+  Subject subject{world_bounds(opened->scene), *plan, {"cache"}, {}, direct->frames.get()};
   for (const std::string& name : method_names())
     if (name != "cache") subject.methods.push_back(name);
-  subject.make_source = [&](const std::string& method, MethodOptions methods) {
+  subject.make = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
     methods.impostors.background = true;
-    methods.impostors.deformations = &opened->deformations;
-    return make_source(method, methods, options.frames.samples, *renderer);
+    return stage.make(method, methods);
   };
   return Viewer(options, subject, **window).run();
 }
@@ -350,17 +331,15 @@ Result<> view_file(const ViewCommand& options) {
   const auto window = open_window(options);
   if (!window) return window.error();
   const Scene nothing;
-  std::optional<SceneRenderer> sky;
+  Stage stage(nothing, options.frames.samples);
   Subject subject{bounds, *plan, kind_method_names(kind), {}, nullptr, vantage};
-  subject.make_source = [&](const std::string& method,
-                            const MethodOptions& with) -> Result<std::unique_ptr<FrameSource>> {
+  subject.make = [&](const std::string& method, const MethodOptions& with) -> Result<Method> {
     // A drawable takes the representation for itself: the next method loads it again.
     if (!content->representation) {
       content = open_representation(options.scene);
       if (!content) return content.error();
     }
-    return make_file_source(method, with, options.frames.samples,
-                            std::move(content->representation), nothing, sky);
+    return stage.make(method, with, std::move(content->representation));
   };
   return Viewer(options, subject, **window).run();
 }

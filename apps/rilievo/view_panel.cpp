@@ -131,9 +131,9 @@ void method_panel(ViewState& state) {
     }
     ImGui::EndCombo();
   }
-  bool linear = state.methods.depth == "linear";
+  bool linear = state.methods.depth_mode == DepthMode::linear;
   if (ImGui::Checkbox("linear depth, eq. (4)", &linear)) {
-    state.methods.depth = linear ? "linear" : "exact";
+    state.methods.depth_mode = linear ? DepthMode::linear : DepthMode::exact;
     state.new_source = true;
   }
   if (state.method == "cache") cache_panel(state);

@@ -8,7 +8,6 @@
 
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/view_camera.h"
-#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/core/camera_path.h"
 
 namespace rilievo::app {

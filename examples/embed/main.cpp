@@ -11,8 +11,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
 
-#include "rilievo/cache/gl/image_cache.h"
+#include "rilievo/frame/gl/opengl_backend.h"
 #include "rilievo/io/png.h"
+#include "rilievo/method/method.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/files/load_scene.h"
 
@@ -58,8 +59,8 @@ int main(int argc, char** argv) {
   if (!window) return std::fprintf(stderr, "no OpenGL 4.5\n"), 1;
   glfwMakeContextCurrent(window);
   {
-    SceneRenderer renderer = take(SceneRenderer::create(scene));
-    ImageCache cache = take(ImageCache::create(renderer, {}));
+    const auto backend = take(OpenGLBackend::create(scene, 4));
+    const Method cache = take(make_method("cache", {}, *backend));
     const gl::Program fan = take(gl::make_program("fan", kVertex, kFragment));
     const gl::VertexArray no_vertices = gl::make_vertex_array();
     const Box bounds = world_bounds(scene);
@@ -80,7 +81,7 @@ int main(int argc, char** argv) {
       glViewport(0, 0, width, height);
       glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
       // Rilievo draws into the framebuffer that is bound, and leaves the state as it was.
-      take(cache.draw(camera, time));
+      take(cache.frames->draw(camera, time));
       // The host's polygons meet the pictures in the z-buffer.
       const glm::mat4 clip_from_fan =
           glm::mat4(clip_from_world(camera) * glm::translate(glm::dmat4(1), center) *

@@ -1,38 +1,38 @@
-// Draws a scene's frames without OpenGL: the cache captures pictures with depth while the camera
-// moves, and draws the frames from them. Saves the last one.
-//
-//   rilievo_software_frame FRAME.png [builtin:NAME] [FRAMES]
+// Draws frames into memory without OpenGL, from pictures with depth that are captured while the
+// camera moves, and saves the last one:   rilievo_software_frame FRAME.png [builtin:NAME] [FRAMES]
+#include <rilievo/frame/software/software_backend.h>
+#include <rilievo/io/png.h>
+#include <rilievo/method/method.h>
+#include <rilievo/render/software/software_target.h>
+#include <rilievo/scene/builtin/builtin.h>
+
+#include <cstdio>
 #include <cstdlib>
-#include <iostream>
 
-#include "rilievo/cache/software/software_cache.h"
-#include "rilievo/core/stopwatch.h"
-#include "rilievo/io/png.h"
-#include "rilievo/scene/builtin/builtin.h"
+using namespace rilievo;
 
-int main(int argc, char** argv) {
-  using namespace rilievo;
-  if (argc < 2)
-    return std::cerr << "usage: " << argv[0] << " FRAME.png [builtin:NAME] [FRAMES]\n", 2;
-  const Result<BuiltinScene> made = make_builtin(argc > 2 ? argv[2] : "builtin:forest");
-  if (!made) return std::cerr << made.error().message() << "\n", 2;
-  const int frames = argc > 3 ? std::atoi(argv[3]) : 24;
-
-  Result<std::unique_ptr<SoftwareCache>> cache = SoftwareCache::create(made->scene, {});
-  if (!cache) return std::cerr << cache.error().message() << "\n", 2;
-  double last_ms = 0;
+Result<> walk(const char* file, const char* spec, int frames) {
+  const auto made = make_builtin(spec);  // or load_scene("house.glb")
+  if (!made) return made.error();
+  SoftwareBackend backend(made->scene, 4);  // samples a pixel
+  const auto cache = make_method("cache", {.error_px = 1}, backend);
+  if (!cache) return cache.error();
   for (int frame = 0; frame < frames; ++frame) {
     const double time = frame_time(made->path, frame);
-    const Stopwatch watch;
-    if (Result<> drawn = (*cache)->draw(camera_at(made->path, time, 1280, 720), time); !drawn)
-      return std::cerr << drawn.error().message() << "\n", 2;
-    last_ms = watch.ms();
+    const Camera camera = camera_at(made->path, time, 1280, 720);
+    if (auto drawn = cache->frames->draw(camera, time); !drawn) return drawn;
   }
-  const SoftwareTarget& target = *(*cache)->software_target();
-  if (Result<> saved = save_png(argv[1], target.color()); !saved)
-    return std::cerr << saved.error().message() << "\n", 2;
-  const FrameStats& stats = (*cache)->stats();
-  std::cout << "the last frame took " << last_ms
-            << " ms: " << stats.groups + stats.count("nailboard") << " pictures, " << stats.polygons
-            << " of " << made->scene.objects.size() << " objects as polygons\n";
+  const FrameStats& stats = cache->frames->stats();
+  std::printf("the last frame: %d pictures, %d of %d objects as polygons\n",
+              stats.groups + stats.count("nailboard"), stats.polygons,
+              int(made->scene.objects.size()));
+  return save_png(file, cache->frames->software_target()->color());
+}
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "usage: %s FRAME.png [SCENE] [FRAMES]\n", argv[0]), 2;
+  const auto done =
+      walk(argv[1], argc > 2 ? argv[2] : "builtin:forest", argc > 3 ? std::atoi(argv[3]) : 24);
+  if (!done) std::fprintf(stderr, "%s\n", done.error().message().c_str());
+  return done ? 0 : 2;
 }

@@ -15,11 +15,9 @@
 #include "rilievo/cache/cost_clock.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/core/result.h"
+#include "rilievo/nailboard/nailboard_store.h"
 
 namespace rilievo {
-
-// Who draws frames.
-enum class DrawnBy { software, opengl };
 
 // What drawing a frame takes, by one backend.
 struct DrawTimes {

@@ -18,6 +18,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <numeric>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
@@ -201,7 +202,7 @@ Result<DrawTimes> measure_drawing(const MeasuredScene& scene, MeasuredFrames& fr
   return times;
 }
 
-CaptureTimes measure_captures(const MeasuredScene& scene, CachePictures& pictures) {
+CaptureTimes measure_captures(const MeasuredScene& scene, NailboardStore& pictures) {
   const auto capture = [&](const MeasuredRun& objects, int texels) {
     for (std::uint32_t i = 0; i < kCaptured; ++i) {
       const std::uint32_t object = objects.first + i;
@@ -230,6 +231,20 @@ CaptureTimes measure_captures(const MeasuredScene& scene, CachePictures& picture
   times.picture_ns = rounded_ns(
       std::max(kLeastOfOne, ns(0) - double(scene.small.triangles) * triangle - few * texel));
   return times;
+}
+
+void MeasuredChooser::add_sets(FrameContent& content) {
+  content.sets.push_back({pictures_.drawable.get(), {}});
+}
+
+Result<> MeasuredChooser::choose(const Camera&, const PlacedScene&, FrameContent& content,
+                                 FrameStats&) {
+  content.sky = false;
+  content.polygons.resize(objects_.count);
+  std::iota(content.polygons.begin(), content.polygons.end(), objects_.first);
+  const auto first = pictures_.instances.begin() + shown_.first;
+  content.sets[0].instances.assign(first, first + shown_.count);
+  return Done{};
 }
 
 }  // namespace rilievo

@@ -1,4 +1,4 @@
-// How is a backend measured, so that its costs are known (cache/machine_costs.h)?
+// Measures what drawing and capturing cost by a backend (cache/machine_costs.h).
 //
 // A scene of balls: the same number of them with many and with few triangles, and many small ones.
 // Times of frames and of captures that differ in one thing only tell what that thing costs. Each
@@ -8,11 +8,14 @@
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "rilievo/cache/cache_pictures.h"
 #include "rilievo/cache/machine_costs.h"
 #include "rilievo/core/depth_image.h"
+#include "rilievo/frame/frame_chooser.h"
+#include "rilievo/nailboard/nailboard_store.h"
+#include "rilievo/nailboard/picture_set.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -32,6 +35,24 @@ struct MeasuredScene {
 };
 [[nodiscard]] MeasuredScene measured_scene();
 
+// Chooses an explicit list of objects and pictures, without a sky.
+class MeasuredChooser final : public FrameChooser {
+ public:
+  // `pictures` are of MeasuredScene::pictures.
+  explicit MeasuredChooser(PictureSet pictures) : pictures_(std::move(pictures)) {}
+  void show(const MeasuredRun& objects, const MeasuredRun& pictures) {
+    objects_ = objects, shown_ = pictures;
+  }
+
+  void add_sets(FrameContent& content) override;
+  Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
+                  FrameStats& stats) override;
+
+ private:
+  PictureSet pictures_;
+  MeasuredRun objects_, shown_;
+};
+
 // Draws frames of polygons or of pictures, without a sky.
 class MeasuredFrames {
  public:
@@ -46,6 +67,6 @@ class MeasuredFrames {
 // What drawing takes.
 [[nodiscard]] Result<DrawTimes> measure_drawing(const MeasuredScene& scene, MeasuredFrames& frames);
 // What captures take, into empty slots of `pictures`.
-[[nodiscard]] CaptureTimes measure_captures(const MeasuredScene& scene, CachePictures& pictures);
+[[nodiscard]] CaptureTimes measure_captures(const MeasuredScene& scene, NailboardStore& pictures);
 
 }  // namespace rilievo

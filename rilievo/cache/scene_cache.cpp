@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "rilievo/core/expects.h"
 
@@ -19,17 +21,62 @@ bool has_inverse(const glm::dmat4& pose) {
 
 }  // namespace
 
-SceneCache::SceneCache(const PlacedScene& placed, CachePictures& store,
-                       const ImageCacheOptions& options, FrameContent& content,
-                       const CacheLevels& levels)
-    : placed_(placed),
-      store_(store),
-      levels_(levels.levels),
-      finest_(levels.finest ? *levels.finest : placed.scene()),
+NailboardStoreOptions store_options(const ImageCacheOptions& options) {
+  return {options.max_bytes, options.delta_bits, options.depth_mode, options.samples,
+          options.capture_by};
+}
+
+SceneCache::SceneCache(const PlacedScene& placed, std::unique_ptr<NailboardStore> store,
+                       const ImageCacheOptions& options, std::unique_ptr<LeveledBackend> levels,
+                       const Scene* finest)
+    : levels_(std::move(levels)),
+      placed_(placed),
+      store_(std::move(store)),
+      finest_(finest ? *finest : placed.scene()),
       options_(options) {
-  RILIEVO_EXPECTS(content.sets.empty());
-  content.sets.push_back({&store.pictures(), {}});
   build();
+}
+
+Result<std::unique_ptr<SceneCache>> SceneCache::create(Backend& backend,
+                                                       const ImageCacheOptions& options) {
+  const bool software = backend.drawn_by() == DrawnBy::software;
+  if (options.levels && !software)
+    return Error{"--levels", "the cache draws levels of detail without OpenGL only"};
+  std::unique_ptr<LeveledBackend> levels;
+  if (options.levels) {
+    auto made = LeveledBackend::create(backend, make_bounded_object_levels(backend.scene()));
+    if (!made) return made.error();
+    levels = std::move(*made);
+  }
+  Backend& of = levels ? levels->backend() : backend;
+  Result<std::unique_ptr<NailboardStore>> store = of.make_store(store_options(options));
+  if (!store) return software ? Error{"--memory-mb", store.error().reason} : store.error();
+  if (options.machine)
+    if (Result<> known =
+            expect_costs(*options.machine, backend.drawn_by(), (*store)->rasterizer() != nullptr);
+        !known)
+      return Error{"--machine", known.error().reason};
+  return std::make_unique<SceneCache>(of.placed(), std::move(*store), options, std::move(levels),
+                                      &backend.scene());
+}
+
+Result<CachedFrames> make_cached_frames(Backend& backend, const ImageCacheOptions& options) {
+  Result<std::unique_ptr<SceneCache>> made = SceneCache::create(backend, options);
+  if (!made) return made.error();
+  CachedFrames cached;
+  cached.cache = made->get();
+  Backend& of = cached.cache->level_backend() ? *cached.cache->level_backend() : backend;
+  Result<std::unique_ptr<FrameSource>> frames = of.make_frames(std::move(*made));
+  if (!frames) return frames.error();
+  cached.frames = std::move(*frames);
+  return cached;
+}
+
+void SceneCache::add_sets(FrameContent& content) {
+  content.sets.push_back({&store_->pictures(), {}});
+  for (const ObjectDrawable& drawable : drawables_)
+    content.sets.push_back({drawable.drawable.get(), {}});
+  sets_changed_ = false;
 }
 
 void SceneCache::build() {
@@ -51,21 +98,21 @@ void SceneCache::build() {
   }
   build_tree({});
 
-  const bool rasterizes = store_.rasterizer() != nullptr;
+  const bool rasterizes = store_->rasterizer() != nullptr;
   policy_ = rasterizes ? rasterized_cache_options() : CacheOptions{};
   if (options_.machine)
-    use_machine(*options_.machine, store_.drawn_by(), rasterizes, policy_, clock_);
-  else if (store_.drawn_by() == DrawnBy::software)
+    use_machine(*options_.machine, store_->drawn_by(), rasterizes, policy_, clock_);
+  else if (store_->drawn_by() == DrawnBy::software)
     use_machine(builtin_software_costs(), DrawnBy::software, true, policy_, clock_);
-  policy_.max_texels = store_.max_picture_size();
-  policy_.texel_cell = store_.texel_cell();
+  policy_.max_texels = store_->max_picture_size();
+  policy_.texel_cell = store_->texel_cell();
   policy_.delta_bits = options_.delta_bits;
-  policy_.fallback_bits = store_.written_bits();
+  policy_.fallback_bits = store_->written_bits();
   policy_.depth_mode = options_.depth_mode;
   policy_.bytes_per_texel = options_.delta_bits > 8 ? 6 : 5;
   // First fit leaves gaps between pictures: plan for less than there is, and refuse what does not
   // fit.
-  policy_.memory_bytes = store_.max_texels() * std::uint64_t(policy_.bytes_per_texel);
+  policy_.memory_bytes = store_->max_texels() * std::uint64_t(policy_.bytes_per_texel);
   unlimited_ = policy_;
   set_budget();  // rays are built before the first frame
 }
@@ -90,7 +137,7 @@ void SceneCache::build_tree(std::span<const std::uint32_t> apart) {
 // What each step of the table leaves of each node: of one object, then of both children.
 void SceneCache::build_levels() {
   const auto levels_of = [&](std::uint32_t object) -> const std::vector<ModelLevel>& {
-    return levels_->leveled.levels[std::size_t(levels_->model_of[object])];
+    return levels_->levels().leveled.levels[std::size_t(levels_->levels().model_of[object])];
   };
   level_table_ = {INFINITY, {}};
   for (const std::uint32_t object : static_objects_)
@@ -114,7 +161,7 @@ void SceneCache::build_levels() {
       const ModelLevel& level =
           choose_level(levels_of(object), level_table_.first * std::exp2(0.5 * step) / stretch);
       // Rounded up: show_level() chooses the same again, and the bound holds.
-      entry = {float(levels_->leveled.scene.models[std::size_t(level.model)].triangles),
+      entry = {float(levels_->levels().leveled.scene.models[std::size_t(level.model)].triangles),
                level.error > 0 ? std::nextafter(float(level.error * stretch), INFINITY) : 0.0f};
     }
   }
@@ -123,7 +170,7 @@ void SceneCache::build_levels() {
 void SceneCache::show_levels(std::span<const std::uint32_t> objects, double error) {
   if (!levels_) return;
   for (const std::uint32_t object : objects)
-    show_level(object, placed_.poses()[object], error, *levels_);
+    show_level(object, placed_.poses()[object], error, levels_->levels());
 }
 
 void SceneCache::show_polygon_levels() {
@@ -153,7 +200,7 @@ void SceneCache::index_alternatives() {
   }
 }
 
-void SceneCache::add_drawable(ObjectDrawable drawable, FrameContent& content) {
+void SceneCache::add_drawable(ObjectDrawable drawable) {
   Alternative alternative{drawable.drawable->error_model(0),
                           terms_for(drawable.drawable->cost_terms(0), policy_.cost)};
   alternative.drawable = std::uint32_t(drawables_.size());
@@ -168,24 +215,24 @@ void SceneCache::add_drawable(ObjectDrawable drawable, FrameContent& content) {
     if (drawable.together) break;
   }
   alternative_bytes_ += drawable.drawable->bytes();
-  content.sets.push_back({drawable.drawable.get(), {}});
   drawables_.push_back(std::move(drawable));
+  sets_changed_ = true;
 }
 
 void SceneCache::add_surroundings(std::unique_ptr<Drawable> drawable,
                                   std::unique_ptr<DrawableFactory> factory,
-                                  std::vector<std::uint32_t> objects, FrameContent& content) {
+                                  std::vector<std::uint32_t> objects) {
   RILIEVO_EXPECTS(held_.empty() && !objects.empty());
   build_tree(objects);
   factories_.push_back(std::move(factory));
-  add_drawable({std::move(drawable), std::move(objects), glm::dmat4(1.0), true}, content);
+  add_drawable({std::move(drawable), std::move(objects), glm::dmat4(1.0), true});
   index_alternatives();
 }
 
 void SceneCache::add_alternatives(std::vector<ObjectDrawable> drawables,
-                                  std::unique_ptr<DrawableFactory> factory, FrameContent& content) {
+                                  std::unique_ptr<DrawableFactory> factory) {
   factories_.push_back(std::move(factory));
-  for (ObjectDrawable& drawable : drawables) add_drawable(std::move(drawable), content);
+  for (ObjectDrawable& drawable : drawables) add_drawable(std::move(drawable));
   index_alternatives();
 }
 
@@ -262,7 +309,7 @@ void SceneCache::set_budget() {
   const bool limited = options_.capture_ms > 0 || options_.max_spike > 0;
   policy_.capture_share = limited ? 0 : unlimited_.capture_share;
   if (!casts_ && (options_.capture_ms > 0 || may_spike())) {
-    if (store_.rasterizer())
+    if (store_->rasterizer())
       if (auto coarse = CoarseCapture::create(finest_)) coarse_ = std::move(*coarse);
     casts_ = true;
   }
@@ -282,7 +329,7 @@ void SceneCache::collect(FrameContent& content) {
     const DrawnPicture& drawn = plan_.pictures[i];
     const Picture& picture = state_.slots[drawn.slot];
     const Held& held = held_[drawn.slot];
-    store_.show(stored(drawn.slot), picture.geometry);
+    store_->show(stored(drawn.slot), picture.geometry);
     const std::uint32_t object = held.objects.size() == 1 ? held.objects[0] + 1 : kNoObject;
     instances.push_back(
         {motion_since_capture(picture), stored(drawn.slot), object, drawn.from, drawn.to});
@@ -295,7 +342,7 @@ void SceneCache::collect(FrameContent& content) {
     }
   }
   if (fallback_.held) {
-    store_.show(kFallbackSlot, plan_.fallback.geometry);
+    store_->show(kFallbackSlot, plan_.fallback.geometry);
     instances.push_back({glm::dmat4(1.0), kFallbackSlot, kNoObject, 0, 1});
   }
   const auto add = [&](std::uint32_t object, float from, float to) {
@@ -316,7 +363,17 @@ void SceneCache::collect(FrameContent& content) {
   }
 }
 
-void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats& stats) {
+Result<> SceneCache::choose(const Camera& camera, [[maybe_unused]] const PlacedScene& placed,
+                            FrameContent& content, FrameStats& stats) {
+  RILIEVO_EXPECTS(&placed == &placed_);
+  if (sets_changed_) {
+    content.sets.clear();
+    add_sets(content);
+  }
+  retired_.clear();
+  retired_factories_.clear();
+  content.outlines = options_.outlines;
+  content.sky = options_.sky;
   update_moving();
   follow_options();
   adopt_captures(camera, stats);
@@ -332,8 +389,15 @@ void SceneCache::choose(const Camera& camera, FrameContent& content, FrameStats&
   show_polygon_levels();
   stats.bound_px = plan_.bound_px;
   stats.gap_px = plan_.gap_px;
-  stats.picture_bytes = store_.bytes() + alternative_bytes_;
+  stats.picture_bytes = store_->bytes() + alternative_bytes_;
   since_choice_ = {};
+  return Done{};
+}
+
+void SceneCache::drawn(const FrameWork* work) {
+  if (!work) return;
+  if (!plan_.pictures.empty() || fallback_.held) store_->find_seen_shares(seen_shares_);
+  learn(work->polygons, seen_shares_);
 }
 
 void SceneCache::learn(std::span<const ObjectWork> work, std::span<const float> seen_shares) {
@@ -364,7 +428,7 @@ void SceneCache::learn(std::span<const ObjectWork> work, std::span<const float> 
 void SceneCache::prepare_objects() {
   if (fallback_.held && !fallback_.objects_captured) {
     // Not as other pictures: it may show objects that reach behind the eye.
-    store_.write_objects(kFallbackSlot, coarse_->capture_objects(fallback_.camera));
+    store_->write_objects(kFallbackSlot, coarse_->capture_objects(fallback_.camera));
     fallback_.objects_captured = true;
   }
   for (const DrawnPicture& drawn : plan_.pictures) {
@@ -372,22 +436,29 @@ void SceneCache::prepare_objects() {
     if (held.objects.size() == 1 || held.objects_captured) continue;
     finish_captures();  // they use the rasteriser
     show_levels(held.objects, state_.slots[drawn.slot].level_error);
-    store_.capture_objects(stored(drawn.slot), held.camera, held.objects);
+    store_->capture_objects(stored(drawn.slot), held.camera, held.objects);
     held.objects_captured = true;
   }
   show_polygon_levels();
 }
 
-void SceneCache::invalidate(FrameContent& content) {
+// They are drawn from until the next frame.
+void SceneCache::retire_drawables() {
+  for (ObjectDrawable& drawable : drawables_) retired_.push_back(std::move(drawable));
+  for (auto& factory : factories_) retired_factories_.push_back(std::move(factory));
+  drawables_.clear();
+  factories_.clear();
+  alternative_bytes_ = 0;
+  sets_changed_ = true;
+}
+
+void SceneCache::invalidate() {
   std::vector<std::uint32_t> evictions;
   rilievo::invalidate(state_, evictions);
   for (std::uint32_t slot : evictions) release(slot);
   alternatives_.list.clear();
   index_alternatives();
-  content.sets.resize(1);
-  drawables_.clear();
-  factories_.clear();
-  alternative_bytes_ = 0;
+  retire_drawables();
 }
 
 void SceneCache::invalidate_object(std::uint32_t object) {
@@ -422,6 +493,16 @@ std::vector<SceneCache::Shown> SceneCache::shown() const {
     shown.push_back({plan_.fallback.geometry, glm::dmat4(1.0), plan_.fallback.bound_px,
                      fallback_.objects, kFallbackSlot});
   return shown;
+}
+
+std::vector<DepthImage> SceneCache::read_pictures(const FrameContent&) const {
+  std::vector<DepthImage> read;
+  for (const Shown& one : shown()) {
+    read.push_back(depth_image_from(store_->read(one.slot, one.geometry)));
+    read.back().name =
+        std::to_string(read.size()) + " of " + std::to_string(one.objects.size()) + " objects";
+  }
+  return read;
 }
 
 }  // namespace rilievo

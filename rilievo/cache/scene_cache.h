@@ -1,10 +1,10 @@
-// How is a scene drawn from pictures within an error that the user sets in pixels? (S1.5, S1.7)
+// The image cache: draws a scene from pictures within an error in pixels (S1.5, S1.7).
 //
 // Static objects are in a spatial hierarchy, whose nodes keep pictures of everything below them.
 // Each moving object is a nailboard or polygons, depending on its cost and its picture's expected
 // life. Baked representations of any kind can stand for objects too. policy.h decides; this class
-// keeps what is decided, and has a CachePictures make the pictures. cache/gl/image_cache.h draws
-// the frames with OpenGL, cache/software/software_cache.h without.
+// keeps what is decided, and has a NailboardStore make the pictures. A chooser: it draws nothing
+// itself, and knows its backend by its store only.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,18 @@
 #include <span>
 #include <vector>
 
-#include "rilievo/cache/cache_pictures.h"
 #include "rilievo/cache/captures_beside.h"
 #include "rilievo/cache/cost_clock.h"
 #include "rilievo/cache/eye_motion.h"
+#include "rilievo/cache/machine_costs.h"
 #include "rilievo/cache/policy.h"
 #include "rilievo/capture/capture_by.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/frame_content.h"
-#include "rilievo/frame/object_levels.h"
+#include "rilievo/frame/frame_chooser.h"
+#include "rilievo/frame/leveled_backend.h"
 #include "rilievo/kind/kind.h"
-#include "rilievo/render/object_work.h"
-#include "rilievo/render/placed_scene.h"
+#include "rilievo/nailboard/nailboard_store.h"
 #include "rilievo/representation/object_drawable.h"
 
 namespace rilievo {
@@ -68,45 +67,62 @@ struct ImageCacheOptions {
   std::optional<MachineCosts> machine = {};
 };
 
-// Levels of detail with bounded errors (make_bounded_object_levels), and the scene that they were
-// made of. Null: none.
-struct CacheLevels {
-  ObjectLevels* levels = nullptr;
-  const Scene* finest = nullptr;
-};
+// What a store for these options is.
+[[nodiscard]] NailboardStoreOptions store_options(const ImageCacheOptions& options);
 
 // Chooses a scene's frames, and captures for them.
-class SceneCache {
+class SceneCache final : public FrameChooser {
  public:
-  // All of these must outlive the cache. With levels, `placed` places their scene. Appends the set
-  // of the store's pictures to an empty `content`: choose() fills the same.
-  SceneCache(const PlacedScene& placed, CachePictures& store, const ImageCacheOptions& options,
-             FrameContent& content, const CacheLevels& levels = {});
+  // A cache of `backend`'s scene. make_cached_frames() makes its frames, too. Fails where the store
+  // cannot be made, and where options.machine was measured without this backend.
+  [[nodiscard]] static Result<std::unique_ptr<SceneCache>> create(Backend& backend,
+                                                                  const ImageCacheOptions& options);
+  // `placed` must outlive the cache, and be what choose() gets. `store` is empty and made with
+  // store_options(). `levels`: of the scene `finest`, which must outlive the cache; `placed` places
+  // theirs.
+  SceneCache(const PlacedScene& placed, std::unique_ptr<NailboardStore> store,
+             const ImageCacheOptions& options, std::unique_ptr<LeveledBackend> levels = nullptr,
+             const Scene* finest = nullptr);
 
-  // As ImageCache's; `content` gets a set for each drawable.
+  // Adds baked representations. The cache draws them where they stay within error_px and cost less
+  // than polygons and pictures. They use memory beyond max_bytes, count in picture_bytes, and are
+  // dropped by invalidate(). Can be called several times.
   void add_alternatives(std::vector<ObjectDrawable> drawables,
-                        std::unique_ptr<DrawableFactory> factory, FrameContent& content);
+                        std::unique_ptr<DrawableFactory> factory);
+  // Adds an alternative that stands for all these objects at once where its bound allows it: the
+  // surroundings of the eyes, or a thing of many parts. The objects stand still, have opaque parts,
+  // and were baked where they are; ascending. Before the first frame, once.
   void add_surroundings(std::unique_ptr<Drawable> drawable,
                         std::unique_ptr<DrawableFactory> factory,
-                        std::vector<std::uint32_t> objects, FrameContent& content);
-  void invalidate(FrameContent& content);
+                        std::vector<std::uint32_t> objects);
+  // Drops all pictures and baked representations, because the light has changed.
+  void invalidate();
+  // Waits until no capture reads the scene (capture_ms). Call it before the light changes, and then
+  // invalidate().
   void finish_captures();
+  // Drops the pictures and baked representations of one object (index into Scene::objects).
   void invalidate_object(std::uint32_t object);
 
-  // Plans a frame of the scene as it is placed now, captures, and fills `content`, which is
-  // cleared, and in `stats` the captures, memory and bounds.
-  void choose(const Camera& camera, FrameContent& content, FrameStats& stats);
-  // Learns what drawing the polygons of the last choose() took, and how much of its pictures was
-  // seen (ImageCacheOptions::learn): an entry for each instance of the set of pictures.
+  void add_sets(FrameContent& content) override;
+  // Plans a frame of the scene as it is placed now, captures, and fills `content`.
+  Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
+                  FrameStats& stats) override;
+  // Learns from what drawing the polygons of the last choose() took, and from how much of its
+  // pictures was seen (ImageCacheOptions::learn).
+  void drawn(const FrameWork* work) override;
+  // The same: `seen_shares` has an entry for each instance of the set of pictures.
   void learn(std::span<const ObjectWork> work, std::span<const float> seen_shares);
   // Captures the identifiers of the last frame's pictures of several objects, where they are
   // missing.
-  void prepare_objects();
+  void prepare_objects() override;
+  [[nodiscard]] std::vector<DepthImage> read_pictures(const FrameContent& content) const override;
 
+  // error_px, gap_px, capture_ms, late, max_spike, fade_frames and outlines can be changed between
+  // frames.
   [[nodiscard]] ImageCacheOptions& options() { return options_; }
   [[nodiscard]] const ImageCacheOptions& options() const { return options_; }
 
-  // A picture that the last frame drew.
+  // A picture that the last frame drew, for measures and for saving.
   struct Shown {
     PictureGeometry geometry;
     glm::dmat4 world_now_from_capture{1.0};
@@ -115,6 +131,9 @@ class SceneCache {
     std::uint32_t slot = 0;              // of the store
   };
   [[nodiscard]] std::vector<Shown> shown() const;
+  [[nodiscard]] const NailboardStore& store() const { return *store_; }
+  // Of the levels of detail; null: there are none, and frames are the first backend's.
+  [[nodiscard]] Backend* level_backend() const { return levels_ ? &levels_->backend() : nullptr; }
 
  private:
   // The store's slots: the fallback's, then those of the plan.
@@ -133,7 +152,8 @@ class SceneCache {
   void build_levels();
   void show_levels(std::span<const std::uint32_t> objects, double error);
   void show_polygon_levels();
-  void add_drawable(ObjectDrawable drawable, FrameContent& content);
+  void add_drawable(ObjectDrawable drawable);
+  void retire_drawables();
   void update_moving();
   void follow_options();
   void plan(const Camera& camera);
@@ -152,10 +172,10 @@ class SceneCache {
   void release(std::uint32_t slot);
   void index_alternatives();
 
+  std::unique_ptr<LeveledBackend> levels_;  // null: objects are drawn as they are
   const PlacedScene& placed_;
-  CachePictures& store_;
-  ObjectLevels* levels_;  // null: objects are drawn as they are
-  const Scene& finest_;   // for rays, whose time hardly depends on the number of triangles
+  std::unique_ptr<NailboardStore> store_;
+  const Scene& finest_;  // for rays, whose time hardly depends on the number of triangles
   ImageCacheOptions options_;
 
   std::vector<std::uint32_t> static_objects_,
@@ -168,6 +188,10 @@ class SceneCache {
   std::vector<MovingObject> moving_;
   std::vector<std::unique_ptr<DrawableFactory>> factories_;  // outlive the drawables
   std::vector<ObjectDrawable> drawables_;
+  // What invalidate() dropped: the last frame may be drawn from it once more.
+  std::vector<std::unique_ptr<DrawableFactory>> retired_factories_;
+  std::vector<ObjectDrawable> retired_;
+  bool sets_changed_ = false;  // since the last frame
   Alternatives alternatives_;
   std::size_t alternative_bytes_ = 0;
   CacheOptions policy_;
@@ -187,7 +211,17 @@ class SceneCache {
   std::unique_ptr<CoarseCapture> coarse_;   // null: not yet, or memory did not suffice
   std::unique_ptr<CapturesBeside> beside_;  // null: nothing has been ordered yet
   std::vector<std::uint32_t> ordered_objects_, gone_;
-  Held fallback_;  // of the last frame
+  Held fallback_;                   // of the last frame
+  std::vector<float> seen_shares_;  // of the last frame's pictures
 };
+
+// Frames that a cache chooses. The cache lives as long as its frames.
+struct CachedFrames {
+  std::unique_ptr<FrameSource> frames;
+  SceneCache* cache = nullptr;
+};
+// Fails as SceneCache::create() does. `backend` must outlive the frames.
+[[nodiscard]] Result<CachedFrames> make_cached_frames(Backend& backend,
+                                                      const ImageCacheOptions& options);
 
 }  // namespace rilievo

@@ -1,5 +1,6 @@
 // What does the cache learn of the frames that were drawn? Choices alone: nothing is drawn here.
 #include "rilievo/cache/scene_cache.h"
+#include "rilievo/nailboard/software/software_store.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 
 namespace rilievo {
@@ -52,8 +52,9 @@ class ChoosingCache {
   ChoosingCache()
       : scene_(boxes_around()),
         placed_(scene_),
-        store_(std::move(*SoftwareCache::make_pictures(placed_, {}))),
-        cache_(placed_, *store_, {}, content_) {}
+        cache_(placed_, std::move(*make_software_store(placed_, {})), {}) {
+    cache_.add_sets(content_);
+  }
 
   // The eye strides aside. `work`: of objects that are polygons for all pixels; of others nothing.
   void choose(const std::vector<ObjectWork>& work) {
@@ -61,14 +62,14 @@ class ChoosingCache {
     const Camera camera =
         look_at(eye, eye + glm::dvec3(0, 0, -1), {0, 1, 0}, 2.0, 640, 200, 0.1, 200);
     content_.clear();
-    cache_.choose(camera, content_, stats_);
+    ASSERT_TRUE(cache_.choose(camera, placed_, content_, stats_).ok());
     std::vector<ObjectWork> done;
     for (std::uint32_t object = 0; object < kBoxes; ++object)
       done.push_back(is_polygons(object) ? work[object] : ObjectWork{object});
     const std::vector<float> shares(content_.sets[0].instances.size(), 1.0f);
     cache_.learn(done, shares);
   }
-  void drop_pictures() { cache_.invalidate(content_); }
+  void drop_pictures() { cache_.invalidate(); }
   // A few frames in which polygons took nothing; then there are no pictures.
   void choose_without_work() {
     for (int f = 0; f < 3; ++f) choose(no_work());
@@ -92,7 +93,6 @@ class ChoosingCache {
  private:
   Scene scene_;
   PlacedScene placed_;
-  std::unique_ptr<CachePictures> store_;
   FrameContent content_;
   FrameStats stats_;
   SceneCache cache_;

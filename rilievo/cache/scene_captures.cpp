@@ -9,7 +9,7 @@ namespace rilievo {
 
 void SceneCache::release(std::uint32_t slot) {
   if (slot >= held_.size() || !held_[slot].held) return;
-  store_.free(stored(slot));
+  store_->free(stored(slot));
   held_[slot].held = false;
 }
 
@@ -24,7 +24,7 @@ void SceneCache::hold(const Capture& capture) {
 
 void SceneCache::order_captures() {
   if (plan_.captures.empty()) return;
-  if (!beside_) beside_ = std::make_unique<CapturesBeside>(*store_.rasterizer(), options_.samples);
+  if (!beside_) beside_ = std::make_unique<CapturesBeside>(*store_->rasterizer(), options_.samples);
   for (const Capture& capture : plan_.captures) {
     objects_of(capture.entity, ordered_objects_);
     if (capture.entity < hierarchy_.nodes.size())
@@ -42,15 +42,15 @@ void SceneCache::adopt_captures(const Camera& camera, FrameStats& stats) {
     clock_.capture.learn(capture.cost, made->ms);
     if (!is_wanted(capture, state_)) continue;
     const std::uint32_t slot = stored(capture.slot);
-    if (!store_.allocate(slot, made->picture.width, made->picture.height)) {
+    if (!store_->allocate(slot, made->picture.width, made->picture.height)) {
       cancel_order(capture, state_);
       continue;
     }
-    store_.write(slot, made->picture, capture.geometry.delta_bits);
+    store_->write(slot, made->picture, capture.geometry.delta_bits);
     gone_.clear();
-    if (!adopt_capture(capture, camera, hierarchy_, moving_, store_.delta_range(slot), made->gaps,
+    if (!adopt_capture(capture, camera, hierarchy_, moving_, store_->delta_range(slot), made->gaps,
                        policy_, state_, gone_)) {
-      store_.free(slot);
+      store_->free(slot);
       continue;
     }
     for (const std::uint32_t old : gone_) release(old);
@@ -64,9 +64,9 @@ void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& ob
   const Capture& capture = plan_.captures[index];
   const Camera& eye = capture.geometry.capture;
   if (capture.entity < hierarchy_.nodes.size()) show_levels(objects, capture.picture.level_error);
-  store_.capture(stored(capture.slot), eye, objects);
+  store_->capture(stored(capture.slot), eye, objects);
   if (!std::isfinite(gap_limit_px(policy_))) return;
-  gaps_[index] = capture.once ? unknown_gaps(eye) : store_.gaps(eye, objects);
+  gaps_[index] = capture.once ? unknown_gaps(eye) : store_->gaps(eye, objects);
 }
 
 void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
@@ -78,7 +78,7 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
     const Capture& capture = plan_.captures[i];
     const Camera& eye = capture.geometry.capture;
-    if (!store_.allocate(stored(capture.slot), eye.width, eye.height)) {
+    if (!store_->allocate(stored(capture.slot), eye.width, eye.height)) {
       refuse_capture(plan_, i, hierarchy_, moving_);
       continue;
     }
@@ -94,12 +94,12 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   clock_.capture.learn(priced, priced_ms);
   for (std::size_t i = 0; i < plan_.captures.size(); ++i)
     if (const Capture& capture = plan_.captures[i]; capture.picture.held)
-      if (const auto range = store_.delta_range(stored(capture.slot)))
+      if (const auto range = store_->delta_range(stored(capture.slot)))
         if (!narrow_capture(plan_, i, camera, *range, policy_, gaps_[i])) {
           refuse_capture(plan_, i, hierarchy_, moving_);
           release(capture.slot);
         }
-  store_.finish();
+  store_->finish();
   stats.capture_ms = watch.ms();
   if (cost > 0 && stats.capture_ms > 0) {
     const double now = cost / stats.capture_ms;
@@ -109,7 +109,7 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
 }
 
 void SceneCache::capture_fallback(FrameStats& stats) {
-  if (fallback_.held) store_.free(kFallbackSlot);
+  if (fallback_.held) store_->free(kFallbackSlot);
   fallback_.held = false;
   Fallback& fallback = plan_.fallback;
   if (fallback.objects.empty()) return;
@@ -121,15 +121,15 @@ void SceneCache::capture_fallback(FrameStats& stats) {
     fallback_.objects.push_back(static_objects_[object]);
   const RasterPicture* picture =
       coarse_->capture(eye, float(1 / fallback.texel_px), fallback_.objects);
-  if (!picture || !store_.allocate(kFallbackSlot, eye.width, eye.height)) {
+  if (!picture || !store_->allocate(kFallbackSlot, eye.width, eye.height)) {
     for (const std::uint32_t object : fallback.objects) plan_.polygons.push_back({object, 0, 1});
     fallback.objects.clear();
     return;
   }
   fallback_.held = true;
   fallback_.objects_captured = false;
-  store_.write(kFallbackSlot, *picture, store_.written_bits());
-  if (const auto range = store_.delta_range(kFallbackSlot)) narrow_slab(fallback.geometry, *range);
+  store_->write(kFallbackSlot, *picture, store_->written_bits());
+  if (const auto range = store_->delta_range(kFallbackSlot)) narrow_slab(fallback.geometry, *range);
   clock_.fallback.learn(unlimited_.cost.fallback_texel * eye.width * eye.height, watch.ms());
   ++stats.captures;
   stats.capture_ms += watch.ms();

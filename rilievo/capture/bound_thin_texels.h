@@ -5,8 +5,8 @@
 
 namespace rilievo {
 
-// Where no ray through a texel's centre meets a surface, but a thin one goes through the texel, this
-// is the farthest one, too. For captures whose `farthest` comes from such rays.
+// Where no ray through a texel's centre meets a surface, but a thin one goes through the texel,
+// this is the farthest one, too. For captures whose `farthest` comes from such rays.
 inline void bound_thin_texels(CapturedPicture& captured) {
   const std::span<const float> depth = captured.picture.depth.texels();
   std::size_t i = 0;

@@ -1,5 +1,6 @@
 // What is drawn elsewhere by a known amount is found to be, by colours that tell positions.
 #include "rilievo/compare/drawn_error.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +8,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/frame/gl/scene_frames.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -87,7 +86,7 @@ class DrawnErrorTest : public gl::ContextTest {
   void code(const Scene& scene, const std::function<WalkFrame(int)>& walk) {
     Result<SceneRenderer> plain = SceneRenderer::create(scene);
     ASSERT_TRUE(plain.ok());
-    DirectFrames truth(*plain);
+    OpenGLFrames truth = opengl_direct(*plain);
     Result<std::vector<double>> chosen = choose_half_periods(scene, truth, walk, options);
     ASSERT_TRUE(chosen.ok());
     half_periods = std::move(*chosen);
@@ -95,14 +94,14 @@ class DrawnErrorTest : public gl::ContextTest {
     Result<SceneRenderer> made = SceneRenderer::create(coded);
     ASSERT_TRUE(made.ok());
     renderer.emplace(std::move(*made));
-    direct.emplace(*renderer);
+    direct = std::make_unique<OpenGLFrames>(*renderer, std::make_unique<DirectChooser>());
   }
 
   ErrorPx measure(FrameSource& source, const std::function<WalkFrame(int)>& walk) {
     Report report;
     report.methods.resize(1);
     report.methods[0].name = "it";
-    const ComparedSource sources[] = {{"direct", &*direct}, {"it", &source}};
+    const ComparedSource sources[] = {{"direct", direct.get()}, {"it", &source}};
     const Result<> done = measure_drawn_errors(coded, half_periods, sources, walk, options, report);
     EXPECT_TRUE(done.ok());
     return report.methods[0].error_px.value();
@@ -112,7 +111,7 @@ class DrawnErrorTest : public gl::ContextTest {
   std::vector<double> half_periods;
   Scene coded;
   std::optional<SceneRenderer> renderer;
-  std::optional<DirectFrames> direct;
+  std::unique_ptr<FrameSource> direct;
 };
 
 TEST_F(DrawnErrorTest, the_truth_lies_where_it_lies_as_closely_as_is_resolved) {
@@ -125,11 +124,11 @@ TEST_F(DrawnErrorTest, the_truth_lies_where_it_lies_as_closely_as_is_resolved) {
       return WalkFrame{camera_at(made->path, time, kErrorWidth, kErrorHeight), time};
     };
     ASSERT_NO_FATAL_FAILURE(code(made->scene, walk));
-    SoftwareDirectFrames software(coded, options.samples);
-    FrameSource* const all[] = {&*direct, &software};
+    TestSource software = software_direct(coded, options.samples);
+    FrameSource* const all[] = {direct.get(), &software};
     for (FrameSource* source : all) {
       const ErrorPx error = measure(*source, walk);
-      if (source == &*direct) {
+      if (source == direct.get()) {
         EXPECT_LT(error.max, error.resolution);
       }
       // Without OpenGL, samples of what is narrower than a pixel lie elsewhere.
@@ -173,7 +172,7 @@ TEST_F(DrawnErrorTest, a_stale_picture_is_off_by_its_parallax) {
     finish(moved);
     Result<SceneRenderer> stale_renderer = SceneRenderer::create(moved);
     ASSERT_TRUE(stale_renderer.ok());
-    DirectFrames stale(*stale_renderer);
+    OpenGLFrames stale = opengl_direct(*stale_renderer);
     for (const int at : {0, 1, 2}) {
       const WalkFrame frame = walk(at);
       const ErrorPx error = measure(stale, [&](int) { return frame; });
@@ -251,7 +250,7 @@ TEST_F(DrawnErrorTest, what_lies_behind_a_gap_is_counted_by_the_bound_of_gaps) {
     const Scene slit = with_position_colors(plates(float(0.5 * wide_px * pixel)), half_periods);
     Result<SceneRenderer> torn = SceneRenderer::create(slit);
     ASSERT_TRUE(torn.ok());
-    DirectFrames frames(*torn);
+    OpenGLFrames frames = opengl_direct(*torn);
     Bounded narrow(frames, 0.25, 0.5), wide(frames, 0.25, 6), none(frames, 0.25, 0);
     EXPECT_GT(measure(none, walk).violations, 100);
     EXPECT_EQ(measure(none, walk).in_gaps, 0);
@@ -273,7 +272,7 @@ TEST_F(DrawnErrorTest, a_second_walk_of_the_cache_does_as_the_first) {
   };
   ASSERT_NO_FATAL_FAILURE(code(made->scene, walk));
   Result<SceneRenderer> plain = SceneRenderer::create(made->scene);
-  Result<ImageCache> one = ImageCache::create(*plain, {}), two = ImageCache::create(*renderer, {});
+  Result<TestSource> one = opengl_cache(*plain, {}), two = opengl_cache(*renderer, {});
   ASSERT_TRUE(one.ok() && two.ok());
   Result<FrameTarget> target = FrameTarget::create(kErrorWidth, kErrorHeight, options.samples);
   Result<ProbeTarget> probe = ProbeTarget::create(kErrorWidth, kErrorHeight);

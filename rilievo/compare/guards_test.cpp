@@ -6,10 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/compare/drawn_error.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/position_colors.h"
@@ -35,9 +34,9 @@ TEST_F(GuardTest, the_cache_is_as_right_as_it_was_and_within_its_bounds) {
     ASSERT_TRUE(made.ok());
     Result<SceneRenderer> renderer = SceneRenderer::create(made->scene);
     ASSERT_TRUE(renderer.ok());
-    DirectFrames direct(*renderer);
+    OpenGLFrames direct = opengl_direct(*renderer);
     ImageCacheOptions cache_options;
-    Result<ImageCache> cache = ImageCache::create(*renderer, cache_options);
+    Result<TestSource> cache = opengl_cache(*renderer, cache_options);
     ASSERT_TRUE(cache.ok());
     const ComparedSource sources[] = {{"direct", &direct}, {"cache", &*cache}};
     CompareOptions options;
@@ -55,8 +54,8 @@ TEST_F(GuardTest, the_cache_is_as_right_as_it_was_and_within_its_bounds) {
     const Scene coded = with_position_colors(made->scene, *half_periods);
     Result<SceneRenderer> coded_renderer = SceneRenderer::create(coded);
     ASSERT_TRUE(coded_renderer.ok());
-    DirectFrames coded_direct(*coded_renderer);
-    Result<ImageCache> coded_cache = ImageCache::create(*coded_renderer, cache_options);
+    OpenGLFrames coded_direct = opengl_direct(*coded_renderer);
+    Result<TestSource> coded_cache = opengl_cache(*coded_renderer, cache_options);
     ASSERT_TRUE(coded_cache.ok());
     const ComparedSource coded_sources[] = {{"direct", &coded_direct}, {"cache", &*coded_cache}};
     ASSERT_TRUE(

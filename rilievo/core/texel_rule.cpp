@@ -88,8 +88,7 @@ class ThinSurfaces {
     return at.x < 0 || at.y < 0 || at.x >= t_.center.width() || at.y >= t_.center.height();
   }
   [[nodiscard]] bool near(const Front& front, float nearness, std::uint32_t object) const {
-    return object == front.object &&
-           std::abs(nearness - front.nearness) <= front.room;
+    return object == front.object && std::abs(nearness - front.nearness) <= front.room;
   }
   [[nodiscard]] TexelPlane plane_at(const glm::ivec2& at) const {
     return texel_plane(t_.nearness, t_.center, t_.center_object, at.x, at.y);
@@ -144,7 +143,8 @@ class ThinSurfaces {
 Nearness::Nearness(const Camera& camera) : projection(camera.projection) {
   at_near = of_eye_z(camera.z_near), at_far = of_eye_z(camera.z_far);
   const ImageWindow& w = camera.window;
-  texel_width = float(std::max((w.right - w.left) / camera.width, (w.top - w.bottom) / camera.height));
+  texel_width =
+      float(std::max((w.right - w.left) / camera.width, (w.top - w.bottom) / camera.height));
   // A few steps of a float just below 1.
   noise = float(0x1p-21 * std::abs(at_near - at_far));
 }
@@ -227,8 +227,7 @@ ShownSamples choose_samples(const TexelSamples& t) {
       std::uint8_t mask = 0;
       bool others = false;
       if (t.center(x, y) == kNoNearness) {
-        for (int s = 0; s < samples; ++s)
-          others |= t.sample[first + std::size_t(s)] != kNoNearness;
+        for (int s = 0; s < samples; ++s) others |= t.sample[first + std::size_t(s)] != kNoNearness;
       } else {
         const TexelPlane plane = texel_plane(t.nearness, t.center, t.center_object, x, y);
         for (int s = 0; s < samples; ++s) {

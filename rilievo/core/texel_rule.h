@@ -70,9 +70,9 @@ struct TexelSamples {
 
   Nearness nearness;
   std::vector<glm::vec2> places;
-  Image<float> center;                      // nearness, kNoNearness where nothing is
-  Image<std::uint32_t> center_object;       // kNoObject where nothing is
-  std::vector<float> sample;                // from first(x, y) on, so many for each texel
+  Image<float> center;                 // nearness, kNoNearness where nothing is
+  Image<std::uint32_t> center_object;  // kNoObject where nothing is
+  std::vector<float> sample;           // from first(x, y) on, so many for each texel
   std::vector<std::uint32_t> sample_object;
 };
 
@@ -103,8 +103,8 @@ struct TexelPlane {
   [[nodiscard]] bool shows(const glm::vec2& from_center, float sample,
                            std::uint32_t sample_object) const {
     const float x = per_x * from_center.x, y = per_y * from_center.y;
-    return sample_object == object && std::abs(sample - nearness - x - y) <=
-                                          room + 0.5f * (std::abs(x) + std::abs(y));
+    return sample_object == object &&
+           std::abs(sample - nearness - x - y) <= room + 0.5f * (std::abs(x) + std::abs(y));
   }
 };
 // The plane of a texel whose centre shows something. `objects` may be empty.

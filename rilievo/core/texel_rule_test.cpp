@@ -76,7 +76,8 @@ TEST(TexelRule, a_plane_is_one_surface_up_to_its_horizon) {
         all += shown.mask(x, y) == there;
       }
     EXPECT_GT(covered, 500);
-    // At the end of a row of texels that grows by one, there is no second step to tell the slope by.
+    // At the end of a row of texels that grows by one, there is no second step to tell the slope
+    // by.
     EXPECT_GE(all, covered - 2);
     EXPECT_LE(shown.thin.size(), 2u);
   }
@@ -148,9 +149,8 @@ TEST(TexelRule, a_cable_of_half_a_texel_is_a_chain_without_a_gap) {
     int last = -1;
     for (int i = 2; i < kSize - 2; ++i) {
       // Where is it in this row?
-      const double middle =
-          by_rows ? 32 + (at - across.y * (i + 0.5 - 32)) / across.x
-                  : 32 + (at - across.x * (i + 0.5 - 32)) / across.y;
+      const double middle = by_rows ? 32 + (at - across.y * (i + 0.5 - 32)) / across.x
+                                    : 32 + (at - across.x * (i + 0.5 - 32)) / across.y;
       if (middle < 3 || middle > kSize - 3) {
         last = -1;
         continue;

@@ -13,7 +13,7 @@
 #include "rilievo/environment_nodes/bake_nodes.h"
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/software/node_tiles.h"
-#include "rilievo/frame/software/software_stored_frames.h"
+#include "rilievo/method/test_source_test_helpers.h"
 
 namespace rilievo::test_baked_nodes {
 
@@ -49,7 +49,7 @@ inline std::vector<Rgba8Image> draw(const EnvironmentNodes& nodes, const Scene& 
   auto drawable = (*factory)->make_drawable(std::make_unique<EnvironmentRepresentation>(nodes),
                                             OptionValues(environment_nodes_kind().draw_options));
   EXPECT_TRUE(drawable.ok());
-  SoftwareStoredFrames frames(sky, 4, std::move(*drawable), {Instance{}}, false);
+  TestSource frames = software_stored(sky, 4, std::move(*drawable), {Instance{}}, false);
   std::vector<Rgba8Image> drawn;
   for (const Camera& camera : cameras) {
     EXPECT_TRUE(frames.draw(camera, 0).ok());

@@ -1,4 +1,4 @@
-// What is a frame drawn from?
+// What a frame is drawn from.
 //
 // The choice for each frame: which objects are drawn as polygons, and which instances of which
 // drawables stand for the others. Buffers are kept between frames, so that choosing does not
@@ -26,9 +26,12 @@ struct FrameContent {
   std::vector<Set> sets;                // drawn in this order
   std::vector<std::uint32_t> polygons;  // indices into Scene::objects
   std::vector<CrossFade> fading;  // polygons with a cross-fade range; an object can have several
+  bool outlines = false;          // draw outlines around pictures (S1.8)
+  bool sky = true;                // draw the scene's sky behind everything
 
   // Removes all instances and polygons but keeps the sets.
   void clear() {
+    outlines = false, sky = true;
     for (Set& set : sets) set.instances.clear();
     polygons.clear();
     fading.clear();

@@ -66,6 +66,8 @@ StateGuard::StateGuard() {
   static_assert(std::size(kPixelStore) == kPixelModes);
   for (int i = 0; i < kPixelModes; ++i) glGetIntegerv(kPixelStore[i], &pixel_modes_[i]);
   glGetIntegerv(GL_POLYGON_MODE, polygon_mode_);
+  glGetIntegerv(GL_CLIP_ORIGIN, &clip_origin_);
+  glGetIntegerv(GL_CLIP_DEPTH_MODE, &clip_depth_mode_);
   glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_color_);
   glGetFloatv(GL_DEPTH_CLEAR_VALUE, &clear_depth_);
   glGetFloatv(GL_DEPTH_RANGE, depth_range_);
@@ -96,6 +98,7 @@ StateGuard::StateGuard() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glDepthRangef(0, 1);
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   for (GLuint i = 0; i < kUnits; ++i) glBindSampler(i, 0);
   for (const GLenum mode : kPixelStore) glPixelStorei(mode, as_usual(mode));
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
@@ -130,6 +133,7 @@ StateGuard::~StateGuard() {
   glClearColor(clear_color_[0], clear_color_[1], clear_color_[2], clear_color_[3]);
   glClearDepthf(clear_depth_);
   glDepthRangef(depth_range_[0], depth_range_[1]);
+  glClipControl(GLenum(clip_origin_), GLenum(clip_depth_mode_));
   glLineWidth(line_width_);
   glPolygonOffset(polygon_offset_[0], polygon_offset_[1]);
   for (int i = 0; i < kUnits; ++i) {

@@ -30,7 +30,8 @@ class StateGuard {
   GLint depth_func_, program_, vertex_array_, draw_framebuffer_, read_framebuffer_, viewport_[4],
       blend_[6], cull_face_, front_face_, active_texture_, textures_[kUnits][kTargets],
       samplers_[kUnits], scissor_[4], array_buffer_, pack_buffer_, unpack_buffer_,
-      pixel_modes_[kPixelModes], block_buffers_[kBlocks], polygon_mode_[2];
+      pixel_modes_[kPixelModes], block_buffers_[kBlocks], polygon_mode_[2], clip_origin_,
+      clip_depth_mode_;
   Binding bindings_[kBlocks][kBindings];
   GLfloat clear_color_[4], clear_depth_, line_width_, polygon_offset_[2], depth_range_[2];
 };

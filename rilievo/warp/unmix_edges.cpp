@@ -75,8 +75,8 @@ class EdgeColors {
     }
     return std::nullopt;
   }
-  // The mean of what is on the other side of the edge: behind the texels that are mixed, too, unless
-  // the own surface goes on there.
+  // The mean of what is on the other side of the edge: behind the texels that are mixed, too,
+  // unless the own surface goes on there.
   [[nodiscard]] std::optional<glm::vec3> beyond(const glm::ivec2& at,
                                                 const glm::vec3& inside) const {
     glm::vec4 sum(0);

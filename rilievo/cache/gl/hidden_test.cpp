@@ -2,10 +2,9 @@
 // is compared with direct drawing, pixel by pixel.
 #include <gtest/gtest.h>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -68,9 +67,9 @@ class HiddenTest : public SceneTest {
     options.capture_by = by;
     options.gap_px = gap_px;
     options.fade_frames = 1;
-    auto cache = ImageCache::create(*renderer, options);
+    auto cache = opengl_cache(*renderer, options);
     EXPECT_TRUE(cache.ok());
-    DirectFrames direct(*renderer);
+    OpenGLFrames direct = opengl_direct(*renderer);
     Walk walk;
     for (int f = 0; f < kFrames && cache.ok(); ++f) {
       const glm::dvec3 eye(0.03 * f, 0.2, 10);

@@ -1,4 +1,3 @@
-#include "rilievo/cache/gl/image_cache.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +7,10 @@
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/gl/state_guard.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/representation/bake_objects.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -25,7 +25,7 @@ TEST_F(ImageCacheTest, the_bound_lies_within_the_limit) {
     for (double error_px : {0.5, 1.0, 2.0}) {
       ImageCacheOptions options;
       options.error_px = error_px;
-      auto cache = ImageCache::create(*renderer, options);
+      auto cache = opengl_cache(*renderer, options);
       ASSERT_TRUE(cache.ok()) << cache.error().message();
       int shown = 0;
       for (int frame = 0; frame < 24; ++frame) {
@@ -40,9 +40,9 @@ TEST_F(ImageCacheTest, the_bound_lies_within_the_limit) {
 
 TEST_F(ImageCacheTest, frames_look_like_direct_ones_and_show_the_same_objects) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
-  auto cache = ImageCache::create(*renderer, {});
+  auto cache = opengl_cache(*renderer, {});
   ASSERT_TRUE(cache.ok());
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   for (int frame = 0; frame < 12; ++frame) {
     const Rgba8Image cached = frame_of(*cache, frame);
     if (frame % 4 != 3) continue;
@@ -77,12 +77,12 @@ BuiltinScene spinning_ring() {
 TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
   ASSERT_NO_FATAL_FAILURE(load(spinning_ring()));
   const Camera camera = look_at({1, 2, 9}, {0, 0, 0}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.1, 100);
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   for (const char* warp : {"surfaces", "slices"}) {
     ImageCacheOptions options;
     options.error_px = 2;
     options.capture_by = CaptureBy::opengl;  // the rasteriser would capture them in every frame
-    auto cache = ImageCache::create(*renderer, options);
+    auto cache = opengl_cache(*renderer, options);
     ASSERT_TRUE(cache.ok()) << cache.error().message();
     const Kind& kind = *kinds().front();
     auto factory = make_factory(drawable_rows(), kind.name);
@@ -96,7 +96,7 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
     ASSERT_EQ(drawables->size(), 2u);
     std::size_t baked_bytes = 0;
     for (const ObjectDrawable& one : *drawables) baked_bytes += one.drawable->bytes();
-    cache->add_alternatives(std::move(*drawables), std::move(*factory));
+    cache->cache().add_alternatives(std::move(*drawables), std::move(*factory));
     for (int frame = 0; frame < 24; ++frame) {
       const double time = 0.25 * frame;  // 0.75 radians a frame: no flat picture lasts
       const Rgba8Image cached = frame_of(*cache, camera, time);
@@ -114,7 +114,7 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
       // The slices that a ball and a ring cut into each other: half a slice, over their border.
       EXPECT_LE(wrong_inside(objects_of(direct), seen), kWidth * kHeight / 100);
     }
-    cache->invalidate();
+    cache->cache().invalidate();
     frame_of(*cache, camera);
     EXPECT_EQ(cache->stats().count(kind.name), 0);
     EXPECT_LT(cache->stats().picture_bytes, baked_bytes + options.max_bytes);
@@ -123,7 +123,7 @@ TEST_F(ImageCacheTest, what_is_baked_stands_for_what_spins) {
 
 TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep_theirs) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
-  auto cache = ImageCache::create(*renderer, {});
+  auto cache = opengl_cache(*renderer, {});
   ASSERT_TRUE(cache.ok());
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   const auto frame = [&] {
@@ -133,7 +133,7 @@ TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep
   for (int i = 0; i < 30; ++i) frame();
   ASSERT_EQ(frame(), 0);
   const auto shows = [&](std::uint32_t object) {
-    for (const ImageCache::Shown& shown : cache->shown())
+    for (const SceneCache::Shown& shown : cache->cache().shown())
       if (shown.objects == std::vector{object}) return true;
     return false;
   };
@@ -141,11 +141,11 @@ TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep
   for (std::uint32_t object = 0; object < builtin.scene.objects.size() && tried < 4; ++object) {
     if (!shows(object) || builtin.scene.objects[object].moving != (tried % 2 == 0)) continue;
     ++tried;
-    const std::size_t before = cache->shown().size();
-    cache->invalidate_object(object);
+    const std::size_t before = cache->cache().shown().size();
+    cache->cache().invalidate_object(object);
     frame();
     // In its place a new picture, soon, or its polygons.
-    EXPECT_GE(cache->shown().size() + 3, before);
+    EXPECT_GE(cache->cache().shown().size() + 3, before);
     EXPECT_LE(cache->stats().captures, 3);
   }
   EXPECT_GT(tried, 0);
@@ -153,7 +153,7 @@ TEST_F(ImageCacheTest, an_object_that_changed_loses_its_pictures_and_others_keep
 
 TEST_F(ImageCacheTest, steady_frames_of_a_still_eye_capture_nothing) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:forest?triangles=100000"));
-  auto cache = ImageCache::create(*renderer, {});
+  auto cache = opengl_cache(*renderer, {});
   ASSERT_TRUE(cache.ok());
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   int last = 0;
@@ -163,19 +163,19 @@ TEST_F(ImageCacheTest, steady_frames_of_a_still_eye_capture_nothing) {
   }
   EXPECT_EQ(last, 0);
   // Until the light changes.
-  cache->invalidate();
+  cache->cache().invalidate();
   frame_of(*cache, camera);
   EXPECT_GT(cache->stats().captures, 0);
 }
 
 TEST_F(ImageCacheTest, keeps_to_its_memory) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:forest?triangles=400000"));
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   int most_wrong = 0;
   for (std::size_t mb : {16, 64}) {
     ImageCacheOptions options;
     options.max_bytes = mb << 20;
-    auto cache = ImageCache::create(*renderer, options);
+    auto cache = opengl_cache(*renderer, options);
     ASSERT_TRUE(cache.ok()) << cache.error().message();
     for (int frame = 0; frame < 12; ++frame) {
       const Rgba8Image image = frame_of(*cache, frame);
@@ -195,7 +195,7 @@ TEST_F(ImageCacheTest, leaves_the_callers_opengl_state_as_it_found_it) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:bridge?triangles=100000"));
   ImageCacheOptions options;
   options.outlines = true;
-  auto cache = ImageCache::create(*renderer, options);
+  auto cache = opengl_cache(*renderer, options);
   ASSERT_TRUE(cache.ok());
   target->begin();
   // An unlikely state.
@@ -287,7 +287,7 @@ TEST_F(ImageCacheTest, draws_the_same_in_whatever_state_the_caller_left_opengl) 
   const auto drawn = [&](CaptureBy by, bool oddly, bool scissored) {
     ImageCacheOptions options;
     options.capture_by = by;
-    auto cache = ImageCache::create(*renderer, options);
+    auto cache = opengl_cache(*renderer, options);
     EXPECT_TRUE(cache.ok());
     Rgba8Image image;
     for (int frame = 0; frame < 3; ++frame) {

@@ -1,5 +1,5 @@
 // Frames in which some objects are relief impostors, ray-traced among polygons.
-#include "rilievo/cache/gl/impostor_frames.h"
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/callable_source.h"
 #include "rilievo/core/file_test_helpers.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 
 namespace rilievo {
@@ -15,8 +16,8 @@ namespace {
 
 class ImpostorFramesTest : public SceneTest {
  protected:
-  std::unique_ptr<ImpostorFrames> frames_with(const ImpostorContentOptions& shown,
-                                              bool background = false, int samples = 1) {
+  std::unique_ptr<TestSource> frames_with(const ImpostorContentOptions& shown,
+                                          bool background = false, int samples = 1) {
     renderer->set_time(0);
     Result<ImpostorContent> content = make_impostor_content(renderer->scene(), 0, shown);
     EXPECT_TRUE(content.ok()) << (content.ok() ? "" : content.error().message());
@@ -24,9 +25,9 @@ class ImpostorFramesTest : public SceneTest {
     options.workers.size = 128;
     options.workers.samples = samples;
     options.background = background;
-    auto frames = ImpostorFrames::create(*renderer, std::move(*content), options);
+    auto frames = opengl_impostors(*renderer, std::move(*content), options);
     EXPECT_TRUE(frames.ok());
-    return std::move(*frames);
+    return std::make_unique<TestSource>(std::move(*frames));
   }
   // Eyes of an arc around the scene, a few degrees from one to the next.
   Camera on_arc(int frame) const {
@@ -74,17 +75,17 @@ TEST_F(ImpostorFramesTest, the_second_walk_with_the_same_store_renders_nothing_n
                              first[std::size_t(frame)].texels().begin()));
     }
     if (walk == 0) {
-      EXPECT_GT(frames->impostors().rendered(), 2u);
+      EXPECT_GT(frames->chooser().impostors().rendered(), 2u);
     } else {
-      EXPECT_EQ(frames->impostors().rendered(), 0u);
-      EXPECT_GT(frames->impostors().found(), 2u);
+      EXPECT_EQ(frames->chooser().impostors().rendered(), 0u);
+      EXPECT_GT(frames->chooser().impostors().found(), 2u);
     }
   }
 }
 
 TEST_F(ImpostorFramesTest, impostors_and_polygons_hide_each_other_as_polygons_do) {
   load("builtin:teapots?triangles=10000");
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   const auto frames = frames_with({.objects = {"#0", "#2", "#5"}});
   for (const int frame : {0, 7, 20}) {
     (void)frame_of(direct, on_arc(frame));
@@ -99,14 +100,14 @@ TEST_F(ImpostorFramesTest, a_steady_camera_renders_and_warps_nothing) {
   load("builtin:teapots?triangles=10000");
   const auto frames = frames_with({.objects = {"#1", "#2"}});
   const Rgba8Image first = frame_of(*frames, on_arc(3));
-  const WorkerStats before = frames->workers().stats();
+  const WorkerStats before = frames->chooser().workers().stats();
   for (int i = 0; i < 5; ++i) {
     const Rgba8Image again = frame_of(*frames, on_arc(3));
     EXPECT_TRUE(std::equal(first.texels().begin(), first.texels().end(), again.texels().begin()));
     EXPECT_EQ(frames->stats().captures, 0);
   }
-  EXPECT_EQ(frames->workers().stats().warps, before.warps);
-  EXPECT_EQ(frames->workers().stats().pictures, before.pictures);
+  EXPECT_EQ(frames->chooser().workers().stats().warps, before.warps);
+  EXPECT_EQ(frames->chooser().workers().stats().pictures, before.pictures);
 }
 
 TEST_F(ImpostorFramesTest, a_moving_object_carries_its_impostor_along) {
@@ -115,7 +116,7 @@ TEST_F(ImpostorFramesTest, a_moving_object_carries_its_impostor_along) {
   for (std::size_t i = 0; i < builtin.scene.objects.size(); ++i)
     if (builtin.scene.objects[i].moving) moving = "#" + std::to_string(i);
   ASSERT_FALSE(moving.empty());
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   const auto frames = frames_with({.objects = {moving}});
   for (const double time : {0.0, 0.4, 1.1}) {
     (void)frame_of(direct, on_arc(0), time);
@@ -139,14 +140,15 @@ TEST_F(ImpostorFramesTest, in_the_background_no_frame_waits) {
   content.sources[0] = std::make_unique<KeptSource>(never, nullptr, KeptOptions{});
   ImpostorFramesOptions options;
   options.background = true;
-  const auto frames = std::move(*ImpostorFrames::create(*renderer, std::move(content), options));
-  DirectFrames direct(*renderer);
+  auto frames = opengl_impostors(*renderer, std::move(content), options);
+  ASSERT_TRUE(frames.ok());
+  OpenGLFrames direct = opengl_direct(*renderer);
   const Rgba8Image truth = frame_of(direct, on_arc(0));
   for (int i = 0; i < 3; ++i) {
     const Rgba8Image seen = frame_of(*frames, on_arc(0));
     EXPECT_TRUE(std::equal(truth.texels().begin(), truth.texels().end(), seen.texels().begin()));
     EXPECT_EQ(frames->stats().count(kReliefImpostorName), 0);
-    EXPECT_TRUE(frames->statuses()[0].frame.rendering);
+    EXPECT_TRUE(frames->chooser().statuses()[0].frame.rendering);
   }
 }
 
@@ -154,9 +156,10 @@ TEST_F(ImpostorFramesTest, in_the_background_no_frame_waits) {
 TEST_F(ImpostorFramesTest, workers_in_the_background_are_told_when_a_frame_is_drawn) {
   load("builtin:teapots?triangles=10000");
   for (const bool background : {false, true}) {
-    const auto frames = std::move(*ImpostorFrames::create(
+    auto frames = opengl_impostors(
         *renderer, std::move(*make_impostor_content(renderer->scene(), 0, {.objects = {"#1"}})),
-        {.workers = {}, .background = background}));
+        {.workers = {}, .background = background});
+    ASSERT_TRUE(frames.ok());
     ImpostorChooser& chooser = frames->chooser();
     EXPECT_FALSE(chooser.workers().drawing_frame());
     FrameContent content;

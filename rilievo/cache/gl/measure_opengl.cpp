@@ -2,10 +2,11 @@
 
 #include <memory>
 
-#include "rilievo/cache/explicit_frames.h"
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/cache/measure_costs.h"
+#include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/nailboard/gl/atlas_pictures.h"
+#include "rilievo/nailboard/gl/atlas_store.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {
@@ -13,13 +14,16 @@ namespace {
 
 class GlMeasured final : public MeasuredFrames {
  public:
-  GlMeasured(const Camera& frame, SceneRenderer& renderer, StoredPictures pictures,
-             FrameTarget target)
-      : frame_(frame), frames_(std::move(pictures), renderer), target_(std::move(target)) {}
+  GlMeasured(const Camera& frame, SceneRenderer& renderer, PictureSet pictures, FrameTarget target)
+      : frame_(frame), target_(std::move(target)) {
+    auto chooser = std::make_unique<MeasuredChooser>(std::move(pictures));
+    chooser_ = chooser.get();
+    frames_ = std::make_unique<OpenGLFrames>(renderer, std::move(chooser));
+  }
   Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
-    frames_.show(objects, pictures);
+    chooser_->show(objects, pictures);
     target_.begin();
-    if (Result<> drawn = frames_.draw(frame_, 0); !drawn) return drawn;
+    if (Result<> drawn = frames_->draw(frame_, 0); !drawn) return drawn;
     target_.resolve();
     gl::finish();
     return Done{};
@@ -27,7 +31,8 @@ class GlMeasured final : public MeasuredFrames {
 
  private:
   Camera frame_;
-  ExplicitFrames<SceneFrames, StoredPictures> frames_;
+  MeasuredChooser* chooser_ = nullptr;
+  std::unique_ptr<OpenGLFrames> frames_;
   FrameTarget target_;
 };
 
@@ -39,15 +44,15 @@ Result<> measure_opengl(MachineCosts& costs) {
   if (!renderer) return renderer.error();
   Result<FrameTarget> target = FrameTarget::create(scene.frame.width, scene.frame.height, 4);
   if (!target) return target.error();
-  Result<StoredPictures> pictures = make_stored_pictures(scene.pictures);
+  Result<PictureSet> pictures = make_atlas_pictures(scene.pictures);
   if (!pictures) return pictures.error();
   GlMeasured frames(scene.frame, *renderer, std::move(*pictures), std::move(*target));
   const Result<DrawTimes> drawing = measure_drawing(scene, frames);
   if (!drawing) return drawing.error();
 
-  ImageCacheOptions options;
+  NailboardStoreOptions options;
   options.capture_by = CaptureBy::opengl;
-  Result<std::unique_ptr<CachePictures>> store = ImageCache::make_pictures(*renderer, options);
+  Result<std::unique_ptr<NailboardStore>> store = make_atlas_store(*renderer, options);
   if (!store) return store.error();
   costs.draw_opengl = *drawing;
   costs.capture_opengl = measure_captures(scene, **store);

@@ -1,8 +1,8 @@
 #include "rilievo/cache/gl/measure_opengl.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 
 #include <gtest/gtest.h>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 
 namespace rilievo {
@@ -34,7 +34,7 @@ TEST_F(MeasureOpenGLTest, its_costs_can_be_stored_and_a_cache_uses_them) {
     ImageCacheOptions options;
     options.machine = *stored;
     options.machine->draw_opengl->triangle_ns = triangle_ns;
-    auto cache = ImageCache::create(*renderer, options);
+    auto cache = opengl_cache(*renderer, options);
     EXPECT_TRUE(cache.ok());
     int sum = 0;
     for (int frame = 0; frame < 3; ++frame) {
@@ -50,7 +50,7 @@ TEST_F(MeasureOpenGLTest, a_cache_refuses_costs_that_were_measured_without_openg
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
   ImageCacheOptions options;
   options.machine = measured_elsewhere();
-  const auto cache = ImageCache::create(*renderer, options);
+  const auto cache = opengl_cache(*renderer, options);
   ASSERT_FALSE(cache.ok());
   EXPECT_EQ(cache.error().where, "machine");
 }

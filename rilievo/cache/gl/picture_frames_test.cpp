@@ -1,16 +1,15 @@
-#include "rilievo/cache/gl/picture_frames.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
-#include "rilievo/cache/picture_chooser_test_helpers.h"
 #include "rilievo/core/file_test_helpers.h"
-#include "rilievo/frame/gl/scene_frames.h"
-#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/method/pictures_test_helpers.h"
+#include "rilievo/nailboard/gl/atlas_pictures.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -28,7 +27,7 @@ using PictureFramesTest = Fixture;
 
 TEST_F(PictureFramesTest, nailboards_cut_into_each_other_as_polygons_do_and_flat_impostors_do_not) {
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   const Rgba8Image truth = frame_of(direct, camera);
   const auto true_objects = objects_of(direct);
   int wrong[3];
@@ -36,7 +35,7 @@ TEST_F(PictureFramesTest, nailboards_cut_into_each_other_as_polygons_do_and_flat
   for (DepthMode mode : {DepthMode::flat, DepthMode::linear, DepthMode::exact}) {
     PictureFramesOptions options;
     options.mode = mode;
-    auto frames = PictureFrames::create(*renderer, options);
+    auto frames = opengl_pictures(*renderer, options);
     ASSERT_TRUE(frames.ok()) << frames.error().message();
     psnr[int(mode)] = psnr_db(frame_of(*frames, camera), truth);
     wrong[int(mode)] = wrong_inside(true_objects, objects_of(*frames));
@@ -55,7 +54,7 @@ TEST_F(PictureFramesTest, nailboards_cut_into_each_other_as_polygons_do_and_flat
 TEST_F(PictureFramesTest,
        a_picture_is_kept_while_the_eye_only_turns_and_captured_when_it_has_moved) {
   PictureFramesOptions options;
-  auto frames = PictureFrames::create(*renderer, options);
+  auto frames = opengl_pictures(*renderer, options);
   ASSERT_TRUE(frames.ok());
   expect_captures_where_the_eye_has_moved(camera_at(builtin.path, 0, kWidth, kHeight),
                                           [&](const Camera& camera) {
@@ -73,7 +72,7 @@ TEST_F(PictureFramesTest, pictures_read_back_from_a_file_draw_the_same_frame_bit
   for (int bits : {8, 16}) {
     PictureFramesOptions options;
     options.delta_bits = bits;
-    auto frames = PictureFrames::create(*renderer, options);
+    auto frames = opengl_pictures(*renderer, options);
     ASSERT_TRUE(frames.ok());
     frame_of(*frames, camera);
     const std::vector<DepthImage> pictures = frames->read_pictures();
@@ -81,11 +80,13 @@ TEST_F(PictureFramesTest, pictures_read_back_from_a_file_draw_the_same_frame_bit
     ASSERT_TRUE(save_pictures(file, pictures).ok());
     const auto loaded = load_pictures(file);
     ASSERT_TRUE(loaded.ok()) << loaded.error().message();
-    auto before = make_stored_pictures(pictures, DepthMode::exact, bits);
-    auto after = make_stored_pictures(*loaded, DepthMode::exact, bits);
+    auto before = make_atlas_pictures(pictures, DepthMode::exact, bits);
+    auto after = make_atlas_pictures(*loaded, DepthMode::exact, bits);
     ASSERT_TRUE(before.ok() && after.ok());
-    StoredFrames from_memory(*empty, std::move(before->set), before->instances, false, false);
-    StoredFrames from_file(*empty, std::move(after->set), after->instances, false, false);
+    OpenGLFrames from_memory =
+        opengl_stored(*empty, std::move(before->drawable), before->instances, false, false);
+    OpenGLFrames from_file =
+        opengl_stored(*empty, std::move(after->drawable), after->instances, false, false);
     const Rgba8Image a = frame_of(from_memory, camera), b = frame_of(from_file, camera);
     ASSERT_EQ(a, b);
     // And the file's frame is the live one wherever a picture is: the live atlas holds the same
@@ -107,7 +108,7 @@ TEST_F(PictureFramesTest, frames_are_the_same_from_run_to_run) {
   const Camera camera = camera_at(builtin.path, 0.1, kWidth, kHeight);
   Rgba8Image first;
   for (int run = 0; run < 2; ++run) {
-    auto frames = PictureFrames::create(*renderer, {});
+    auto frames = opengl_pictures(*renderer, {});
     ASSERT_TRUE(frames.ok());
     const Rgba8Image frame = frame_of(*frames, camera, 0.1);
     if (run) {

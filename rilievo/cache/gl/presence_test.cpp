@@ -4,10 +4,9 @@
 
 #include <set>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -60,9 +59,9 @@ class PresenceTest : public SceneTest {
     ImageCacheOptions options;
     options.capture_by = by;
     options.capture_ms = capture_ms;
-    auto cache = ImageCache::create(*renderer, options);
+    auto cache = opengl_cache(*renderer, options);
     EXPECT_TRUE(cache.ok());
-    DirectFrames direct(*renderer);
+    OpenGLFrames direct = opengl_direct(*renderer);
     int pictures = 0;
     double bound_px = 0;
     for (int f = 0; f < frames && cache.ok(); ++f) {

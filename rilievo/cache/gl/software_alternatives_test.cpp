@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
-#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/representation/bake_objects.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 #include "rilievo/representation/software/software_factories.h"
@@ -31,8 +31,7 @@ class SoftwareAlternativesTest : public SceneTest {
  protected:
   // Bakes each object for one of the two caches, or all of them as one: by rays for both, so that
   // both have the same.
-  template <class Cache>
-  void add_baked(Cache& cache, std::span<const DrawableRow> rows, const char* kind_name,
+  void add_baked(TestSource& source_of, std::span<const DrawableRow> rows, const char* kind_name,
                  std::span<const BakeSetting> settings, bool together = false) {
     const Kind& kind = *find_kind(kinds(), kind_name);
     ObjectDrawablesOptions options{.bake = OptionValues(kind.bake_options),
@@ -47,14 +46,14 @@ class SoftwareAlternativesTest : public SceneTest {
     if (together) {
       auto one = bake_together_drawable(renderer->placed(), source, kind, **factory, options);
       ASSERT_TRUE(one.ok()) << one.error().message();
-      cache.add_surroundings(std::move(one->drawable), std::move(*factory),
-                             std::move(one->objects));
+      source_of.cache().add_surroundings(std::move(one->drawable), std::move(*factory),
+                                         std::move(one->objects));
       return;
     }
     auto made = bake_object_drawables(renderer->placed(), source, kind, **factory, options);
     ASSERT_TRUE(made.ok()) << made.error().message();
     ASSERT_FALSE(made->empty());
-    cache.add_alternatives(std::move(*made), std::move(*factory));
+    source_of.cache().add_alternatives(std::move(*made), std::move(*factory));
   }
 
   // Around the scene at `distance` times its radius, by 0.1 radians a frame: a flat picture of
@@ -71,8 +70,8 @@ class SoftwareAlternativesTest : public SceneTest {
   void expect_same_frames(const char* kind, std::span<const BakeSetting> settings,
                           const ImageCacheOptions& options, double distance,
                           bool together = false) {
-    auto opengl = ImageCache::create(*renderer, options);
-    auto memory = SoftwareCache::create(builtin.scene, options);
+    auto opengl = opengl_cache(*renderer, options);
+    auto memory = software_cache(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && memory.ok());
     ASSERT_NO_FATAL_FAILURE(add_baked(*opengl, drawable_rows(), kind, settings, together));
     ASSERT_NO_FATAL_FAILURE(
@@ -149,23 +148,23 @@ TEST_F(SoftwareAlternativesTest, a_layered_impostor_stands_for_a_heavy_object) {
 TEST_F(SoftwareAlternativesTest, frames_without_one_stay_the_same_byte_for_byte) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:fern?triangles=100000"));
   const ImageCacheOptions options;
-  const auto make = [&] { return std::move(*SoftwareCache::create(builtin.scene, options)); };
+  const auto make = [&] { return std::move(*software_cache(builtin.scene, options)); };
   const auto none = make(), empty = make(), coarse = make(), dropped = make();
   auto factory = make_factory(software_drawable_rows(), "layered-relief");
   ASSERT_TRUE(factory.ok());
-  empty->add_alternatives({}, std::move(*factory));
+  empty->cache().add_alternatives({}, std::move(*factory));
   // Texels of a tenth of the object: never within a pixel.
   const BakeSetting settings[] = {{"textures", "6"}, {"size", "10"}};
-  for (SoftwareCache* cache : {coarse.get(), dropped.get()}) {
+  for (TestSource* cache : {coarse.get(), dropped.get()}) {
     ASSERT_NO_FATAL_FAILURE(
         add_baked(*cache, software_drawable_rows(), "layered-relief", settings));
   }
   EXPECT_EQ(none->stats().picture_bytes, 0u);
-  dropped->invalidate();
+  dropped->cache().invalidate();
   for (int frame = 0; frame < 5; ++frame) {
     const Camera camera = camera_of(frame, 2.2);
     ASSERT_TRUE(none->draw(camera, 0).ok());
-    for (SoftwareCache* cache : {empty.get(), coarse.get(), dropped.get()}) {
+    for (TestSource* cache : {empty.get(), coarse.get(), dropped.get()}) {
       ASSERT_TRUE(cache->draw(camera, 0).ok());
       EXPECT_EQ(cache->stats().count("layered-relief"), 0);
       EXPECT_EQ(cache->stats().bound_px, none->stats().bound_px);

@@ -1,10 +1,9 @@
 // Do processors draw the same frames as OpenGL does: polygons, the sky, and the cache's?
-#include "rilievo/cache/software/software_cache.h"
 
 #include <gtest/gtest.h>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 
 namespace rilievo {
@@ -24,8 +23,8 @@ TEST_F(SoftwareCacheTest, polygons_and_the_sky_are_drawn_as_opengl_draws_them) {
                                               Case{"builtin:bridge?triangles=100000", 0.997, 44}}) {
     SCOPED_TRACE(spec);
     ASSERT_NO_FATAL_FAILURE(load(spec));
-    DirectFrames direct(*renderer);
-    SoftwareDirectFrames software(builtin.scene, 4);
+    OpenGLFrames direct = opengl_direct(*renderer);
+    TestSource software = software_direct(builtin.scene, 4);
     for (const int frame : {0, 40, 90}) {
       const Rgba8Image truth = frame_of(direct, frame);
       const auto objects = objects_of(direct);
@@ -50,8 +49,8 @@ TEST_F(SoftwareCacheTest, draws_the_cache_s_frames_as_opengl_draws_them) {
     options.capture_by = CaptureBy::rasterizer;
     options.machine = costs_of_both();
     options.learn = false;  // OpenGL does not
-    auto opengl = ImageCache::create(*renderer, options);
-    auto memory = SoftwareCache::create(builtin.scene, options);
+    auto opengl = opengl_cache(*renderer, options);
+    auto memory = software_cache(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && memory.ok());
     for (int frame = 0; frame < 24; ++frame) {
       const Rgba8Image truth = frame_of(*opengl, frame);

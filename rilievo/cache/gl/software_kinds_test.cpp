@@ -7,20 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/gl/image_cache.h"
-#include "rilievo/cache/gl/impostor_frames.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
 #include "rilievo/cache/software/blended_scene_test_helpers.h"
-#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
 #include "rilievo/environment_nodes/environment_kind.h"
-#include "rilievo/frame/gl/chosen_frames.h"
-#include "rilievo/frame/gl/stored_frames.h"
-#include "rilievo/frame/software/software_chosen_frames.h"
-#include "rilievo/frame/software/software_stored_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/method/objects.h"
 #include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/rays/ray_visibility.h"
@@ -55,8 +50,8 @@ class SoftwareKindsTest : public AlikeTest {
     auto a = (*by_gl)->make_drawable(std::move(first), draw_options);
     auto b = (*by_tiles)->make_drawable(make(), draw_options);
     ASSERT_TRUE(a.ok() && b.ok());
-    StoredFrames opengl(*renderer, std::move(*a), {instance}, false);
-    SoftwareStoredFrames software(builtin.scene, 4, std::move(*b), {instance}, false);
+    OpenGLFrames opengl = opengl_stored(*renderer, std::move(*a), {instance}, false);
+    TestSource software = software_stored(builtin.scene, 4, std::move(*b), {instance}, false);
     least_alike_ = least_alike;
     for (const Camera& camera : cameras) expect_same(opengl, software, camera, 0.2);
     least_alike_ = kLeastAlike;
@@ -153,10 +148,9 @@ TEST_F(SoftwareKindsTest, relief_impostors) {
   options.workers.size = 256;
   auto first = content();
   ASSERT_TRUE(first.ok());
-  auto opengl = ImpostorFrames::create(*renderer, std::move(*first), options);
-  auto software = SoftwareChosenFrames::create(
-      builtin.scene, 4, false,
-      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+  auto opengl = opengl_impostors(*renderer, std::move(*first), options);
+  auto software = software_chosen(
+      builtin.scene, 4, [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
         auto second = content();
         if (!second) return second.error();
         return {std::make_unique<ImpostorChooser>(placed, std::make_unique<SoftwareBoards>(),
@@ -165,7 +159,7 @@ TEST_F(SoftwareKindsTest, relief_impostors) {
   ASSERT_TRUE(opengl.ok() && software.ok());
   int shown = 0;
   for (const Camera& camera : cameras_around(builtin.scene, 3, 4)) {
-    expect_same(**opengl, **software, camera, 0.2);
+    expect_same(*opengl, **software, camera, 0.2);
     shown += (*software)->stats().count(kReliefImpostorName);
   }
   EXPECT_GT(shown, 0);
@@ -191,10 +185,9 @@ TEST_F(SoftwareKindsTest, baked_objects_of_a_scene) {
     EXPECT_TRUE(made.ok());
     return std::unique_ptr<FrameChooser>(std::move(*made));
   };
-  ChosenFrames opengl(*renderer, chooser(renderer->placed(), drawable_rows()), false);
-  auto software = SoftwareChosenFrames::create(
-      builtin.scene, 4, false,
-      [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+  OpenGLFrames opengl(*renderer, chooser(renderer->placed(), drawable_rows()));
+  auto software = software_chosen(
+      builtin.scene, 4, [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
         return chooser(placed, software_drawable_rows());
       });
   ASSERT_TRUE(software.ok());
@@ -205,8 +198,8 @@ TEST_F(SoftwareKindsTest, baked_objects_of_a_scene) {
 
 TEST_F(SoftwareKindsTest, what_blends) {
   ASSERT_NO_FATAL_FAILURE(load(blended_scene()));
-  DirectFrames direct(*renderer);
-  SoftwareDirectFrames software(builtin.scene, 4);
+  OpenGLFrames direct = opengl_direct(*renderer);
+  TestSource software = software_direct(builtin.scene, 4);
   std::vector<Camera> cameras = cameras_around(builtin.scene, 4, 2);
   // Among them: some reach behind the eye.
   const Box bounds = world_bounds(builtin.scene);
@@ -223,10 +216,10 @@ TEST_F(SoftwareKindsTest, polygons_by_rays) {
       ASSERT_NO_FATAL_FAILURE(load(blended_scene()));
     else
       ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
-    DirectFrames direct(*renderer);
+    OpenGLFrames direct = opengl_direct(*renderer);
     auto rays = RayVisibility::create(builtin.scene);
     ASSERT_TRUE(rays.ok());
-    SoftwareDirectFrames software(builtin.scene, 4, std::move(*rays));
+    TestSource software = software_direct(builtin.scene, 4, std::move(*rays));
     for (const Camera& camera : cameras_around(builtin.scene, 4, 5))
       expect_same(direct, software, camera, 0.1);
   }
@@ -239,8 +232,8 @@ TEST_F(SoftwareKindsTest, outlines) {
   options.machine = costs_of_both();
   options.learn = false;  // OpenGL does not
   options.outlines = true;
-  auto opengl = ImageCache::create(*renderer, options);
-  auto memory = SoftwareCache::create(builtin.scene, options);
+  auto opengl = opengl_cache(*renderer, options);
+  auto memory = software_cache(builtin.scene, options);
   ASSERT_TRUE(opengl.ok() && memory.ok());
   int yellow = 0, both = 0;
   for (int frame = 0; frame < 3; ++frame) {

@@ -3,9 +3,8 @@
 
 #include <vector>
 
-#include "rilievo/cache/gl/picture_frames.h"
 #include "rilievo/cache/gl/software_test_helpers.h"
-#include "rilievo/cache/software/software_picture_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -15,8 +14,8 @@ class SoftwarePicturesTest : public AlikeTest {
   // Along the scene's path, while its objects move. The rasteriser captures for both.
   void expect_same_walk(PictureFramesOptions options, std::span<const int> frames) {
     options.capture_by = CaptureBy::rasterizer;
-    auto opengl = PictureFrames::create(*renderer, options);
-    auto software = make_software_picture_frames(builtin.scene, options);
+    auto opengl = opengl_pictures(*renderer, options);
+    auto software = software_pictures(builtin.scene, options);
     ASSERT_TRUE(opengl.ok() && software.ok());
     int captures = 0, kept = 0;
     for (const int frame : frames) {
@@ -60,8 +59,8 @@ TEST_F(SoftwarePicturesTest, pictures_are_read_back_as_opengl_s_are) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
   PictureFramesOptions options;
   options.capture_by = CaptureBy::rasterizer;
-  auto opengl = PictureFrames::create(*renderer, options);
-  auto software = make_software_picture_frames(builtin.scene, options);
+  auto opengl = opengl_pictures(*renderer, options);
+  auto software = software_pictures(builtin.scene, options);
   ASSERT_TRUE(opengl.ok() && software.ok());
   const Camera camera = camera_at(builtin.path, 0, kWidth, kHeight);
   frame_of(*opengl, camera);

@@ -48,7 +48,7 @@ inline constexpr double kLeastAlike = 0.999, kLeastDb = 45;
 class AlikeTest : public SceneTest {
  protected:
   // Draws a frame by both. At least the share `least_inner` of its pixels is no edge.
-  void expect_same(FrameSource& opengl, SoftwareFrames& software, const Camera& camera,
+  void expect_same(FrameSource& opengl, FrameSource& software, const Camera& camera,
                    double least_inner = 0.3, double time = 0) {
     const Rgba8Image truth = frame_of(opengl, camera, time);
     const auto objects = objects_of(opengl);
@@ -75,8 +75,7 @@ inline MachineCosts costs_of_both() {
   return costs;
 }
 
-inline Rgba8Image software_frame_of(SoftwareFrames& source, const BuiltinScene& builtin,
-                                    int frame) {
+inline Rgba8Image software_frame_of(FrameSource& source, const BuiltinScene& builtin, int frame) {
   const double time = frame_time(builtin.path, frame);
   EXPECT_TRUE(source.draw(camera_at(builtin.path, time, kWidth, kHeight), time).ok());
   return source.software_target()->color();

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -74,11 +73,11 @@ class SurroundingsTest : public SceneTest {
 
 TEST_F(SurroundingsTest, stand_for_all_that_is_far_while_their_bound_allows_it) {
   for (const double bound_px : {0.5, 1.5, std::numeric_limits<double>::infinity()}) {
-    auto cache = ImageCache::create(*renderer, {});
+    auto cache = opengl_cache(*renderer, {});
     ASSERT_TRUE(cache.ok());
     int drawn = 0;
-    cache->add_surroundings(std::make_unique<Counted>(bound_px, drawn), nullptr, far_);
-    DirectFrames direct(*renderer);
+    cache->cache().add_surroundings(std::make_unique<Counted>(bound_px, drawn), nullptr, far_);
+    OpenGLFrames direct = opengl_direct(*renderer);
     bool far_seen = false;
     for (int i = 0; i < 12; ++i) {
       const Camera camera = frame_at(i);
@@ -106,7 +105,7 @@ TEST_F(SurroundingsTest, stand_for_all_that_is_far_while_their_bound_allows_it) 
     }
     EXPECT_TRUE(far_seen);
     // What stood for them is gone with the first of them that changes.
-    cache->invalidate_object(far_[3]);
+    cache->cache().invalidate_object(far_[3]);
     drawn = 0;
     frame_of(*cache, frame_at(0));
     EXPECT_EQ(drawn, 0);

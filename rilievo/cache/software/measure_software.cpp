@@ -4,31 +4,38 @@
 #include <limits>
 #include <numeric>
 
-#include "rilievo/cache/explicit_frames.h"
-#include "rilievo/cache/software/software_cache.h"
+#include "rilievo/cache/measure_costs.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/software/software_stored_frames.h"
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/nailboard/software/software_pictures.h"
+#include "rilievo/nailboard/software/software_store.h"
 
 namespace rilievo {
 namespace {
 
 class SoftwareMeasured final : public MeasuredFrames {
  public:
-  SoftwareMeasured(const MeasuredScene& scene, SoftwarePictures pictures)
-      : frame_(scene.frame), frames_(std::move(pictures), scene.scene, 4) {}
+  SoftwareMeasured(const MeasuredScene& scene, PictureSet pictures)
+      : frame_(scene.frame), backend_(scene.scene, 4) {
+    auto chooser = std::make_unique<MeasuredChooser>(std::move(pictures));
+    chooser_ = chooser.get();
+    frames_ = std::make_unique<SoftwareFrames>(backend_, std::move(chooser));
+  }
   Result<> draw(const MeasuredRun& objects, const MeasuredRun& pictures) override {
-    frames_.show(objects, pictures);
-    return frames_.draw(frame_, 0);
+    chooser_->show(objects, pictures);
+    return frames_->draw(frame_, 0);
   }
 
  private:
   Camera frame_;
-  ExplicitFrames<SoftwareFrames, SoftwarePictures> frames_;
+  SoftwareBackend backend_;
+  MeasuredChooser* chooser_ = nullptr;
+  std::unique_ptr<SoftwareFrames> frames_;
 };
 
 // A texel of a coarse picture of all balls, written into the store.
-double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, CachePictures& store) {
+double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, NailboardStore& store) {
   Camera camera = scene.frame;
   camera.width /= 2, camera.height /= 2;
   std::vector<std::uint32_t> objects(scene.heavy.count);
@@ -50,8 +57,7 @@ double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, CachePict
 
 Result<MachineCosts> measure_software() {
   const MeasuredScene scene = measured_scene();
-  Result<SoftwarePictures> pictures =
-      make_software_pictures(scene.pictures, DepthMode::exact, ImageCacheOptions{}.delta_bits);
+  Result<PictureSet> pictures = make_software_pictures(scene.pictures);
   if (!pictures) return pictures.error();
   MachineCosts costs;
   SoftwareMeasured frames(scene, std::move(*pictures));
@@ -60,7 +66,7 @@ Result<MachineCosts> measure_software() {
   costs.draw_software = *drawing;
 
   const PlacedScene placed(scene.scene);
-  const Result<std::unique_ptr<CachePictures>> store = SoftwareCache::make_pictures(placed, {});
+  const Result<std::unique_ptr<NailboardStore>> store = make_software_store(placed, {});
   if (!store) return store.error();
   costs.capture_rasterizer = measure_captures(scene, **store);
   Result<std::unique_ptr<CoarseCapture>> coarse = CoarseCapture::create(scene.scene);

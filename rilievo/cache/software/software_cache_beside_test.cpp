@@ -6,9 +6,9 @@
 #include <thread>
 #include <vector>
 
-#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/picture_camera.h"
 #include "rilievo/measure/psnr.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/nailboard/raster_gaps.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -75,11 +75,11 @@ TEST(CapturesBeside, make_what_a_capture_at_once_would) {
 }
 
 struct Frames {
-  std::unique_ptr<SoftwareCache> cache;
+  std::unique_ptr<TestSource> cache;
   const BuiltinScene& made;
 
   Frames(const BuiltinScene& made_, const ImageCacheOptions& options) : made(made_) {
-    auto created = SoftwareCache::create(made.scene, options);
+    auto created = software_cache(made.scene, options);
     EXPECT_TRUE(created.ok());
     cache = std::move(*created);
   }
@@ -147,14 +147,14 @@ TEST(SoftwareCacheBeside, captures_go_on_while_things_change) {
       if (frame % 9 == 8) {
         EXPECT_TRUE(frames.cache->draw_objects().ok());
       }
-      if (frame % 11 == 10) frames.cache->invalidate_object(std::uint32_t(frame));
+      if (frame % 11 == 10) frames.cache->cache().invalidate_object(std::uint32_t(frame));
       if (frame == 30) {
-        frames.cache->finish_captures();
+        frames.cache->cache().finish_captures();
         for (Light& light : made->scene.lights) light.intensity *= 0.5f;
-        frames.cache->invalidate();
+        frames.cache->cache().invalidate();
       }
       // Captured in the frame again, while others are on their way; and back.
-      frames.cache->options().capture_ms = frame % 20 < 15 ? 4 : 0;
+      frames.cache->cache().options().capture_ms = frame % 20 < 15 ? 4 : 0;
       if (frame % 3) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     EXPECT_GT(captures, 20);

@@ -1,8 +1,8 @@
 // Does the cache learn what the frames that it drew show?
 #include <gtest/gtest.h>
 
-#include "rilievo/cache/software/software_cache.h"
 #include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/method/test_source_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -25,7 +25,7 @@ Scene rings_behind(bool wall) {
 int captures_of_walk(const Scene& scene, bool learn) {
   ImageCacheOptions options;
   options.learn = learn, options.error_px = 0.5;
-  auto cache = SoftwareCache::create(scene, options);
+  auto cache = software_cache(scene, options);
   EXPECT_TRUE(cache.ok());
   int captures = 0;
   for (int f = 0; f < 60; ++f) {

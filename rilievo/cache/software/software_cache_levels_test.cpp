@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "rilievo/cache/software/software_cache.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/mesh_distance.h"
 
@@ -20,8 +20,8 @@ ImageCacheOptions with_levels(double error_px) {
   return options;
 }
 
-std::unique_ptr<SoftwareCache> make_cache(const Scene& scene, const ImageCacheOptions& options) {
-  auto cache = SoftwareCache::create(scene, options);
+std::unique_ptr<TestSource> make_cache(const Scene& scene, const ImageCacheOptions& options) {
+  auto cache = software_cache(scene, options);
   EXPECT_TRUE(cache.ok());
   return std::move(*cache);
 }
@@ -101,7 +101,7 @@ TEST(SoftwareCacheLevels, outlines_are_off_by_no_more_than_the_bound) {
     else
       options.machine->draw_software.triangle_ns = options.machine->draw_software.object_ns = 1e6;
     const auto cache = make_cache(made->scene, options);
-    SoftwareDirectFrames direct(made->scene, 4);
+    TestSource direct = software_direct(made->scene, 4);
     int differs = 0;
     for (int frame = 0; frame < 4; ++frame) {
       const Camera camera =

@@ -1,8 +1,7 @@
 // What is scaled to nothing for a while, as files switch objects on and off, is there afterwards.
 #include <gtest/gtest.h>
 
-#include "rilievo/cache/software/software_cache.h"
-#include "rilievo/cache/software/software_picture_frames.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -34,7 +33,7 @@ class ScaledToNothing : public testing::Test {
                       0.8, 160, 120, 0.01, 1000);
   }
   // The pixels that show anything, in frames of the given times.
-  std::vector<int> shown(SoftwareFrames& frames) {
+  std::vector<int> shown(FrameSource& frames) {
     std::vector<int> counts;
     for (const double time : {0.0, 0.5, 1.5, 1.6, 1.7, 2.5, 2.6, 3.5, 3.6}) {
       EXPECT_TRUE(frames.draw(camera_, time).ok());
@@ -44,7 +43,7 @@ class ScaledToNothing : public testing::Test {
     }
     return counts;
   }
-  void expect_there_and_gone(SoftwareFrames& frames) {
+  void expect_there_and_gone(FrameSource& frames) {
     const std::vector<int> counts = shown(frames);
     for (const int frame : {0, 1, 5, 6}) EXPECT_EQ(counts[std::size_t(frame)], 0) << frame;
     // Between polygons and pictures a pixel at each end of 120 rows may differ.
@@ -61,16 +60,16 @@ TEST_F(ScaledToNothing, the_cache_draws_it_afterwards) {
   for (const double capture_ms : {0.0, 50.0}) {
     ImageCacheOptions options;
     options.capture_ms = capture_ms;
-    auto cache = SoftwareCache::create(scene_, options);
+    auto cache = software_cache(scene_, options);
     ASSERT_TRUE(cache.ok());
     expect_there_and_gone(**cache);
   }
 }
 
 TEST_F(ScaledToNothing, pictures_of_each_object_show_it_afterwards) {
-  auto frames = make_software_picture_frames(scene_, {});
+  auto frames = software_pictures(scene_, {});
   ASSERT_TRUE(frames.ok());
-  expect_there_and_gone(static_cast<SoftwareFrames&>(**frames));
+  expect_there_and_gone(**frames);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "rilievo/cache/software/software_cache.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -21,7 +21,7 @@ struct Walked {
 // `jump`: comes from the path's end, which it saw for two frames.
 Walked walk_through(const BuiltinScene& made, int frames, ImageCacheOptions options = {},
                     bool jump = false) {
-  Result<std::unique_ptr<SoftwareCache>> cache = SoftwareCache::create(made.scene, options);
+  Result<std::unique_ptr<TestSource>> cache = software_cache(made.scene, options);
   EXPECT_TRUE(cache.ok());
   const double end = made.path.keys.back().time;
   for (const double time : {end - 0.01, end})
@@ -123,18 +123,18 @@ TEST(SoftwareCache, keeps_to_its_memory_and_refuses_what_is_too_little) {
   ASSERT_TRUE(made.ok());
   ImageCacheOptions options;
   options.max_bytes = std::size_t(1) << 20;
-  EXPECT_FALSE(SoftwareCache::create(made->scene, options).ok());
+  EXPECT_FALSE(software_cache(made->scene, options).ok());
   options.max_bytes = std::size_t(128) << 20;
-  Result<std::unique_ptr<SoftwareCache>> cache = SoftwareCache::create(made->scene, options);
+  Result<std::unique_ptr<TestSource>> cache = software_cache(made->scene, options);
   ASSERT_TRUE(cache.ok());
   for (int frame = 0; frame < 8; ++frame) {
     const double time = frame_time(made->path, 10 * frame);
     ASSERT_TRUE((*cache)->draw(camera_at(made->path, time, 160, 90), time).ok());
     EXPECT_LE((*cache)->stats().picture_bytes, options.max_bytes);
   }
-  (*cache)->invalidate();
+  (*cache)->cache().invalidate();
   ASSERT_TRUE((*cache)->draw(camera_at(made->path, 0, 160, 90), 0).ok());
-  EXPECT_EQ((*cache)->read_pictures().size(), (*cache)->shown().size());
+  EXPECT_EQ((*cache)->read_pictures().size(), (*cache)->cache().shown().size());
 }
 
 }  // namespace

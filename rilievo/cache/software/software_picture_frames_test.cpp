@@ -1,9 +1,9 @@
-#include "rilievo/cache/software/software_picture_frames.h"
 
 #include <gtest/gtest.h>
 
-#include "rilievo/cache/picture_chooser_test_helpers.h"
-#include "rilievo/cache/software/software_cache.h"
+#include "rilievo/method/pictures_test_helpers.h"
+#include "rilievo/method/test_source_test_helpers.h"
+#include "rilievo/nailboard/software/software_store.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -29,12 +29,12 @@ TEST_F(SoftwarePictureFrames,
   PictureFramesOptions options;
   options.texels_per_pixel = 6;
   options.min_triangles = 1;
-  auto plenty = make_software_picture_frames(builtin.scene, options);
+  auto plenty = software_pictures(builtin.scene, options);
   // The least that there can be, half of it for captures.
   const int mb = 1 << 20;
-  while (SoftwareCache::check(store_options(options)).ok()) options.max_bytes -= mb;
+  while (check_software_store(store_options(options)).ok()) options.max_bytes -= mb;
   options.max_bytes += mb;
-  auto little = make_software_picture_frames(builtin.scene, options);
+  auto little = software_pictures(builtin.scene, options);
   ASSERT_TRUE(plenty.ok() && little.ok());
   int polygons = 0;
   for (const int frame : {0, 40}) {
@@ -51,7 +51,7 @@ TEST_F(SoftwarePictureFrames,
 
 TEST_F(SoftwarePictureFrames, an_eye_that_only_turns_keeps_all_pictures_and_a_moved_one_few) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=10000"));
-  auto frames = make_software_picture_frames(builtin.scene, {});
+  auto frames = software_pictures(builtin.scene, {});
   ASSERT_TRUE(frames.ok());
   expect_captures_where_the_eye_has_moved(camera_of(0, 320, 180), [&](const Camera& camera) {
     EXPECT_TRUE((*frames)->draw(camera, 0).ok());
@@ -63,10 +63,10 @@ TEST_F(SoftwarePictureFrames, too_little_memory_and_other_samples_are_refused) {
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=10000"));
   PictureFramesOptions options;
   options.max_bytes = std::size_t(1) << 20;
-  EXPECT_FALSE(make_software_picture_frames(builtin.scene, options).ok());
+  EXPECT_FALSE(software_pictures(builtin.scene, options).ok());
   options = {};
   options.samples = 2;
-  EXPECT_FALSE(make_software_picture_frames(builtin.scene, options).ok());
+  EXPECT_FALSE(software_pictures(builtin.scene, options).ok());
 }
 
 }  // namespace

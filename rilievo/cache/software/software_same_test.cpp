@@ -12,22 +12,21 @@
 #include <string_view>
 #include <vector>
 
-#include "rilievo/cache/impostor_chooser.h"
 #include "rilievo/cache/software/blended_scene_test_helpers.h"
-#include "rilievo/cache/software/software_cache.h"
-#include "rilievo/cache/software/software_picture_frames.h"
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
-#include "rilievo/frame/object_chooser.h"
-#include "rilievo/frame/software/software_chosen_frames.h"
-#include "rilievo/frame/software/software_stored_frames.h"
+#include "rilievo/method/objects.h"
+#include "rilievo/method/relief_impostors.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/nailboard/software/software_boards.h"
+#include "rilievo/nailboard/software/software_pictures.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/rays/ray_visibility.h"
 #include "rilievo/render/shading/simd_test_helpers.h"
+#include "rilievo/representation/bake_objects.h"
 #include "rilievo/representation/kinds.h"
 #include "rilievo/representation/software/software_factories.h"
 
@@ -47,12 +46,12 @@ struct DrawnFrames {
 };
 
 // Makes what draws, drawn from the start in each run.
-using MakeFrames = std::function<std::unique_ptr<SoftwareFrames>()>;
+using MakeFrames = std::function<std::unique_ptr<FrameSource>()>;
 
 DrawnFrames draw_frames(const MakeFrames& make, std::span<const Camera> cameras,
                         std::string_view kind) {
   DrawnFrames drawn;
-  const std::unique_ptr<SoftwareFrames> frames = make();
+  const std::unique_ptr<FrameSource> frames = make();
   if (!frames) return drawn;
   for (const Camera& camera : cameras) {
     EXPECT_TRUE(frames->draw(camera, 0).ok());
@@ -132,16 +131,16 @@ class SoftwareSame : public testing::Test {
       }
       auto factory = make_factory(software_drawable_rows(), name);
       RaySource source(*rays);
-      auto frames = SoftwareChosenFrames::create(
-          builtin.scene, 4, outlines,
-          [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
-            auto chooser =
-                ObjectChooser::create(placed, source, kind, std::move(*factory), options);
-            if (!chooser) return chooser.error();
-            return {std::move(*chooser)};
-          });
+      auto frames =
+          software_chosen(builtin.scene, 4,
+                          [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
+                            auto chooser = ObjectChooser::create(placed, source, kind,
+                                                                 std::move(*factory), options);
+                            if (!chooser) return chooser.error();
+                            return {std::move(*chooser)};
+                          });
       EXPECT_TRUE(frames.ok()) << frames.error().message();
-      return std::unique_ptr<SoftwareFrames>(frames.ok() ? std::move(*frames) : nullptr);
+      return std::unique_ptr<FrameSource>(frames.ok() ? std::move(*frames) : nullptr);
     };
   }
 
@@ -214,9 +213,9 @@ TEST_F(SoftwareSame, environment_nodes) {
           auto drawable =
               (*factory)->make_drawable(std::make_unique<EnvironmentRepresentation>(*nodes), draw);
           EXPECT_TRUE(drawable.ok());
-          return std::make_unique<SoftwareStoredFrames>(
-              builtin.scene, 4, std::move(*drawable),
-              std::vector<Instance>{{glm::dmat4(1.0), 0, 1}}, false, std::move(*factory));
+          return std::make_unique<TestSource>(
+              software_stored(builtin.scene, 4, std::move(*drawable), {{glm::dmat4(1.0), 0, 1}},
+                              false, std::move(*factory)));
         },
         cameras, kind.name);
   }
@@ -227,9 +226,9 @@ TEST_F(SoftwareSame, relief_impostors) {
   ImpostorFramesOptions options;
   options.workers.size = 64;
   expect_same_everywhere(
-      [&]() -> std::unique_ptr<SoftwareFrames> {
-        auto frames = SoftwareChosenFrames::create(
-            builtin.scene, 4, false,
+      [&]() -> std::unique_ptr<FrameSource> {
+        auto frames = software_chosen(
+            builtin.scene, 4,
             [&](const PlacedScene& placed) -> Result<std::unique_ptr<FrameChooser>> {
               auto content = make_impostor_content(builtin.scene, 0.0, {});
               if (!content) return content.error();
@@ -247,7 +246,7 @@ TEST_F(SoftwareSame, polygons_the_sky_and_what_blends) {
   for (const int samples : {1, 4}) {
     SCOPED_TRACE(samples);
     expect_same_everywhere(
-        [&] { return std::make_unique<SoftwareDirectFrames>(builtin.scene, samples); },
+        [&] { return std::make_unique<TestSource>(software_direct(builtin.scene, samples)); },
         eyes_around(builtin.scene), "");
   }
 }
@@ -258,7 +257,7 @@ TEST_F(SoftwareSame, polygons_by_rays) {
       [&] {
         auto rays = RayVisibility::create(builtin.scene);
         EXPECT_TRUE(rays.ok());
-        return std::make_unique<SoftwareDirectFrames>(builtin.scene, 4, std::move(*rays));
+        return std::make_unique<TestSource>(software_direct(builtin.scene, 4, std::move(*rays)));
       },
       eyes_around(builtin.scene), "");
 }
@@ -273,8 +272,8 @@ TEST_F(SoftwareSame, the_cache) {
   ImageCacheOptions options;
   options.outlines = true;
   expect_same_everywhere(
-      [&]() -> std::unique_ptr<SoftwareFrames> {
-        auto cache = SoftwareCache::create(builtin.scene, options);
+      [&]() -> std::unique_ptr<FrameSource> {
+        auto cache = software_cache(builtin.scene, options);
         EXPECT_TRUE(cache.ok());
         return std::move(*cache);
       },
@@ -294,15 +293,15 @@ TEST_F(SoftwareSame, the_cache_with_what_was_baked) {
   options.machine->capture_rasterizer = {1e8, 1e5, 1e4};
   options.machine->ray_texel_ns = 200;
   expect_same_everywhere(
-      [&]() -> std::unique_ptr<SoftwareFrames> {
-        auto cache = SoftwareCache::create(builtin.scene, options);
+      [&]() -> std::unique_ptr<FrameSource> {
+        auto cache = software_cache(builtin.scene, options);
         EXPECT_TRUE(cache.ok());
         auto factory = make_factory(software_drawable_rows(), kind.name);
         RaySource source(*rays);
         const PlacedScene placed(builtin.scene);
         auto made = bake_object_drawables(placed, source, kind, **factory, objects);
         EXPECT_TRUE(made.ok()) << made.error().message();
-        (*cache)->add_alternatives(std::move(*made), std::move(*factory));
+        (*cache)->cache().add_alternatives(std::move(*made), std::move(*factory));
         return std::move(*cache);
       },
       eyes_around(builtin.scene), kind.name);
@@ -320,8 +319,8 @@ TEST_F(SoftwareSame, pictures_of_each_object) {
     PictureFramesOptions options;
     options.mode = mode;
     expect_same_everywhere(
-        [&]() -> std::unique_ptr<SoftwareFrames> {
-          auto frames = make_software_picture_frames(builtin.scene, options);
+        [&]() -> std::unique_ptr<FrameSource> {
+          auto frames = software_pictures(builtin.scene, options);
           EXPECT_TRUE(frames.ok());
           return std::move(*frames);
         },
@@ -346,8 +345,8 @@ TEST_F(SoftwareSame, pictures_as_nailboards_with_each_depth) {
         [&] {
           auto made = make_software_pictures(pictures, mode, 8);
           EXPECT_TRUE(made.ok());
-          return std::make_unique<SoftwareStoredFrames>(builtin.scene, 4, std::move(made->set),
-                                                        std::move(made->instances), true);
+          return std::make_unique<TestSource>(software_stored(
+              builtin.scene, 4, std::move(made->drawable), std::move(made->instances), true));
         },
         eyes_around(builtin.scene), "nailboard");
   }

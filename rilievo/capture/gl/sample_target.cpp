@@ -48,7 +48,8 @@ Result<SampleTarget> SampleTarget::create(int width, int height, int samples) {
   glNamedFramebufferTexture(t.one_, buffers[1], t.one_object_, 0);
   glNamedFramebufferTexture(t.one_, buffers[2], t.one_depth_, 0);
   glNamedFramebufferDrawBuffers(t.one_, 3, buffers);
-  for (const GLuint framebuffer : {GLuint(t.color_target_), GLuint(t.object_target_), GLuint(t.one_)})
+  for (const GLuint framebuffer :
+       {GLuint(t.color_target_), GLuint(t.object_target_), GLuint(t.one_)})
     if (glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
       return Error{"capture", "the driver refuses a float framebuffer of this size"};
   Result<gl::Program> extract = gl::make_program("capture's samples", kVertex, kFragment);

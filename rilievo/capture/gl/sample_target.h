@@ -38,7 +38,7 @@ class SampleTarget {
   void begin(const gl::Framebuffer& framebuffer, bool keeps_farthest);
 
   int width_ = 0, height_ = 0;
-  gl::Texture color_, object_, depth_;               // multisampled
+  gl::Texture color_, object_, depth_;              // multisampled
   gl::Texture one_color_, one_object_, one_depth_;  // of one sample
   gl::Framebuffer color_target_, object_target_, one_;
   gl::Program extract_;

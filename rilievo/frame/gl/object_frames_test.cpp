@@ -1,5 +1,4 @@
 // Against direct drawing of the same scene: the truth.
-#include "rilievo/frame/gl/chosen_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +6,11 @@
 
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/method/objects.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {
@@ -83,12 +83,14 @@ class ObjectFramesTest : public gl::ContextTest {
     EXPECT_TRUE(gl::check_errors("draw").ok());
     return probe_->read_objects();
   }
-  std::unique_ptr<ChosenFrames> make() {
+  std::unique_ptr<FrameSource> make() {
     auto factory = make_layered_drawable_factory();
     EXPECT_TRUE(factory.ok()) << (factory.ok() ? "" : factory.error().message());
-    auto made = make_object_frames(*renderer_, kind_, std::move(*factory), options_);
+    OpenGLSource source(*renderer_);
+    auto made =
+        ObjectChooser::create(renderer_->placed(), source, kind_, std::move(*factory), options_);
     EXPECT_TRUE(made.ok()) << (made.ok() ? "" : made.error().message());
-    return std::move(*made);
+    return std::make_unique<OpenGLFrames>(*renderer_, std::move(*made));
   }
 
   const Kind& kind_ = layered_impostor_kind();
@@ -100,7 +102,7 @@ class ObjectFramesTest : public gl::ContextTest {
 };
 
 TEST_F(ObjectFramesTest, frames_are_those_of_polygons_at_any_time) {
-  DirectFrames direct(*renderer_);
+  OpenGLFrames direct = opengl_direct(*renderer_);
   for (const LayeredMethod method : {LayeredMethod::surfaces, LayeredMethod::slices}) {
     draw_by(method);
     const auto frames = make();
@@ -158,7 +160,7 @@ TEST_F(ObjectFramesTest, memory_goes_to_those_that_stand_for_most_triangles) {
 
   options_.objects.max_bytes = 0;
   const auto none = make();
-  DirectFrames direct(*renderer_);
+  OpenGLFrames direct = opengl_direct(*renderer_);
   EXPECT_EQ(frame_of(*none, camera_from(kEye)), frame_of(direct, camera_from(kEye)));
   EXPECT_EQ(none->stats().polygons, 6);
   EXPECT_EQ(none->stats().captures, 0);
@@ -196,7 +198,8 @@ TEST_F(ObjectFramesTest, an_impostor_from_a_file_draws_like_the_drawer_before_th
     auto drawable = make_layered_drawable(*baked, *drawer, {.method = method});
     ASSERT_TRUE(drawable.ok()) << drawable.error().message();
     EXPECT_EQ((*drawable)->bytes(), layered_texture_bytes(12, 64, 64, method));
-    StoredFrames source(*renderer_, std::move(*drawable), {{glm::dmat4(1.0), 0, object}}, false);
+    OpenGLFrames source =
+        opengl_stored(*renderer_, std::move(*drawable), {{glm::dmat4(1.0), 0, object}}, false);
     const Rgba8Image frame = frame_of(source, camera);
     const Image<std::uint32_t> objects = objects_of(source);
 

@@ -1,4 +1,4 @@
-// In which order is a frame drawn without OpenGL? As with it (frame/gl/scene_frames.h).
+// The order of a frame that is drawn without OpenGL; frame/gl/opengl_frames.h has the same with it.
 //
 // Polygons' depths come first here: they hide parts of pictures, which then cost nothing; and their
 // colours after that: what pictures hide of them is not shaded. Then the sky, what blends, and
@@ -6,64 +6,46 @@
 // not depend on the number of threads.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "rilievo/frame/frame_chooser.h"
 #include "rilievo/frame/frame_source.h"
-#include "rilievo/render/placed_scene.h"
+#include "rilievo/frame/software/software_backend.h"
 #include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/polygon_tiles.h"
 #include "rilievo/render/software/sky_tiles.h"
 #include "rilievo/render/software/software_target.h"
-#include "rilievo/scene/bend.h"
 
 namespace rilievo {
 
-// A frame source that draws without OpenGL. Derived classes choose what each object is drawn from.
-class SoftwareFrames : public FrameSource {
+// Draws what a chooser chooses, without OpenGL.
+class SoftwareFrames final : public FrameSource {
  public:
-  // `scene` must be valid and outlive the source. `samples` of a pixel: 1 or 4. `deformations`,
-  // if there are any, bend a copy of the scene to each frame's time, and must outlive the source.
-  SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations = nullptr);
-  // `visibility` finds the polygons instead of the rasteriser.
-  SoftwareFrames(const Scene& scene, int samples, std::unique_ptr<FrameVisibility> visibility);
+  // `backend` must outlive the source, unless `chooser`, of its scene, keeps it. `visibility` finds
+  // the polygons instead of the rasteriser.
+  SoftwareFrames(SoftwareBackend& backend, std::unique_ptr<FrameChooser> chooser,
+                 std::unique_ptr<FrameVisibility> visibility = nullptr);
 
-  // See FrameSource. Fail where a capture or the search for polygons does.
+  // See FrameSource. Fail where the choice or the search for polygons does.
   Result<> draw(const Camera& camera, double time) override;
-  Result<> draw_objects() final;
-  [[nodiscard]] const SoftwareTarget* software_target() const final { return &target_; }
-  [[nodiscard]] const FrameStats& stats() const final { return stats_; }
-
- protected:
-  // As SceneFrames::choose().
-  virtual Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) = 0;
-  // Called after each frame of colours, with what drawing its polygons took.
-  virtual void learn(std::span<const ObjectWork> /*work*/) {}
-  // Called before identifiers are drawn: captures those that are missing.
-  virtual void prepare_objects() {}
-  // As SceneFrames'.
-  [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }
-
-  [[nodiscard]] const PlacedScene& placed() const { return placed_; }
-  [[nodiscard]] FrameContent& content() { return content_; }
-  [[nodiscard]] const FrameContent& content() const { return content_; }
-  bool outlines_ = false;  // draw outlines around pictures (S1.8)
-  bool sky_ = true;        // draw the scene's sky behind everything
+  Result<> draw_objects() override;
+  [[nodiscard]] const SoftwareTarget* software_target() const override { return &target_; }
+  [[nodiscard]] const FrameStats& stats() const override { return stats_; }
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override {
+    return chooser_->read_pictures(content_);
+  }
 
  private:
-  SoftwareFrames(const Scene& scene, int samples, const Deformations* deformations,
-                 std::unique_ptr<FrameVisibility> visibility);
+  Result<> draw_chosen();
   void place_sets(Output output);
   void place_blended();
   void place_outlines();
 
-  const Deformations* deformations_;
-  std::unique_ptr<Scene> bent_;  // null: nothing bends
-  double bent_to_ = NAN;
-  PlacedScene placed_;
-  int samples_;
+  std::unique_ptr<FrameChooser> chooser_;  // outlives what is drawn from its scene
+  SoftwareBackend& backend_;
+  const PlacedScene& placed_;
   SoftwareTarget target_;
   PolygonTiles polygons_;
   SkyTiles sky_tiles_;
@@ -74,16 +56,7 @@ class SoftwareFrames : public FrameSource {
   FrameStats stats_;
   std::vector<const TileDrawer*> drawers_;
   Camera camera_;
-};
-
-// Draws every object as polygons, by the rasteriser or another FrameVisibility: the true frame, and
-// the baseline.
-class SoftwareDirectFrames final : public SoftwareFrames {
- public:
-  using SoftwareFrames::SoftwareFrames;
-
- private:
-  Result<> choose(const Camera& camera, FrameContent& content, FrameStats& stats) override;
+  double time_ = 0;
 };
 
 }  // namespace rilievo

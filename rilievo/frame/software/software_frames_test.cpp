@@ -1,4 +1,5 @@
 #include "rilievo/frame/software/software_frames.h"
+#include "rilievo/method/test_source_test_helpers.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/frame/software/software_chosen_frames.h"
 #include "rilievo/render/rays/ray_visibility.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/scene/mesh_tools.h"
@@ -35,11 +35,11 @@ TEST(SoftwareFrames, show_what_bends_as_it_is_at_their_time) {
   const Camera here = look_at({0, 0.4, 5}, {0, 0, 0}, {0, 1, 0}, 0.6, 96, 64, 0.1, 50),
                there = look_at({4, 0.4, 5}, {4, 0, 0}, {0, 1, 0}, 0.6, 96, 64, 0.1, 50);
   for (const int samples : {1, 4}) {
-    SoftwareDirectFrames frames(scene, samples, &deformations);
+    TestSource frames = software_direct(scene, samples, nullptr, &deformations);
     Rgba8Image last;
     for (const double time : {0.0, 0.4, 1.0, 0.7, 2.4}) {
       const Scene bent = pose_at(scene, deformations, time);
-      SoftwareDirectFrames truth(bent, samples);
+      TestSource truth = software_direct(bent, samples);
       for (const Camera& camera : {here, there}) {
         ASSERT_TRUE(frames.draw(camera, time).ok() && truth.draw(camera, time).ok());
         EXPECT_EQ(frames.software_target()->color(), truth.software_target()->color()) << time;
@@ -60,7 +60,8 @@ TEST(SoftwareFrames, rays_show_what_the_rasteriser_shows_but_for_samples_on_edge
   for (const int samples : {1, 4}) {
     auto rays = RayVisibility::create(scene);
     ASSERT_TRUE(rays.ok());
-    SoftwareDirectFrames by_rays(scene, samples, std::move(*rays)), by_raster(scene, samples);
+    TestSource by_rays = software_direct(scene, samples, std::move(*rays)),
+               by_raster = software_direct(scene, samples);
     for (const double time : {0.0, 1.5}) {
       const Camera camera = camera_at(built->path, time, 150, 90);
       ASSERT_TRUE(by_rays.draw(camera, time).ok() && by_raster.draw(camera, time).ok());
@@ -98,7 +99,7 @@ struct CountedChooser final : FrameChooser {
     if (placed.time() > 0) return Error{"chooser", "too late"};
     return Done{};
   }
-  void drawn() override { ++drawn_frames; }
+  void drawn(const FrameWork*) override { ++drawn_frames; }
 };
 
 TEST(SoftwareFrames, tell_the_chooser_when_a_frame_is_drawn_or_cannot_be) {
@@ -106,8 +107,8 @@ TEST(SoftwareFrames, tell_the_chooser_when_a_frame_is_drawn_or_cannot_be) {
   test_shapes::add(scene, test_shapes::sphere(0.8), {0.8f, 0.5f, 0.2f});
   finish(scene);
   CountedChooser* chooser = nullptr;
-  const auto frames = std::move(*SoftwareChosenFrames::create(
-      scene, 1, false, [&](const PlacedScene&) -> Result<std::unique_ptr<FrameChooser>> {
+  const auto frames = std::move(
+      *software_chosen(scene, 1, [&](const PlacedScene&) -> Result<std::unique_ptr<FrameChooser>> {
         auto made = std::make_unique<CountedChooser>();
         chooser = made.get();
         return {std::move(made)};

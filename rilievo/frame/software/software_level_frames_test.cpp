@@ -1,10 +1,11 @@
-#include "rilievo/frame/software/software_level_frames.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/method/levels.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
@@ -23,6 +24,11 @@ Scene balls() {
   return scene;
 }
 
+std::unique_ptr<FrameSource> software_levels(const Scene& scene, int samples, double error_px) {
+  return std::move(
+      *make_level_frames(SoftwareBackend(scene, samples), make_object_levels(scene), error_px));
+}
+
 struct SoftwareLevels : testing::Test {
   Scene scene = balls();
   std::vector<Camera> cameras;
@@ -35,8 +41,8 @@ struct SoftwareLevels : testing::Test {
 
 TEST_F(SoftwareLevels, without_an_error_are_the_frames_of_all_triangles) {
   for (const int samples : {1, 4}) {
-    SoftwareDirectFrames direct(scene, samples);
-    const auto exact = SoftwareLevelFrames::create(make_object_levels(scene), samples, 0);
+    TestSource direct = software_direct(scene, samples);
+    const auto exact = software_levels(scene, samples, 0);
     for (const Camera& camera : cameras) {
       ASSERT_TRUE(direct.draw(camera, 0).ok() && exact->draw(camera, 0).ok());
       EXPECT_EQ(exact->software_target()->color(), direct.software_target()->color());
@@ -48,14 +54,14 @@ TEST_F(SoftwareLevels, without_an_error_are_the_frames_of_all_triangles) {
 }
 
 TEST_F(SoftwareLevels, with_an_error_are_coarser_by_no_more_than_that_and_forget_the_last_frame) {
-  SoftwareDirectFrames direct(scene, 4);
-  const auto coarse = SoftwareLevelFrames::create(make_object_levels(scene), 4, 4.0);
+  TestSource direct = software_direct(scene, 4);
+  const auto coarse = software_levels(scene, 4, 4.0);
   for (const Camera& camera : cameras) {
     ASSERT_TRUE(direct.draw(camera, 0).ok() && coarse->draw(camera, 0).ok());
     EXPECT_FALSE(coarse->software_target()->color() == direct.software_target()->color());
     EXPECT_GT(coarse->stats().bound_px, 0.0);
     EXPECT_LE(coarse->stats().bound_px, 4.0);
-    const auto fresh = SoftwareLevelFrames::create(make_object_levels(scene), 4, 4.0);
+    const auto fresh = software_levels(scene, 4, 4.0);
     ASSERT_TRUE(fresh->draw(camera, 0).ok());
     EXPECT_EQ(fresh->software_target()->color(), coarse->software_target()->color());
   }

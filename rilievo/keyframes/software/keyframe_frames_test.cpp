@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "rilievo/frame/cpu/software_frames.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -42,7 +42,7 @@ TEST(KeyframeFrames, AWalkLooksLikeDirectFrames) {
   options.keyframes.interval = 6;
   auto frames = KeyframeFrames::create(made.scene, options);
   ASSERT_TRUE(frames);
-  SoftwareDirectFrames direct(made.scene, 4);
+  TestSource direct = software_direct(made.scene, 4);
   for (int i = 0; i < 30; ++i) {
     const double time = frame_time(made.path, i);
     const Camera camera = camera_at(made.path, time, kWidth, kHeight);
@@ -69,7 +69,7 @@ TEST(KeyframeFrames, HolesAreFilled) {
   options.keyframes.margin = 1, options.keyframes.interval = 100;
   auto frames = KeyframeFrames::create(made.scene, options);
   ASSERT_TRUE(frames);
-  SoftwareDirectFrames direct(made.scene, 4);
+  TestSource direct = software_direct(made.scene, 4);
   const Camera before = camera_at(made.path, 0, kWidth, kHeight);
   Camera camera = before;
   const glm::dmat4 turn = glm::rotate(glm::dmat4(1), 0.05, glm::dvec3(0, 1, 0));
@@ -102,7 +102,7 @@ TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {
   ASSERT_TRUE(any) << "the scene should have something that moves";
   auto frames = KeyframeFrames::create(made.scene, {});
   ASSERT_TRUE(frames);
-  SoftwareDirectFrames direct(made.scene, 4);
+  TestSource direct = software_direct(made.scene, 4);
   for (int i = 0; i < 8; ++i) {
     const double time = frame_time(made.path, 4 * i);
     const Camera camera = camera_at(made.path, time, kWidth, kHeight);

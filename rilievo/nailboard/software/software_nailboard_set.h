@@ -1,7 +1,7 @@
 // How are nailboards in memory a drawable? As a set of many, drawn into tiles.
 //
 // An item is a picture that somebody else keeps; the cache has them
-// (cache/software/software_cache.h).
+// (nailboard/software/software_store.h).
 #pragma once
 
 #include <cstdint>

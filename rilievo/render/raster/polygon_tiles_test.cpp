@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/render/raster/raster_renderer.h"
+#include "rilievo/render/raster/whole_frames_test_helpers.h"
 #include "rilievo/render/software/sky_tiles.h"
 #include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -67,7 +67,7 @@ TEST(PolygonTiles, show_what_the_rasteriser_draws) {
     target.draw(scene.camera.z_far, drawers);
     const Image<float> eye_z = target.eye_z();
 
-    RasterRenderer renderer(scene.made.scene);
+    RasterFrames renderer(scene.made.scene);
     RasterPicture picture;
     ObjectPicture objects;
     ASSERT_TRUE(renderer.draw(scene.camera, samples, picture).ok());

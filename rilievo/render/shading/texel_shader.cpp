@@ -92,8 +92,7 @@ void add_texel(const PictureView& view, const ShownTexels& shown, int x, int y,
   const int samples = view.samples.samples;
   const unsigned all = (1u << samples) - 1, mask = shown.mask(x, y);
   const auto add = [&](std::uint32_t triangle, unsigned set) {
-    seen.add(view.scene.meshes,
-             {triangle, std::uint16_t(x), std::uint16_t(y), std::uint16_t(set)});
+    seen.add(view.scene.meshes, {triangle, std::uint16_t(x), std::uint16_t(y), std::uint16_t(set)});
   };
   if (mask == 0) {
     // All samples together: that is the centre.
@@ -131,8 +130,7 @@ void shade_texels(const PictureView& view, const ShownTexels& shown, DepthImage&
       for (std::size_t i = 0; i < shaded.pixels.size(); ++i) {
         const SeenTriangles::Pixel& pixel = shaded.pixels[i];
         picture.color(pixel.x, last - pixel.y) +=
-            float(std::popcount(pixel.samples)) *
-            glm::vec4(rgb[0][i], rgb[1][i], rgb[2][i], 1.0f);
+            float(std::popcount(pixel.samples)) * glm::vec4(rgb[0][i], rgb[1][i], rgb[2][i], 1.0f);
       }
     });
     for (int y = from; y < to; ++y) {
@@ -146,8 +144,7 @@ void shade_texels(const PictureView& view, const ShownTexels& shown, DepthImage&
         const float* depth = depths + std::ptrdiff_t(x) * samples;
         const auto covered = std::count_if(depth, depth + samples, [](float z) { return z < 1; });
         // What only the centre shows is at least as large as one sample's part.
-        const float alpha =
-            with_sky ? 1.0f : float(std::max(int(covered), 1)) / float(samples);
+        const float alpha = with_sky ? 1.0f : float(std::max(int(covered), 1)) / float(samples);
         color = alpha * glm::vec4(glm::vec3(color) / color.a, 1.0f);
       }
     }

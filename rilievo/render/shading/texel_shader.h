@@ -1,4 +1,5 @@
-// The texel rule (core/texel_rule.h) for visibility buffers: captures by the rasteriser and by rays.
+// The texel rule (core/texel_rule.h) for visibility buffers: captures by the rasteriser and by
+// rays.
 //
 // One buffer has what the texels' centres show, another one four samples of each texel. As
 // BandShader, each triangle is shaded once in each texel where it counts. Rows from the bottom.

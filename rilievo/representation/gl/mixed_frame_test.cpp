@@ -8,12 +8,11 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/picture_camera.h"
 #include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/frame/gl/scene_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/layered_kind.h"
@@ -52,23 +51,30 @@ BuiltinScene interlocked() {
 }
 
 // What one kind shows: a set, or polygons.
-class KindFrames final : public SceneFrames {
+class KindChooser final : public FrameChooser {
  public:
-  KindFrames(SceneRenderer& renderer, std::vector<FrameContent::Set> sets,
-             std::vector<std::uint32_t> polygons, bool sky = false)
-      : SceneFrames(renderer), sets_(std::move(sets)), polygons_(std::move(polygons)) {
-    sky_ = sky;
+  KindChooser(std::vector<FrameContent::Set> sets, std::vector<std::uint32_t> polygons, bool sky)
+      : sets_(std::move(sets)), polygons_(std::move(polygons)), sky_(sky) {}
+
+  void add_sets(FrameContent&) override {}
+  Result<> choose(const Camera&, const PlacedScene&, FrameContent& content, FrameStats&) override {
+    content.sets = sets_;
+    content.polygons = polygons_;
+    content.sky = sky_;
+    return Done{};
   }
 
  private:
-  Result<> choose(const Camera&, FrameContent& content, FrameStats&) override {
-    content.sets = sets_;
-    content.polygons = polygons_;
-    return Done{};
-  }
   std::vector<FrameContent::Set> sets_;
   std::vector<std::uint32_t> polygons_;
+  bool sky_;
 };
+std::unique_ptr<FrameSource> kind_frames(SceneRenderer& renderer,
+                                         std::vector<FrameContent::Set> sets,
+                                         std::vector<std::uint32_t> polygons, bool sky = false) {
+  return std::make_unique<OpenGLFrames>(
+      renderer, std::make_unique<KindChooser>(std::move(sets), std::move(polygons), sky));
+}
 
 class MixedFrame : public SceneTest {
  protected:
@@ -81,16 +87,16 @@ class MixedFrame : public SceneTest {
     ASSERT_NO_FATAL_FAILURE(add_nailboard(kLinear, DepthMode::linear));
     ASSERT_NO_FATAL_FAILURE(add_layered());
     ASSERT_NO_FATAL_FAILURE(add_cache());
-    add(std::make_unique<KindFrames>(*renderer, std::vector<FrameContent::Set>{},
-                                     std::vector<std::uint32_t>{kPolygons}));
-    sky = std::make_unique<KindFrames>(*renderer, std::vector<FrameContent::Set>{},
-                                       std::vector<std::uint32_t>{}, true);
+    add(kind_frames(*renderer, std::vector<FrameContent::Set>{},
+                    std::vector<std::uint32_t>{kPolygons}));
+    sky = kind_frames(*renderer, std::vector<FrameContent::Set>{}, std::vector<std::uint32_t>{},
+                      true);
   }
 
   void add(std::unique_ptr<FrameSource> source) { sources.push_back(std::move(source)); }
   void add(std::unique_ptr<Drawable> drawable, Part part) {
     const FrameContent::Set set{drawable.get(), {{glm::dmat4(1.0), 0, std::uint32_t(part) + 1}}};
-    add(std::make_unique<KindFrames>(*renderer, std::vector{set}, std::vector<std::uint32_t>{}));
+    add(kind_frames(*renderer, std::vector{set}, std::vector<std::uint32_t>{}));
     drawables.push_back(std::move(drawable));
   }
 
@@ -125,7 +131,7 @@ class MixedFrame : public SceneTest {
     options.samples = 1;
     options.fade_frames = 1;
     options.sky = false;
-    auto cache = ImageCache::create(*cached_renderer, options);
+    auto cache = opengl_cache(*cached_renderer, options);
     ASSERT_TRUE(cache.ok()) << cache.error().message();
     // An eye that comes here: the picture is of another one, some frames ago.
     for (int frame = -20; frame <= 0; ++frame) {
@@ -136,7 +142,7 @@ class MixedFrame : public SceneTest {
     EXPECT_EQ(cache->stats().count("nailboard"), 1);
     EXPECT_EQ(cache->stats().polygons, 0);
     EXPECT_EQ(cache->stats().captures, 0);
-    add(std::make_unique<ImageCache>(std::move(*cache)));
+    add(std::make_unique<TestSource>(std::move(*cache)));
   }
 
   void add_layered() {
@@ -181,7 +187,7 @@ class MixedFrame : public SceneTest {
   Scene cached_scene;
   std::unique_ptr<SceneRenderer> cached_renderer;
   std::vector<std::unique_ptr<FrameSource>> sources;  // one for each kind
-  std::unique_ptr<KindFrames> sky;
+  std::unique_ptr<FrameSource> sky;
 };
 
 TEST_F(MixedFrame, shows_the_same_pixels_in_every_order_of_kinds) {
@@ -204,7 +210,7 @@ TEST_F(MixedFrame, shows_the_same_pixels_in_every_order_of_kinds) {
 }
 
 TEST_F(MixedFrame, agrees_with_direct_drawing_but_for_a_pixel_beside_each_edge) {
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   const Rgba8Image frame = frame_in(first_order());
   const auto seen = objects_in(first_order());
   frame_of(direct, camera);

@@ -8,15 +8,15 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <sstream>
 
-#include "rilievo/cache/gl/image_cache.h"
 #include "rilievo/cache/gl/scene_test_helpers.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/file_test_helpers.h"
-#include "rilievo/frame/gl/chosen_frames.h"
-#include "rilievo/frame/gl/stored_frames.h"
+#include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/gl/object.h"
+#include "rilievo/method/objects.h"
+#include "rilievo/representation/bake_objects.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 
@@ -248,7 +248,7 @@ class ToyKind : public SceneTest {
   }
   // Which pixels' objects differ from direct drawing's, inside of outlines.
   int wrong(FrameSource& source, double time) {
-    DirectFrames direct(*renderer);
+    OpenGLFrames direct = opengl_direct(*renderer);
     frame_of(direct, camera, time);
     const auto truth = objects_of(direct);
     frame_of(source, camera, time);
@@ -281,12 +281,13 @@ TEST_F(ToyKind, is_baked_saved_loaded_described_and_drawn) {
 
   auto drawable = factory->make_drawable(std::move(*loaded), objects.draw);
   ASSERT_TRUE(drawable.ok());
-  StoredFrames frames(*renderer, std::move(*drawable), {{glm::dmat4(1.0), 0, 3}}, false);
+  OpenGLFrames frames =
+      opengl_stored(*renderer, std::move(*drawable), {{glm::dmat4(1.0), 0, 3}}, false);
   frame_of(frames, camera);
   EXPECT_EQ(frames.stats().count(kName), 1);
   const auto seen = objects_of(frames);
   // Where direct drawing shows the third box, and nothing else.
-  DirectFrames direct(*renderer);
+  OpenGLFrames direct = opengl_direct(*renderer);
   frame_of(direct, camera);
   const auto truth = objects_of(direct);
   int shown = 0, other = 0;
@@ -300,14 +301,17 @@ TEST_F(ToyKind, is_baked_saved_loaded_described_and_drawn) {
 }
 
 TEST_F(ToyKind, stands_for_the_objects_of_a_scene_and_is_compared_like_any_method) {
-  auto frames = make_object_frames(*renderer, *kind, std::move(factory), {objects, 1e9});
+  OpenGLSource source(*renderer);
+  auto frames = opengl_chosen(*renderer, [&](const PlacedScene& placed) {
+    return ObjectChooser::create(placed, source, *kind, std::move(factory), {objects, 1e9});
+  });
   ASSERT_TRUE(frames.ok()) << frames.error().message();
-  for (const double time : {0.0, 0.7}) EXPECT_EQ(wrong(**frames, time), 0) << time;
-  EXPECT_EQ((*frames)->stats().count(kName), 3);
-  EXPECT_EQ((*frames)->stats().polygons, 0);
+  for (const double time : {0.0, 0.7}) EXPECT_EQ(wrong(*frames, time), 0) << time;
+  EXPECT_EQ(frames->stats().count(kName), 3);
+  EXPECT_EQ(frames->stats().polygons, 0);
 
-  DirectFrames direct(*renderer);
-  const ComparedSource sources[] = {{"direct", &direct}, {"toy-box", frames->get()}};
+  OpenGLFrames direct = opengl_direct(*renderer);
+  const ComparedSource sources[] = {{"direct", &direct}, {"toy-box", &*frames}};
   CompareOptions options;
   options.width = kWidth, options.height = kHeight, options.frames = 3;
   const auto report = compare(
@@ -328,18 +332,18 @@ TEST_F(ToyKind, stands_for_the_objects_of_a_scene_and_is_compared_like_any_metho
 }
 
 TEST_F(ToyKind, is_an_alternative_of_the_cache_by_its_bound_and_its_cost) {
-  auto cache = ImageCache::create(*renderer, {});
+  auto cache = opengl_cache(*renderer, {});
   ASSERT_TRUE(cache.ok());
   OpenGLSource source(*renderer);
   auto drawables = bake_object_drawables(renderer->placed(), source, *kind, *factory, objects);
   ASSERT_TRUE(drawables.ok()) << drawables.error().message();
-  cache->add_alternatives(std::move(*drawables), std::move(factory));
+  cache->cache().add_alternatives(std::move(*drawables), std::move(factory));
   for (int frame = 0; frame < 4; ++frame) {
     EXPECT_EQ(wrong(*cache, 0.2 * frame), 0) << frame;
     EXPECT_EQ(cache->stats().count(kName), 3) << frame;
     EXPECT_EQ(cache->stats().bound_px, 0.25);
   }
-  cache->options().error_px = 0.1;  // less than it can promise
+  cache->cache().options().error_px = 0.1;  // less than it can promise
   frame_of(*cache, camera, 0.8);
   EXPECT_EQ(cache->stats().count(kName), 0);
 }

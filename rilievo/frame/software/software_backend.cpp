@@ -1,0 +1,89 @@
+#include "rilievo/frame/software/software_backend.h"
+
+#include <utility>
+
+#include "rilievo/capture/ray_source.h"
+#include "rilievo/core/expects.h"
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/nailboard/software/software_boards.h"
+#include "rilievo/nailboard/software/software_pictures.h"
+#include "rilievo/nailboard/software/software_store.h"
+#include "rilievo/representation/software/software_factories.h"
+
+namespace rilievo {
+namespace {
+
+// Rays, and what captures with them.
+class BakingRays final : public CaptureSource {
+ public:
+  explicit BakingRays(RayScene rays) : rays_(std::move(rays)), source_(rays_) {}
+
+  [[nodiscard]] std::string_view name() const override { return source_.name(); }
+  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
+    return source_.bounds(objects);
+  }
+  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
+    return source_.capture(request);
+  }
+  [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override {
+    return source_.capture_layers(request);
+  }
+  [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
+
+ private:
+  RayScene rays_;
+  RaySource source_;
+};
+
+}  // namespace
+
+SoftwareBackend::SoftwareBackend(const Scene& scene, int samples, const Deformations* deformations)
+    : given_(scene),
+      deformations_(deformations),
+      bent_(deformations && !deformations->meshes.empty() ? std::make_unique<Scene>(scene)
+                                                          : nullptr),
+      placed_(bent_ ? *bent_ : scene),
+      samples_(samples) {
+  RILIEVO_EXPECTS(samples == 1 || samples == 4);
+}
+
+void SoftwareBackend::set_time(double time) {
+  placed_.set_time(time);
+  if (!bent_ || time == bent_to_) return;
+  bend(*deformations_, time, *bent_);
+  bent_to_ = time;
+  placed_.update_bounds();
+}
+
+Result<std::unique_ptr<CaptureSource>> SoftwareBackend::make_capture_source() {
+  Result<RayScene> rays = RayScene::create(scene(), placed_.time());
+  if (!rays) return rays.error();
+  return {std::make_unique<BakingRays>(std::move(*rays))};
+}
+
+std::span<const DrawableRow> SoftwareBackend::drawables() const { return software_drawable_rows(); }
+
+Result<std::unique_ptr<NailboardStore>> SoftwareBackend::make_store(
+    const NailboardStoreOptions& options) {
+  return make_software_store(placed_, options);
+}
+
+Result<std::unique_ptr<PrewarpedBoards>> SoftwareBackend::make_boards() {
+  return {std::make_unique<SoftwareBoards>()};
+}
+
+Result<PictureSet> SoftwareBackend::make_pictures(std::span<const DepthImage> pictures,
+                                                  DepthMode mode, int delta_bits) {
+  return make_software_pictures(pictures, mode, delta_bits);
+}
+
+Result<std::unique_ptr<Backend>> SoftwareBackend::make_backend(const Scene& scene) const {
+  return {std::make_unique<SoftwareBackend>(scene, samples_)};
+}
+
+Result<std::unique_ptr<FrameSource>> SoftwareBackend::make_frames(
+    std::unique_ptr<FrameChooser> chooser) {
+  return {std::make_unique<SoftwareFrames>(*this, std::move(chooser))};
+}
+
+}  // namespace rilievo

@@ -1,0 +1,30 @@
+// Levels of detail: a baseline, and what most engines do.
+#pragma once
+
+#include <memory>
+
+#include "rilievo/frame/leveled_backend.h"
+
+namespace rilievo {
+
+// Chooses each object's coarsest level whose error appears at most so many pixels large.
+class LevelChooser final : public FrameChooser {
+ public:
+  LevelChooser(std::unique_ptr<LeveledBackend> levels, double error_px)
+      : levels_(std::move(levels)), error_px_(error_px) {}
+
+  void add_sets(FrameContent&) override {}
+  Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
+                  FrameStats& stats) override;
+
+ private:
+  std::unique_ptr<LeveledBackend> levels_;
+  double error_px_;
+};
+
+// Frames of `levels`. Fails where the backend of their scene cannot be made.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> make_level_frames(const Backend& backend,
+                                                                     ObjectLevels levels,
+                                                                     double error_px);
+
+}  // namespace rilievo

@@ -1,0 +1,116 @@
+// Drawing methods by name: one call makes the frames of any of them, by any backend.
+//
+//   direct, direct-raster, direct-rays    polygons; by the backend, our rasteriser, or rays
+//   lod                                   levels of detail
+//   flat, nailboard                       a picture for each heavy object
+//   cache                                 pictures of groups, within an error in pixels
+//   relief-impostor                       objects that are rendered beside the frames
+//   and the kinds of representation, which are baked before the first frame
+//
+// A method is one file with a chooser (frame/frame_chooser.h), and one line in methods.cpp.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/policy.h"
+#include "rilievo/frame/backend.h"
+#include "rilievo/method/relief_impostors.h"
+#include "rilievo/representation/kind_methods.h"
+
+namespace rilievo {
+
+// The options of relief impostors.
+struct ReliefImpostorOptions {
+  std::string shader = "raytrace";
+  std::vector<std::string> objects;  // names, #INDEX; empty: all
+  int workers = 1;
+  std::string store;  // a file; empty: none
+  int store_mb = 4096;
+  int texels = 1024;  // of a picture's longer side, at most
+  int samples = 4;    // of a texel
+  bool background = false;
+};
+
+// The options of all methods; each takes those that it has.
+struct MethodOptions {
+  int delta_bits = 8;
+  DepthMode depth_mode = DepthMode::exact;  // nailboard, cache
+  bool outlines = false;
+  bool sky = true;             // draw the sky of the backend's scene behind what a file holds
+  double angle_degrees = 0.7;  // flat, nailboard
+  int memory_mb = 256;
+  double error_px = 1;                // cache, lod
+  double gap_px = 0;                  // cache; 0: twice error_px
+  bool levels = false;                // cache, without OpenGL: levels of detail
+  double capture_ms = 0;              // cache; 0: a budget by triangles
+  double late = CacheOptions{}.late;  // cache, with capture_ms
+  double max_spike = 0;               // cache; 0: no limit
+  bool fade = true;                   // cache
+  int bake_mb = 0;                    // cache; 0: bakes nothing
+  std::vector<std::string> bake_as{
+      std::string(default_kind().name)};  // cache: kinds that are baked
+  std::optional<double> bake_beyond;      // cache: metres
+  bool bake_together = false;             // cache: all that stands still as one
+  double texel_px = 4;                    // kinds drawn for objects
+  KindOptions kinds;
+  ReliefImpostorOptions impostors;
+  Box eyes = {};                                      // where eyes will be; empty: not known
+  std::optional<MachineCosts> machine = {};           // cache; none: the costs built in
+  Progress progress = {};                             // of what is baked before the first frame
+  std::function<void(const std::string&)> warn = {};  // of programs and stores; a line each
+};
+
+// A method, made.
+struct Method {
+  std::unique_ptr<FrameSource> frames;
+  // Takes over those options that can change between frames; empty: there are none.
+  std::function<void(const MethodOptions&)> follow = {};
+  // What a panel shows of the last frame's impostors; empty: there are none.
+  std::function<std::span<const ImpostorStatus>()> impostors = {};
+};
+
+// A line of the list of methods.
+struct MethodRow {
+  std::string_view name;
+  // Errors about an option name it as the command line does.
+  Result<Method> (*make)(const MethodOptions& options, Backend& backend) = nullptr;
+  // Is it drawn without OpenGL where OpenGL runs on processors, if it may be?
+  bool software_first = true;
+  // Does it show skins and morph targets by time (Backend::deformations)?
+  bool bends = false;
+};
+
+// All methods but those of the kinds.
+[[nodiscard]] std::span<const MethodRow> methods();
+// The row of that name; null: there is none.
+[[nodiscard]] const MethodRow* find_method(std::span<const MethodRow> rows, std::string_view name);
+// The names of all methods, those of the kinds last.
+[[nodiscard]] std::vector<std::string> method_names();
+
+// Makes a method's frames of the backend's scene, which must outlive them, as must the backend.
+// Fails for an unknown name, where the backend cannot draw the method, and where a bake fails.
+[[nodiscard]] Result<Method> make_method(std::string_view name, const MethodOptions& options,
+                                         Backend& backend);
+// The same with another list; kinds are always known.
+[[nodiscard]] Result<Method> make_method(std::span<const MethodRow> rows, std::string_view name,
+                                         const MethodOptions& options, Backend& backend);
+
+// Frames of what a file holds, drawn by a method of its kind, under the sky of the backend's scene.
+// A drawable takes the representation for itself: one load for each.
+[[nodiscard]] Result<Method> make_stored_method(std::string_view name, const MethodOptions& options,
+                                                Backend& backend,
+                                                std::unique_ptr<Representation> representation);
+// Frames of pictures with depth, drawn as nailboards.
+[[nodiscard]] Result<Method> make_stored_method(std::span<const DepthImage> pictures,
+                                                int delta_bits, const MethodOptions& options,
+                                                Backend& backend);
+
+}  // namespace rilievo

@@ -1,0 +1,113 @@
+// The list of methods, and what makes each.
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <utility>
+
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/method/cached.h"
+#include "rilievo/method/direct.h"
+#include "rilievo/method/kinds.h"
+#include "rilievo/method/levels.h"
+#include "rilievo/method/method.h"
+#include "rilievo/method/pictures.h"
+#include "rilievo/render/rays/ray_visibility.h"
+
+namespace rilievo {
+namespace {
+
+using Frames = Result<std::unique_ptr<FrameSource>>;
+
+Result<Method> as_method(Frames frames) {
+  if (!frames) return frames.error();
+  Method method;
+  method.frames = std::move(*frames);
+  return method;
+}
+
+Result<Method> make_direct(const MethodOptions&, Backend& backend) {
+  return as_method(backend.make_frames(std::make_unique<DirectChooser>()));
+}
+
+Result<Method> make_raster(const MethodOptions&, Backend& backend) {
+  Result<SoftwareBackend*> software = backend.software();
+  if (!software) return software.error();
+  return as_method(backend.present(
+      std::make_unique<SoftwareFrames>(**software, std::make_unique<DirectChooser>())));
+}
+
+Result<Method> make_rays(const MethodOptions&, Backend& backend) {
+  Result<SoftwareBackend*> software = backend.software();
+  if (!software) return software.error();
+  Result<std::unique_ptr<RayVisibility>> rays = RayVisibility::create((*software)->scene());
+  if (!rays) return rays.error();
+  return as_method(backend.present(std::make_unique<SoftwareFrames>(
+      **software, std::make_unique<DirectChooser>(), std::move(*rays))));
+}
+
+Result<Method> make_levels(const MethodOptions& options, Backend& backend) {
+  return as_method(
+      make_level_frames(backend, make_object_levels(backend.scene()), options.error_px));
+}
+
+Result<Method> make_pictures(DepthMode mode, const MethodOptions& options, Backend& backend) {
+  PictureFramesOptions pictures;
+  pictures.mode = mode;
+  pictures.delta_bits = options.delta_bits;
+  pictures.max_angle = glm::radians(options.angle_degrees);
+  pictures.outlines = options.outlines;
+  pictures.max_bytes = std::size_t(options.memory_mb) << 20;
+  pictures.samples = backend.samples();
+  Frames frames = make_picture_frames(backend, pictures);
+  if (!frames && backend.drawn_by() == DrawnBy::software)
+    return Error{"--memory-mb", frames.error().reason};
+  return as_method(std::move(frames));
+}
+Result<Method> make_flat(const MethodOptions& options, Backend& backend) {
+  return make_pictures(DepthMode::flat, options, backend);
+}
+Result<Method> make_nailboards(const MethodOptions& options, Backend& backend) {
+  return make_pictures(options.depth_mode, options, backend);
+}
+
+}  // namespace
+
+std::span<const MethodRow> methods() {
+  static constexpr MethodRow kMethods[] = {
+      {"direct", make_direct, false},
+      {"direct-raster", make_raster, true, true},
+      {"direct-rays", make_rays},
+      {"lod", make_levels},
+      {"flat", make_flat},
+      {"nailboard", make_nailboards},
+      {"cache", make_cached_method},
+      {kReliefImpostorName, make_relief_impostors, true, true},
+  };
+  return kMethods;
+}
+
+const MethodRow* find_method(std::span<const MethodRow> rows, std::string_view name) {
+  const auto found = std::find_if(rows.begin(), rows.end(),
+                                  [&](const MethodRow& row) { return row.name == name; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const MethodRow& row : methods()) names.emplace_back(row.name);
+  for (std::string& name : kind_method_names()) names.push_back(std::move(name));
+  return names;
+}
+
+Result<Method> make_method(std::span<const MethodRow> rows, std::string_view name,
+                           const MethodOptions& options, Backend& backend) {
+  if (const MethodRow* row = find_method(rows, name)) return row->make(options, backend);
+  const KindMethod kind = kind_method(name);
+  if (!kind.kind) return Error{std::string(name), "is no method"};
+  return make_kind_method(kind, options, backend);
+}
+
+Result<Method> make_method(std::string_view name, const MethodOptions& options, Backend& backend) {
+  return make_method(methods(), name, options, backend);
+}
+
+}  // namespace rilievo

@@ -1,0 +1,46 @@
+// The door: a baked file in one's own program.
+//
+//   const Scene nothing;
+//   auto backend = OpenGLBackend::create(nothing, 4);        // or SoftwareBackend(nothing, 4)
+//   auto baked = open_baked("house.exr", **backend);
+//   baked->frames->draw(camera, 0);                          // into the host's frame
+//
+// What is drawn shares the z-buffer with everything else in the frame.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "rilievo/core/bounds.h"
+#include "rilievo/core/camera_path.h"
+#include "rilievo/frame/backend.h"
+#include "rilievo/representation/kind_methods.h"
+
+namespace rilievo {
+
+// How a file's content is drawn.
+struct BakedOptions {
+  std::string method;     // a name of kind_method_names(); empty: the file's kind
+  KindOptions kind;       // options of drawing
+  bool outlines = false;  // of pictures (S1.8)
+  bool sky = false;       // draw the sky of the backend's scene behind
+};
+
+// A file's content, ready to be drawn.
+struct BakedFrames {
+  std::unique_ptr<FrameSource> frames;
+  const Kind* kind = nullptr;
+  Box bounds;                      // of what it shows, world space
+  Vantage vantage;                 // the direction that is up, and the best viewpoint, if known
+  std::optional<CameraPath> walk;  // the file's own camera path, if it has one
+};
+
+// Opens what was baked into a file. `backend` can be of an empty scene, and must outlive the
+// frames. Fails for a file that holds nothing baked, a method of another kind, and where memory or
+// the driver does.
+[[nodiscard]] Result<BakedFrames> open_baked(const std::filesystem::path& file, Backend& backend,
+                                             const BakedOptions& options = {});
+
+}  // namespace rilievo
