@@ -6,21 +6,9 @@
 #include <utility>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/linear_maps.h"
 
 namespace rilievo {
-namespace {
-
-// What is scaled to nothing has none: what moves with it cannot be told from its pose.
-bool has_inverse(const glm::dmat4& pose) {
-  const glm::dmat4 inverse = glm::inverse(pose);
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row)
-      if (!std::isfinite(inverse[column][row])) return false;
-  return true;
-}
-
-}  // namespace
-
 NailboardStoreOptions store_options(const ImageCacheOptions& options) {
   return {options.max_bytes, options.delta_bits, options.depth_mode, options.samples,
           options.capture_by};
@@ -90,7 +78,7 @@ void SceneCache::build() {
       moving.triangles = count;
       moving.box = placed_.bounds()[i];
       moving.world_from_object = glm::dmat4(placed_.poses()[i]);
-      moving.polygons_only = !has_inverse(moving.world_from_object);
+      moving.polygons_only = !is_invertible(glm::dmat3(moving.world_from_object));
       moving_.push_back(moving);
     } else {
       static_objects_.push_back(i);
@@ -244,7 +232,8 @@ void SceneCache::update_moving() {
     moving.now_from_last = glm::dmat4(1.0);
     if (now != moving.world_from_object) {
       const bool had_inverse = !moving.polygons_only;
-      moving.polygons_only = !has_inverse(now);
+      // Of what is flattened, the pose does not tell what moves with it.
+      moving.polygons_only = !is_invertible(glm::dmat3(now));
       if (had_inverse && !moving.polygons_only)
         moving.now_from_last = now * glm::inverse(moving.world_from_object);
       moving.world_from_object = now;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/linear_maps.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/scene/position_colors.h"
 
@@ -73,6 +74,21 @@ bool is_inside(const IdImage& objects, int x, int y) {
   return true;
 }
 
+// The inverse of an affine map; of one that flattens, the pseudo-inverse: from the nearest place of
+// the sheet to what is nearest to the origin of all that is put there.
+glm::dmat4 affine_inverse(const glm::dmat4& m) {
+  const glm::dmat3 linear(m);
+  if (is_invertible(linear)) return glm::inverse(m);
+  glm::dmat3 gram = glm::transpose(linear) * linear;
+  const double size = gram[0][0] + gram[1][1] + gram[2][2];
+  if (!(size > 0)) return glm::dmat4(0.0);
+  for (int k = 0; k < 3; ++k) gram[k][k] += 1e-12 * size;
+  const glm::dmat3 back = glm::inverse(gram) * glm::transpose(linear);
+  glm::dmat4 inverse(back);
+  inverse[3] = glm::dvec4(-(back * glm::dvec3(m[3])), 1.0);
+  return inverse;
+}
+
 // An object in a frame.
 struct Placed {
   glm::dmat4 world_from_model{1.0}, model_from_world{1.0};
@@ -87,7 +103,7 @@ std::vector<Placed> place_objects(const Scene& scene, std::span<const double> ha
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const glm::dmat4 world_from_model(poses[i]);
     const double half_period = half_periods[std::size_t(scene.objects[i].model)];
-    placed[i] = {world_from_model, glm::inverse(world_from_model), half_period,
+    placed[i] = {world_from_model, affine_inverse(world_from_model), half_period,
                  half_period * scale_of(world_from_model)};
   }
   return placed;

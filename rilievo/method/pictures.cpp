@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/core/linear_maps.h"
 #include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
@@ -33,12 +34,12 @@ void PictureChooser::add_sets(FrameContent& content) {
 
 bool PictureChooser::is_valid(const Picture& picture, const Camera& frame,
                               const glm::dmat4& motion) const {
+  if (!is_invertible(glm::dmat3(motion))) return false;  // flattened, now or then
   // A moving object is a still one seen by an eye that moves the other way.
   const glm::dvec3 eye = glm::dvec3(glm::inverse(motion) * glm::dvec4(frame.position(), 1));
   const glm::dvec3 capture_eye = picture.geometry.capture.position();
   const double way = glm::length(eye - capture_eye);
   const double distance = glm::length(picture.center - capture_eye);
-  // Nor does it hold where the way is not a number: the object was scaled to nothing.
   if (!(way <= options_.max_angle * distance)) return false;
   // A narrower field of view or a larger frame asks for finer texels.
   return texel_angle(picture.geometry.capture) * options_.texels_per_pixel <=

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rilievo/core/linear_maps.h"
+
 namespace rilievo {
 
 Frustum frustum_of(const Camera& camera) {
@@ -60,12 +62,11 @@ void DrawList::build_front_to_back(const Scene& scene, const Camera& camera,
     for (const Key& key : keys_) {
       const Object& object = scene.objects[key.object];
       const glm::mat4 pose = relative_to(camera.position(), poses[key.object]);
-      const bool mirrored_object = glm::determinant(glm::mat3(pose)) < 0;
+      const bool mirrored_object = is_mirroring(glm::dmat3(pose));
       for (const Part& part : scene.models[std::size_t(object.model)].parts) {
         const auto mesh = std::uint32_t(part.mesh);
         if (!mesh_included[mesh]) continue;
-        const bool mirrored =
-            mirrored_object != (glm::determinant(glm::mat3(part.model_from_mesh)) < 0);
+        const bool mirrored = mirrored_object != is_mirroring(glm::dmat3(part.model_from_mesh));
         visit(mesh, mirrored, key.object, pose, part);
       }
     }
@@ -107,7 +108,7 @@ void DrawList::build_back_to_front(const Scene& scene, const Camera& camera,
     for (const Part& part : scene.models[std::size_t(scene.objects[key->object].model)].parts) {
       if (!mesh_included[std::size_t(part.mesh)]) continue;
       const glm::mat4 placement = pose * part.model_from_mesh;
-      batches_.push_back({std::uint32_t(part.mesh), glm::determinant(glm::mat3(placement)) < 0,
+      batches_.push_back({std::uint32_t(part.mesh), is_mirroring(glm::dmat3(placement)),
                           std::uint32_t(instances_.size()), 1});
       instances_.push_back({key->object, placement});
     }

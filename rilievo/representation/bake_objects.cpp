@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/linear_maps.h"
 
 namespace rilievo {
 namespace {
@@ -31,11 +32,6 @@ double distance_between(const Box& a, const Box& b) {
   return double(glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::vec3(0))));
 }
 
-bool is_invertible(const glm::mat4& pose) {
-  const double d = glm::determinant(glm::dmat3(pose));
-  return std::isfinite(d) && d != 0;
-}
-
 // Heavy objects, those first whose drawable saves most triangles.
 std::vector<Group> heavy_groups(const PlacedScene& placed, std::uint64_t min_triangles) {
   const Scene& scene = placed.scene();
@@ -44,7 +40,8 @@ std::vector<Group> heavy_groups(const PlacedScene& placed, std::uint64_t min_tri
     const int model = scene.objects[object].model;
     const glm::mat4& pose = placed.poses()[object];
     const std::uint64_t triangles = scene.models[std::size_t(model)].triangles;
-    if (triangles < min_triangles || !placed.has_opaque_parts(object) || !is_invertible(pose))
+    if (triangles < min_triangles || !placed.has_opaque_parts(object) ||
+        !is_invertible(glm::dmat3(pose)))
       continue;
     Group& group = by_key[key_of(model, pose)];
     group.objects.push_back(object);

@@ -14,16 +14,11 @@
 #include <set>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/linear_maps.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
 namespace {
-
-glm::dmat3 normal_of(const glm::dmat3& m) {
-  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
-                             glm::cross(m[0], m[1]));
-  return glm::dot(m[0], cofactors[0]) < 0 ? -cofactors : cofactors;
-}
 
 float weight_at(const Deformation::Target& target, double time) {
   return target.weights.times.empty() ? target.weight : sample(target.weights, time).x;
@@ -65,11 +60,10 @@ void bend_mesh(const Rig& rig, const Deformation& from, double time, Mesh& mesh)
       const glm::dmat3 linear(m);
       mesh.positions[i] = glm::vec3(m * glm::dvec4(mesh.positions[i], 1.0));
       if (!mesh.normals.empty())
-        mesh.normals[i] =
-            glm::vec3(glm::normalize(normal_of(linear) * glm::dvec3(mesh.normals[i])));
+        mesh.normals[i] = unit_or_none(normal_map(linear) * glm::dvec3(mesh.normals[i]));
       if (!mesh.tangents.empty())
         mesh.tangents[i] =
-            glm::vec4(glm::normalize(linear * glm::dvec3(mesh.tangents[i])), mesh.tangents[i].w);
+            glm::vec4(unit_or_up(linear * glm::dvec3(mesh.tangents[i])), mesh.tangents[i].w);
     }
   }
   if (from.corners.empty()) {

@@ -37,9 +37,14 @@ void repair(std::vector<T>& values, const T& with, std::size_t& repaired) {
 
 }  // namespace
 
-glm::vec3 unit_or_up(const glm::dvec3& v) {
+glm::vec3 unit_or_none(const glm::dvec3& v) {
   const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0, 1, 0);
+  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : glm::vec3(0);
+}
+
+glm::vec3 unit_or_up(const glm::dvec3& v) {
+  const glm::vec3 unit = unit_or_none(v);
+  return unit == glm::vec3(0) ? glm::vec3(0, 1, 0) : unit;
 }
 
 void make_flat(Mesh& mesh) {

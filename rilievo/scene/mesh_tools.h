@@ -8,6 +8,9 @@ namespace rilievo {
 // The vector with length 1; (0, 1, 0) for one that has no length.
 [[nodiscard]] glm::vec3 unit_or_up(const glm::dvec3& v);
 
+// The vector with length 1; 0 for one that has no length, which repair_normals() replaces.
+[[nodiscard]] glm::vec3 unit_or_none(const glm::dvec3& v);
+
 // Gives each triangle its own three vertices with the triangle's normal (counter-clockwise is
 // front) and drops tangents. A triangle without area gets an arbitrary unit normal.
 void make_flat(Mesh& mesh);

@@ -68,10 +68,10 @@ void main() {
   v_object = object;
 #else
   v_relative = relative;
-  // The cofactor matrix carries normals through any linear map; the sign of the determinant keeps
-  // them pointing outwards through a mirror.
+  // As normal_map() in core/linear_maps.h; lengths near 1, so that their squares are numbers.
   vec3 yz = cross(row1.xyz, row2.xyz), zx = cross(row2.xyz, row0.xyz), xy = cross(row0.xyz, row1.xyz);
-  v_normal = sign(dot(row0.xyz, yz)) *
+  float longest = max(length(yz), max(length(zx), length(xy)));
+  v_normal = (dot(row0.xyz, yz) < 0.0 ? -1.0 : 1.0) / (longest > 0.0 ? longest : 1.0) *
              vec3(dot(yz, normal.xyz), dot(zx, normal.xyz), dot(xy, normal.xyz));
 #endif
 #ifdef POSITION_CODE
@@ -350,10 +350,12 @@ void main() {
   vec3 v = view.eye_direction.w == 0.0 ? view.eye_direction.xyz
                                        : -normalize(interpolateAtOffset(v_relative, middle));
 #endif
-  vec3 n = normalize(interpolateAtOffset(v_normal, middle));
+  vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
+  vec3 n = interpolateAtOffset(v_normal, middle);
+  // What the placement flattens has no normal where it stood upright: the triangle's.
+  n = normalize(dot(n, n) > 1e-30 ? n : facing);
   // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
   // silhouette the smooth normal of a visible face may already point away.
-  vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
 #ifdef PEEL
   // The back of what has but a front: seen from the other side of its plane.
   if (!double_sided && dot(v, n) < 0.0)

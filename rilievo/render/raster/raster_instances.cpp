@@ -1,5 +1,7 @@
 #include "rilievo/render/raster/raster_instances.h"
 
+#include "rilievo/core/linear_maps.h"
+
 namespace rilievo {
 
 void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
@@ -21,7 +23,7 @@ void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
     instance.first_triangle = p.first_triangle;
     instance.row_x = glm::vec4(x * by), instance.row_y = glm::vec4(y * by);
     instance.row_z = glm::vec4(z * by), instance.row_w = glm::vec4(clip[3] * by);
-    const bool mirrored = glm::determinant(glm::mat3(p.surface.relative_from_mesh)) < 0;
+    const bool mirrored = is_mirroring(glm::dmat3(p.surface.relative_from_mesh));
     instance.front = material.double_sided || !mirrored;
     instance.back = material.double_sided || mirrored;
     static_assert(SampleRaster::kPiece == Mesh::kRun);

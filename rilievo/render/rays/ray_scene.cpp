@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_inverse.hpp>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/linear_maps.h"
 #include "rilievo/render/shading/shading_model.h"
 
 namespace rilievo {
@@ -36,6 +36,12 @@ struct SceneDeleter {
   void operator()(RTCScene s) const { rtcReleaseScene(s); }
 };
 using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneDeleter>;
+
+// A model in Embree.
+struct EmbreeModel {
+  EmbreeScene scene;
+  std::vector<std::unique_ptr<PartFilter>> filters;  // of each geometry
+};
 
 // The picture's rays in the space of one of its models.
 PictureRays in_model(const RayPictureView& picture, const glm::mat4& model_from_world) {
@@ -124,9 +130,11 @@ void filter_objects(const RTCFilterFunctionNArguments* arguments) {
 // filter of the context, which is not called otherwise where a part has none of its own.
 const RTCSceneFlags kSceneFlags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
-void place_vertices(const Part& part, const Mesh& mesh, glm::vec3* vertices) {
+void place_vertices(const Part& part, const Mesh& mesh, const glm::dmat4& to_from_model,
+                    glm::vec3* vertices) {
+  const glm::dmat4 to_from_mesh = to_from_model * glm::dmat4(part.model_from_mesh);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    vertices[v] = glm::vec3(part.model_from_mesh * glm::vec4(mesh.positions[v], 1));
+    vertices[v] = glm::vec3(to_from_mesh * glm::dvec4(mesh.positions[v], 1));
 }
 
 RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_near, float t_far) {
@@ -147,10 +155,12 @@ struct RayScene::State {
   RTCDevice device = nullptr;
   SurfaceMaterials materials;
   std::vector<glm::mat4> poses, model_from_world;
-  std::vector<glm::mat3> normal_from_model;
-  std::vector<std::unique_ptr<PartFilter>> filters;
+  std::vector<glm::dmat3> normal_from_model;
   std::vector<std::vector<int>> parts;  // per model: the part of each geometry
-  std::vector<EmbreeScene> models;
+  std::vector<EmbreeModel> models;      // in their own spaces
+  // By object: a copy of its model in the world, if its placement cannot be inverted (it makes a
+  // sheet of it), as Embree does with those of instances. The object's matrices are then 1.
+  std::vector<EmbreeModel> flat;
   EmbreeScene world;
   std::vector<RTCGeometry> instances;  // by object; owned by `world`
   std::vector<std::uint8_t> kept;      // by object: can rays hit it?
@@ -173,9 +183,17 @@ struct RayScene::State {
     if (!objects.empty()) context.embree.filter = filter_objects;
     return context;
   }
+  Result<EmbreeModel> build(int model, const glm::dmat4& to_from_model);
+  Result<> place(std::size_t object, const glm::dmat4& world_from_model);
+  bool rebuild(int model, const glm::dmat4& to_from_model, std::span<const int> meshes,
+               EmbreeModel& built) const;
+  [[nodiscard]] const EmbreeModel& model_of(std::size_t object) const {
+    return flat[object].scene ? flat[object] : models[std::size_t(scene->objects[object].model)];
+  }
 
   ~State() {
     world.reset();
+    flat.clear();
     models.clear();
     if (device) rtcReleaseDevice(device);
   }
@@ -220,57 +238,90 @@ glm::vec4 base_color_at(const Scene& scene, int mesh_index, std::uint32_t triang
   return color * glm::vec4(texel.x, texel.y, texel.z, texel.w);
 }
 
+// A model, placed by a matrix that its vertices take.
+Result<EmbreeModel> RayScene::State::build(int of, const glm::dmat4& to_from_model) {
+  const Model& model = scene->models[std::size_t(of)];
+  EmbreeModel built;
+  built.scene.reset(rtcNewScene(device));
+  rtcSetSceneFlags(built.scene.get(), kSceneFlags);
+  std::vector<int>& part_of = parts[std::size_t(of)];
+  part_of.clear();
+  for (int p = 0; p < int(model.parts.size()); ++p) {
+    const Part& part = model.parts[std::size_t(p)];
+    const Mesh& mesh = scene->meshes[std::size_t(part.mesh)];
+    const SurfaceMaterial& material = materials.of_mesh(part.mesh);
+    if ((material.blended && included == RayParts::opaque) || mesh.indices.size() < 3) continue;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<glm::vec3*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                sizeof(glm::vec3), mesh.positions.size()));
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(std::uint32_t), mesh.indices.size() / 3));
+    if (!vertices || !indices) {
+      rtcReleaseGeometry(geometry);
+      return Error{"Embree", "out of memory"};
+    }
+    place_vertices(part, mesh, to_from_model, vertices);
+    std::copy(mesh.indices.begin(), mesh.indices.end() - mesh.indices.size() % 3, indices);
+    const bool mirrors = is_mirroring(glm::dmat3(to_from_model * glm::dmat4(part.model_from_mesh)));
+    built.filters.push_back(std::make_unique<PartFilter>(
+        PartFilter{&mesh, vertices, &material, mirrors ? -1.0f : 1.0f}));
+    rtcSetGeometryUserData(geometry, built.filters.back().get());
+    if (!material.double_sided || material.masked) {
+      rtcSetGeometryIntersectFilterFunction(geometry, filter);
+      rtcSetGeometryOccludedFilterFunction(geometry, filter);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(built.scene.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    part_of.push_back(p);
+  }
+  rtcCommitScene(built.scene.get());
+  return {std::move(built)};
+}
+
+Result<> RayScene::State::place(std::size_t object, const glm::dmat4& world_from_model) {
+  const int model = scene->objects[object].model;
+  glm::dmat4 matrix = world_from_model;
+  EmbreeModel copy;
+  if (!is_invertible(glm::dmat3(matrix))) {
+    Result<EmbreeModel> built = build(model, matrix);
+    if (!built) return built.error();
+    copy = std::move(*built);
+    matrix = glm::dmat4(1.0);
+  }
+  if (copy.scene || flat[object].scene)
+    rtcSetGeometryInstancedScene(
+        instances[object], copy.scene ? copy.scene.get() : models[std::size_t(model)].scene.get());
+  flat[object] = std::move(copy);
+  const glm::mat4 rounded(matrix);
+  rtcSetGeometryTransform(instances[object], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &rounded[0][0]);
+  rtcCommitGeometry(instances[object]);
+  normal_from_model[object] = normal_map(glm::dmat3(matrix));
+  model_from_world[object] = glm::mat4(glm::inverse(matrix));
+  return Done{};
+}
+
 Result<RayScene> RayScene::create(const Scene& scene, double time, RayParts parts) {
   auto state = std::make_unique<State>(scene, parts);
   state->device = rtcNewDevice(nullptr);
   if (!state->device) return Error{"Embree", "no device"};
 
-  // Every model in its own space.
   state->parts.resize(scene.models.size());
   for (std::size_t m = 0; m < scene.models.size(); ++m) {
-    const Model& model = scene.models[m];
-    state->models.emplace_back(rtcNewScene(state->device));
-    rtcSetSceneFlags(state->models.back().get(), kSceneFlags);
-    for (int p = 0; p < int(model.parts.size()); ++p) {
-      const Part& part = model.parts[p];
-      const Mesh& mesh = scene.meshes[part.mesh];
-      const SurfaceMaterial& material = state->materials.of_mesh(part.mesh);
-      if ((material.blended && parts == RayParts::opaque) || mesh.indices.size() < 3) continue;
-      RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-      auto* vertices = static_cast<glm::vec3*>(
-          rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                  sizeof(glm::vec3), mesh.positions.size()));
-      auto* indices = static_cast<std::uint32_t*>(
-          rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                  3 * sizeof(std::uint32_t), mesh.indices.size() / 3));
-      if (!vertices || !indices) {
-        rtcReleaseGeometry(geometry);
-        return Error{"Embree", "out of memory"};
-      }
-      place_vertices(part, mesh, vertices);
-      std::copy(mesh.indices.begin(), mesh.indices.end() - mesh.indices.size() % 3, indices);
-      const bool mirrors = glm::determinant(glm::mat3(part.model_from_mesh)) < 0;
-      state->filters.push_back(std::make_unique<PartFilter>(
-          PartFilter{&mesh, vertices, &material, mirrors ? -1.0f : 1.0f}));
-      rtcSetGeometryUserData(geometry, state->filters.back().get());
-      if (!material.double_sided || material.masked) {
-        rtcSetGeometryIntersectFilterFunction(geometry, filter);
-        rtcSetGeometryOccludedFilterFunction(geometry, filter);
-      }
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometry(state->models[m].get(), geometry);
-      rtcReleaseGeometry(geometry);
-      state->parts[m].push_back(p);
-    }
-    rtcCommitScene(state->models[m].get());
+    Result<EmbreeModel> built = state->build(int(m), glm::dmat4(1.0));
+    if (!built) return built.error();
+    state->models.push_back(std::move(*built));
   }
+  state->flat.resize(scene.objects.size());
 
   state->world.reset(rtcNewScene(state->device));
   rtcSetSceneFlags(state->world.get(), kSceneFlags);
   for (const Object& object : scene.objects) {
     state->instances.push_back(rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE));
     RTCGeometry instance = state->instances.back();
-    rtcSetGeometryInstancedScene(instance, state->models[std::size_t(object.model)].get());
+    rtcSetGeometryInstancedScene(instance, state->models[std::size_t(object.model)].scene.get());
     rtcAttachGeometry(state->world.get(), instance);
     rtcReleaseGeometry(instance);
   }
@@ -290,10 +341,7 @@ Result<> RayScene::set_time(double time) {
   s.model_from_world.resize(s.poses.size());
   for (std::size_t i = 0; i < s.poses.size(); ++i) {
     if (!first && !s.scene->objects[i].moving) continue;
-    rtcSetGeometryTransform(s.instances[i], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &s.poses[i][0][0]);
-    rtcCommitGeometry(s.instances[i]);
-    s.normal_from_model[i] = glm::inverseTranspose(glm::mat3(s.poses[i]));
-    s.model_from_world[i] = glm::mat4(glm::inverse(glm::dmat4(s.poses[i])));
+    if (Result<> placed = s.place(i, glm::dmat4(s.poses[i])); !placed) return placed;
   }
   rtcCommitScene(s.world.get());
   if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
@@ -301,24 +349,35 @@ Result<> RayScene::set_time(double time) {
   return Done{};
 }
 
+// Takes the vertices of these meshes again; whether the model has any of them.
+bool RayScene::State::rebuild(int of, const glm::dmat4& to_from_model, std::span<const int> meshes,
+                              EmbreeModel& built) const {
+  bool bent = false;
+  const std::vector<int>& part_of = parts[std::size_t(of)];
+  for (unsigned g = 0; g < part_of.size(); ++g) {
+    const Part& part = scene->models[std::size_t(of)].parts[std::size_t(part_of[g])];
+    if (std::find(meshes.begin(), meshes.end(), part.mesh) == meshes.end()) continue;
+    RTCGeometry geometry = rtcGetGeometry(built.scene.get(), g);
+    place_vertices(part, *built.filters[g]->mesh, to_from_model, built.filters[g]->vertices);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    bent = true;
+  }
+  if (bent) rtcCommitScene(built.scene.get());
+  return bent;
+}
+
 Result<> RayScene::update_meshes(std::span<const int> meshes) {
   State& s = *state_;
   std::vector<bool> bent(s.models.size(), false);
-  for (std::size_t m = 0; m < s.models.size(); ++m) {
-    for (unsigned g = 0; g < s.parts[m].size(); ++g) {
-      const Part& part = s.scene->models[m].parts[std::size_t(s.parts[m][g])];
-      if (std::find(meshes.begin(), meshes.end(), part.mesh) == meshes.end()) continue;
-      RTCGeometry geometry = rtcGetGeometry(s.models[m].get(), g);
-      const auto& filter = *static_cast<const PartFilter*>(rtcGetGeometryUserData(geometry));
-      place_vertices(part, *filter.mesh, filter.vertices);
-      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-      rtcCommitGeometry(geometry);
-      bent[m] = true;
-    }
-    if (bent[m]) rtcCommitScene(s.models[m].get());
+  for (std::size_t m = 0; m < s.models.size(); ++m)
+    bent[m] = s.rebuild(int(m), glm::dmat4(1.0), meshes, s.models[m]);
+  for (std::size_t i = 0; i < s.instances.size(); ++i) {
+    const int model = s.scene->objects[i].model;
+    if (!bent[std::size_t(model)]) continue;
+    if (s.flat[i].scene) (void)s.rebuild(model, glm::dmat4(s.poses[i]), meshes, s.flat[i]);
+    rtcCommitGeometry(s.instances[i]);
   }
-  for (std::size_t i = 0; i < s.instances.size(); ++i)
-    if (bent[std::size_t(s.scene->objects[i].model)]) rtcCommitGeometry(s.instances[i]);
   rtcCommitScene(s.world.get());
   if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE)
     return Error{"Embree", "the scene cannot be built"};
@@ -376,10 +435,10 @@ std::optional<RayHit> RayScene::first_hit(RayContext&& context, const glm::vec3&
   hit.triangle = query.hit.primID;
   hit.barycentric = {query.hit.u, query.hit.v};
   const glm::vec3 normal{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
-  const auto& part = *static_cast<const PartFilter*>(
-      rtcGetGeometryUserData(rtcGetGeometry(state_->models[model].get(), query.hit.geomID)));
-  hit.normal =
-      glm::normalize(state_->normal_from_model[query.hit.instID[0]] * (part.front * normal));
+  const PartFilter& part =
+      *state_->model_of(query.hit.instID[0]).filters[std::size_t(query.hit.geomID)];
+  hit.normal = glm::vec3(glm::normalize(state_->normal_from_model[query.hit.instID[0]] *
+                                        glm::dvec3(part.front * normal)));
   return hit;
 }
 

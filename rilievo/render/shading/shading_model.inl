@@ -408,6 +408,8 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
     const Vec3<T> of_mesh = mixed(w, in.normal);
     n = of_mesh.x * Vec3<T>(normals[0]) + of_mesh.y * Vec3<T>(normals[1]) +
         of_mesh.z * Vec3<T>(normals[2]);
+    // What the placement flattens has no normal where it stood upright: the triangle's.
+    n = select(T(1e-30f) < dot(n, n), n, facing);
   }
   // Both sides of a thin sheet are lit as seen. Which side that is, the triangle says: at a
   // silhouette the smooth normal of a visible face may already point away.

@@ -1,5 +1,9 @@
 #include "rilievo/render/shading/surface.h"
 
+#include <algorithm>
+
+#include "rilievo/core/linear_maps.h"
+
 namespace rilievo {
 
 PictureRays picture_rays(const Camera& camera) {
@@ -21,11 +25,12 @@ SurfacePlacement place_surface(const Mesh& mesh, const SurfaceMaterial& material
                                const glm::mat4& m) {
   SurfacePlacement surface;
   surface.relative_from_mesh = m;
-  // The cofactor matrix carries normals through any linear map; to which side they point then is
-  // found out with the triangle (shading_model.inl).
-  surface.normal_from_mesh = {glm::cross(glm::vec3(m[1]), glm::vec3(m[2])),
-                              glm::cross(glm::vec3(m[2]), glm::vec3(m[0])),
-                              glm::cross(glm::vec3(m[0]), glm::vec3(m[1]))};
+  // To which side normals point is found out with the triangle (shading_model.inl). Their lengths
+  // are near 1 however small the mesh is placed, so that their squares are numbers.
+  const glm::dmat3 normals = normal_map(glm::dmat3(m));
+  const double longest =
+      std::max({glm::length(normals[0]), glm::length(normals[1]), glm::length(normals[2])});
+  surface.normal_from_mesh = glm::mat3(longest > 0 ? normals / longest : normals);
   surface.has_normals = !mesh.normals.empty();
   surface.has_colors = !mesh.colors.empty();
   surface.material = &material;

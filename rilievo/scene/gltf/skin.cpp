@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/core/linear_maps.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo::gltf {
@@ -14,14 +15,6 @@ void displace(const Attribute& by, float weight, std::vector<glm::vec<N, float>>
   if (by.values.empty()) return;
   for (std::size_t i = 0; i < values.size(); ++i)
     for (int c = 0; c < 3; ++c) values[i][c] += weight * by.values[3 * i + c];
-}
-
-// Normals keep at right angles to their surface under the inverse transpose, which is the cofactor
-// matrix divided by the determinant: only its sign matters, for the result is made unit later.
-glm::dmat3 normal_matrix(const glm::dmat3& m) {
-  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]),
-                             glm::cross(m[0], m[1]));
-  return glm::dot(m[0], cofactors[0]) < 0 ? -cofactors : cofactors;
 }
 
 }  // namespace
@@ -130,12 +123,11 @@ void skin(const AttributeSource& source, std::span<const glm::dmat4> model_from_
     const glm::dmat3 linear(m);
     mesh.positions[i] = glm::vec3(m * glm::dvec4(mesh.positions[i], 1.0));
     if (!mesh.normals.empty())
-      mesh.normals[i] =
-          glm::vec3(glm::normalize(normal_matrix(linear) * glm::dvec3(mesh.normals[i])));
+      mesh.normals[i] = unit_or_none(normal_map(linear) * glm::dvec3(mesh.normals[i]));
     if (!mesh.tangents.empty())
       mesh.tangents[i] =
-          glm::vec4(glm::normalize(linear * glm::dvec3(mesh.tangents[i])), mesh.tangents[i].w);
-    if (glm::determinant(linear) < 0) ++mirrored;
+          glm::vec4(unit_or_up(linear * glm::dvec3(mesh.tangents[i])), mesh.tangents[i].w);
+    if (is_mirroring(linear)) ++mirrored;
   }
   // A skeleton that is mirrored as a whole turns the mesh inside out.
   if (2 * mirrored > n) flip_winding(mesh);
