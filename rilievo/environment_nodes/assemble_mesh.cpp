@@ -201,6 +201,9 @@ class Assembler {
   void add_skin_triangle(const Stretched& a, const Stretched& b, const Stretched& c) {
     const std::uint32_t i = a.placed.vertex, j = b.placed.vertex, k = c.placed.vertex;
     if (i == j || j == k || i == k) return;
+    // The sky is not joined to anything: where it was hidden, the frame's own is seen.
+    for (const std::uint32_t v : {i, j, k})
+      if (mesh_.vertices[v].disparity <= 0) return;
     for (const Stretched* s : {&a, &b, &c}) mesh_.indices.push_back(skin_vertex(*s));
     for (const std::uint32_t surface : {i, j, k}) skinned_.insert(surface);
   }

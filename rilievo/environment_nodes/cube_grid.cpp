@@ -105,18 +105,11 @@ glm::dmat4 world_from_node(const EnvironmentMap& map) {
   return pose;
 }
 
-CubeGrid::CubeGrid(const EnvironmentMap& map, const CutOptions& options)
-    : size_(map.faces[0].camera.width) {
-  for (int f = 0; f < 6; ++f) {
-    disparity_[std::size_t(f)] = Image<float>(size_, size_);
-    cuts_[std::size_t(f)] = Image<std::uint8_t>(size_, size_);
-    for (int s = 0; s < 4; ++s) border_[std::size_t(f)][std::size_t(s)].resize(std::size_t(size_));
-  }
-  parallel_for(0, 6 * size_, [&](int i) {
-    const int f = i / size_, y = i % size_;
-    const DepthImage& face = map.faces[std::size_t(f)];
-    for (int x = 0; x < size_; ++x) {
-      float& out = disparity_[std::size_t(f)](x, y);
+Image<float> face_disparity(const DepthImage& face) {
+  Image<float> disparity(face.camera.width, face.camera.height);
+  parallel_for(0, face.camera.height, [&](int y) {
+    for (int x = 0; x < face.camera.width; ++x) {
+      float& out = disparity(x, y);
       const float depth = face.depth(x, y);
       if (depth == kNoDepth)
         out = face.color(x, y).a > 0 ? 0.0f : kNothing;
@@ -127,6 +120,16 @@ CubeGrid::CubeGrid(const EnvironmentMap& map, const CutOptions& options)
                     eye_z_from(face.depth_kind, depth, face.camera, {double(x) + 0.5, y + 0.5}));
     }
   });
+  return disparity;
+}
+
+CubeGrid::CubeGrid(const EnvironmentMap& map, const CutOptions& options)
+    : size_(map.faces[0].camera.width) {
+  for (std::size_t f = 0; f < 6; ++f) {
+    disparity_[f] = face_disparity(map.faces[f]);
+    cuts_[f] = Image<std::uint8_t>(size_, size_);
+    for (std::size_t s = 0; s < 4; ++s) border_[f][s].resize(std::size_t(size_));
+  }
   find_cuts(options);
   find_border_cuts(options);
 }

@@ -24,6 +24,9 @@ namespace rilievo {
 // The disparity of a texel that shows nothing.
 inline constexpr float kNothing = -1.0f;
 
+// The disparities of a face of a valid environment.
+[[nodiscard]] Image<float> face_disparity(const DepthImage& face);
+
 // Which steps of disparity between neighbouring texels separate surfaces? Slopes are depth per
 // lateral distance, as for texel links (warp/texel_links.h), except that a plane may have any slope
 // while its steps change evenly: the ground extends to the horizon.

@@ -20,8 +20,11 @@ float triangle_quality(const NodeVertex& a, const NodeVertex& b, const NodeVerte
 }
 
 std::size_t bytes(const NodeMesh& mesh) {
-  return mesh.vertices.size() * sizeof(NodeVertex) + mesh.indices.size() * sizeof(std::uint32_t) +
-         mesh.quality.size() * sizeof(float);
+  std::size_t sum = mesh.vertices.size() * sizeof(NodeVertex) +
+                    mesh.indices.size() * sizeof(std::uint32_t) +
+                    mesh.quality.size() * sizeof(float);
+  for (const Image<std::uint8_t>& face : mesh.weights) sum += face.texels().size();
+  return sum;
 }
 
 }  // namespace rilievo

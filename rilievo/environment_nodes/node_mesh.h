@@ -53,6 +53,8 @@ struct NodeMesh {
   // For each triangle, as seen from the node's own eye: |cos| of the angle between its normal and
   // the line of sight to its middle (S3.4); 0 for skins.
   std::vector<float> quality;
+  // Of each face, as texel_weights().
+  std::array<Image<std::uint8_t>, 6> weights;
 
   [[nodiscard]] std::size_t triangles() const { return indices.size() / 3; }
   [[nodiscard]] std::size_t surface_triangles() const {

@@ -16,9 +16,9 @@ namespace rilievo {
 // How pixels covered by several nodes are merged.
 enum class NodeMerge {
   layering,    // one z-buffer for all nodes
-  binary,      // of surfaces at about the same depth, the triangle with the best quality
-  weighted,    // ... the mean, weighted by quality
-  positional,  // ... the mean, weighted by quality and by nearness of the eye to the node
+  binary,      // of surfaces at about the same depth, the one with the largest texel_weights()
+  weighted,    // ... the mean by weight
+  positional,  // ... the mean by weight and by nearness of the eye to the node
   first,       // the first node; others only in its gaps (S3.8)
 };
 

@@ -13,6 +13,7 @@
 #include "rilievo/environment_nodes/cube_edges.h"
 #include "rilievo/environment_nodes/node_mesh.h"
 #include "rilievo/environment_nodes/silhouettes.h"
+#include "rilievo/environment_nodes/texel_weights.h"
 
 namespace rilievo {
 namespace {
@@ -193,6 +194,7 @@ NodeMesh triangulate(const EnvironmentMap& map, const TriangulateOptions& option
   for (std::size_t f = 0; f < 6; ++f) pointers[f] = faces[f].get();
   NodeMesh mesh = assemble_mesh(grid, pointers);
   mesh.world_from_node = world_from_node(map);
+  mesh.weights = texel_weights(grid);
   return mesh;
 }
 

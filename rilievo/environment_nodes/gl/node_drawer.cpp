@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "rilievo/core/color.h"
+#include "rilievo/environment_nodes/cube_grid.h"
 
 namespace rilievo {
 namespace {
@@ -37,9 +38,24 @@ StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
   for (int f = 0; f < 6; ++f) {
     // OpenGL's rows start at the bottom.
     Rgba8Image face = srgb8_from_linear(map.faces[std::size_t(f)].color);
+    for (std::size_t i = 0; i < face.texels().size(); ++i)
+      face.texels()[i].a = mesh.weights[std::size_t(f)].texels()[i];
     for (int y = 0; y < size / 2; ++y)
       std::swap_ranges(face.row(y).begin(), face.row(y).end(), face.row(size - 1 - y).begin());
     glTextureSubImage3D(name, 0, 0, 0, f, size, size, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                        face.texels().data());
+  }
+  GLuint disparities = 0;
+  glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &disparities);
+  node.disparities_ = gl::Texture(disparities);
+  glTextureStorage2D(disparities, 1, GL_R32F, size, size);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(disparities, filter, GL_NEAREST);
+  for (int f = 0; f < 6; ++f) {
+    Image<float> face = face_disparity(map.faces[std::size_t(f)]);
+    for (int y = 0; y < size / 2; ++y)
+      std::swap_ranges(face.row(y).begin(), face.row(y).end(), face.row(size - 1 - y).begin());
+    glTextureSubImage3D(disparities, 0, 0, 0, f, size, size, 1, GL_RED, GL_FLOAT,
                         face.texels().data());
   }
   if (!map.faces[0].object.empty()) {
@@ -62,9 +78,8 @@ StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
   const std::size_t index_bytes = mesh.indices.size() * sizeof(std::uint32_t);
   node.vertices_ = gl::make_buffer(vertex_bytes, mesh.vertices.data());
   node.indices_ = gl::make_buffer(index_bytes, mesh.indices.data());
-  node.quality_ = gl::make_buffer(mesh.quality.size() * sizeof(float), mesh.quality.data());
   node.bytes_ = rilievo::bytes(mesh) +
-                std::size_t(6) * std::size_t(size) * std::size_t(size) * (node.objects_ ? 8 : 4);
+                std::size_t(6) * std::size_t(size) * std::size_t(size) * (node.objects_ ? 12 : 8);
 
   node.vertex_array_ = gl::make_vertex_array();
   const GLuint array = node.vertex_array_;
@@ -95,12 +110,11 @@ Result<NodeDrawer> NodeDrawer::create() {
                         make(make_node_skin_program(NodeOutput::layer), drawer.layer_skin_),
                         make(make_node_program(NodeOutput::object), drawer.objects_),
                         make(make_node_skin_program(NodeOutput::object), drawer.objects_skin_),
-                        make(shader::make_node_cover_program(), drawer.covered_),
                         make(make_node_program(NodeOutput::direction), drawer.direction_),
                         make(make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
                         make(make_node_program(NodeOutput::color_twice_corrected), drawer.twice_)})
     if (!made) return made.error();
-  for (int merge = 1; merge <= 3; ++merge)
+  for (int merge = 1; merge <= 4; ++merge)
     if (Result<> made = drawer.use_merge(merge, 2); !made) return made.error();
   if (Result<> made = make(shader::make_cube_map_program(), drawer.cube_map_); !made)
     return made.error();
@@ -108,7 +122,7 @@ Result<NodeDrawer> NodeDrawer::create() {
   return drawer;
 }
 
-void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
+void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl::Program* surfaces,
                            const gl::Program* skins, float widest_skin, Sides sides) {
   const std::array<bool, 6> visible = visible_faces(node.shape_, node.reaches_, frame);
   const glm::mat4 to_clip(clip_from_node(node.shape_, frame));
@@ -125,14 +139,12 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glCullFace(GL_BACK);
   glBindVertexArray(node.vertex_array_);
   glBindTextureUnit(0, node.faces_);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, node.quality_);
   const auto draw_ranges = [&](const gl::Program& program,
                                const std::array<TriangleRange, 6>& ranges) {
     glUseProgram(program);
     glUniformMatrix4fv(0, 1, GL_FALSE, &to_clip[0][0]);
     // Not every program has these.
     glUniform1f(glGetUniformLocation(program, "widest_skin"), widest_skin);
-    const GLint first_triangle = glGetUniformLocation(program, "first_triangle");
     for (std::size_t f = 0; f < 6; ++f) {
       // Neighbouring sides in one call.
       if (!visible[f]) continue;
@@ -140,7 +152,6 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
       std::uint32_t count = ranges[f].count;
       while (f + 1 < 6 && visible[f + 1]) count += ranges[++f].count;
       if (count == 0) continue;
-      glUniform1i(first_triangle, GLint(first));
       glDrawElements(
           GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT,
           reinterpret_cast<const void*>(std::uintptr_t(first) * 3 * sizeof(std::uint32_t)));
@@ -148,7 +159,7 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
     }
   };
   if (sides == Sides::front) glEnable(GL_CULL_FACE);
-  draw_ranges(surfaces, node.shape_.surfaces);
+  if (surfaces) draw_ranges(*surfaces, node.shape_.surfaces);
   glDisable(GL_CULL_FACE);
   if (skins) draw_ranges(*skins, node.shape_.skins);
   glDisable(GL_DEPTH_CLAMP);
@@ -194,35 +205,6 @@ void NodeDrawer::begin_layer(std::size_t layer) const {
   glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far);
 }
 
-// The second layer is drawn into a z-buffer that lets nothing pass where the first one shows a
-// surface; what both hold together no longer overlaps, so that any merge composes it.
-Result<> NodeDrawer::draw_first(const Camera& frame, std::span<const StoredNode* const> nodes,
-                                float widest) {
-  if (Result<> made = make_layers(frame.width, frame.height, 2); !made) return made;
-  GLint framebuffer = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
-  begin_layer(0);
-  draw_node(frame, *nodes[0], layer_, &layer_skin_, widest, Sides::both);
-  begin_layer(1);
-  glUseProgram(covered_);
-  glBindVertexArray(no_vertices_);
-  glBindTextureUnit(0, layer_colors_);
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  for (const StoredNode* node : nodes.subspan(1))
-    draw_node(frame, *node, layer_, &layer_skin_, kCrack, Sides::front);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
-  if (Result<> made = use_merge(1, 2); !made) return made;
-  glBindVertexArray(no_vertices_);
-  glBindTextureUnit(0, layer_colors_);
-  glBindTextureUnit(1, layer_depths_);
-  glUniform1f(1, 0.0f);
-  glUniform2f(2, float(frame.z_near), float(frame.z_far));
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  return Done{};
-}
-
 void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
                               std::uint32_t object, const NodeDrawOptions& options) {
   RILIEVO_EXPECTS(!nodes.empty());
@@ -234,7 +216,7 @@ void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* c
       for (const gl::Program* program : {&objects_, &objects_skin_})
         glProgramUniform1ui(*program, 3, 1);
     glBindTextureUnit(1, node->objects_);
-    draw_node(frame, *node, objects_, &objects_skin_,
+    draw_node(frame, *node, &objects_, &objects_skin_,
               options.skin && node == nodes[0] ? kAnyWidth : kCrack, sides_of(node == nodes[0]));
     for (const gl::Program* program : {&objects_, &objects_skin_})
       glProgramUniform1ui(*program, 3, object);
@@ -252,39 +234,55 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   const float widest = options.skin ? kAnyWidth : kCrack;
   if (nodes.size() == 1 || options.merge == NodeMerge::layering) {
     for (const StoredNode* node : nodes)
-      draw_node(frame, *node, color_, &color_skin_, node == nodes[0] ? widest : kCrack,
+      draw_node(frame, *node, &color_, &color_skin_, node == nodes[0] ? widest : kCrack,
                 sides_of(node == nodes[0]));
     return Done{};
   }
 
-  if (options.merge == NodeMerge::first) return draw_first(frame, nodes, widest);
-  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size())); !made) return made;
+  // One for each node's surfaces, and one for all skins.
+  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size()) + 1); !made)
+    return made;
   GLint framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
   double sum = 0;
   for (const StoredNode* node : nodes) sum += 1 / std::max(1e-9, glm::distance(eye, node->eye()));
   float nearness[kMaxNodes] = {};
+  glm::mat4 node_from_eye[kMaxNodes];
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nearness[i] =
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
     begin_layer(i);
-    draw_node(frame, *nodes[i], layer_, &layer_skin_, i == 0 ? widest : kCrack, sides_of(i == 0));
+    draw_node(frame, *nodes[i], &layer_, nullptr, 0, sides_of(i == 0));
+    node_from_eye[i] =
+        glm::mat4(glm::inverse(nodes[i]->shape_.world_from_node) * frame.world_from_eye);
   }
+  begin_layer(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    draw_node(frame, *nodes[i], nullptr, &layer_skin_, i == 0 ? widest : kCrack, Sides::both);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
   if (Result<> made = use_merge(int(options.merge), nodes.size()); !made) return made;
   glBindVertexArray(no_vertices_);
   glBindTextureUnit(0, layer_colors_);
   glBindTextureUnit(1, layer_depths_);
-  glUniform1f(1, options.tolerance);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    glBindTextureUnit(GLuint(2 + i), nodes[i]->disparities_);
   glUniform2f(2, float(frame.z_near), float(frame.z_far));
-  // Only one of the merges has it.
+  // Not all of the merges have all of these.
   if (options.merge == NodeMerge::positional) glUniform1fv(3, GLsizei(nodes.size()), nearness);
+  if (options.merge != NodeMerge::first) {
+    glUniform1f(1, options.tolerance);
+    glUniformMatrix4fv(11, GLsizei(nodes.size()), GL_FALSE, &node_from_eye[0][0][0]);
+    const auto& window = frame.window;
+    glUniform4f(19, float(window.left), float(window.bottom),
+                float((window.right - window.left) / frame.width),
+                float((window.top - window.bottom) / frame.height));
+  }
   glDrawArrays(GL_TRIANGLES, 0, 3);
   return Done{};
 }
 
 void NodeDrawer::draw_directions(const Camera& frame, const StoredNode& node, bool skin) {
-  draw_node(frame, node, direction_, &direction_skin_, skin ? kAnyWidth : kCrack, Sides::both);
+  draw_node(frame, node, &direction_, &direction_skin_, skin ? kAnyWidth : kCrack, Sides::both);
 }
 
 void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
@@ -306,7 +304,7 @@ void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
 }
 
 void NodeDrawer::draw_twice_corrected(const Camera& frame, const StoredNode& node) {
-  draw_node(frame, node, twice_, nullptr, 0, Sides::both);
+  draw_node(frame, node, &twice_, nullptr, 0, Sides::both);
 }
 
 }  // namespace rilievo

@@ -34,9 +34,10 @@ class StoredNode {
   StoredNode() = default;
   NodeMesh shape_;  // without vertices and indices
   std::array<SideReach, 6> reaches_;
-  gl::Texture faces_;    // a cube map, sRGB-encoded
-  gl::Texture objects_;  // likewise, identifiers; 0 if the pictures have none
-  gl::Buffer vertices_, indices_, quality_;
+  gl::Texture faces_;        // a cube map, sRGB-encoded; in alpha the texels' weights
+  gl::Texture disparities_;  // likewise, 1 / eye_z of the face
+  gl::Texture objects_;      // likewise, identifiers; 0 if the pictures have none
+  gl::Buffer vertices_, indices_;
   gl::VertexArray vertex_array_;
   std::size_t bytes_ = 0, triangles_ = 0;
 };
@@ -78,18 +79,18 @@ class NodeDrawer {
   // side only, or from around a corner: it must not cover what the first node knows.
   enum class Sides { both, front };
   static Sides sides_of(bool first) { return first ? Sides::both : Sides::front; }
-  void draw_node(const Camera& frame, const StoredNode& node, const gl::Program& surfaces,
+  // Draws surfaces or skins, where they are given.
+  void draw_node(const Camera& frame, const StoredNode& node, const gl::Program* surfaces,
                  const gl::Program* skins, float widest_skin, Sides sides);
-  Result<> draw_first(const Camera& frame, std::span<const StoredNode* const> nodes, float widest);
   void begin_layer(std::size_t layer) const;
   // Makes the program the current one.
   Result<> use_merge(int merge, std::size_t nodes);
   Result<> make_layers(int width, int height, int count);
 
   gl::Program color_, color_skin_, layer_, layer_skin_, direction_, direction_skin_, twice_,
-      cube_map_, objects_, objects_skin_, covered_;
+      cube_map_, objects_, objects_skin_;
   // By merge - 1 and number of nodes; made when first needed, those of two at once.
-  std::array<std::array<gl::Program, kMaxNodes + 1>, 3> merge_;
+  std::array<std::array<gl::Program, kMaxNodes + 1>, 4> merge_;
   gl::VertexArray no_vertices_;
   int width_ = 0, height_ = 0, count_ = 0;
   gl::Texture layer_colors_, layer_depths_;

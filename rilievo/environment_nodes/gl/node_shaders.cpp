@@ -36,10 +36,6 @@ const char* const kFragment = R"(#version 450
 in vec3 v_direction;
 in float v_stretch;
 layout(location = 1) uniform float widest_skin;  // pixels
-#ifdef LAYER
-layout(location = 2) uniform int first_triangle;
-layout(std430, binding = 0) readonly buffer Quality { float quality[]; };
-#endif
 #ifdef OBJECT
 layout(location = 3) uniform uint object;  // 0: those of the pictures
 layout(binding = 1) uniform usamplerCube objects;
@@ -64,7 +60,7 @@ void main() {
 #ifdef SKIN
   out_color = vec4(color.rgb, 1.0 / 255.0);
 #else
-  out_color = vec4(color.rgb, (2.0 + 253.0 * quality[first_triangle + gl_PrimitiveID]) / 255.0);
+  out_color = vec4(color.rgb, (2.0 + 253.0 * color.a) / 255.0);
 #endif
 #else
   out_color = vec4(color.rgb, 1.0);
@@ -80,39 +76,95 @@ void main() {
 }
 )";
 
-// The nearest surface, and what lies within `tolerance` of it, relative: of these the best one
-// (binary), or their mean by quality (weighted) and by nearness of the node (positional). A skin
-// counts only where no node has more.
+// What pixels show of several nodes. Of each node its surfaces lie in a layer of their own; skins
+// lie behind everything: those of all nodes in the last layer, which shows where there is no
+// surface.
+//
+// A surface of another node than the first, which sees the eye, counts by share(), the part of 1
+// that the others leave of it: a node that sees through the place knows that nothing is there,
+// unless it looks at the back of a wall that has one side only. The first node's surfaces are
+// there. The nearest surface of a share of at least a half, and what lies in front of `tolerance`
+// behind it: of these the best one (binary), or their mean by texels' weights (weighted) and by
+// nearness of the node (positional).
 const char* const kMergeFragment = R"(#version 450
 layout(binding = 0) uniform sampler2DArray colors;
 layout(binding = 1) uniform sampler2DArray depths;
+layout(binding = 2) uniform samplerCube disparities[LAYERS];
 layout(location = 1) uniform float tolerance;
 layout(location = 2) uniform vec2 planes;       // z_near, z_far
 layout(location = 3) uniform float nearness[LAYERS];
+layout(location = 11) uniform mat4 node_from_eye[LAYERS];
+layout(location = 19) uniform vec4 rays;        // of a pixel's (x, y): at z = -1, xy + zw (x, y)
 layout(location = 0) out vec4 out_color;
 float eye_z(float window_z) {
   return planes.x * planes.y / (planes.y - window_z * (planes.y - planes.x));
 }
+// 1 where node j sees what lies at p or before it, 0 where it sees through p by `tolerance`.
+float share(int j, vec3 p) {
+  vec3 seen = (node_from_eye[j] * vec4(p, 1.0)).xyz;
+  vec4 around = textureGather(disparities[j], seen);
+  float nearest = max(max(around.x, around.y), max(around.z, around.w));
+  float ahead = max(max(abs(seen.x), abs(seen.y)), abs(seen.z));
+  // -1 says nothing.
+  if (nearest < 0.0) return 1.0;
+  return clamp(2.0 - 2.0 * (1.0 / max(nearest * ahead, 1e-9) - 1.0) / tolerance, 0.0, 1.0);
+}
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 color[LAYERS];
-  float depth[LAYERS];
-  float nearest = 1e30, nearest_skin = 1e30;
+  float depth[LAYERS], z[LAYERS], shares[LAYERS];
+  float nearest = 1e30, farthest = 0.0;
   for (int i = 0; i < LAYERS; ++i) {
     color[i] = texelFetch(colors, ivec3(pixel, i), 0);
     depth[i] = texelFetch(depths, ivec3(pixel, i), 0).r;
-    if (color[i].a > 1.5 / 255.0) nearest = min(nearest, depth[i]);
-    else if (color[i].a > 0.0) nearest_skin = min(nearest_skin, depth[i]);
+    z[i] = eye_z(depth[i]);
+    shares[i] = 1.0;
+    if (color[i].a == 0.0) continue;
+    nearest = min(nearest, z[i]);
+    farthest = max(farthest, z[i]);
   }
-  bool skin = nearest > 1.0;
-  if (skin) nearest = nearest_skin;
-  if (nearest > 1.0) discard;
-  float limit = eye_z(nearest) * (1.0 + tolerance);
-  vec3 sum = vec3(0.0);
-  float weights = 0.0, most = -1.0, out_depth = nearest;
+  if (farthest == 0.0) {
+    out_color = texelFetch(colors, ivec3(pixel, LAYERS), 0);
+    if (out_color.a == 0.0) discard;
+    out_color.a = 1.0;
+    gl_FragDepth = texelFetch(depths, ivec3(pixel, LAYERS), 0).r;
+    return;
+  }
+#if MERGE == 4
+  // Others only in the gaps of the first.
+  nearest = 1e30;
   for (int i = 0; i < LAYERS; ++i) {
-    if (color[i].a == 0.0 || (color[i].a > 1.5 / 255.0) == skin || eye_z(depth[i]) > limit) continue;
-    float weight = skin ? 1.0 : max(color[i].a * 255.0 - 2.0, 0.0) + 0.25;
+    if (color[i].a == 0.0 || z[i] >= nearest) continue;
+    nearest = z[i];
+    out_color = vec4(color[i].rgb, 1.0);
+    gl_FragDepth = depth[i];
+    if (i == 0) break;
+  }
+#else
+  if (farthest > nearest * (1.0 + 0.5 * tolerance)) {
+    // Surfaces do not agree.
+    vec3 ray = vec3(rays.xy + rays.zw * gl_FragCoord.xy, -1.0);
+    float accepted = 1e30;
+    for (int i = 0; i < LAYERS; ++i) {
+      if (color[i].a == 0.0) continue;
+      // Nobody sees through the sky.
+      for (int j = 0; j < LAYERS; ++j)
+        if (i > 0 && j != i && z[i] < 0.999 * planes.y) shares[i] = min(shares[i], share(j, z[i] * ray));
+      if (shares[i] >= 0.5) accepted = min(accepted, z[i]);
+    }
+    if (accepted < 1e30) {
+      nearest = accepted;
+    } else {
+      // Each is refuted by another one.
+      for (int i = 0; i < LAYERS; ++i) shares[i] = 1.0;
+    }
+  }
+  float limit = nearest * (1.0 + tolerance);
+  vec3 sum = vec3(0.0);
+  float weights = 0.0, most = -1.0, out_depth = 1.0;
+  for (int i = 0; i < LAYERS; ++i) {
+    if (color[i].a == 0.0 || z[i] > limit) continue;
+    float weight = shares[i] * (max(color[i].a * 255.0 - 2.0, 0.0) + 0.25);
 #if MERGE == 3
     weight *= nearness[i];
 #endif
@@ -133,14 +185,7 @@ void main() {
 #endif
   out_color = vec4(sum, 1.0);
   gl_FragDepth = out_depth;
-}
-)";
-
-const char* const kCoverFragment = R"(#version 450
-layout(binding = 0) uniform sampler2DArray colors;
-void main() {
-  if (texelFetch(colors, ivec3(ivec2(gl_FragCoord.xy), 0), 0).a < 1.5 / 255.0) discard;
-  gl_FragDepth = 0.0;
+#endif
 }
 )";
 
@@ -182,10 +227,6 @@ Result<gl::Program> make_node_skin_program(NodeOutput output) {
   if (output == NodeOutput::object) defines += "#define OBJECT 1\n";
   if (output == NodeOutput::direction) defines += "#define DIRECTION 1\n";
   return gl::make_program("node skin", kVertex, kFragment, defines);
-}
-
-Result<gl::Program> make_node_cover_program() {
-  return gl::make_program("node cover", kMergeVertex, kCoverFragment);
 }
 
 Result<gl::Program> make_node_merge_program(int merge, int layers) {

@@ -8,7 +8,7 @@ namespace rilievo::shader {
 // What a program writes.
 enum class NodeOutput {
   color,      // the node's colours
-  layer,      // colours, with the triangle's quality in alpha, for merging
+  layer,      // colours, in alpha the texel's weight, or 1 / 255 for a skin: for merging
   object,     // identifiers
   direction,  // the direction in node space that a pixel shows, for tests
   // As color, but with the second perspective correction that S3.3 removes (figure 10a).
@@ -23,11 +23,8 @@ enum class NodeOutput {
 // The program of skins, which are drawn only where they are narrow, or everywhere.
 [[nodiscard]] Result<gl::Program> make_node_skin_program(NodeOutput output);
 
-// The program that writes depth 0 where the first layer shows a surface, so that later draws fill
-// only its gaps.
-[[nodiscard]] Result<gl::Program> make_node_cover_program();
-
-// The program that merges layers: binary 1, weighted 2, positional 3 (the values of NodeMerge).
+// The program that merges layers, one for the surfaces of each node, and one for the skins of all:
+// binary 1, weighted 2, positional 3, first 4 (the values of NodeMerge).
 [[nodiscard]] Result<gl::Program> make_node_merge_program(int merge, int layers);
 
 }  // namespace rilievo::shader

@@ -244,7 +244,6 @@ NodeTriangle NodeLayer::triangle_of(const Soup& soup, std::size_t triangle) cons
   out.at = glm::vec3(scale * at);
   out.per_x = glm::vec3(scale * per_x), out.per_y = glm::vec3(-scale * per_y);
   out.x = float(from.x), out.y = float(height_ - from.y);
-  out.quality = std::round(253 * mesh.quality[number]);
   out.node = soup.node[triangle];
   return out;
 }

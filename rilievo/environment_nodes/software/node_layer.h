@@ -34,7 +34,6 @@ struct DrawnNode {
 struct alignas(64) NodeTriangle {
   glm::vec3 at{0.0f}, per_x{0.0f}, per_y{0.0f};
   float x = 0, y = 0;
-  float quality = 0;       // NodeMesh::quality in whole steps of 1 / 253; 0 for skins
   std::uint32_t node = 0;  // of the drawn ones
 };
 

@@ -85,12 +85,13 @@ HWY_INLINE VF limited(VF value, VF most) {
   return hn::Min(value, most);
 }
 
-// sRGB-encoded, 0 to 255.
+// sRGB-encoded, 0 to 255, and the texels' weight, likewise.
 struct Colors {
-  VF r, g, b;
+  VF r, g, b, weight;
 };
 
-// The colours of a node between four texels.
+// The colours of a node between four texels; their weight if it is asked for.
+template <bool with_weight>
 HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
   const F f;
   const I i32;
@@ -116,8 +117,10 @@ HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
     };
     return mix(mix(of(t00), of(t10), fx), mix(of(t01), of(t11), fx), fy);
   };
-  return {channel.template operator()<0>(), channel.template operator()<8>(),
-          channel.template operator()<16>()};
+  Colors colors{channel.template operator()<0>(), channel.template operator()<8>(),
+                channel.template operator()<16>(), hn::Zero(f)};
+  if constexpr (with_weight) colors.weight = channel.template operator()<24>();
+  return colors;
 }
 
 // The identifiers of a node's nearest texels.
@@ -152,16 +155,18 @@ HWY_INLINE void for_nodes(const NodeLayer& layer, VU triangle, MF wanted, const 
 }
 
 // The colours of the wanted lanes' triangles, at least one, at pixels' centres.
+template <bool with_weight = false>
 HWY_INLINE Colors shade(const NodeLayer& layer, VU triangle, MF wanted, VF x, VF y) {
   const F f;
   const Directions directions = find_directions(layer.triangles().data(), triangle, wanted, x, y);
   const FacePoints points = find_face_points(directions, wanted);
-  Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f)};
+  Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
   for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
-    const Colors found = find_colors(node, points);
+    const Colors found = find_colors<with_weight>(node, points);
     colors.r = hn::IfThenElse(its, found.r, colors.r);
     colors.g = hn::IfThenElse(its, found.g, colors.g);
     colors.b = hn::IfThenElse(its, found.b, colors.b);
+    if constexpr (with_weight) colors.weight = hn::IfThenElse(its, found.weight, colors.weight);
   });
   return colors;
 }

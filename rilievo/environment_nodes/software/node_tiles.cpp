@@ -79,9 +79,15 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     s.drawn.push_back({&node, i == 0 && options.skin ? kAnyWidth : kNodeCrack, i > 0});
     sum += 1 / std::max(1e-9, glm::distance(eye, node.eye()));
   }
-  for (std::size_t i = 0; i < nodes.size(); ++i)
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
     placed.nearness[i] =
         float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, s.drawn[i].node->eye())) / sum));
+    placed.node_from_eye[i] =
+        glm::mat4(glm::inverse(s.drawn[i].node->mesh.world_from_node) * frame.world_from_eye);
+  }
+  const ImageWindow& window = frame.window;
+  placed.rays = {window.left, window.top, (window.right - window.left) / frame.width,
+                 (window.bottom - window.top) / frame.height};
   const std::span<const DrawnNode> all(s.drawn);
   if (!placed.merged) {
     placed.count = 1;

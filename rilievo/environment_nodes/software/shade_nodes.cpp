@@ -79,7 +79,8 @@ struct RowLoad {
 };
 
 // What all samples of a block show of a layer. Returns the nearest one's 1 / eye_z, 0 for nothing.
-template <int samples>
+// Of merged nodes skins lie behind all surfaces.
+template <int samples, bool merged = false>
 float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, int x, int y,
                  Shown (&out)[samples]) {
   const F f;
@@ -108,7 +109,14 @@ float find_shown(const NodeLayer& layer, double scale, const FrameTile& tile, in
         for (int s = 0; s < samples; ++s) {
           const VF z = hn::Max(hn::Mul(hn::Sub(sky, depth[s]), per_depth), something);
           const VF before = hn::Load(f, out[s].inverse_z + first + i);
-          const MF seen = hn::And(hn::Lt(depth[s], one), hn::Ge(z, before));
+          MF seen = hn::And(hn::Lt(depth[s], one), hn::Ge(z, before));
+          if (merged && part.first > 0) {
+            const MF surface =
+                hn::And(hn::Gt(before, zero),
+                        hn::RebindMask(f, hn::Lt(hn::Load(u32, out[s].triangle + first + i),
+                                                 hn::Set(u32, layer.first_skin()))));
+            seen = hn::AndNot(surface, seen);
+          }
           hn::Store(hn::IfThenElse(seen, z, before), f, out[s].inverse_z + first + i);
           hn::Store(hn::IfThenElse(hn::RebindMask(u32, seen),
                                    hn::Add(triangle[s], hn::Set(u32, part.first)),
@@ -198,42 +206,139 @@ struct Merged {
   VF inverse_z;
 };
 
-// The nearest surface, and what lies within the tolerance of it: see gl/node_shaders.cpp.
-HWY_INLINE void merge(const PlacedNodes& placed, const Shown (&shown)[kMaxDrawnNodes][1], int i,
-                      Merged& out) {
+// The layers that pixels may show, before they are weighed.
+struct Candidates {
+  VF z[kMaxDrawnNodes], share[kMaxDrawnNodes];
+  MF counts[kMaxDrawnNodes];
+  MF only_skins;
+  VF nearest;  // 1 / eye_z; 0: nothing
+};
+
+// What node `k` leaves of what lies at points of the frame's eye space: see gl/node_shaders.cpp.
+HWY_INLINE VF find_share(const PlacedNodes& placed, std::size_t k, VF x, VF y, VF z, MF wanted) {
+  const F f;
+  const I i32;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
+  const glm::mat4& m = placed.node_from_eye[k];
+  const auto axis = [&](int row) {
+    const auto column = [&](int c) { return hn::Set(f, m[c][row]); };
+    return hn::Add(hn::Add(hn::Mul(column(0), x), hn::Mul(column(1), y)),
+                   hn::Add(hn::Mul(column(2), z), column(3)));
+  };
+  const Directions seen{axis(0), axis(1), axis(2)};
+  const VF ahead = hn::Max(hn::Abs(seen.x), hn::Max(hn::Abs(seen.y), hn::Abs(seen.z)));
+  const FacePoints at = find_face_points(seen, wanted);
+  const SoftwareNode& node = *placed.layers[k].drawn(0).node;
+  const int size = node.mesh.face_size;
+  const VF scale = hn::Set(f, float(size)), half = hn::Set(f, 0.5f),
+           most = hn::Set(f, float(size - 1));
+  const auto texels = [&](VF share, VI(&out)[2]) {
+    const VF low = limited(hn::Sub(hn::Mul(share, scale), half), most);
+    out[0] = hn::ConvertTo(i32, low);
+    out[1] = hn::Min(hn::Add(out[0], hn::Set(i32, 1)), hn::Set(i32, size - 1));
+  };
+  VI u[2], v[2];
+  texels(at.u, u), texels(at.v, v);
+  VF nearest = hn::Set(f, kNothing);
+  for (const VI row : v) {
+    const VI first =
+        hn::Mul(hn::Add(hn::Mul(at.face, hn::Set(i32, size)), row), hn::Set(i32, size));
+    for (const VI column : u)
+      nearest = hn::Max(nearest, hn::GatherIndex(f, node.disparity.data(), hn::Add(first, column)));
+  }
+  const VF farther =
+      hn::Sub(hn::Div(one, hn::Max(hn::Mul(nearest, ahead), hn::Set(f, 1e-9f))), one);
+  const VF two = hn::Set(f, 2.0f);
+  const VF share =
+      hn::Sub(two, hn::Div(hn::Mul(two, farther), hn::Set(f, placed.options.tolerance)));
+  return hn::IfThenElse(hn::Lt(nearest, zero), one, hn::Min(hn::Max(share, zero), one));
+}
+
+// Where surfaces do not agree: their shares, and the nearest that is left.
+HWY_INLINE void settle(const PlacedNodes& placed, const MF (&surface)[kMaxDrawnNodes], VF px, VF py,
+                       float nothing, MF differ, Candidates& out) {
+  const F f;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
+  const glm::vec4& rays = placed.rays;
+  const VF x = hn::Add(hn::Set(f, rays.x), hn::Mul(hn::Set(f, rays.z), px));
+  const VF y = hn::Add(hn::Set(f, rays.y), hn::Mul(hn::Set(f, rays.w), py));
+  const VF sky = hn::Set(f, nothing / 0.999f);
+  VF accepted = zero;
+  for (std::size_t k = 0; k < placed.count; ++k) {
+    const MF wanted = hn::And(differ, surface[k]);
+    if (hn::AllFalse(f, wanted)) continue;
+    const VF ahead = hn::Div(
+        one, hn::Max(hn::Mul(out.z[k], hn::Set(f, float(placed.scale))), hn::Set(f, 1e-30f)));
+    const MF near = hn::And(wanted, hn::Gt(out.z[k], sky));
+    for (std::size_t j = 0; j < placed.count; ++j) {
+      if (k == 0 || j == k || hn::AllFalse(f, near)) continue;
+      const VF share =
+          find_share(placed, j, hn::Mul(x, ahead), hn::Mul(y, ahead), hn::Neg(ahead), near);
+      out.share[k] = hn::IfThenElse(near, hn::Min(out.share[k], share), out.share[k]);
+    }
+    const MF left = hn::And(wanted, hn::Ge(out.share[k], hn::Set(f, 0.5f)));
+    accepted = hn::IfThenElse(left, hn::Max(accepted, out.z[k]), accepted);
+  }
+  const MF some = hn::And(differ, hn::Gt(accepted, zero));
+  out.nearest = hn::IfThenElse(some, accepted, out.nearest);
+  for (std::size_t k = 0; k < placed.count; ++k)
+    out.share[k] = hn::IfThenElse(hn::AndNot(some, differ), one, out.share[k]);
+}
+
+// See gl/node_shaders.cpp.
+HWY_INLINE void find_candidates(const PlacedNodes& placed, const Shown (&shown)[kMaxDrawnNodes][1],
+                                int i, VF px, VF py, float nothing, Candidates& out) {
   const F f;
   const U u32;
-  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
-  VF z[kMaxDrawnNodes];
-  MF skin[kMaxDrawnNodes];
-  VF nearest = zero, nearest_skin = zero;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f), tiny = hn::Set(f, 1e-30f);
+  MF surface[kMaxDrawnNodes];
+  VF nearest = zero, nearest_skin = zero, farthest = hn::Set(f, 1e30f);
   for (std::size_t k = 0; k < placed.count; ++k) {
-    z[k] = hn::Load(f, shown[k][0].inverse_z + i);
-    skin[k] = are_skins(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i));
-    nearest = hn::IfThenElse(skin[k], nearest, hn::Max(nearest, z[k]));
-    nearest_skin = hn::IfThenElse(skin[k], hn::Max(nearest_skin, z[k]), nearest_skin);
+    out.z[k] = hn::Load(f, shown[k][0].inverse_z + i);
+    out.share[k] = one;
+    const MF skin = are_skins(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i));
+    surface[k] = hn::AndNot(skin, hn::Gt(out.z[k], zero));
+    nearest = hn::IfThenElse(skin, nearest, hn::Max(nearest, out.z[k]));
+    farthest = hn::IfThenElse(surface[k], hn::Min(farthest, out.z[k]), farthest);
+    nearest_skin = hn::IfThenElse(skin, hn::Max(nearest_skin, out.z[k]), nearest_skin);
   }
-  const MF only_skins = hn::Eq(nearest, zero);
-  nearest = hn::IfThenElse(only_skins, nearest_skin, nearest);
-  const VF limit =
-      hn::Div(hn::Set(f, 1 + placed.options.tolerance), hn::Max(nearest, hn::Set(f, 1e-30f)));
+  out.only_skins = hn::Eq(nearest, zero);
+  out.nearest = hn::IfThenElse(out.only_skins, nearest_skin, nearest);
+  const MF differ =
+      hn::And(hn::Gt(nearest, zero),
+              hn::Gt(nearest, hn::Mul(farthest, hn::Set(f, 1 + 0.5f * placed.options.tolerance))));
+  if (!hn::AllFalse(f, differ)) settle(placed, surface, px, py, nothing, differ, out);
+  const VF limit = hn::Div(hn::Set(f, 1 + placed.options.tolerance), hn::Max(out.nearest, tiny));
+  for (std::size_t k = 0; k < placed.count; ++k) {
+    const MF skin =
+        hn::And(out.only_skins, hn::And(hn::Gt(out.z[k], zero), hn::Eq(out.z[k], nearest_skin)));
+    const MF near = hn::And(surface[k], hn::Le(hn::Div(one, hn::Max(out.z[k], tiny)), limit));
+    out.counts[k] = hn::Or(skin, near);
+  }
+}
+
+// `weights`: of the texels that layers show, 0 to 255.
+HWY_INLINE void merge(const PlacedNodes& placed, const Candidates& from,
+                      const VF (&weights)[kMaxDrawnNodes], Merged& out) {
+  const F f;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
   const bool binary = placed.options.merge == NodeMerge::binary;
   VF most = hn::Set(f, -1.0f), sum = zero;
-  out.inverse_z = nearest;
+  out.inverse_z = from.nearest;
   for (std::size_t k = 0; k < placed.count; ++k) {
-    MF counts = hn::And(hn::Gt(z[k], zero), hn::Not(hn::Xor(skin[k], only_skins)));
-    counts = hn::And(counts, hn::Le(hn::Div(one, hn::Max(z[k], hn::Set(f, 1e-30f))), limit));
     out.share[k] = zero;
+    const MF counts = from.counts[k];
     if (hn::AllFalse(f, counts)) continue;
-    const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
-    const VF quality =
-        hn::GatherIndex(f, &placed.layers[k].triangles()[0].quality, index_of(triangle, counts));
-    VF weight = hn::IfThenElse(only_skins, one, hn::Add(quality, hn::Set(f, 0.25f)));
+    // In the steps that a byte of alpha has above a skin's.
+    const VF steps =
+        hn::Floor(hn::Add(hn::Mul(weights[k], hn::Set(f, 253.0f / 255.0f)), hn::Set(f, 0.5f)));
+    VF weight = hn::IfThenElse(from.only_skins, one,
+                               hn::Mul(from.share[k], hn::Add(steps, hn::Set(f, 0.25f))));
     if (placed.options.merge == NodeMerge::positional)
       weight = hn::Mul(weight, hn::Set(f, placed.nearness[k]));
     const MF best = hn::And(counts, hn::Gt(weight, most));
     most = hn::IfThenElse(best, weight, most);
-    out.inverse_z = hn::IfThenElse(best, z[k], out.inverse_z);
+    out.inverse_z = hn::IfThenElse(best, from.z[k], out.inverse_z);
     if (binary)
       for (std::size_t before = 0; before < k; ++before)
         out.share[before] = hn::IfThenZeroElse(best, out.share[before]);
@@ -271,34 +376,54 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
   Shown shown[kMaxDrawnNodes][1];
   float nearest = 0;
   for (std::size_t k = 0; k < placed.count; ++k)
-    nearest =
-        std::max(nearest, find_shown<1>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
+    nearest = std::max(nearest,
+                       find_shown<1, true>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
   if (nearest == 0 || nearest <= tile.farthest[block]) return;
+  const bool first_alone = placed.options.merge == NodeMerge::first;
   const int planes = tile.planes(block);
   const VF zero = hn::Zero(f), half = hn::Set(f, 0.5f);
   for (int i = 0; i < kPixels; i += int(hn::Lanes(f))) {
-    Merged merged;
-    if (placed.options.merge == NodeMerge::first)
-      merge_first(placed, shown, i, merged);
-    else
-      merge(placed, shown, i, merged);
     VF farthest = hn::Load(f, tile.first[block].inverse_z + i);
     for (int s = 1; s < planes; ++s)
       farthest = hn::Min(farthest, hn::Load(f, tile.plane(block, s).inverse_z + i));
-    const MF seen = hn::Gt(merged.inverse_z, farthest);
-    if (hn::AllFalse(f, seen)) continue;
     const VF px = center_x(x, i), py = center_y(y, i);
-    Colors sum{zero, zero, zero};
+    Merged merged;
+    Colors colors[kMaxDrawnNodes];
+    const auto shade_layer = [&](std::size_t k, MF wanted) {
+      colors[k] = Colors{zero, zero, zero, zero};
+      if (hn::AllFalse(f, wanted)) return;
+      colors[k] =
+          shade<true>(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i), wanted, px, py);
+    };
+    MF seen;
+    if (first_alone) {
+      merge_first(placed, shown, i, merged);
+      seen = hn::Gt(merged.inverse_z, farthest);
+      if (hn::AllFalse(f, seen)) continue;
+      for (std::size_t k = 0; k < placed.count; ++k)
+        shade_layer(k, hn::And(seen, hn::Gt(merged.share[k], zero)));
+    } else {
+      Candidates candidates;
+      find_candidates(placed, shown, i, px, py, tile.nothing, candidates);
+      seen = hn::Gt(candidates.nearest, farthest);
+      if (hn::AllFalse(f, seen)) continue;
+      VF weights[kMaxDrawnNodes];
+      for (std::size_t k = 0; k < placed.count; ++k) {
+        shade_layer(k, hn::And(seen, candidates.counts[k]));
+        weights[k] = colors[k].weight;
+      }
+      merge(placed, candidates, weights, merged);
+      seen = hn::Gt(merged.inverse_z, farthest);
+    }
+    Colors sum{zero, zero, zero, zero};
     for (std::size_t k = 0; k < placed.count; ++k) {
       const MF has_share = hn::And(seen, hn::Gt(merged.share[k], zero));
       if (hn::AllFalse(f, has_share)) continue;
-      const Colors colors =
-          shade(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i), has_share, px, py);
       const auto add = [&](VF& to, VF value) {
         value = hn::Mul(merged.share[k], hn::Floor(hn::Add(value, half)));
         to = hn::Add(to, hn::IfThenElseZero(has_share, value));
       };
-      add(sum.r, colors.r), add(sum.g, colors.g), add(sum.b, colors.b);
+      add(sum.r, colors[k].r), add(sum.g, colors[k].g), add(sum.b, colors[k].b);
     }
     const VU content = bytes_of(sum);
     for (int s = 0; s < planes; ++s) {

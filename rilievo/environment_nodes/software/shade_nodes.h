@@ -22,6 +22,11 @@ struct PlacedNodes {
   std::size_t count = 0;
   // Of each layer's node, for NodeMerge::positional.
   std::array<float, kMaxDrawnNodes> nearness{};
+  // Of each layer's node, where each layer shows one: where it sees a point of the frame's eye
+  // space.
+  std::array<glm::mat4, kMaxDrawnNodes> node_from_eye{};
+  // Through the frame's pixel (x, y), y downwards: at z = -1, xy + zw (x, y).
+  glm::vec4 rays{0.0f};
   std::array<NodeLayer, kMaxDrawnNodes> layers;
 };
 

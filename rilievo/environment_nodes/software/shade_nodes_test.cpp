@@ -15,6 +15,7 @@
 
 #include "rilievo/core/color.h"
 #include "rilievo/core/random.h"
+#include "rilievo/environment_nodes/cube_grid.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
 #include "rilievo/environment_nodes/software/node_tiles.h"
 
@@ -29,6 +30,7 @@ struct ShadeNode {
   EnvironmentMap map;
   NodeMesh mesh;
   std::array<Rgba8Image, 6> colors;
+  std::array<Image<float>, 6> disparity;
 };
 
 // What a sample shows.
@@ -49,6 +51,7 @@ struct SlowPixel {
 struct SlowTexel {
   glm::dvec3 color{0.0};
   std::uint32_t object = kNoObject;
+  double weight = 0;
 };
 
 SlowTexel nearest_texel(const ShadeNode& node, const glm::dvec3& d) {
@@ -66,7 +69,8 @@ SlowTexel nearest_texel(const ShadeNode& node, const glm::dvec3& d) {
   const int x = at(axes.right), y = at(-axes.up);
   const DepthImage& picture = node.map.faces[std::size_t(face)];
   return {glm::dvec3(node.colors[std::size_t(face)](x, y)),
-          picture.object.empty() ? 1u : picture.object(x, y)};
+          picture.object.empty() ? 1u : picture.object(x, y),
+          double(node.mesh.weights[std::size_t(face)](x, y))};
 }
 
 // Between four texels; those beyond a face's edge are its neighbours'.
@@ -78,13 +82,15 @@ SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d) {
   const FaceAxes& axes = face_axes()[std::size_t(2 * axis + (d[axis] < 0))];
   const double u = (0.5 + 0.5 * glm::dot(d, glm::dvec3(axes.right)) / a[axis]) * size - 0.5,
                v = (0.5 - 0.5 * glm::dot(d, glm::dvec3(axes.up)) / a[axis]) * size - 0.5;
-  out.color = glm::dvec3(0.0);
+  out.color = glm::dvec3(0.0), out.weight = 0;
   for (int k = 0; k < 4; ++k) {
     const double x = std::floor(u) + (k & 1), y = std::floor(v) + (k >> 1);
     const glm::dvec3 texel = glm::dvec3(axes.forward) +
                              (2 * (x + 0.5) / size - 1) * glm::dvec3(axes.right) -
                              (2 * (y + 0.5) / size - 1) * glm::dvec3(axes.up);
-    out.color += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) * nearest_texel(node, texel).color;
+    const SlowTexel nearest = nearest_texel(node, texel);
+    const double share = (1 - std::abs(u - x)) * (1 - std::abs(v - y));
+    out.color += share * nearest.color, out.weight += share * nearest.weight;
   }
   return out;
 }
@@ -132,7 +138,13 @@ class SlowNodes {
       if (!glm::all(glm::greaterThanEqual(weights, glm::dvec3(0.0)))) continue;
       const double inverse_z = std::max(glm::dot(weights, disparity), 1e-30);
       if (inverse_z > 4 / frame_.z_near) continue;
-      if (inverse_z < best.inverse_z || (inverse_z == best.inverse_z && !skin)) continue;
+      // Of merged nodes skins lie behind all surfaces.
+      const bool merged = options_.merge != NodeMerge::layering;
+      if (merged && skin != best.skin && best.inverse_z > 0) {
+        if (skin) continue;
+      } else if (inverse_z < best.inverse_z || (inverse_z == best.inverse_z && !skin)) {
+        continue;
+      }
       if (skin && (i > 0 || !options_.skin) && !is_narrow(node, corners, inverse, place)) continue;
       best = {inverse_z, skin, &node, t};
     }
@@ -159,8 +171,12 @@ class SlowNodes {
     if (options_.merge == NodeMerge::first) {
       // The others have one z-buffer.
       std::size_t other = 1;
-      for (std::size_t i = 2; i < seen.size(); ++i)
-        if (seen[i].inverse_z >= seen[other].inverse_z) other = i;
+      for (std::size_t i = 2; i < seen.size(); ++i) {
+        const SlowSample &one = seen[i], &best = seen[other];
+        const bool nothing = one.inverse_z == 0 || best.inverse_z == 0;
+        if (nothing || one.skin == best.skin ? one.inverse_z >= best.inverse_z : best.skin)
+          other = i;
+      }
       const SlowSample &first = seen[0], &others = seen[other];
       const bool gap = first.inverse_z == 0 || first.skin;
       const bool fills =
@@ -169,22 +185,43 @@ class SlowNodes {
       if (seen[i].inverse_z == 0) return {};
       return {seen[i].inverse_z, shade(i, seen[i], center).color};
     }
-    double nearest = 0;
+    double nearest = 0, farthest = 1e30;
     bool skins = true;
     for (const SlowSample& s : seen) skins = skins && (s.inverse_z == 0 || s.skin);
-    for (const SlowSample& s : seen)
-      if (s.skin == skins) nearest = std::max(nearest, s.inverse_z);
+    for (const SlowSample& s : seen) {
+      if (s.skin != skins || s.inverse_z == 0) continue;
+      nearest = std::max(nearest, s.inverse_z), farthest = std::min(farthest, s.inverse_z);
+    }
     if (nearest == 0) return {};
+    const double tolerance = double(options_.tolerance), far = 1 / frame_.z_far;
+    std::vector<double> shares(seen.size(), 1.0);
+    if (!skins && nearest > (1 + 0.5 * tolerance) * farthest) {
+      double accepted = 0;
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        if (seen[i].inverse_z == 0 || seen[i].skin) continue;
+        const glm::dvec3 at =
+            world_from_raster(frame_, {center.x, frame_.height - center.y}, 1 / seen[i].inverse_z);
+        for (std::size_t j = 0; j < seen.size(); ++j)
+          if (i > 0 && j != i && seen[i].inverse_z > far / 0.999)
+            shares[i] = std::min(shares[i], share(*nodes_[j], at));
+        if (shares[i] >= 0.5) accepted = std::max(accepted, seen[i].inverse_z);
+      }
+      if (accepted > 0)
+        nearest = accepted;
+      else
+        shares.assign(seen.size(), 1.0);
+    }
     SlowPixel out;
     double most = -1, weights = 0;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const SlowSample& s = seen[i];
       if (s.inverse_z == 0 || s.skin != skins) continue;
-      if (nearest > (1 + double(options_.tolerance)) * s.inverse_z) continue;
+      if (nearest > (skins ? 1 : 1 + tolerance) * s.inverse_z) continue;
+      const SlowTexel texel = shade(i, s, center);
       double weight = 1;
-      if (!skins) weight = std::round(253 * double(s.node->mesh.quality[s.triangle])) + 0.25;
+      if (!skins) weight = shares[i] * (std::floor(texel.weight * 253 / 255 + 0.5) + 0.25);
       if (options_.merge == NodeMerge::positional) weight *= nearness_[i];
-      const glm::dvec3 color = glm::floor(shade(i, s, center).color + 0.5);
+      const glm::dvec3 color = glm::floor(texel.color + 0.5);
       const bool best = weight > most;
       if (best) most = weight, out.inverse_z = s.inverse_z;
       if (options_.merge != NodeMerge::binary)
@@ -197,6 +234,27 @@ class SlowNodes {
   }
 
  private:
+  // What is left of what lies at a point of the world where a node may see through it.
+  [[nodiscard]] double share(const ShadeNode& node, const glm::dvec3& world) const {
+    const glm::dvec3 seen(glm::inverse(node.mesh.world_from_node) * glm::dvec4(world, 1));
+    const glm::dvec3 a = glm::abs(seen);
+    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+    const auto face = std::size_t(2 * axis + (seen[axis] < 0));
+    const int size = node.mesh.face_size;
+    const auto texel = [&](const glm::ivec3& along) {
+      const double at = (0.5 + 0.5 * glm::dot(seen, glm::dvec3(along)) / a[axis]) * size - 0.5;
+      return std::clamp(int(std::floor(at)), 0, size - 1);
+    };
+    const int x = texel(face_axes()[face].right), y = texel(-face_axes()[face].up);
+    const Image<float>& disparity = node.disparity[face];
+    double nearest = double(kNothing);
+    for (int k = 0; k < 4; ++k)
+      nearest = std::max(nearest, double(disparity(std::min(x + (k & 1), size - 1),
+                                                   std::min(y + (k >> 1), size - 1))));
+    if (nearest < 0) return 1;
+    const double farther = 1 / std::max(nearest * a[axis], 1e-9) - 1;
+    return std::clamp(2 - 2 * farther / double(options_.tolerance), 0.0, 1.0);
+  }
   // By OpenGL's derivatives, which are differences within squares of 2 x 2 pixels.
   [[nodiscard]] bool is_narrow(const ShadeNode& node, const std::uint32_t* corners,
                                const glm::dmat3& inverse, const glm::dvec2& place) const {
@@ -250,6 +308,7 @@ class ShadeNodesTest : public testing::Test {
           for (int x = 0; x < 20; ++x)
             if (face.covered(x, y)) face.object(x, y) = std::uint32_t(2 + f + (x / 7) * 6);
         node.colors[f] = srgb8_from_linear(face.color);
+        node.disparity[f] = face_disparity(face);
       }
       node.mesh = triangulate(node.map, {});
       nodes_.push_back(std::move(node));
@@ -413,8 +472,9 @@ TEST_F(ShadeNodesTest, identifiers_are_those_of_the_texels) {
   for (int i = 0; i < 6; ++i) {
     const Camera frame = random_camera(random);
     const std::size_t count = i % 2 ? 3 : 1;
+    // Identifiers have one z-buffer for all nodes, whatever the merge.
     const NodeDrawOptions options{.merge = NodeMerge::positional};
-    const SlowNodes slow(frame, first(count), options);
+    const SlowNodes slow(frame, first(count), {.merge = NodeMerge::layering});
     const auto tile = drawn(frame, count, options, 1, Output::object_id);
     for (int y = 0; y < frame.height; ++y)
       for (int x = 0; x < frame.width; ++x) {

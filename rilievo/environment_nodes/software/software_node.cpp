@@ -36,9 +36,14 @@ SoftwareNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
   node.reaches = side_reaches(mesh);
   const int size = mesh.face_size, wide = size + 2;
   std::array<Rgba8Image, 6> faces;
-  for (std::size_t f = 0; f < 6; ++f) faces[f] = srgb8_from_linear(map.faces[f].color);
+  for (std::size_t f = 0; f < 6; ++f) {
+    faces[f] = srgb8_from_linear(map.faces[f].color);
+    for (std::size_t i = 0; i < faces[f].texels().size(); ++i)
+      faces[f].texels()[i].a = mesh.weights[f].texels()[i];
+  }
   const auto word = [](const glm::u8vec4& c) {
-    return std::uint32_t(c.r) | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16;
+    return std::uint32_t(c.r) | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16 |
+           std::uint32_t(c.a) << 24;
   };
   node.color.reserve(6 * std::size_t(wide) * std::size_t(wide));
   for (std::size_t f = 0; f < 6; ++f) {
@@ -58,6 +63,11 @@ SoftwareNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
             word(faces[std::size_t(at.face)](texel_at(at.u, size), texel_at(at.v, size))));
       }
   }
+  for (const DepthImage& face : map.faces) {
+    const Image<float> of_face = face_disparity(face);
+    node.disparity.insert(node.disparity.end(), of_face.texels().begin(), of_face.texels().end());
+  }
+  node.mesh.weights = {};  // they are in the colours
   if (map.faces[0].object.empty()) return node;
   for (const DepthImage& face : map.faces) {
     const std::span<const std::uint32_t> object = face.object.texels();
@@ -70,7 +80,7 @@ SoftwareNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
 }
 
 std::size_t SoftwareNode::bytes() const {
-  return rilievo::bytes(mesh) + 4 * (color.size() + object.size());
+  return rilievo::bytes(mesh) + 4 * (color.size() + object.size() + disparity.size());
 }
 
 }  // namespace rilievo

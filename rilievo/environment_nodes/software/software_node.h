@@ -16,10 +16,11 @@ namespace rilievo {
 struct SoftwareNode {
   NodeMesh mesh;
   std::array<SideReach, 6> reaches;
-  // The faces one after the other, row by row. Colours are sRGB-encoded, and faces of `wide` texels
-  // a side have a border of one texel from their neighbours. No identifiers if the pictures have
-  // none.
+  // The faces one after the other, row by row. Colours are sRGB-encoded, with the texel's weight in
+  // the highest byte, and faces of `wide` texels a side have a border of one texel from their
+  // neighbours. No identifiers if the pictures have none.
   std::vector<std::uint32_t> color, object;
+  std::vector<float> disparity;  // 1 / eye_z of the face; 0 the sky, -1 nothing
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(mesh.world_from_node[3]); }
   [[nodiscard]] int wide() const { return mesh.face_size + 2; }
