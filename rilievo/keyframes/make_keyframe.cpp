@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "rilievo/core/color.h"
@@ -44,24 +43,29 @@ float inverse_of(float eye_z) { return eye_z < kNoDepth && eye_z > 0 ? 1 / eye_z
 // Depths that differ by less are one surface's.
 constexpr float kSameSurface = 0.03f;
 
-// Of four texels that make up one.
-struct Quarters {
-  float inverse_z[4];
-  std::uint32_t object[4];
+// A texel of a keyframe.
+struct KeyframeTexel {
+  std::uint32_t color, object;
+  float inverse_z;
 };
 
-// The second nearest: where two of four show what is in front, it has half of the texel.
-std::pair<float, std::uint32_t> of_four(const Quarters& in) {
+// Of four: the second nearest, because where two of four show what is in front, it has half of the
+// texel.
+KeyframeTexel of_four(const KeyframeTexel (&in)[4]) {
   int order[4] = {0, 1, 2, 3};
   std::stable_sort(order, order + 4,
-                   [&](int a, int b) { return in.inverse_z[a] > in.inverse_z[b]; });
-  const float chosen = in.inverse_z[order[1]];
+                   [&](int a, int b) { return in[a].inverse_z > in[b].inverse_z; });
+  const KeyframeTexel& chosen = in[order[1]];
   float sum = 0;
-  int count = 0;
-  for (const int i : order)
-    if (std::abs(in.inverse_z[i] - chosen) <= kSameSurface * chosen)
-      sum += in.inverse_z[i], ++count;
-  return {sum / float(count), in.object[order[1]]};
+  std::uint32_t count = 0, channels[3] = {};
+  for (const KeyframeTexel& one : in) {
+    if (!(std::abs(one.inverse_z - chosen.inverse_z) <= kSameSurface * chosen.inverse_z)) continue;
+    sum += one.inverse_z, ++count;
+    for (int c = 0; c < 3; ++c) channels[c] += one.color >> (8 * c) & 255;
+  }
+  std::uint32_t color = 0xff000000u;
+  for (int c = 0; c < 3; ++c) color |= (channels[c] + count / 2) / count << (8 * c);
+  return {color, chosen.object, sum / float(count)};
 }
 
 // Columns [first, first + width of the picture / scale) of the keyframe.
@@ -70,24 +74,18 @@ void take_over(const DepthImage& picture, int scale, int first, Keyframe& keyfra
   const bool objects = !picture.object.empty();
   parallel_for(0, keyframe.camera.height, [&](int y) {
     for (int column = 0; column < columns; ++column) {
+      const auto texel = [&](int i) {
+        const int from_x = column * scale + i % 2, from_y = y * scale + i / 2;
+        return KeyframeTexel{bytes_of(picture.color(from_x, from_y)),
+                             objects ? picture.object(from_x, from_y) : kNoObject,
+                             inverse_of(picture.depth(from_x, from_y))};
+      };
+      const KeyframeTexel made =
+          scale == 1 ? texel(0) : of_four({texel(0), texel(1), texel(2), texel(3)});
       const int x = first + column;
-      if (scale == 1) {
-        keyframe.color(x, y) = bytes_of(picture.color(column, y));
-        keyframe.inverse_z(x, y) = inverse_of(picture.depth(column, y));
-        keyframe.object(x, y) = objects ? picture.object(column, y) : kNoObject;
-        continue;
-      }
-      Quarters quarters;
-      std::uint32_t even = 0x00020002u, odd = 0x00020002u;  // sums of bytes 0 and 2, 1 and 3
-      for (int i = 0; i < 4; ++i) {
-        const int from_x = 2 * column + i % 2, from_y = 2 * y + i / 2;
-        const std::uint32_t bytes = bytes_of(picture.color(from_x, from_y));
-        even += bytes & 0x00ff00ffu, odd += bytes >> 8 & 0x00ff00ffu;
-        quarters.inverse_z[i] = inverse_of(picture.depth(from_x, from_y));
-        quarters.object[i] = objects ? picture.object(from_x, from_y) : kNoObject;
-      }
-      keyframe.color(x, y) = (even >> 2 & 0x00ff00ffu) | (odd >> 2 & 0x00ff00ffu) << 8;
-      std::tie(keyframe.inverse_z(x, y), keyframe.object(x, y)) = of_four(quarters);
+      keyframe.color(x, y) = made.color;
+      keyframe.object(x, y) = made.object;
+      keyframe.inverse_z(x, y) = made.inverse_z;
     }
   });
 }

@@ -3,9 +3,9 @@
 // A band is a few columns, captured by a camera of their own: it can be made between two frames,
 // and the rest later. Columns, because each of them crosses the horizon, where most of a scene is:
 // of rows some would take many times as long as others. Colours have 1, 4 or 16 samples a texel;
-// with 16 the band is captured at twice the size, and of the four depths the second nearest stays,
-// averaged with those of the same surface. Colours are averaged as displayed bytes, as frames
-// average theirs. One thread; the source uses more.
+// with 16 the band is captured at twice the size, and of the four depths the second nearest stays.
+// Depth and colour are those of the quarters that show its surface; colours are averaged as
+// displayed bytes, as frames average theirs. One thread; the source uses more.
 #pragma once
 
 #include <cstdint>

@@ -4,8 +4,14 @@
 // as a square as large as it appears there, and the nearest stays. Then backward in colour: each
 // pixel's surface is looked up in every keyframe. The four texels around the place count as far as
 // they show the same surface (S3.7), and a keyframe counts the more, the nearer its eye is and the
-// smaller its texels appear. A crack between the squares of a surface that came nearer is closed
-// where a keyframe confirms that the surface is there. What no keyframe shows is a hole.
+// smaller its texels appear. What no keyframe shows is a hole.
+//
+// A texel has the colour of one surface (conventions.md), so that edges are made smooth here. Where
+// one of a pixel's neighbours is nearer, or else farther, both surfaces are looked up at the pixel:
+// the share of the four texels that show the one in front is what it covers, and the rest shows the
+// one behind. The share is half on the border of two texels, wherever that is in the pixel, and
+// falls from 1 to 0 within a texel: the same as a box filter. So are cracks closed between the
+// squares of a surface that came nearer, of which a keyframe shows all.
 //
 // Raster coordinates and 1 / eye_z go from one camera to another by a matrix: with a point at
 // raster (x, y) and w = 1 / eye_z, eye E and the ray R(x, y) through it, affine in x and y,

@@ -53,7 +53,7 @@ float apply(const float (&row)[4], float x, float y, float w) {
 // The definition, pixel by pixel: no strips, no vectors, no ranges.
 struct Slow {
   struct Lookup {
-    float r = 0, g = 0, b = 0, weight = 0;
+    float r = 0, g = 0, b = 0, weight = 0, cover = 0;
   };
   std::span<const WarpedKeyframe> keys;
   Camera frame;
@@ -94,10 +94,9 @@ struct Slow {
 
   Lookup find(float px, float py, float w) const {
     Lookup found;
-    int most = 0;
     for (const bool spare : {false, true})
       for (const WarpedKeyframe& one : keys) {
-        if (one.spare != spare || (spare && most >= kAllShown)) continue;
+        if (one.spare != spare || (spare && found.cover >= kAllShown)) continue;
         const Keyframe& key = *one.keyframe;
         const RasterMap map = raster_map(key.camera, frame);
         const float z = apply(map.z, px, py, w);
@@ -120,8 +119,8 @@ struct Slow {
           r += weight * int(color & 255), g += weight * int(color >> 8 & 255);
           b += weight * int(color >> 16 & 255);
         }
-        most = std::max(most, shown);
-        if (shown <= kLeastShown) continue;
+        found.cover = std::max(found.cover, float(shown));
+        if (shown == 0) continue;
         const float magnified = std::max(z * scale(frame, key.camera), 1.0f);
         const float counts = one.weight / (magnified * magnified);
         found.r += counts * float(r), found.g += counts * float(g), found.b += counts * float(b);
@@ -138,20 +137,30 @@ struct Slow {
     for (int y = 0; y < frame.height; ++y)
       for (int x = 0; x < frame.width; ++x) {
         const float px = float(x) + 0.5f, py = float(y) + 0.5f;
-        const float closed =
-            std::max(std::min(at(x - 1, y), at(x + 1, y)), std::min(at(x, y - 1), at(x, y + 1)));
-        float w = at(x, y);
-        const bool crack = closed > w * (1 + kSameSurfaceDepth);
-        Lookup found = find(px, py, crack ? closed : w);
-        if (crack && found.weight > 0) w = closed;
-        if (crack && !(found.weight > 0)) found = find(px, py, w);
-        if (!(found.weight > 0)) continue;
-        const float per_weight = 1 / found.weight;
-        const auto byte = [&](float sum) {
-          return std::uint32_t(std::min(sum * per_weight + 0.5f, 255.0f));
+        const float around[4] = {at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)};
+        const float own = at(x, y), times = 1 + kSameSurfaceDepth;
+        const float nearest = *std::max_element(around, around + 4),
+                    farthest = *std::min_element(around, around + 4);
+        const bool is_behind = nearest > own * times;
+        const bool edge = is_behind || own > farthest * times;
+        const float front = is_behind ? nearest : own, back = is_behind ? own : farthest;
+        const Lookup nearer = find(px, py, front);
+        Lookup farther;
+        if (edge) farther = find(px, py, back);
+        const bool behind = farther.cover > kLeastShown;
+        if (!behind && !(nearer.cover > kLeastShown)) continue;
+        const float part = behind ? nearer.cover * (1.0f / kTexelWeights) : 1.0f;
+        const auto byte = [&](float of_nearer, float of_farther) {
+          const auto share = [](const Lookup& of, float sum, float part) {
+            return sum * (part / (of.weight > 0 ? of.weight : 1));
+          };
+          const float value =
+              share(farther, of_farther, behind ? 1 - part : 0) + share(nearer, of_nearer, part);
+          return std::uint32_t(std::min(value + 0.5f, 255.0f));
         };
-        color(x, y) = kOpaque | byte(found.r) | byte(found.g) << 8 | byte(found.b) << 16;
-        inverse_z(x, y) = w;
+        color(x, y) = kOpaque | byte(nearer.r, farther.r) | byte(nearer.g, farther.g) << 8 |
+                      byte(nearer.b, farther.b) << 16;
+        inverse_z(x, y) = behind && part < 0.5f ? back : front;
       }
   }
 };

@@ -123,9 +123,10 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
   }
 }
 
-// What the keyframes show of places in the frame: sums of bytes, weighted.
+// What the keyframes show of places in the frame: sums of bytes, weighted; and how much of the
+// places it covers, in kTexelWeights.
 struct Found {
-  VF r, g, b, weight;
+  VF r, g, b, weight, cover;
 };
 
 // Looks up the surfaces at pixels `px` of row `py`, at 1 / eye_z `w`. Colours are summed two bytes
@@ -135,13 +136,12 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
   const I i32;
   const U u32;
   const VF one = number(1);
-  Found found{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
-  VF most = hn::Zero(f);  // of the surface that one of them shows
+  Found found{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
   for (int k = 0; k < count; ++k) {
     const WarpSource& source = sources[k];
     const Keyframe& key = *source.keyframe;
     const int width = key.camera.width, height = key.camera.height;
-    const Mask wanted = source.spare ? hn::Lt(most, number(float(kAllShown))) : hn::Eq(w, w);
+    const Mask wanted = source.spare ? hn::Lt(found.cover, number(float(kAllShown))) : hn::Eq(w, w);
     if (hn::AllFalse(f, wanted)) continue;
     const Along along_x(source.from_frame.x, py), along_y(source.from_frame.y, py),
         along_z(source.from_frame.z, py);
@@ -181,8 +181,8 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     }
     const auto number_of = [&](VU v) { return hn::ConvertTo(f, hn::BitCast(i32, v)); };
     const VF share = number_of(shown);
-    const Mask shows = hn::Gt(share, number(float(kLeastShown)));
-    most = hn::Max(most, share);
+    const Mask shows = hn::Gt(share, hn::Zero(f));
+    found.cover = hn::Max(found.cover, share);
     const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
     const VF counts =
         hn::IfThenElseZero(shows, hn::Div(number(source.weight), hn::Mul(magnified, magnified)));
@@ -197,6 +197,15 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
 
 HWY_INLINE VF select(Mask yes, VF a, VF b) { return hn::IfThenElse(yes, a, b); }
 
+// Adds `part` of what was found, as colours.
+HWY_INLINE void add_part(const Found& found, VF part, Found& sum) {
+  const VF per_weight =
+      hn::Div(part, select(hn::Gt(found.weight, hn::Zero(F())), found.weight, number(1)));
+  sum.r = hn::Add(sum.r, hn::Mul(found.r, per_weight));
+  sum.g = hn::Add(sum.g, hn::Mul(found.g, per_weight));
+  sum.b = hn::Add(sum.b, hn::Mul(found.b, per_weight));
+}
+
 std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& strip, int y,
                     float* inverse_z, std::uint32_t* color) {
   const F f;
@@ -204,33 +213,44 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
   const U u32;
   const int lanes = int(hn::Lanes(f));
   const float py = float(y) + 0.5f;
+  const VF zero = hn::Zero(f), one = number(1), least = number(float(kLeastShown));
   const float *row = strip.row(y), *above = strip.row(y - 1), *below = strip.row(y + 1);
   std::uint32_t holes = 0;
   for (int x = 0; x < strip.width; x += lanes) {
     const VF px = hn::Add(hn::ConvertTo(f, lane_numbers(i32, x)), number(0.5f));
     const VF splatted = hn::LoadU(f, row + x);
-    // A crack: much nearer on both sides.
-    const VF beside = hn::Min(hn::LoadU(f, row + x - 1), hn::LoadU(f, row + x + 1));
-    const VF around = hn::Min(hn::LoadU(f, above + x), hn::LoadU(f, below + x));
-    const VF closed = hn::Max(beside, around);
-    const Mask crack = hn::Gt(closed, hn::Mul(splatted, number(1 + kSameSurfaceDepth)));
-    VF w = select(crack, closed, splatted);
-    Found found = find(sources, count, px, py, w);
-    const Mask refused = hn::And(crack, hn::Le(found.weight, hn::Zero(f)));
-    if (!hn::AllFalse(f, refused)) {
-      const Found behind = find(sources, count, px, py, splatted);
-      w = select(refused, splatted, w);
-      found = {select(refused, behind.r, found.r), select(refused, behind.g, found.g),
-               select(refused, behind.b, found.b), select(refused, behind.weight, found.weight)};
+    const VF left_of = hn::LoadU(f, row + x - 1), right_of = hn::LoadU(f, row + x + 1);
+    const VF over = hn::LoadU(f, above + x), under = hn::LoadU(f, below + x);
+    // At an edge the surface in front covers a part of the pixel, and the one behind the rest. One
+    // of them is the pixel's own.
+    const VF nearest = hn::Max(hn::Max(left_of, right_of), hn::Max(over, under));
+    const VF farthest = hn::Min(hn::Min(left_of, right_of), hn::Min(over, under));
+    const VF times = number(1 + kSameSurfaceDepth);
+    const Mask is_behind = hn::Gt(nearest, hn::Mul(splatted, times));
+    const Mask edge = hn::Or(is_behind, hn::Gt(splatted, hn::Mul(farthest, times)));
+    const VF front = select(is_behind, nearest, splatted),
+             back = select(is_behind, splatted, farthest);
+    const Found nearer = find(sources, count, px, py, front);
+    // Shown as a whole where it is no edge.
+    Mask shown = hn::Gt(nearer.cover, least);
+    VF part = hn::IfThenElseZero(shown, one), w = front;
+    Found sum{zero, zero, zero, zero, zero};
+    if (!hn::AllFalse(f, edge)) {
+      const Found farther = find(sources, count, px, py, back);
+      const Mask behind = hn::And(edge, hn::Gt(farther.cover, least));
+      // Without anything behind, the surface in front is all there is.
+      part = select(behind, hn::Mul(nearer.cover, number(1.0f / kTexelWeights)), part);
+      w = select(hn::And(behind, hn::Lt(part, number(0.5f))), back, w);
+      shown = hn::Or(shown, behind);
+      add_part(farther, hn::IfThenElseZero(behind, hn::Sub(one, part)), sum);
     }
-    const Mask shown = hn::Gt(found.weight, hn::Zero(f));
-    const VF per_weight = hn::Div(number(1), select(shown, found.weight, number(1)));
-    const auto byte = [&](VF sum) {
-      const VF value = hn::Min(hn::Add(hn::Mul(sum, per_weight), number(0.5f)), number(255));
+    add_part(nearer, part, sum);
+    const auto byte = [&](VF channel) {
+      const VF value = hn::Min(hn::Add(channel, number(0.5f)), number(255));
       return hn::BitCast(u32, hn::ConvertTo(i32, value));
     };
-    VU out = hn::Or(hn::Or(byte(found.r), hn::ShiftLeft<8>(byte(found.g))),
-                    hn::Or(hn::ShiftLeft<16>(byte(found.b)), hn::Set(u32, 0xff000000u)));
+    VU out = hn::Or(hn::Or(byte(sum.r), hn::ShiftLeft<8>(byte(sum.g))),
+                    hn::Or(hn::ShiftLeft<16>(byte(sum.b)), hn::Set(u32, 0xff000000u)));
     out = hn::IfThenElseZero(hn::RebindMask(u32, shown), out);
     w = hn::IfThenElseZero(shown, w);
     const int left = strip.width - x;
