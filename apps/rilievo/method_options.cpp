@@ -135,6 +135,21 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
                               fmt::join(surroundings_kinds(), ", ")))
       ->check(in_range(0.0, 1e9))
       ->type_name("METRES");
+  command
+      .add_option("--source", options.source,
+                  "keyframes: who makes them: raster, or rays (default raster)")
+      ->check(CLI::IsMember({"raster", "rays"}));
+  command
+      .add_option("--keyframe-ms", options.keyframe_ms,
+                  "keyframes: time that a frame spends on the next keyframe, in ms; after a jump a "
+                  "coarse one is made first (default: a sixteenth of a keyframe, which makes runs "
+                  "repeatable)")
+      ->check(in_range(0.1, 1000.0))
+      ->type_name("T");
+  command
+      .add_option("--keyframe-samples", options.keyframe_samples,
+                  "keyframes: samples of a texel (default 4)")
+      ->check(CLI::IsMember({1, 4, 16}));
   add_impostor_options(command, options.impostors);
   add_kind_options(command, KindOptionsOf::draw, options.kinds);
   add_kind_options(command, KindOptionsOf::bake, options.kinds);

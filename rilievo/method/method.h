@@ -5,6 +5,7 @@
 //   flat, nailboard                       a picture for each heavy object
 //   cache                                 pictures of groups, within an error in pixels
 //   relief-impostor                       objects that are rendered beside the frames
+//   keyframes                             whole frames, warped from pictures of the whole view
 //   and the kinds of representation, which are baked before the first frame
 //
 // A method is one file with a chooser (frame/frame_chooser.h), and one line in methods.cpp.
@@ -60,6 +61,9 @@ struct MethodOptions {
   std::optional<double> bake_beyond;      // cache: metres
   bool bake_together = false;             // cache: all that stands still as one
   double texel_px = 4;                    // kinds drawn for objects
+  std::string source = "raster";          // keyframes: who makes them: raster or rays
+  double keyframe_ms = 0;                 // keyframes: time a frame; 0: no limit
+  int keyframe_samples = 4;               // keyframes: of a texel: 1, 4 or 16
   KindOptions kinds;
   ReliefImpostorOptions impostors;
   Box eyes = {};                                      // where eyes will be; empty: not known

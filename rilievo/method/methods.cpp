@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "rilievo/frame/software/software_frames.h"
+#include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/cached.h"
 #include "rilievo/method/direct.h"
 #include "rilievo/method/kinds.h"
@@ -69,6 +70,22 @@ Result<Method> make_nailboards(const MethodOptions& options, Backend& backend) {
   return make_pictures(options.depth_mode, options, backend);
 }
 
+Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
+  if (options.source != "raster" && options.source != "rays")
+    return Error{"--source", "keyframes are made by raster or rays, not by " + options.source};
+  Result<SoftwareBackend*> software = backend.software();
+  if (!software) return software.error();
+  KeyframeFramesOptions keyframes;
+  keyframes.by = options.source == "rays" ? KeyframesBy::rays : KeyframesBy::raster;
+  keyframes.samples = backend.samples();
+  keyframes.keyframes.samples = options.keyframe_samples;
+  keyframes.keyframes.keyframe_ms = options.keyframe_ms;
+  Result<std::unique_ptr<KeyframeFrames>> made =
+      KeyframeFrames::create((*software)->scene(), keyframes);
+  if (!made) return made.error();
+  return as_method(backend.present(std::move(*made)));
+}
+
 }  // namespace
 
 std::span<const MethodRow> methods() {
@@ -80,6 +97,7 @@ std::span<const MethodRow> methods() {
       {"flat", make_flat},
       {"nailboard", make_nailboards},
       {"cache", make_cached_method},
+      {"keyframes", make_keyframes},
       {kReliefImpostorName, make_relief_impostors, true, true},
   };
   return kMethods;
