@@ -55,13 +55,6 @@ void MemoryBudget::take_pixels(std::uint64_t count, std::uint64_t each) {
   left_ -= within_limit(count, each);
 }
 
-void LoadContext::warn(const std::string& what) {
-  constexpr std::size_t kMaxCount = 100;
-  if (warnings.size() > kMaxCount) return;
-  if (std::find(warnings.begin(), warnings.end(), what) != warnings.end()) return;
-  warnings.push_back(warnings.size() < kMaxCount ? what : "more warnings follow and are left out");
-}
-
 void LoadContext::skip_points_or_lines() {
   skipped_points_or_lines = true;
   warn("points and lines are left out");
@@ -73,6 +66,17 @@ bool lies_within(const std::filesystem::path& folder, const std::filesystem::pat
   const fs::path top = fs::canonical(folder.empty() ? "." : folder, failed);
   const fs::path at = failed ? fs::path() : fs::weakly_canonical(path, failed);
   return !failed && std::mismatch(top.begin(), top.end(), at.begin(), at.end()).first == top.end();
+}
+
+std::filesystem::path manifest_path(const std::filesystem::path& folder,
+                                    const std::string& relative) {
+  std::error_code ignored;
+  if (relative.find('\\') == std::string::npos ||
+      std::filesystem::is_regular_file(folder / relative, ignored))
+    return folder / relative;
+  std::string slashed = relative;
+  std::replace(slashed.begin(), slashed.end(), '\\', '/');
+  return folder / slashed;
 }
 
 std::filesystem::path neighbor_path(const LoadContext& context, const std::string& relative) {

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "rilievo/io/warnings.h"
+
 namespace rilievo {
 
 // The contents of a file.
@@ -83,18 +85,22 @@ struct LoadContext {
   double time = 0.0;
   MemoryBudget budget;
   bool allow_outside = false;  // files outside `folder`
-  std::vector<std::string> warnings;
+  Warnings warnings = {};
   bool skipped_points_or_lines = false;
   Deformations* deformations = nullptr;  // where what bends meshes goes; null: it is not kept
 
-  // Adds a warning once; at most a hundred warnings are kept.
-  void warn(const std::string& what);
+  void warn(const std::string& what) { warnings.add(what); }
   void skip_points_or_lines();
 };
 
 // Does `path` lie in `folder` or below it, after ".." and symbolic links are resolved?
 [[nodiscard]] bool lies_within(const std::filesystem::path& folder,
                                const std::filesystem::path& path);
+
+// The path of the file `relative` that a manifest in `folder` names; if there is none, with each
+// backslash as a slash, for Windows writes paths so.
+[[nodiscard]] std::filesystem::path manifest_path(const std::filesystem::path& folder,
+                                                  const std::string& relative);
 
 // The path of the file `relative` (UTF-8, names separated by '/' or '\') in the scene's folder,
 // with all symbolic links resolved, so that equal files have equal paths. Throws if it lies outside

@@ -54,6 +54,11 @@ const char* foreign_kind(Bytes file) {
 // "gltf", "obj", "ply" or "stl".
 std::string kind_of(Bytes file, const std::string& extension) {
   if (file.empty()) refuse("is empty");
+  for (const char* splats : {"splat", "spz", "ksplat", "sog"})
+    if (extension == splats || starts_with(file, "NGSP"))
+      refuse(
+          "holds 3-D Gaussian splats, which are no surfaces and are not drawn: make a mesh of "
+          "them, or points with colours");
   if (starts_with(file, "glTF")) return "gltf";
   if (const char* kind = foreign_kind(file)) refuse(std::string("is ") + kind + ", not a scene");
   if (starts_with(file, "ply\n") || starts_with(file, "ply\r")) return "ply";
@@ -89,7 +94,7 @@ LoadedScene read(Bytes file, const std::string& extension, bool deformations,
   const Box bounds = world_bounds(out.scene, context.time);
   if (!std::isfinite(bounds.radius())) refuse("is too large for single-precision coordinates");
   if (bounds.radius() == 0.0f) refuse("has all its triangles in one point");
-  out.warnings = std::move(context.warnings);
+  out.warnings = context.warnings.lines();
   return out;
 }
 

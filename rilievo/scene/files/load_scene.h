@@ -51,9 +51,9 @@ struct LoadOptions {
 
 // A loaded scene, with what the user should know about it.
 struct LoadedScene {
-  Scene scene;                // finished and valid; at least one object
-  Deformations deformations;  // if they were asked for
-  std::vector<std::string> warnings;
+  Scene scene;                        // finished and valid; at least one object
+  Deformations deformations;          // if they were asked for
+  std::vector<std::string> warnings;  // at most ten lines; alike ones are folded
 };
 
 // Loads a file. Any thread.
