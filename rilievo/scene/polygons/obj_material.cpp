@@ -27,18 +27,14 @@ glm::vec3 color(std::string_view rest) {
   return glm::vec3(glm::clamp(glm::dvec3(r, g, b), 0.0, 1e6));
 }
 
+bool is_spectral(std::string_view rest) {
+  const std::string first = lower_case(take_word(rest));
+  return first == "spectral" || first == "xyz";
+}
+
 bool has_alpha(const Rgba8Image& image) {
   return std::any_of(image.texels().begin(), image.texels().end(),
                      [](const glm::u8vec4& c) { return c.a < 250; });
-}
-
-// Cut-outs (leaves, fences) are nearly all in or out; glass is in between.
-AlphaMode alpha_mode_of(const Rgba8Image& image) {
-  if (!has_alpha(image)) return AlphaMode::opaque;
-  const auto between = std::count_if(image.texels().begin(), image.texels().end(),
-                                     [](const glm::u8vec4& c) { return c.a > 25 && c.a < 230; });
-  // A quarter: the soft edges of leaves that are a few texels wide.
-  return std::size_t(between) * 4 > image.texels().size() ? AlphaMode::blend : AlphaMode::mask;
 }
 
 // The opacity picture's alpha, or its brightness if it has none, as the alpha of `image`.
@@ -53,6 +49,15 @@ void set_alpha(const Rgba8Image& opacity, Rgba8Image& image) {
 }
 
 }  // namespace
+
+// Cut-outs (leaves, fences) are nearly all in or out; glass is in between.
+AlphaMode alpha_mode_of(const Rgba8Image& image) {
+  if (!has_alpha(image)) return AlphaMode::opaque;
+  const auto between = std::count_if(image.texels().begin(), image.texels().end(),
+                                     [](const glm::u8vec4& c) { return c.a > 25 && c.a < 230; });
+  // A quarter: the soft edges of leaves that are a few texels wide.
+  return std::size_t(between) * 4 > image.texels().size() ? AlphaMode::blend : AlphaMode::mask;
+}
 
 // Options, each with as many arguments as it takes, then the file's name, which may have spaces.
 ObjMaterials::Map ObjMaterials::parse_map(std::string_view rest) {
@@ -110,14 +115,22 @@ void ObjMaterials::parse_line(std::string_view rest, const std::string& library,
     now->material.base_color = {0.8f, 0.8f, 0.8f, 1.0f};
   } else if (!now) {
     return;
+  } else if ((word == "kd" || word == "ke") && is_spectral(rest)) {
+    context_.warn("colours given as spectral curves or as CIE XYZ are left out");
   } else if (word == "kd") {
     now->material.base_color = glm::vec4(glm::min(color(rest), 1.0f), 1.0f);
   } else if (word == "ke") {
     now->material.emissive = color(rest);
   } else if (word == "d") {
+    std::string_view ahead = rest;
+    if (lower_case(take_word(ahead)) == "-halo") {
+      context_.warn("the material '" + now->material.name +
+                    "' fades towards its outline (d -halo), which is drawn as plain opacity");
+      rest = ahead;
+    }
     now->opacity = next_number(rest, 1.0);
   } else if (word == "tr") {
-    now->opacity = 1.0 - next_number(rest, 0.0);
+    now->transparency = next_number(rest, 0.0);
   } else if (word == "ns") {
     // Blinn's exponent n as a width: alpha^2 = 2 / (n + 2), and roughness^2 = alpha.
     const double n = std::clamp(next_number(rest, 0.0), 0.0, 1e6);
@@ -247,11 +260,11 @@ void ObjMaterials::finish(Definition& definition, bool colored) {
   Material& m = definition.material;
   // No format of this family says which side of a surface shows.
   m.double_sided = true;
-  const Map opacity = definition.maps["map_d"];
+  const Map opacity_map = definition.maps["map_d"];
   Map base = definition.maps["map_kd"];
   const bool pictured = !base.file.empty();
-  if (!pictured) base = Map{"", "", opacity.scale, opacity.offset, opacity.clamp};
-  if (pictured || !opacity.file.empty()) m.base_color_texture = texture_use(base, opacity);
+  if (!pictured) base = Map{"", "", opacity_map.scale, opacity_map.offset, opacity_map.clamp};
+  if (pictured || !opacity_map.file.empty()) m.base_color_texture = texture_use(base, opacity_map);
   const bool has_picture = m.base_color_texture.texture >= 0;
   if (colored || (pictured && has_picture)) m.base_color = glm::vec4(1.0f);
   if (has_picture) m.alpha_mode = alpha_mode(textures_[m.base_color_texture.texture].image);
@@ -262,12 +275,19 @@ void ObjMaterials::finish(Definition& definition, bool colored) {
   if (const Map& normal = definition.maps["norm"]; !normal.file.empty())
     m.normal_texture = texture_use(normal, {});
 
+  const double opacity = definition.opacity.value_or(1.0 - definition.transparency.value_or(0.0));
+  // Exporters round to three digits.
+  constexpr double kRounding = 0.002;
+  if (definition.transparency && std::abs(opacity + *definition.transparency - 1.0) > kRounding)
+    context_.warn("the material '" + m.name +
+                  "' has an opacity (d) and a transparency (Tr) that contradict each other; the "
+                  "opacity counts");
   // Some exporters confuse d with Tr: nobody models what cannot be seen.
-  if (definition.opacity <= 0.0) {
+  if (opacity <= 0.0) {
     context_.warn("the material '" + m.name + "' is fully transparent; it is drawn opaque");
-  } else if (definition.opacity < 1.0) {
+  } else if (opacity < 1.0) {
     m.alpha_mode = AlphaMode::blend;
-    m.base_color.a = float(definition.opacity);
+    m.base_color.a = float(opacity);
   }
 }
 

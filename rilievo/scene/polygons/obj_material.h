@@ -1,12 +1,13 @@
 // How do the materials of an OBJ file (.mtl) become metallic-roughness? Internal to loading.
 //
 //   Kd  base colour, unless there is a picture of it (map_Kd): exporters write both as alternatives
-//   d   opacity, Tr its opposite; map_d a picture of it; a picture's own alpha counts, too
+//   d   opacity, before Tr, its opposite; map_d a picture of it; a picture's own alpha counts, too
 //   Ke  emission        Ns  exponent of the highlight -> roughness        Pr, Pm  as they are
 #pragma once
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
+
+// How a picture's own alpha is drawn: a cut-out, blended, or not at all.
+[[nodiscard]] AlphaMode alpha_mode_of(const Rgba8Image& image);
 
 // The materials of one OBJ file, read on demand.
 class ObjMaterials {
@@ -41,8 +45,8 @@ class ObjMaterials {
   };
   struct Definition {
     Material material;
-    double opacity = 1.0;
-    std::map<std::string, Map> maps;  // by statement: "map_kd"
+    std::optional<double> opacity, transparency;  // d and Tr
+    std::map<std::string, Map> maps;              // by statement: "map_kd"
   };
 
   // Why the library cannot be read, or nothing.

@@ -2,6 +2,8 @@
 //
 // Every name after `o` or `g` is an Object; a vertex may have a colour behind its position, as
 // sculpting programs write it: from 0 to 1, or in bytes. A face may refer to what follows it.
+// Where faces have no normals, smoothing groups say which edges are smooth; before the first `s`,
+// and in files without, angles do. A group does not reach beyond its `o`.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +23,7 @@ constexpr glm::vec4 kNoColor(-1.0f);
 // A face that refers to what follows it.
 struct LateFace {
   std::size_t line = 0;  // of the file
-  std::uint32_t part = 0;
+  std::uint32_t part = 0, smoothing = PolygonSoup::kCreased;
   std::vector<Corner> corners;
 };
 
@@ -43,13 +45,19 @@ class Reader {
   }
 
  private:
+  // Does the next line belong to this one? A backslash that ends a comment is a path's.
+  static bool is_continued(std::string_view line) {
+    return line.ends_with('\\') && !trimmed(line).starts_with('#') &&
+           line.find(" #") == line.npos && line.find("\t#") == line.npos;
+  }
+
   // The next line; a backslash at its end joins it with the one that follows.
   std::optional<std::string_view> next(std::string_view& text, std::string& joined) {
     ++line_;
     std::optional<std::string_view> line = take_line(text);
-    if (!line || !line->ends_with('\\')) return line;
+    if (!line || !is_continued(*line)) return line;
     joined.clear();
-    while (line && line->ends_with('\\')) {
+    while (line && is_continued(*line)) {
       joined += line->substr(0, line->size() - 1);
       joined += ' ';
       ++line_;
@@ -96,8 +104,11 @@ class Reader {
       soup_.normals.push_back(glm::vec3(n[0], n[1], n[2]));
     } else if (word == "f" || word == "fo") {
       read_face(rest);
+    } else if (word == "s") {
+      read_smoothing(take_word(rest));
     } else if (word == "o" || word == "g") {
       object_ = trimmed(rest);
+      if (word == "o") whole_ = object_;
       part_ = -1;
     } else if (word == "usemtl") {
       material_ = trimmed(rest);
@@ -108,19 +119,49 @@ class Reader {
       context_.skip_points_or_lines();
     } else if (word == "curv" || word == "surf" || word == "curv2") {
       context_.warn("free-form curves and surfaces are left out");
-    } else if (word != "s") {
+    } else {
       return;
     }
     any_statement_ = true;
+  }
+
+  // "off" and 0, "on", a number: which faces are smooth from here on.
+  void read_smoothing(std::string_view word) {
+    const std::string state = lower_case(word);
+    const std::optional<std::int64_t> number = state == "off"  ? 0
+                                               : state == "on" ? 1
+                                                               : whole_number_of(state);
+    if (!number && !state.empty()) fail(no_number(word));
+    smoothing_ = number ? *number : 0;
+  }
+
+  // What PolygonSoup::smoothing says of the next face.
+  std::uint32_t smoothing_group() {
+    if (!smoothing_) return PolygonSoup::kCreased;
+    if (*smoothing_ == 0) return PolygonSoup::kFlat;
+    const auto [known, fresh] =
+        groups_.try_emplace({whole_, *smoothing_}, std::uint32_t(groups_.size() + 1));
+    if (fresh) context_.budget.take(128 + whole_.size());
+    return known->second;
+  }
+
+  void add_face(std::span<const Corner> polygon, std::uint32_t part, std::uint32_t smoothing) {
+    if (const Corner* bad = corner_that_is_not_finite(soup_, polygon))
+      fail("has a face with vertex " + std::to_string(bad->position + 1) +
+           ", whose position is not finite");
+    const std::size_t before = soup_.parts.size();
+    add_polygon(soup_, polygon, part, context_.budget);
+    if (smoothing == PolygonSoup::kCreased && soup_.smoothing.empty()) return;
+    context_.budget.take(2 * (soup_.parts.size() - soup_.smoothing.size()), sizeof(std::uint32_t));
+    soup_.smoothing.resize(before, PolygonSoup::kCreased);
+    soup_.smoothing.resize(soup_.parts.size(), smoothing);
   }
 
   void read_position(std::string_view rest) {
     double v[7];
     const std::size_t n = read_numbers(rest, v);
     if (n < 3) fail("has a vertex with fewer than three numbers");
-    const glm::vec3 p(v[0], v[1], v[2]);
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      fail("has a vertex whose position is not finite");
+    const glm::vec3 p(v[0], v[1], v[2]);  // finite or not: a face may never use it
     context_.budget.take(2 * sizeof(glm::vec3));
     soup_.positions.push_back(p);
     if (n < 6) return;
@@ -180,10 +221,10 @@ class Reader {
     if (part_ < 0) part_ = find_part();
     if (std::all_of(polygon_.begin(), polygon_.end(),
                     [&](const Corner& c) { return is_read(c); })) {
-      add_polygon(soup_, polygon_, std::uint32_t(part_), context_.budget);
+      add_face(polygon_, std::uint32_t(part_), smoothing_group());
     } else {
       context_.budget.take(2 * sizeof(LateFace) + polygon_.size() * sizeof(Corner));
-      late_faces_.push_back({line_, std::uint32_t(part_), polygon_});
+      late_faces_.push_back({line_, std::uint32_t(part_), smoothing_group(), polygon_});
     }
   }
 
@@ -208,7 +249,7 @@ class Reader {
         check("texture coordinate", c.uv, soup_.uv.size());
         check("normal", c.normal, soup_.normals.size());
       }
-      add_polygon(soup_, face.corners, face.part, context_.budget);
+      add_face(face.corners, face.part, face.smoothing);
     }
   }
 
@@ -232,6 +273,9 @@ class Reader {
   std::vector<Corner> polygon_;
   std::vector<LateFace> late_faces_;
   std::string object_, material_;
+  std::string whole_;                      // what `o` named last
+  std::optional<std::int64_t> smoothing_;  // what `s` said last
+  std::map<std::pair<std::string, std::int64_t>, std::uint32_t> groups_;
   int part_ = -1;                // of the soup, for the next face; -1: to be found
   std::vector<SoupPart> parts_;  // material: an index into material_names_ until all is read
   std::vector<std::string> material_names_;

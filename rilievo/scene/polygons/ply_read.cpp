@@ -1,14 +1,17 @@
 // PLY, text or binary of either byte order: polygons, and Stanford's triangle strips, with normals,
-// texture coordinates and colours at their vertices. Unknown elements and properties are passed
-// over.
+// texture coordinates and colours at their vertices; faces may have coordinates and a picture for
+// their corners (texcoord, texnumber) and a colour, which counts where vertices have none, or all
+// the same. Elements come in any order. Unknown elements and properties are passed over.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "rilievo/io/color_io.h"
 #include "rilievo/io/text_scan.h"
+#include "rilievo/scene/polygons/ply_textures.h"
 #include "rilievo/scene/polygons/polygon_read.h"
 
 namespace rilievo {
@@ -53,7 +56,7 @@ Type type_of(std::string_view name) {
          "'");
 }
 
-Header read_header(std::string_view text) {
+Header read_header(std::string_view text, PlyTextures& textures) {
   const std::size_t whole = text.size();
   Header header;
   bool known = false;
@@ -86,6 +89,8 @@ Header read_header(std::string_view text) {
       property.type = type_of(type);
       property.name = take_word(rest);
       header.elements.back().properties.push_back(std::move(property));
+    } else if (word == "comment" || word == "obj_info") {
+      textures.read_comment(rest);
     } else if (word == "end_header") {
       if (!known) refuse("is a PLY file of an unknown format");
       header.size = whole - text.size();
@@ -220,10 +225,8 @@ void read_vertices(const Element& element, Values& values, PolygonSoup& soup,
         if (slots[k] >= 0) v[slots[k]] = slots[k] >= red ? number * color_scale(p.type) : number;
       }
     }
-    const glm::vec3 position(v[px], v[py], v[pz]);
-    if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z))
-      refuse("has a vertex whose position is not finite");
-    soup.positions.push_back(position);
+    // Finite or not: scanners write NaN for what they did not measure, and no face uses it.
+    soup.positions.push_back(glm::vec3(v[px], v[py], v[pz]));
     if (normals) soup.normals.push_back(glm::vec3(v[nx], v[ny], v[nz]));
     // v grows upwards there, downwards here.
     if (uv) soup.uv.push_back(glm::vec2(v[tu], 1.0 - v[tv]));
@@ -237,30 +240,136 @@ bool lists_vertices(const Property& p) {
 }
 
 Corner corner_of(double vertex, const PolygonSoup& soup) {
-  if (!(vertex >= 0 && vertex < double(soup.positions.size())))
+  if (!(vertex >= 0 && vertex < double(soup.positions.size()) && vertex == std::floor(vertex)))
     refuse("has a face that refers to a vertex that does not exist");
   const std::uint32_t at = std::uint32_t(vertex);
   return {at, soup.uv.empty() ? Corner::kNone : at, soup.normals.empty() ? Corner::kNone : at};
 }
 
-void read_faces(const Element& element, Values& values, PolygonSoup& soup, MemoryBudget& budget) {
-  std::vector<Corner> polygon;
-  for (std::uint64_t i = 0; i < element.count; ++i)
-    for (const Property& p : element.properties) {
-      polygon.clear();
-      for (std::uint64_t left = length_of(p, values); left > 0; --left) {
-        const double vertex = values.next(p.type);
-        if (!lists_vertices(p)) continue;
-        budget.borrow(polygon.size(), 8 * sizeof(Corner));
-        polygon.push_back(corner_of(vertex, soup));
-      }
-      if (lists_vertices(p)) add_polygon(soup, polygon, 0, budget);
-    }
+void add_face(PolygonSoup& soup, std::span<const Corner> polygon, std::uint32_t part,
+              MemoryBudget& budget) {
+  if (const Corner* bad = corner_that_is_not_finite(soup, polygon))
+    refuse("has a face with vertex " + std::to_string(bad->position) +
+           ", whose position is not finite");
+  add_polygon(soup, polygon, part, budget);
 }
+
+// What a property of a face is.
+enum class Role { none, vertices, coordinates, picture, red, green, blue, alpha };
+
+Role role_of(const Property& p) {
+  if (lists_vertices(p)) return Role::vertices;
+  if (p.length) {
+    for (const char* name : {"texcoord", "texcoords", "tex_coord", "texture_coordinates", "uv"})
+      if (p.name == name) return Role::coordinates;
+    return Role::none;
+  }
+  if (p.name == "texnumber" || p.name == "texture_number") return Role::picture;
+  const int slot = slot_of(p.name);
+  return slot == red     ? Role::red
+         : slot == green ? Role::green
+         : slot == blue  ? Role::blue
+         : slot == alpha ? Role::alpha
+                         : Role::none;
+}
+
+// Reads faces into a soup, a part for each picture that they show.
+class Faces {
+ public:
+  Faces(PolygonSoup& soup, PlyTextures& textures, LoadContext& context)
+      : soup_(soup), textures_(textures), context_(context) {}
+
+  void read(const Element& element, Values& values) {
+    std::vector<Role> roles;
+    for (const Property& p : element.properties) roles.push_back(role_of(p));
+    const auto has = [&](Role role) {
+      return std::find(roles.begin(), roles.end(), role) != roles.end();
+    };
+    const bool colored = has(Role::red) && has(Role::green) && has(Role::blue) && plain_vertices();
+    if (colored && soup_.colors.size() < soup_.positions.size()) {
+      context_.budget.take(soup_.positions.size(), sizeof(glm::vec4));
+      soup_.colors.resize(soup_.positions.size(), glm::vec4(1.0f));
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      double picture = 0;
+      glm::vec4 color(0, 0, 0, 1);
+      polygon_.clear(), coordinates_.clear();
+      for (std::size_t k = 0; k < roles.size(); ++k) {
+        const Property& p = element.properties[k];
+        for (std::uint64_t left = length_of(p, values); left > 0; --left) {
+          const double number = values.next(p.type);
+          if (roles[k] == Role::vertices) {
+            context_.budget.borrow(polygon_.size(), 8 * sizeof(Corner));
+            polygon_.push_back(corner_of(number, soup_));
+          } else if (roles[k] == Role::coordinates) {
+            context_.budget.borrow(coordinates_.size(), 8 * sizeof(double));
+            coordinates_.push_back(number);
+          } else if (roles[k] == Role::picture) {
+            picture = number;
+          } else if (roles[k] >= Role::red) {
+            color[int(roles[k]) - int(Role::red)] = float(number * color_scale(p.type));
+          }
+        }
+      }
+      if (colored) give_color(color);
+      give_coordinates();
+      add_face(soup_, polygon_, part_of(picture), context_.budget);
+    }
+  }
+
+  // The part of what shows a picture, by its number.
+  std::uint32_t part_of(double picture) {
+    const int material = textures_.empty() ? -1 : textures_.material(picture);
+    const auto [known, fresh] = part_index_.try_emplace(material, std::uint32_t(parts_.size()));
+    if (fresh) parts_.push_back({context_.name, material, material < 0});
+    return known->second;
+  }
+
+  // Those of the soup; at least one.
+  [[nodiscard]] const std::vector<SoupPart>& parts() {
+    if (parts_.empty()) (void)part_of(-1);
+    return parts_;
+  }
+
+ private:
+  // Have the vertices no colours, or all the same?
+  [[nodiscard]] bool plain_vertices() const {
+    return std::adjacent_find(soup_.colors.begin(), soup_.colors.end(), std::not_equal_to<>()) ==
+           soup_.colors.end();
+  }
+
+  void give_color(const glm::vec4& color) {
+    context_.budget.take(2 * sizeof(glm::vec4));
+    for (Corner& c : polygon_) c.color = std::uint32_t(soup_.colors.size());
+    soup_.colors.push_back(linear_from_screen(color));
+  }
+
+  // Two numbers a corner; an empty list is usual where a face shows no picture.
+  void give_coordinates() {
+    if (coordinates_.empty()) return;
+    if (coordinates_.size() != 2 * polygon_.size())
+      refuse("has a face with " + std::to_string(polygon_.size()) + " corners, but " +
+             std::to_string(coordinates_.size()) + " texture coordinates");
+    context_.budget.take(polygon_.size(), 2 * sizeof(glm::vec2));
+    for (std::size_t i = 0; i < polygon_.size(); ++i) {
+      polygon_[i].uv = std::uint32_t(soup_.uv.size());
+      soup_.uv.push_back(glm::vec2(coordinates_[2 * i], 1.0 - coordinates_[2 * i + 1]));
+    }
+  }
+
+  PolygonSoup& soup_;
+  PlyTextures& textures_;
+  LoadContext& context_;
+  std::vector<Corner> polygon_;
+  std::vector<double> coordinates_;
+  std::vector<SoupPart> parts_;
+  std::map<int, std::uint32_t> part_index_;  // by material
+};
 
 // All strips are one list, where -1 ends a strip. Each vertex makes a triangle with the two before
 // it; every second one runs the other way round.
-void read_strips(const Element& element, Values& values, PolygonSoup& soup, MemoryBudget& budget) {
+void read_strips(const Element& element, Values& values, PolygonSoup& soup, std::uint32_t part,
+                 MemoryBudget& budget) {
   for (std::uint64_t i = 0; i < element.count; ++i)
     for (const Property& p : element.properties) {
       std::array<Corner, 3> last;  // of the strip, the newest behind
@@ -276,7 +385,7 @@ void read_strips(const Element& element, Values& values, PolygonSoup& soup, Memo
         if (++in_strip < 3) continue;
         std::array<Corner, 3> triangle = last;
         if (in_strip % 2 == 0) std::swap(triangle[0], triangle[1]);
-        add_polygon(soup, triangle, 0, budget);
+        add_face(soup, triangle, part, budget);
       }
     }
 }
@@ -287,25 +396,51 @@ void pass_over(const Element& element, Values& values) {
       for (std::uint64_t left = length_of(p, values); left > 0; --left) (void)values.next(p.type);
 }
 
+bool is_vertices(const Element& element) { return element.name == "vertex"; }
+
+bool has_property(const Element& element, std::string_view name) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [&](const Property& p) { return p.name == name; });
+}
+
 }  // namespace
 
 Scene read_ply(Bytes file, LoadContext& context) {
-  const Header header = read_header({reinterpret_cast<const char*>(file.data()), file.size()});
-  Values values(file, header);
+  PlyTextures textures(context);
+  const Header header =
+      read_header({reinterpret_cast<const char*>(file.data()), file.size()}, textures);
+  const std::vector<Element>& elements = header.elements;
+  const auto vertices = std::find_if(elements.begin(), elements.end(), is_vertices);
+  if (vertices == elements.end()) refuse("is a PLY file without an element 'vertex'");
+  for (const char* name : {"f_dc_0", "packed_position"})
+    if (has_property(*vertices, name))
+      refuse("holds 3-D Gaussian splats ('" + std::string(name) +
+             "'), which are no surfaces and are not drawn: make a mesh of them, or points with "
+             "colours");
   PolygonSoup soup;
-  for (const Element& element : header.elements) {
-    if (element.name == "vertex" && soup.positions.empty()) {
-      read_vertices(element, values, soup, context.budget);
-    } else if (element.name == "face") {
-      read_faces(element, values, soup, context.budget);
+  Faces faces(soup, textures, context);
+  const auto read_element = [&](const Element& element, Values& values) {
+    if (element.name == "face") {
+      faces.read(element, values);
     } else if (element.name == "tristrips") {
-      read_strips(element, values, soup, context.budget);
+      read_strips(element, values, soup, faces.part_of(0), context.budget);
     } else {
       pass_over(element, values);
     }
-  }
+  };
+  // The vertices first, wherever they are.
+  Values values(file, header), again = values;
+  for (auto element = elements.begin(); element != vertices; ++element) pass_over(*element, values);
+  read_vertices(*vertices, values, soup, context.budget);
+  for (auto element = elements.begin(); element != vertices; ++element)
+    read_element(*element, again);
+  for (auto element = vertices + 1; element != elements.end(); ++element)
+    read_element(*element, values);
   if (soup.triangles.empty()) context.skip_points_or_lines();
-  return scene_of(std::move(soup), {{context.name, -1}}, {}, context);
+  if (!textures.empty() && soup.uv.empty() && !soup.triangles.empty())
+    context.warn("has a picture for its faces, but no texture coordinates");
+  const std::vector<SoupPart> parts = faces.parts();
+  return scene_of(std::move(soup), parts, textures.take(), context);
 }
 
 }  // namespace rilievo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -64,45 +65,79 @@ struct HashCorner {
     std::uint64_t h = c.position * 0x9E3779B97F4A7C15u;
     h = (h ^ h >> 32 ^ c.uv) * 0xBF58476D1CE4E5B9u;
     h = (h ^ h >> 29 ^ c.normal) * 0x94D049BB133111EBu;
+    h = (h ^ h >> 31 ^ c.color) * 0x9E3779B97F4A7C15u;
     return h ^ h >> 32;
   }
 };
 
+bool is_finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+// Does a triangle's normal `n` count for the corner of one with the normal `own`, at one place?
+bool smooths(const glm::dvec3& own, std::uint32_t own_group, const glm::dvec3& n,
+             std::uint32_t group) {
+  // cos 45 degrees: an octagonal prism's sides just come out smooth, a box's edges sharp.
+  constexpr double kCrease = 0.70710678;
+  // Of a group all count, but for the back of a sheet that has two sides.
+  constexpr double kOpposite = -0.999;
+  if (own_group != group || group == PolygonSoup::kFlat) return false;
+  const double cosine = glm::dot(n, own), lengths = glm::length(own) * glm::length(n);
+  return group == PolygonSoup::kCreased ? cosine >= kCrease * lengths
+                                        : cosine >= kOpposite * lengths;
+}
+
 }  // namespace
 
+const Corner* corner_that_is_not_finite(const PolygonSoup& soup, std::span<const Corner> polygon) {
+  for (const Corner& c : polygon)
+    if (!is_finite(soup.positions[c.position])) return &c;
+  return nullptr;
+}
+
 void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget) {
+  for (glm::vec3& p : soup.positions)
+    if (!is_finite(p)) p = glm::vec3(0.0f);
   const auto bare = [](const Corner& c) { return c.normal == Corner::kNone; };
   if (std::none_of(soup.triangles.begin(), soup.triangles.end(), bare)) return;
   budget.borrow(soup.positions.size(), 4 * sizeof(std::uint32_t));
   budget.borrow(soup.triangles.size(), sizeof(std::uint32_t) + sizeof(glm::dvec3));
 
-  // cos 45 degrees: an octagonal prism's sides just come out smooth, a box's edges sharp.
-  constexpr double kCrease = 0.70710678;
-  // Places where more triangles meet than this (the tip of a fan) are smooth all around: comparing
-  // all pairs there would take forever.
+  const auto group_of = [&](std::size_t triangle) {
+    return soup.smoothing.empty() ? PolygonSoup::kCreased : soup.smoothing[triangle];
+  };
+  // Places where more triangles meet than this (the tip of a fan) are smooth all around, but for
+  // flat triangles and other groups: comparing all pairs there would take forever.
   constexpr std::size_t kMaxCount = 64;
   const std::vector<glm::dvec3> normal = area_normals(soup);
   const Around around = corners_around(soup, same_place(soup.positions));
   std::vector<std::pair<glm::vec3, std::uint32_t>> made;  // at one place
+  std::map<std::uint32_t, glm::dvec3> group_normals;      // the sums at a crowded place
   for (std::size_t p = 0; p + 1 < around.begin.size(); ++p) {
     const std::span<const std::uint32_t> here(around.corners.data() + around.begin[p],
                                               around.begin[p + 1] - around.begin[p]);
     made.clear();
+    const bool crowded = here.size() > kMaxCount;
+    group_normals.clear();
+    if (crowded)
+      for (std::uint32_t other : here) group_normals[group_of(other / 3)] += normal[other / 3];
     for (std::uint32_t corner : here) {
       if (!bare(soup.triangles[corner])) continue;
       const glm::dvec3& own = normal[corner / 3];
-      const double length = glm::length(own);
-      glm::dvec3 sum(0.0);
-      for (std::uint32_t other : here) {
-        const glm::dvec3& n = normal[other / 3];
-        const bool near = glm::dot(n, own) >= kCrease * length * glm::length(n);
-        if (near || here.size() > kMaxCount) sum += n;
-        if (here.size() > kMaxCount && !made.empty()) break;  // it is known already
+      const std::uint32_t group = group_of(corner / 3);
+      glm::dvec3 sum = own;
+      if (crowded && group != PolygonSoup::kFlat) {
+        sum = group_normals[group];
+      } else if (group != PolygonSoup::kFlat) {
+        sum = glm::dvec3(0.0);
+        for (std::uint32_t other : here)
+          if (smooths(own, group, normal[other / 3], group_of(other / 3))) sum += normal[other / 3];
       }
-      const glm::vec3 mean =
-          made.empty() || here.size() <= kMaxCount ? unit_or_up(sum) : made[0].first;
-      auto known =
-          std::find_if(made.begin(), made.end(), [&](const auto& m) { return m.first == mean; });
+      const glm::vec3 mean = unit_or_up(sum);
+      // Only the last few are looked for: at crowded places all may be flat.
+      const std::size_t looked = std::min<std::size_t>(made.size(), kMaxCount);
+      auto known = std::find_if(made.end() - std::ptrdiff_t(looked), made.end(),
+                                [&](const auto& m) { return m.first == mean; });
       if (known == made.end()) {
         budget.take(sizeof(glm::vec3));
         made.emplace_back(mean, std::uint32_t(soup.normals.size()));
@@ -133,7 +168,8 @@ std::vector<Mesh> weld(const PolygonSoup& soup, std::size_t parts, MemoryBudget&
       mesh.normals.push_back(soup.normals[c.normal]);
       if (!soup.uv.empty())
         mesh.uv[0].push_back(c.uv == Corner::kNone ? glm::vec2(0) : soup.uv[c.uv]);
-      if (!soup.colors.empty()) mesh.colors.push_back(soup.colors[c.position]);
+      if (!soup.colors.empty())
+        mesh.colors.push_back(soup.colors[c.color == Corner::kNone ? c.position : c.color]);
     }
     budget.take(2 * sizeof(std::uint32_t));
     mesh.indices.push_back(at->second);

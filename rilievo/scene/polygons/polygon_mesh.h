@@ -16,19 +16,24 @@ namespace rilievo {
 struct Corner {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t position = kNone, uv = kNone, normal = kNone;
+  std::uint32_t color = kNone;  // kNone: that of the position
   friend bool operator==(const Corner&, const Corner&) = default;
 };
 
 // Triangles of a whole file, with their attributes.
 struct PolygonSoup {
-  std::vector<glm::vec3> positions;
-  std::vector<glm::vec4> colors;  // linear; empty, or one for each position
+  std::vector<glm::vec3> positions;  // finite where a corner refers to them
+  std::vector<glm::vec4> colors;     // linear; empty, or one for each position, then any others
   std::vector<glm::vec2> uv;
   std::vector<glm::vec3> normals;
 
   // Three corners for each triangle, and the index of the part that each triangle belongs to:
   std::vector<Corner> triangles;
   std::vector<std::uint32_t> parts;
+  // How corners without normals get theirs (add_missing_normals): empty, or for each triangle
+  // kFlat, kCreased, or a smoothing group of its own number.
+  static constexpr std::uint32_t kFlat = 0, kCreased = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> smoothing;
 
   // The corners that add_polygon may still look at to cut polygons that are not convex. It looks at
   // 200 million in about a second, and a simple polygon of 20 000 corners needs less than half of
@@ -43,8 +48,14 @@ struct PolygonSoup {
 void add_polygon(PolygonSoup& soup, std::span<const Corner> polygon, std::uint32_t part,
                  MemoryBudget& budget);
 
-// Gives a normal to each corner that has none: the mean normal of the triangles around its position
-// whose planes lie within 45 degrees of its own.
+// The first corner whose position is not finite, or none.
+[[nodiscard]] const Corner* corner_that_is_not_finite(const PolygonSoup& soup,
+                                                      std::span<const Corner> polygon);
+
+// Gives a normal to each corner that has none: its triangle's own (kFlat), the mean normal of the
+// triangles of its smoothing group around its position, or (kCreased) of those among the other
+// creased ones whose planes lie within 45 degrees of its own. Positions that are not finite become
+// 0: no corner refers to them.
 void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget);
 
 // One mesh for each part, in order; equal corners share a vertex. Requires that each corner has a

@@ -30,6 +30,7 @@ Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene
   std::map<std::string, int> models;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (meshes[i].indices.empty()) continue;
+    if (!parts[i].colored) meshes[i].colors.clear();
     repair_normals(meshes[i]);
     if (repair_attributes(meshes[i]) > 0)
       context.warn("attributes that are not finite are replaced");

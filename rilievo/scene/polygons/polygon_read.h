@@ -22,7 +22,8 @@ namespace rilievo {
 // A part of a soup: the object that it belongs to, and its material.
 struct SoupPart {
   std::string object;
-  int material = -1;  // index into the scene's materials, or -1
+  int material = -1;    // index into the scene's materials, or -1
+  bool colored = true;  // shows the soup's colours, if it has any
 };
 
 // Makes one Object for each object name, of all its parts, in the order in which the names appear.

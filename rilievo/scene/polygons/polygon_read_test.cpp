@@ -248,10 +248,10 @@ TEST(PolygonFiles, faults_are_named) {
             "line 2 refers to normal 3, but there are only 2");
   EXPECT_EQ(reason_of_polygons("v 0 0\n", "a.obj"),
             "line 1 has a vertex with fewer than three numbers");
-  EXPECT_EQ(reason_of_polygons("v 0 0 nan\n", "a.obj"),
-            "line 1 has a vertex whose position is not finite");
-  EXPECT_EQ(reason_of_polygons("v 0 0 1e39\n", "a.obj"),
-            "line 1 has a vertex whose position is not finite");
+  EXPECT_EQ(reason_of_polygons("v 0 0 0\nv 0 0 nan\nf 1 1 2\n", "a.obj"),
+            "line 3 has a face with vertex 2, whose position is not finite");
+  EXPECT_EQ(reason_of_polygons("v 0 0 1e39\nf 1 1 1\n", "a.obj"),
+            "line 2 has a face with vertex 1, whose position is not finite");
   EXPECT_EQ(reason_of_polygons("v 0 x 0\n", "a.obj"), "line 1 has 'x' where a number belongs");
   EXPECT_EQ(reason_of_polygons("ply\nformat ascii 1.0\nelement vertex 99999\n", "a.ply"),
             "is a PLY file that announces more elements than it can hold");
@@ -372,7 +372,7 @@ TEST(PolygonFiles, a_polygon_that_is_cut_short_is_a_warning) {
   (void)scene_of(std::move(soup), {{"a", -1}}, {}, context);
   const std::vector<std::string> expected = {
       "polygons that cross themselves, or have too many corners, are drawn as fans"};
-  EXPECT_EQ(context.warnings, expected);
+  EXPECT_EQ(context.warnings.lines(), expected);
 }
 
 TEST(Ply, colours_of_scans_become_linear) {
