@@ -10,7 +10,7 @@
 // A foreign file loads if it has one part, deep and of scan lines, with R G B and Z (A, ZBack, id
 // are optional) and a camera: either worldToCamera and worldToNDC, or one that the caller gives for
 // the display window. A file without either is refused, because a guessed camera would silently put
-// everything in the wrong place. `depth_kind` says what Z means. Samples whose Z is at least 1e30
+// everything in the wrong place. `depth_kind` says what Z means. Samples whose Z is at least 1e10
 // or not positive are dropped; the others are sorted. Colours that are not finite become finite as
 // in exr.h. Reading and writing run in the caller's thread.
 #pragma once

@@ -17,8 +17,9 @@
 // Loading returns exactly what was saved, once colours are rounded to the nearest half within
 // +-65504.
 //
-// A foreign file loads if every part has R G B (A, id are optional), Z and both standard matrices.
-// Z is taken as eye_z; a texel whose Z is 0 or at least 1e30 shows nothing. z_near and z_far come
+// A foreign file loads if every part has R G B (A, id are optional), Z and both standard matrices;
+// the channels may lie in layers (exr_layers.h). Z is taken as eye_z; a texel whose Z is 0 or at
+// least 1e10, or whose colour and alpha are 0, shows nothing. z_near and z_far come
 // from the depths. In colours, NaN becomes 0 and infinities become +-65504. A data window that
 // differs from the display window is a crop of the matrices' camera. Of tiled and mipmapped parts,
 // the base level is read. Deep parts, sub-sampled channels, depths that are NaN, and files that

@@ -14,6 +14,7 @@
 
 #include "rilievo/core/file.h"
 #include "rilievo/io/exr_header.h"
+#include "rilievo/io/exr_layers.h"
 #include "rilievo/io/exr_sizes.h"
 
 namespace rilievo {
@@ -44,7 +45,7 @@ Result<std::vector<Image<float>>> load_exr_channels(const std::filesystem::path&
     planes.reserve(names.size());
     for (const std::string& name : names) {
       const Imf::Channel* channel = header.channels().findChannel(name);
-      if (!channel) return error("has no channel " + name);
+      if (!channel) return error("has no channel " + name + exr::but_it_has(header.channels()));
       if (channel->xSampling != 1 || channel->ySampling != 1)
         return error("channel " + name + " is sub-sampled");
       planes.emplace_back(int(size.width), int(size.height));

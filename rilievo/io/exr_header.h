@@ -17,8 +17,8 @@
 
 namespace rilievo::exr {
 
-// From here on a foreign depth is "nothing there": renderers write 1e30, 1e32, 1e38.
-inline constexpr float kForeignFar = 1e30f;
+// From here on a foreign depth is "nothing there": renderers write 1e10, 1e30, 1e32, 1e38.
+inline constexpr float kForeignFar = 1e10f;
 // The largest finite half.
 inline constexpr float kHalfMax = 65504.0f;
 // Of a file that is read.

@@ -11,6 +11,7 @@
 #include "rilievo/io/deep_exr_parts.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/io/exr_header.h"
+#include "rilievo/io/exr_layers.h"
 #include "rilievo/io/exr_names.h"
 #include "rilievo/io/exr_parts.h"
 #include "rilievo/io/exr_sizes.h"
@@ -21,40 +22,48 @@ using namespace exr;
 
 namespace {
 
-Result<> check_channels(const Imf::Header& header) {
+// The channels of the picture; ours have no layers.
+Result<PictureChannels> check_channels(const Imf::Header& header, bool ours) {
   if (header.hasType() && Imf::isDeepData(header.type()))
     return because("is a deep image, not a flat picture with depth");
-  for (const char* name : {"R", "G", "B", "Z"}) {
-    const Imf::Channel* channel = header.channels().findChannel(name);
-    if (!channel) return because(std::string("has no channel ") + name);
-    if (channel->type == Imf::UINT)
-      return because(std::string("channel ") + name + " holds integers");
+  PictureChannels names;
+  if (!ours) {
+    const Result<PictureChannels> found = picture_channels(header.channels());
+    if (!found) return found.error();
+    names = *found;
   }
-  for (const char* name : {"R", "G", "B", "A", "Z", "id"}) {
+  for (const std::string& name : {names.color[0], names.color[1], names.color[2], names.depth}) {
+    const Imf::Channel* channel = header.channels().findChannel(name);
+    if (!channel) return because("has no channel " + name + but_it_has(header.channels()));
+    if (channel->type == Imf::UINT) return because("channel " + name + " holds integers");
+  }
+  for (const std::string& name : {names.color[0], names.color[1], names.color[2], names.color[3],
+                                  names.depth, names.object}) {
     const Imf::Channel* channel = header.channels().findChannel(name);
     if (channel && (channel->xSampling != 1 || channel->ySampling != 1))
-      return because(std::string("channel ") + name + " is sub-sampled");
+      return because("channel " + name + " is sub-sampled");
   }
-  return Done{};
+  return names;
 }
 
-void read_planes(Imf::InputPart& part, DepthImage& picture) {
+void read_planes(Imf::InputPart& part, const PictureChannels& names, DepthImage& picture) {
   const Imath::Box2i window = part.header().dataWindow();
   const int w = picture.camera.width, h = picture.camera.height;
   picture.color = ColorImage(w, h, glm::vec4(0, 0, 0, 1));
   picture.depth = Image<float>(w, h);
   Imf::FrameBuffer planes;
-  const char* names[] = {"R", "G", "B", "A"};
   float* texels = &picture.color.texels()[0].r;
   const std::size_t texel = sizeof(glm::vec4);
   for (int c = 0; c < 4; ++c)
-    planes.insert(names[c], Imf::Slice::Make(Imf::FLOAT, texels + c, window, texel, texel * w, 1, 1,
-                                             c == 3 ? 1.0 : 0.0));
-  planes.insert("Z", Imf::Slice::Make(Imf::FLOAT, picture.depth.texels().data(), window));
-  const Imf::Channel* id = part.header().channels().findChannel("id");
+    planes.insert(names.color[std::size_t(c)],
+                  Imf::Slice::Make(Imf::FLOAT, texels + c, window, texel, texel * w, 1, 1,
+                                   c == 3 ? 1.0 : 0.0));
+  planes.insert(names.depth, Imf::Slice::Make(Imf::FLOAT, picture.depth.texels().data(), window));
+  const Imf::Channel* id = part.header().channels().findChannel(names.object);
   if (id && id->type == Imf::UINT) {
     picture.object = Image<std::uint32_t>(w, h);
-    planes.insert("id", Imf::Slice::Make(Imf::UINT, picture.object.texels().data(), window));
+    planes.insert(names.object,
+                  Imf::Slice::Make(Imf::UINT, picture.object.texels().data(), window));
   }
   part.setFrameBuffer(planes);
   part.readPixels(window.min.y, window.max.y);
@@ -69,7 +78,8 @@ Result<> adopt_foreign_texels(DepthImage& picture) {
     color = finite_color(color);
     if (std::isnan(depth)) return because("a depth is not a number");
     if (depth < 0) return because("a depth is negative");
-    if (depth == 0 || depth >= kForeignFar) {
+    // Without coverage and colour there is nothing, however far away a renderer puts it.
+    if (depth == 0 || depth >= kForeignFar || color == glm::vec4(0.0f)) {
       depth = kNoDepth;
       color = glm::vec4(0.0f);
       if (!picture.object.empty()) picture.object.texels()[i] = kNoObject;
@@ -88,9 +98,10 @@ Result<> adopt_foreign_texels(DepthImage& picture) {
 
 Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index, bool with_planes) {
   const Imf::Header& header = file.header(index);
-  if (Result<> channels = check_channels(header); !channels) return channels.error();
   DepthImage picture;
   const bool ours = header.find(kVersionName) != header.end();
+  const Result<PictureChannels> channels = check_channels(header, ours);
+  if (!channels) return channels.error();
   Result<Camera> camera = ours ? own_camera(header) : standard_camera(header);
   if (!camera) return camera.error();
   picture.camera = *camera;
@@ -104,7 +115,7 @@ Result<DepthImage> read_part(Imf::MultiPartInputFile& file, int index, bool with
 
   if (!with_planes) return picture;
   Imf::InputPart part(file, index);
-  read_planes(part, picture);
+  read_planes(part, *channels, picture);
   if (!ours)
     if (Result<> adopted = adopt_foreign_texels(picture); !adopted) return adopted.error();
   if (Result<> valid = validate(picture); !valid) return because(valid.error().reason);

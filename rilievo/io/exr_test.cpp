@@ -371,8 +371,8 @@ TEST(ExrForeign, what_is_missing_or_wrong_is_named) {
     };
   };
   EXPECT_EQ(reason([](Foreign&) {}), "");
-  EXPECT_EQ(reason(without("Z")), "has no channel Z");
-  EXPECT_EQ(reason(without("R")), "has no channel R");
+  EXPECT_EQ(reason(without("Z")), "has no channel Z; it has A, B, G, R");
+  EXPECT_EQ(reason(without("R")), "has no channel R; it has A, B, G, Z");
   EXPECT_EQ(reason([](Foreign& f) {
               // Header::erase leaks.
               const Imf::ChannelList channels = f.header.channels();
