@@ -104,6 +104,8 @@ Result<PhotographSource> open_photographs(const std::string& path, const FileLim
   }
   const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
+  for (const std::string& warning : capture->warnings.lines())
+    complain(path + ": warning: " + warning);
   Result<std::vector<DepthImage>> photographs = photographs_of(path, *capture, limits);
   if (!photographs) return photographs.error();
   return PhotographSource(path, std::move(*photographs));
@@ -125,6 +127,8 @@ Result<> describe_capture(const std::string& path, const std::string& json,
   }
   const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
+  for (const std::string& warning : capture->warnings.lines())
+    complain(path + ": warning: " + warning);
   for (const RgbdFrame& frame : capture->frames) {
     const Result<DepthImage> read = load_rgbd_frame(frame, limits.bytes());
     if (!read) return read.error();

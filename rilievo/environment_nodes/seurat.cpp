@@ -198,13 +198,14 @@ Result<DepthImage> read_view(const Json& view, const fs::path& folder, bool allo
   const Result<std::string> depth_path = text_of(*depth_file, "path");
   if (!depth_path) return depth_path.error();
   for (const std::string* image : {&*color_path, &*depth_path})
-    if (!allow_outside && !lies_within(folder, folder / *image))
+    if (!allow_outside && !lies_within(folder, manifest_path(folder, *image)))
       return because("'" + *image +
                      "' is outside of the capture's folder (--allow-outside reads it)");
-  const Result<std::vector<Image<float>>> color = load_channels(folder / *color_path, names, true);
+  const Result<std::vector<Image<float>>> color =
+      load_channels(manifest_path(folder, *color_path), names, true);
   if (!color) return color.error();
   const Result<std::vector<Image<float>>> depth =
-      load_channels(folder / *depth_path, {*depth_name}, false);
+      load_channels(manifest_path(folder, *depth_path), {*depth_name}, false);
   if (!depth) return depth.error();
   const int w = picture.camera.width, h = picture.camera.height;
   for (const auto& [planes, file] : {std::pair(&*color, &*color_path), {&*depth, &*depth_path}})

@@ -65,20 +65,67 @@ Result<glm::dmat4> rigid_pose(const glm::dmat4& matrix) {
   return rigid;
 }
 
+bool is_lost(const glm::dmat4& matrix) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 4; ++r)
+      if (!std::isfinite(matrix[c][r])) return true;
+  return std::abs(glm::determinant(glm::dmat3(matrix))) < 1e-12;
+}
+
+bool comes_before(const std::string& a, const std::string& b) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  // A run of digits without its leading zeros; the longer one is the larger number.
+  const auto take_run = [&](const std::string& text, std::size_t& at) {
+    while (at < text.size() && text[at] == '0') ++at;
+    const std::size_t begin = at;
+    while (at < text.size() && is_digit(text[at])) ++at;
+    return std::string_view(text).substr(begin, at - begin);
+  };
+  std::size_t i = 0, k = 0;
+  while (i < a.size() && k < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[k])) {
+      const std::string_view x = take_run(a, i), y = take_run(b, k);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else if (a[i] != b[k]) {
+      return std::uint8_t(a[i]) < std::uint8_t(b[k]);
+    } else {
+      ++i, ++k;
+    }
+  }
+  if (a.size() - i != b.size() - k) return a.size() - i < b.size() - k;
+  return a < b;
+}
+
+void find_mask(RgbdFrame& frame) {
+  const fs::path folder = frame.color.parent_path();
+  const std::string stem = frame.color.stem().string(), name = frame.color.filename().string();
+  for (const char* masks : {"masks", "mask"})
+    for (const std::string& file : {stem + ".png", name + ".png", stem + ".jpg"})
+      if (const fs::path mask = folder.parent_path() / masks / file;
+          mask != frame.color && is_file(mask)) {
+        frame.mask = mask;
+        return;
+      }
+  if (const fs::path mask = folder / ("dynamic_mask_" + stem + ".png"); is_file(mask)) {
+    frame.mask = mask;
+    frame.mask_is_dark = false;
+  }
+}
+
 glm::dmat4 flipped_axes(const glm::dmat4& world_from_camera) {
   return {world_from_camera[0], -world_from_camera[1], -world_from_camera[2], world_from_camera[3]};
 }
 
 Result<> check(const RgbdIntrinsics& lens) {
   const auto positive = [](double v) { return v > 1e-3 && v < 1e7; };
-  if (std::isnan(lens.fl_x)) {
-    if (!(lens.angle_x > 1e-3 && lens.angle_x < 3.1))
+  for (const auto& [length, angle] :
+       {std::pair(lens.fl_x, lens.angle_x), {lens.fl_y, lens.angle_y}}) {
+    if (!std::isnan(length) && !positive(length))
+      return Error{"", "the focal length is not a positive number"};
+    if (std::isnan(length) && angle != 0 && !(angle > 1e-3 && angle < 3.1))
       return Error{"", "the angle of view is not between 0 and pi"};
-  } else if (!positive(lens.fl_x)) {
-    return Error{"", "the focal length is not a positive number"};
   }
-  if (!std::isnan(lens.fl_y) && !positive(lens.fl_y))
-    return Error{"", "the focal length is not a positive number"};
   for (double c : {lens.cx, lens.cy})
     if (std::abs(c) > 1e7) return Error{"", "the principal point is out of range"};
   if (lens.width < 0 || lens.height < 0 || lens.width > (1 << 16) || lens.height > (1 << 16))
@@ -131,10 +178,17 @@ Result<RgbdCapture> open_rgbd_capture(const fs::path& path, bool allow_outside) 
                  "is no capture: it holds no transforms.json, trajectory.log or *.pose.txt"};
   }();
   if (!capture) return capture;
-  if (capture->frames.empty()) return Error{path.string(), "is a capture without frames"};
-  for (const RgbdFrame& frame : capture->frames) {
+  if (capture->frames.empty()) {
+    const std::vector<std::string> lines = capture->warnings.lines();
+    return Error{path.string(), lines.empty() ? "is a capture without frames"
+                                              : "has no frame that can be used: " + lines[0]};
+  }
+  for (RgbdFrame& frame : capture->frames) {
+    if (frame.mask.empty()) rgbd::find_mask(frame);
     if (Result<> there = rgbd::check_file(frame.color); !there) return there.error();
     if (Result<> there = rgbd::check_file(frame.depth); !there) return there.error();
+    if (frame.mask.empty()) continue;
+    if (Result<> there = rgbd::check_file(frame.mask); !there) return there.error();
   }
   return capture;
 }

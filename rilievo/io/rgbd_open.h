@@ -1,6 +1,8 @@
 // What do the readers of the three capture formats share? Internal to io.
 #pragma once
 
+#include <initializer_list>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,23 @@ inline constexpr std::uint64_t kMaxTextBytes = 256u << 20;
 // The rigid motion nearest to a camera-to-world matrix. Fails with a clause that says what is wrong
 // if they differ by more than 1 %.
 [[nodiscard]] Result<glm::dmat4> rigid_pose(const glm::dmat4& matrix);
+
+// Is a matrix that of a camera that was not found: not finite, or singular? Its frame is left out.
+[[nodiscard]] bool is_lost(const glm::dmat4& matrix);
+
+// Orders names as people count: "frame 2" before "frame 10".
+[[nodiscard]] bool comes_before(const std::string& a, const std::string& b);
+
+// The mask beside an image without one of its own.
+void find_mask(RgbdFrame& frame);
+
+// Reads a lens from members of JSON objects, of which the first that has one counts. Returns a
+// clause about what is wrong, or nothing.
+[[nodiscard]] std::string read_lens(std::initializer_list<const nlohmann::json*> objects,
+                                    RgbdIntrinsics& lens);
+// The distortion alone.
+[[nodiscard]] std::string read_distortion(std::initializer_list<const nlohmann::json*> objects,
+                                          LensDistortion& distortion);
 
 // The pose of a camera that looks down -z, y up, from that of one that looks down +z, y down.
 [[nodiscard]] glm::dmat4 flipped_axes(const glm::dmat4& world_from_camera);

@@ -14,12 +14,17 @@ namespace {
 namespace fs = std::filesystem;
 
 // Open3D's PrimeSenseDefault.
-constexpr RgbdIntrinsics kPrimeSense{525, 525, 319.5 + 0.5, 239.5 + 0.5, 0, 640, 480};
+constexpr RgbdIntrinsics kPrimeSense{525, 525, 319.5 + 0.5, 239.5 + 0.5, 0, 0, 640, 480};
 
-// Of 16 numbers, row by row; the camera looks down +z, y down.
-Result<glm::dmat4> pose_of(std::span<const double> rows) {
+// Of 16 numbers, row by row.
+glm::dmat4 matrix_of_rows(std::span<const double> rows) {
   glm::dmat4 matrix;
   for (int i = 0; i < 16; ++i) matrix[i % 4][i / 4] = rows[std::size_t(i)];
+  return matrix;
+}
+
+// The pose of a camera that looks down +z, y down.
+Result<glm::dmat4> pose_of(const glm::dmat4& matrix) {
   const Result<glm::dmat4> pose = rigid_pose(matrix);
   if (!pose) return pose.error();
   return flipped_axes(*pose);
@@ -31,21 +36,23 @@ Result<RgbdIntrinsics> lens_of(std::span<const double> rows) {
     return Error{"", "is a matrix that is not finite"};
   if (rows[1] != 0 || rows[3] != 0 || rows[6] != 0 || rows[7] != 0 || rows[8] != 1)
     return Error{"", "is not a matrix fx 0 cx, 0 fy cy, 0 0 1"};
-  const RgbdIntrinsics lens{rows[0], rows[4], rows[2] + 0.5, rows[5] + 0.5, 0, 0, 0};
+  const RgbdIntrinsics lens{rows[0], rows[4], rows[2] + 0.5, rows[5] + 0.5, 0, 0, 0, 0};
   if (Result<> fine = check(lens); !fine) return fine.error();
   return lens;
 }
 
-// The images of a folder, by name.
+// The images of a folder, by the numbers in their names.
 Result<std::vector<fs::path>> images_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code failed;
   for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed)) {
-    const std::string ending = it->path().extension().string();
+    const std::string ending = lower_case(it->path().extension().string());
     if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") files.push_back(it->path());
   }
   if (failed) return Error{folder.string(), failed.message()};
-  std::sort(files.begin(), files.end());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return comes_before(a.filename().string(), b.filename().string());
+  });
   return files;
 }
 
@@ -80,6 +87,8 @@ Result<RgbdIntrinsics> read_intrinsic_json(const fs::path& file) {
       return error(std::string("\"") + name + "\" is no size of an image");
     *size = found->get<int>();
   }
+  if (std::string fault = read_distortion({&json}, lens->distortion); !fault.empty())
+    return error(fault);
   return lens;
 }
 
@@ -109,8 +118,8 @@ Result<RgbdCapture> open_trajectory(const fs::path& file) {
 
   RgbdCapture capture{RgbdFormat::redwood, {}};
   std::string_view left = *text;
-  while (!trimmed(left).empty()) {
-    const std::string entry = "entry " + std::to_string(capture.frames.size()) + ": ";
+  for (std::size_t at = 0; !trimmed(left).empty(); ++at) {
+    const std::string entry = "entry " + std::to_string(at) + ": ";
     const char* begin = left.data();
     for (int line = 0; line < 5;) {
       const std::optional<std::string_view> next = take_line(left);
@@ -125,12 +134,21 @@ Result<RgbdCapture> open_trajectory(const fs::path& file) {
     if (!(index >= 0 && index < double(colors->size()) && index == std::floor(index)))
       return error(entry + "there is no image for it: " + std::to_string(colors->size()) +
                    " are there");
-    const Result<glm::dmat4> pose = pose_of(std::span(*values).subspan(3));
+    const glm::dmat4 matrix = matrix_of_rows(std::span(*values).subspan(3));
+    const Result<glm::dmat4> pose = pose_of(matrix);
+    if (is_lost(matrix)) {
+      capture.warnings.add(entry + pose.error().reason + "; it is left out");
+      continue;
+    }
     if (!pose) return error(entry + pose.error().reason);
     if (capture.frames.size() == kMaxFrames) return error("has too many frames");
     const std::size_t i = std::size_t(index);
-    capture.frames.push_back(
-        {(*colors)[i].stem().string(), (*colors)[i], (*depths)[i], *pose, lens, 0.001});
+    RgbdFrame& frame = capture.frames.emplace_back();
+    frame.name = (*colors)[i].stem().string();
+    frame.color = (*colors)[i];
+    frame.depth = (*depths)[i];
+    frame.world_from_eye = *pose;
+    frame.intrinsics = lens;
   }
   return capture;
 }
@@ -153,7 +171,7 @@ Result<RgbdCapture> open_pose_files(const fs::path& folder) {
     if (names.size() > kMaxFrames) return Error{folder.string(), "has too many frames"};
   }
   if (failed) return Error{folder.string(), failed.message()};
-  std::sort(names.begin(), names.end());
+  std::sort(names.begin(), names.end(), comes_before);
 
   RgbdCapture capture{RgbdFormat::pose_files, {}};
   for (const std::string& name : names) {
@@ -162,13 +180,26 @@ Result<RgbdCapture> open_pose_files(const fs::path& folder) {
     if (!text) return text.error();
     const Result<std::vector<double>> values = numbers(*text, *text, 16);
     if (!values) return Error{file.string(), values.error().reason};
-    const Result<glm::dmat4> pose = pose_of(*values);
+    const glm::dmat4 matrix = matrix_of_rows(*values);
+    const Result<glm::dmat4> pose = pose_of(matrix);
+    if (is_lost(matrix)) {
+      capture.warnings.add("'" + file.filename().string() + "': " + pose.error().reason +
+                           "; the frame is left out");
+      continue;
+    }
     if (!pose) return Error{file.string(), pose.error().reason};
     fs::path color = folder / (name + ".color.png");
     std::error_code ignored;
     if (!fs::exists(color, ignored) && fs::exists(folder / (name + ".color.jpg"), ignored))
       color = folder / (name + ".color.jpg");
-    capture.frames.push_back({name, color, folder / (name + ".depth.png"), *pose, *lens, 0.001});
+    RgbdFrame& frame = capture.frames.emplace_back();
+    frame.name = name;
+    frame.color = color;
+    frame.depth = folder / (name + ".depth.png");
+    if (fs::exists(folder / (name + ".mask.png"), ignored))
+      frame.mask = folder / (name + ".mask.png");
+    frame.world_from_eye = *pose;
+    frame.intrinsics = *lens;
   }
   return capture;
 }

@@ -13,44 +13,42 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+// The number of a frame's own member, or else of the file's.
+std::optional<double> number_in(const Json& file, const Json& frame, const char* name) {
+  for (const Json* object : {&frame, &file})
+    if (const auto found = object->find(name); found != object->end() && !found->is_null())
+      return found->is_number() ? found->get<double>() : std::nan("");
+  return {};
+}
 
-// A frame's own members come before those of the file.
-struct Members {
-  const Json& file;
-  const Json& frame;
-  std::string fault;
+// A frame's own text; empty if there is none.
+std::string text_in(const Json& frame, const char* name) {
+  const auto found = frame.find(name);
+  return found != frame.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
 
-  [[nodiscard]] const Json* find(const char* name) const {
-    for (const Json* object : {&frame, &file})
-      if (const auto found = object->find(name); found != object->end() && !found->is_null())
-        return &*found;
-    return nullptr;
+// Python writes numbers that are not finite as words, which JSON has not: as null.
+std::string with_null(std::string text) {
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (quoted && text[i] == '\\') {
+      ++i;
+    } else if (text[i] == '"') {
+      quoted = !quoted;
+    } else if (!quoted) {
+      for (const std::string_view word : {"-Infinity", "Infinity", "-NaN", "NaN", "-nan", "nan"})
+        if (std::string_view(text).substr(i).starts_with(word)) {
+          text.replace(i, word.size(), "null");
+          break;
+        }
+    }
   }
-  double number(const char* name, double otherwise) {
-    const Json* found = find(name);
-    if (!found) return otherwise;
-    if (found->is_number() && std::isfinite(found->get<double>())) return found->get<double>();
-    if (fault.empty()) fault = std::string("\"") + name + "\" is not a finite number";
-    return otherwise;
-  }
-  int texels(const char* name) {
-    const double value = number(name, 0);
-    if (value >= 0 && value <= (1 << 16) && value == std::floor(value)) return int(value);
-    if (fault.empty()) fault = std::string("\"") + name + "\" is no size of an image";
-    return 0;
-  }
-  std::string text(const char* name) {
-    const auto found = frame.find(name);
-    if (found != frame.end() && found->is_string()) return found->get<std::string>();
-    if (fault.empty()) fault = std::string("there is no \"") + name + "\"";
-    return {};
-  }
-};
+  return text;
+}
 
 // The path of an image, which may be written without its ending.
 fs::path image_at(const fs::path& folder, const std::string& relative) {
-  const fs::path path = folder / relative;
+  const fs::path path = manifest_path(folder, relative);
   if (path.has_extension()) return path;
   std::error_code ignored;
   for (const char* ending : {".png", ".jpg", ".jpeg"}) {
@@ -71,49 +69,34 @@ std::optional<glm::dmat4> matrix_of(const Json& frame) {
     if (!row.is_array() || row.size() != 4) return std::nullopt;
     for (std::size_t c = 0; c < 4; ++c) {
       // JSON has no NaN; writers that have one put null or a word.
-      if (!row[c].is_number()) return std::nullopt;
-      matrix[int(c)][int(r)] = row[c].get<double>();
+      const bool lost = row[c].is_null() || row[c].is_string();
+      if (!row[c].is_number() && !lost) return std::nullopt;
+      matrix[int(c)][int(r)] = lost ? std::nan("") : row[c].get<double>();
     }
   }
   return matrix;
 }
 
-// One clause; nothing if the frame is fine.
-std::string read_frame(const Json& file, const Json& json, const fs::path& folder,
-                       RgbdFrame& frame) {
+// One clause; nothing if the frame is fine. `lost`: its camera was not found.
+std::string read_frame(const Json& file, const Json& json, const fs::path& folder, RgbdFrame& frame,
+                       bool& lost) {
   if (!json.is_object()) return "is not an object";
-  Members members{file, json, {}};
-  frame.color = image_at(folder, members.text("file_path"));
-  frame.depth = folder / members.text("depth_file_path");
-  frame.name = frame.color.stem().string();
-
-  RgbdIntrinsics& lens = frame.intrinsics;
-  lens.angle_x = members.number("camera_angle_x", 0);
-  lens.fl_x = members.number("fl_x", kNone);
-  if (!members.find("fl_x") && !members.find("camera_angle_x"))
-    return "there is neither \"fl_x\" nor \"camera_angle_x\"";
-  lens.fl_y = members.number("fl_y", kNone);
-  lens.cx = members.number("cx", kNone);
-  lens.cy = members.number("cy", kNone);
-  lens.width = members.texels("w");
-  lens.height = members.texels("h");
-  frame.metres_per_unit =
-      members.number("integer_depth_scale", members.number("depth_unit_scale_factor", 0.001));
-  for (const char* name : {"k1", "k2", "k3", "k4", "p1", "p2"})
-    if (members.number(name, 0) != 0)
-      return std::string("the lens is distorted (\"") + name +
-             "\" is not 0), which is not supported: undistort the images first";
-  if (const Json* model = members.find("camera_model"))
-    if (!model->is_string() ||
-        (*model != "OPENCV" && *model != "PINHOLE" && *model != "SIMPLE_PINHOLE"))
-      return "\"camera_model\" is none of OPENCV, PINHOLE, SIMPLE_PINHOLE";
-  if (!members.fault.empty()) return members.fault;
-  if (!(frame.metres_per_unit > 0 && frame.metres_per_unit < 1e6))
-    return "the unit of depth is not a positive number";
-  if (Result<> fine = check(lens); !fine) return fine.error().reason;
-
   const std::optional<glm::dmat4> matrix = matrix_of(json);
   if (!matrix) return "\"transform_matrix\" is not 4 rows of 4 numbers";
+  lost = is_lost(*matrix);
+  for (const char* name : {"file_path", "depth_file_path"})
+    if (text_in(json, name).empty()) return std::string("there is no \"") + name + "\"";
+  frame.color = image_at(folder, text_in(json, "file_path"));
+  frame.depth = manifest_path(folder, text_in(json, "depth_file_path"));
+  frame.name = frame.color.stem().string();
+  if (const std::string mask = text_in(json, "mask_path"); !mask.empty())
+    frame.mask = image_at(folder, mask);
+  if (std::string fault = read_lens({&json, &file}, frame.intrinsics); !fault.empty()) return fault;
+  frame.metres_per_unit =
+      number_in(file, json, "integer_depth_scale")
+          .value_or(number_in(file, json, "depth_unit_scale_factor").value_or(0.001));
+  if (!(frame.metres_per_unit > 0 && frame.metres_per_unit < 1e6))
+    return "the unit of depth is not a positive number";
   const Result<glm::dmat4> pose = rigid_pose(*matrix);
   if (!pose) return pose.error().reason;
   frame.world_from_eye = *pose;
@@ -126,20 +109,26 @@ Result<RgbdCapture> open_transforms(const fs::path& file, bool allow_outside) {
   const auto error = [&](const std::string& reason) { return Error{file.string(), reason}; };
   const Result<std::string> text = read_file(file, kMaxTextBytes);
   if (!text) return text.error();
-  const Json json = Json::parse(*text, nullptr, false);
+  Json json = Json::parse(*text, nullptr, false);
+  if (json.is_discarded()) json = Json::parse(with_null(*text), nullptr, false);
   if (!json.is_object()) return error("is not valid JSON");
   const auto frames = json.find("frames");
   if (frames == json.end() || !frames->is_array()) return error("has no list \"frames\"");
   if (frames->size() > kMaxFrames) return error("has too many frames");
   RgbdCapture capture{RgbdFormat::nerfstudio, {}};
-  for (const Json& each : *frames) {
+  for (std::size_t i = 0; i < frames->size(); ++i) {
+    const std::string name = "frame " + std::to_string(i) + ": ";
     RgbdFrame frame;
-    const std::string fault = read_frame(json, each, file.parent_path(), frame);
-    if (!fault.empty())
-      return error("frame " + std::to_string(capture.frames.size()) + ": " + fault);
-    for (const fs::path& image : {frame.color, frame.depth})
-      if (!allow_outside && !lies_within(file.parent_path(), image))
-        return error("frame " + std::to_string(capture.frames.size()) + ": '" + image.string() +
+    bool lost = false;
+    const std::string fault = read_frame(json, (*frames)[i], file.parent_path(), frame, lost);
+    if (lost) {
+      capture.warnings.add(name + fault + "; it is left out");
+      continue;
+    }
+    if (!fault.empty()) return error(name + fault);
+    for (const fs::path& image : {frame.color, frame.depth, frame.mask})
+      if (!image.empty() && !allow_outside && !lies_within(file.parent_path(), image))
+        return error(name + "'" + image.string() +
                      "' is outside of the capture's folder (--allow-outside reads it)");
     capture.frames.push_back(std::move(frame));
   }
