@@ -40,7 +40,8 @@ std::string list_of(const std::vector<std::string>& names) {
   std::string list;
   for (std::size_t i = 0; i < std::min(names.size(), kMaxCount); ++i)
     list += (i ? ", " : "") + names[i].substr(0, kMaxLength);
-  if (names.size() > kMaxCount) list += " and " + std::to_string(names.size() - kMaxCount) + " more";
+  if (names.size() > kMaxCount)
+    list += " and " + std::to_string(names.size() - kMaxCount) + " more";
   return list;
 }
 
@@ -79,10 +80,10 @@ Result<PictureChannels> picture_channels(const Imf::ChannelList& channels) {
   for (const std::string& layer : layers)
     for (const std::string& depth : depths) {
       const std::string render = depth_prefix(depth).value_or("");
-      const bool own = depth == layer + "Z" ||
-                       (layer.size() > render.size() && layer.starts_with(render) &&
-                        layer.find('.', render.size()) == layer.size() - 1 &&
-                        depth_prefix(depth) && (!render.empty() || depths.size() == 1));
+      const bool own =
+          depth == layer + "Z" || (layer.size() > render.size() && layer.starts_with(render) &&
+                                   layer.find('.', render.size()) == layer.size() - 1 &&
+                                   depth_prefix(depth) && (!render.empty() || depths.size() == 1));
       if (!own) continue;
       renders.push_back(render.empty() ? layer : render);
       found = named(layer, depth);

@@ -1,9 +1,9 @@
-// Which channels of a foreign OpenEXR part are the picture, whatever its layers are called? Internal
-// to io.
+// Which channels of a foreign OpenEXR part are the picture, whatever its layers are called?
+// Internal to io.
 //
-// R G B (A) and Z without a layer come first. Else colours are those of a layer "Combined" (Blender:
-// ViewLayer.Combined.R), or of the only layer that has R, G and B; depth is "Depth.Z" beside it
-// (ViewLayer.Depth.Z), or the only depth there is.
+// R G B (A) and Z without a layer come first. Else colours are those of a layer "Combined"
+// (Blender: ViewLayer.Combined.R), or of the only layer that has R, G and B; depth is "Depth.Z"
+// beside it (ViewLayer.Depth.Z), or the only depth there is.
 #pragma once
 
 #include <ImfChannelList.h>

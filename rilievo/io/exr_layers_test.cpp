@@ -72,8 +72,8 @@ TEST(ExrLayers, layers_and_empty_backgrounds_are_read) {
       const TemporaryFolder folder;
       Imf::Header header(8, 6);
       Imf::addWorldToCamera(header, Imath::M44f());
-      Imf::addWorldToNDC(header, Imath::M44f(1, 0, 0, 0, 0, 1, 0, 0, -0.5f, -0.5f, -1.001f, -1, 0, 0,
-                                             -0.1f, 0));
+      Imf::addWorldToNDC(
+          header, Imath::M44f(1, 0, 0, 0, 0, 1, 0, 0, -0.5f, -0.5f, -1.001f, -1, 0, 0, -0.1f, 0));
       const std::string color = layers ? "ViewLayer.Combined." : "";
       const std::string depth = layers ? "ViewLayer.Depth.Z" : "Z";
       std::map<std::string, std::vector<float>> planes;

@@ -15,8 +15,7 @@ double stretch(const LensDistortion& lens, double r2) {
   }
   if (lens.model == LensDistortion::Model::series)
     return 1 + r2 * (k[0] + r2 * (k[1] + r2 * (k[2] + r2 * k[3])));
-  return (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]))) /
-         (1 + r2 * (k[3] + r2 * (k[4] + r2 * k[5])));
+  return (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]))) / (1 + r2 * (k[3] + r2 * (k[4] + r2 * k[5])));
 }
 
 }  // namespace

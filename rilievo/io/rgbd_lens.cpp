@@ -142,8 +142,8 @@ LensDistortion distortion_of(Objects objects) {
       refuse(std::string("the lens is distorted by \"") + other +
              "\", which is not supported: undistort the images first");
   if (lens.model == Model::fisheye) {
-    for (const auto& [name, value] : {std::pair("k5", lens.k[4]), {"k6", lens.k[5]},
-                                      {"p1", lens.p[0]}, {"p2", lens.p[1]}})
+    for (const auto& [name, value] :
+         {std::pair("k5", lens.k[4]), {"k6", lens.k[5]}, {"p1", lens.p[0]}, {"p2", lens.p[1]}})
       if (value != 0)
         refuse(std::string("the lens is a fisheye with \"") + name +
                "\", which is not supported: undistort the images first");
@@ -173,7 +173,9 @@ std::string read_lens(Objects objects, RgbdIntrinsics& lens) {
     lens = {kNone, kNone, kNone, kNone};
     read_focal(objects, "fl_x", "camera_angle_x", lens.fl_x, lens.angle_x);
     read_focal(objects, "fl_y", "camera_angle_y", lens.fl_y, lens.angle_y);
-    const auto unknown = [](double length, double angle) { return std::isnan(length) && angle == 0; };
+    const auto unknown = [](double length, double angle) {
+      return std::isnan(length) && angle == 0;
+    };
     if (unknown(lens.fl_x, lens.angle_x) && unknown(lens.fl_y, lens.angle_y))
       return "there is neither \"fl_x\" nor \"camera_angle_x\"";
     lens.cx = number(objects, "cx", kNone);

@@ -121,29 +121,29 @@ std::vector<Words> known_lenses() {
   const LensDistortion full{Model::radial, {0.3, 0.1, 0.02, 0.5, 0.1, 0.02}, {0.01, -0.02}};
   const LensDistortion equidistant{Model::fisheye, {}, {}};
   const LensDistortion fisheye{Model::fisheye, {0.1, -0.02, 0.01, 0.003}, {}};
-  return {
-      {one, R"("k1": -0.2)"},
-      {one, R"("camera_model": "SIMPLE_RADIAL", "k1": -0.2)"},
-      {one, R"("camera_model": "SIMPLE_RADIAL", "k": -0.2)"},
-      {radial, R"("camera_model": "RADIAL", "k1": -0.2, "k2": 0.05)"},
-      {opencv, R"("camera_model": "OPENCV", "k1": -0.2, "k2": 0.05, "p1": 0.01, "p2": -0.02)"},
-      {opencv, R"("camera_model": "opencv", "distortion_params": [-0.2, 0.05, 0.01, -0.02])"},
-      {opencv, R"("distortion_params": [-0.2, 0.05, 0, 0, 0.01, -0.02])"},
-      {third, R"("distortion_params": [-0.2, 0.05, 0.01, -0.02, 0.02])"},
-      {third, R"("is_fisheye": false, "k1": -0.2, "k2": 0.05, "k3": 0.02, "p1": 0.01, "p2": -0.02)"},
-      {fourth, R"("distortion_params": [-0.2, 0.05, 0.02, 0.01, 0.01, -0.02])"},
-      {full, R"("camera_model": "FULL_OPENCV", "k1": 0.3, "k2": 0.1, "k3": 0.02, "k4": 0.5,
+  return {{one, R"("k1": -0.2)"},
+          {one, R"("camera_model": "SIMPLE_RADIAL", "k1": -0.2)"},
+          {one, R"("camera_model": "SIMPLE_RADIAL", "k": -0.2)"},
+          {radial, R"("camera_model": "RADIAL", "k1": -0.2, "k2": 0.05)"},
+          {opencv, R"("camera_model": "OPENCV", "k1": -0.2, "k2": 0.05, "p1": 0.01, "p2": -0.02)"},
+          {opencv, R"("camera_model": "opencv", "distortion_params": [-0.2, 0.05, 0.01, -0.02])"},
+          {opencv, R"("distortion_params": [-0.2, 0.05, 0, 0, 0.01, -0.02])"},
+          {third, R"("distortion_params": [-0.2, 0.05, 0.01, -0.02, 0.02])"},
+          {third,
+           R"("is_fisheye": false, "k1": -0.2, "k2": 0.05, "k3": 0.02, "p1": 0.01, "p2": -0.02)"},
+          {fourth, R"("distortion_params": [-0.2, 0.05, 0.02, 0.01, 0.01, -0.02])"},
+          {full, R"("camera_model": "FULL_OPENCV", "k1": 0.3, "k2": 0.1, "k3": 0.02, "k4": 0.5,
                 "k5": 0.1, "k6": 0.02, "p1": 0.01, "p2": -0.02)"},
-      {full, R"("k1": 0.3, "k2": 0.1, "k3": 0.02, "k4": 0.5, "k5": 0.1, "k6": 0.02, "p1": 0.01,
+          {full, R"("k1": 0.3, "k2": 0.1, "k3": 0.02, "k4": 0.5, "k5": 0.1, "k6": 0.02, "p1": 0.01,
                 "p2": -0.02)"},
-      {full, R"("distortion_params": [0.3, 0.1, 0.01, -0.02, 0.02, 0.5, 0.1, 0.02])"},
-      {equidistant, R"("is_fisheye": true, "k1": 0, "camera_model": "OPENCV")"},
-      {equidistant, R"("camera_model": "OPENCV_FISHEYE")"},
-      {fisheye, R"("is_fisheye": true, "k1": 0.1, "k2": -0.02, "k3": 0.01, "k4": 0.003)"},
-      {fisheye, R"("camera_model": "OPENCV_FISHEYE", "k1": 0.1, "k2": -0.02, "k3": 0.01,
+          {full, R"("distortion_params": [0.3, 0.1, 0.01, -0.02, 0.02, 0.5, 0.1, 0.02])"},
+          {equidistant, R"("is_fisheye": true, "k1": 0, "camera_model": "OPENCV")"},
+          {equidistant, R"("camera_model": "OPENCV_FISHEYE")"},
+          {fisheye, R"("is_fisheye": true, "k1": 0.1, "k2": -0.02, "k3": 0.01, "k4": 0.003)"},
+          {fisheye, R"("camera_model": "OPENCV_FISHEYE", "k1": 0.1, "k2": -0.02, "k3": 0.01,
                    "k4": 0.003, "p1": 0)"},
-      {fisheye, R"("camera_model": "FISHEYE", "distortion_params": [0.1, -0.02, 0.01, 0.003])"},
-      {fisheye, R"("is_fisheye": 1, "distortion_params": [0.1, -0.02, 0.01, 0.003, 0, 0])"}};
+          {fisheye, R"("camera_model": "FISHEYE", "distortion_params": [0.1, -0.02, 0.01, 0.003])"},
+          {fisheye, R"("is_fisheye": 1, "distortion_params": [0.1, -0.02, 0.01, 0.003, 0, 0])"}};
 }
 
 TEST(RgbdWords, every_wording_of_a_known_lens_is_undistorted) {
@@ -221,8 +221,8 @@ TEST(RgbdWords, open3d_intrinsics_may_have_distortion) {
   const Result<DepthImage> picture = only_picture(folder.path());
   ASSERT_TRUE(picture) << picture.error().message();
   const auto k = lens_of(picture->camera);
-  EXPECT_NEAR(picture->color(50, 40).r, color_at({(50.5 - k.cx) / k.fl_x, (40.5 - k.cy) / k.fl_y}).r,
-              0.012);
+  EXPECT_NEAR(picture->color(50, 40).r,
+              color_at({(50.5 - k.cx) / k.fl_x, (40.5 - k.cy) / k.fl_y}).r, 0.012);
 }
 
 TEST(RgbdWords, focal_lengths_and_angles_say_the_same) {
@@ -264,8 +264,8 @@ TEST(RgbdWords, focal_lengths_and_angles_say_the_same) {
 TEST(RgbdWords, files_are_paired_in_the_order_of_numbers) {
   std::vector<std::string> names{"a10", "a9", "b1", "a010", "10", "2", "a", "1", "02", "a9x", ""};
   std::sort(names.begin(), names.end(), rgbd::comes_before);
-  const std::vector<std::string> expected{"", "1", "02", "2", "10", "a", "a9", "a9x", "a010", "a10",
-                                          "b1"};
+  const std::vector<std::string> expected{"",   "1",   "02",   "2",   "10", "a",
+                                          "a9", "a9x", "a010", "a10", "b1"};
   EXPECT_EQ(names, expected);
   std::mt19937 rng(3);
   for (int round = 0; round < 2000; ++round) {  // a strict weak order
@@ -330,7 +330,8 @@ TEST(RgbdWords, masks_are_applied) {
     write_mask(folder / c.file, c.dark);
     if (*c.member)
       edit(folder / "transforms.json", [&](const std::string& text) {
-        return all_replaced(text, "{\"file_path\"", std::string("{") + c.member + ", \"file_path\"");
+        return all_replaced(text, "{\"file_path\"",
+                            std::string("{") + c.member + ", \"file_path\"");
       });
     const Result<DepthImage> picture = only_picture(folder.path());
     ASSERT_TRUE(picture) << c.file << picture.error().message();
@@ -366,9 +367,10 @@ TEST(RgbdWords, paths_may_be_written_as_windows_does) {
 TEST(RgbdWords, a_frame_whose_camera_was_not_found_is_left_out) {
   const std::vector<DepthImage> three(3, photograph({}));
   const std::string identity = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
-  for (const std::string& lost : {std::string("-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf "
-                                              "-inf -inf\n-inf -inf -inf -inf\n"),
-                                  all_replaced(identity, "1", "0"), all_replaced(identity, "1", "nan")}) {
+  for (const std::string& lost :
+       {std::string("-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf "
+                    "-inf -inf\n-inf -inf -inf -inf\n"),
+        all_replaced(identity, "1", "0"), all_replaced(identity, "1", "nan")}) {
     const TemporaryFolder poses, log;
     test_rgbd::write_capture(poses.path(), RgbdFormat::pose_files, three);
     (void)write_file(poses / "frame-000001.pose.txt", lost);

@@ -26,9 +26,9 @@ class Warnings {
     std::string first, pattern;
     std::uint64_t more = 0;
   };
-  std::vector<Kind> kinds_;  // kMaxLines at most
+  std::vector<Kind> kinds_;      // kMaxLines at most
   std::set<std::size_t> known_;  // hashes of what was added
-  std::uint64_t others_ = 0;  // of further kinds
+  std::uint64_t others_ = 0;     // of further kinds
 };
 
 }  // namespace rilievo

@@ -58,7 +58,9 @@ std::pair<glm::vec3, glm::vec3> edge_normals(const LoadedScene& loaded, int side
 TEST(Obj, smoothing_groups_decide_where_there_are_no_normals) {
   const glm::vec3 right(1, 0, 0), back(0, 0, -1);
   // Of two sides, one may count twice: it has two triangles at the corner.
-  const auto between = [](const glm::vec3& n) { return std::abs(n.x) > 0.4f && std::abs(n.z) > 0.4f; };
+  const auto between = [](const glm::vec3& n) {
+    return std::abs(n.x) > 0.4f && std::abs(n.z) > 0.4f;
+  };
   for (const char* off : {"s off\n", "s 0\n", "s OFF\n", ""}) {
     const LoadedScene flat = loaded_from(sides({off, "", "", ""}), "a.obj");
     EXPECT_EQ(edge_normals(flat, 0), std::pair(right, right)) << off;
@@ -163,8 +165,7 @@ TEST(PolygonFiles, vertices_that_no_face_uses_need_not_be_finite) {
     const std::string head =
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    const LoadedScene ply =
-        loaded_from(head + v + "\n0 0 0\n1 0 0\n0 1 0\n3 1 2 3\n", "a.ply");
+    const LoadedScene ply = loaded_from(head + v + "\n0 0 0\n1 0 0\n0 1 0\n3 1 2 3\n", "a.ply");
     EXPECT_EQ(world_bounds(ply.scene).max, glm::vec3(1, 1, 0));
     EXPECT_EQ(refusal_of(head + "0 0 0\n1 0 0\n0 1 0\n" + v + "\n3 1 2 3\n", "a.ply"),
               "has a face with vertex 3, whose position is not finite");
@@ -180,11 +181,11 @@ std::string ply(const std::string& header, const std::string& body) {
 }
 
 TEST(Ply, elements_come_in_any_order) {
-  const LoadedScene text = loaded_from(
-      ply("element other 1\nproperty int a\nelement face 1\n" + std::string(kFaces) + kFour +
-              "element face 1\n" + kFaces,
-          "7\n3 0 1 2\n" + std::string(kSquare) + "3 0 2 3\n"),
-      "a.ply");
+  const LoadedScene text =
+      loaded_from(ply("element other 1\nproperty int a\nelement face 1\n" + std::string(kFaces) +
+                          kFour + "element face 1\n" + kFaces,
+                      "7\n3 0 1 2\n" + std::string(kSquare) + "3 0 2 3\n"),
+                  "a.ply");
   EXPECT_EQ(count_triangles(text.scene), 2u);
   std::string binary = "ply\nformat binary_little_endian 1.0\nelement face 2\n" +
                        std::string(kFaces) + kFour + "end_header\n";
@@ -215,10 +216,10 @@ TEST(Ply, faces_have_colours_where_vertices_have_none) {
   for (const auto& name : names) {
     std::string colored = face;
     for (const char* channel : name) colored += std::string("property uchar ") + channel + "\n";
-    const Scene scene =
-        loaded_from(ply(kFour + colored, std::string(kSquare) + "3 0 1 2 255 0 51\n3 0 2 3 0 255 0\n"),
-                    "a.ply")
-            .scene;
+    const Scene scene = loaded_from(ply(kFour + colored, std::string(kSquare) +
+                                                             "3 0 1 2 255 0 51\n3 0 2 3 0 255 0\n"),
+                                    "a.ply")
+                            .scene;
     const Mesh& mesh = scene.meshes[0];
     ASSERT_EQ(mesh.positions.size(), 6u);
     EXPECT_EQ(scene.materials[std::size_t(mesh.material)].base_color, glm::vec4(1));
@@ -232,11 +233,13 @@ TEST(Ply, faces_have_colours_where_vertices_have_none) {
                              colored;
     const std::string faces = "3 0 1 2 255 0 0\n3 0 2 3 0 255 0\n";
     const Mesh fine =
-        loaded_from(ply(both, "0 0 0 9 9 9\n1 0 0 8 8 8\n1 1 0 9 9 9\n0 1 0 9 9 9\n" + faces), "a.ply")
+        loaded_from(ply(both, "0 0 0 9 9 9\n1 0 0 8 8 8\n1 1 0 9 9 9\n0 1 0 9 9 9\n" + faces),
+                    "a.ply")
             .scene.meshes[0];
     EXPECT_EQ(fine.colors[fine.indices[0]].r, fine.colors[fine.indices[0]].g);
     const Mesh grey =
-        loaded_from(ply(both, "0 0 0 9 9 9\n1 0 0 9 9 9\n1 1 0 9 9 9\n0 1 0 9 9 9\n" + faces), "a.ply")
+        loaded_from(ply(both, "0 0 0 9 9 9\n1 0 0 9 9 9\n1 1 0 9 9 9\n0 1 0 9 9 9\n" + faces),
+                    "a.ply")
             .scene.meshes[0];
     EXPECT_EQ(grey.colors[grey.indices[0]], glm::vec4(1, 0, 0, 1));
   }
@@ -260,11 +263,13 @@ TEST(Ply, pictures_that_comments_name_are_shown) {
     const Scene& s = loaded.scene;
     const int texture =
         s.materials[std::size_t(s.meshes[mesh].material)].base_color_texture.texture;
-    return texture < 0 ? glm::u8vec4(0) : s.images[std::size_t(s.textures[std::size_t(texture)].image)](0, 0);
+    return texture < 0 ? glm::u8vec4(0)
+                       : s.images[std::size_t(s.textures[std::size_t(texture)].image)](0, 0);
   };
   const std::string face = "element face 1\n" + std::string(kFaces);
-  for (const char* words : {"comment TextureFile skin.png\n", "comment texturefile: skin.png\n",
-                            "obj_info TextureFile \"skin.png\"\n", "comment TextureFile .\\skin.png\n"})
+  for (const char* words :
+       {"comment TextureFile skin.png\n", "comment texturefile: skin.png\n",
+        "obj_info TextureFile \"skin.png\"\n", "comment TextureFile .\\skin.png\n"})
     for (const char* uv : {"s\nproperty float t\n", "texture_u\nproperty float texture_v\n",
                            "u\nproperty float v\n"}) {
       const LoadedScene loaded =
@@ -276,10 +281,11 @@ TEST(Ply, pictures_that_comments_name_are_shown) {
   // Coordinates of corners, before and behind the vertices; two pictures, and a face without.
   const std::string two =
       "comment TextureFile skin.png\ncomment TextureFile other skin.png\n" + std::string(kFour);
-  const LoadedScene corners = load(
-      ply(two + "element face 3\nproperty list uchar float texcoord\n" + kFaces +
-              "property int texnumber\n",
-          std::string(kSquare) + "6 0 0 1 0 1 1 3 0 1 2 1\n6 0 0.25 1 1 0 1 3 0 2 3 0\n0 3 0 1 3 -1\n"));
+  const LoadedScene corners =
+      load(ply(two + "element face 3\nproperty list uchar float texcoord\n" + kFaces +
+                   "property int texnumber\n",
+               std::string(kSquare) +
+                   "6 0 0 1 0 1 1 3 0 1 2 1\n6 0 0.25 1 1 0 1 3 0 2 3 0\n0 3 0 1 3 -1\n"));
   ASSERT_EQ(corners.scene.meshes.size(), 3u);
   EXPECT_EQ(color_of(corners, 0), glm::u8vec4(0, 255, 0, 255));
   EXPECT_EQ(color_of(corners, 1), glm::u8vec4(255, 0, 0, 255));
@@ -295,13 +301,10 @@ TEST(Ply, pictures_that_comments_name_are_shown) {
   const LoadedScene gone = load(ply("comment TextureFile gone.png\n" + std::string(kFour) +
                                         "property float s\nproperty float t\n" + face,
                                     "0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n3 0 1 2\n"));
-  EXPECT_EQ(gone.warnings,
-            Lines{"a texture is left out: 'gone.png': No such file or directory"});
-  const LoadedScene nowhere =
-      load(ply("comment TextureFile skin.png\n" + std::string(kFour) + face,
-               std::string(kSquare) + "3 0 1 2\n"));
-  EXPECT_EQ(nowhere.warnings,
-            Lines{"has a picture for its faces, but no texture coordinates"});
+  EXPECT_EQ(gone.warnings, Lines{"a texture is left out: 'gone.png': No such file or directory"});
+  const LoadedScene nowhere = load(ply("comment TextureFile skin.png\n" + std::string(kFour) + face,
+                                       std::string(kSquare) + "3 0 1 2\n"));
+  EXPECT_EQ(nowhere.warnings, Lines{"has a picture for its faces, but no texture coordinates"});
 }
 
 TEST(Ply, gaussian_splats_are_named) {
@@ -328,11 +331,11 @@ std::string facet(double x) {
 }
 
 TEST(Stl, each_solid_is_an_object) {
-  const LoadedScene two = loaded_from("solid body A\n" + facet(0) + facet(2) +
-                                          "endsolid vertex A\nsolid empty\nendsolid\nSOLID body B\n" +
-                                          facet(3) + "endsolid\nsolid\n" + facet(4) +
-                                          "endsolid\nsolid body B\n" + facet(5),
-                                      "a.stl");
+  const LoadedScene two =
+      loaded_from("solid body A\n" + facet(0) + facet(2) +
+                      "endsolid vertex A\nsolid empty\nendsolid\nSOLID body B\n" + facet(3) +
+                      "endsolid\nsolid\n" + facet(4) + "endsolid\nsolid body B\n" + facet(5),
+                  "a.stl");
   ASSERT_EQ(two.scene.objects.size(), 4u);
   const char* names[] = {"body A", "body B", "solid", "body B #4"};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(two.scene.objects[i].name, names[i]);
@@ -361,8 +364,7 @@ TEST(Stl, what_is_cut_short_says_how_much_is_there) {
     uncounted[80] = 0;
     const LoadedScene all = loaded_from(uncounted, "a.stl");
     EXPECT_EQ(count_triangles(all.scene), 12u);
-    EXPECT_EQ(all.warnings,
-              Lines{"announces no triangles, but has bytes for 12, which are read"});
+    EXPECT_EQ(all.warnings, Lines{"announces no triangles, but has bytes for 12, which are read"});
     EXPECT_EQ(refusal_of(uncounted + "x", "a.stl"),
               "is a binary STL file that announces no triangles, and its 685 bytes are no whole "
               "number of them");
