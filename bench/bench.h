@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/plan/policy.h"
+#include "rilievo/cache/prices/machine_costs.h"
 #include "rilievo/core/result.h"
 #include "rilievo/measure/bench_report.h"
 

@@ -21,7 +21,7 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
-#include "rilievo/cache/policy.h"
+#include "rilievo/cache/plan/policy.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/compare/drawn_error.h"
 #include "rilievo/gl/context.h"

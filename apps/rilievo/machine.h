@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/prices/machine_costs.h"
 
 namespace rilievo::app {
 

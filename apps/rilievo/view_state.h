@@ -9,6 +9,7 @@
 #include "apps/rilievo/methods.h"
 #include "apps/rilievo/view_camera.h"
 #include "rilievo/core/camera_path.h"
+#include "rilievo/method/relief_impostors.h"
 
 namespace rilievo::app {
 

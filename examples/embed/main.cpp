@@ -12,6 +12,7 @@
 #include <string>
 
 #include "rilievo/frame/gl/opengl_backend.h"
+#include "rilievo/gl/object.h"
 #include "rilievo/io/png.h"
 #include "rilievo/method/method.h"
 #include "rilievo/scene/builtin/builtin.h"

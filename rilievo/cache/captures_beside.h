@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "rilievo/cache/policy.h"
+#include "rilievo/cache/plan/policy.h"
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/core/background.h"
 

@@ -1,4 +1,4 @@
-// Measures what drawing and capturing cost by a backend (cache/machine_costs.h).
+// Measures what drawing and capturing cost by a backend (cache/prices/machine_costs.h).
 //
 // A scene of balls: the same number of them with many and with few triangles, and many small ones.
 // Times of frames and of captures that differ in one thing only tell what that thing costs. Each
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/prices/machine_costs.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/frame/frame_chooser.h"
 #include "rilievo/nailboard/nailboard_store.h"

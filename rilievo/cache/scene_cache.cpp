@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "rilievo/cache/prices/use_machine.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/linear_maps.h"
 

@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "rilievo/cache/captures_beside.h"
-#include "rilievo/cache/cost_clock.h"
-#include "rilievo/cache/eye_motion.h"
-#include "rilievo/cache/machine_costs.h"
-#include "rilievo/cache/policy.h"
+#include "rilievo/cache/plan/eye_motion.h"
+#include "rilievo/cache/plan/policy.h"
+#include "rilievo/cache/prices/cost_clock.h"
+#include "rilievo/cache/prices/machine_costs.h"
 #include "rilievo/capture/capture_by.h"
 #include "rilievo/capture/coarse_capture.h"
 #include "rilievo/core/stopwatch.h"

@@ -1,4 +1,4 @@
-// How does a function become a source of pictures? S5 calls such functions software shaders.
+// A function as a source of pictures. S5 calls such functions software shaders.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Who makes pictures with depth? Any source, behind one capture call.
+// A source of pictures with depth, behind one capture call.
 //
 // Sources: OpenGL (capture/gl/opengl_source.h), the library's own rasteriser
 // (capture/raster_source.h), rays (capture/ray_source.h), posed photographs

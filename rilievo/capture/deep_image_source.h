@@ -1,4 +1,4 @@
-// How do deep images, mostly of other renderers, serve as a source (S4.1)?
+// Deep images, mostly of other renderers, as a source (S4.1).
 //
 // They are used as they are; nothing is captured.
 #pragma once

@@ -1,4 +1,4 @@
-// How do posed photographs with depth serve as a source of pictures?
+// Posed photographs with depth as a source of pictures.
 //
 // A capture reprojects all photographs, or their parts within a box, into the camera
 // (warp/reproject.h). Objects are not distinguished. Needs no OpenGL.

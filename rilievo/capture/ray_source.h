@@ -1,4 +1,4 @@
-// How do rays serve as a source of pictures? Embree sees a scene, without OpenGL.
+// Rays as a source of pictures: Embree sees a scene, without OpenGL.
 //
 // Captures the scene at the time for which the rays were built. Cameras of all kinds, any objects,
 // wherever they are. The same surfaces, depths, identifiers and shading as OpenGL's; blended parts

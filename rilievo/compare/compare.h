@@ -1,4 +1,4 @@
-// How fast, and how right, are several methods along the same walk?
+// Compares how fast, and how right, several methods are along the same walk.
 //
 // The first source draws the true frames (direct drawing). All sources are timed alike, with the
 // same antialiasing: wall-clock time from FrameTarget::begin() until the GPU has finished after

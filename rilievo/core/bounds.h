@@ -1,4 +1,4 @@
-// Which simple volume holds a thing? Axis-aligned boxes and balls.
+// Simple volumes that hold a thing: axis-aligned boxes and balls.
 #pragma once
 
 #include <array>

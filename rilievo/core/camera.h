@@ -1,4 +1,4 @@
-// From where, and through which rays, was a picture taken?
+// A camera: from where, and through which rays, a picture is taken.
 //
 // Eye space is right-handed, in metres: +x right, +y up; the camera looks down its -z. Clip space
 // is OpenGL's: after the division, x, y and z lie in [-1, 1], and z = -1 on the near plane. Raster

@@ -1,4 +1,4 @@
-// Where is the eye at each moment of a walk (a camera path)?
+// Camera paths: where the eye is at each moment of a walk.
 //
 // A path is a list of keyed poses. The eye moves along a smooth curve through them; its orientation
 // turns along great arcs. World space, metres, seconds, radians. A frame is 1/60 s of scene time,

@@ -1,4 +1,4 @@
-// How do colours go from files to linear light and back?
+// Colours, from files to linear light and back.
 //
 // Files and frames are 8-bit sRGB (IEC 61966-2-1). Inside, colours are linear, with premultiplied
 // alpha.

@@ -1,4 +1,4 @@
-// What does a depth value mean, and how is it stored in few bits?
+// Depth values: their kinds, and their codes in few bits.
 //
 // With d = distance along the camera's -z, n = z_near, f = z_far:
 //   eye_z     d

@@ -1,4 +1,4 @@
-// What is a picture with depth? It is captured once and re-drawn from new eyes.
+// A picture with depth, captured once and re-drawn from new eyes.
 //
 // Colours are linear, premultiplied by alpha; alpha is coverage. A texel that shows nothing has
 // colour 0 0 0 0 and depth kNoDepth. All planes of one picture have the camera's size.

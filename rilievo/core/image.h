@@ -1,4 +1,4 @@
-// How are texels kept in memory? Row by row, without padding; row 0 is the top row, as in files.
+// Texels in memory, row by row, without padding; row 0 is the top row, as in files.
 //
 // Texel (x, y) covers [x, x+1) x [y, y+1); its centre is (x + 0.5, y + 0.5).
 #pragma once

@@ -1,4 +1,4 @@
-// Where was a flat picture with depth taken, and where does its polygon stand?
+// The geometry of a flat picture with depth: its camera, and where its polygon stands.
 //
 // The polygon is the capture camera's image window on the plane eye_z == plane_z in front of the
 // capture eye. Drawing, warping and error bounds all describe a picture in these terms.

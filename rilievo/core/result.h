@@ -1,4 +1,4 @@
-// What does an operation on the outside world (files, OpenGL) return? A value, or an error that
+// What an operation on the outside world (files, OpenGL) returns: a value, or an error that
 // says where it failed and why.
 //
 //   Result<Scene> scene = load_scene(path);

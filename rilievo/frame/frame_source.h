@@ -1,4 +1,4 @@
-// Who draws a scene's frames? Any source: polygons, pictures, a cache, a stored representation.
+// A source of a scene's frames: polygons, pictures, a cache, a stored representation.
 //
 // A frame is target.begin(); source.draw(...); target.resolve(). Its cost includes all three.
 #pragma once

@@ -1,4 +1,4 @@
-// How does a program without a window get OpenGL? A 4.5 core context by EGL, without X or a GPU.
+// OpenGL for a program without a window: a 4.5 core context by EGL, without X or a GPU.
 //
 // One context per thread. Destroy all objects of rilievo/gl before their context. Programs that
 // have their own context do not need this one: all drawing uses the context that is current.

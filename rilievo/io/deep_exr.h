@@ -1,4 +1,4 @@
-// How is a LayeredDepthImage stored in a file that any OpenEXR tool opens? (S4.1)
+// A LayeredDepthImage in a deep file that any OpenEXR tool opens (S4.1).
 //
 // A picture is one deep part of scan lines, ZIPS compression:
 //   channels    R G B A half, linear and premultiplied; Z, ZBack float: front and back of a sample

@@ -1,4 +1,4 @@
-// How are pictures with depth stored in files that any OpenEXR tool opens?
+// Pictures with depth in files that any OpenEXR tool opens.
 //
 // A picture is one part of an OpenEXR file (several pictures: a multi-part file, ZIP, scan lines):
 //   channels    R G B A half, linear and premultiplied; Z float; id uint if the picture has objects

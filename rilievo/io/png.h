@@ -1,4 +1,4 @@
-// How are 8-bit pictures stored as PNG files?
+// 8-bit pictures as PNG files.
 //
 // Colours are sRGB, alpha is straight, as PNG defines them; loading returns exactly what was saved.
 // There is no colour management: gamma and profile chunks are ignored.

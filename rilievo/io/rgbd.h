@@ -1,4 +1,4 @@
-// How are photographs with depth, taken by a moving camera, read as pictures with depth? (S2.7)
+// Reads photographs with depth, taken by a moving camera, as pictures with depth (S2.7).
 //
 // Three formats are recognised by the files in the folder:
 //   transforms.json   nerfstudio, instant-ngp: intrinsics for all frames or each (fl_x fl_y cx cy,

@@ -1,4 +1,4 @@
-// What can be drawn of a representation, in many instances, and what does the cache need to know?
+// What draws a representation, in many instances, and tells the cache its error and its cost.
 //
 // A drawable is one representation, or a set of many of one kind (an atlas of nailboards, the nodes
 // of an environment), ready to be drawn by one backend. Its instances stand for objects of the
@@ -97,7 +97,7 @@ struct ErrorModel {
 };
 
 // The cost of drawing an instance. Work is in triangles that take 280 ns each, as those of the
-// machine that the defaults of the cache were measured on (cache/policy.h).
+// machine that the defaults of the cache were measured on (cache/plan/policy.h).
 struct CostTerms {
   double fixed = 0;      // work
   double per_pixel = 0;  // work, of the rectangle around the instance on the screen

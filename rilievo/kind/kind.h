@@ -1,4 +1,4 @@
-// What is a kind of representation?
+// A kind of representation.
 //
 // A row in the list of kinds (representation/kinds.h): its name, its options, and the functions
 // that bake, load, save, describe and draw it. Code outside a kind's folder knows it only by this

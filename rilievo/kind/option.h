@@ -1,4 +1,4 @@
-// Which options does a kind of representation take, and which values were given?
+// The options of a kind of representation, and the values that were given.
 //
 // The command line, the viewer's panel and `rilievo info` are made from one description of each
 // option. Values are text, as on a command line, and are checked when they are set.

@@ -1,4 +1,4 @@
-// How different do two frames look to an observer who flips between them?
+// How different two frames look to an observer who flips between them.
 //
 // LDR-FLIP of [Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild 2020], "FLIP: A
 // difference evaluator for alternating images": colour differences filtered by the eye's contrast

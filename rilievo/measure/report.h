@@ -1,4 +1,4 @@
-// How fast and how right is each method along a walk through a scene?
+// A report: how fast and how right each method is along a walk through a scene.
 //
 // The results of `rilievo compare`, as "rilievo-report-1" JSON for programs and as one HTML page
 // without external files.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "rilievo/method/objects.h"
+#include "rilievo/method/relief_impostors.h"
 #include "rilievo/method/stored.h"
 #include "rilievo/method/surroundings.h"
 

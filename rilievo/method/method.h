@@ -20,13 +20,14 @@
 #include <string_view>
 #include <vector>
 
-#include "rilievo/cache/machine_costs.h"
-#include "rilievo/cache/policy.h"
+#include "rilievo/cache/plan/policy.h"
+#include "rilievo/cache/prices/machine_costs.h"
 #include "rilievo/frame/backend.h"
-#include "rilievo/method/relief_impostors.h"
 #include "rilievo/representation/kind_methods.h"
 
 namespace rilievo {
+
+struct ImpostorStatus;  // method/relief_impostors.h
 
 // The options of relief impostors.
 struct ReliefImpostorOptions {

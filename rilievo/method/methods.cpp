@@ -11,6 +11,7 @@
 #include "rilievo/method/levels.h"
 #include "rilievo/method/method.h"
 #include "rilievo/method/pictures.h"
+#include "rilievo/relief_impostor/impostor_drawable.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "rilievo/cache/eye_motion.h"
+#include "rilievo/cache/plan/eye_motion.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/backend.h"
 #include "rilievo/relief_impostor/impostor_content.h"

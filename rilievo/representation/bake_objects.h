@@ -1,4 +1,4 @@
-// How does a baked representation stand for single objects of a scene, wherever they are?
+// Baked representations that stand for single objects of a scene, wherever they are.
 //
 // Objects of one model whose poses differ by a translation share a representation. Light is baked
 // into it, and only translations preserve sunlight; light from lamps and its falloff move along. An

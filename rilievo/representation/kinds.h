@@ -1,4 +1,4 @@
-// Which kinds of representation are there?
+// The list of kinds of representation.
 //
 // To add a kind, add its folder and a line in kinds.cpp and gl/factories.cpp.
 #pragma once

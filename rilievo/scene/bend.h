@@ -1,4 +1,4 @@
-// How do the meshes of a scene bend by time? Skins and morph targets, posed at any time.
+// Meshes that bend by time: skins and morph targets, posed at any time.
 //
 // A loader keeps what bends them if it is asked to (LoadOptions::deformations); objects' own motion
 // is pose()'s. Pure; any thread.

@@ -1,4 +1,4 @@
-// What is a scene? Meshes with materials, assembled into models, placed as objects.
+// A scene: meshes with materials, assembled into models, placed as objects.
 //
 // An *object* is the unit that gets a picture. Objects share models and models share meshes, so
 // that a forest of 10^8 triangles is a few trees with many placements. Plain data; owns everything;

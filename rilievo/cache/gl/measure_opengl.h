@@ -1,7 +1,7 @@
-// How long do frames and captures take with the OpenGL that is current?
+// Measures how long frames and captures take with the OpenGL that is current.
 #pragma once
 
-#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/prices/machine_costs.h"
 
 namespace rilievo {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
-#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/prices/machine_costs.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/measure/psnr.h"
 

@@ -1,7 +1,7 @@
-// How long do frames, captures and rays take without OpenGL, on this machine?
+// Measures how long frames, captures and rays take without OpenGL, on this machine.
 #pragma once
 
-#include "rilievo/cache/machine_costs.h"
+#include "rilievo/cache/prices/machine_costs.h"
 
 namespace rilievo {
 

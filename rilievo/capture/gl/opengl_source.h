@@ -1,4 +1,4 @@
-// How does OpenGL serve as a source of pictures? It draws a scene with a SceneRenderer.
+// OpenGL as a source of pictures: it draws a scene with a SceneRenderer.
 //
 // Captures the renderer's time. Needs a current OpenGL context; changes the bound framebuffer and
 // viewport.

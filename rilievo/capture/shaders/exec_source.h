@@ -1,4 +1,4 @@
-// How does another program serve as a renderer? `exec:PROGRAM` (S5.8)
+// Another program as a renderer: `exec:PROGRAM` (S5.8).
 //
 // The program gets one line of JSON on its standard input for each request, and answers each with
 // one line on its standard output:

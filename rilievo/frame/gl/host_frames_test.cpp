@@ -11,6 +11,7 @@
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
+#include "rilievo/gl/object.h"
 
 namespace rilievo {
 namespace {
@@ -124,7 +125,8 @@ TEST_F(HostFramesTest, linear_colours_are_those_of_the_bytes) {
   Result<SceneRenderer> renderer = SceneRenderer::create(scene_);
   ASSERT_TRUE(renderer.ok());
   OpenGLFrames frames = opengl_direct(*renderer);
-  const auto plain = HostFrames::create(frames, {1}), linear = HostFrames::create(frames, {1, true});
+  const auto plain = HostFrames::create(frames, {1}),
+             linear = HostFrames::create(frames, {1, true});
   ASSERT_TRUE(plain.ok() && linear.ok());
   const Result<HostCamera> host =
       camera_from(eye_from_world(camera_), clip_from_eye(camera_), kHostSize, kHostSize);

@@ -1,4 +1,4 @@
-// Into what are frames drawn without a window? Multisampled colour and depth.
+// A target for frames without a window: multisampled colour and depth.
 //
 // The frame holds sRGB-encoded bytes, so that the resolve averages samples as a screen shows them.
 // Direct drawing, pictures and captures share this target and are antialiased alike. Needs a

@@ -1,4 +1,4 @@
-// How does OpenGL draw a Scene directly? As the source of rasterised pictures, and as the baseline
+// Draws a Scene directly with OpenGL: as the source of rasterised pictures, and as the baseline
 // that pictures are measured against.
 //
 // Instanced (one draw call for each mesh), with frustum and back-face culling, front to back.

@@ -1,4 +1,4 @@
-// What does a part of a frame hold while it is drawn on processors?
+// A part of a frame while it is drawn on processors.
 //
 // A tile of 64 x 64 pixels in blocks of 8 x 8, small enough for the cache of one core. Frame
 // coordinates are in pixels; y points down. Of each sample the colour (or the object identifier)

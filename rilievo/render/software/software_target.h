@@ -1,4 +1,4 @@
-// Into what are frames drawn without OpenGL? Memory of the caller's process.
+// A target for frames without OpenGL: memory of the caller's process.
 //
 // What render/opengl/frame_target.h is for OpenGL: sRGB-encoded bytes, 1 or 4 samples a pixel at
 // OpenGL's usual share each, averaged as bytes. A frame is drawn tile by tile on all cores, and a

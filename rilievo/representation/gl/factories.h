@@ -1,4 +1,4 @@
-// How does OpenGL draw each kind of representation?
+// How OpenGL draws each kind of representation.
 #pragma once
 
 #include <span>

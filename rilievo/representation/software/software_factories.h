@@ -1,4 +1,4 @@
-// How is each kind of representation drawn without OpenGL?
+// How each kind of representation is drawn without OpenGL.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Which scenes need no file? Generated ones, from a seed and a number of triangles.
+// Scenes that need no file: generated from a seed and a number of triangles.
 //
 // A scene is named by a specification:
 //   builtin:NAME[?triangles=N&seed=S]

@@ -1,4 +1,4 @@
-// Which scene does a file contain?
+// Loads the scene of a file.
 //
 // Reads glTF 2.0 (.gltf, .glb), Wavefront OBJ, PLY and STL. The first bytes of a file decide its
 // format; its name matters only where they are ambiguous. Files that a scene refers to (buffers,

@@ -1,4 +1,4 @@
-// How does a scene become a file that other programs open?
+// Saves a scene as a file that other programs open.
 //
 // Binary glTF 2.0 (.glb), one file: meshes, materials, textures (PNG), nodes with their animation,
 // lights, cameras. The loaded file draws the same frames at any time. What changes:

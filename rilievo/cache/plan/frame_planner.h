@@ -1,0 +1,153 @@
+// Which nodes of the hierarchy are drawn as pictures in this frame? The frame planner.
+//
+// A cut is a set of nodes that contains each object once. The best cut costs the least per frame,
+// captures included: a picture costs its pixels, plus its capture divided by the frames that it
+// will live. The cost of a node is the lesser of its own picture's and the sum of its children's.
+// Far away, pictures live long and whole groves share one; nearer, they live shorter and show
+// single trees; nearest, a tree's triangles are cheaper than a picture's pixels.
+//
+// A valid picture that will last is kept without visiting its children, so that planning costs as
+// much as the cut is wide, not as the scene is large. A picture that is about to expire is replaced
+// before it does.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "rilievo/cache/plan/capture_cost.h"
+#include "rilievo/cache/plan/policy.h"
+
+namespace rilievo {
+
+// Entities with at most this many triangles are drawn as polygons for a few more frames, while
+// their first picture fades in.
+inline constexpr std::uint64_t kFadedTriangles = 10'000;
+
+// The number of frames over which a picture's successor fades in, at most `lead` (its last frames).
+// A quarter of them is reserved for the capture.
+[[nodiscard]] inline int fade_length(int lead, const CacheOptions& options) {
+  return std::clamp(lead - lead / 4, 1, std::max(1, options.fade_frames));
+}
+
+// The planning of one frame. Call in this order: evict_finished, choose, schedule_captures
+// (schedule.h), draw.
+struct FramePlanner {
+  const Hierarchy& tree;
+  std::span<const MovingObject> moving;
+  const Alternatives& alternatives;
+  const LevelTable& levels;
+  const CacheState& state;
+  const FrameView& frame;
+  const CacheOptions& options;
+  PlanScratch& scratch;
+  Plan& plan;
+  ViewAxes view;
+  std::uint64_t faded_triangles = 0;  // of polygons behind pictures that fade in
+  double full_bytes = 0;      // of all pictures kept or requested, if they were at full density
+  double fallback_scale = 1;  // of the fallback's texels, 1: a pixel
+  bool jumped = false;        // FrameView's, or a first step that looks like a jump
+  double cost_at_hand = 0;    // of drawing the frame from what is at hand, without captures
+  // What captures may add to that, where the frame need not be limited.
+  double capture_room = std::numeric_limits<double>::infinity();
+  bool captures_wait = false;  // not even one is made
+
+  FramePlanner(const Hierarchy& tree_, std::span<const MovingObject> moving_,
+               const Alternatives& alternatives_, const LevelTable& levels_,
+               const CacheState& state_, const FrameView& frame_, const CacheOptions& options_,
+               PlanScratch& scratch_, Plan& plan_);
+
+  void evict_finished();
+  void choose();
+  // Draws; what has to be in the fallback is gathered.
+  void draw();
+
+  // About entities.
+  [[nodiscard]] std::uint32_t nodes() const { return std::uint32_t(tree.nodes.size()); }
+  [[nodiscard]] bool is_moving(Entity e) const { return e >= nodes(); }
+  [[nodiscard]] bool several(Entity e) const { return !is_moving(e) && !tree.nodes[e].leaf(); }
+  [[nodiscard]] const Box& box_of(Entity e) const;
+  [[nodiscard]] std::uint64_t triangles_of(Entity e) const;
+  // The motion of the eye relative to the entity in a frame, world space.
+  [[nodiscard]] glm::dvec3 drift_of(Entity e) const;
+  // By which level is it drawn that is off by at most this share of the limit? By itself if there
+  // is none of at most half of its triangles.
+  struct Level {
+    std::uint64_t triangles = 0;
+    double error = 0, px = 0;  // metres; in this frame
+  };
+  [[nodiscard]] Level level_of(Entity e, double share) const;
+  // By the level that makes its picture cheaper in all, if there is one.
+  [[nodiscard]] CaptureCost estimate(Entity e) const;
+  [[nodiscard]] CaptureCost estimate(Entity e, const Level& level) const;
+  [[nodiscard]] DeltaRange expected_range(Entity e) const;
+  [[nodiscard]] double expected_life_share(Entity e) const;
+
+  // Is a picture of it on its way?
+  [[nodiscard]] bool is_ordered(Entity e) const {
+    return e < state.ordered.size() && state.ordered[e].number != 0;
+  }
+
+  // Frames from when a capture is asked for until its picture is there.
+  [[nodiscard]] double latency() const {
+    return captures_beside(options) ? std::min(state.latency, options.longest_life) : 0;
+  }
+
+  // About slots. The picture of an entity; null if it has none or it has been dropped.
+  [[nodiscard]] const Picture* picture_of(const std::vector<std::uint32_t>& by_entity,
+                                          Entity e) const;
+  const PlanScratch::Checked& check(std::uint32_t slot);
+  // Can it be drawn? It may be late.
+  [[nodiscard]] bool valid(const Picture* picture);
+  [[nodiscard]] bool late(const Picture* picture) {
+    return valid(picture) && check(slot_of(picture)).late;
+  }
+  [[nodiscard]] std::uint32_t slot_of(const Picture* picture) const {
+    return std::uint32_t(picture - state.slots.data());
+  }
+  void drop(std::uint32_t slot);
+  // Do valid pictures show everything visible below the node?
+  [[nodiscard]] bool pictures_cover(Entity e);
+  [[nodiscard]] bool pictures_cover_below(Entity e);
+  [[nodiscard]] bool may_fade_over_below(Entity e);
+
+ private:
+  // The cheapest alternative that may stand for the entity now, if one costs less than `cost`.
+  struct Standing {
+    const Alternative* alternative = nullptr;
+    double bound_px = 0, cost = 0;  // cost: as given if there is none
+    double gap_px = 0;
+  };
+  [[nodiscard]] Standing stands_for(Entity e, double cost) const;
+  [[nodiscard]] double polygon_cost(Entity e) const;
+  [[nodiscard]] double polygon_cost(Entity e, const Level& level) const;
+  // Before anything is known of it; and the share of that which it took when it was drawn so.
+  [[nodiscard]] double expected_polygon_cost(Entity e, const Level& level) const;
+  [[nodiscard]] double polygon_share(Entity e) const;
+  void emit(const Standing& standing);
+  struct Costs {
+    double best, now;  // of the best cut; of drawing with what is at hand
+  };
+  Costs evaluate(Entity e);
+  Costs evaluate_below(Entity e);
+  bool request(Entity e, double deadline, bool covered);
+  void enqueue(Entity e, double deadline, bool covered);
+  void draw(Entity e, float from, float to);
+  void draw_below(Entity e, float from, float to);
+
+  // In frame_limit.cpp. What the frame may cost (CacheOptions::max_spike): sets plan.limit or
+  // capture_room or captures_wait, and jumped.
+  void find_limit();
+  // By how much what the last frame drew as pictures has shifted since: the mean, radians.
+  [[nodiscard]] double mean_shift() const;
+  [[nodiscard]] bool falls_back(Entity e, float from, float to) const;
+  [[nodiscard]] double coarsest_fallback() const;
+  void limit_cost();
+  void finish_fallback();
+  void emit(std::uint32_t slot, Entity e, const PlanScratch::Checked& checked, float from,
+            float to);
+
+  int fallback_depth_ = 0;  // of draw(): entities above that are in the fallback
+  double seen_share_ = 1;   // of evaluate(): of the picture at hand, of the entity or one above
+};
+
+}  // namespace rilievo

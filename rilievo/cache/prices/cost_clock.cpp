@@ -1,0 +1,32 @@
+#include "rilievo/cache/prices/cost_clock.h"
+
+#include <algorithm>
+
+namespace rilievo {
+namespace {
+
+constexpr double kDearer = 0.5, kCheaper = 0.1;
+constexpr double kLeastMs = 0.1;                   // less says little
+constexpr std::uint64_t kLeastTriangles = 10'000;  // of pictures of several objects
+
+}  // namespace
+
+void MeasuredPrice::learn(double cost, double ms) {
+  if (!(ms > 0 && cost * ms_per_cost > kLeastMs)) return;
+  const double now = ms / cost;
+  ms_per_cost += (now > ms_per_cost ? kDearer : kCheaper) * (now - ms_per_cost);
+}
+
+void CostClock::set_budget(double ms, const CacheOptions& original, CacheOptions& options) const {
+  options.capture_cost = ms / capture.ms_per_cost;
+  options.fallback_cost = ms / drawing.ms_per_cost;
+  options.cost.fallback_texel =
+      original.cost.fallback_texel * fallback.ms_per_cost / drawing.ms_per_cost;
+  options.picture_triangles = std::clamp(
+      std::uint64_t(std::min(1e15, 0.5 * options.capture_cost / options.cost.capture_triangle)),
+      std::min(kLeastTriangles, original.picture_triangles), original.picture_triangles);
+  options.jump_share =
+      original.jump_share * std::min(1.0, modelled_ms_per_cost_ / drawing.ms_per_cost);
+}
+
+}  // namespace rilievo
