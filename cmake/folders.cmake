@@ -4,11 +4,13 @@
 
 # In the order in which they may include each other; tools/check_layers has the exact table.
 set(RILIEVO_FOLDERS core measure gl io warp scene render capture kind nailboard layered_impostor
-    environment_nodes layered_relief relief_impostor representation frame keyframes cache method compare)
+    environment_nodes layered_relief relief_impostor representation frame keyframes cache method web_walk
+    compare)
 set(RILIEVO_GL_FOLDERS gl compare)
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
-    meshoptimizer::meshoptimizer JPEG::JPEG PNG::PNG embree PkgConfig::webp hwy SQLite::SQLite3)
+    meshoptimizer::meshoptimizer JPEG::JPEG PNG::PNG embree PkgConfig::webp hwy SQLite::SQLite3
+    ZLIB::ZLIB)
 # Only headers, and none of them in ours: who uses the installed library does not need them.
 set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
 

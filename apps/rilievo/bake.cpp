@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/rilievo/bake_source.h"
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
@@ -22,16 +23,12 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/deep_image_source.h"
-#include "rilievo/capture/gl/opengl_source.h"
-#include "rilievo/capture/ray_source.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/opengl_frames.h"
-#include "rilievo/gl/context.h"
 #include "rilievo/io/deep_exr.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/method/direct.h"
 #include "rilievo/render/opengl/frame_target.h"
-#include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
@@ -199,41 +196,22 @@ Result<> run_bake(const BakeCommand& options) {
   if (options.fov_degrees > 0 || options.ray_depth)
     return Error{options.fov_degrees > 0 ? "--fov" : "--ray-depth",
                  "is for deep images, which " + options.scene + " is not"};
-  if (is_capture(options.scene)) {
-    Result<PhotographSource> source = open_photographs(options.scene, options.limits);
-    if (!source) return source.error();
-    if (Result<> made = make_folder(folder); !made) return made;
-    return bake_without_scene(options, kind, *values, *source);
-  }
-  Times times;
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits);
-  if (!opened) return opened.error();
+  Result<BakeSource> source = BakeSource::open(options.scene, options.limits);
+  if (!source) return source.error();
   if (Result<> made = make_folder(folder); !made) return made;
-  // Without OpenGL rays take the pictures.
-  const auto context = gl::Context::create();
-  std::optional<SceneRenderer> renderer;
-  std::optional<RayScene> rays;
-  std::unique_ptr<CaptureSource> source;
-  if (context) {
-    Result<SceneRenderer> made = SceneRenderer::create(opened->scene);
-    if (!made) return made.error();
-    source = std::make_unique<OpenGLSource>(renderer.emplace(std::move(*made)));
-  } else {
-    Result<RayScene> made = RayScene::create(opened->scene);
-    if (!made) return made.error();
-    source = std::make_unique<RaySource>(rays.emplace(std::move(*made)));
-  }
-  // Where a built-in scene is walked through: around its own path; else not known.
-  const Box eyes = opened->walk ? eyes_of(*opened->walk, frame_count(*opened->walk)) : Box{};
-  const Result<Baked> baked = bake(options, kind, *values, *source, eyes, times);
+  if (is_capture(options.scene))
+    return bake_without_scene(options, kind, *values, source->source());
+  Times times;
+  const Result<Baked> baked = bake(options, kind, *values, source->source(), source->eyes(), times);
   if (!baked) return baked.error();
   if (options.json.empty()) {
     print_made(options, kind, *baked, times);
     return Done{};
   }
   nlohmann::json json = report_of(options, kind, *values, *baked, times);
-  if (renderer)
-    if (Result<> added = add_direct(*values, times, *renderer, json); !added) return added;
+  if (source->renderer())
+    if (Result<> added = add_direct(*values, times, *source->renderer(), json); !added)
+      return added;
   return write_json(options.json, json);
 }
 

@@ -1,0 +1,106 @@
+// A walk for browsers: a folder of static files that any web host serves (schema `rilievo-walk-1`).
+//
+//   walk.json          the manifest: what there is, where it stands, which files hold it
+//   pictures/NAME.EXT  one file for each picture or mesh; NAME is the beginning of its SHA-256
+//   index.html         a page that walks it, with
+//   viewer.js          its program
+//
+// All paths are relative. docs/formats.md describes the manifest, and the npm package in web/ reads
+// it. World space, metres; disparities are 1 / eye_z of a node's face, 1/m.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "rilievo/core/bounds.h"
+#include "rilievo/core/camera.h"
+
+namespace rilievo {
+
+// A file of a walk.
+struct WalkFile {
+  std::string name;  // relative to the walk's folder
+  std::size_t bytes = 0;
+};
+
+// A node's mesh in a file: four streams of meshoptimizer, one behind the other.
+struct WalkMesh {
+  WalkFile file;
+  // Bytes, and elements: vertices or indices.
+  struct Stream {
+    std::size_t bytes = 0, count = 0;
+  };
+  Stream surface_vertices, surface_indices, skin_vertices, skin_indices;
+  // The triangles of each side, in the order of the indices.
+  std::array<std::uint32_t, 6> surfaces{}, skins{};
+  // A vertex's disparity is its code times this, 1/m.
+  double disparity_step = 0;
+};
+
+// A node in one resolution.
+struct WalkLevel {
+  int face_size = 0;  // texels
+  // One WebP of 3 x 2 faces, +x -x +y / -y +z -z, each with its bottom row first.
+  WalkFile colors;
+  double psnr_db = 0;  // of the colours against the pictures
+  WalkMesh mesh;
+  // Of any texel, in pixels of a frame as fine as the faces, for an eye `reach` metres from the
+  // node: of the triangles and of the rounding of disparities together.
+  double error_px = 0, reach = 0;
+  WalkFile objects;  // a plane of 16-bit identifiers laid out as the colours; or no name
+};
+
+// A node.
+struct WalkNode {
+  glm::dmat4 world_from_node{1.0};
+  double covered = 0;             // the share of its texels that show a surface
+  Box bounds;                     // of these surfaces
+  std::vector<WalkLevel> levels;  // the coarsest first
+};
+
+// What a node sees in each direction, in low resolution (NodeSketch), for all nodes in one plane.
+struct WalkSketches {
+  WalkFile file;
+  int size = 0;  // texels a side of a face
+  // A code c from 1 to 65534 is the distance near (far / near)^((c - 1) / 65533), metres; 0 is
+  // nothing, 65535 is infinity.
+  double near = 1, far = 1;
+};
+
+// A nailboard (nailboard/nailboard.h).
+struct WalkBoard {
+  Camera camera;
+  double plane_z = 1;  // of its polygon, metres in front of the camera
+  WalkFile colors;     // a WebP with alpha, its top row first
+  double psnr_db = 0;
+  WalkFile depths;  // a plane of Delta in 16 bits; 65535 is transparent
+};
+
+// What the manifest says.
+struct WalkManifest {
+  std::string name;
+  glm::dvec3 up{0, 1, 0};
+  // Where a walk begins, which way it looks; vertical field of view, radians.
+  glm::dvec3 eye{0.0}, target{0, 0, -1};
+  double vertical_fov = 0.9;
+  double z_near = 0.1, z_far = 1000;
+  std::vector<WalkNode> nodes;
+  WalkSketches sketches;  // of the nodes; no name without any
+  std::vector<WalkBoard> boards;
+};
+
+// How exact a walk is, and what is in it.
+struct WalkOptions {
+  double least_psnr_db = 42;  // of colours
+  double rounding_px = 0.05;  // the most that rounding of disparities moves a texel
+  int coarse_face = 128;      // texels a side of a face that is loaded first
+  bool objects = false;       // identifiers, to measure what is drawn
+  std::function<void(int done, int total)> progress = {};
+};
+
+}  // namespace rilievo

@@ -1,0 +1,205 @@
+#include "rilievo/web_walk/walk_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "rilievo/core/file.h"
+#include "rilievo/web_walk/sha256.h"
+
+namespace rilievo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kWalkPage =
+#include "rilievo/web_walk/page/index.html.inc"
+    ;
+constexpr std::string_view kWalkViewer =
+#include "rilievo/web_walk/page/viewer.js.inc"
+    ;
+
+// Half of a digest: no two contents meet by chance.
+constexpr int kDigits = 32;
+
+nlohmann::json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+nlohmann::json json_of(const glm::dmat4& matrix) {
+  nlohmann::json json = nlohmann::json::array();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) json.push_back(matrix[column][row]);
+  return json;
+}
+
+nlohmann::json json_of(const WalkFile& file) {
+  return {{"file", file.name}, {"bytes", file.bytes}};
+}
+
+nlohmann::json json_of(const WalkMesh& mesh) {
+  nlohmann::json json = json_of(mesh.file);
+  const auto stream = [&](const char* name, const WalkMesh::Stream& of) {
+    json[name] = {{"bytes", of.bytes}, {"count", of.count}};
+  };
+  stream("surface_vertices", mesh.surface_vertices);
+  stream("surface_indices", mesh.surface_indices);
+  stream("skin_vertices", mesh.skin_vertices);
+  stream("skin_indices", mesh.skin_indices);
+  json["surfaces"] = mesh.surfaces;
+  json["skins"] = mesh.skins;
+  json["disparity_step"] = mesh.disparity_step;
+  return json;
+}
+
+nlohmann::json json_of(const WalkLevel& level) {
+  nlohmann::json json{{"face_size", level.face_size},
+                      {"colors", json_of(level.colors)},
+                      {"mesh", json_of(level.mesh)},
+                      {"error_px", level.error_px},
+                      {"reach", level.reach}};
+  json["colors"]["psnr_db"] = std::min(level.psnr_db, 100.0);
+  if (!level.objects.name.empty()) json["objects"] = json_of(level.objects);
+  return json;
+}
+
+nlohmann::json json_of(const WalkNode& node) {
+  nlohmann::json levels = nlohmann::json::array();
+  for (const WalkLevel& level : node.levels) levels.push_back(json_of(level));
+  nlohmann::json json{{"world_from_node", json_of(node.world_from_node)},
+                      {"covered", node.covered},
+                      {"levels", levels}};
+  if (!node.bounds.empty())
+    json["bounds"] = {json_of(glm::dvec3(node.bounds.min)), json_of(glm::dvec3(node.bounds.max))};
+  return json;
+}
+
+nlohmann::json json_of(const WalkBoard& board) {
+  const Camera& camera = board.camera;
+  nlohmann::json json{
+      {"world_from_eye", json_of(camera.world_from_eye)},
+      {"window",
+       {camera.window.left, camera.window.right, camera.window.bottom, camera.window.top}},
+      {"z_near", camera.z_near},
+      {"z_far", camera.z_far},
+      {"plane_z", board.plane_z},
+      {"size", {camera.width, camera.height}},
+      {"colors", json_of(board.colors)},
+      {"depths", json_of(board.depths)}};
+  json["colors"]["psnr_db"] = std::min(board.psnr_db, 100.0);
+  return json;
+}
+
+nlohmann::json json_of(const WalkManifest& walk) {
+  nlohmann::json nodes = nlohmann::json::array();
+  for (const WalkNode& node : walk.nodes) nodes.push_back(json_of(node));
+  nlohmann::json json{{"schema", "rilievo-walk-1"},
+                      {"name", walk.name},
+                      {"up", json_of(walk.up)},
+                      {"start",
+                       {{"eye", json_of(walk.eye)},
+                        {"target", json_of(walk.target)},
+                        {"vertical_fov", walk.vertical_fov},
+                        {"z_near", walk.z_near},
+                        {"z_far", walk.z_far}}},
+                      {"nodes", nodes}};
+  if (!walk.nodes.empty()) {
+    json["sketches"] = json_of(walk.sketches.file);
+    json["sketches"]["size"] = walk.sketches.size;
+    json["sketches"]["near"] = walk.sketches.near;
+    json["sketches"]["far"] = walk.sketches.far;
+  }
+  for (const WalkBoard& board : walk.boards) json["boards"].push_back(json_of(board));
+  return json;
+}
+
+bool is_walk_picture(const std::string& name) {
+  return name.size() > std::size_t(kDigits) + 1 && name[kDigits] == '.' &&
+         name.find_first_not_of("0123456789abcdef") == std::size_t(kDigits);
+}
+
+}  // namespace
+
+struct WalkWriter::State {
+  fs::path folder;
+  std::mutex mutex;
+  std::map<std::string, std::size_t> files;  // bytes, by name in the folder
+  std::size_t page_bytes = 0;                // the page and the manifest
+};
+
+WalkWriter::WalkWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+WalkWriter::WalkWriter(WalkWriter&&) noexcept = default;
+WalkWriter& WalkWriter::operator=(WalkWriter&&) noexcept = default;
+WalkWriter::~WalkWriter() = default;
+
+Result<WalkWriter> WalkWriter::create(const fs::path& folder) {
+  std::error_code failed;
+  if (fs::exists(folder, failed)) {
+    if (!fs::is_directory(folder, failed)) return Error{folder.string(), "is no folder"};
+    if (!fs::is_empty(folder, failed) && !fs::exists(folder / "walk.json", failed))
+      return Error{folder.string(), "holds other files than a walk's: name a folder of its own"};
+  }
+  auto state = std::make_unique<State>();
+  state->folder = folder;
+  return WalkWriter(std::move(state));
+}
+
+Result<WalkFile> WalkWriter::add(std::span<const std::uint8_t> bytes, std::string_view extension) {
+  const std::string name = "pictures/" + sha256_hex(bytes, kDigits) + "." + std::string(extension);
+  {
+    const std::lock_guard lock(state_->mutex);
+    std::error_code failed;
+    fs::create_directories(state_->folder / "pictures", failed);
+    if (failed) return Error{state_->folder.string(), failed.message()};
+    if (!state_->files.try_emplace(name, bytes.size()).second) return WalkFile{name, bytes.size()};
+  }
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (Result<> written = write_file(state_->folder / name, text); !written) return written.error();
+  return WalkFile{name, bytes.size()};
+}
+
+Result<> WalkWriter::finish(const WalkManifest& manifest) {
+  const std::string text =
+      json_of(manifest).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::pair<const char*, std::string_view> files[] = {
+      {"index.html", kWalkPage}, {"viewer.js", kWalkViewer}, {"walk.json", text}};
+  for (const auto& [name, content] : files) {
+    if (Result<> written = write_file(state_->folder / name, content); !written) return written;
+    state_->files[name] = content.size();
+    state_->page_bytes += content.size();
+  }
+  // What an earlier walk left.
+  std::error_code failed;
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(state_->folder / "pictures", failed)) {
+    const std::string name = entry.path().filename().string();
+    if (is_walk_picture(name) && !state_->files.contains("pictures/" + name))
+      fs::remove(entry.path(), failed);
+  }
+  return Done{};
+}
+
+std::size_t WalkWriter::files() const { return state_->files.size(); }
+
+std::size_t WalkWriter::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [name, bytes] : state_->files) sum += bytes;
+  return sum;
+}
+
+std::size_t WalkWriter::first_view_bytes(const WalkManifest& manifest) const {
+  std::size_t first = 0;
+  double least = INFINITY;
+  for (const WalkNode& node : manifest.nodes) {
+    const double distance = glm::distance(glm::dvec3(node.world_from_node[3]), manifest.eye);
+    if (!(distance < least)) continue;
+    least = distance;
+    first = node.levels[0].colors.bytes + node.levels[0].mesh.file.bytes;
+  }
+  for (const WalkBoard& board : manifest.boards) first += board.colors.bytes + board.depths.bytes;
+  return state_->page_bytes + manifest.sketches.file.bytes + first;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,423 @@
+// A walk in a WebGL 2 context, without three.js: what is loaded, and what is drawn.
+//
+//   const walk = new Walk(gl, "walk/", { onNeedsDraw: () => requestAnimationFrame(frame) });
+//   await walk.ready;
+//   walk.update(eye);                     // every frame: what is loaded next, what goes
+//   walk.draw(view, framebuffer);         // colour and depth
+
+import { NodeChooser } from "./choose.js";
+import { Decoder } from "./decoder.js";
+import { WalkError, asWalkError } from "./errors.js";
+import { NodeDrawer, kMostDrawn, type View } from "./gl/drawer.js";
+import { deleteNode, storeNode, uploadFace, type StoredNode } from "./gl/node-store.js";
+import type { FileEntry, LevelEntry, Manifest } from "./manifest.js";
+import { StaticSource, type PictureSource } from "./source.js";
+
+export { WalkError } from "./errors.js";
+export { parseManifest } from "./manifest.js";
+export type { FileEntry, LevelEntry, Manifest, MeshEntry, NodeEntry, Vector } from "./manifest.js";
+export { StaticSource } from "./source.js";
+export type { EyePose, PictureSource } from "./source.js";
+export type { View } from "./gl/drawer.js";
+
+export interface WalkOptions {
+  /** Bytes on the GPU; nodes that were not drawn for longest go first. Default 192 MiB. */
+  memoryBudget?: number;
+  /** Nodes that are merged at a time, 1 to 4. Default 2. */
+  nodes?: number;
+  /** Files that are loaded at a time. Default 3. */
+  connections?: number;
+  /** Identifiers of objects as well, for drawObjects(). */
+  objects?: boolean;
+  /** A frame drawn now would differ from the last one. */
+  onNeedsDraw?: () => void;
+  /** A node came, in one of its levels (0 is the coarsest). */
+  onPicture?: (node: number, level: number) => void;
+  /** A file could not be loaded; the walk goes on without it. */
+  onError?: (error: WalkError) => void;
+}
+
+export interface WalkStats {
+  drawCalls: number;
+  triangles: number;
+  /** Bytes on the GPU: nodes and layers. */
+  bytes: number;
+  /** Nodes on the GPU. */
+  nodes: number;
+  /** Nodes that the last frame merged. */
+  drawn: number;
+  /** Files that are being loaded or waited for. */
+  loading: number;
+  /** Bytes that were loaded. */
+  loaded: number;
+}
+
+interface Slot {
+  stored: StoredNode | null;
+  /** The level of `stored`; -1: none. */
+  level: number;
+  /** Being loaded: its level; -1: none. */
+  coming: number;
+  /** Bytes that are kept for what comes. */
+  reserved: number;
+  /** Levels from here on failed. */
+  most: number;
+  lastUsed: number;
+  /** What is being uploaded. */
+  next: { stored: StoredNode; level: number; faces: ImageBitmap[] } | null;
+}
+
+const kMemoryBudget = 192 * 1024 * 1024;
+/** A node may stay ahead of what is drawn: so many of the next best are loaded as well. */
+const kAhead = 4;
+
+export class Walk {
+  /** The manifest is read and something can be drawn. */
+  readonly ready: Promise<void>;
+  readonly stats: WalkStats = {
+    drawCalls: 0, triangles: 0, bytes: 0, nodes: 0, drawn: 0, loading: 0, loaded: 0,
+  };
+  manifest: Manifest | null = null;
+  /** Layers of the last drawLayers(), for those who merge them themselves. */
+  drawer: NodeDrawer;
+
+  private readonly source: PictureSource;
+  private readonly decoder = new Decoder();
+  private readonly abort = new AbortController();
+  private readonly budget: number;
+  private readonly mostDrawn: number;
+  private readonly mostLoading: number;
+  private chooser: NodeChooser | null = null;
+  private slots: Slot[] = [];
+  private readonly drawn: StoredNode[] = [];
+  private frame = 0;
+  private nodeBytes = 0;
+  private generation = 0;
+  private readonly eye = new Float64Array(3);
+  private readonly waiting: (() => void)[] = [];
+  private firstPicture: (() => void) | null = null;
+  private failed: WalkError | null = null;
+
+  constructor(
+    private gl: WebGL2RenderingContext,
+    source: string | URL | PictureSource,
+    private readonly options: WalkOptions = {},
+  ) {
+    this.source =
+      typeof source === "string" || source instanceof URL ? new StaticSource(source) : source;
+    this.budget = options.memoryBudget ?? kMemoryBudget;
+    this.mostDrawn = Math.min(kMostDrawn, Math.max(1, options.nodes ?? 2));
+    this.mostLoading = Math.max(1, options.connections ?? 3);
+    this.drawer = new NodeDrawer(gl);
+    this.ready = this.open();
+    // Who does not wait for it hears of its error by onError.
+    this.ready.catch(() => {});
+  }
+
+  /**
+   * What the eye at (x, y, z) needs is loaded, and at most one face of a picture uploaded. Call it
+   * once a frame.
+   */
+  update(x: number, y: number, z: number): void {
+    const { eye, chooser } = this;
+    ++this.frame;
+    eye[0] = x;
+    eye[1] = y;
+    eye[2] = z;
+    if (!chooser || this.gl.isContextLost()) return;
+    chooser.order(x, y, z);
+    this.upload();
+    this.choose();
+    this.load();
+  }
+
+  /** Draws into a framebuffer (null: the canvas), with depth, as large as the view. */
+  draw(view: View, framebuffer: WebGLFramebuffer | null): void {
+    const { gl } = this;
+    if (this.drawn.length === 0 || gl.isContextLost()) return;
+    this.drawLayers(view);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.viewport(0, 0, view.width, view.height);
+    this.drawer.merge(view);
+    this.count();
+  }
+
+  /** Draws nodes into the layers of `drawer` alone: how many? */
+  drawLayers(view: View): number {
+    if (this.drawn.length === 0) return 0;
+    this.drawer.drawLayers(view, this.drawn, this.drawn.length);
+    this.count();
+    return this.drawer.layers;
+  }
+
+  /** Draws identifiers of objects as colours (red + 256 green), if the walk and the options have them. */
+  drawObjects(view: View, framebuffer: WebGLFramebuffer | null): void {
+    const withObjects = this.drawn.filter((node) => node.objects !== null);
+    this.drawer.drawObjects(view, withObjects, withObjects.length, framebuffer);
+  }
+
+  /** Is everything there that an eye needs which is where update() was told last? */
+  get settled(): boolean {
+    const { chooser } = this;
+    if (!chooser) return this.failed !== null;
+    for (let k = 0; k < Math.min(this.mostDrawn, this.slots.length); ++k) {
+      const slot = this.slots[chooser.best[k]];
+      if (slot.level < slot.most - 1 || slot.next) return false;
+    }
+    return true;
+  }
+
+  /** After a lost context came back: everything is loaded and uploaded again. */
+  restore(gl: WebGL2RenderingContext): void {
+    this.gl = gl;
+    ++this.generation;
+    this.drawer = new NodeDrawer(gl);
+    this.nodeBytes = 0;
+    this.drawn.length = 0;
+    for (const slot of this.slots) {
+      for (const face of slot.next?.faces ?? []) face.close();
+      slot.stored = slot.next = null;
+      slot.level = slot.coming = -1;
+      slot.reserved = 0;
+    }
+    this.options.onNeedsDraw?.();
+  }
+
+  dispose(): void {
+    ++this.generation;
+    this.abort.abort();
+    this.source.close();
+    this.decoder.dispose();
+    for (const slot of this.slots) {
+      for (const face of slot.next?.faces ?? []) face.close();
+      if (slot.next) deleteNode(this.gl, slot.next.stored);
+      if (slot.stored) deleteNode(this.gl, slot.stored);
+      slot.stored = slot.next = null;
+    }
+    this.drawn.length = 0;
+    this.drawer.dispose();
+  }
+
+  private async open(): Promise<void> {
+    try {
+      const { signal } = this.abort;
+      const manifest = await this.source.manifest(signal);
+      const { sketches } = manifest;
+      const codes = await this.decoder.plane16(
+        await this.fetch(sketches), sketches, sketches.size,
+        6 * sketches.size * manifest.nodes.length,
+      );
+      this.chooser = new NodeChooser(manifest.nodes, codes, sketches);
+      this.slots = manifest.nodes.map((node) => ({
+        stored: null, level: -1, coming: -1, reserved: 0, most: node.levels.length, lastUsed: 0,
+        next: null,
+      }));
+      this.manifest = manifest;
+      const first = new Promise<void>((resolve) => (this.firstPicture = resolve));
+      this.update(...manifest.start.eye);
+      this.options.onNeedsDraw?.();
+      await first;
+      if (this.failed) throw this.failed;
+    } catch (error) {
+      const told = asWalkError(error, "walk");
+      if (this.failed !== told && !this.abort.signal.aborted) this.options.onError?.(told);
+      this.failed = told;
+      throw told;
+    }
+  }
+
+  private async fetch(entry: FileEntry): Promise<ArrayBuffer> {
+    while (this.stats.loading >= this.mostLoading)
+      await new Promise<void>((resolve) => this.waiting.push(resolve));
+    ++this.stats.loading;
+    try {
+      const bytes = await this.source.file(entry, this.abort.signal);
+      this.stats.loaded += bytes.byteLength;
+      return bytes;
+    } finally {
+      --this.stats.loading;
+      this.waiting.shift()?.();
+    }
+  }
+
+  // The nodes that are drawn: of the best those that are there.
+  private choose(): void {
+    const { chooser, drawn, slots } = this;
+    if (!chooser) return;
+    drawn.length = 0;
+    for (let k = 0; k < slots.length && drawn.length < this.mostDrawn; ++k) {
+      const slot = slots[chooser.best[k]];
+      if (!slot.stored) continue;
+      slot.lastUsed = this.frame;
+      drawn.push(slot.stored);
+    }
+  }
+
+  // The next level that is missing: first something of the nodes that are drawn, then all of it,
+  // then of those that come next, then something of all others.
+  private load(): void {
+    const { chooser, slots } = this;
+    if (!chooser) return;
+    let coming = 0;
+    for (let i = 0; i < slots.length; ++i) if (slots[i].coming >= 0) ++coming;
+    const count = slots.length;
+    const near = Math.min(this.mostDrawn, count), ahead = Math.min(near + kAhead, count);
+    for (let pass = 0; pass < 4 && coming < 2; ++pass) {
+      const end = pass < 2 ? near : pass === 2 ? ahead : count;
+      for (let k = 0; k < end && coming < 2; ++k) {
+        const i = chooser.best[k], slot = slots[i];
+        if (slot.coming >= 0 || slot.next) continue;
+        const level = pass === 0 || pass === 3 ? 0 : Math.max(slot.level + 1, 0);
+        if (slot.level >= level || level >= slot.most) continue;
+        const bytes = this.expectedBytes(i, level);
+        if (!this.makeRoom(bytes, k < near)) return;
+        slot.coming = level;
+        slot.reserved = bytes;
+        this.nodeBytes += bytes;
+        ++coming;
+        void this.loadLevel(i, level);
+      }
+    }
+  }
+
+  private expectedBytes(node: number, level: number): number {
+    const entry = this.manifest?.nodes[node].levels[level] as LevelEntry;
+    const { mesh } = entry;
+    return (
+      (entry.objects && this.options.objects ? 36 : 24) * entry.faceSize * entry.faceSize +
+      12 * (mesh.surfaceVertices.count + mesh.surfaceIndices.count / 2) +
+      16 * mesh.skinVertices.count + 4 * (mesh.surfaceIndices.count + mesh.skinIndices.count)
+    );
+  }
+
+  // Those go that were not drawn for longest and are not among the next best. What is drawn is
+  // loaded whatever the budget is.
+  private makeRoom(bytes: number, needed: boolean): boolean {
+    const { chooser, slots } = this;
+    const keep = Math.min(this.mostDrawn + kAhead, slots.length);
+    while (this.nodeBytes + bytes > this.budget) {
+      let oldest = -1;
+      for (let k = needed ? this.mostDrawn : keep; k < slots.length; ++k) {
+        const i = chooser?.best[k] as number;
+        if (slots[i].stored && slots[i].coming < 0 && !slots[i].next &&
+            (oldest < 0 || slots[i].lastUsed < slots[oldest].lastUsed))
+          oldest = i;
+      }
+      if (oldest < 0) return needed;
+      this.drop(slots[oldest]);
+    }
+    return true;
+  }
+
+  private release(slot: Slot): void {
+    this.nodeBytes -= slot.reserved;
+    slot.reserved = 0;
+  }
+
+  private drop(slot: Slot): void {
+    if (!slot.stored) return;
+    this.nodeBytes -= slot.stored.bytes;
+    deleteNode(this.gl, slot.stored);
+    slot.stored = null;
+    slot.level = -1;
+  }
+
+  private async loadLevel(node: number, level: number): Promise<void> {
+    const { generation } = this;
+    const slot = this.slots[node];
+    const of = this.manifest?.nodes[node];
+    const entry = of?.levels[level];
+    if (!of || !entry) return;
+    const faces: ImageBitmap[] = [];
+    try {
+      const meshComes = this.fetch(entry.mesh).then((bytes) =>
+        this.decoder.mesh(bytes, entry.mesh, entry.faceSize),
+      );
+      const objectsCome = entry.objects && this.options.objects
+        ? this.fetch(entry.objects).then((bytes) =>
+            this.decoder.plane16(bytes, entry.objects as FileEntry, 3 * entry.faceSize,
+                                 2 * entry.faceSize))
+        : null;
+      const facesCome = this.fetch(entry.colors).then((bytes) => this.faces(bytes, entry, faces));
+      const [mesh, objects] = await Promise.all([meshComes, objectsCome, facesCome]);
+      if (generation !== this.generation) throw new WalkError("walk", "is another by now");
+      const stored = storeNode(this.gl, of.worldFromNode, entry, mesh, objects);
+      this.release(slot);
+      this.nodeBytes += stored.bytes;
+      slot.next = { stored, level, faces };
+      slot.coming = -1;
+      this.options.onNeedsDraw?.();
+    } catch (error) {
+      for (const face of faces) face.close();
+      if (generation !== this.generation) return;
+      this.release(slot);
+      slot.coming = -1;
+      slot.most = level;
+      const told = asWalkError(error, `node ${node}`);
+      if (this.firstPicture && this.slots.every((s) => s.most === 0 || s.stored)) {
+        this.failed = told;
+        this.firstPicture();
+        this.firstPicture = null;
+      }
+      this.options.onError?.(told);
+      this.options.onNeedsDraw?.();
+    }
+  }
+
+  private async faces(bytes: ArrayBuffer, entry: LevelEntry, faces: ImageBitmap[]): Promise<void> {
+    const checked = await this.decoder.check(bytes, entry.colors);
+    const options: ImageBitmapOptions = {
+      premultiplyAlpha: "none", colorSpaceConversion: "none",
+    };
+    const sheet = await createImageBitmap(new Blob([checked], { type: "image/webp" }), options)
+      .catch(() => {
+        throw new WalkError(entry.colors.name, "is no WebP picture that this browser reads");
+      });
+    const size = entry.faceSize;
+    if (sheet.width !== 3 * size || sheet.height !== 2 * size)
+      throw new WalkError(entry.colors.name, `is not ${3 * size} x ${2 * size} texels large`);
+    try {
+      for (let f = 0; f < 6; ++f)
+        faces.push(
+          await createImageBitmap(sheet, (f % 3) * size, Math.floor(f / 3) * size, size, size,
+                                  options),
+        );
+    } finally {
+      sheet.close();
+    }
+  }
+
+  // One face a frame: a large one takes a millisecond. The old level is drawn until all are there.
+  private upload(): void {
+    const { chooser, slots } = this;
+    if (!chooser) return;
+    for (let k = 0; k < slots.length; ++k) {
+      const i = chooser.best[k], slot = slots[i], next = slot.next;
+      if (!next) continue;
+      const face = next.faces[next.stored.uploaded];
+      uploadFace(this.gl, next.stored, face);
+      face.close();
+      this.options.onNeedsDraw?.();
+      if (next.stored.uploaded < 6) return;
+      this.drop(slot);
+      slot.stored = next.stored;
+      slot.level = next.level;
+      slot.next = null;
+      this.options.onPicture?.(i, next.level);
+      this.firstPicture?.();
+      this.firstPicture = null;
+      return;
+    }
+  }
+
+  private count(): void {
+    const { stats, drawer } = this;
+    stats.drawCalls = drawer.stats.drawCalls;
+    stats.triangles = drawer.stats.triangles;
+    stats.drawn = drawer.layers;
+    stats.bytes = this.nodeBytes + drawer.bytes;
+    let nodes = 0;
+    for (let i = 0; i < this.slots.length; ++i) if (this.slots[i].stored) ++nodes;
+    stats.nodes = nodes;
+  }
+}

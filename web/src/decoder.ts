@@ -1,0 +1,78 @@
+// Checks and decodes files beside the main thread, in a worker.
+
+import workerText from "worker:decode-worker";
+import { WalkError } from "./errors.js";
+import type { FileEntry, MeshEntry } from "./manifest.js";
+import type { Job, JobResult } from "./jobs.js";
+import type { NodeMesh } from "./mesh-layout.js";
+
+export class Decoder {
+  private readonly worker: Worker;
+  private readonly waiting = new Map<
+    number,
+    { resolve: (result: JobResult) => void; reject: (error: unknown) => void }
+  >();
+  private next = 1;
+  private failed: WalkError | null = null;
+
+  constructor() {
+    const url = URL.createObjectURL(new Blob([workerText], { type: "text/javascript" }));
+    this.worker = new Worker(url);
+    this.worker.onmessage = (event) => {
+      URL.revokeObjectURL(url);
+      const { id, result, error } = event.data;
+      const job = this.waiting.get(id);
+      this.waiting.delete(id);
+      if (error) job?.reject(new WalkError(error.where, error.reason));
+      else job?.resolve(result);
+    };
+    this.worker.onerror = (event) => {
+      event.preventDefault();
+      this.fail(
+        new WalkError(
+          "browser",
+          "does not start the worker that decodes pictures: the page's Content-Security-Policy " +
+            "must allow worker-src blob:",
+        ),
+      );
+    };
+  }
+
+  /** The bytes again, if they are those that the name says. */
+  async check(bytes: ArrayBuffer, entry: FileEntry): Promise<ArrayBuffer> {
+    return (await this.run({ kind: "check", bytes, name: entry.name })) as ArrayBuffer;
+  }
+
+  async mesh(bytes: ArrayBuffer, entry: MeshEntry, size: number): Promise<NodeMesh> {
+    return (await this.run({ kind: "mesh", bytes, entry, size })) as NodeMesh;
+  }
+
+  async plane16(bytes: ArrayBuffer, entry: FileEntry, width: number, height: number):
+      Promise<Uint16Array> {
+    return (await this.run({ kind: "plane16", bytes, name: entry.name, width, height })) as
+      Uint16Array;
+  }
+
+  dispose(): void {
+    this.worker.terminate();
+    this.fail(new WalkError("walk", "was disposed of"));
+  }
+
+  private fail(error: WalkError): void {
+    this.failed = error;
+    for (const job of this.waiting.values()) job.reject(error);
+    this.waiting.clear();
+  }
+
+  private run(job: Job): Promise<JobResult> {
+    return new Promise((resolve, reject) => {
+      if (this.failed) {
+        reject(this.failed);
+        return;
+      }
+      const id = this.next++;
+      this.waiting.set(id, { resolve, reject });
+      this.worker.postMessage({ id, job }, [job.bytes]);
+    });
+  }
+}

@@ -1,0 +1,430 @@
+// Draws nodes (S3.3 to S3.7): each node into a layer of its own, colour, quality and depth, and then
+// one pass that merges the layers. Allocates nothing in a frame of the size of the last one.
+
+import { kFaceAxes } from "../choose.js";
+import { WalkError } from "../errors.js";
+import { mergeProgram, nodeProgram, showObjectsProgram } from "./shaders.js";
+import type { StoredNode } from "./node-store.js";
+
+/** A frame to draw. Matrices column by column; clip space as OpenGL's. */
+export interface View {
+  readonly worldFromEye: ArrayLike<number>;
+  /** A perspective projection, eye space to clip space. */
+  readonly clipFromEye: ArrayLike<number>;
+  readonly width: number;
+  readonly height: number;
+  /** The near plane, metres; else that of an OpenGL projection. */
+  readonly near?: number;
+}
+
+/** The most nodes that are merged. */
+export const kMostDrawn = 4;
+/** Surfaces are equal if their distances differ by at most this share. */
+export const kTolerance = 0.03;
+// Gaps of this width, pixels, count as cracks, which are always filled.
+const kCrack = 2;
+const kAnyWidth = 1e30;
+const kDepthClamp = 0x864f;
+const kLowerLeft = 0x8ca1, kNegativeOneToOne = 0x935e;
+
+interface NodeProgram {
+  readonly program: WebGLProgram;
+  readonly clip: WebGLUniformLocation | null;
+  readonly scales: WebGLUniformLocation | null;
+  readonly widest: WebGLUniformLocation | null;
+}
+
+interface MergeProgram {
+  readonly program: WebGLProgram;
+  readonly merge: WebGLUniformLocation | null;
+  readonly nearness: WebGLUniformLocation | null;
+  readonly projection: WebGLUniformLocation | null;
+}
+
+export class NodeDrawer {
+  readonly stats = { drawCalls: 0, triangles: 0 };
+  /** The layers of the last drawLayers(): texture arrays of sRGB-encoded colours and of depths. */
+  colors: WebGLTexture | null = null;
+  depths: WebGLTexture | null = null;
+  layers = 0;
+  /** Of the last drawLayers(): tolerance and near plane, and the nearness of each node. */
+  readonly mergeUniform = new Float32Array(2);
+  readonly nearness = new Float32Array(kMostDrawn);
+
+  private readonly surface: NodeProgram;
+  private readonly skin: NodeProgram;
+  private surfaceObject: NodeProgram | null = null;
+  private skinObject: NodeProgram | null = null;
+  private showObjects: WebGLProgram | null = null;
+  private readonly mergePrograms: (MergeProgram | null)[] = [];
+  private readonly noVertices: WebGLVertexArrayObject | null;
+  private readonly clamps: boolean;
+  private readonly clipControl: { clipControlEXT(origin: number, depth: number): void } | null;
+  private framebuffers: WebGLFramebuffer[] = [];
+  private objectTarget: { framebuffer: WebGLFramebuffer; texture: WebGLTexture; depth: WebGLRenderbuffer } | null = null;
+  private width = 0;
+  private height = 0;
+  private readonly clip = new Float64Array(16);
+  private readonly clip32 = new Float32Array(16);
+  private readonly scales = new Float32Array(4);
+  private readonly projection = new Float32Array(4);
+  private readonly rays = new Float64Array(12);
+  private readonly apex = new Float64Array(3);
+  private readonly visible = new Uint8Array(6);
+
+  constructor(private readonly gl: WebGL2RenderingContext) {
+    this.surface = this.nodeProgram();
+    this.skin = this.nodeProgram("SKIN");
+    this.noVertices = gl.createVertexArray();
+    this.clamps = gl.getExtension("EXT_depth_clamp") !== null;
+    this.clipControl = gl.getExtension("EXT_clip_control");
+    this.mergeFor(2);
+  }
+
+  /** Draws nodes into the layers, the best first. Changes framebuffer, viewport and programs. */
+  drawLayers(view: View, nodes: readonly StoredNode[], count: number): void {
+    const { gl, stats } = this;
+    stats.drawCalls = 0;
+    stats.triangles = 0;
+    this.makeLayers(view.width, view.height, Math.max(2, count));
+    // The first node shows everything that is seen from its own place.
+    if (count > 1 && eyeDistance(view, nodes[0]) < 1e-6) count = 1;
+    this.layers = count;
+    const near = this.begin(view);
+    this.mergeUniform[0] = kTolerance;
+    this.mergeUniform[1] = near;
+    let sum = 0;
+    for (let i = 0; i < count; ++i) sum += 1 / Math.max(1e-9, eyeDistance(view, nodes[i]));
+    for (let i = 0; i < count; ++i) {
+      this.nearness[i] = Math.max(1e-6, 1 / Math.max(1e-9, eyeDistance(view, nodes[i])) / sum);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffers[i]);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+      this.drawNode(view, nodes[i], near, i === 0, this.surface, this.skin);
+    }
+    this.end();
+  }
+
+  /** Merges the layers into the bound framebuffer and viewport, with depth. */
+  merge(view: View): void {
+    const { gl } = this;
+    if (this.layers === 0) return;
+    const of = this.mergeFor(this.layers);
+    gl.useProgram(of.program);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.colors);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.depths);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.uniform2fv(of.merge, this.mergeUniform);
+    gl.uniform1fv(of.nearness, this.nearness, 0, this.layers);
+    const p = view.clipFromEye;
+    this.projection[0] = p[10];
+    this.projection[1] = p[14];
+    this.projection[2] = p[11];
+    this.projection[3] = p[15];
+    gl.uniform4fv(of.projection, this.projection);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+    gl.disable(gl.CULL_FACE);
+    gl.bindVertexArray(this.noVertices);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindVertexArray(null);
+    ++this.stats.drawCalls;
+    ++this.stats.triangles;
+  }
+
+  /**
+   * Draws identifiers of objects, one z-buffer for all nodes, into `target` as red + 256 green; for
+   * measures. Nodes must have identifiers.
+   */
+  drawObjects(view: View, nodes: readonly StoredNode[], count: number,
+              target: WebGLFramebuffer | null): void {
+    const { gl } = this;
+    this.surfaceObject ??= this.nodeProgram("OBJECT");
+    this.skinObject ??= this.nodeProgram("SKIN", "OBJECT");
+    this.showObjects ??= showObjectsProgram(gl);
+    const into = this.makeObjectTarget(view.width, view.height);
+    const near = this.begin(view);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into.framebuffer);
+    gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    for (let i = 0; i < count; ++i) {
+      gl.activeTexture(gl.TEXTURE1);
+      gl.bindTexture(gl.TEXTURE_2D, nodes[i].objects);
+      this.drawNode(view, nodes[i], near, i === 0, this.surfaceObject, this.skinObject);
+    }
+    this.end();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    gl.useProgram(this.showObjects);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, into.texture);
+    gl.disable(gl.DEPTH_TEST);
+    gl.bindVertexArray(this.noVertices);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindVertexArray(null);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+  }
+
+  /** Bytes of the layers. */
+  get bytes(): number {
+    return 8 * this.width * this.height * this.framebuffers.length;
+  }
+
+  dispose(): void {
+    const { gl } = this;
+    this.dropLayers();
+    for (const of of [this.surface, this.skin, this.surfaceObject, this.skinObject])
+      if (of) gl.deleteProgram(of.program);
+    for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);
+    if (this.showObjects) gl.deleteProgram(this.showObjects);
+    gl.deleteVertexArray(this.noVertices);
+    this.dropObjectTarget();
+  }
+
+  private nodeProgram(...defines: string[]): NodeProgram {
+    const { gl } = this;
+    const program = nodeProgram(gl, ...defines);
+    gl.useProgram(program);
+    gl.uniform1i(gl.getUniformLocation(program, "faces"), 0);
+    gl.uniform1i(gl.getUniformLocation(program, "objects"), 1);
+    return {
+      program,
+      clip: gl.getUniformLocation(program, "clip_from_node"),
+      scales: gl.getUniformLocation(program, "scales"),
+      widest: gl.getUniformLocation(program, "widest_skin"),
+    };
+  }
+
+  private mergeFor(layers: number): MergeProgram {
+    const known = this.mergePrograms[layers];
+    if (known) return known;
+    const { gl } = this;
+    const program = mergeProgram(gl, layers);
+    gl.useProgram(program);
+    gl.uniform1i(gl.getUniformLocation(program, "node_colors"), 0);
+    gl.uniform1i(gl.getUniformLocation(program, "node_depths"), 1);
+    return (this.mergePrograms[layers] = {
+      program,
+      merge: gl.getUniformLocation(program, "node_merge"),
+      nearness: gl.getUniformLocation(program, "node_nearness"),
+      projection: gl.getUniformLocation(program, "projection"),
+    });
+  }
+
+  // The near plane of the layers. Where depths cannot be clamped, nearer than the frame's.
+  private begin(view: View): number {
+    const { gl } = this;
+    const p = view.clipFromEye;
+    const near = view.near ?? Math.abs(p[14] / (p[10] - 1));
+    gl.viewport(0, 0, view.width, view.height);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.disable(gl.BLEND);
+    gl.disable(gl.STENCIL_TEST);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(true);
+    gl.colorMask(true, true, true, true);
+    gl.frontFace(gl.CCW);
+    gl.cullFace(gl.BACK);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clearDepth(1);
+    if (this.clamps) gl.enable(kDepthClamp);
+    // A host whose depth is reversed may have left it otherwise.
+    this.clipControl?.clipControlEXT(kLowerLeft, kNegativeOneToOne);
+    return this.clamps ? near : near / 4;
+  }
+
+  private end(): void {
+    const { gl } = this;
+    if (this.clamps) gl.disable(kDepthClamp);
+    gl.disable(gl.CULL_FACE);
+    gl.bindVertexArray(null);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
+  }
+
+  private drawNode(view: View, node: StoredNode, near: number, first: boolean,
+                   surface: NodeProgram, skin: NodeProgram): void {
+    const { gl, scales } = this;
+    this.setClip(view, node);
+    this.findVisible(view, node);
+    for (let i = 0; i < 16; ++i) this.clip32[i] = this.clip[i];
+    scales[0] = 1 / node.level.faceSize;
+    scales[1] = node.level.mesh.disparityStep;
+    scales[2] = 0.25 / node.level.faceSize;
+    scales[3] = 2 * near;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
+    // The first node sees the eye. What the eye would see from behind of another node's surfaces,
+    // that node saw around a corner: it must not cover what the first node knows.
+    if (first) gl.disable(gl.CULL_FACE);
+    else gl.enable(gl.CULL_FACE);
+    this.drawSides(surface, node.surfaces, node.surfaceStarts, 0);
+    gl.disable(gl.CULL_FACE);
+    this.drawSides(skin, node.skins, node.skinStarts, first ? kAnyWidth : kCrack);
+  }
+
+  private drawSides(of: NodeProgram, array: WebGLVertexArrayObject, starts: Uint32Array,
+                    widest: number): void {
+    const { gl, visible, stats } = this;
+    gl.useProgram(of.program);
+    gl.uniformMatrix4fv(of.clip, false, this.clip32);
+    gl.uniform4fv(of.scales, this.scales);
+    if (of.widest) gl.uniform1f(of.widest, widest);
+    gl.bindVertexArray(array);
+    for (let f = 0; f < 6; ++f) {
+      if (!visible[f]) continue;
+      const begin = starts[f];
+      // Neighbouring sides in one call.
+      while (f + 1 < 6 && visible[f + 1]) ++f;
+      const count = starts[f + 1] - begin;
+      if (count === 0) continue;
+      gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * begin);
+      ++stats.drawCalls;
+      stats.triangles += count;
+    }
+  }
+
+  // Clip coordinates of (direction, disparity): a point at c / d from the node's place E is
+  // R c + (E - eye) d relative to the eye, times d.
+  private setClip(view: View, node: StoredNode): void {
+    const w = node.worldFromNode, e = view.worldFromEye, p = view.clipFromEye, m = this.clip;
+    for (let column = 0; column < 4; ++column) {
+      const x = w[4 * column] - (column === 3 ? e[12] : 0);
+      const y = w[4 * column + 1] - (column === 3 ? e[13] : 0);
+      const z = w[4 * column + 2] - (column === 3 ? e[14] : 0);
+      const ex = e[0] * x + e[1] * y + e[2] * z;
+      const ey = e[4] * x + e[5] * y + e[6] * z;
+      const ez = e[8] * x + e[9] * y + e[10] * z;
+      const d = column === 3 ? 1 : 0;
+      for (let row = 0; row < 4; ++row)
+        m[4 * column + row] = p[row] * ex + p[4 + row] * ey + p[8 + row] * ez + p[12 + row] * d;
+    }
+    // Depth follows from w (shaders.ts), which is the distance: so is w of any projection here.
+    const scale = -p[11] || 1;
+    if (scale !== 1) for (let i = 0; i < 16; ++i) m[i] /= scale;
+  }
+
+  // As visible_faces.cpp: a side is left out whose pyramid is apart from the frustum (S3.5).
+  private findVisible(view: View, node: StoredNode): void {
+    const { rays, apex, visible, clip } = this;
+    const w = node.worldFromNode, e = view.worldFromEye, p = view.clipFromEye;
+    const toNode = (x: number, y: number, z: number, out: Float64Array, at: number) => {
+      out[at] = w[0] * x + w[1] * y + w[2] * z;
+      out[at + 1] = w[4] * x + w[5] * y + w[6] * z;
+      out[at + 2] = w[8] * x + w[9] * y + w[10] * z;
+    };
+    toNode(e[12] - w[12], e[13] - w[13], e[14] - w[14], apex, 0);
+    for (let k = 0; k < 4; ++k) {
+      // Where clip x and y are +-w on the plane z = -1.
+      const x = (((k & 1) ? 1 : -1) + p[8]) / p[0], y = (((k & 2) ? 1 : -1) + p[9]) / p[5];
+      toNode(e[0] * x + e[4] * y - e[8], e[1] * x + e[5] * y - e[9], e[2] * x + e[6] * y - e[10],
+             rays, 3 * k);
+    }
+    for (let f = 0; f < 6; ++f) {
+      visible[f] = 0;
+      const least = node.reaches[2 * f], most = node.reaches[2 * f + 1];
+      if (!(most >= least)) continue;
+      const a = kFaceAxes[f];
+      let outside = 0x1f;
+      for (let k = 0; k < 8; ++k) {
+        const u = (k & 1) ? 1 : -1, v = (k & 2) ? 1 : -1, d = (k & 4) ? most : least;
+        const x = a[0] + u * a[3] + v * a[6], y = a[1] + u * a[4] + v * a[7],
+          z = a[2] + u * a[5] + v * a[8];
+        const cx = clip[0] * x + clip[4] * y + clip[8] * z + clip[12] * d;
+        const cy = clip[1] * x + clip[5] * y + clip[9] * z + clip[13] * d;
+        const cw = clip[3] * x + clip[7] * y + clip[11] * z + clip[15] * d;
+        outside &= (cx < -cw ? 1 : 0) | (cx > cw ? 2 : 0) | (cy < -cw ? 4 : 0) |
+          (cy > cw ? 8 : 0) | (cw < 0 ? 16 : 0);
+      }
+      if (outside) continue;
+      let apart = false;
+      for (let side = 0; side < 4; ++side) {
+        const s = (side & 1) ? -1 : 1, at = side < 2 ? 3 : 6;
+        const x = a[0] + s * a[at], y = a[1] + s * a[at + 1], z = a[2] + s * a[at + 2];
+        let beyond = x * apex[0] + y * apex[1] + z * apex[2] < 0;
+        for (let k = 0; k < 4; ++k)
+          beyond = beyond && x * rays[3 * k] + y * rays[3 * k + 1] + z * rays[3 * k + 2] < 0;
+        apart = apart || beyond;
+      }
+      if (!apart) visible[f] = 1;
+    }
+  }
+
+  private makeLayers(width: number, height: number, count: number): void {
+    if (width === this.width && height === this.height && count <= this.framebuffers.length) return;
+    const { gl } = this;
+    this.dropLayers();
+    const texture = (format: number) => {
+      const made = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D_ARRAY, made);
+      gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, format, width, height, count);
+      for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+        gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, gl.NEAREST);
+      gl.bindTexture(gl.TEXTURE_2D_ARRAY, null);
+      return made;
+    };
+    this.colors = texture(gl.RGBA8);
+    this.depths = texture(gl.DEPTH_COMPONENT32F);
+    for (let i = 0; i < count; ++i) {
+      const framebuffer = gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+      gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, this.colors, 0, i);
+      gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, this.depths, 0, i);
+      if (framebuffer) this.framebuffers.push(framebuffer);
+    }
+    const status = gl.checkFramebufferStatus(gl.FRAMEBUFFER);
+    if (status !== gl.FRAMEBUFFER_COMPLETE && !gl.isContextLost()) {
+      this.dropLayers();
+      throw new WalkError("WebGL", `there is no memory for frames of ${width} x ${height}`);
+    }
+    this.width = width;
+    this.height = height;
+  }
+
+  private dropLayers(): void {
+    const { gl } = this;
+    for (const framebuffer of this.framebuffers) gl.deleteFramebuffer(framebuffer);
+    this.framebuffers = [];
+    gl.deleteTexture(this.colors);
+    gl.deleteTexture(this.depths);
+    this.colors = this.depths = null;
+    this.width = this.height = this.layers = 0;
+  }
+
+  private makeObjectTarget(width: number, height: number) {
+    const { gl } = this;
+    this.dropObjectTarget();
+    const texture = gl.createTexture() as WebGLTexture;
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA16UI, width, height);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+      gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    const depth = gl.createRenderbuffer() as WebGLRenderbuffer;
+    gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, width, height);
+    const framebuffer = gl.createFramebuffer() as WebGLFramebuffer;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+    return (this.objectTarget = { framebuffer, texture, depth });
+  }
+
+  private dropObjectTarget(): void {
+    const { gl, objectTarget } = this;
+    if (!objectTarget) return;
+    gl.deleteFramebuffer(objectTarget.framebuffer);
+    gl.deleteTexture(objectTarget.texture);
+    gl.deleteRenderbuffer(objectTarget.depth);
+    this.objectTarget = null;
+  }
+}
+
+function eyeDistance(view: View, node: StoredNode): number {
+  const e = view.worldFromEye, w = node.worldFromNode;
+  return Math.hypot(e[12] - w[12], e[13] - w[13], e[14] - w[14]);
+}

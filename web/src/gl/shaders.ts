@@ -1,0 +1,215 @@
+// The shaders of rilievo/environment_nodes/gl/node_shaders.cpp in GLSL ES 3.00. A vertex lies at
+// direction / disparity from the node and is sent homogeneous, so that the rasteriser's own
+// division corrects texture coordinates and the sky lies at infinity (S3.3).
+
+const kVertex = `#version 300 es
+precision highp float;
+layout(location = 0) in vec3 direction;     // times the scale
+layout(location = 1) in float disparity;    // code
+#ifdef SKIN
+layout(location = 2) in vec3 texture_direction;  // times 4 N
+layout(location = 3) in float stretch;           // 8 times itself, plus 1; 0: always
+out float v_stretch;
+#else
+layout(location = 2) in float quality;
+flat out float v_quality;
+#endif
+uniform mat4 clip_from_node;
+uniform vec4 scales;  // 1 / N, disparity step, 1 / 4 N, twice the near plane
+out vec3 v_direction;
+void main() {
+  vec4 place = vec4(direction * scales.x, disparity * scales.y);
+  vec4 clip = clip_from_node * place;
+  // No far plane: the sky has a disparity of 0 and the depth 1.
+  clip.z = clip.w - scales.w * place.w;
+  gl_Position = clip;
+#ifdef SKIN
+  v_direction = texture_direction * scales.z;
+  v_stretch = (stretch - 1.0) * 0.125;
+#else
+  v_direction = place.xyz;
+  v_quality = quality;
+#endif
+}
+`;
+
+const kFragment = `#version 300 es
+precision highp float;
+precision highp usampler2D;
+in vec3 v_direction;
+#ifdef SKIN
+in float v_stretch;
+uniform float widest_skin;  // pixels
+#else
+flat in float v_quality;
+#endif
+uniform samplerCube faces;
+#ifdef OBJECT
+uniform usampler2D objects;  // 3 x 2 faces
+layout(location = 0) out uvec4 out_object;
+uint object_at(vec3 d) {
+  vec3 a = abs(d);
+  int face;
+  vec2 st;  // of OpenGL's cube maps, from -1 to 1
+  if (a.x >= a.y && a.x >= a.z) {
+    face = d.x > 0.0 ? 0 : 1;
+    st = vec2(d.x > 0.0 ? -d.z : d.z, -d.y) / a.x;
+  } else if (a.y >= a.z) {
+    face = d.y > 0.0 ? 2 : 3;
+    st = vec2(d.x, d.y > 0.0 ? d.z : -d.z) / a.y;
+  } else {
+    face = d.z > 0.0 ? 4 : 5;
+    st = vec2(d.z > 0.0 ? d.x : -d.x, -d.y) / a.z;
+  }
+  int size = textureSize(objects, 0).x / 3;
+  ivec2 texel = clamp(ivec2(floor((0.5 * st + 0.5) * float(size))), ivec2(0), ivec2(size - 1));
+  return texelFetch(objects, ivec2(face % 3, face / 3) * size + texel, 0).r;
+}
+#else
+layout(location = 0) out vec4 out_color;
+#endif
+void main() {
+#ifdef SKIN
+  // From 0 to 1 over its width.
+  if (v_stretch >= 0.0 && fwidth(v_stretch) * widest_skin < 1.0) discard;
+#endif
+#ifdef OBJECT
+  out_object = uvec4(object_at(v_direction), 0u, 0u, 1u);
+#elif defined(SKIN)
+  out_color = vec4(texture(faces, v_direction).rgb, 1.0 / 255.0);
+#else
+  out_color = vec4(texture(faces, v_direction).rgb, v_quality);
+#endif
+}
+`;
+
+const kScreenVertex = `#version 300 es
+void main() {
+  gl_Position = vec4(float((gl_VertexID & 1) * 4) - 1.0, float((gl_VertexID >> 1) * 4) - 1.0, 0.0,
+                     1.0);
+}
+`;
+
+/**
+ * The merge (S3.7): of the surfaces within `tolerance` of the nearest the mean by quality and by
+ * nearness of the eye to the node. A skin counts only where no node has more. GLSL of
+ * `bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z)`; colours are sRGB-encoded.
+ */
+export function mergeFunction(layers: number): string {
+  return `
+uniform highp sampler2DArray node_colors;
+uniform highp sampler2DArray node_depths;
+uniform vec2 node_merge;  // tolerance, near plane of the layers
+uniform float node_nearness[${layers}];
+bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
+  vec4 colors[${layers}];
+  float depths[${layers}];
+  float nearest = 1e38, nearest_skin = 1e38;
+  for (int i = 0; i < ${layers}; ++i) {
+    colors[i] = texelFetch(node_colors, ivec3(pixel, i), 0);
+    // The sky: far beyond all surfaces, but a number.
+    depths[i] = node_merge.y / max(1.0 - texelFetch(node_depths, ivec3(pixel, i), 0).r, 1e-15);
+    if (colors[i].a > 1.5 / 255.0) nearest = min(nearest, depths[i]);
+    else if (colors[i].a > 0.0) nearest_skin = min(nearest_skin, depths[i]);
+  }
+  bool skin = nearest > 1e37;
+  if (skin) nearest = nearest_skin;
+  color = vec3(0.0);
+  eye_z = nearest;
+  if (nearest > 1e37) return false;
+  float limit = nearest * (1.0 + node_merge.x);
+  float weights = 0.0, most = -1.0;
+  for (int i = 0; i < ${layers}; ++i) {
+    if (colors[i].a == 0.0 || (colors[i].a > 1.5 / 255.0) == skin || depths[i] > limit) continue;
+    float weight = skin ? 1.0 : max(colors[i].a * 255.0 - 2.0, 0.0) + 0.25;
+    weight *= node_nearness[i];
+    if (weight > most) {
+      most = weight;
+      eye_z = depths[i];
+    }
+    color += weight * colors[i].rgb;
+    weights += weight;
+  }
+  color /= max(weights, 1e-20);
+  return true;
+}
+`;
+}
+
+function mergeFragment(layers: number): string {
+  return `#version 300 es
+precision highp float;
+precision highp int;
+${mergeFunction(layers)}
+uniform vec4 projection;  // elements [2][2], [3][2], [2][3], [3][3] of the clip matrix
+layout(location = 0) out vec4 out_color;
+void main() {
+  vec3 color;
+  float eye_z;
+  if (!merge_nodes(ivec2(gl_FragCoord.xy), color, eye_z)) discard;
+  out_color = vec4(color, 1.0);
+  // What lies beyond the far plane, as the sky, is drawn just before it, so that a sky drawn later
+  // fills only the gaps.
+  float z = (projection.y - projection.x * eye_z) / (projection.w - projection.z * eye_z);
+  gl_FragDepth = min(0.5 * z + 0.5, 1.0 - exp2(-23.0));
+}
+`;
+}
+
+export interface Programs {
+  surface: WebGLProgram;
+  skin: WebGLProgram;
+  surfaceObject: WebGLProgram;
+  skinObject: WebGLProgram;
+}
+
+export function compile(gl: WebGL2RenderingContext, name: string, vertex: string,
+                        fragment: string): WebGLProgram {
+  const program = gl.createProgram();
+  if (!program) throw new Error(`${name}: the WebGL context is lost`);
+  for (const [type, source] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ] as const) {
+    const shader = gl.createShader(type);
+    if (!shader) throw new Error(`${name}: the WebGL context is lost`);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+    gl.deleteShader(shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+    const logs = (gl.getAttachedShaders(program) ?? []).map((s) => gl.getShaderInfoLog(s));
+    throw new Error(`${name}: ${[gl.getProgramInfoLog(program), ...logs].join(" ").trim()}`);
+  }
+  return program;
+}
+
+function withDefines(source: string, defines: readonly string[]): string {
+  const end = source.indexOf("\n") + 1;
+  return source.slice(0, end) + defines.map((d) => `#define ${d} 1\n`).join("") + source.slice(end);
+}
+
+export function nodeProgram(gl: WebGL2RenderingContext, ...defines: string[]): WebGLProgram {
+  return compile(gl, "node", withDefines(kVertex, defines), withDefines(kFragment, defines));
+}
+
+export function mergeProgram(gl: WebGL2RenderingContext, layers: number): WebGLProgram {
+  return compile(gl, "merge", kScreenVertex, mergeFragment(layers));
+}
+
+const kShowObjects = `#version 300 es
+precision highp float;
+precision highp usampler2D;
+uniform usampler2D objects;
+layout(location = 0) out vec4 out_color;
+void main() {
+  uint id = texelFetch(objects, ivec2(gl_FragCoord.xy), 0).r;
+  out_color = vec4(float(id & 255u), float(id >> 8u), 0.0, 255.0) / 255.0;
+}
+`;
+
+export function showObjectsProgram(gl: WebGL2RenderingContext): WebGLProgram {
+  return compile(gl, "objects", kScreenVertex, kShowObjects);
+}

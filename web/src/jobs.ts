@@ -1,0 +1,41 @@
+// What a worker does for a walk. Every job checks first that the bytes are those that the file's
+// name says: the beginning of their SHA-256.
+
+import { WalkError } from "./errors.js";
+import type { MeshEntry } from "./manifest.js";
+import { buffersOf, type NodeMesh } from "./mesh-layout.js";
+import { decodeMesh } from "./node-mesh.js";
+import { decodePlane16 } from "./plane16.js";
+import { sha256Hex } from "./sha256.js";
+
+export type Job =
+  | { kind: "check"; bytes: ArrayBuffer; name: string }
+  | { kind: "mesh"; bytes: ArrayBuffer; entry: MeshEntry; size: number }
+  | { kind: "plane16"; bytes: ArrayBuffer; name: string; width: number; height: number };
+
+export type JobResult = ArrayBuffer | NodeMesh | Uint16Array;
+
+function expectHash(bytes: Uint8Array, name: string): void {
+  const wanted = /([0-9a-f]+)\.\w+$/.exec(name)?.[1] ?? "";
+  if (!sha256Hex(bytes).startsWith(wanted) || wanted.length < 16)
+    throw new WalkError(name, "has not the contents that its name says: it is damaged, or of another walk");
+}
+
+export async function runJob(job: Job): Promise<JobResult> {
+  const bytes = new Uint8Array(job.bytes);
+  expectHash(bytes, job.kind === "mesh" ? job.entry.name : job.name);
+  switch (job.kind) {
+    case "check":
+      return job.bytes;
+    case "mesh":
+      return decodeMesh(bytes, job.entry, job.size);
+    case "plane16":
+      return decodePlane16(bytes, job.width, job.height, job.name);
+  }
+}
+
+export function transferOf(result: JobResult): ArrayBuffer[] {
+  if (result instanceof ArrayBuffer) return [result];
+  if (result instanceof Uint16Array) return [result.buffer as ArrayBuffer];
+  return buffersOf(result);
+}

@@ -1,0 +1,197 @@
+// The manifest of a walk, schema `rilievo-walk-1`. Whatever a server sends is checked here, once.
+
+import { WalkError } from "./errors.js";
+
+export type Vector = readonly [number, number, number];
+
+/** A file of a walk; `name` is relative to the manifest. */
+export interface FileEntry {
+  readonly name: string;
+  readonly bytes: number;
+}
+
+export interface StreamEntry {
+  readonly bytes: number;
+  readonly count: number;
+}
+
+/** A node's mesh: four streams of meshoptimizer, one behind the other. */
+export interface MeshEntry extends FileEntry {
+  readonly surfaceVertices: StreamEntry;
+  readonly surfaceIndices: StreamEntry;
+  readonly skinVertices: StreamEntry;
+  readonly skinIndices: StreamEntry;
+  /** Triangles of each side, +x -x +y -y +z -z. */
+  readonly surfaces: readonly number[];
+  readonly skins: readonly number[];
+  readonly disparityStep: number;
+}
+
+/** A node in one resolution. */
+export interface LevelEntry {
+  /** Texels a side of a face. */
+  readonly faceSize: number;
+  readonly colors: FileEntry;
+  readonly mesh: MeshEntry;
+  readonly objects: FileEntry | null;
+  /** The error of the mesh for an eye `reach` metres away, in texels. */
+  readonly errorPx: number;
+  readonly reach: number;
+}
+
+export interface NodeEntry {
+  /** Column by column. */
+  readonly worldFromNode: Float64Array;
+  readonly eye: Vector;
+  /** The coarsest first. */
+  readonly levels: readonly LevelEntry[];
+}
+
+export interface SketchesEntry extends FileEntry {
+  readonly size: number;
+  readonly near: number;
+  readonly far: number;
+}
+
+export interface Manifest {
+  readonly name: string;
+  readonly up: Vector;
+  readonly start: {
+    readonly eye: Vector;
+    readonly target: Vector;
+    /** Radians. */
+    readonly verticalFov: number;
+    readonly zNear: number;
+    readonly zFar: number;
+  };
+  readonly nodes: readonly NodeEntry[];
+  readonly sketches: SketchesEntry;
+}
+
+type Json = Record<string, unknown>;
+
+const kMostFileBytes = 1 << 30;
+const kMostElements = 1 << 26;
+
+/** Reads a manifest; an error names what is wrong in it. */
+export function parseManifest(text: string, where: string): Manifest {
+  const fail = (what: string): never => {
+    throw new WalkError(where, what);
+  };
+  const object = (value: unknown, name: string): Json =>
+    typeof value === "object" && value !== null && !Array.isArray(value)
+      ? (value as Json)
+      : fail(`${name} is no object`);
+  const list = (value: unknown, name: string): unknown[] =>
+    Array.isArray(value) ? value : fail(`${name} is no list`);
+  const number = (value: unknown, name: string, least = -Infinity, most = Infinity): number =>
+    typeof value === "number" && Number.isFinite(value) && value >= least && value <= most
+      ? value
+      : fail(`${name} is no number${least > -Infinity ? ` from ${least} to ${most}` : ""}`);
+  const count = (value: unknown, name: string, most = kMostElements): number => {
+    const n = number(value, name, 0, most);
+    return Number.isInteger(n) ? n : fail(`${name} is no whole number`);
+  };
+  const vector = (value: unknown, name: string): Vector => {
+    const v = list(value, name);
+    if (v.length !== 3) fail(`${name} has not three numbers`);
+    return [number(v[0], name), number(v[1], name), number(v[2], name)];
+  };
+  const file = (value: unknown, name: string): FileEntry => {
+    const entry = object(value, name);
+    const path = entry.file;
+    // Nothing outside the walk's own folder.
+    if (typeof path !== "string" || !/^[\w-]+(\/[\w-]+)*\.\w+$/.test(path))
+      return fail(`${name} names no file beside the manifest`);
+    return { name: path, bytes: count(entry.bytes, `${name}.bytes`, kMostFileBytes) };
+  };
+  const stream = (value: unknown, name: string): StreamEntry => {
+    const entry = object(value, name);
+    return {
+      bytes: count(entry.bytes, `${name}.bytes`, kMostFileBytes),
+      count: count(entry.count, `${name}.count`),
+    };
+  };
+  const sides = (value: unknown, name: string, indices: number): number[] => {
+    const counts = list(value, name).map((n) => count(n, name));
+    if (counts.length !== 6 || 3 * counts.reduce((a, b) => a + b, 0) !== indices)
+      fail(`${name} is not the triangles of six sides`);
+    return counts;
+  };
+  const mesh = (value: unknown, name: string): MeshEntry => {
+    const entry = object(value, name);
+    const made = {
+      ...file(entry, name),
+      surfaceVertices: stream(entry.surface_vertices, `${name}.surface_vertices`),
+      surfaceIndices: stream(entry.surface_indices, `${name}.surface_indices`),
+      skinVertices: stream(entry.skin_vertices, `${name}.skin_vertices`),
+      skinIndices: stream(entry.skin_indices, `${name}.skin_indices`),
+      disparityStep: number(entry.disparity_step, `${name}.disparity_step`, 0, 1e30),
+    };
+    const inside =
+      made.surfaceVertices.bytes + made.surfaceIndices.bytes + made.skinVertices.bytes +
+      made.skinIndices.bytes;
+    if (inside !== made.bytes) fail(`${name}.bytes is not the sum of its streams`);
+    return {
+      ...made,
+      surfaces: sides(entry.surfaces, `${name}.surfaces`, made.surfaceIndices.count),
+      skins: sides(entry.skins, `${name}.skins`, made.skinIndices.count),
+    };
+  };
+
+  let parsed: unknown;
+  try {
+    parsed = JSON.parse(text);
+  } catch {
+    fail("is not JSON: perhaps it is cut short, or a page that says that there is no such file");
+  }
+  const root = object(parsed, "the manifest");
+  if (root.schema !== "rilievo-walk-1")
+    fail(`its schema is ${JSON.stringify(root.schema) ?? "missing"}, not "rilievo-walk-1"`);
+  const start = object(root.start, "start");
+  const sketches = object(root.sketches, "sketches");
+  const nodes = list(root.nodes, "nodes").map((value, i): NodeEntry => {
+    const name = `nodes[${i}]`;
+    const node = object(value, name);
+    const matrix = list(node.world_from_node, `${name}.world_from_node`).map((n) =>
+      number(n, `${name}.world_from_node`),
+    );
+    if (matrix.length !== 16) fail(`${name}.world_from_node has not 16 numbers`);
+    const levels = list(node.levels, `${name}.levels`).map((of, k): LevelEntry => {
+      const level = object(of, `${name}.levels[${k}]`);
+      return {
+        faceSize: Math.max(1, count(level.face_size, `${name}.levels[${k}].face_size`, 4096)),
+        colors: file(level.colors, `${name}.levels[${k}].colors`),
+        mesh: mesh(level.mesh, `${name}.levels[${k}].mesh`),
+        objects: level.objects === undefined ? null : file(level.objects, `${name}.objects`),
+        errorPx: number(level.error_px, `${name}.levels[${k}].error_px`),
+        reach: number(level.reach, `${name}.levels[${k}].reach`),
+      };
+    });
+    if (levels.length === 0) fail(`${name} has no level`);
+    return {
+      worldFromNode: Float64Array.from(matrix),
+      eye: [matrix[12], matrix[13], matrix[14]],
+      levels,
+    };
+  });
+  if (nodes.length === 0) fail("it has no node");
+  return {
+    name: typeof root.name === "string" ? root.name : "",
+    up: vector(root.up, "up"),
+    start: {
+      eye: vector(start.eye, "start.eye"),
+      target: vector(start.target, "start.target"),
+      verticalFov: number(start.vertical_fov, "start.vertical_fov", 0.01, 3),
+      zNear: number(start.z_near, "start.z_near", 1e-9, 1e9),
+      zFar: number(start.z_far, "start.z_far", 1e-9, 1e12),
+    },
+    nodes,
+    sketches: {
+      ...file(sketches, "sketches"),
+      size: Math.max(1, count(sketches.size, "sketches.size", 256)),
+      near: number(sketches.near, "sketches.near", 1e-30, 1e30),
+      far: number(sketches.far, "sketches.far", 1e-30, 1e30),
+    },
+  };
+}

@@ -1,0 +1,22 @@
+// A node's mesh as the GPU draws it.
+
+/** Bytes of a vertex on the GPU: int16 direction x N [3], uint16 disparity code, uint8 quality. */
+export const kSurfaceStride = 12;
+/** As in the file. */
+export const kSkinStride = 16;
+
+export interface NodeMesh {
+  surfaceVertices: Uint8Array;
+  surfaceIndices: Uint32Array;
+  skinVertices: Uint8Array;
+  skinIndices: Uint32Array;
+  /** Of each side the least and the most disparity, 1/m; the most is below the least if it is empty. */
+  reaches: Float64Array;
+}
+
+/** What the buffers of a mesh are, for sending them between threads. */
+export function buffersOf(mesh: NodeMesh): ArrayBuffer[] {
+  return [
+    mesh.surfaceVertices, mesh.surfaceIndices, mesh.skinVertices, mesh.skinIndices, mesh.reaches,
+  ].map((array) => array.buffer as ArrayBuffer);
+}

@@ -1,0 +1,4 @@
+declare module "worker:decode-worker" {
+  const text: string;
+  export default text;
+}

@@ -1,0 +1,132 @@
+// What the tests ask a page for. `viewer` is the page's viewer.
+
+function normalized(v) {
+  const length = Math.hypot(...v);
+  return v.map((x) => x / length);
+}
+
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+/** The view of a key of a camera path (rilievo-path-1) with a target. */
+function viewOf(key, width, height, near, far) {
+  const back = normalized(key.eye.map((e, i) => e - key.target[i]));
+  const right = normalized(cross(key.up ?? [0, 1, 0], back));
+  const up = cross(back, right);
+  const tall = 1 / Math.tan(0.5 * key.vertical_fov);
+  return {
+    worldFromEye: [...right, 0, ...up, 0, ...back, 0, ...key.eye, 1],
+    clipFromEye: [(tall * height) / width, 0, 0, 0, 0, tall, 0, 0,
+                  0, 0, -(far + near) / (far - near), -1, 0, 0, (-2 * far * near) / (far - near), 0],
+    width, height,
+  };
+}
+
+/** Loads what a key needs, and draws it. */
+window.settle = async (key) => {
+  const { viewer } = window;
+  const { width, height } = viewer.canvas;
+  viewer.setView(viewOf(key, width, height, key.z_near ?? 0.05, key.z_far ?? 50));
+  const end = performance.now() + 30000;
+  do {
+    viewer.draw();
+    await new Promise((resolve) => setTimeout(resolve, 1));
+  } while (!viewer.walk.settled && performance.now() < end);
+  if (!viewer.walk.settled) throw new Error("the walk does not settle");
+  viewer.draw();
+};
+
+/** RGBA, the bottom row first. */
+function pixels() {
+  const { canvas } = window.viewer;
+  const gl = canvas.getContext("webgl2");
+  const made = new Uint8Array(4 * canvas.width * canvas.height);
+  gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, made);
+  return made;
+}
+window.pixels = pixels;
+
+async function pictureOf(url) {
+  const bitmap = await createImageBitmap(await (await fetch(url)).blob(),
+                                         { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(bitmap, 0, 0);
+  return context.getImageData(0, 0, bitmap.width, bitmap.height);
+}
+
+/** PSNR of each key's frame against FOLDER/K.png. */
+window.comparedFrames = async (keys, folder) => {
+  const psnrs = [];
+  for (let k = 0; k < keys.length; ++k) {
+    await window.settle(keys[k]);
+    const drawn = pixels();
+    const truth = await pictureOf(`${folder}/${k}.png`);
+    const { width, height, data } = truth;
+    let sum = 0;
+    for (let y = 0; y < height; ++y)
+      for (let x = 0; x < width; ++x)
+        for (let c = 0; c < 3; ++c)
+          sum += (drawn[4 * ((height - 1 - y) * width + x) + c] - data[4 * (y * width + x) + c]) ** 2;
+    psnrs.push(10 * Math.log10((255 * 255 * 3 * width * height) / sum));
+  }
+  return psnrs;
+};
+
+/** The objects that each key's frame shows. */
+window.shownObjects = async (keys) => {
+  const all = [];
+  for (const key of keys) {
+    await window.settle(key);
+    window.viewer.walk.drawObjects(window.viewer.view(), null);
+    const ids = new Set();
+    const drawn = pixels();
+    for (let i = 0; i < drawn.length; i += 4) ids.add(drawn[i] + 256 * drawn[i + 1]);
+    all.push([...ids]);
+  }
+  return all;
+};
+
+const percentile = (times, share) => {
+  const sorted = Array.from(times).sort((a, b) => a - b);
+  return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? 0;
+};
+
+/** Walks back and forth between the keys; what the frames cost. */
+window.walked = async (keys, frames) => {
+  const { viewer } = window;
+  for (const key of keys) await window.settle(key);
+  const heap = () => performance.memory?.usedJSHeapSize ?? 0;
+  let drawCalls = 0, triangles = 0;
+  const update = [], draw = [], views = [];
+  for (let i = 0; i < frames; ++i) {
+    const at = (i / frames) * (keys.length - 1), k = Math.floor(at), s = at - k;
+    const mix = (a, b) => a.map((x, c) => x + s * (b[c] - x));
+    const { width, height } = viewer.canvas;
+    views.push(viewOf({ ...keys[k], eye: mix(keys[k].eye, keys[k + 1].eye),
+                        target: mix(keys[k].target, keys[k + 1].target) },
+                      width, height, keys[k].z_near ?? 0.05, keys[k].z_far ?? 50));
+  }
+  const before = heap(), begin = performance.now();
+  for (let i = 0; i < frames; ++i) {
+    viewer.setView(views[i]);
+    viewer.draw();
+    const at = (viewer.times.frames - 1) % viewer.times.update.length;
+    update.push(viewer.times.update[at]);
+    draw.push(viewer.times.draw[at]);
+    const { stats } = viewer.walk;
+    drawCalls = Math.max(drawCalls, stats.drawCalls);
+    triangles = Math.max(triangles, stats.triangles);
+    // Wait for what was asked of the rasteriser, as a screen would.
+    const gl = viewer.canvas.getContext("webgl2");
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    if (i % 8 === 0) await new Promise((resolve) => setTimeout(resolve, 0));
+  }
+  return {
+    frames, drawCalls, triangles, bytes: viewer.walk.stats.bytes, nodes: viewer.walk.stats.nodes,
+    loaded: viewer.walk.stats.loaded,
+    frame_ms: (performance.now() - begin) / frames,
+    update_p50_ms: percentile(update, 0.5), update_p99_ms: percentile(update, 0.99),
+    draw_p50_ms: percentile(draw, 0.5), draw_p99_ms: percentile(draw, 0.99),
+    heap_grown: heap() - before,
+  };
+};

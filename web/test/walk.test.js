@@ -1,0 +1,240 @@
+// A walk in Chromium: its frames against those of the C++ drawer, what fails, and what lasts.
+import assert from "node:assert/strict";
+import { cpSync, readFileSync, rmSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, page as pageFolder, root, serve, walk } from "./browser.js";
+
+const kSize = [320, 180];
+const path = JSON.parse(readFileSync(join(root, "test/path.json"), "utf8"));
+// Every other key ends a cut.
+const keys = path.keys.filter((_, i) => i % 2 === 0);
+const manifest = JSON.parse(readFileSync(join(walk, "walk.json"), "utf8"));
+const mounts = { walk: [walk, pageFolder], test: join(root, "test"), web: root };
+let browser, server;
+
+before(async () => {
+  browser = await launch();
+  server = await serve(mounts);
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+/** A page of its own; `errors` are those that nobody caught. */
+async function open(url, prepare) {
+  const page = await browser.newPage();
+  const errors = [];
+  page.on("pageerror", (error) => errors.push(String(error)));
+  await page.setViewport({ width: kSize[0], height: kSize[1] });
+  if (prepare) await page.evaluateOnNewDocument(prepare);
+  await page.goto(url);
+  return { page, errors };
+}
+
+/** A page whose viewer is `viewer` and which has what the tests ask it for. */
+async function openViewer(base = server.url, options = {}, wait = true) {
+  const opened = await open(`${base}/test/viewer.html`);
+  await opened.page.evaluate(async ({ options, wait }) => {
+    window.viewer = window.rilievo.show(document.getElementById("walk"), "/walk/walk.json",
+                                        { pixelRatio: 1, ...options });
+    if (wait) await window.viewer.ready;
+  }, { options, wait });
+  return opened;
+}
+
+const alarm = (page) => page.$eval("[role=alert]", (box) =>
+  box.style.display === "none" ? "" : box.textContent);
+
+async function alarmed(page) {
+  await page.waitForFunction(
+    () => document.querySelector("[role=alert]")?.style.display === "block", { timeout: 20000 });
+  return alarm(page);
+}
+
+const psnrs = (page) => page.evaluate((keys) => window.comparedFrames(keys, "/test/frames"), keys);
+
+test("the page that is written beside a walk shows it", async () => {
+  const { page, errors } = await open(`${server.url}/walk/`);
+  await page.waitForFunction((name) => document.title === name, { timeout: 30000 }, manifest.name);
+  await page.waitForFunction(
+    () => !document.body.textContent.includes("Loading"), { timeout: 30000 });
+  assert.equal(await alarm(page), "");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+// What differs: colours of WebP (46 dB), disparities rounded to 0.05 px, which move edges of
+// stripes, and edges that another rasteriser gives to the next pixel.
+test("frames are those of the C++ drawer", async () => {
+  const { page, errors } = await openViewer();
+  for (const psnr of await psnrs(page)) assert.ok(psnr > 36, `${psnr} dB`);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("every pixel shows the object of the room, which is closed", async () => {
+  const { page } = await openViewer(server.url, { objects: true });
+  const shown = await page.evaluate((keys) => window.shownObjects(keys), keys);
+  // All polygons of an OBJ are one object.
+  for (const objects of shown) assert.deepEqual(objects, [1]);
+  await page.close();
+});
+
+test("budgets hold: draw calls, triangles, memory", async () => {
+  const { page } = await openViewer();
+  const figures = await page.evaluate((keys) => window.walked(keys, 200), keys);
+  assert.ok(figures.drawCalls <= 30, `${figures.drawCalls} draw calls`);
+  assert.ok(figures.triangles <= 300000, `${figures.triangles} triangles`);
+  assert.ok(figures.bytes <= 192 * 1024 * 1024, `${figures.bytes} bytes`);
+  // Times and the heap are printed, not judged.
+  console.log(JSON.stringify(figures));
+  await page.close();
+});
+
+test("a budget of memory is kept, and frames stay right", async () => {
+  // Room for two nodes of three.
+  const { page } = await openViewer(server.url, { memoryBudget: 0.9e6, nodes: 1 });
+  const most = await page.evaluate(async (keys) => {
+    let most = 0;
+    for (const key of keys) {
+      await window.settle(key);
+      most = Math.max(most, window.viewer.walk.stats.bytes - window.viewer.walk.drawer.bytes);
+    }
+    return most;
+  }, keys);
+  assert.ok(most <= 0.9e6, `${most} bytes`);
+  await page.close();
+});
+
+test("a lost context comes back", async () => {
+  const { page, errors } = await openViewer();
+  const before = await psnrs(page);
+  await page.evaluate(() => {
+    const gl = window.viewer.canvas.getContext("webgl2");
+    window.lose = gl.getExtension("WEBGL_lose_context");
+    window.lose.loseContext();
+  });
+  assert.match(await alarmed(page), /took the graphics away/);
+  await page.evaluate(() => window.lose.restoreContext());
+  await page.waitForFunction(
+    () => document.querySelector("[role=alert]").style.display === "none", { timeout: 20000 });
+  assert.deepEqual(await psnrs(page), before);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("a browser without WebGL 2 is told so", async () => {
+  const { page, errors } = await open(`${server.url}/walk/`, () => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+      return kind === "webgl2" ? null : get.call(this, kind, ...rest);
+    };
+  });
+  assert.match(await alarmed(page), /no WebGL 2/);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+async function damaged(damage, use) {
+  const other = await serve(mounts, damage);
+  const { page, errors } = await open(`${other.url}/walk/`);
+  await use(page);
+  assert.deepEqual(errors, []);
+  await page.close();
+  await other.close();
+}
+
+const isPicture = (path) => path.includes("/pictures/");
+const isMesh = (entry) => (path) => path.endsWith(entry.mesh.file);
+
+test("a manifest that is missing, cut short or of another schema is named", async () => {
+  await damaged((path, bytes) => (path.endsWith("walk.json") ? null : bytes), async (page) =>
+    assert.match(await alarmed(page), /walk.json: is missing on the server/));
+  await damaged((path, bytes) => (path.endsWith("walk.json") ? bytes.subarray(0, 400) : bytes),
+                async (page) => assert.match(await alarmed(page), /walk.json: is not JSON/));
+  await damaged((path, bytes) => (path.endsWith("walk.json") ? Buffer.from('{"schema":"x"}') : bytes),
+                async (page) => assert.match(await alarmed(page), /schema is "x"/));
+});
+
+test("pictures that are missing, cut short or others are named, and nothing is thrown", async () => {
+  await damaged((path, bytes) => (isPicture(path) ? null : bytes), async (page) =>
+    assert.match(await alarmed(page), /pictures\/\w+\.bin: is missing on the server/));
+  await damaged((path, bytes) => (isPicture(path) ? bytes.subarray(0, bytes.length - 9) : bytes),
+                async (page) => assert.match(await alarmed(page), /has \d+ bytes instead of \d+/));
+  const flipped = (bytes) => {
+    const other = Buffer.from(bytes);
+    other[other.length >> 1] ^= 1;
+    return other;
+  };
+  await damaged((path, bytes) => (isPicture(path) ? flipped(bytes) : bytes), async (page) =>
+    assert.match(await alarmed(page), /has not the contents that its name says/));
+});
+
+test("a walk goes on without a node that is damaged, and says so", async () => {
+  const fine = isMesh(manifest.nodes[0].levels[1]);
+  await damaged((path, bytes) => (fine(path) ? null : bytes), async (page) => {
+    await page.waitForFunction(
+      () => document.body.textContent.includes("Something is missing"), { timeout: 20000 });
+    assert.equal(await alarm(page), "");
+  });
+});
+
+test("from file: the page says what to do", async () => {
+  const copy = join(root, "build/walk");
+  rmSync(copy, { recursive: true, force: true });
+  for (const folder of [walk, pageFolder]) cpSync(folder, copy, { recursive: true });
+  const { page, errors } = await open(`file://${copy}/index.html`);
+  assert.match(await alarmed(page), /python3 -m http.server/);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("keys, the mouse and fingers move the eye", async () => {
+  const { page } = await openViewer();
+  const pose = () => page.evaluate(() => Array.from(window.viewer.controls.worldFromEye));
+  const distance = (a, b) => Math.hypot(a[12] - b[12], a[13] - b[13], a[14] - b[14]);
+  const turned = (a, b) => Math.hypot(a[8] - b[8], a[9] - b[9], a[10] - b[10]);
+  const start = await pose();
+  await page.keyboard.down("KeyW");
+  await page.waitForFunction((z) => Math.abs(window.viewer.controls.eye[2] - z) > 0.05 ||
+    Math.abs(window.viewer.controls.eye[0]) > 0.05, { timeout: 10000 }, start[14]);
+  await page.keyboard.up("KeyW");
+  const walked = await pose();
+  assert.ok(distance(start, walked) > 0.04);
+  assert.ok(turned(start, walked) < 1e-9);
+  await page.mouse.move(160, 90);
+  await page.mouse.down();
+  await page.mouse.move(220, 100, { steps: 4 });
+  await page.mouse.up();
+  const looked = await pose();
+  assert.ok(turned(walked, looked) > 0.1);
+  const touch = await page.createCDPSession();
+  const fingers = (type, points) => touch.send("Input.dispatchTouchEvent",
+    { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  await fingers("touchStart", [[100, 90]]);
+  await fingers("touchMove", [[140, 95]]);
+  await fingers("touchEnd", []);
+  const swiped = await pose();
+  assert.ok(turned(looked, swiped) > 0.05);
+  await fingers("touchStart", [[100, 90], [200, 90]]);
+  await fingers("touchMove", [[80, 90], [220, 90]]);
+  await fingers("touchEnd", []);
+  assert.ok(distance(swiped, await pose()) > 0.05);
+  await page.close();
+});
+
+for (const version of ["three", "three-newest"])
+  test(`in ${version} a cube half inside a wall meets it to a pixel`, async () => {
+    const { page, errors } = await open(`${server.url}/test/three.html?three=${version}`);
+    for (const mode of ["plain", "logarithmic", "reversed", "tone mapped", "in a target"]) {
+      const off = await page.evaluate((mode) => window.cubeInWall(mode), mode);
+      assert.ok(off.cube > 500 && off.wall > 500, `${mode}: ${JSON.stringify(off)}`);
+      // Pixels whose centre is nearer to the line of intersection than half a pixel may be either's.
+      assert.equal(off.wrong, 0, `${mode}: ${JSON.stringify(off)}`);
+    }
+    assert.deepEqual(errors, []);
+    await page.close();
+  });

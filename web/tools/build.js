@@ -1,0 +1,80 @@
+// Builds dist/ (modules and their types) and the page's program, which the C++ library carries:
+//   node tools/build.js          writes both
+//   node tools/build.js --check  fails if the committed program is not what the sources make
+import { spawnSync } from "node:child_process";
+import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import * as esbuild from "esbuild";
+
+const root = dirname(dirname(fileURLToPath(import.meta.url)));
+const page = join(root, "../rilievo/web_walk/page/viewer.js");
+const common = {
+  absWorkingDir: root,
+  bundle: true,
+  minify: true,
+  target: ["es2021"],
+  legalComments: "inline",
+  logLevel: "warning",
+};
+
+// A program of a worker, as text within the module that starts it.
+const workers = {
+  name: "workers",
+  setup(build) {
+    build.onResolve({ filter: /^worker:/ }, ({ path }) => ({ path, namespace: "worker" }));
+    build.onLoad({ filter: /.*/, namespace: "worker" }, async ({ path }) => {
+      const { outputFiles } = await esbuild.build({
+        ...common,
+        entryPoints: [join("src", `${path.slice("worker:".length)}.ts`)],
+        format: "iife",
+        write: false,
+      });
+      return { contents: outputFiles[0].text, loader: "text" };
+    });
+  },
+};
+
+export async function pageProgram() {
+  const { outputFiles } = await esbuild.build({
+    ...common,
+    entryPoints: ["src/viewer.ts"],
+    format: "iife",
+    globalName: "rilievo",
+    plugins: [workers],
+    banner: { js: "// Generated from web/src by web/tools/build.js: do not edit." },
+    write: false,
+  });
+  return outputFiles[0].text;
+}
+
+async function build() {
+  rmSync(join(root, "dist"), { recursive: true, force: true });
+  await esbuild.build({
+    ...common,
+    entryPoints: ["src/index.ts", "src/core.ts", "src/viewer.ts"],
+    outdir: "dist",
+    format: "esm",
+    splitting: true,
+    chunkNames: "chunk-[hash]",
+    external: ["three"],
+    plugins: [workers],
+  });
+  const types = spawnSync(
+    process.execPath,
+    [join(root, "node_modules/typescript/bin/tsc"), "--emitDeclarationOnly"],
+    { cwd: root, stdio: "inherit" },
+  );
+  if (types.status !== 0) process.exit(1);
+  writeFileSync(page, await pageProgram());
+}
+
+const started = process.argv[1] && process.argv[1] === fileURLToPath(import.meta.url);
+if (started && process.argv.includes("--check")) {
+  if (readFileSync(page, "utf8") !== (await pageProgram())) {
+    console.error("rilievo/web_walk/page/viewer.js is older than web/src: run `npm run build` in web/");
+    process.exit(1);
+  }
+} else if (started) {
+  await build();
+}

@@ -1,0 +1,76 @@
+// The page in WebKitGTK, as Debian has it (webkit2gtk-driver, xvfb): draws the tests' walk from the
+// tests' eyes and compares the frames with those of the C++ drawer.
+//   node tools/webkit.js [SCREENSHOT.png]
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { page, root, serve, walk } from "../test/browser.js";
+
+// As test/walk.test.js has it.
+const kLeastPsnr = 36;
+const lib = "/usr/lib/x86_64-linux-gnu";
+const browser = readdirSync(lib).map((name) => join(lib, name, "MiniBrowser")).find(existsSync);
+assert.ok(browser && existsSync("/usr/bin/WebKitWebDriver"), "tools/setup web installs WebKitGTK");
+
+const children = [];
+function start(program, args, env = {}) {
+  const child = spawn(program, args, { env: { ...process.env, ...env }, stdio: "ignore" });
+  children.push(child);
+  return child;
+}
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+const display = `:${90 + (process.pid % 400)}`;
+const port = 20000 + (process.pid % 20000);
+const driver = `http://127.0.0.1:${port}`;
+
+async function ask(method, path, body) {
+  const response = await fetch(driver + path, { method, body: body && JSON.stringify(body) });
+  const { value } = await response.json();
+  if (!response.ok) throw new Error(`${path}: ${value.error}: ${value.message}`);
+  return value;
+}
+
+const server = await serve({ walk: [walk, page], test: join(root, "test") });
+try {
+  start("Xvfb", [display, "-screen", "0", "800x600x24"]);
+  await pause(1000);
+  start("WebKitWebDriver", [`--port=${port}`], {
+    DISPLAY: display, LIBGL_ALWAYS_SOFTWARE: "1", WEBKIT_DISABLE_SANDBOX_THIS_IS_DANGEROUS: "1",
+    GDK_BACKEND: "x11",
+  });
+  await pause(1000);
+  const session = await ask("POST", "/session", {
+    capabilities: { alwaysMatch: { "webkitgtk:browserOptions": { binary: browser, args: ["--automation"] } } },
+  });
+  const at = `/session/${session.sessionId}`;
+  await ask("POST", `${at}/timeouts`, { script: 120000 });
+  const run = async (script, ...args) => {
+    const value = await ask("POST", `${at}/execute/async`, {
+      script: `const done = arguments[arguments.length - 1];
+        (async () => { ${script} })().then((value) => done({ value }), (error) => done({ error: String(error) }));`,
+      args,
+    });
+    if (value.error) throw new Error(value.error);
+    return value.value;
+  };
+  await ask("POST", `${at}/url`, { url: `${server.url}/test/viewer.html` });
+  await run(`const box = document.getElementById("walk");
+    box.style.cssText = "position:fixed;left:0;top:0;width:320px;height:180px";
+    window.viewer = window.rilievo.show(box, "/walk/walk.json",
+                                        { pixelRatio: 1, preserveDrawingBuffer: true });
+    await window.viewer.ready;`);
+  const keys = JSON.parse(readFileSync(join(root, "test/path.json"))).keys.filter((_, i) => i % 2 === 0);
+  const psnrs = await run(`return window.comparedFrames(arguments[0], "/test/frames");`
+    .replace("arguments[0]", JSON.stringify(keys)));
+  console.log(`${session.capabilities.browserName} ${session.capabilities.browserVersion}:`,
+              psnrs.map((psnr) => `${psnr.toFixed(1)} dB`).join(", "));
+  if (process.argv[2])
+    writeFileSync(process.argv[2], Buffer.from(await ask("GET", `${at}/screenshot`), "base64"));
+  for (const psnr of psnrs) assert.ok(psnr > kLeastPsnr);
+  await ask("DELETE", at);
+} finally {
+  for (const child of children.reverse()) child.kill();
+  await server.close();
+}
