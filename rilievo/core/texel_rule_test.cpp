@@ -189,6 +189,27 @@ TEST(TexelRule, what_is_wide_does_not_grow) {
   }
 }
 
+// Nor is the border of water that is seen at a grazing angle, with its waves.
+TEST(TexelRule, what_is_steep_does_not_grow) {
+  const Camera camera = square_camera(64);
+  Random random(6);
+  std::size_t grown = 0, border = 0;
+  for (int round = 0; round < 40; ++round) {
+    const double turn = double(random.between(0, 6.28f)), slope = double(random.between(2, 12));
+    const glm::dvec2 u(std::cos(turn), std::sin(turn)), v(-u.y, u.x);
+    const TexelSamples texels = seen(camera, [&](const glm::dvec2& p) -> std::optional<Met> {
+      const glm::dvec2 from(glm::dot(p - 32.0, u), glm::dot(p - 32.0, v));
+      if (std::abs(from.x) > 14 || std::abs(from.y) > 20) return std::nullopt;
+      // 2 / 64 is a texel's width at a metre.
+      const double steep = slope * (from.x + 0.3 * std::sin(from.x) * std::cos(0.7 * from.y));
+      return Met{4 + 4 * 2 / 64.0 * 0.2 * steep, 1};
+    });
+    grown += choose_samples(texels).thin.size();
+    border += 2 * (28 + 40);
+  }
+  EXPECT_LT(grown, border / 50);
+}
+
 TEST(TexelRule, what_only_the_centre_meets_has_no_sample) {
   const Camera camera = square_camera(8);
   const TexelSamples texels = seen(camera, [](const glm::dvec2& p) -> std::optional<Met> {
