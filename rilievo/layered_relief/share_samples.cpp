@@ -17,15 +17,21 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_relief/sample_sides.h"
 
 namespace rilievo {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffff;
+// Texels within which a sample of another picture is of the same surface: lines of sight hit it
+// within 0.87 of any point (farthest_from_hits), and this one lies up to as far from its texel's
+// middle.
+constexpr double kOneSurface = 1.25;
 
 // What is added to a picture: a list for each line of sight.
 struct Added {
@@ -35,6 +41,9 @@ struct Added {
   // By line of sight, the depths of its list, sorted: there are hundreds where a line runs along a
   // face that other pictures see.
   std::vector<std::vector<float>> depths;
+  // Of each of `samples`: towards those who saw it, and whether it is the outer side of a body.
+  std::vector<glm::vec3> normals;
+  std::vector<bool> outer;
 };
 
 double largest_texel(const Camera& camera) {
@@ -99,13 +108,42 @@ bool is_represented(const LayeredDepthImage& layers, const Added& added, const g
   return false;
 }
 
-void add_from(const LayeredDepthImage& from, const LayeredDepthImage& to, double reach,
+// The inner side of a wall has the outer side's colour, if that has been added beside it: whichever
+// eye sees the place sees that one.
+void color_as_outer(const LayeredDepthImage& to, const Added& added, const glm::vec3& normal,
+                    std::size_t line, double per_metre, LayerSample& sample) {
+  const Camera& camera = to.camera;
+  const glm::dvec2 texel((camera.window.right - camera.window.left) / camera.width,
+                         (camera.window.top - camera.window.bottom) / camera.height);
+  const int x0 = int(line % std::size_t(camera.width)), y0 = int(line / std::size_t(camera.width));
+  const double reach = kOneSurface * largest_texel(camera);
+  double least = reach * reach;
+  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
+    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x) {
+      std::uint32_t k = added.head[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
+      for (; k != kNone; k = added.next[k]) {
+        if (!added.outer[k] || glm::dot(added.normals[k], normal) >= 0) continue;
+        const LayerSample& other = added.samples[k];
+        const glm::dvec3 off((x - x0) * texel.x, (y - y0) * texel.y,
+                             double(other.depth - sample.depth) / per_metre);
+        if (other.object != sample.object || glm::dot(off, off) > least) continue;
+        least = glm::dot(off, off);
+        sample.color = other.color;
+      }
+    }
+}
+
+// Samples whose turn it is (SampleSides::turn).
+void add_from(const SampleSides& sides, int turn, const LayeredDepthImage& to, double reach,
               double per_metre, Added& added) {
+  const LayeredDepthImage& from = sides.layers();
+  const glm::dvec3 forward = to.camera.forward();
   const Camera &source = from.camera, &target = to.camera;
   for (std::size_t i = 0; i + 1 < from.first.size(); ++i) {
     const glm::dvec2 at(double(i % std::size_t(source.width)) + 0.5,
                         double(i / std::size_t(source.width)) + 0.5);
     for (std::uint64_t s = from.first[i]; s < from.first[i + 1]; ++s) {
+      if (sides.turn(s, s - from.first[i], forward) != turn) continue;
       LayerSample sample = from.samples[s];
       const double z = eye_z_from(from.depth_kind, double(sample.depth), source, at);
       const glm::dvec3 there = raster_from_world(target, world_from_raster(source, at, z));
@@ -120,6 +158,9 @@ void add_from(const LayeredDepthImage& from, const LayeredDepthImage& to, double
           depth_from_eye_z(to.depth_kind, there.z, target, glm::dvec2(x + 0.5, y + 0.5));
       if (is_represented(to, added, glm::dvec2(there), depth, per_metre, reach)) continue;
       sample.depth = sample.back = float(depth);
+      if (turn > 0) color_as_outer(to, added, sides.normal(s), line, per_metre, sample);
+      added.normals.push_back(sides.normal(s));
+      added.outer.push_back(turn == 0 && sides.is_closed(s));
       std::vector<float>& depths = added.depths[line];
       depths.insert(std::upper_bound(depths.begin(), depths.end(), sample.depth), sample.depth);
       added.next.push_back(added.head[line]);
@@ -130,7 +171,9 @@ void add_from(const LayeredDepthImage& from, const LayeredDepthImage& to, double
   }
 }
 
-LayeredDepthImage with(const LayeredDepthImage& layers, const Added& added) {
+// Its own samples and those added, which its own inner sides have their colours from.
+LayeredDepthImage with(const SampleSides& own, const Added& added, double per_metre) {
+  const LayeredDepthImage& layers = own.layers();
   LayeredDepthImage out;
   out.name = layers.name;
   out.camera = layers.camera;
@@ -140,8 +183,11 @@ LayeredDepthImage with(const LayeredDepthImage& layers, const Added& added) {
   out.first.push_back(0);
   for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
     const auto begin = std::ptrdiff_t(out.samples.size());
-    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
+    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
       out.samples.push_back(layers.samples[s]);
+      if (s > layers.first[line] && own.is_closed(s))
+        color_as_outer(layers, added, own.normal(s), line, per_metre, out.samples.back());
+    }
     for (std::uint32_t k = added.head[line]; k != kNone; k = added.next[k])
       out.samples.push_back(added.samples[k]);
     std::stable_sort(out.samples.begin() + begin, out.samples.end(),
@@ -185,6 +231,11 @@ void share_samples(ReliefPictures& pictures, double reach) {
     merged = std::max(merged, picture.merged);
   }
   const double from_hits = farthest_from_hits(cameras);
+  std::vector<const LayeredDepthImage*> all;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) all.push_back(&picture.layers);
+  const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
+  std::vector<SampleSides> sides;
+  for (const LayeredDepthImage* layers : all) sides.emplace_back(*layers, closed);
   parallel_for(std::size_t(0), shared.size(), [&](std::size_t i) {
     const LayeredDepthImage& to = pictures.pictures[i].layers;
     const double metres = reach * largest_texel(to.camera);
@@ -193,9 +244,10 @@ void share_samples(ReliefPictures& pictures, double reach) {
     Added added;
     added.head.assign(to.first.size() - 1, kNone);
     added.depths.resize(to.first.size() - 1);
-    for (std::size_t k = 0; k < shared.size(); ++k)
-      if (k != i) add_from(pictures.pictures[k].layers, to, metres, per_metre, added);
-    shared[i] = with(to, added);
+    for (int turn = 0; turn < SampleSides::kTurns; ++turn)
+      for (std::size_t k = 0; k < shared.size(); ++k)
+        if (k != i) add_from(sides[k], turn, to, metres, per_metre, added);
+    shared[i] = with(sides[i], added, per_metre);
   });
   for (std::size_t i = 0; i < shared.size(); ++i) {
     ReliefPictures::Picture& picture = pictures.pictures[i];

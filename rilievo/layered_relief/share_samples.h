@@ -15,7 +15,9 @@ namespace rilievo {
 
 // Adds to each picture the samples of the others that have none within `reach` of its texels, in
 // space. They stand in the middle of the texel that they fall into, up to half its diagonal from
-// where they were seen (Picture::moved); and Picture::lacks is set. Requires parallel pictures.
+// where they were seen (Picture::moved); and Picture::lacks is set. Those that show the side which
+// the picture's viewers see come first, and samples of the inner sides of bodies get the outer
+// side's colour (sample_sides.h). Requires parallel pictures.
 void share_samples(ReliefPictures& pictures, double reach);
 
 // How far from a point of a flat face is the nearest hit of a line of sight on it, at most,

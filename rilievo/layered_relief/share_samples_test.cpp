@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <glm/gtc/matrix_transform.hpp>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "rilievo/core/sanitized_test_helpers.h"
 #include "rilievo/layered_relief/relief_bound.h"
 #include "rilievo/layered_relief/relief_drawable.h"
+#include "rilievo/layered_relief/sample_sides.h"
 #include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/render/software/software_target.h"
@@ -35,8 +37,8 @@ glm::vec3 random_direction(Random& random) {
   }
 }
 
-// Boxes and balls that hide parts of each other; some boxes stand along the axes, so that pictures
-// see their sides edge-on.
+// Boxes and balls that hide parts of each other; some boxes stand along the axes, so that
+// pictures see their sides edge-on.
 Scene random_scene(Random& random) {
   Scene scene;
   for (int i = 0; i < 4; ++i) {
@@ -61,7 +63,8 @@ struct Lacking {
   double largest = 0;  // distance to where it is shown, over the bound
 };
 
-// How far, in pixels, is the nearest pixel that shows what the truth shows, or something before it?
+// How far, in pixels, is the nearest pixel that shows what the truth shows, or something before
+// it?
 double distance_to_shown(const Image<float>& shown, int x, int y, float farthest, int most) {
   double least = 1e9;
   for (int v = std::max(0, y - most); v <= std::min(shown.height() - 1, y + most); ++v)
@@ -70,8 +73,8 @@ double distance_to_shown(const Image<float>& shown, int x, int y, float farthest
   return least;
 }
 
-// Draws what was captured for random eyes around it, as frames are drawn, beside the truth by rays.
-// `reach`: metres to the nearest sample, as far as is known.
+// Draws what was captured for random eyes around it, as frames are drawn, beside the truth by
+// rays. `reach`: metres to the nearest sample, as far as is known.
 Lacking look(const RayScene& rays, const ReliefPictures& pictures, double reach, double splat,
              Random& random, int eyes) {
   SoftwareBoards boards;
@@ -226,8 +229,8 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen) {
   }
 }
 
-// By definition: of the others' samples, one after the other, those that have none within `metres`.
-// Lines of sight, and depths along them.
+// By definition: of the others' samples, one after the other, those that have none within
+// `metres`. Lines of sight, and depths along them.
 std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pictures,
                                                         std::size_t k, double metres) {
   const LayeredDepthImage& to = pictures.pictures[k].layers;
@@ -243,12 +246,20 @@ std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pi
   for (std::size_t line = 0; line + 1 < to.first.size(); ++line)
     for (std::uint64_t s = to.first[line]; s < to.first[line + 1]; ++s)
       add(int(line), to.samples[s].depth);
-  for (std::size_t j = 0; j < pictures.pictures.size(); ++j) {
+  // By turns: those of the side that the picture's viewers see come first.
+  std::vector<const LayeredDepthImage*> all;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) all.push_back(&picture.layers);
+  const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
+  const std::size_t count = pictures.pictures.size();
+  for (std::size_t n = 0; n < SampleSides::kTurns * count; ++n) {
+    const std::size_t j = n % count;
     if (j == k) continue;
     const LayeredDepthImage& from = pictures.pictures[j].layers;
+    const SampleSides sides(from, closed);
     const int width = from.camera.width;
     for (std::size_t line = 0; line + 1 < from.first.size(); ++line)
       for (std::uint64_t s = from.first[line]; s < from.first[line + 1]; ++s) {
+        if (sides.turn(s, s - from.first[line], camera.forward()) != int(n / count)) continue;
         const glm::dvec2 at(int(line) % width + 0.5, int(line) / width + 0.5);
         const double z =
             eye_z_from(from.depth_kind, double(from.samples[s].depth), from.camera, at);
@@ -291,6 +302,114 @@ TEST(ShareSamples, pictures_get_the_samples_that_have_none_of_their_own_within_r
       EXPECT_EQ(samples, shared_by_definition(before, k, reach * texel));
       EXPECT_GT(samples.size(), before.pictures[k].layers.samples.size());
     }
+  }
+}
+
+// A ball whose outer side is red and whose inner side is blue, wherever it is seen from.
+ReliefPictures two_sided_ball(int size) {
+  ReliefPictures made;
+  const Box box{glm::vec3(-1), glm::vec3(1)};
+  const auto directions = relief_directions(6);
+  for (const glm::dvec3& direction : *directions) {
+    LayeredDepthImage layers;
+    layers.camera = *relief_camera(box, direction, size);
+    const Camera& camera = layers.camera;
+    layers.first.push_back(0);
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const glm::dvec3 at = world_from_raster(camera, {x + 0.5, y + 0.5}, 0.0);
+        const glm::dvec3 forward = camera.forward();
+        const double middle = -glm::dot(at, forward);
+        const double across = glm::length(at + middle * forward);
+        if (across < 0.9) {
+          const double half = std::sqrt(0.81 - across * across);
+          for (const double z : {middle - half, middle + half}) {
+            LayerSample sample;
+            sample.color = z < middle ? glm::vec4(1, 0, 0, 1) : glm::vec4(0, 0, 1, 1);
+            sample.depth = sample.back = float(z);
+            sample.object = 1;
+            layers.samples.push_back(sample);
+          }
+        }
+        layers.first.push_back(layers.samples.size());
+      }
+    made.pictures.push_back({std::move(layers), 0, 0, 0});
+  }
+  return made;
+}
+
+TEST(ShareSamples, the_inner_side_of_a_body_does_not_pepper_its_outer_side) {
+  const ReliefPictures before = two_sided_ball(48);
+  ReliefPictures after = before;
+  share_samples(after, 0.75);
+  int added = 0, peppered = 0;
+  for (std::size_t k = 0; k < after.pictures.size(); ++k) {
+    const LayeredDepthImage &was = before.pictures[k].layers, &is = after.pictures[k].layers;
+    for (std::size_t line = 0; line + 1 < is.first.size(); ++line)
+      for (std::uint64_t s = is.first[line]; s < is.first[line + 1]; ++s) {
+        bool own = false;
+        for (std::uint64_t o = was.first[line]; o < was.first[line + 1]; ++o)
+          own = own || was.samples[o].depth == is.samples[s].depth;
+        if (own) continue;
+        ++added;
+        peppered += is.samples[s].color.b > 0.5f;
+      }
+  }
+  EXPECT_GT(added, 1000);
+  // What is left turns away from the picture's viewers.
+  EXPECT_LE(peppered, added / 40) << "of " << added;
+}
+
+TEST(SampleSides, bodies_are_closed_and_sheets_are_not) {
+  const ReliefPictures ball = two_sided_ball(32);
+  std::vector<const LayeredDepthImage*> all;
+  for (const ReliefPictures::Picture& picture : ball.pictures) all.push_back(&picture.layers);
+  EXPECT_TRUE(find_closed_objects(all).contains(1));
+  // Half of it is met once.
+  ReliefPictures half = ball;
+  for (ReliefPictures::Picture& picture : half.pictures) {
+    LayeredDepthImage& layers = picture.layers;
+    LayeredDepthImage cut = layers;
+    cut.samples.clear(), cut.first = {0};
+    for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
+      for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
+        const int w = layers.camera.width;
+        const glm::dvec3 at = world_from_raster(
+            layers.camera,
+            {double(line % std::size_t(w)) + 0.5, double(line / std::size_t(w)) + 0.5},
+            double(layers.samples[s].depth));
+        if (at.x + at.y + at.z > 0) cut.samples.push_back(layers.samples[s]);
+      }
+      cut.first.push_back(cut.samples.size());
+    }
+    layers = std::move(cut);
+  }
+  all.clear();
+  for (const ReliefPictures::Picture& picture : half.pictures) all.push_back(&picture.layers);
+  EXPECT_TRUE(find_closed_objects(all).empty());
+}
+
+// The normals of a ball are its radii.
+TEST(SampleSides, normals_point_at_the_viewers) {
+  const ReliefPictures ball = two_sided_ball(64);
+  const std::unordered_set<std::uint32_t> closed{1};
+  for (const ReliefPictures::Picture& picture : ball.pictures) {
+    const SampleSides sides(picture.layers, closed);
+    const Camera& camera = picture.layers.camera;
+    int seen = 0;
+    for (std::size_t line = 0; line + 1 < picture.layers.first.size(); ++line)
+      for (std::uint64_t s = picture.layers.first[line]; s < picture.layers.first[line + 1]; ++s) {
+        const auto w = std::size_t(camera.width);
+        const glm::dvec3 at =
+            world_from_raster(camera, {double(line % w) + 0.5, double(line / w) + 0.5},
+                              double(picture.layers.samples[s].depth));
+        const bool front = s == picture.layers.first[line];
+        const glm::dvec3 normal = (front ? 1.0 : -1.0) * glm::normalize(at);
+        if (-glm::dot(normal, camera.forward()) < 0.4) continue;
+        EXPECT_GT(glm::dot(glm::dvec3(sides.normal(s)), normal), 0.99);
+        ++seen;
+      }
+    EXPECT_GT(seen, 2000);
   }
 }
 

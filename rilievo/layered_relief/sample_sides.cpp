@@ -1,0 +1,102 @@
+#include "rilievo/layered_relief/sample_sides.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "rilievo/core/parallel_for.h"
+
+namespace rilievo {
+namespace {
+
+// Neighbours within so many texels of depth are of the same surface, for its slope.
+constexpr double kSteepest = 8;
+// The cosine down to which viewers of a picture see what turns away from its direction: each looks
+// from within 55 degrees of one.
+constexpr float kTurnsAway = -0.5f;
+glm::dvec2 texel_of(const Camera& camera) {
+  return {(camera.window.right - camera.window.left) / camera.width,
+          (camera.window.top - camera.window.bottom) / camera.height};
+}
+
+}  // namespace
+
+std::unordered_set<std::uint32_t> find_closed_objects(
+    std::span<const LayeredDepthImage* const> pictures) {
+  struct Lines {
+    std::size_t met = 0, even = 0;
+  };
+  std::map<std::uint32_t, Lines> lines;
+  std::vector<std::uint32_t> objects;
+  for (const LayeredDepthImage* picture : pictures)
+    for (std::size_t i = 0; i + 1 < picture->first.size(); ++i) {
+      objects.clear();
+      for (std::uint64_t s = picture->first[i]; s < picture->first[i + 1]; ++s)
+        objects.push_back(picture->samples[s].object);
+      std::sort(objects.begin(), objects.end());
+      for (auto from = objects.begin(); from != objects.end();) {
+        const auto to = std::upper_bound(from, objects.end(), *from);
+        Lines& of = lines[*from];
+        ++of.met;
+        of.even += (to - from) % 2 == 0;
+        from = to;
+      }
+    }
+  std::unordered_set<std::uint32_t> closed;
+  for (const auto& [object, of] : lines)
+    if (double(of.even) >= kClosedShare * double(of.met)) closed.insert(object);
+  return closed;
+}
+
+SampleSides::SampleSides(const LayeredDepthImage& layers,
+                         const std::unordered_set<std::uint32_t>& closed)
+    : layers_(layers), closed_(closed), normals_(layers.samples.size()), z_(layers.samples.size()) {
+  const Camera& camera = layers.camera;
+  const int w = camera.width, h = camera.height;
+  const glm::dvec2 texel = texel_of(camera);
+  for (std::size_t s = 0; s < z_.size(); ++s)
+    z_[s] = float(eye_z_from(layers.depth_kind, double(layers.samples[s].depth), camera, {}));
+  const glm::dvec3 right(camera.world_from_eye[0]), up(camera.world_from_eye[1]),
+      forward = camera.forward();
+  parallel_for(0, h, [&](int y) {
+    const auto line = [&](int i, int j) {
+      return std::size_t(j) * std::size_t(w) + std::size_t(i);
+    };
+    // How much deeper the surface lies one texel aside; NaN if it does not go on.
+    const auto step = [&](int i, int j, float z, double steepest) {
+      if (i < 0 || j < 0 || i >= w || j >= h) return std::nan("");
+      const auto begin = z_.begin() + std::ptrdiff_t(layers.first[line(i, j)]),
+                 end = z_.begin() + std::ptrdiff_t(layers.first[line(i, j) + 1]);
+      const auto after = std::lower_bound(begin, end, z);
+      double best = std::numeric_limits<double>::infinity();
+      if (after != end) best = double(*after - z);
+      if (after != begin && double(z - *(after - 1)) < std::abs(best))
+        best = -double(z - *(after - 1));
+      return std::abs(best) <= steepest ? best : std::nan("");
+    };
+    const auto slope = [](double before, double after) {
+      if (std::isnan(before)) return std::isnan(after) ? 0.0 : after;
+      return std::isnan(after) ? -before : 0.5 * (after - before);
+    };
+    for (int x = 0; x < w; ++x)
+      for (std::uint64_t s = layers.first[line(x, y)]; s < layers.first[line(x, y) + 1]; ++s) {
+        const float z = z_[s];
+        const double across =
+            slope(step(x - 1, y, z, kSteepest * texel.x), step(x + 1, y, z, kSteepest * texel.x));
+        const double upwards =
+            slope(step(x, y + 1, z, kSteepest * texel.y), step(x, y - 1, z, kSteepest * texel.y));
+        normals_[s] =
+            glm::vec3(glm::normalize(across / texel.x * right + upwards / texel.y * up - forward));
+      }
+  });
+}
+
+int SampleSides::turn(std::size_t sample, std::size_t layer, const glm::dvec3& forward) const {
+  if (!is_closed(sample)) return 0;
+  const float faces = -glm::dot(normals_[sample], glm::vec3(forward));
+  if (layer == 0 && faces > kTurnsAway) return 0;
+  return faces > 0 ? 1 : 2;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,53 @@
+// Which side of its surface does a sample of a layered picture show?
+//
+// A line of sight hits the inner side of a teapot's wall, too, and the other pictures' lines of
+// sight the outer side at the same place. Both have colours of their own: a wall that has samples
+// of both looks peppered. World space, metres; of parallel pictures.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <unordered_set>
+#include <vector>
+
+#include "rilievo/core/depth_image.h"
+
+namespace rilievo {
+
+// Objects that are closed bodies, which have an inner side that nobody sees: at least kClosedShare
+// of the lines of sight that meet one go in as often as they come out. Leaves are met once as often
+// as twice.
+inline constexpr double kClosedShare = 0.85;
+[[nodiscard]] std::unordered_set<std::uint32_t> find_closed_objects(
+    std::span<const LayeredDepthImage* const> pictures);
+
+// The samples of a layered picture with the side that they show.
+class SampleSides {
+ public:
+  // `layers` and `closed`, of find_closed_objects(), must outlive the object.
+  SampleSides(const LayeredDepthImage& layers, const std::unordered_set<std::uint32_t>& closed);
+
+  // The unit normal towards the picture's viewers, by the nearest samples of neighbouring lines of
+  // sight.
+  [[nodiscard]] const glm::vec3& normal(std::size_t sample) const { return normals_[sample]; }
+  [[nodiscard]] const LayeredDepthImage& layers() const { return layers_; }
+
+  // When a picture that looks along `forward` takes a sample of this one, `layer` samples behind
+  // the first of its line of sight: 0, first, if nothing hides it here and it faces the other's
+  // viewers, or nearly; 1 if it faces them; 2 if it shows the side that they do not see. What is
+  // not closed has no order: 0.
+  [[nodiscard]] int turn(std::size_t sample, std::size_t layer, const glm::dvec3& forward) const;
+  static constexpr int kTurns = 3;
+  [[nodiscard]] bool is_closed(std::size_t sample) const {
+    return closed_.contains(layers_.samples[sample].object);
+  }
+
+ private:
+  const LayeredDepthImage& layers_;
+  const std::unordered_set<std::uint32_t>& closed_;
+  std::vector<glm::vec3> normals_;
+  std::vector<float> z_;
+};
+
+}  // namespace rilievo
