@@ -136,9 +136,11 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(0.0, 1e9))
       ->type_name("METRES");
   command
-      .add_option("--source", options.source,
-                  "keyframes: who makes them: raster, or rays (default raster)")
-      ->check(CLI::IsMember({"raster", "rays"}));
+      .add_option(
+          "--source", options.source,
+          "keyframes: who makes them: raster, rays, or, beside the frames, which begin with "
+          "coarse ones by rays, raytrace or exec:PROGRAM (default raster)")
+      ->type_name("SOURCE");
   command
       .add_option("--keyframe-ms", options.keyframe_ms,
                   "keyframes: time that a frame spends on the next keyframe, in ms; after a jump a "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "rilievo/core/expects.h"
@@ -20,6 +21,8 @@ constexpr float kCoarseWeight = 1e-4f;
 constexpr float kSpareWeight = 0.2f;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
+// How many frames ahead an eye is predicted at most, for a source that takes long.
+constexpr int kMostAhead = 60;
 // What is being made for an eye that looks elsewhere, by so many radians, is given up.
 constexpr double kElsewhere = 0.7;
 
@@ -49,7 +52,10 @@ KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
                                    std::vector<std::uint32_t> objects)
     : source_(source), quick_(quick), options_(options), objects_(std::move(objects)) {
   RILIEVO_EXPECTS(options.interval >= 1 && options.margin >= 1);
+  if (options.beside) background_.emplace();
 }
+
+KeyframeProducer::~KeyframeProducer() { stop_.request_stop(); }
 
 std::size_t KeyframeProducer::bytes() const {
   std::size_t texels = 0;
@@ -97,8 +103,9 @@ Keyframe KeyframeProducer::reusable() {
 }
 
 void KeyframeProducer::begin(const Camera& eye) {
-  maker_.begin({plain(eye, frame_, options_.margin), objects_, options_.samples, time_, false},
-               reusable());
+  maker_.begin(
+      {plain(eye, frame_, options_.margin), objects_, options_.samples, time_, false, options_.sky},
+      reusable());
 }
 
 void KeyframeProducer::add(Keyframe keyframe) {
@@ -120,8 +127,13 @@ void KeyframeProducer::add(Keyframe keyframe) {
 
 Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   const Stopwatch watch;
-  if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
-  const bool coarse = options_.keyframe_ms > 0 && any();
+  const bool coarse = options_.beside || (options_.keyframe_ms > 0 && any());
+  if (ordered_) {
+    // For where the eye was: the sooner it ends the better.
+    stop_.request_stop();
+  } else if (maker_.busy() || std::exchange(complete_, false)) {
+    spare_.push_back(maker_.give_up());
+  }
   if (coarse) {
     KeyframeMaker maker;
     maker.begin({keyframe_camera(frame_, kCoarseMargin, kCoarseTexels), objects_, 1, time_, true},
@@ -150,7 +162,41 @@ int KeyframeProducer::columns_a_frame() const {
   return std::max(columns / kBand, 1) * kBand;
 }
 
+Result<> KeyframeProducer::work_beside() {
+  if (in_flight_.load(std::memory_order_acquire)) {
+    ++waited_;
+    return Done{};
+  }
+  if (std::exchange(ordered_, false)) {
+    if (failed_) {
+      const Error error = *std::exchange(failed_, std::nullopt);
+      spare_.push_back(maker_.give_up());
+      if (error.reason.find(kCaptureStopped) == std::string::npos) return error;
+    } else {
+      complete_ = true, ++done_.completed;
+      frames_for_one_ = std::max(waited_, 1);
+    }
+    return Done{};
+  }
+  const Camera eye = prediction_.after(std::min(2 * frames_for_one_, kMostAhead));
+  const Camera camera = plain(eye, frame_, options_.margin);
+  for (const Keyframe& key : ready_)
+    if (!key.coarse && same_view(key.camera, camera)) return Done{};
+  begin(eye);
+  stop_ = {};
+  control_.stop = stop_.get_token();
+  waited_ = 0, ordered_ = true;
+  in_flight_.store(true, std::memory_order_release);
+  background_->run([this] {
+    if (Result<> made = maker_.step(source_, maker_.columns_left(), &control_); !made)
+      failed_ = made.error();
+    in_flight_.store(false, std::memory_order_release);
+  });
+  return Done{};
+}
+
 Result<> KeyframeProducer::work() {
+  if (options_.beside) return work_beside();
   const int columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     spare_.push_back(maker_.give_up());

@@ -6,14 +6,21 @@
 // is made for the eye in 2 N frames. Each frame does a part of the work, a band of columns
 // (make_keyframe.h). An eye that stands gets a keyframe of its own, and then nothing more is made.
 //
+// A source that takes long for a picture has a thread of its own (`beside`): frames do not wait for
+// it, and begin with coarse keyframes.
+//
 // After a jump nothing shows what the eye sees: a keyframe is made at once, and with a limit of
 // time a coarse one, by a source that is fast for few texels.
 #pragma once
 
+#include <atomic>
+#include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "rilievo/capture/capture_source.h"
+#include "rilievo/core/background.h"
 #include "rilievo/core/result.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/make_keyframe.h"
@@ -23,10 +30,12 @@ namespace rilievo {
 
 // How keyframes are made.
 struct KeyframeOptions {
-  double margin = 1.2;     // of a keyframe's sides over the frame's
-  int samples = 4;         // of a texel: 1, 4 or 16
-  int interval = 16;       // the least number of frames for a keyframe
-  double keyframe_ms = 0;  // the most time that a frame spends on keyframes; 0: no limit
+  double margin = 1.2;       // of a keyframe's sides over the frame's
+  int samples = 4;           // of a texel: 1, 4 or 16
+  int interval = 16;         // the least number of frames for a keyframe
+  double keyframe_ms = 0;    // the most time that a frame spends on keyframes; 0: no limit
+  bool beside = false;       // keyframes are made beside the frames, each at once
+  const Sky* sky = nullptr;  // for sources that draw none; null: they do. See KeyframeRequest
 };
 
 // What producing did since the last time it was asked.
@@ -42,6 +51,8 @@ class KeyframeProducer {
   // coarse ones.
   KeyframeProducer(CaptureSource& source, CaptureSource& quick, const KeyframeOptions& options,
                    std::vector<std::uint32_t> objects = {});
+  // Stops what is made beside the frames, and waits for that.
+  ~KeyframeProducer();
 
   // Begins a frame: those to warp from. Empty before the first keyframe.
   [[nodiscard]] std::span<const WarpedKeyframe> follow(const Camera& frame, double time);
@@ -59,6 +70,7 @@ class KeyframeProducer {
 
  private:
   void choose();
+  Result<> work_beside();
   void begin(const Camera& eye);
   void add(Keyframe keyframe);
   [[nodiscard]] Keyframe reusable();
@@ -76,6 +88,15 @@ class KeyframeProducer {
   std::vector<WarpedKeyframe> chosen_;
   double ms_per_column_ = 0;
   KeyframeWork done_;
+
+  // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.
+  std::atomic<bool> in_flight_{false};
+  bool ordered_ = false;  // a keyframe was, and its end was not yet seen
+  int waited_ = 0, frames_for_one_ = 60;
+  std::optional<Error> failed_;
+  std::stop_source stop_;
+  CaptureControl control_;
+  std::optional<Background> background_;
 };
 
 }  // namespace rilievo

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <semaphore>
+#include <thread>
 
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -89,6 +91,54 @@ TEST(KeyframeProducer, WithALimitOfTimeAJumpGetsACoarseKeyframeAndThenFineOnes) 
     ASSERT_TRUE(producer.work());
   }
   for (const WarpedKeyframe& one : producer.chosen()) EXPECT_FALSE(one.keyframe->coarse);
+}
+
+// A source that takes until it is told to go on.
+class PatientSource final : public CaptureSource {
+ public:
+  explicit PatientSource(CaptureSource& source) : source_(source) {}
+  std::string_view name() const override { return "patient"; }
+  Box bounds(std::span<const std::uint32_t> objects) const override {
+    return source_.bounds(objects);
+  }
+  Result<CapturedPicture> capture(const CaptureRequest& request) override {
+    started_.release();
+    go_on_.acquire();
+    return source_.capture(request);
+  }
+  std::binary_semaphore started_{0}, go_on_{0};
+
+ private:
+  CaptureSource& source_;
+};
+
+TEST(KeyframeProducer, FramesDoNotWaitForASourceBesideThem) {
+  ProducerStage stage;
+  RasterSource quick(stage.placed);
+  PatientSource slow(stage.source);
+  KeyframeProducer producer(slow, quick, {.samples = 1, .beside = true});
+  EXPECT_TRUE(producer.follow(ProducerStage::eye(0), 0).empty());
+  ASSERT_TRUE(producer.make_now());
+  ASSERT_TRUE(producer.work());
+  slow.started_.acquire();
+  for (int i = 0; i < 10; ++i) {
+    (void)producer.follow(ProducerStage::eye(0), 0);
+    ASSERT_EQ(producer.chosen().size(), 1u);
+    EXPECT_TRUE(producer.chosen()[0].keyframe->coarse);
+    ASSERT_TRUE(producer.work());
+  }
+  slow.go_on_.release();
+  // As long as the other thread takes: its end is seen by a frame, and the next one is warped from
+  // it.
+  while (producer.take_work().completed == 0) {
+    (void)producer.follow(ProducerStage::eye(0), 0);
+    ASSERT_TRUE(producer.work());
+    std::this_thread::yield();
+  }
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  ASSERT_EQ(producer.chosen().size(), 2u);
+  EXPECT_FALSE(producer.chosen()[1].keyframe->coarse);
+  EXPECT_GT(producer.chosen()[1].weight, producer.chosen()[0].weight);
 }
 
 }  // namespace

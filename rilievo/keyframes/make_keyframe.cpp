@@ -8,6 +8,7 @@
 #include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/shading/sky_rays.h"
 
 namespace rilievo {
 namespace {
@@ -90,6 +91,22 @@ void take_over(const DepthImage& picture, int scale, int first, Keyframe& keyfra
   });
 }
 
+// The sky behind texels that are covered in part, or not at all.
+void add_sky(const Sky& sky, DepthImage& picture) {
+  const SkyRays rays(picture.camera);
+  parallel_for(0, picture.camera.height, [&](int y) {
+    for (int x = 0; x < picture.camera.width; ++x) {
+      glm::vec4& color = picture.color(x, y);
+      if (picture.covered(x, y)) {
+        // A texel shows one surface: all of it, whatever else its samples saw.
+        if (color.a > 0) color = glm::vec4(glm::vec3(color) / color.a, 1);
+      } else {
+        color = glm::vec4(rays.radiance(sky, x, picture.camera.height - 1 - y), 1);
+      }
+    }
+  });
+}
+
 // Columns [from, to) of a camera, at `scale` times its size.
 Camera band_of(const Camera& camera, int from, int to, int scale) {
   Camera band = camera;
@@ -124,11 +141,12 @@ Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureCo
   request.camera = band_of(keyframe_.camera, from, to, scale);
   request.objects = request_.objects;
   request.samples = std::min(request_.samples, 4);
-  request.with_sky = true;
+  request.with_sky = !request_.sky;
   request.control = control;
   request.time = request_.time;
   Result<CapturedPicture> captured = source.capture(request);
   if (!captured) return captured.error();
+  if (request_.sky) add_sky(*request_.sky, captured->picture);
   take_over(captured->picture, scale, from, keyframe_);
   // Of the segments that are complete now.
   const auto complete = [&](int column) {

@@ -18,6 +18,8 @@
 
 namespace rilievo {
 
+struct Sky;
+
 // What to make.
 struct KeyframeRequest {
   Camera camera;
@@ -25,6 +27,9 @@ struct KeyframeRequest {
   int samples = 4;                              // of a texel: 1, 4 or 16
   double time = 0;                              // seconds
   bool coarse = false;
+  // Drawn behind what a source captures that draws none of its own (such as the ray tracer), and
+  // behind what covers a texel in part. Null: the source draws it.
+  const Sky* sky = nullptr;
 };
 
 // A keyframe that is being made.

@@ -62,7 +62,7 @@ struct MethodOptions {
   std::optional<double> bake_beyond;      // cache: metres
   bool bake_together = false;             // cache: all that stands still as one
   double texel_px = 4;                    // kinds drawn for objects
-  std::string source = "raster";          // keyframes: who makes them: raster or rays
+  std::string source = "raster";          // keyframes: raster, rays, raytrace, exec:PROGRAM
   double keyframe_ms = 0;                 // keyframes: time a frame; 0: no limit
   int keyframe_samples = 4;               // keyframes: of a texel: 1, 4 or 16
   KindOptions kinds;

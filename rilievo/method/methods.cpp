@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 #include <utility>
 
+#include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/cached.h"
@@ -72,8 +73,6 @@ Result<Method> make_nailboards(const MethodOptions& options, Backend& backend) {
 }
 
 Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
-  if (options.source != "raster" && options.source != "rays")
-    return Error{"--source", "keyframes are made by raster or rays, not by " + options.source};
   Result<SoftwareBackend*> software = backend.software();
   if (!software) return software.error();
   KeyframeFramesOptions keyframes;
@@ -81,8 +80,21 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
   keyframes.samples = backend.samples();
   keyframes.keyframes.samples = options.keyframe_samples;
   keyframes.keyframes.keyframe_ms = options.keyframe_ms;
+  KeyframeFrames::MakeSource make;
+  if (options.source != "raster" && options.source != "rays") {
+    if (Result<> known = check_shader(options.source); !known)
+      return Error{"--source", known.error().reason + ", raster or rays"};
+    // It takes long, and draws no sky.
+    keyframes.keyframes.beside = true;
+    keyframes.keyframes.sky = &(*software)->scene().sky;
+    make = [&](const RayScene& rays) {
+      ShaderInput input;
+      input.rays = &rays;
+      return make_shader(options.source, input);
+    };
+  }
   Result<std::unique_ptr<KeyframeFrames>> made =
-      KeyframeFrames::create((*software)->scene(), keyframes);
+      KeyframeFrames::create((*software)->scene(), make, keyframes);
   if (!made) return made.error();
   return as_method(backend.present(std::move(*made)));
 }

@@ -50,6 +50,7 @@ struct KeyframeFrames::State {
   RayScene rays;
   RaySource ray_source;
   std::optional<RasterSource> raster_source;
+  std::unique_ptr<CaptureSource> own_source;
   std::vector<bool> moves;  // by object
   bool any_still = false, blends = false;
   std::optional<KeyframeProducer> producer;
@@ -67,13 +68,13 @@ struct KeyframeFrames::State {
   FrameStats stats;
   KeyframeShares shares;
 
-  State(const Scene& scene, RayScene made_rays, CaptureSource* source,
-        const KeyframeFramesOptions& options);
+  State(const Scene& scene, RayScene made_rays, const KeyframeFramesOptions& options);
+  void make_producer();
   void find_view();
   Result<> warp(double time);
 };
 
-KeyframeFrames::State::State(const Scene& scene, RayScene made_rays, CaptureSource* source,
+KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
                              const KeyframeFramesOptions& options)
     : scene(scene),
       options(options),
@@ -85,7 +86,9 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays, CaptureSour
       keyframe_tiles(rays),
       polygons(scene),
       sky(scene.sky),
-      blended(scene) {
+      blended(scene) {}
+
+void KeyframeFrames::State::make_producer() {
   std::vector<std::uint32_t> objects;
   bool any_moves = false;
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
@@ -96,6 +99,7 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays, CaptureSour
   }
   any_still = !objects.empty();
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
+  CaptureSource* source = own_source.get();
   if (!source && options.by == KeyframesBy::raster) source = &raster_source.emplace(placed);
   if (!source) source = &ray_source;
   producer.emplace(*source, ray_source, options.keyframes, std::move(objects));
@@ -130,18 +134,21 @@ KeyframeFrames::~KeyframeFrames() = default;
 
 Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
     const Scene& scene, const KeyframeFramesOptions& options) {
-  Result<RayScene> rays = RayScene::create(scene);
-  if (!rays) return rays.error();
-  return {std::unique_ptr<KeyframeFrames>(
-      new KeyframeFrames(std::make_unique<State>(scene, std::move(*rays), nullptr, options)))};
+  return create(scene, {}, options);
 }
 
 Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
-    const Scene& scene, CaptureSource& source, const KeyframeFramesOptions& options) {
+    const Scene& scene, const MakeSource& make, const KeyframeFramesOptions& options) {
   Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
-  return {std::unique_ptr<KeyframeFrames>(
-      new KeyframeFrames(std::make_unique<State>(scene, std::move(*rays), &source, options)))};
+  auto state = std::make_unique<State>(scene, std::move(*rays), options);
+  if (make) {
+    Result<std::unique_ptr<CaptureSource>> made = make(state->rays);
+    if (!made) return made.error();
+    state->own_source = std::move(*made);
+  }
+  state->make_producer();
+  return {std::unique_ptr<KeyframeFrames>(new KeyframeFrames(std::move(state)))};
 }
 
 Result<> KeyframeFrames::draw(const Camera& camera, double time) {

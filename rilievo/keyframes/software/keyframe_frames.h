@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,7 @@
 
 namespace rilievo {
 
+class RayScene;
 struct Scene;
 
 // Who makes keyframes of a scene.
@@ -44,9 +46,11 @@ class KeyframeFrames final : public FrameSource {
   // `scene` must be valid and outlive the source. Fails if memory does not suffice.
   [[nodiscard]] static Result<std::unique_ptr<KeyframeFrames>> create(
       const Scene& scene, const KeyframeFramesOptions& options);
-  // The same with keyframes by another source, which must outlive this one.
+  // The same with keyframes by another source, which `make` makes of the scene as rays see it.
+  // Fails where that does.
+  using MakeSource = std::function<Result<std::unique_ptr<CaptureSource>>(const RayScene&)>;
   [[nodiscard]] static Result<std::unique_ptr<KeyframeFrames>> create(
-      const Scene& scene, CaptureSource& source, const KeyframeFramesOptions& options);
+      const Scene& scene, const MakeSource& make, const KeyframeFramesOptions& options);
   ~KeyframeFrames() override;
 
   // See FrameSource. Fail where a capture does.
