@@ -17,13 +17,14 @@ using test::GltfBuilder;
 
 // The decoded content of a view that is compressed like this.
 std::string decoded(const std::string& packed, std::size_t count, std::size_t stride,
-                    const char* mode, const char* filter) {
+                    const char* mode, const char* filter,
+                    const char* extension = "EXT_meshopt_compression") {
   GltfBuilder b;
   const int view = b.view(packed);
   b.json["bufferViews"][view] = {{"buffer", 1},
                                  {"byteLength", count * stride},
                                  {"extensions",
-                                  {{"EXT_meshopt_compression",
+                                  {{extension,
                                     {{"buffer", 0},
                                      {"byteLength", packed.size()},
                                      {"byteStride", stride},
@@ -125,6 +126,13 @@ TEST(GltfMeshopt, every_filter_comes_back) {
     std::memcpy(&f, back.data() + 4 * i, sizeof f);
     EXPECT_NEAR(f, vectors[i], 1e-6);  // 24 bits of a number up to 1, one exponent a vector
   }
+}
+
+TEST(GltfMeshopt, khronos_name_of_the_extension_means_the_same) {
+  const std::string raw = "abcdefghijkl";
+  EXPECT_EQ(
+      decoded(encoded_vertices(raw, 3, 4), 3, 4, "ATTRIBUTES", "NONE", "KHR_meshopt_compression"),
+      raw);
 }
 
 TEST(GltfMeshopt, what_the_decoder_would_not_survive_is_refused) {

@@ -90,11 +90,13 @@ nlohmann::json parse_json(Bytes text, LoadContext& context) {
 
 // Extensions whose meaning is kept, and those that only come close to it (with a warning where
 // they are met).
-constexpr std::array<std::string_view, 14> kSupported = {"KHR_texture_transform",
+constexpr std::array<std::string_view, 16> kSupported = {"KHR_texture_transform",
                                                          "KHR_lights_punctual",
                                                          "EXT_mesh_gpu_instancing",
                                                          "KHR_draco_mesh_compression",
                                                          "EXT_meshopt_compression",
+                                                         "KHR_meshopt_compression",
+                                                         "CESIUM_RTC",
                                                          "KHR_mesh_quantization",
                                                          "EXT_texture_webp",
                                                          "KHR_materials_unlit",
@@ -107,6 +109,13 @@ constexpr std::array<std::string_view, 14> kSupported = {"KHR_texture_transform"
 
 bool supported(const std::string& extension) {
   return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
+}
+
+// What to do about an extension that is not supported.
+std::string remedy_for(const std::string& extension) {
+  if (extension != "KHR_texture_basisu") return "";
+  return ": 'gltf-transform ktxdecompress IN.glb OUT.glb' (npm: @gltf-transform/cli) makes PNG of "
+         "its textures";
 }
 
 void check_versions_and_extensions(Document& document) {
@@ -124,7 +133,13 @@ void check_versions_and_extensions(Document& document) {
   const JsonValue required = root["extensionsRequired"];
   for (std::size_t i = 0; i < required.size(); ++i)
     if (const std::string name = required[i].text(); !supported(name))
-      refuse("requires the extension " + name + ", which is not supported");
+      refuse("requires the extension " + name + ", which is not supported" + remedy_for(name));
+  // One place that all counts from: near it, floats are exact.
+  if (const JsonValue center = root["extensions"]["CESIUM_RTC"]["center"]; center.size() == 3) {
+    std::string place;
+    for (std::size_t i = 0; i < 3; ++i) place += " " + std::to_string(center[i].number());
+    document.context->warn("coordinates count from the centre that CESIUM_RTC gives:" + place);
+  }
   const JsonValue used = root["extensionsUsed"];
   for (std::size_t i = 0; i < used.size(); ++i)
     if (const std::string name = used[i].text(); !supported(name))
@@ -178,7 +193,9 @@ Bytes read_buffer(Document& document, const JsonValue& view) {
 Bytes read_view(Document& document, std::size_t i) {
   if (document.views[i]) return *document.views[i];
   const JsonValue view = document.root()["bufferViews"][i];
-  if (const JsonValue meshopt = view["extensions"]["EXT_meshopt_compression"]) {
+  JsonValue meshopt = view["extensions"]["EXT_meshopt_compression"];
+  if (!meshopt) meshopt = view["extensions"]["KHR_meshopt_compression"];
+  if (meshopt) {
     document.owned.push_back(decode_meshopt(document, meshopt));
     document.views[i] = bytes_of(document.owned.back());
     if (document.views[i]->size() < view["byteLength"].whole())

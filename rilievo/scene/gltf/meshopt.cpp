@@ -1,4 +1,5 @@
-// EXT_meshopt_compression: what a buffer view holds after libmeshoptimizer has decoded it.
+// EXT_meshopt_compression, and KHR_meshopt_compression, which is the same with one more filter:
+// what a buffer view holds after libmeshoptimizer has decoded it.
 //
 // The decoders are made for untrusted input as far as the stream goes, but assert what they expect
 // of counts and strides: all of that is checked here, before they are called.
@@ -50,7 +51,7 @@ std::string decode_meshopt(Document& document, const JsonValue& extension) {
   else if (filter == "EXPONENTIAL")
     meshopt_decodeFilterExp(out.data(), count, stride);
   else if (filter != "NONE")
-    extension["filter"].fail("is '" + filter + "', which is unknown");
+    extension["filter"].fail("is '" + filter + "', which is not supported");
   return out;
 }
 
