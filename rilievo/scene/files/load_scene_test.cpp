@@ -80,9 +80,9 @@ TEST(LoadScene, what_is_required_and_unsupported_is_an_error_what_is_used_a_warn
   ASSERT_TRUE(loaded.ok());
   ASSERT_EQ(loaded->warnings.size(), 1u);
   EXPECT_EQ(loaded->warnings[0], "the extension KHR_materials_sheen is not supported and left out");
-  b.json["extensionsRequired"] = {"KHR_texture_basisu"};
+  b.json["extensionsRequired"] = {"EXT_unheard_of"};
   EXPECT_EQ(reason_of_bytes(b.glb()),
-            "requires the extension KHR_texture_basisu, which is not supported");
+            "requires the extension EXT_unheard_of, which is not supported");
 }
 
 TEST(LoadScene, hostile_numbers_end_in_errors) {
