@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,7 +20,6 @@
 #include "apps/rilievo/progress.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/representation/kinds.h"
-#include "rilievo/web_walk/board_files.h"
 #include "rilievo/web_walk/walks.h"
 
 namespace rilievo::app {
@@ -39,7 +37,6 @@ struct WebInput {
   const Kind* kind = nullptr;
   std::unique_ptr<Representation> representation;
   std::optional<CameraPath> path;
-  FramePictures frame;      // without a kind: pictures that become nailboards
   std::vector<Fact> facts;  // of the bake
 };
 
@@ -67,23 +64,12 @@ Result<WebInput> read_for_web(const WebCommand& options) {
   if (!options.as.empty() || !options.kinds.bake.empty())
     return Error{options.as.empty() ? "--" + options.kinds.bake.begin()->first : "--as",
                  "says how a scene is baked, and " + options.input + " is baked already"};
-  Result<PictureFileContent> content = open_pictures(options.input);
+  Result<PictureFileContent> content = open_representation(options.input);
   if (!content) return content.error();
   WebInput input;
   input.kind = content->kind;
   input.representation = std::move(content->representation);
-  input.frame = std::move(content->frame);
   return input;
-}
-
-// Of plain pictures: the camera of their frame, or else of the first of them.
-void start_at(const FramePictures& frame, WalkManifest& manifest) {
-  const Camera& camera = frame.camera ? *frame.camera : frame.pictures.front().camera;
-  manifest.eye = camera.position();
-  manifest.target = camera.position() + camera.forward();
-  manifest.vertical_fov = std::atan(camera.window.top) - std::atan(camera.window.bottom);
-  manifest.z_near = camera.z_near;
-  manifest.z_far = camera.z_far;
 }
 
 WalkManifest manifest_of(const WebCommand& options, const WebInput& input) {
@@ -91,10 +77,6 @@ WalkManifest manifest_of(const WebCommand& options, const WebInput& input) {
   manifest.name = std::filesystem::path(options.input).stem().string();
   if (options.input.starts_with("builtin:"))
     manifest.name = options.input.substr(8, options.input.find('?') - 8);
-  if (!input.kind) {
-    start_at(input.frame, manifest);
-    return manifest;
-  }
   const Vantage vantage = input.representation->vantage();
   manifest.up = vantage.up;
   std::optional<CameraPath> path = input.path;
@@ -127,8 +109,7 @@ Result<> run_web(const WebCommand& options) {
     WalkOptions walk = options.walk;
     walk.progress = [&](int done, int total) { progress.show(done, total); };
     const Result<> added =
-        input->kind ? add_to_walk(*input->kind, *input->representation, *writer, manifest, walk)
-                    : add_boards(input->frame.pictures, *writer, manifest, walk);
+        add_to_walk(*input->kind, *input->representation, *writer, manifest, walk);
     if (!added)
       return Error{options.input,
                    added.error().where.empty() ? added.error().reason : added.error().message()};
@@ -136,7 +117,7 @@ Result<> run_web(const WebCommand& options) {
   if (Result<> done = writer->finish(manifest); !done) return done;
   const double seconds = 1e-3 * watch.ms();
   const std::size_t first = writer->first_view_bytes(manifest);
-  const std::string_view kind_name = input->kind ? input->kind->name : "nailboards";
+  const std::string_view kind_name = input->kind->name;
   if (!options.json.empty()) {
     nlohmann::json json{{"schema", "rilievo-web-1"}, {"input", options.input},
                         {"kind", kind_name},         {"files", writer->files()},

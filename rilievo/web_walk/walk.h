@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "rilievo/core/bounds.h"
-#include "rilievo/core/camera.h"
 
 namespace rilievo {
 
@@ -72,15 +71,6 @@ struct WalkSketches {
   double near = 1, far = 1;
 };
 
-// A nailboard (nailboard/nailboard.h).
-struct WalkBoard {
-  Camera camera;
-  double plane_z = 1;  // of its polygon, metres in front of the camera
-  WalkFile colors;     // a WebP with alpha, its top row first
-  double psnr_db = 0;
-  WalkFile depths;  // a plane of Delta in 16 bits; 65535 is transparent
-};
-
 // What the manifest says.
 struct WalkManifest {
   std::string name;
@@ -90,8 +80,7 @@ struct WalkManifest {
   double vertical_fov = 0.9;
   double z_near = 0.1, z_far = 1000;
   std::vector<WalkNode> nodes;
-  WalkSketches sketches;  // of the nodes; no name without any
-  std::vector<WalkBoard> boards;
+  WalkSketches sketches;
 };
 
 // How exact a walk is, and what is in it.

@@ -76,22 +76,6 @@ nlohmann::json json_of(const WalkNode& node) {
   return json;
 }
 
-nlohmann::json json_of(const WalkBoard& board) {
-  const Camera& camera = board.camera;
-  nlohmann::json json{
-      {"world_from_eye", json_of(camera.world_from_eye)},
-      {"window",
-       {camera.window.left, camera.window.right, camera.window.bottom, camera.window.top}},
-      {"z_near", camera.z_near},
-      {"z_far", camera.z_far},
-      {"plane_z", board.plane_z},
-      {"size", {camera.width, camera.height}},
-      {"colors", json_of(board.colors)},
-      {"depths", json_of(board.depths)}};
-  json["colors"]["psnr_db"] = std::min(board.psnr_db, 100.0);
-  return json;
-}
-
 nlohmann::json json_of(const WalkManifest& walk) {
   nlohmann::json nodes = nlohmann::json::array();
   for (const WalkNode& node : walk.nodes) nodes.push_back(json_of(node));
@@ -111,7 +95,6 @@ nlohmann::json json_of(const WalkManifest& walk) {
     json["sketches"]["near"] = walk.sketches.near;
     json["sketches"]["far"] = walk.sketches.far;
   }
-  for (const WalkBoard& board : walk.boards) json["boards"].push_back(json_of(board));
   return json;
 }
 
@@ -198,7 +181,6 @@ std::size_t WalkWriter::first_view_bytes(const WalkManifest& manifest) const {
     least = distance;
     first = node.levels[0].colors.bytes + node.levels[0].mesh.file.bytes;
   }
-  for (const WalkBoard& board : manifest.boards) first += board.colors.bytes + board.depths.bytes;
   return state_->page_bytes + manifest.sketches.file.bytes + first;
 }
 

@@ -48,6 +48,20 @@ TEST(Webp, IsAsExactAsAsked) {
   }
 }
 
+TEST(Webp, KeepsAlphaExactly) {
+  Rgba8Image picture = test_picture(64);
+  std::mt19937 rng(5);
+  for (glm::u8vec4& texel : picture.texels()) texel.a = std::uint8_t(rng());
+  const Result<WebpFile> file = encode_webp(picture, {.least_psnr_db = 36, .alpha = true});
+  ASSERT_TRUE(file);
+  int width = 0, height = 0;
+  std::uint8_t* rgba = WebPDecodeRGBA(file->bytes.data(), file->bytes.size(), &width, &height);
+  ASSERT_NE(rgba, nullptr);
+  for (std::size_t i = 0; i < picture.texels().size(); ++i)
+    EXPECT_EQ(rgba[4 * i + 3], picture.texels()[i].a) << i;
+  WebPFree(rgba);
+}
+
 TEST(Webp, RefusesWhatTheFormatCannotHold) {
   EXPECT_FALSE(encode_webp(Rgba8Image(), {}));
   EXPECT_FALSE(encode_webp(Rgba8Image(16384, 1), {}));

@@ -9,6 +9,8 @@ export { Walk, WalkError } from "./core.js";
 export interface ViewerOptions extends WalkOptions {
   /** Pixels of the frame for each of the page; default the screen's own, at most 2. */
   pixelRatio?: number;
+  /** Draw the library's default sky where no node shows anything. Default true. */
+  sky?: boolean;
   /** Keep what was drawn readable, for tests. */
   preserveDrawingBuffer?: boolean;
 }
@@ -148,6 +150,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
     gl.clearColor(0.063, 0.078, 0.094, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     walk.draw(now, null);
+    if (options.sky ?? true) walk.drawer.drawSky(now);
     const at = times.frames++ % kTimes;
     times.update[at] = updated - begin;
     times.draw[at] = performance.now() - updated;

@@ -72,6 +72,18 @@ window.comparedFrames = async (keys, folder) => {
   return psnrs;
 };
 
+/** The middle pixel of a frame of sky alone. */
+window.skyAt = (key) => {
+  const { viewer } = window;
+  const { width, height } = viewer.canvas;
+  const gl = viewer.canvas.getContext("webgl2");
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, width, height);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  viewer.walk.drawer.drawSky(viewOf(key, width, height, 0.1, 100));
+  return Array.from(pixels().subarray(4 * ((height >> 1) * width + (width >> 1))).subarray(0, 3));
+};
+
 /** The objects that each key's frame shows. */
 window.shownObjects = async (keys) => {
   const all = [];

@@ -75,6 +75,21 @@ test("frames are those of the C++ drawer", async () => {
   await page.close();
 });
 
+test("gaps show the sky of the C++ drawer", async () => {
+  const { page } = await openViewer();
+  const seen = await page.evaluate(() => {
+    const look = (y) => window.skyAt({ eye: [0, 0, 0], target: [0, y, -1e-3], up: [0, 0, -1],
+                                       vertical_fov: 0.5 });
+    return [look(1), look(-1)];
+  });
+  // sRGB of the zenith and of the ground (rilievo/scene/scene.h).
+  const srgb = (x) => Math.round(255 * (1.055 * x ** (1 / 2.4) - 0.055));
+  for (const [k, color] of [[0.25, 0.45, 0.85], [0.2, 0.19, 0.17]].entries())
+    for (let c = 0; c < 3; ++c)
+      assert.ok(Math.abs(seen[k][c] - srgb(color[c])) <= 2, `${seen[k]}`);
+  await page.close();
+});
+
 test("every pixel shows the object of the room, which is closed", async () => {
   const { page } = await openViewer(server.url, { objects: true });
   const shown = await page.evaluate((keys) => window.shownObjects(keys), keys);

@@ -3,7 +3,7 @@
 
 import { kFaceAxes } from "../choose.js";
 import { WalkError } from "../errors.js";
-import { mergeProgram, nodeProgram, showObjectsProgram } from "./shaders.js";
+import { mergeProgram, nodeProgram, showObjectsProgram, skyProgram } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
 
 /** A frame to draw. Matrices column by column; clip space as OpenGL's. */
@@ -56,6 +56,8 @@ export class NodeDrawer {
   private surfaceObject: NodeProgram | null = null;
   private skinObject: NodeProgram | null = null;
   private showObjects: WebGLProgram | null = null;
+  private sky: { program: WebGLProgram; place: WebGLUniformLocation | null } | null = null;
+  private readonly pixels = new Float32Array(9);
   private readonly mergePrograms: (MergeProgram | null)[] = [];
   private readonly noVertices: WebGLVertexArrayObject | null;
   private readonly clamps: boolean;
@@ -135,6 +137,31 @@ export class NodeDrawer {
     ++this.stats.triangles;
   }
 
+  /** Draws the sky where nothing was drawn, into the bound framebuffer and viewport. */
+  drawSky(view: View): void {
+    const { gl, pixels } = this;
+    if (!this.sky) {
+      const program = skyProgram(gl);
+      this.sky = { program, place: gl.getUniformLocation(program, "world_from_pixel") };
+    }
+    const e = view.worldFromEye, p = view.clipFromEye;
+    const sx = 2 / (view.width * p[0]), sy = 2 / (view.height * p[5]);
+    const x = (p[8] - 1) / p[0], y = (p[9] - 1) / p[5];
+    for (let k = 0; k < 3; ++k) {
+      pixels[k] = e[k] * sx;
+      pixels[3 + k] = e[4 + k] * sy;
+      pixels[6 + k] = e[k] * x + e[4 + k] * y - e[8 + k];
+    }
+    gl.useProgram(this.sky.program);
+    gl.uniformMatrix3fv(this.sky.place, false, pixels);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.bindVertexArray(this.noVertices);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindVertexArray(null);
+    ++this.stats.drawCalls;
+  }
+
   /**
    * Draws identifiers of objects, one z-buffer for all nodes, into `target` as red + 256 green; for
    * measures. Nodes must have identifiers.
@@ -179,6 +206,7 @@ export class NodeDrawer {
       if (of) gl.deleteProgram(of.program);
     for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);
     if (this.showObjects) gl.deleteProgram(this.showObjects);
+    if (this.sky) gl.deleteProgram(this.sky.program);
     gl.deleteVertexArray(this.noVertices);
     this.dropObjectTarget();
   }

@@ -213,3 +213,22 @@ void main() {
 export function showObjectsProgram(gl: WebGL2RenderingContext): WebGLProgram {
   return compile(gl, "objects", kScreenVertex, kShowObjects);
 }
+
+// The default sky of the library (rilievo/scene/scene.h), for what no node shows.
+const kSky = `#version 300 es
+precision highp float;
+uniform mat3 world_from_pixel;  // the line of sight through a pixel's (x, y, 1)
+layout(location = 0) out vec4 out_color;
+void main() {
+  float elevation = normalize(world_from_pixel * vec3(gl_FragCoord.xy, 1.0)).y;
+  vec3 above = mix(vec3(0.75, 0.82, 0.90), vec3(0.25, 0.45, 0.85), sqrt(clamp(elevation, 0.0, 1.0)));
+  vec3 linear = mix(above, vec3(0.20, 0.19, 0.17), smoothstep(0.0, 1.0, -elevation / 0.08));
+  out_color = vec4(mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear,
+                       vec3(lessThanEqual(linear, vec3(0.0031308)))), 1.0);
+}
+`;
+
+export function skyProgram(gl: WebGL2RenderingContext): WebGLProgram {
+  // On the far plane.
+  return compile(gl, "sky", kScreenVertex.replace("0.0,\n", "1.0,\n"), kSky);
+}
