@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <fmt/format.h>
 
 #include <cerrno>
 #include <exception>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/commit.h"
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/output.h"
@@ -43,6 +45,9 @@ int run(int argc, char** argv) {
   CLI::App app{
       "Draws heavy 3D scenes as pictures with depth, and measures them against direct drawing."};
   app.set_help_all_flag("--help-all", "Show the options of every command");
+  app.set_version_flag("--version",
+                       fmt::format("rilievo {} ({})", RILIEVO_VERSION, rilievo::commit()),
+                       "Print the version and the commit, and exit");
   app.require_subcommand(1);
   app.get_formatter()->column_width(36);
   app.footer(

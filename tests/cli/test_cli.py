@@ -35,6 +35,9 @@ class Usage(Folder):
         for command in commands:
             self.assertIn(command, self.succeeds("--help").stdout)
 
+    def test_it_says_which_version_it_is(self):
+        self.assertRegex(self.succeeds("--version").stdout, r"^rilievo \d+\.\d+\.\d+ \(\S+\)\n$")
+
     def test_wrong_usage_ends_in_one_line(self):
         frame = ("render", TEAPOTS, "-o", self.folder / "out")
         for arguments in [
