@@ -167,7 +167,7 @@ Result<std::string> content_of(const Scene& scene, double time,
 
 std::string shader_of(const ImpostorContentOptions& options) {
   // Changed where the same options make other pictures: they are not in older stores.
-  const std::string version = " silhouettes";
+  const std::string version = " texel rule";
   if (options.shader != "raytrace") return options.shader + version;
   const TraceOptions& t = options.trace;
   return "raytrace " + std::to_string(t.bounces) + ' ' + std::to_string(t.light_samples) + ' ' +
