@@ -4,6 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "rilievo/core/depth_image.h"
 #include "rilievo/core/random.h"
 #include "rilievo/scene/scene.h"
 
@@ -56,6 +57,25 @@ inline float off_color(const glm::vec4& color, bool red) {
   const glm::vec3 own = glm::vec3(color) / color.a;
   const glm::vec3 d = glm::abs(own - (red ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
   return std::max({d.x, d.y, d.z});
+}
+
+// By how much is a texel's colour off that of its surface? The plate's edge may be mixed, which is
+// antialiasing; what is behind may not.
+inline float off_surface(const DepthImage& picture, int x, int y) {
+  const auto red = [&](int u, int v) {
+    return picture.covered(u, v) &&
+           world_from_raster(picture.camera, {u + 0.5, v + 0.5}, picture.depth(u, v)).z > 0.4;
+  };
+  bool edge = false;
+  if (red(x, y))
+    for (int k = 0; k < 9; ++k) {
+      const int u = x + k % 3 - 1, v = y + k / 3 - 1;
+      if (u >= 0 && v >= 0 && u < picture.depth.width() && v < picture.depth.height())
+        edge |= !red(u, v);
+    }
+  if (!edge) return off_color(picture.color(x, y), red(x, y));
+  const glm::vec4 color = picture.color(x, y);
+  return std::max(std::abs(color.r + color.g - color.a), color.b);
 }
 
 // Is a place the plate's?

@@ -264,20 +264,31 @@ ShownSamples choose_samples(const TexelSamples& t) {
         for (int s = 0; s < samples; ++s) others |= t.sample[first + std::size_t(s)] != kNoNearness;
       } else {
         const TexelPlane plane = texel_plane(t.nearness, t.center, t.center_object, x, y);
+        std::uint8_t behind = 0;
         for (int s = 0; s < samples; ++s) {
           const std::size_t i = first + std::size_t(s);
-          if (plane.shows(t.places[std::size_t(s)], t.sample[i], t.sample_object[i]))
+          const glm::vec2& place = t.places[std::size_t(s)];
+          if (plane.shows(place, t.sample[i], t.sample_object[i]))
             mask = std::uint8_t(mask | 1u << s);
+          else if (plane.hides(place, t.sample[i]))
+            behind = std::uint8_t(behind | 1u << s);
           else
             others |= t.sample[i] != kNoNearness;
         }
+        if (mask != 0) mask = std::uint8_t(mask | behind);
       }
       if (others) {
         const ThinSurfaces::Front front = thin.front_of(x, y, mask);
         if (front.nearness != kNoNearness) {
           const std::uint8_t of_front = thin.samples_of(front, x, y);
           if (thin.shows(front, x, y, std::popcount(of_front))) {
+            // It hides in part what is behind.
             mask = of_front;
+            for (int s = 0; s < samples; ++s) {
+              const float z = t.sample[first + std::size_t(s)];
+              if (z != kNoNearness && z < front.nearness - front.room)
+                mask = std::uint8_t(mask | 1u << s);
+            }
             rows[std::size_t(y)].push_back({x, y, front.nearness, front.object});
           }
         }

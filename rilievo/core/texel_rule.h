@@ -8,9 +8,12 @@
 //   front is thinner than two texels and covers the centre of no texel across it, but half a texel
 //   of samples, then the texel with most of those samples shows the thin surface: a cable of half a
 //   texel's width is a chain of texels without a gap.
-// - Its colour is the mean of the samples of that surface: of the same object, and where the plane
-//   through the texel's centre is, within half a texel's width and half of the plane's own slope.
-//   If there are none, it is the surface's colour at the centre.
+// - Its colour is the mean of the samples of that surface, and of what it hides in part: they are
+// of
+//   the same object, and where the plane through the texel's centre is, within three texels'
+//   widths (what warps link in any case) and half of the plane's own slope; or behind it. So an
+//   edge is antialiased, and what is behind it never has its colour. If no sample shows the
+//   surface, it is the surface's colour at the centre.
 //
 // The plane comes from the centres of neighbouring texels. Depths are given as nearness, which is
 // affine over the raster on a plane, so that the ground is one surface up to the horizon. The plane
@@ -85,7 +88,7 @@ struct ThinTexel {
 
 // What texels show.
 struct ShownSamples {
-  // A bit for each sample that shows the texel's surface; 0: only the centre does, or nothing.
+  // A bit for each sample whose colour counts; 0: only the centre's does, or nothing's.
   Image<std::uint8_t> mask;
   std::vector<ThinTexel> thin;  // row by row
 };
@@ -105,6 +108,11 @@ struct TexelPlane {
     const float x = per_x * from_center.x, y = per_y * from_center.y;
     return sample_object == object &&
            std::abs(sample - nearness - x - y) <= room + 0.5f * (std::abs(x) + std::abs(y));
+  }
+  // Or does it show something behind it?
+  [[nodiscard]] bool hides(const glm::vec2& from_center, float sample) const {
+    return sample != kNoNearness &&
+           sample < nearness + per_x * from_center.x + per_y * from_center.y - room;
   }
 };
 // The plane of a texel whose centre shows something. `objects` may be empty.

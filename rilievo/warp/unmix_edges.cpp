@@ -29,6 +29,7 @@ class EdgeColors {
   // The colour that the texel is to have; none: its own.
   [[nodiscard]] std::optional<glm::vec4> unmixed(const glm::ivec2& at) const {
     if (!picture_.covered(at.x, at.y) || !edge_(at.x, at.y)) return std::nullopt;
+    if (!is_behind(at)) return std::nullopt;
     const glm::vec4 own = picture_.color(at.x, at.y);
     const std::optional<glm::vec3> inside = inside_of(at);
     if (!(own.a > 0) || !inside) return std::nullopt;
@@ -52,6 +53,17 @@ class EdgeColors {
   [[nodiscard]] bool is_edge(const glm::ivec2& at) const {
     for (std::size_t k = 0; k < kLinkSteps.size(); ++k)
       if (within(at + kLinkSteps[k]) && !linked(at, k)) return true;
+    return false;
+  }
+  // Is a neighbour in front of the texel, or does nobody know? An edge in front may keep a mixed
+  // colour: it is antialiased.
+  [[nodiscard]] bool is_behind(const glm::ivec2& at) const {
+    for (std::size_t k = 0; k < kLinkSteps.size(); ++k) {
+      const glm::ivec2 p = at + kLinkSteps[k];
+      if (!within(p) || linked(at, k)) continue;
+      const float z = picture_.depth(p.x, p.y);
+      if (z == kNoDepth || z < picture_.depth(at.x, at.y)) return true;
+    }
     return false;
   }
   // The mean of the nearest colours inside of the same surface, a few links away.

@@ -5,14 +5,14 @@
 // texels beside an unlinked neighbour (texel_links.h) are such edges. An edge's colour is c = (1 -
 // t) a + t b + rest, with a the colour inside of its own surface, at most four texels away, b that
 // behind or in front of the edge, and the rest orthogonal to b - a; it becomes a + rest. Surfaces
-// that are nothing but edge keep their colours.
+// that are nothing but edge keep their colours, and so do edges in front, which are antialiased.
 #pragma once
 
 #include "rilievo/core/depth_image.h"
 
 namespace rilievo {
 
-// Takes other surfaces' colours out of the texels at the edges of surfaces. Alpha stays. The result
+// Takes the colours of what is in front out of the texels behind edges. Alpha stays. The result
 // does not depend on the number of threads.
 void unmix_edges(DepthImage& picture);
 

@@ -119,6 +119,9 @@ Result<> color_by_samples(SceneRenderer& renderer, std::span<const std::uint32_t
       } else {
         sum /= float(std::popcount(mask));
       }
+      // A sky, which is there already, is behind what covers a texel in part.
+      if (options.with_sky && covered > 0)
+        sum = glm::mix(glm::vec3(picture.color(x, last - y)), sum, float(covered) / float(samples));
       // A thing that only the centre shows is at least as large as one sample's part.
       const float alpha = options.with_sky ? 1.0f : float(std::max(covered, 1)) / float(samples);
       picture.color(x, last - y) = alpha * glm::vec4(sum, 1.0f);

@@ -158,8 +158,7 @@ TEST_F(SourcesTest, colours_of_OpenGL_are_those_of_the_surface_whose_depth_a_tex
       for (int x = 0; x < 90; ++x) {
         if (!picture.covered(x, y)) continue;
         // Half floats.
-        ASSERT_LT(test_plate::off_color(picture.color(x, y), is_red(x, y)), 2e-3f)
-            << round << ' ' << x << ' ' << y;
+        ASSERT_LT(test_plate::off_surface(picture, x, y), 2e-3f) << round << ' ' << x << ' ' << y;
         edges += x > 0 && picture.covered(x - 1, y) && is_red(x, y) != is_red(x - 1, y);
       }
   }

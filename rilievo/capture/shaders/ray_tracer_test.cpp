@@ -485,8 +485,7 @@ TEST(RayTracer, colours_are_those_of_the_surface_whose_depth_a_texel_has) {
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 60; ++x) {
         if (!picture.covered(x, y)) continue;
-        ASSERT_LT(test_plate::off_color(picture.color(x, y), is_red(x, y)), 1e-5f)
-            << round << ' ' << x << ' ' << y;
+        ASSERT_LT(test_plate::off_surface(picture, x, y), 1e-5f) << round << ' ' << x << ' ' << y;
         edges += x > 0 && picture.covered(x - 1, y) && is_red(x, y) != is_red(x - 1, y);
       }
   }

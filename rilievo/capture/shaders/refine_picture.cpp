@@ -163,14 +163,16 @@ class RefinedPicture {
     plane.room = nearness.noise + kUnknownSlope * nearness.texel(plane.nearness);
     plane.object = seen->object;
   }
-  // Does a sample show the texel's surface?
+  // Does a sample show the texel's surface, or what it hides in part?
   [[nodiscard]] bool shows_own(int x, int y, int sample) const {
     const glm::dvec2 place = place_of_sample(sample, request_.samples);
     const auto seen = shader_.nearest({x + place.x, y + 1 - place.y});
     if (!seen) return false;
     const Nearness nearness(camera_);
-    return planes_(x, y).shows(glm::vec2(place.x - 0.5, 0.5 - place.y),
-                               nearness.of_eye_z(double(seen->eye_z)), seen->object);
+    const glm::vec2 from_center(place.x - 0.5, 0.5 - place.y);
+    const float at = nearness.of_eye_z(double(seen->eye_z));
+    return planes_(x, y).shows(from_center, at, seen->object) ||
+           planes_(x, y).hides(from_center, at);
   }
   [[nodiscard]] glm::vec4 sampled(int x, int y, int sample) const {
     return shader_.light(x, y, place_of_sample(sample, request_.samples), sample);

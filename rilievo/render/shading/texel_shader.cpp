@@ -145,7 +145,12 @@ void shade_texels(const PictureView& view, const ShownTexels& shown, DepthImage&
         const auto covered = std::count_if(depth, depth + samples, [](float z) { return z < 1; });
         // What only the centre shows is at least as large as one sample's part.
         const float alpha = with_sky ? 1.0f : float(std::max(int(covered), 1)) / float(samples);
-        color = alpha * glm::vec4(glm::vec3(color) / color.a, 1.0f);
+        glm::vec3 own = glm::vec3(color) / color.a;
+        // A sky is behind what covers a texel in part.
+        if (with_sky && covered > 0 && covered < samples)
+          own = glm::mix(sky.radiance(view.scene.lights.sky, x, y), own,
+                         float(covered) / float(samples));
+        color = alpha * glm::vec4(own, 1.0f);
       }
     }
   });
