@@ -42,6 +42,33 @@ const char* name_of(Projection projection) {
   return "";
 }
 
+// Points and lines of all objects, and the diameters of points: metres of the world, or pixels.
+struct Strokes {
+  std::uint64_t points = 0, lines = 0;
+  double smallest = 0, largest = 0, pixels = 0;
+};
+
+Strokes count_strokes(const Scene& scene) {
+  Strokes out;
+  std::vector<glm::mat4> poses;
+  pose(scene, 0, poses);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    for (const Part& part : scene.models[std::size_t(scene.objects[i].model)].parts) {
+      const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+      if (mesh.primitive == Primitive::lines) out.lines += mesh.primitives();
+      if (mesh.primitive != Primitive::points) continue;
+      out.points += mesh.primitives();
+      const double metres = double(mesh.width) * smallest_stretch(poses[i] * part.model_from_mesh);
+      if (metres <= 0) {
+        out.pixels = std::max(out.pixels, double(mesh.width_px));
+        continue;
+      }
+      out.smallest = out.smallest > 0 ? std::min(out.smallest, metres) : metres;
+      out.largest = std::max(out.largest, metres);
+    }
+  return out;
+}
+
 Result<> describe_scene(const InfoCommand& options) {
   const Result<OpenedScene> opened = open_scene(options.file, options.limits);
   if (!opened) return opened.error();
@@ -51,21 +78,27 @@ Result<> describe_scene(const InfoCommand& options) {
   for (const Object& object : scene.objects) moving += object.moving ? 1 : 0;
   for (const Rgba8Image& image : scene.images) texels += image.texels().size();
   for (const Mesh& mesh : scene.meshes) stored += mesh.triangles();
+  const Strokes strokes = count_strokes(scene);
   if (!options.json.empty()) {
-    nlohmann::json json{{"schema", "rilievo-info-1"},
-                        {"name", scene.name},
-                        {"triangles", count_triangles(scene)},
-                        {"stored_triangles", stored},
-                        {"objects", scene.objects.size()},
-                        {"moving_objects", moving},
-                        {"models", scene.models.size()},
-                        {"meshes", scene.meshes.size()},
-                        {"materials", scene.materials.size()},
-                        {"textures", scene.textures.size()},
-                        {"texels", texels},
-                        {"lights", scene.lights.size()},
-                        {"cameras", scene.cameras.size()},
-                        {"duration_s", scene.duration}};
+    nlohmann::json json{
+        {"schema", "rilievo-info-1"},
+        {"name", scene.name},
+        {"triangles", count_triangles(scene) - strokes.points - strokes.lines},
+        {"points", strokes.points},
+        {"lines", strokes.lines},
+        {"point_size",
+         {{"min_m", strokes.smallest}, {"max_m", strokes.largest}, {"pixels", strokes.pixels}}},
+        {"stored_triangles", stored},
+        {"objects", scene.objects.size()},
+        {"moving_objects", moving},
+        {"models", scene.models.size()},
+        {"meshes", scene.meshes.size()},
+        {"materials", scene.materials.size()},
+        {"textures", scene.textures.size()},
+        {"texels", texels},
+        {"lights", scene.lights.size()},
+        {"cameras", scene.cameras.size()},
+        {"duration_s", scene.duration}};
     if (!bounds.empty()) {
       json["bounds_min"] = list_of(bounds.min);
       json["bounds_max"] = list_of(bounds.max);
@@ -73,7 +106,14 @@ Result<> describe_scene(const InfoCommand& options) {
     return write_json(options.json, json);
   }
   print("{}\n", options.file);
-  print("  triangles  {} ({} stored)\n", count_triangles(scene), stored);
+  print("  triangles  {} ({} stored)\n", count_triangles(scene) - strokes.points - strokes.lines,
+        stored);
+  if (strokes.points > 0)
+    print("  points     {}, {}\n", strokes.points,
+          strokes.largest > 0
+              ? fmt::format("{:.3g} to {:.3g} m in diameter", strokes.smallest, strokes.largest)
+              : fmt::format("{:.3g} pixels in diameter", strokes.pixels));
+  if (strokes.lines > 0) print("  lines      {}, a pixel wide\n", strokes.lines);
   print("  objects    {} ({} moving)\n", scene.objects.size(), moving);
   print("  models     {} of {} meshes\n", scene.models.size(), scene.meshes.size());
   print("  materials  {}, textures {} ({:.1f} Mtexels)\n", scene.materials.size(),

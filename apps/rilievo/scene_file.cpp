@@ -14,6 +14,17 @@ void add_file_limits(CLI::App& command, FileLimits& limits) {
       ->type_name("MB");
   command.add_flag("--allow-outside", limits.allow_outside,
                    "Permit a scene to refer to files outside of its folder");
+  command
+      .add_option_function<std::string>(
+          "--point-size",
+          [&limits](const std::string& text) { limits.point_size = *parse_point_size(text); },
+          "Diameter of points: in the scene's units (0.02), in pixels (2px), or auto: what closes "
+          "a surface of them (default)")
+      ->check([](const std::string& text) {
+        return parse_point_size(text) ? std::string()
+                                      : "'" + text + "' is no size such as 0.02, 2px or auto";
+      })
+      ->type_name("SIZE");
 }
 
 Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits, double time,
@@ -26,6 +37,7 @@ Result<OpenedScene> open_scene(const std::string& text, const FileLimits& limits
   Result<LoadedScene> loaded = load_scene(text, {.time = time,
                                                  .max_bytes = limits.bytes(),
                                                  .allow_outside = limits.allow_outside,
+                                                 .point_size = limits.point_size,
                                                  .deformations = deformations});
   if (!loaded) return loaded.error();
   for (const std::string& warning : loaded->warnings) complain(text + ": warning: " + warning);

@@ -9,6 +9,7 @@
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
 #include "rilievo/scene/bend.h"
+#include "rilievo/scene/point_size.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo::app {
@@ -22,10 +23,11 @@ struct OpenedScene {
   std::optional<CameraPath> walk;  // a built-in scene brings its own
 };
 
-// What may be spent on the files of strangers, and where they may lead.
+// What may be spent on the files of strangers, where they may lead, and what they do not say.
 struct FileLimits {
   int memory_mb = 4096;
   bool allow_outside = false;
+  PointSize point_size;  // of clouds of points
 
   [[nodiscard]] std::uint64_t bytes() const { return std::uint64_t(memory_mb) << 20; }
 };

@@ -163,6 +163,7 @@ class SceneCache final : public FrameChooser {
   void order_captures();
   void adopt_captures(const Camera& camera, FrameStats& stats);
   void hold(const Capture& capture);
+  void count_strokes(std::span<const std::uint32_t> objects, Capture& capture) const;
   void carry_out_captures(const Camera& camera, FrameStats& stats);
   void capture_fallback(FrameStats& stats);
   void collect(FrameContent& content);

@@ -22,11 +22,19 @@ void SceneCache::hold(const Capture& capture) {
   objects_of(capture.entity, held.objects);
 }
 
+// Their size is a part of the bound (nailboard/error.h).
+void SceneCache::count_strokes(std::span<const std::uint32_t> objects, Capture& capture) const {
+  placed_.count_strokes(objects, capture.geometry);
+  capture.picture.geometry.disc_radius = capture.geometry.disc_radius;
+  capture.picture.geometry.stroke_texels = capture.geometry.stroke_texels;
+}
+
 void SceneCache::order_captures() {
   if (plan_.captures.empty()) return;
   if (!beside_) beside_ = std::make_unique<CapturesBeside>(*store_->rasterizer(), options_.samples);
-  for (const Capture& capture : plan_.captures) {
+  for (Capture& capture : plan_.captures) {
     objects_of(capture.entity, ordered_objects_);
+    count_strokes(ordered_objects_, capture);
     if (capture.entity < hierarchy_.nodes.size())
       show_levels(ordered_objects_, capture.picture.level_error);
     beside_->order(capture, ordered_objects_, std::isfinite(gap_limit_px(policy_)));
@@ -76,13 +84,14 @@ void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
   double cost = 0, priced = 0, priced_ms = 0;
   gaps_.assign(plan_.captures.size(), {});
   for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
-    const Capture& capture = plan_.captures[i];
+    Capture& capture = plan_.captures[i];
     const Camera& eye = capture.geometry.capture;
     if (!store_->allocate(stored(capture.slot), eye.width, eye.height)) {
       refuse_capture(plan_, i, hierarchy_, moving_);
       continue;
     }
     hold(capture);
+    count_strokes(held_[capture.slot].objects, capture);
     ++stats.captures;
     const double before_ms = watch.ms();
     this->capture(i, held_[capture.slot].objects);

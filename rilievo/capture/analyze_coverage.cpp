@@ -47,7 +47,7 @@ void for_each_triangle(const RayScene& rays, Visit visit) {
       if (!both) continue;
       const glm::mat4 place = rays.poses()[o] * model.parts[p].model_from_mesh;
       const bool mirrors = glm::determinant(glm::mat3(place)) < 0;
-      for (std::uint32_t t = 0; t + 1 <= mesh.indices.size() / 3; ++t) {
+      for (std::uint32_t t = 0; t < mesh.triangles(); ++t) {
         glm::dvec3 c[3];
         for (int k = 0; k < 3; ++k)
           c[k] = glm::dvec3(place * glm::vec4(mesh.positions[mesh.indices[3 * t + k]], 1.0f));

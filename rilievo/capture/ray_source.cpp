@@ -7,6 +7,7 @@
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/rays/cast_layers.h"
 #include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/render/rays/stroke_hits.h"
 
 namespace rilievo {
 namespace {
@@ -20,10 +21,11 @@ bool has_opaque_parts(const Scene& scene, const Model& model) {
 Image<float> cast_farthest(const RayScene& rays, const Camera& camera,
                            std::span<const std::uint32_t> objects) {
   const ObjectSet set(rays.scene(), objects);
+  const StrokeHits strokes(rays, camera, set);
   Image<float> farthest(camera.width, camera.height, kNoDepth);
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x)
-      farthest(x, y) = farthest_eye_z(rays, camera, {x + 0.5, y + 0.5}, set);
+      farthest(x, y) = farthest_eye_z(rays, camera, {x + 0.5, y + 0.5}, strokes);
   });
   return farthest;
 }
@@ -50,6 +52,7 @@ Result<CapturedPicture> RaySource::capture(const CaptureRequest& request) {
     return Error{std::string(name()), "rays capture 1 or 4 samples per texel"};
   if (request.with_sky && request.camera.keeps_farthest())
     return Error{std::string(name()), "a back-perspective camera sees no sky"};
+  if (Result<> fits = strokes_fit(rays_.scene(), request.camera); !fits) return fits.error();
   CapturedPicture captured{
       cast_picture(rays_, request.camera, {request.objects, request.samples, request.with_sky}),
       {}};

@@ -55,11 +55,6 @@ void MemoryBudget::take_pixels(std::uint64_t count, std::uint64_t each) {
   left_ -= within_limit(count, each);
 }
 
-void LoadContext::skip_points_or_lines() {
-  skipped_points_or_lines = true;
-  warn("points and lines are left out");
-}
-
 bool lies_within(const std::filesystem::path& folder, const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   std::error_code failed;

@@ -86,11 +86,9 @@ struct LoadContext {
   MemoryBudget budget;
   bool allow_outside = false;  // files outside `folder`
   Warnings warnings = {};
-  bool skipped_points_or_lines = false;
   Deformations* deformations = nullptr;  // where what bends meshes goes; null: it is not kept
 
   void warn(const std::string& what) { warnings.add(what); }
-  void skip_points_or_lines();
 };
 
 // Does `path` lie in `folder` or below it, after ".." and symbolic links are resolved?

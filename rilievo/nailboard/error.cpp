@@ -82,6 +82,34 @@ double half_texel_px(const RayPolygon& polygon, const ViewOfPicture& view, doubl
   return p * largest / least_weight;
 }
 
+// A disc of radius R around c, at right angles to the capture's ray c, is turned by the angle
+// between c and c - e until it faces the frame's eye e: its points move by at most 2 R sin(angle /
+// 2), and sin(angle) <= |e| / |c| <= |e| / front. A point at the weight w that moves by D moves on
+// the screen by at most |X - b f| D / (w - D |f|), b the pixel's place: the largest are at the
+// frame's corners. A strip of n texels reaches n half texels from its middle, one of n pixels n
+// / 2.
+double stroke_error(const PictureGeometry& picture, const Camera& frame, const RayPolygon& asked,
+                    const ViewOfPicture& view, double half_texel_px) {
+  double px = picture.stroke_texels * std::max(0.0, half_texel_px - 0.5);
+  if (picture.disc_radius <= 0) return px;
+  const double away = glm::length(view.eye), front = picture.slab.front;
+  const double moved = away < front
+                           ? 2 * picture.disc_radius * std::sin(0.5 * std::asin(away / front))
+                           : 2 * picture.disc_radius;
+  double least = kInfinity;
+  for (int i = 0; i < asked.size; ++i)
+    for (const double d : {picture.slab.front, picture.slab.back})
+      least = std::min(least,
+                       d * glm::dot(view.f, glm::dvec3(asked.corner[std::size_t(i)], -1)) - view.t);
+  least -= moved * glm::length(view.f);
+  if (moved > 0 && least <= 0) return kInfinity;
+  const auto steepest = [&](const glm::dvec3& row, double size) {
+    return std::max(glm::length(row), glm::length(row - size * view.f));
+  };
+  return px +
+         moved / least * std::hypot(steepest(view.x, frame.width), steepest(view.y, frame.height));
+}
+
 // Half a step of Delta in window_z moves 1/d by `step` = (1/n - 1/f) / 2 steps, so that d moves by
 // at most d^2 step / (1 - d step), and the sample's weight d g - t by |g| times that. d^2 / (d g -
 // t) is convex in d and g / (d g - t) monotone in g: the corners and the slab's ends are the worst.
@@ -199,14 +227,16 @@ RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame,
   if (asked.size == 0) return asked;
   error.in_frame = true;
   const RayPolygon drawn = rays_in_frame(picture, frame, view, p, p, half);
-  if (drawn.size > 0)
-    error.magnification_px = std::max(0.0, half_texel_px(drawn, view, p, half) - std::sqrt(0.5));
+  const double texel_px = drawn.size > 0 ? half_texel_px(drawn, view, p, half) : 0;
+  error.magnification_px = std::max(0.0, texel_px - std::sqrt(0.5));
+  if (picture.disc_radius > 0 || picture.stroke_texels > 0)
+    error.stroke_px = stroke_error(picture, frame, asked, view, texel_px);
   // What the near plane cuts off the rectangle is not drawn anywhere.
   error.parallax_px = least_weight(asked, view, p) < frame.z_near
                           ? kInfinity
                           : std::max(largest_gap(asked, view, p, picture.slab.front),
                                      largest_gap(asked, view, p, picture.slab.back));
-  error.total_px = error.parallax_px + error.magnification_px;
+  error.total_px = error.parallax_px + error.magnification_px + error.stroke_px;
   return drawn;
 }
 
@@ -215,7 +245,7 @@ RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame,
 PictureError bound_error(const PictureGeometry& picture, const Camera& frame,
                          const RigidMotion& motion) {
   if (!is_rigid(motion.now_from_then))
-    return {true, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
+    return {true, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
   const ViewOfPicture view = view_of(frame, picture, motion);
   PictureError error;
   // What is missing is missed where it truly is, not on the flat rectangle.

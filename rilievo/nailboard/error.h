@@ -35,8 +35,13 @@ struct PictureError {
   // pixel's centre to the texel's centre, less half a pixel's diagonal (the error of polygons); 0
   // while texels are smaller than pixels.
   double magnification_px = 0;
-  // parallax_px + magnification_px. For each pixel centre q that shows a sample whose true position
-  // projects to s, |q - s| <= total_px + sqrt(1/2).
+  // A point is a disc that faces the eye, and a line is a pixel wide, but a picture shows them as
+  // its own eye and texels had them. This is the distance in pixels of a sample from the same place
+  // of the disc that faces the frame's eye, and how far a strip of texels reaches beyond one of
+  // pixels.
+  double stroke_px = 0;
+  // parallax_px + magnification_px + stroke_px. For each pixel centre q that shows a sample whose
+  // true position projects to s, |q - s| <= total_px + sqrt(1/2).
   double total_px = 0;
   // |drawn - true| / true of the eye_z in the frame of a sample drawn in the frame.
   double depth_relative = 0;

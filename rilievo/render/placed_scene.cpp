@@ -1,5 +1,7 @@
 #include "rilievo/render/placed_scene.h"
 
+#include <algorithm>
+
 #include "rilievo/render/draw_list.h"
 
 namespace rilievo {
@@ -15,10 +17,17 @@ PlacedScene::PlacedScene(const Scene& scene)
     blended_mesh_[i] =
         material >= 0 && scene.materials[std::size_t(material)].alpha_mode == AlphaMode::blend;
     opaque_mesh_[i] = !blended_mesh_[i];
+    any_strokes_ = any_strokes_ || scene.meshes[i].primitive != Primitive::triangles;
   }
   for (std::size_t i = 0; i < scene.models.size(); ++i)
     for (const Part& part : scene.models[i].parts)
       (blended_mesh_[std::size_t(part.mesh)] ? blended_model_ : opaque_model_)[i] = true;
+  stroke_px_.assign(any_strokes_ ? scene.models.size() : 0, 0.0f);
+  for (std::size_t i = 0; i < stroke_px_.size(); ++i)
+    for (const Part& part : scene.models[i].parts)
+      if (const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
+          mesh.primitive != Primitive::triangles && mesh.width <= 0)
+        stroke_px_[i] = std::max(stroke_px_[i], mesh.width_px);
   set_time(0);
 }
 
@@ -51,10 +60,39 @@ Box PlacedScene::opaque_bounds(std::span<const std::uint32_t> objects) const {
   return bounds;
 }
 
+void PlacedScene::count_strokes(std::span<const std::uint32_t> objects,
+                                PictureGeometry& geometry) const {
+  if (!any_strokes_) return;
+  for (const std::uint32_t object : objects)
+    for (const Part& part : scene_->models[model_of(object)].parts) {
+      const Mesh& mesh = scene_->meshes[std::size_t(part.mesh)];
+      if (mesh.primitive == Primitive::triangles) continue;
+      const double radius =
+          0.5 * double(mesh.width) * smallest_stretch(poses_[object] * part.model_from_mesh);
+      geometry.disc_radius = std::max(geometry.disc_radius, radius);
+      if (radius <= 0)
+        geometry.stroke_texels = std::max(geometry.stroke_texels, double(mesh.width_px));
+    }
+}
+
 void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
   const Frustum frustum = frustum_of(camera);
-  for (std::uint32_t i = 0; i < bounds_.size(); ++i)
-    if (may_touch(frustum, bounds_[i])) visible.push_back(i);
+  const ImageWindow& w = camera.window;
+  const double pixel =
+      std::max((w.right - w.left) / camera.width, (w.top - w.bottom) / camera.height);
+  for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
+    Box box = bounds_[i];
+    if (any_strokes_ && stroke_px_[model_of(i)] > 0 && !box.empty()) {
+      // What has its size in pixels reaches beyond the bounds.
+      double farthest = 1;
+      if (camera.projection != Projection::parallel)
+        for (const glm::vec3& corner : box.corners())
+          farthest = std::max(farthest, glm::length(glm::dvec3(corner) - camera.position()));
+      const float reach = float(double(stroke_px_[model_of(i)]) * pixel * farthest);
+      box.min -= reach, box.max += reach;
+    }
+    if (may_touch(frustum, box)) visible.push_back(i);
+  }
 }
 
 }  // namespace rilievo

@@ -13,6 +13,7 @@
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
+#include "rilievo/core/picture_geometry.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -51,6 +52,9 @@ class PlacedScene {
   // Together, those of `objects` (empty: all) that have opaque parts.
   [[nodiscard]] Box opaque_bounds(std::span<const std::uint32_t> objects) const;
 
+  // Notes in the geometry of a picture of `objects` the largest of their points and lines.
+  void count_strokes(std::span<const std::uint32_t> objects, PictureGeometry& geometry) const;
+
   // Appends the objects whose bounds intersect the camera's frustum.
   void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const;
 
@@ -61,6 +65,8 @@ class PlacedScene {
 
   const Scene* scene_;
   double time_ = NAN;
+  bool any_strokes_ = false;
+  std::vector<float> stroke_px_;  // by model: the widest of what has its size in pixels
   std::vector<glm::mat4> poses_;
   std::vector<Box> bounds_;
   // std::vector<bool> has no span.

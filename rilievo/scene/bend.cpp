@@ -67,7 +67,7 @@ void bend_mesh(const Rig& rig, const Deformation& from, double time, Mesh& mesh)
     }
   }
   if (from.corners.empty()) {
-    repair_normals(mesh);
+    if (!mesh.normals.empty()) repair_normals(mesh);
   } else {
     // The other attributes have a value for each corner already.
     Mesh flat;

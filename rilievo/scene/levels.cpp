@@ -50,6 +50,7 @@ MeshLevel simplify_mesh(const Mesh& mesh, const std::vector<std::uint32_t>& indi
 
 std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelsOptions& options) {
   std::vector<MeshLevel> levels;
+  if (mesh.primitive != Primitive::triangles) return levels;
   const std::vector<std::uint32_t>* finer = &mesh.indices;
   double error = 0;
   while (int(levels.size()) < options.max_levels &&
@@ -226,7 +227,7 @@ LeveledScene make_bounded_levels(const Scene& scene, const LevelsOptions& option
   });
   bound_levels(scene, of_mesh);
   const std::vector<int> first_of = add_meshes(scene, of_mesh, out);
-  const auto triangles = [&](int mesh) { return out.meshes[std::size_t(mesh)].indices.size() / 3; };
+  const auto triangles = [&](int mesh) { return out.meshes[std::size_t(mesh)].primitives(); };
   for (std::size_t m = 0; m < scene.models.size(); ++m) {
     std::vector<ModelLevel>& levels = leveled.levels.emplace_back();
     levels.push_back({int(m), 0});

@@ -74,7 +74,8 @@ void repair_normals(Mesh& mesh) {
   if (good) return;
 
   std::vector<glm::dvec3> mean(mesh.positions.size(), glm::dvec3(0));
-  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+  const std::size_t end = mesh.triangles() * 3;  // points and lines have none of their own
+  for (std::size_t i = 0; i < end; i += 3) {
     const std::uint32_t* const v = &mesh.indices[i];
     const glm::dvec3 n =
         area_normal(mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);

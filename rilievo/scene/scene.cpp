@@ -1,11 +1,13 @@
 #include "rilievo/scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rilievo {
 namespace {
 
 Box placed_bounds(const Mesh& mesh, const glm::mat4& to_from_mesh) {
+  if (mesh.width > 0) return transformed(to_from_mesh, mesh.bounds);  // discs have no corners
   Box box;
   for (std::uint32_t i : mesh.indices)
     if (i < mesh.positions.size()) box.add(to_from_mesh * glm::vec4(mesh.positions[i], 1.0f));
@@ -52,12 +54,15 @@ Box world_bounds(const Scene& scene, double time) {
 void update_bounds(Mesh& mesh) {
   mesh.bounds = {};
   mesh.run_bounds.clear();
-  for (std::size_t first = 0; first < mesh.indices.size(); first += 3 * Mesh::kRun) {
+  const std::size_t step = std::size_t(corners_of(mesh.primitive)) * Mesh::kRun;
+  for (std::size_t first = 0; first < mesh.indices.size(); first += step) {
     Box& run = mesh.run_bounds.emplace_back();
-    const std::size_t end = std::min<std::size_t>(mesh.indices.size(), first + 3 * Mesh::kRun);
+    const std::size_t end = std::min<std::size_t>(mesh.indices.size(), first + step);
     for (std::size_t k = first; k < end; ++k)
       if (mesh.indices[k] < mesh.positions.size())  // validate() is who complains
         run.add(mesh.positions[mesh.indices[k]]);
+    if (mesh.primitive == Primitive::points && !run.empty())
+      run.min -= 0.5f * mesh.width, run.max += 0.5f * mesh.width;
     mesh.bounds.add(run);
   }
 }
@@ -71,7 +76,7 @@ void finish(Scene& scene) {
     for (const Part& part : model.parts) {
       if (!valid_index(part.mesh, scene.meshes.size())) continue;
       const Mesh& mesh = scene.meshes[part.mesh];
-      model.triangles += mesh.triangles();
+      model.triangles += mesh.primitives();
       model.bounds.add(part.model_from_mesh == glm::mat4(1.0f)
                            ? mesh.bounds
                            : placed_bounds(mesh, part.model_from_mesh));
@@ -88,6 +93,17 @@ void finish(Scene& scene) {
       node_moves[i] = 1;
   for (Object& object : scene.objects)
     object.moving = valid_index(object.node, scene.nodes.size()) && node_moves[object.node];
+}
+
+double smallest_stretch(const glm::mat4& m) {
+  const glm::dmat3 linear(m);
+  const glm::dmat3 inverse = glm::inverse(linear);
+  // The inverse stretches most where this stretches least: the norm is bounded by its rows' sums.
+  const glm::dmat3 gram = glm::transpose(inverse) * inverse;
+  double most = 0;
+  for (int c = 0; c < 3; ++c)
+    most = std::max(most, std::abs(gram[c].x) + std::abs(gram[c].y) + std::abs(gram[c].z));
+  return std::isfinite(most) && most > 0 ? 1 / std::sqrt(most) : 0;
 }
 
 Light default_sun() {

@@ -65,27 +65,44 @@ struct Material {
   bool refracts = false;  // surrounds a volume, so that light is bent; else a thin wall
 };
 
-// Triangles with one material. Arrays other than positions and indices are empty or have one entry
-// for each vertex. Counter-clockwise is front. Where world_from_mesh has a negative determinant (a
-// mirrored object), clockwise is front, as in glTF; renderers test the determinant's sign.
+// What a mesh consists of, and how many corners each of these has.
+enum class Primitive : std::uint8_t { triangles, lines, points };
+[[nodiscard]] constexpr std::uint32_t corners_of(Primitive primitive) {
+  return primitive == Primitive::triangles ? 3 : primitive == Primitive::lines ? 2 : 1;
+}
+
+// Triangles, lines or points with one material. A point is drawn as a disc that faces the eye, a
+// line as a strip with round ends; both are opaque, whatever the material says, and unlit without
+// normals. Normals count from both sides. Arrays other than positions and indices are empty or have
+// one entry for each vertex. Counter-clockwise is front. Where world_from_mesh has a negative
+// determinant (a mirrored object), clockwise is front, as in glTF; renderers test the determinant's
+// sign.
 struct Mesh {
   std::string name;
   int material = -1;  // index into Scene::materials; -1: the default material
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;   // unit; a loaded mesh always has them
+  std::vector<glm::vec3> normals;   // unit; loaded triangles always have them
   std::vector<glm::vec4> tangents;  // xyz unit, w = handedness
   std::vector<glm::vec2> uv[2];
   std::vector<glm::vec4> colors;  // linear, straight alpha
   std::vector<std::uint32_t> indices;
-  Box bounds;
-  // Of each run of triangles, in their order: most meshes have neighbours near each other in it.
+  Primitive primitive = Primitive::triangles;
+  // Of points: the diameter, in metres of mesh space; a placement scales it by the least that it
+  // stretches. Where that is 0, and for lines: `width_px` pixels of the picture that is drawn.
+  float width = 0, width_px = 1;
+  Box bounds;  // with the points' discs
+  // Of each run of primitives, in their order: most meshes have neighbours near each other in it.
   static constexpr std::uint32_t kRun = 1024;
   std::vector<Box> run_bounds;
 
-  [[nodiscard]] std::uint64_t triangles() const { return indices.size() / 3; }
+  // Triangles, lines or points.
+  [[nodiscard]] std::uint64_t primitives() const { return indices.size() / corners_of(primitive); }
+  [[nodiscard]] std::uint64_t triangles() const {
+    return primitive == Primitive::triangles ? primitives() : 0;
+  }
 };
 
-// Sets a mesh's bounds, and those of its runs, from the vertices that triangles use: a file may
+// Sets a mesh's bounds, and those of its runs, from the vertices that primitives use: a file may
 // keep others.
 void update_bounds(Mesh& mesh);
 
@@ -99,8 +116,8 @@ struct Part {
 struct Model {
   std::string name;
   std::vector<Part> parts;
-  Box bounds;  // of all parts; model space
-  std::uint64_t triangles = 0;
+  Box bounds;                   // of all parts; model space
+  std::uint64_t triangles = 0;  // lines and points count as triangles do
 };
 
 // An animated transform. Parents come before their children.
@@ -181,8 +198,12 @@ void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_mo
 // world_from_model with translations relative to `origin`, without loss of precision.
 [[nodiscard]] glm::mat4 relative_to(const glm::dvec3& origin, const glm::mat4& world_from_model);
 
-// Triangles of all objects; each instance counts.
+// Triangles of all objects, and lines and points; each instance counts.
 [[nodiscard]] std::uint64_t count_triangles(const Scene& scene);
+
+// Distances shrink at most to this share of themselves: the smallest singular value, exact where
+// the axes are orthogonal.
+[[nodiscard]] double smallest_stretch(const glm::mat4& transform);
 
 // A box that contains all objects at `time`: the box of their transformed boxes.
 [[nodiscard]] Box world_bounds(const Scene& scene, double time = 0.0);

@@ -82,8 +82,16 @@ Result<> check_meshes(const Scene& scene) {
     for (std::size_t size :
          {m.normals.size(), m.tangents.size(), m.uv[0].size(), m.uv[1].size(), m.colors.size()})
       if (size != 0 && size != n) return fault("mesh", i, "has arrays of different lengths");
-    if (m.indices.size() % 3 != 0)
-      return fault("mesh", i, "has a number of indices that 3 does not divide");
+    if (m.indices.size() % corners_of(m.primitive) != 0)
+      return fault("mesh", i,
+                   "has a number of indices that " + std::to_string(corners_of(m.primitive)) +
+                       " does not divide");
+    if (!std::isfinite(m.width) || m.width < 0 || !std::isfinite(m.width_px) || m.width_px < 0 ||
+        (m.width > 0 && m.primitive != Primitive::points))
+      return fault("mesh", i, "has an impossible width");
+    if (m.primitive != Primitive::triangles && m.material >= 0 &&
+        scene.materials[std::size_t(m.material)].alpha_mode != AlphaMode::opaque)
+      return fault("mesh", i, "has points or lines whose material is not opaque");
     for (std::uint32_t v : m.indices)
       if (v >= n) return fault("mesh", i, "has an index out of range: " + std::to_string(v));
     if (!all_finite(m.positions)) return fault("mesh", i, "has a position that is not finite");

@@ -3,6 +3,7 @@
 #include "rilievo/capture/shaders/refine_picture.h"
 #include "rilievo/core/random.h"
 #include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/render/rays/stroke_hits.h"
 
 namespace rilievo {
 namespace {
@@ -15,22 +16,24 @@ class TracedRays final : public RayShader {
         rays_(rays),
         objects_(rays.scene(), request.objects),
         picture_rays_(picture_rays(camera_)),
+        strokes_(rays, camera_, objects_),
         tracer_(rays, picture_rays_, camera_.position(), objects_, options) {}
 
   [[nodiscard]] std::optional<Seen> nearest(const glm::dvec2& raster) const override {
     const CameraRay ray = camera_ray(camera_, raster);
-    const auto hit = tracer_.first_hit(ray.origin, ray.direction);
+    const auto hit = strokes_.nearer(raster, tracer_.first_hit(ray.origin, ray.direction));
     if (!hit) return std::nullopt;
     return Seen{float(ray.eye_z_start + double(hit->distance) * ray.eye_z_step), hit->object};
   }
 
   [[nodiscard]] float farthest(const glm::dvec2& raster) const override {
-    return farthest_eye_z(rays_, camera_, raster, objects_);
+    return farthest_eye_z(rays_, camera_, raster, strokes_);
   }
 
   [[nodiscard]] glm::vec4 light(int x, int y, const glm::dvec2& place, int sample) const override {
-    const CameraRay ray = camera_ray(camera_, {x + place.x, y + 1 - place.y});
-    const auto hit = tracer_.first_hit(ray.origin, ray.direction);
+    const glm::dvec2 raster(x + place.x, y + 1 - place.y);
+    const CameraRay ray = camera_ray(camera_, raster);
+    const auto hit = strokes_.nearer(raster, tracer_.first_hit(ray.origin, ray.direction));
     if (!hit) return glm::vec4(0.0f);
     const glm::vec3 way =
         picture_rays_.through(float(x + place.x), float(camera_.height - 1 - y + place.y));
@@ -42,6 +45,7 @@ class TracedRays final : public RayShader {
   const RayScene& rays_;
   ObjectSet objects_;
   PictureRays picture_rays_;
+  StrokeHits strokes_;
   LightTracer tracer_;
 };
 

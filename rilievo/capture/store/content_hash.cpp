@@ -46,6 +46,8 @@ void add_mesh(ContentHash& hash, const Mesh& mesh) {
   for (const auto& uv : mesh.uv) add_numbers(hash, uv);
   add_numbers(hash, mesh.colors);
   add_numbers(hash, mesh.indices);
+  if (mesh.primitive != Primitive::triangles)
+    add_values(hash, mesh.primitive, mesh.width, mesh.width_px);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ struct Vertex {
 struct UvVertex {
   glm::vec2 uv0, uv1;
 };
+static_assert(sizeof(Vertex) == kVertexBytes && sizeof(UvVertex) == kUvBytes);
 
 std::uint32_t pack_normal(const glm::vec3& n) {
   const auto ten_bits = [](float v) {
@@ -156,8 +157,9 @@ void upload_meshes(const Scene& scene, GpuScene& gpu) {
   std::size_t vertex_count = 0, index_count = 0;
   bool any_uv = false;
   for (const Mesh& mesh : scene.meshes) {
-    vertex_count += mesh.positions.size();
-    index_count += mesh.indices.size();
+    const bool strokes = mesh.primitive != Primitive::triangles;
+    vertex_count += strokes ? mesh.indices.size() + kStrokeAlignment : mesh.positions.size();
+    index_count += strokes ? 0 : mesh.indices.size();
   }
   for (const GpuMaterial& material : gpu.materials)
     any_uv |= (material.features & shader::kTextures) != 0;
@@ -166,57 +168,82 @@ void upload_meshes(const Scene& scene, GpuScene& gpu) {
   std::vector<std::uint32_t> indices;
   vertices.reserve(vertex_count);
   indices.reserve(index_count);
+  const auto add_vertex = [&](const Mesh& mesh, std::size_t i) {
+    Vertex v;
+    v.position = mesh.positions[i];
+    v.normal = pack_normal(i < mesh.normals.size() ? mesh.normals[i] : glm::vec3(0, 1, 0));
+    const glm::vec4 color = i < mesh.colors.size() ? mesh.colors[i] : glm::vec4(1.0f);
+    for (int k = 0; k < 4; ++k) v.color[k] = pack_unorm16(color[k]);
+    vertices.push_back(v);
+    if (!any_uv) return;
+    const auto uv = [&](int set) {
+      return i < mesh.uv[set].size() ? mesh.uv[set][i] : glm::vec2(0.0f);
+    };
+    uvs.push_back({uv(0), uv(1)});
+  };
   for (const Mesh& mesh : scene.meshes) {
+    const bool strokes = mesh.primitive != Primitive::triangles;
+    while (strokes && vertices.size() % kStrokeAlignment != 0) {
+      vertices.emplace_back();
+      if (any_uv) uvs.emplace_back();
+    }
     GpuMesh out;
+    out.primitive = mesh.primitive;
+    out.primitives = GLsizei(mesh.primitives());
+    out.width = mesh.width, out.width_px = mesh.width_px;
     out.base_vertex = GLint(vertices.size());
     out.first_index = GLuint(indices.size());
-    out.index_count = GLsizei(mesh.indices.size());
+    out.index_count = strokes ? 0 : GLsizei(mesh.indices.size());
     out.material = mesh.material < 0 ? int(scene.materials.size()) : mesh.material;
+    if (strokes)
+      out.features = (mesh.primitive == Primitive::points ? shader::kDiscs : shader::kLines) |
+                     (mesh.normals.empty() ? unsigned(shader::kUnlit) : 0u);
     gpu.meshes.push_back(out);
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      Vertex v;
-      v.position = mesh.positions[i];
-      v.normal = pack_normal(i < mesh.normals.size() ? mesh.normals[i] : glm::vec3(0, 1, 0));
-      const glm::vec4 color = i < mesh.colors.size() ? mesh.colors[i] : glm::vec4(1.0f);
-      for (int k = 0; k < 4; ++k) v.color[k] = pack_unorm16(color[k]);
-      vertices.push_back(v);
-      if (!any_uv) continue;
-      const auto uv = [&](int set) {
-        return i < mesh.uv[set].size() ? mesh.uv[set][i] : glm::vec2(0.0f);
-      };
-      uvs.push_back({uv(0), uv(1)});
+    if (strokes) {
+      for (const std::uint32_t i : mesh.indices) add_vertex(mesh, i);
+    } else {
+      for (std::size_t i = 0; i < mesh.positions.size(); ++i) add_vertex(mesh, i);
+      indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
     }
-    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
   }
   gpu.vertices = gl::make_buffer(vertices.size() * sizeof(Vertex), vertices.data());
   gpu.uvs = gl::make_buffer(uvs.size() * sizeof(UvVertex), uvs.data());
   gpu.indices = gl::make_buffer(indices.size() * sizeof(std::uint32_t), indices.data());
 }
 
+void describe_attribute(GLuint array, GLuint index, GLuint binding, GLint size, GLenum type,
+                        GLboolean normalized, GLuint offset) {
+  glEnableVertexArrayAttrib(array, index);
+  glVertexArrayAttribFormat(array, index, size, type, normalized, offset);
+  glVertexArrayAttribBinding(array, index, binding);
+}
+
+void describe_instances(GLuint array) {
+  for (GLuint row = 0; row < 3; ++row)
+    describe_attribute(array, kInstanceRow0 + row, kInstanceBinding, 4, GL_FLOAT, GL_FALSE,
+                       GLuint(row * sizeof(glm::vec4)));
+  glEnableVertexArrayAttrib(array, kInstanceObject);
+  glVertexArrayAttribIFormat(array, kInstanceObject, 1, GL_UNSIGNED_INT,
+                             offsetof(GpuInstance, object));
+  glVertexArrayAttribBinding(array, kInstanceObject, kInstanceBinding);
+  describe_attribute(array, kInstanceShare, kInstanceBinding, 2, GL_FLOAT, GL_FALSE,
+                     offsetof(GpuInstance, share_from));
+  describe_attribute(array, kInstanceRadius, kInstanceBinding, 1, GL_FLOAT, GL_FALSE,
+                     offsetof(GpuInstance, radius));
+  glVertexArrayBindingDivisor(array, kInstanceBinding, 1);
+}
+
 void describe_attributes(GpuScene& gpu) {
   gpu.vertex_array = gl::make_vertex_array();
+  gpu.stroke_array = gl::make_vertex_array();
   const GLuint vao = gpu.vertex_array;
-  const auto attribute = [&](GLuint index, GLuint binding, GLint size, GLenum type,
-                             GLboolean normalized, GLuint offset) {
-    glEnableVertexArrayAttrib(vao, index);
-    glVertexArrayAttribFormat(vao, index, size, type, normalized, offset);
-    glVertexArrayAttribBinding(vao, index, binding);
-  };
-  attribute(kPosition, 0, 3, GL_FLOAT, GL_FALSE, offsetof(Vertex, position));
-  attribute(kNormal, 0, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(Vertex, normal));
-  attribute(kColor, 0, 4, GL_UNSIGNED_SHORT, GL_TRUE, offsetof(Vertex, color));
-  attribute(kUv0, 1, 2, GL_FLOAT, GL_FALSE, offsetof(UvVertex, uv0));
-  attribute(kUv1, 1, 2, GL_FLOAT, GL_FALSE, offsetof(UvVertex, uv1));
-  for (GLuint row = 0; row < 3; ++row)
-    attribute(kInstanceRow0 + row, kInstanceBinding, 4, GL_FLOAT, GL_FALSE,
-              GLuint(row * sizeof(glm::vec4)));
-  glEnableVertexArrayAttrib(vao, kInstanceObject);
-  glVertexArrayAttribIFormat(vao, kInstanceObject, 1, GL_UNSIGNED_INT,
-                             offsetof(GpuInstance, object));
-  glVertexArrayAttribBinding(vao, kInstanceObject, kInstanceBinding);
-  attribute(kInstanceShare, kInstanceBinding, 2, GL_FLOAT, GL_FALSE,
-            offsetof(GpuInstance, share_from));
-  glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
+  describe_attribute(vao, kPosition, 0, 3, GL_FLOAT, GL_FALSE, offsetof(Vertex, position));
+  describe_attribute(vao, kNormal, 0, 4, GL_INT_2_10_10_10_REV, GL_TRUE, offsetof(Vertex, normal));
+  describe_attribute(vao, kColor, 0, 4, GL_UNSIGNED_SHORT, GL_TRUE, offsetof(Vertex, color));
+  describe_attribute(vao, kUv0, 1, 2, GL_FLOAT, GL_FALSE, offsetof(UvVertex, uv0));
+  describe_attribute(vao, kUv1, 1, 2, GL_FLOAT, GL_FALSE, offsetof(UvVertex, uv1));
+  describe_instances(vao);
+  describe_instances(gpu.stroke_array);
   glVertexArrayVertexBuffer(vao, 0, gpu.vertices, 0, sizeof(Vertex));
   glVertexArrayVertexBuffer(vao, 1, gpu.uvs, 0, sizeof(UvVertex));
   glVertexArrayElementBuffer(vao, gpu.indices);

@@ -22,6 +22,7 @@ enum VertexAttribute : GLuint {
                       // identifier and its cross-fade range
   kInstanceObject = 8,
   kInstanceShare = 9,
+  kInstanceRadius = 10,  // of points, metres of the world
 };
 
 // The texture units of a material's textures.
@@ -34,8 +35,13 @@ enum TextureUnit : GLuint {
   kMaterialUnits = 5,
 };
 
-// A mesh's range in the index buffer.
+// A mesh's range in the index buffer. Points and lines have none: their vertices follow each other
+// in the order of their corners.
 struct GpuMesh {
+  Primitive primitive = Primitive::triangles;
+  GLsizei primitives = 0;
+  float width = 0, width_px = 1;  // of Mesh
+  unsigned features = 0;          // bits of shader::Feature beside its material's
   GLsizei index_count = 0;
   GLuint first_index = 0;
   GLint base_vertex = 0;
@@ -67,7 +73,8 @@ struct GpuScene {
   std::vector<GpuMaterial> materials;  // as Scene::materials, then the default material
   std::vector<gl::Texture> textures;
   gl::Buffer vertices, uvs, indices, material_blocks;
-  gl::VertexArray vertex_array;  // instances come from binding kInstanceBinding
+  // Instances come from binding kInstanceBinding. Strokes have no other attributes.
+  gl::VertexArray vertex_array, stroke_array;
 };
 
 // The vertex buffer binding of instances.
@@ -78,8 +85,14 @@ struct GpuInstance {
   glm::vec4 rows[3];
   std::uint32_t object;
   float share_from, share_to;  // see shader::kPixelHash
-  std::uint32_t padding;
+  float radius;
 };
+
+// Bytes of a vertex and of its texture coordinates. Points and lines read them from a storage
+// buffer, which has 128 MiB at least, at aligned offsets.
+inline constexpr GLsizeiptr kVertexBytes = 24, kUvBytes = 16;
+// The most vertices of a draw, and what the first one's number is a multiple of.
+inline constexpr GLsizei kStrokeChunk = 1 << 22, kStrokeAlignment = 32;
 
 // Uploads a scene. Fails where a texture exceeds the driver's limits.
 [[nodiscard]] Result<GpuScene> upload(const Scene& scene);

@@ -1,12 +1,15 @@
 #include "rilievo/render/opengl/scene_renderer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/render/draw_list.h"
 #include "rilievo/render/opengl/gpu_scene.h"
 #include "rilievo/render/opengl/scene_shaders.h"
+#include "rilievo/render/opengl/stroke_shaders.h"
 
 namespace rilievo {
 namespace {
@@ -39,6 +42,7 @@ shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   const Light first = scene.lights.empty() ? default_sun() : scene.lights[0];
   view.sun_direction_count = glm::vec4(first.direction, float(scene.lights.size()));
   view.sun_intensity = glm::vec4(first.intensity, 0);
+  view.raster = glm::vec4(camera.width, camera.height, 0, 0);
   return view;
 }
 
@@ -71,6 +75,7 @@ struct SceneRenderer::State {
   void upload_lights(const Camera& camera);
   void upload_instances();
   void draw_list(const Camera& camera, unsigned extra_features, bool farthest = false);
+  void draw_mesh(const GpuMesh& mesh, const Batch& batch, GLuint program) const;
   void draw_ranges(const Camera& camera, std::span<const CrossFade> ranges, unsigned features);
 };
 
@@ -89,11 +94,15 @@ Result<const gl::Program*> SceneRenderer::State::program(unsigned features) {
 
 Result<> SceneRenderer::State::compile() {
   using namespace shader;
-  for (const GpuMaterial& material : gpu.materials)
+  std::set<unsigned> used;
+  for (const GpuMaterial& material : gpu.materials) used.insert(material.features);
+  for (const GpuMesh& mesh : gpu.meshes)
+    used.insert(gpu.materials[std::size_t(mesh.material)].features | mesh.features);
+  for (const unsigned features : used)
     for (const unsigned extra :
          {0u, +kLinear, +kObjectIds, +kShare, kShare | kLinear, kShare | kObjectIds,
           +kBackPerspective, kBackPerspective | kLinear})
-      if (auto made = program(material.features | extra); !made) return made.error();
+      if (auto made = program(features | extra); !made) return made.error();
   for (bool linear : {false, true}) {
     Result<gl::Program> made = make_sky_program(linear);
     if (!made) return made.error();
@@ -123,6 +132,13 @@ void SceneRenderer::State::upload_instances() {
     const glm::vec2 share = shares.empty() ? glm::vec2(0, 1) : shares[placement.object];
     staging.push_back({{rows[0], rows[1], rows[2]}, placement.object + 1, share.x, share.y, 0});
   }
+  for (const Batch& batch : list.batches()) {
+    const GpuMesh& mesh = gpu.meshes[batch.mesh];
+    if (mesh.width <= 0) continue;
+    for (std::uint32_t i = batch.first; i < batch.first + batch.count; ++i)
+      staging[i].radius = float(0.5 * double(mesh.width) *
+                                smallest_stretch(list.instances()[i].relative_from_mesh));
+  }
   if (staging.size() > instance_capacity || !instance_buffer) {
     instance_capacity = staging.size() + staging.size() / 2 + 64;
     instance_buffer =
@@ -140,9 +156,8 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
   upload_view(camera);
   if (!(extra_features & shader::kObjectIds) && !lit_by_one_sun(*scene)) upload_lights(camera);
   upload_instances();
-  glBindVertexArray(gpu.vertex_array);
-  glVertexArrayVertexBuffer(gpu.vertex_array, kInstanceBinding, instance_buffer, 0,
-                            sizeof(GpuInstance));
+  for (const GLuint array : {GLuint(gpu.vertex_array), GLuint(gpu.stroke_array)})
+    glVertexArrayVertexBuffer(array, kInstanceBinding, instance_buffer, 0, sizeof(GpuInstance));
   glEnable(GL_DEPTH_TEST);
   const bool peel = extra_features & shader::kPeel;
   if (peel && !(extra_features & shader::kObjectIds))
@@ -152,18 +167,21 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
   glFrontFace(GL_CCW);
 
   int bound_material = -1;
+  unsigned bound_features = 0;  // of meshes
+  GLuint bound_program = 0;
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // masks make their own
   for (const Batch& batch : list.batches()) {
     const GpuMesh& mesh = gpu.meshes[batch.mesh];
     const GpuMaterial& material = gpu.materials[std::size_t(mesh.material)];
-    if (mesh.material != bound_material) {
-      bound_material = mesh.material;
-      const unsigned features = material.features | extra_features |
+    if (mesh.material != bound_material || mesh.features != bound_features) {
+      bound_material = mesh.material, bound_features = mesh.features;
+      const unsigned features = material.features | mesh.features | extra_features |
                                 (camera.keeps_farthest() ? shader::kBackPerspective : 0u);
       const Result<const gl::Program*> program_of_material = program(features);
       // The same source as of create(), but for the lights.
       RILIEVO_EXPECTS(program_of_material.ok());
-      glUseProgram(**program_of_material);
+      bound_program = **program_of_material;
+      glUseProgram(bound_program);
       glBindBufferRange(GL_UNIFORM_BUFFER, 1, gpu.material_blocks, material.block_offset,
                         sizeof(GpuMaterialBlock));
       if (features & shader::kTextures)
@@ -171,19 +189,46 @@ void SceneRenderer::State::draw_list(const Camera& camera, unsigned extra_featur
           glBindTextureUnit(unit, gpu.textures[std::size_t(material.textures[unit])]);
       // Not there in programs that shade nothing.
       if (peel)
-        glUniform1i(glGetUniformLocation(**program_of_material, "double_sided"),
-                    material.double_sided);
-      if (material.double_sided || farthest || peel)
+        glUniform1i(glGetUniformLocation(bound_program, "double_sided"),
+                    material.double_sided || mesh.features != 0);
+      if (material.double_sided || mesh.features != 0 || farthest || peel)
         glDisable(GL_CULL_FACE);
       else
         glEnable(GL_CULL_FACE);
     }
     // Seen from an apex behind the object, the faces that the viewer sees are the ones turned away.
     glCullFace(batch.mirrored != camera.keeps_farthest() ? GL_FRONT : GL_BACK);
+    draw_mesh(mesh, batch, bound_program);
+  }
+}
+
+void SceneRenderer::State::draw_mesh(const GpuMesh& mesh, const Batch& batch,
+                                     GLuint program) const {
+  if (mesh.primitive == Primitive::triangles) {
+    glBindVertexArray(gpu.vertex_array);
     glDrawElementsInstancedBaseVertexBaseInstance(
         GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT,
         reinterpret_cast<const void*>(std::uintptr_t(mesh.first_index) * sizeof(std::uint32_t)),
         GLsizei(batch.count), mesh.base_vertex, batch.first);
+    return;
+  }
+  glBindVertexArray(gpu.stroke_array);
+  glUniform1f(glGetUniformLocation(program, "stroke_radius_px"), 0.5f * mesh.width_px);
+  const GLsizei corners = GLsizei(corners_of(mesh.primitive)), all = mesh.primitives * corners;
+  for (GLsizei first = 0; first < all; first += kStrokeChunk) {
+    const GLsizei count = std::min(kStrokeChunk, all - first);
+    const GLintptr at = GLintptr(mesh.base_vertex) + first;
+    const auto bind = [&](GLuint binding, const gl::Buffer& buffer, GLsizeiptr bytes) {
+      glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer, at * bytes,
+                        GLsizeiptr(count) * bytes);
+    };
+    bind(shader::kStrokeVertices, gpu.vertices, kVertexBytes);
+    if (gpu.materials[std::size_t(mesh.material)].features & shader::kTextures)
+      bind(shader::kStrokeUvs, gpu.uvs, kUvBytes);
+    const int each =
+        mesh.primitive == Primitive::points ? shader::kDiscVertices : shader::kLineVertices;
+    glDrawArraysInstancedBaseInstance(GL_TRIANGLES, 0, count / corners * each, GLsizei(batch.count),
+                                      batch.first);
   }
 }
 

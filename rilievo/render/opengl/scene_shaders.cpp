@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 
 #include "rilievo/render/opengl/scene_shaders.h"
+#include "rilievo/render/opengl/stroke_shaders.h"
 
 namespace rilievo::shader {
 namespace {
@@ -15,6 +16,7 @@ layout(std140, binding = 0) uniform View {
   vec4 eye_direction;
   vec4 zenith, horizon, ground;
   vec4 sun_direction_count, sun_intensity;
+  vec4 raster;
 } view;
 )";
 
@@ -27,15 +29,17 @@ vec3 sky_radiance(float elevation) {
 )";
 
 const char* const kVertex = R"(
+#ifndef STROKES
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 normal;
-#ifdef COLORS
 layout(location = 2) in vec4 color;
+layout(location = 3) in vec2 uv0;
+layout(location = 4) in vec2 uv1;
+#endif
+#ifdef COLORS
 out vec4 v_color;
 #endif
 #ifdef TEXTURES
-layout(location = 3) in vec2 uv0;
-layout(location = 4) in vec2 uv1;
 out vec4 v_uv;
 #endif
 layout(location = 5) in vec4 row0;
@@ -59,11 +63,18 @@ out vec3 v_position;
 #ifdef PEEL
 invariant gl_Position;  // of identifiers and of colours: depths are compared
 #endif
+)";
 
+const char* const kVertexMain = R"(
 void main() {
+#ifdef STROKES
+  vec3 relative;
+  place_stroke(relative, gl_Position);
+#else
   vec4 p = vec4(position, 1.0);
   vec3 relative = vec3(dot(row0, p), dot(row1, p), dot(row2, p));
   gl_Position = view.clip_from_relative * vec4(relative, 1.0);
+#endif
 #ifdef OBJECT_IDS
   v_object = object;
 #else
@@ -74,7 +85,13 @@ void main() {
   v_normal = (dot(row0.xyz, yz) < 0.0 ? -1.0 : 1.0) / (longest > 0.0 ? longest : 1.0) *
              vec3(dot(yz, normal.xyz), dot(zx, normal.xyz), dot(xy, normal.xyz));
 #endif
+#ifdef STROKES
 #ifdef POSITION_CODE
+  // Of the place that is shown. A flat placement has no inverse, and shows no code.
+  mat3 linear = transpose(mat3(row0.xyz, row1.xyz, row2.xyz));
+  v_position = inverse(linear) * (relative - vec3(row0.w, row1.w, row2.w));
+#endif
+#elif defined(POSITION_CODE)
   v_position = position;
 #endif
 #ifdef SHARE
@@ -102,16 +119,18 @@ layout(std140, binding = 1) uniform Material {
 // the centre may lie outside the triangle, and on the plane of a slanted one far from it. As
 // shading/band_shader.h, which `centroid` leaves to the driver.
 vec2 middle = vec2(0.0);
-void find_middle() {
-  const vec2 kFour[4] = vec2[](vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125),
-                               vec2(0.125, 0.375));
-  int covered = gl_SampleMaskIn[0] & 15;
+const vec2 kFour[4] = vec2[](vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125),
+                             vec2(0.125, 0.375));
+void find_middle(int covered) {
   if (gl_NumSamples != 4 || covered == 0 || covered == 15) return;
   for (int i = 0; i < 4; ++i)
     if ((covered >> i & 1) != 0) middle += kFour[i];
   middle /= float(bitCount(covered));
 }
 
+)";
+
+const char* const kFragmentRest = R"(
 #ifdef SHARE
 flat in vec2 v_share;
 #endif
@@ -300,8 +319,15 @@ vec3 shade(vec3 base, vec3 n, vec3 v) {
 #endif
 
 void main() {
+#ifdef STROKES
+  int samples = stroke_samples() & gl_SampleMaskIn[0];
+  if (samples == 0) discard;
+  gl_SampleMask[0] = samples;
+#else
+  int samples = gl_SampleMaskIn[0] & 15;
+#endif
 #if !defined(MASK) && !defined(OBJECT_IDS)
-  find_middle();  // the edges of holes are found by differences between centres
+  find_middle(samples);  // the edges of holes are found by differences between centres
 #endif
 #ifdef SHARE
   float hash = pixel_hash();
@@ -350,7 +376,11 @@ void main() {
   vec3 v = view.eye_direction.w == 0.0 ? view.eye_direction.xyz
                                        : -normalize(interpolateAtOffset(v_relative, middle));
 #endif
+#ifdef STROKES
+  vec3 facing = v;
+#else
   vec3 facing = cross(dFdx(v_relative), dFdy(v_relative));
+#endif
   vec3 n = interpolateAtOffset(v_normal, middle);
   // What the placement flattens has no normal where it stood upright: the triangle's.
   n = normalize(dot(n, n) > 1e-30 ? n : facing);
@@ -450,9 +480,15 @@ Result<gl::Program> make_scene_program(unsigned features) {
   define(kManyLights, "MANY_LIGHTS");
   define(kPeel, "PEEL");
   define(kPositionCode, "POSITION_CODE");
+  define(kDiscs, "DISCS");
+  define(kLines, "LINES");
+  const bool strokes = features & (kDiscs | kLines);
+  if (strokes) defines += "#define STROKES 1\n";
   const std::string head = std::string(kVersion) + kCommon;
-  return gl::make_program("scene", head + kVertex,
-                          head + kSky + kSrgbFromLinear + kPixelHash + kFragment, defines);
+  return gl::make_program("scene", head + kVertex + (strokes ? kStrokeVertex : "") + kVertexMain,
+                          head + kSky + kSrgbFromLinear + kPixelHash + kFragment +
+                              (strokes ? kStrokeFragment : "") + kFragmentRest,
+                          defines);
 }
 
 Result<gl::Program> make_sky_program(bool linear) {

@@ -27,6 +27,8 @@ enum Feature : unsigned {
   kManyLights = 8192,     // with kAnyLights: any number
   kPeel = 16384,          // surfaces behind given depths; single-sided back faces look like fronts
   kPositionCode = 32768,  // Material::code_from_mesh, with kUnlit
+  kDiscs = 65536,         // points (stroke_shaders.h)
+  kLines = 131072,        // lines
   // The features without effect where there is no light.
   kOfLight = kNormalMap | kAnyLights | kBackPerspective | kMetallic | kEmissive | kManyLights,
 };
@@ -40,6 +42,7 @@ struct ViewBlock {
   glm::vec4 zenith, horizon, ground;
   // The one light of variants without kAnyLights; w of the direction is the number of lights.
   glm::vec4 sun_direction_count, sun_intensity;
+  glm::vec4 raster;  // width and height, pixels
 };
 
 // Up to this number, lights lie in a uniform block: software rasterisers shade a third slower with

@@ -48,6 +48,9 @@ bool can_be_seen(const RasterInstance& instance, const Box& box, const FarthestB
   constexpr double kRounding = 0x1p-20;
   const glm::dvec4 row_x(instance.row_x), row_y(instance.row_y), row_z(instance.row_z),
       row_w(instance.row_w);
+  // Strokes reach so many texels beyond the box.
+  const double beyond =
+      instance.primitive == Primitive::triangles ? 0 : double(instance.strokes.radius_px) + 1;
   const double right = farthest.small.columns * double(FarthestBlocks::kSmall);
   const double top = farthest.small.rows * double(FarthestBlocks::kSmall);
   bool left_of = true, right_of = true, below = true, above = true, behind = true, before = true;
@@ -61,9 +64,10 @@ bool can_be_seen(const RasterInstance& instance, const Box& box, const FarthestB
     const double x = glm::dot(row_x, p), y = glm::dot(row_y, p), w = glm::dot(row_w, p);
     const double x_slack = sizes(row_x), y_slack = sizes(row_y), w_slack = sizes(row_w);
     // Linear in p: what holds at all corners holds in the box, where w > 0 for all that is drawn.
-    left_of &= x < -x_slack, below &= y < -y_slack;
-    right_of &= x - right * w > x_slack + right * w_slack;
-    above &= y - top * w > y_slack + top * w_slack;
+    left_of &= x + beyond * w < -x_slack - beyond * w_slack;
+    below &= y + beyond * w < -y_slack - beyond * w_slack;
+    right_of &= x - (right + beyond) * w > x_slack + (right + beyond) * w_slack;
+    above &= y - (top + beyond) * w > y_slack + (top + beyond) * w_slack;
     behind &= w + w_slack <= double(instance.min_w);
     before &= w > 2 * w_slack;
     if (!before) continue;
@@ -83,6 +87,7 @@ bool can_be_seen(const RasterInstance& instance, const Box& box, const FarthestB
   const auto block = [&](double texel, int count) {
     return int(std::clamp(std::floor(texel / level.size), 0.0, count - 1.0));
   };
+  low -= glm::dvec3(beyond, beyond, 0), high += beyond;
   const int x0 = block(low.x, level.columns), x1 = block(high.x, level.columns);
   const int y0 = block(low.y, level.rows), y1 = block(high.y, level.rows);
   if ((x1 - x0 + 1) * (y1 - y0 + 1) > kMostBlocks) return true;

@@ -22,15 +22,13 @@ void FrameRaster::place(const Camera& camera, std::span<const PlacedMesh> placed
 }
 
 void FrameRaster::keep_farthest() {
-  for (RasterInstance& instance : instances_) {
-    instance.front = instance.back = true;
-    instance.row_z = instance.row_w - instance.row_z;  // 1 - window_z: the farthest is the nearest
-  }
+  for (RasterInstance& instance : instances_) rilievo::keep_farthest(instance);
 }
 
 void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) {
   raster_.begin(camera.width, camera.height, samples);
   if (near_plane == NearPlane::clamps) {
+    for (RasterInstance& instance : instances_) instance.strokes.clamps = true;
     raster_.draw(instances_);
     work_.assign(raster_.work().begin(), raster_.work().end());
     return;
@@ -40,7 +38,9 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
   instances_.resize(placed_.size());  // without the pieces of the last time
   const float z_near = float(camera.z_near);
   for (std::size_t i = 0; i < placed_.size(); ++i)
-    if (NearClip::crosses(instances_[i], placed_[i].mesh->bounds, z_near))
+    if (placed_[i].mesh->primitive != Primitive::triangles)
+      instances_[i].min_w = z_near;
+    else if (NearClip::crosses(instances_[i], placed_[i].mesh->bounds, z_near))
       if (near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]))
         cut_.push_back(i);
   instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());

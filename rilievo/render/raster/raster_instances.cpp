@@ -4,6 +4,26 @@
 
 namespace rilievo {
 
+RasterStrokes make_strokes(const Camera& camera, const Mesh& mesh,
+                           const glm::mat4& relative_from_mesh) {
+  const auto& [left, right, bottom, top] = camera.window;
+  RasterStrokes strokes;
+  strokes.radius = float(0.5 * double(mesh.width) * smallest_stretch(relative_from_mesh));
+  strokes.radius_px = 0.5f * mesh.width_px;
+  strokes.per_unit = {camera.width / (right - left), camera.height / (top - bottom)};
+  strokes.corner = {left, bottom};
+  strokes.parallel = camera.projection == Projection::parallel;
+  if (!strokes.parallel)
+    strokes.z_per_inverse_w = float(-camera.z_near * camera.z_far / (camera.z_far - camera.z_near));
+  return strokes;
+}
+
+void keep_farthest(RasterInstance& instance) {
+  instance.front = instance.back = true;
+  instance.row_z = instance.row_w - instance.row_z;
+  instance.strokes.z_per_inverse_w *= -1, instance.strokes.clamps = true;
+}
+
 void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
                     std::vector<RasterInstance>& instances, std::vector<RasterMask>& masks) {
   const glm::dmat4 clip = glm::transpose(clip_from_relative(camera));
@@ -17,6 +37,9 @@ void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
     const SurfaceMaterial& material = *p.surface.material;
     const glm::dmat4 by(p.surface.relative_from_mesh);
     RasterInstance instance;
+    instance.primitive = p.mesh->primitive;
+    if (instance.primitive != Primitive::triangles)
+      instance.strokes = make_strokes(camera, *p.mesh, p.surface.relative_from_mesh);
     instance.positions = p.mesh->positions.data();
     instance.indices = p.mesh->indices.data();
     instance.triangles = p.triangles;

@@ -10,6 +10,14 @@
 
 namespace rilievo {
 
+// How a camera shows the points or lines of a mesh.
+[[nodiscard]] RasterStrokes make_strokes(const Camera& camera, const Mesh& mesh,
+                                         const glm::mat4& relative_from_mesh);
+
+// Lets the farthest be the nearest: z becomes 1 - z, and what lies beyond the far plane is drawn on
+// it.
+void keep_farthest(RasterInstance& instance);
+
 // Makes one instance for each placed mesh. Masks lie in `masks`, to which instances point.
 void make_instances(const Camera& camera, std::span<const PlacedMesh> placed,
                     std::vector<RasterInstance>& instances, std::vector<RasterMask>& masks);

@@ -42,6 +42,8 @@ constexpr std::uint32_t kMaxLanes = SampleRaster::kMaxLanes;
 
 #include "rilievo/core/lane_numbers.inl"
 #include "rilievo/render/raster/triangle_setup.inl"
+// With what that has.
+#include "rilievo/render/raster/stroke_setup.inl"
 
 // Where the samples of a vector lie, from the left edge of its first texel on.
 struct Pattern {
@@ -252,8 +254,28 @@ std::uint32_t fill_rows(const Triangles& in, std::uint32_t place, std::uint32_t 
   return size;
 }
 
+#include "rilievo/render/raster/stroke_fill.inl"
+
+std::uint32_t set_up_any(const RasterInstance& instance, std::uint32_t first, std::uint32_t count,
+                         const SampleBuffer& seen, const FarthestBlocks& farthest, Triangles& out,
+                         std::uint32_t place) {
+  switch (instance.primitive) {
+    case Primitive::points:
+      return set_up_strokes<1>(instance, first, count, seen, farthest, out, place);
+    case Primitive::lines:
+      return set_up_strokes<2>(instance, first, count, seen, farthest, out, place);
+    case Primitive::triangles:
+      break;
+  }
+  return set_up(instance, first, count, seen, farthest, out, place);
+}
+
 std::uint32_t fill(const Triangles& in, std::uint32_t place, std::uint32_t count,
                    const RasterInstance& instance, int low, int high, SampleBuffer& out) {
+  if (instance.primitive == Primitive::points)
+    return fill_strokes<LaneDiscs>(in, place, count, instance, low, high, out);
+  if (instance.primitive == Primitive::lines)
+    return fill_strokes<LaneLines>(in, place, count, instance, low, high, out);
   return is_masked(instance) ? fill_rows<true>(in, place, count, instance, low, high, out)
                              : fill_rows<false>(in, place, count, instance, low, high, out);
 }
@@ -285,7 +307,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rilievo {
 
-HWY_EXPORT(set_up);
+HWY_EXPORT(set_up_any);
 HWY_EXPORT(fill);
 HWY_EXPORT(find_farthest);
 
@@ -352,8 +374,9 @@ void SampleRaster::draw(std::span<const RasterInstance> instances) {
 void SampleRaster::draw_round(std::span<const RasterInstance> instances) {
   parallel_for(std::size_t(0), pieces_.size(), [&](std::size_t i) {
     Piece& piece = pieces_[i];
-    piece.kept = HWY_DYNAMIC_DISPATCH(set_up)(instances[piece.instance], piece.first, piece.count,
-                                              seen_, farthest_, triangles_, piece.place);
+    piece.kept =
+        HWY_DYNAMIC_DISPATCH(set_up_any)(instances[piece.instance], piece.first, piece.count, seen_,
+                                         farthest_, triangles_, piece.place);
     const auto at = [&](const std::vector<std::int32_t>& rows) {
       return std::span(rows).subspan(piece.place, piece.kept);
     };

@@ -1,6 +1,7 @@
-// Which triangle is nearest at each sample of a picture?
+// Which triangle, line or point is nearest at each sample of a picture?
 //
-// A rasteriser for pictures of very many small triangles. It only fills a SampleBuffer (a
+// A rasteriser for pictures of very many small triangles, or points; lines and points count as
+// triangles below. It only fills a SampleBuffer (a
 // visibility buffer); shading comes later, once for each pair of a texel and a triangle
 // (raster_picture.h). What lies behind all that a block of the picture shows is left out early, as
 // in [Greene, Kass and Miller 1993, Hierarchical Z-Buffer Visibility]. Depth is window_z. Masked
@@ -33,13 +34,26 @@ struct RasterMask {
 // The mask of a mesh with a masked material.
 [[nodiscard]] RasterMask mask_of(const Mesh& mesh, const SurfaceMaterial& material);
 
-// The triangles of one mesh, placed. A vertex p appears at (x, y, z) / w, each the product of a row
-// with (p, 1). Triangles with a corner whose w is not positive are left out (near_clip.h cuts
+// How points and lines are drawn, of a camera's picture.
+struct RasterStrokes {
+  float radius = 0;  // of points, metres of the world; 0: radius_px, which is that of lines
+  float radius_px = 0.5f;
+  glm::vec2 per_unit{1.0f};   // texels; of a tangent, or of a metre of a parallel camera
+  glm::vec2 corner{0.0f};     // the tangents of the raster's origin
+  float z_per_inverse_w = 0;  // z / w = a constant + this / w
+  bool parallel = false;
+  bool clamps = false;  // what lies in front of the near plane is drawn on it
+};
+
+// The primitives of one mesh, placed. A vertex p appears at (x, y, z) / w, each the product of a
+// row with (p, 1). Triangles with a corner whose w is not positive are left out (near_clip.h cuts
 // them).
 struct RasterInstance {
   const glm::vec3* positions = nullptr;
-  const std::uint32_t* indices = nullptr;  // three for each triangle
-  std::uint32_t triangles = 0;
+  const std::uint32_t* indices = nullptr;  // three for each triangle, two for each line
+  Primitive primitive = Primitive::triangles;
+  RasterStrokes strokes;
+  std::uint32_t triangles = 0;       // or points or lines
   std::uint32_t first_triangle = 0;  // primitive index of its first triangle in the SampleBuffer
   // If not null: the primitive index of each of its triangles instead.
   const std::uint32_t* numbers = nullptr;

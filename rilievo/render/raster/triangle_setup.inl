@@ -13,7 +13,7 @@ vfloat dot(const glm::vec4& row, const Vec3<vfloat>& p) {
 
 // A corner of each of the triangles whose indices lie at `at`.
 Corner project(const RasterInstance& instance, const std::uint32_t* at, int corner) {
-  const Vec3<vfloat> p = load_corners(instance.positions, at, corner);
+  const Vec3<vfloat> p = load_corners<3>(instance.positions, at, corner);
   const vfloat w = dot(instance.row_w, p), per_w = 1.0f / w;
   return {per_w * dot(instance.row_x, p), per_w * dot(instance.row_y, p),
           per_w * dot(instance.row_z, p), w};
@@ -77,22 +77,44 @@ struct LaneEdge {
   }
 };
 
-// One triangle a lane, counter-clockwise, with its depth and the columns and rows of samples in its
-// box. A row of texels has as many rows of samples as samples.
-struct LaneTriangles {
-  vfloat x[3], y[3];
-  vfloat z0, z_per_x, z_per_y, z_min, z_max;
+// The columns and rows of samples in the box of each lane's primitive. A row of texels has as many
+// rows of samples as samples.
+struct LaneBoxes {
   hn::Vec<I> first_column, first_row, last_column, last_row;
 };
 
-// Samples that small triangles change: for each of up to four, its place and the depth there.
+// One triangle a lane, counter-clockwise, with its depth.
+struct LaneTriangles {
+  vfloat x[3], y[3];
+  vfloat z0, z_per_x, z_per_y, z_min, z_max;
+};
+
+// What fill_rows() finds of them, by the same numbers.
+struct TriangleSamples {
+  const LaneTriangles& t;
+  LaneEdge edges[3];
+
+  explicit TriangleSamples(const LaneTriangles& t)
+      : t(t),
+        edges{{t.x[0], t.y[0], t.x[1], t.y[1]},
+              {t.x[1], t.y[1], t.x[2], t.y[2]},
+              {t.x[2], t.y[2], t.x[0], t.y[0]}} {}
+  [[nodiscard]] HWY_INLINE vmask covers(vfloat x, vfloat y) const {
+    return {hn::And(hn::And(edges[0].inside(x, y), edges[1].inside(x, y)), edges[2].inside(x, y))};
+  }
+  [[nodiscard]] HWY_INLINE vfloat depth(vfloat x, vfloat y) const {
+    return min(max((t.z0 + t.z_per_y * (y - t.y[0])) + t.z_per_x * (x - t.x[0]), t.z_min), t.z_max);
+  }
+};
+
+// Samples that small primitives change: for each of up to four, its place and the depth there.
 struct LaneSamples {
   hn::Vec<I> at[Triangles::kSmallSamples];  // kNone: not changed
   vfloat z[Triangles::kSmallSamples];
 };
 
-// Which triangles are so small that each row of samples has at most one in their box, and few rows?
-Mask is_small(const LaneTriangles& t, int samples) {
+// Which are so small that each row of samples has at most one in their box, and few rows?
+Mask is_small(const LaneBoxes& t, int samples) {
   const I i;
   const auto columns = hn::Sub(t.last_column, t.first_column),
              rows = hn::Sub(t.last_row, t.first_row);
@@ -100,15 +122,17 @@ Mask is_small(const LaneTriangles& t, int samples) {
                                      hn::Lt(rows, hn::Set(i, Triangles::kSmallSamples))));
 }
 
-// Which of the small triangles change a sample, as the picture is now, and which samples? By
-// fill_rows()'s own numbers.
-Mask find_changed(const LaneTriangles& t, const SampleBuffer& seen, Mask small,
-                  LaneSamples& changed) {
+TexelRange texels_of(const LaneBoxes& box, int shift) {
+  return {hn::ShiftRightSame(box.first_column, shift), hn::ShiftRightSame(box.first_row, shift),
+          hn::ShiftRightSame(box.last_column, shift), hn::ShiftRightSame(box.last_row, shift)};
+}
+
+// Which of the small primitives change a sample, as the picture is now, and which samples?
+template <class Samples>
+Mask find_changed(const Samples& primitive, const LaneBoxes& t, const SampleBuffer& seen,
+                  Mask small, LaneSamples& changed) {
   const F f;
   const I i;
-  const LaneEdge edges[3] = {{t.x[0], t.y[0], t.x[1], t.y[1]},
-                             {t.x[1], t.y[1], t.x[2], t.y[2]},
-                             {t.x[2], t.y[2], t.x[0], t.y[0]}};
   const int shift = seen.samples == 4 ? 2 : 0;
   const auto mask = hn::Set(i, seen.samples - 1);
   const float step = 1.0f / float(seen.samples);
@@ -125,10 +149,9 @@ Mask find_changed(const LaneTriangles& t, const SampleBuffer& seen, Mask small,
     if (hn::AllFalse(f, active)) continue;
     const vfloat x = step * (vfloat(hn::ConvertTo(f, column)) + 0.5f),
                  y = step * (vfloat(hn::ConvertTo(f, row)) + 0.5f);
-    for (const LaneEdge& edge : edges) active = hn::And(active, edge.inside(x, y));
+    active = hn::And(active, primitive.covers(x, y).m);
     if (hn::AllFalse(f, active)) continue;
-    const vfloat z =
-        min(max((t.z0 + t.z_per_y * (y - t.y[0])) + t.z_per_x * (x - t.x[0]), t.z_min), t.z_max);
+    const vfloat z = primitive.depth(x, y);
     const auto at =
         hn::Add(hn::Mul(hn::ShiftRightSame(row, shift), hn::Set(i, std::int32_t(seen.stride))),
                 hn::Add(hn::ShiftLeftSame(hn::ShiftRightSame(column, shift), shift), sample));
@@ -219,19 +242,13 @@ std::uint32_t set_up(const RasterInstance& instance, std::uint32_t first, std::u
                             (bz * cy - cz * by) * per_area,
                             (cz * bx - bz * cx) * per_area,
                             max(min(min(a.z, b.z), c.z), 0.0f),
-                            max(max(max(a.z, b.z), c.z), 0.0f),
-                            whole_number(first_column),
-                            whole_number(first_row),
-                            whole_number(last_column),
-                            whole_number(last_row)};
-    const auto texels = [&](hn::Vec<I> of_samples) {
-      return hn::ShiftRightSame(of_samples, shift);
-    };
-    const TexelRange at_texels{texels(all.first_column), texels(all.first_row),
-                               texels(all.last_column), texels(all.last_row)};
-    const Mask small = hn::And(keep, is_small(all, samples)), others = hn::AndNot(small, keep);
+                            max(max(max(a.z, b.z), c.z), 0.0f)};
+    const LaneBoxes box{whole_number(first_column), whole_number(first_row),
+                        whole_number(last_column), whole_number(last_row)};
+    const TexelRange at_texels = texels_of(box, shift);
+    const Mask small = hn::And(keep, is_small(box, samples)), others = hn::AndNot(small, keep);
     LaneSamples changed;
-    keep = hn::Or(others, find_changed(all, seen, small, changed));
+    keep = hn::Or(others, find_changed(TriangleSamples(all), box, seen, small, changed));
     if (farthest.any && !hn::AllFalse(f, others))
       keep = hn::AndNot(hidden(farthest, at_texels, all.z_min, others), keep);
     if (hn::AllFalse(f, keep)) continue;

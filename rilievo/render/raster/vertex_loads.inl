@@ -1,14 +1,20 @@
-// Positions of vertices, one a lane, of triangles whose indices lie at `at`, three for each lane.
-// Internal to triangle_setup.inl.
+// Positions of vertices, one a lane, of primitives whose indices lie at `at`, kCorners for each
+// lane: three of a triangle, two of a line, one of a point. Internal to triangle_setup.inl.
 
 #if HWY_HAVE_SCALABLE || HWY_TARGET == HWY_SCALAR
 
-// Of corner 0, 1 or 2 of each triangle.
+// Of one corner of each primitive.
+template <int kCorners>
 Vec3<vfloat> load_corners(const glm::vec3* positions, const std::uint32_t* at, int corner) {
   const F f;
   const U u;
   hn::Vec<U> first, second, third;
-  hn::LoadInterleaved3(u, at, first, second, third);
+  if constexpr (kCorners == 3)
+    hn::LoadInterleaved3(u, at, first, second, third);
+  else if constexpr (kCorners == 2)
+    hn::LoadInterleaved2(u, at, first, second), third = second;
+  else
+    third = second = first = hn::LoadU(u, at);
   const auto index = corner == 0 ? first : corner == 1 ? second : third;
   const auto offset = hn::BitCast(I(), hn::Add(hn::Add(index, index), index));  // three floats each
   const float* x = &positions[0].x;
@@ -28,26 +34,29 @@ HWY_INLINE hn::Vec<Four> load_position(const glm::vec3& p) {
                      hn::LoadU(Two(), &p.x));
 }
 
-// Of triangle 0 in the first block of four lanes, 4 in the next one, and so on.
-template <class D>
+// Of primitive 0 in the first block of four lanes, 4 in the next one, and so on.
+template <int kCorners, class D>
 HWY_INLINE hn::Vec<D> load_every_fourth(D d, const glm::vec3* positions, const std::uint32_t* at) {
   if constexpr (hn::MaxLanes(D()) == 4) {
     return load_position(positions[*at]);
   } else {
     const hn::Half<D> half;
-    const auto lower = load_every_fourth(half, positions, at);
-    return hn::Combine(d, load_every_fourth(half, positions, at + 3 * hn::MaxLanes(half)), lower);
+    const auto lower = load_every_fourth<kCorners>(half, positions, at);
+    return hn::Combine(
+        d, load_every_fourth<kCorners>(half, positions, at + kCorners * hn::MaxLanes(half)), lower);
   }
 }
 
-// Of corner 0, 1 or 2 of each triangle. Whole positions are loaded and transposed, which takes half
+// Of one corner of each primitive. Whole positions are loaded and transposed, which takes half
 // of what gathering three floats a lane does.
+template <int kCorners>
 HWY_INLINE Vec3<vfloat> load_corners(const glm::vec3* positions, const std::uint32_t* at,
                                      int corner) {
   const F f;
   const hn::Repartition<double, F> pairs;
   hn::Vec<F> vertex[4];
-  for (int k = 0; k < 4; ++k) vertex[k] = load_every_fourth(f, positions, at + 3 * k + corner);
+  for (int k = 0; k < 4; ++k)
+    vertex[k] = load_every_fourth<kCorners>(f, positions, at + kCorners * k + corner);
   const auto lower = [&](int k) {
     return hn::BitCast(pairs, hn::InterleaveLower(f, vertex[k], vertex[k + 1]));
   };

@@ -5,6 +5,7 @@
 
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/rays/cast_picture.h"
+#include "rilievo/render/rays/stroke_hits.h"
 
 namespace rilievo {
 
@@ -14,6 +15,7 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
   const int width = camera.width, height = camera.height;
   const HitShader shader(rays, camera);
   const ObjectSet objects(rays.scene(), options.objects);
+  const StrokeHits strokes(rays, camera, objects);
   struct Row {
     std::vector<LayerSample> samples;
     std::vector<std::uint32_t> counts;
@@ -27,8 +29,9 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
       double kept = -std::numeric_limits<double>::infinity();
       float from = 0;
       for (int layer = 0; layer < options.max_layers;) {
-        const std::optional<RayHit> hit =
-            rays.first_hit(ray.origin, ray.direction, from, 1.0f, RaySides::both, objects);
+        const std::optional<RayHit> hit = strokes.nearer(
+            {x + 0.5, y + 0.5},
+            rays.first_hit(ray.origin, ray.direction, from, 1.0f, RaySides::both, objects), from);
         if (!hit) break;
         // The next surface lies behind this one, by as little as can be told.
         from = std::nextafter(hit->distance, 2.0f);

@@ -7,8 +7,10 @@
 #include "rilievo/core/depth.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/render/raster/raster_instances.h"
 #include "rilievo/render/rays/fill_pinholes.h"
 #include "rilievo/render/rays/hit_surface.h"
+#include "rilievo/render/rays/stroke_hits.h"
 #include "rilievo/render/shading/picture_shader.h"
 #include "rilievo/render/shading/shading_model.h"
 #include "rilievo/render/shading/texel_shader.h"
@@ -73,11 +75,18 @@ struct PictureCaster::State {
   SampleBuffer seen;
   PinholeFiller pinholes;
   PictureShader shader;
+  // Points and lines, which are rasterised.
+  SampleRaster strokes;
+  std::vector<PlacedMesh> placed_strokes;
+  std::vector<RasterInstance> stroke_instances;
+  std::vector<RasterMask> no_masks;
 
   explicit State(const RayScene& rays);
   void place(const Camera& camera, std::span<const std::uint32_t> objects);
   // Fills `seen`.
   void cast(const PictureRays& seen_by, const Camera& camera, bool all_objects, int samples);
+  // Points and lines that are nearer than what `seen` has.
+  void add_strokes(const Camera& camera);
   void cast_coarse(const PictureRays& seen_by, const Camera& camera);
   [[nodiscard]] PictureView view(const PictureRays& seen_by, const Camera& camera) {
     return {
@@ -166,6 +175,29 @@ void PictureCaster::State::cast(const PictureRays& seen_by, const Camera& camera
       }
     }
   });
+  add_strokes(camera);
+}
+
+void PictureCaster::State::add_strokes(const Camera& camera) {
+  placed_strokes.clear();
+  for (const PlacedMesh& mesh : placed)
+    if (mesh.mesh->primitive != Primitive::triangles) placed_strokes.push_back(mesh);
+  if (placed_strokes.empty()) return;
+  make_instances(camera, placed_strokes, stroke_instances, no_masks);
+  for (RasterInstance& instance : stroke_instances) {
+    if (camera.keeps_farthest()) keep_farthest(instance);
+    instance.min_w = camera.projection == Projection::parallel ? 0 : float(camera.z_near);
+  }
+  strokes.begin(seen.width, seen.height, seen.samples);
+  strokes.draw(stroke_instances);
+  const SampleBuffer& from = strokes.seen();
+  parallel_for(0, seen.height, [&](int y) {
+    const std::size_t first = seen.row(y);
+    const std::size_t count = std::size_t(seen.width) * std::size_t(seen.samples);
+    for (std::size_t i = first; i < first + count; ++i)
+      if (from.depth[i] < seen.depth[i])
+        seen.depth[i] = from.depth[i], seen.triangle[i] = from.triangle[i];
+  });
 }
 
 void PictureCaster::State::cast_coarse(const PictureRays& seen_by, const Camera& camera) {
@@ -245,10 +277,13 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
     centers.depth = Image<float>(camera.width, camera.height, 1.0f);
     centers.triangle = Image<std::uint32_t>(camera.width, camera.height, ShownTexels::kNothing);
   }
+  const StrokeHits strokes(rays, camera, seen_by.objects);
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
-      const CameraRay ray = camera_ray(camera, {x + 0.5, y + 0.5});
-      const auto hit = rays.first_hit(seen_by, ray.origin, ray.direction, 0.0f, 1.0f);
+      const glm::dvec2 raster(x + 0.5, y + 0.5);
+      const CameraRay ray = camera_ray(camera, raster);
+      const auto hit =
+          strokes.nearer(raster, rays.first_hit(seen_by, ray.origin, ray.direction, 0.0f, 1.0f));
       if (!hit) continue;
       picture.depth(x, y) = float(ray.eye_z_start + double(hit->distance) * ray.eye_z_step);
       picture.object(x, y) = hit->object;
@@ -275,13 +310,15 @@ DepthImage cast_picture(const RayScene& rays, const Camera& camera, const CastOp
 }
 
 float farthest_eye_z(const RayScene& rays, const Camera& camera, const glm::dvec2& raster,
-                     std::span<const bool> objects) {
+                     const StrokeHits& strokes) {
   // The first one from the ray's other end.
   const glm::dvec3 end = world_from_raster(camera, raster, camera.z_far);
   const glm::dvec3 back = world_from_raster(camera, raster, camera.z_near) - end;
-  const auto hit = rays.first_hit(end, back, 0.0f, 1.0f, RaySides::both, objects);
-  if (!hit) return kNoDepth;
-  return float(camera.z_far + double(hit->distance) * (camera.z_near - camera.z_far));
+  const auto hit = rays.first_hit(end, back, 0.0f, 1.0f, RaySides::both, strokes.objects());
+  const float of_strokes = strokes.farthest_eye_z(raster);
+  if (!hit) return of_strokes;
+  const float eye_z = float(camera.z_far + double(hit->distance) * (camera.z_near - camera.z_far));
+  return of_strokes < kNoDepth ? std::max(eye_z, of_strokes) : eye_z;
 }
 
 HitShader::HitShader(const RayScene& scene, const Camera& camera)

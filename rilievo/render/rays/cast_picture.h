@@ -16,6 +16,8 @@
 
 namespace rilievo {
 
+class StrokeHits;
+
 // Options of cast_picture.
 struct CastOptions {
   std::span<const std::uint32_t> objects = {};  // indices into Scene::objects; empty: all
@@ -66,10 +68,10 @@ class PictureCaster {
   std::unique_ptr<State> state_;
 };
 
-// eye_z of the last surface of `objects` (a mask, empty: all) along the ray of a raster position,
-// back faces included; kNoDepth: none.
+// eye_z of the last surface along the ray of a raster position, back faces included; kNoDepth:
+// none. `strokes`: of this camera, and of the objects that count.
 [[nodiscard]] float farthest_eye_z(const RayScene& scene, const Camera& camera,
-                                   const glm::dvec2& raster, std::span<const bool> objects);
+                                   const glm::dvec2& raster, const StrokeHits& strokes);
 
 // Shades hits of single rays as cast_picture does. Any thread.
 class HitShader {

@@ -1,5 +1,7 @@
 #include "rilievo/render/rays/hit_surface.h"
 
+#include "rilievo/render/shading/stroke_points.h"
+
 namespace rilievo {
 namespace {
 
@@ -25,6 +27,24 @@ shading_model::SurfacePoint<float> surface_of_hit(const RayScene& rays, const Ra
   const SurfacePlacement placement =
       place_surface(mesh, rays.materials().of_mesh(part.mesh),
                     relative_to(eye, rays.poses()[hit.object - 1]) * part.model_from_mesh);
+  if (mesh.primitive != Primitive::triangles) {
+    const StrokePoint met = stroke_at(picture, ray, mesh, placement, hit.triangle);
+    const FacingCorners facing = facing_corners(picture, met.relative);
+    const auto mixed = [&](const auto& values) {
+      return glm::mix(values[met.vertex[0]], values[met.vertex[1]], met.share);
+    };
+    shading_model::Corners<float> corners;
+    for (int k = 0; k < 3; ++k) {
+      corners.position[k] = facing.at[k];
+      corners.normal[k] = placement.has_normals ? mixed(mesh.normals) : glm::vec3(0);
+      corners.color[k] = placement.has_colors ? glm::vec3(mixed(mesh.colors)) : glm::vec3(0);
+      for (int set = 0; set < 2; ++set) {
+        const glm::vec2 uv = mesh.uv[set].empty() ? glm::vec2(0) : mixed(mesh.uv[set]);
+        corners.uv[set][k] = {uv.x, uv.y};
+      }
+    }
+    return shading_model::surface_at<float>(picture, unplaced(placement), ray, corners);
+  }
   const std::uint32_t* corner = &mesh.indices[3 * std::size_t(hit.triangle)];
   shading_model::Corners<float> corners;
   for (int k = 0; k < 3; ++k) {

@@ -250,7 +250,7 @@ Result<EmbreeModel> RayScene::State::build(int of, const glm::dmat4& to_from_mod
     const Part& part = model.parts[std::size_t(p)];
     const Mesh& mesh = scene->meshes[std::size_t(part.mesh)];
     const SurfaceMaterial& material = materials.of_mesh(part.mesh);
-    if ((material.blended && included == RayParts::opaque) || mesh.indices.size() < 3) continue;
+    if ((material.blended && included == RayParts::opaque) || mesh.triangles() == 0) continue;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<glm::vec3*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,

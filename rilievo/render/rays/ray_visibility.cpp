@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/render/rays/stroke_hits.h"
 
 namespace rilievo {
 
@@ -16,6 +17,7 @@ Result<> RayVisibility::find_visible(const Camera& camera, int samples, const Pl
                                      std::span<const std::uint32_t>,
                                      [[maybe_unused]] std::span<const CrossFade> fading) {
   RILIEVO_EXPECTS(&placed.scene() == &rays_.scene() && fading.empty());
+  if (Result<> fits = strokes_fit(rays_.scene(), camera); !fits) return fits;
   if (Result<> done = rays_.set_time(placed.time()); !done) return done;
   caster_.cast(camera, samples);
   return Done{};

@@ -24,8 +24,8 @@ void place_meshes(const Scene& scene, const SurfaceMaterials& materials, const g
       const Mesh& mesh = scene.meshes[std::size_t(part.mesh)];
       placed.push_back({&mesh,
                         place_surface(mesh, material, relative_from_model * part.model_from_mesh),
-                        std::uint32_t(triangles), std::uint32_t(mesh.triangles()), object});
-      triangles += mesh.triangles();
+                        std::uint32_t(triangles), std::uint32_t(mesh.primitives()), object});
+      triangles += mesh.primitives();
     }
   }
   RILIEVO_EXPECTS(triangles < 0xFFFFFFFFu);

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "rilievo/render/shading/sample_buffer.h"
+#include "rilievo/render/shading/stroke_points.h"
 
 namespace rilievo {
 namespace {
@@ -59,6 +60,30 @@ void fill_triangle(const Mesh& mesh, const SurfacePlacement& surface, std::uint3
   }
 }
 
+// A point or line where ray `at` meets it, as a triangle around that place which faces the ray and
+// has the attributes of the place all over.
+void fill_stroke(const ShadedScene& scene, const PlacedMesh& placed, std::uint32_t index,
+                 std::size_t at, TriangleRays& rays) {
+  const Mesh& mesh = *placed.mesh;
+  const glm::vec3 ray(rays.ray[0][at], rays.ray[1][at], rays.ray[2][at]);
+  const StrokePoint met = stroke_at(scene.rays, ray, mesh, placed.surface, index);
+  const FacingCorners corners = facing_corners(scene.rays, met.relative);
+  const auto mixed = [&](const auto& values) {
+    return glm::mix(values[met.vertex[0]], values[met.vertex[1]], met.share);
+  };
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) rays.position[k][axis][at] = corners.at[k][axis];
+  const auto put = [&](auto& field, const auto& value, int axes) {
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < axes; ++axis) field[k][axis][at] = value[axis];
+  };
+  if (placed.surface.has_normals) put(rays.normal, mixed(mesh.normals), 3);
+  if (placed.surface.has_colors) put(rays.color, mixed(mesh.colors), 3);
+  for (int set = 0; set < 2; ++set)
+    if (placed.surface.material->uses_uv[set])
+      put(rays.uv[set], mesh.uv[set].empty() ? glm::vec2(0.0f) : mixed(mesh.uv[set]), 2);
+}
+
 }  // namespace
 
 std::size_t mesh_of_triangle(std::span<const PlacedMesh> meshes, std::uint32_t triangle) {
@@ -90,6 +115,12 @@ std::uint32_t SeenTriangles::gather(const ShadedScene& scene, const PlacedMesh& 
     const glm::vec3 ray = scene.rays.first + (float(pixels[i].x) + at.x) * scene.rays.per_x +
                           (float(pixels[i].y) + at.y) * scene.rays.per_y;
     for (int axis = 0; axis < 3; ++axis) rays_.ray[axis][i] = ray[axis];
+  }
+  if (placed.mesh->primitive != Primitive::triangles) {
+    for (std::size_t i = 0; i < count; ++i)
+      fill_stroke(scene, placed, pixels[i].triangle - placed.first_triangle, i, rays_);
+    append_surfaces(rays_, scene.rays, unplaced(placed.surface), surfaces_);
+    return next;
   }
   // A triangle that several pixels in a row show is read once for kFill of them.
   for (std::size_t from = 0, to; from < count; from = to) {

@@ -433,7 +433,7 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
   out.emissive = Vec3<T>(material.emissive);
   out.roughness = T(material.roughness), out.metallic = T(material.metallic);
   out.occlusion = T(1.0f);
-  out.lit = T(material.unlit ? 0.0f : 1.0f);
+  out.lit = T(placement.unlit ? 0.0f : 1.0f);
   if (material.textured) {
     Footprint<T> of_set[2];
     for (int set = 0; set < 2; ++set)
@@ -471,9 +471,9 @@ SurfacePoint<T> surface_at(const PictureRays& rays, const SurfacePlacement& plac
                         of_set[map.uv_set]);
     }
   }
-  if (material.code_from_mesh) {
+  if (placement.code_from_position) {
     // The linear light of the bytes that scene/position_colors.h defines.
-    const glm::mat4x3& code = *material.code_from_mesh;
+    const glm::mat4x3& code = *placement.code_from_position;
     const Vec3<T> p = mixed(w, in.position);
     const Vec3<T> at = p.x * Vec3<T>(code[0]) + p.y * Vec3<T>(code[1]) +
                        (p.z * Vec3<T>(code[2]) + Vec3<T>(code[3]));

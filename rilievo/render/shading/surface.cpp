@@ -34,6 +34,9 @@ SurfacePlacement place_surface(const Mesh& mesh, const SurfaceMaterial& material
   surface.has_normals = !mesh.normals.empty();
   surface.has_colors = !mesh.colors.empty();
   surface.material = &material;
+  surface.unlit =
+      material.unlit || (mesh.primitive != Primitive::triangles && mesh.normals.empty());
+  surface.code_from_position = material.code_from_mesh;
   return surface;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 
 #include "rilievo/core/camera.h"
@@ -38,7 +39,10 @@ struct SurfacePlacement {
   glm::mat4 relative_from_mesh{1.0f};
   glm::mat3 normal_from_mesh{1.0f};  // normals can get any length and either side
   bool has_normals = false, has_colors = false;
+  bool unlit = false;  // the material is, or points or lines have no normals
   const SurfaceMaterial* material = nullptr;
+  // Material::code_from_mesh, from the space that relative_from_mesh maps from.
+  std::optional<glm::mat4x3> code_from_position;
 };
 
 // The placement of a mesh.

@@ -76,34 +76,33 @@ std::string kind_of(Bytes file, const std::string& extension) {
   refuse("is of no kind that can be read (.gltf, .glb, .obj, .ply, .stl)");
 }
 
-LoadedScene read(Bytes file, const std::string& extension, bool deformations,
+LoadedScene read(Bytes file, const std::string& extension, const LoadOptions& options,
                  LoadContext& context) {
   const std::string kind = kind_of(file, extension);
   LoadedScene out;
-  if (deformations) context.deformations = &out.deformations;
+  if (options.deformations) context.deformations = &out.deformations;
   out.scene = kind == "gltf"  ? read_gltf(file, context)
               : kind == "obj" ? read_obj(file, context)
               : kind == "ply" ? read_ply(file, context)
                               : read_stl(file, context);
+  finish_points(out.scene, options.point_size, !options.deformations);
   finish(out.scene);
   if (const Result<> valid = validate(out.scene); !valid) refuse(valid.error().reason);
   make_solid_materials_opaque(out.scene);
-  if (count_triangles(out.scene) == 0)
-    refuse(context.skipped_points_or_lines ? "has points or lines only, no triangles to draw"
-                                           : "has no triangles to draw");
+  if (count_triangles(out.scene) == 0) refuse("has no triangles, lines or points to draw");
   const Box bounds = world_bounds(out.scene, context.time);
   if (!std::isfinite(bounds.radius())) refuse("is too large for single-precision coordinates");
-  if (bounds.radius() == 0.0f) refuse("has all its triangles in one point");
+  if (bounds.radius() == 0.0f) refuse("has all that it shows in one point");
   out.warnings = context.warnings.lines();
   return out;
 }
 
-Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path, bool deformations,
-                            LoadContext& context) {
+Result<LoadedScene> guarded(Bytes file, const std::filesystem::path& path,
+                            const LoadOptions& options, LoadContext& context) {
   const std::string where = path.string();
   try {
     context.budget.earn(file.size());
-    return read(file, lower_extension(path), deformations, context);
+    return read(file, lower_extension(path), options, context);
   } catch (const LoadError& fault) {
     return Error{where, fault.reason};
   } catch (const std::bad_alloc&) {
@@ -145,14 +144,14 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, const LoadOpti
   if (!file) return file.error();
   LoadContext context{path.stem().string(), path.parent_path(), options.time,
                       MemoryBudget(options.max_bytes), options.allow_outside};
-  return guarded(bytes_of(*file), path, options.deformations, context);
+  return guarded(bytes_of(*file), path, options, context);
 }
 
 Result<LoadedScene> load_scene(std::span<const std::uint8_t> bytes, const std::string& name,
                                const LoadOptions& options) {
   const std::filesystem::path path(name);
   LoadContext context{path.stem().string(), {}, options.time, MemoryBudget(options.max_bytes)};
-  return guarded(bytes, path, options.deformations, context);
+  return guarded(bytes, path, options, context);
 }
 
 }  // namespace rilievo

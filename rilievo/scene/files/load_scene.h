@@ -23,7 +23,8 @@
 // with
 //   a warning.
 //
-// In OBJ, PLY and STL, each named group is an Object; materials come from the .mtl file.
+// Points and lines are read from glTF, OBJ and PLY; a PLY file without faces and edges shows its
+// vertices. In OBJ, PLY and STL, each named group is an Object; materials come from the .mtl file.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +35,7 @@
 
 #include "rilievo/core/result.h"
 #include "rilievo/scene/bend.h"
+#include "rilievo/scene/point_size.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -45,6 +47,8 @@ struct LoadOptions {
   std::uint64_t max_bytes = std::uint64_t(4) << 30;
   // --allow-outside: permits files that lie neither in the scene's folder nor below it.
   bool allow_outside = false;
+  // --point-size: how large points are drawn.
+  PointSize point_size;
   // Keeps what bends meshes, so that scene/bend.h can pose them at other times.
   bool deformations = false;
 };

@@ -24,6 +24,14 @@ std::vector<std::uint32_t> triangles_of(const std::vector<std::uint32_t>& v, boo
   return out;
 }
 
+// Pairs of a strip of lines, which a loop closes.
+std::vector<std::uint32_t> lines_of(const std::vector<std::uint32_t>& v, bool closed) {
+  std::vector<std::uint32_t> out;
+  for (std::size_t i = 0; i + 1 < v.size(); ++i) out.insert(out.end(), {v[i], v[i + 1]});
+  if (closed && v.size() > 2) out.insert(out.end(), {v.back(), v.front()});
+  return out;
+}
+
 // The indices as the file has them, or 0 1 2 ... if it has none.
 std::vector<std::uint32_t> read_indices(AttributeSource& source, const JsonValue& primitive) {
   Document& document = source.document;
@@ -42,14 +50,12 @@ std::vector<std::uint32_t> read_indices(AttributeSource& source, const JsonValue
 
 }  // namespace
 
-std::vector<std::uint32_t> read_triangles(AttributeSource& source, const JsonValue& primitive) {
+std::vector<std::uint32_t> read_corners(AttributeSource& source, const JsonValue& primitive,
+                                        Primitive& kind) {
   LoadContext& context = *source.document.context;
   const std::uint64_t mode = primitive["mode"].whole(list);
   if (mode > fan) primitive["mode"].fail("is not a kind of primitive");
-  if (mode < list) {
-    context.skip_points_or_lines();
-    return {};
-  }
+  kind = mode == points ? Primitive::points : mode < list ? Primitive::lines : Primitive::triangles;
   if (source.packed) return std::move(source.packed->indices);
 
   std::vector<std::uint32_t> indices = read_indices(source, primitive);
@@ -57,11 +63,17 @@ std::vector<std::uint32_t> read_triangles(AttributeSource& source, const JsonVal
     if (i >= source.vertices)
       primitive["indices"].fail("refer to vertex " + std::to_string(i) +
                                 but_there_are(source.vertices));
-  if (mode == list) {
-    if (indices.size() % 3 != 0)
-      context.warn(primitive.path() + " has corners left over that make no whole triangle");
-    indices.resize(indices.size() / 3 * 3);
+  if (mode == list || mode == lines || mode == points) {
+    const std::uint32_t corners = corners_of(kind);
+    if (indices.size() % corners != 0)
+      context.warn(primitive.path() + " has corners left over that make no whole " +
+                   (mode == list ? "triangle" : "line"));
+    indices.resize(indices.size() / corners * corners);
     return indices;
+  }
+  if (kind == Primitive::lines) {
+    context.budget.take(indices.size(), 2 * sizeof(std::uint32_t));
+    return lines_of(indices, mode == line_loop);
   }
   context.budget.take(indices.size(), 3 * sizeof(std::uint32_t));
   return triangles_of(indices, mode == strip);

@@ -1,4 +1,4 @@
-// A primitive's vertex attributes, for the vertices that its triangles use. Internal.
+// A primitive's vertex attributes, for the vertices that it uses. Internal.
 //
 // Exporters let many primitives share one large accessor: only what is used is read, so that the
 // cost follows the triangles and not the accessors.
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rilievo/scene/gltf/draco.h"
+#include "rilievo/scene/scene.h"
 
 namespace rilievo::gltf {
 
@@ -32,9 +33,9 @@ struct Attribute {
 [[nodiscard]] Attribute read_attribute(const AttributeSource& source, const char* name,
                                        std::span<const int> allowed);
 
-// The triangles' corners, a multiple of three of them; points and lines: none.
-[[nodiscard]] std::vector<std::uint32_t> read_triangles(AttributeSource& source,
-                                                        const JsonValue& primitive);
+// The corners of whole triangles, lines or points, and which of these they are.
+[[nodiscard]] std::vector<std::uint32_t> read_corners(AttributeSource& source,
+                                                      const JsonValue& primitive, Primitive& kind);
 
 // Sets source.used to what `indices` refer to, and lets them refer to its elements.
 void use_only(AttributeSource& source, std::vector<std::uint32_t>& indices);

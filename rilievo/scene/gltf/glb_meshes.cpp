@@ -23,7 +23,7 @@ Mesh moved(const Mesh& mesh, const glm::mat4& to_from_mesh) {
   for (glm::vec3& n : out.normals) n = unit(normals * n, n);
   for (glm::vec4& t : out.tangents)
     t = glm::vec4(unit(linear * glm::vec3(t), glm::vec3(t)), sign * t.w);
-  if (sign < 0)
+  if (sign < 0 && out.primitive == Primitive::triangles)
     for (std::size_t i = 0; i + 2 < out.indices.size(); i += 3)
       std::swap(out.indices[i + 1], out.indices[i + 2]);
   return out;
@@ -52,9 +52,12 @@ GlbJson primitive_of(GlbWriter& writer, const Mesh& mesh, bool kept, int default
   add("TEXCOORD_0", mesh.uv[0].empty() ? mesh.uv[1] : mesh.uv[0]);
   add("TEXCOORD_1", mesh.uv[1]);
   add("COLOR_0", mesh.colors);
-  return {{"attributes", attributes},
-          {"indices", writer.add_indices(mesh.indices, mesh.positions.size())},
-          {"material", mesh.material < 0 ? default_material : mesh.material}};
+  GlbJson out = {{"attributes", attributes},
+                 {"indices", writer.add_indices(mesh.indices, mesh.positions.size())},
+                 {"material", mesh.material < 0 ? default_material : mesh.material}};
+  if (mesh.primitive != Primitive::triangles)
+    out["mode"] = mesh.primitive == Primitive::points ? 0 : 1;
+  return out;
 }
 
 }  // namespace

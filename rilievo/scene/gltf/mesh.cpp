@@ -62,10 +62,12 @@ std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitiv
         describe_accessor(document, position.required_index(document.count("accessors"))).count;
   }
 
-  std::vector<std::uint32_t> indices = read_triangles(source, primitive);
+  Primitive kind = Primitive::triangles;
+  std::vector<std::uint32_t> indices = read_corners(source, primitive, kind);
   if (indices.empty()) return {};
   use_only(source, indices);
   Mesh mesh = read_attributes(source, std::move(indices));
+  mesh.primitive = kind;
   mesh.material = primitive["material"].index(document.count("materials"));
   if (kept) keep_deformation(source, primitive["targets"], pose, mesh, *kept);
   morph(source, primitive["targets"], pose.weights, mesh);
@@ -79,7 +81,7 @@ std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitiv
     context.warn(primitive.path() + " has attributes that are not finite; they are replaced");
 
   // Section 3.7.2.1: without normals, flat ones are to be used (and tangents ignored).
-  if (mesh.normals.empty()) {
+  if (mesh.normals.empty() && kind == Primitive::triangles) {
     const std::uint64_t each = sizeof(glm::vec3) * 2 + (mesh.uv[0].empty() ? 0 : 8) +
                                (mesh.uv[1].empty() ? 0 : 8) + (mesh.colors.empty() ? 0 : 16);
     context.budget.take(mesh.indices.size(), each);
@@ -88,7 +90,7 @@ std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitiv
       kept->corners = mesh.indices;
     }
     make_flat(mesh);
-  } else {
+  } else if (!mesh.normals.empty()) {
     repair_normals(mesh);
   }
   return mesh;

@@ -1,4 +1,5 @@
-// Triangles of one glTF primitive, morphed and skinned. Internal; throws LoadError.
+// Triangles, lines or points of one glTF primitive, morphed and skinned. Internal; throws
+// LoadError.
 #pragma once
 
 #include <optional>
@@ -16,8 +17,8 @@ struct Pose {
   std::vector<glm::dmat4> model_from_joint;  // skinned: inverse bind matrix included; else empty
 };
 
-// The primitive as a mesh with normals, posed; its material is still glTF's index. Nothing if it
-// has no triangles (points and lines are left out with a warning). `kept`: null, or to where the
+// The primitive as a mesh, posed, with normals if it has triangles; its material is still glTF's
+// index. Nothing if it shows nothing. `kept`: null, or to where the
 // vertices, morph targets and influences that bend it go.
 [[nodiscard]] std::optional<Mesh> read_primitive(Document& document, const JsonValue& primitive,
                                                  const Pose& pose, Deformation* kept = nullptr);

@@ -1,4 +1,4 @@
-// Wavefront OBJ: polygons, groups and materials; points, lines and free-form surfaces are left out.
+// Wavefront OBJ: polygons, points, lines, groups and materials; free-form surfaces are left out.
 //
 // Every name after `o` or `g` is an Object; a vertex may have a colour behind its position, as
 // sculpting programs write it: from 0 to 1, or in bytes. A face may refer to what follows it.
@@ -36,9 +36,11 @@ class Reader {
     for (std::optional<std::string_view> line = next(text, joined); line; line = next(text, joined))
       read_statement(*line);
     add_late_faces();
+    check_strokes();
     finish_colors();
     if (!any_statement_) refuse("is not an OBJ file: it has no statement of one");
-    if (soup_.triangles.empty() && !soup_.positions.empty()) context_.skip_points_or_lines();
+    if (soup_.triangles.empty() && soup_.lines.corners.empty() && soup_.points.corners.empty())
+      show_vertices();
     for (SoupPart& part : parts_)
       part.material = library_.use(material_names_[part.material], !soup_.colors.empty());
     return scene_of(std::move(soup_), parts_, library_.take(), context_);
@@ -116,7 +118,7 @@ class Reader {
     } else if (word == "mtllib") {
       library_.read(std::string(trimmed(rest)));
     } else if (word == "p" || word == "l") {
-      context_.skip_points_or_lines();
+      read_strokes(rest, word == "p");
     } else if (word == "curv" || word == "surf" || word == "curv2") {
       context_.warn("free-form curves and surfaces are left out");
     } else {
@@ -200,7 +202,39 @@ class Reader {
     fail("refers to " + std::string(what) + " " + std::to_string(number) + but_there_are(count));
   }
 
+  // Points, or a line from each to the next.
+  void read_strokes(std::string_view rest, bool points) {
+    read_corners(rest);
+    if (part_ < 0) part_ = find_part();
+    const std::uint32_t part = std::uint32_t(part_);
+    context_.budget.take(polygon_.size(), 8 * sizeof(Corner));
+    for (std::size_t i = 0; i < polygon_.size(); ++i) {
+      if (late_stroke_ == 0 && !is_read(polygon_[i])) late_stroke_ = line_;
+      if (points) soup_.points.corners.push_back(polygon_[i]), soup_.points.parts.push_back(part);
+      if (points || i == 0) continue;
+      soup_.lines.corners.insert(soup_.lines.corners.end(), {polygon_[i - 1], polygon_[i]});
+      soup_.lines.parts.push_back(part);
+    }
+  }
+
   void read_face(std::string_view rest) {
+    read_corners(rest);
+    if (polygon_.size() < 3) {
+      context_.warn("faces with fewer than three corners are left out");
+      return;
+    }
+    if (part_ < 0) part_ = find_part();
+    if (std::all_of(polygon_.begin(), polygon_.end(),
+                    [&](const Corner& c) { return is_read(c); })) {
+      add_face(polygon_, std::uint32_t(part_), smoothing_group());
+    } else {
+      context_.budget.take(2 * sizeof(LateFace) + polygon_.size() * sizeof(Corner));
+      late_faces_.push_back({line_, std::uint32_t(part_), smoothing_group(), polygon_});
+    }
+  }
+
+  // The corners of a face, or of points or lines, which may follow it.
+  void read_corners(std::string_view rest) {
     polygon_.clear();
     for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
       if (word[0] == '#') break;
@@ -217,15 +251,6 @@ class Reader {
       context_.budget.borrow(polygon_.size(), 8 * sizeof(Corner));
       polygon_.push_back(corner);
     }
-    if (polygon_.size() < 3) return context_.skip_points_or_lines();
-    if (part_ < 0) part_ = find_part();
-    if (std::all_of(polygon_.begin(), polygon_.end(),
-                    [&](const Corner& c) { return is_read(c); })) {
-      add_face(polygon_, std::uint32_t(part_), smoothing_group());
-    } else {
-      context_.budget.take(2 * sizeof(LateFace) + polygon_.size() * sizeof(Corner));
-      late_faces_.push_back({line_, std::uint32_t(part_), smoothing_group(), polygon_});
-    }
   }
 
   static bool is_below(std::uint32_t index, std::size_t count) {
@@ -241,16 +266,35 @@ class Reader {
   void add_late_faces() {
     for (const LateFace& face : late_faces_) {
       line_ = face.line;
-      const auto check = [&](const char* what, std::uint32_t index, std::size_t count) {
-        if (!is_below(index, count)) fail_reference(what, std::int64_t(index) + 1, count);
-      };
-      for (const Corner& c : face.corners) {
-        check("vertex", c.position, soup_.positions.size());
-        check("texture coordinate", c.uv, soup_.uv.size());
-        check("normal", c.normal, soup_.normals.size());
-      }
+      for (const Corner& c : face.corners) check(c);
       add_face(face.corners, face.part, face.smoothing);
     }
+  }
+
+  void check(const Corner& c) const {
+    const auto refers = [&](const char* what, std::uint32_t index, std::size_t count) {
+      if (!is_below(index, count)) fail_reference(what, std::int64_t(index) + 1, count);
+    };
+    refers("vertex", c.position, soup_.positions.size());
+    refers("texture coordinate", c.uv, soup_.uv.size());
+    refers("normal", c.normal, soup_.normals.size());
+  }
+
+  // Points and lines may refer to what follows them, too.
+  void check_strokes() {
+    line_ = late_stroke_;
+    for (const Strokes* strokes : {&soup_.points, &soup_.lines})
+      for (const Corner& c : strokes->corners) check(c);
+  }
+
+  // A file of nothing but vertices is a cloud of points.
+  void show_vertices() {
+    object_.clear(), material_.clear();
+    parts_.clear(), part_index_.clear();
+    (void)find_part();
+    soup_.all_points = true;
+    if (soup_.normals.size() != soup_.positions.size()) soup_.normals.clear();
+    if (soup_.uv.size() != soup_.positions.size()) soup_.uv.clear();
   }
 
   // The part of the current object with the current material.
@@ -282,6 +326,7 @@ class Reader {
   std::map<std::string, int> material_index_;
   std::map<std::pair<std::string, int>, int> part_index_;
   std::size_t line_ = 0;
+  std::size_t late_stroke_ = 0;  // the first line whose points or lines refer to what follows them
   bool any_statement_ = false;
 };
 

@@ -1,5 +1,6 @@
-// PLY, text or binary of either byte order: polygons, and Stanford's triangle strips, with normals,
-// texture coordinates and colours at their vertices; faces may have coordinates and a picture for
+// PLY, text or binary of either byte order: polygons, Stanford's triangle strips, and edges, with
+// normals, texture coordinates and colours at their vertices; the vertices alone, if there is
+// nothing else. Faces may have coordinates and a picture for
 // their corners (texcoord, texnumber) and a colour, which counts where vertices have none, or all
 // the same. Elements come in any order. Unknown elements and properties are passed over.
 #include <algorithm>
@@ -239,9 +240,9 @@ bool lists_vertices(const Property& p) {
   return p.length && (p.name == "vertex_indices" || p.name == "vertex_index");
 }
 
-Corner corner_of(double vertex, const PolygonSoup& soup) {
+Corner corner_of(double vertex, const PolygonSoup& soup, const char* of = "a face") {
   if (!(vertex >= 0 && vertex < double(soup.positions.size()) && vertex == std::floor(vertex)))
-    refuse("has a face that refers to a vertex that does not exist");
+    refuse(std::string("has ") + of + " that refers to a vertex that does not exist");
   const std::uint32_t at = std::uint32_t(vertex);
   return {at, soup.uv.empty() ? Corner::kNone : at, soup.normals.empty() ? Corner::kNone : at};
 }
@@ -390,6 +391,22 @@ void read_strips(const Element& element, Values& values, PolygonSoup& soup, std:
     }
 }
 
+// Lines between two vertices each.
+void read_edges(const Element& element, Values& values, PolygonSoup& soup, MemoryBudget& budget) {
+  budget.take(element.count, 4 * sizeof(Corner) + 2 * sizeof(std::uint32_t));
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    double ends[2] = {-1, -1};
+    for (const Property& p : element.properties)
+      for (std::uint64_t left = length_of(p, values); left > 0; --left) {
+        const double number = values.next(p.type);
+        if (p.name == "vertex1") ends[0] = number;
+        if (p.name == "vertex2") ends[1] = number;
+      }
+    for (const double end : ends) soup.lines.corners.push_back(corner_of(end, soup, "an edge"));
+    soup.lines.parts.push_back(0);
+  }
+}
+
 void pass_over(const Element& element, Values& values) {
   for (std::uint64_t i = 0; i < element.count; ++i)
     for (const Property& p : element.properties)
@@ -422,6 +439,8 @@ Scene read_ply(Bytes file, LoadContext& context) {
   const auto read_element = [&](const Element& element, Values& values) {
     if (element.name == "face") {
       faces.read(element, values);
+    } else if (element.name == "edge") {
+      read_edges(element, values, soup, context.budget);
     } else if (element.name == "tristrips") {
       read_strips(element, values, soup, faces.part_of(0), context.budget);
     } else {
@@ -436,7 +455,7 @@ Scene read_ply(Bytes file, LoadContext& context) {
     read_element(*element, again);
   for (auto element = vertices + 1; element != elements.end(); ++element)
     read_element(*element, values);
-  if (soup.triangles.empty()) context.skip_points_or_lines();
+  soup.all_points = soup.triangles.empty() && soup.lines.corners.empty();
   if (!textures.empty() && soup.uv.empty() && !soup.triangles.empty())
     context.warn("has a picture for its faces, but no texture coordinates");
   const std::vector<SoupPart> parts = faces.parts();

@@ -20,7 +20,13 @@ struct Corner {
   friend bool operator==(const Corner&, const Corner&) = default;
 };
 
-// Triangles of a whole file, with their attributes.
+// Points, or the ends of lines, of a whole file.
+struct Strokes {
+  std::vector<Corner> corners;       // one each, or two
+  std::vector<std::uint32_t> parts;  // of each primitive
+};
+
+// Triangles, lines and points of a whole file, with their attributes.
 struct PolygonSoup {
   std::vector<glm::vec3> positions;  // finite where a corner refers to them
   std::vector<glm::vec4> colors;     // linear; empty, or one for each position, then any others
@@ -34,6 +40,10 @@ struct PolygonSoup {
   // kFlat, kCreased, or a smoothing group of its own number.
   static constexpr std::uint32_t kFlat = 0, kCreased = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> smoothing;
+
+  Strokes lines, points;
+  // All vertices are points of part 0, and there is nothing else.
+  bool all_points = false;
 
   // The corners that add_polygon may still look at to cut polygons that are not convex. It looks at
   // 200 million in about a second, and a simple polygon of 20 000 corners needs less than half of
@@ -57,6 +67,11 @@ void add_polygon(PolygonSoup& soup, std::span<const Corner> polygon, std::uint32
 // creased ones whose planes lie within 45 degrees of its own. Positions that are not finite become
 // 0: no corner refers to them.
 void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget);
+
+// One mesh for each part, in order, of its lines or points; each corner is a vertex of its own. A
+// part has normals if all its corners have. Empties the soup if all of it is points.
+[[nodiscard]] std::vector<Mesh> stroke_meshes(PolygonSoup& soup, Primitive primitive,
+                                              std::size_t parts, MemoryBudget& budget);
 
 // One mesh for each part, in order; equal corners share a vertex. Requires that each corner has a
 // normal.

@@ -26,33 +26,37 @@ Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene
     context.warn("polygons that cross themselves, or have too many corners, are drawn as fans");
   add_missing_normals(soup, context.budget);
   std::vector<Mesh> meshes = weld(soup, parts.size(), context.budget);
+  for (const Primitive primitive : {Primitive::lines, Primitive::points})
+    for (Mesh& mesh : stroke_meshes(soup, primitive, parts.size(), context.budget))
+      meshes.push_back(std::move(mesh));
   int plain = -1;
   std::map<std::string, int> models;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (meshes[i].indices.empty()) continue;
-    if (!parts[i].colored) meshes[i].colors.clear();
-    repair_normals(meshes[i]);
-    if (repair_attributes(meshes[i]) > 0)
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const std::size_t part = k % parts.size();
+    if (meshes[k].indices.empty()) continue;
+    if (!parts[part].colored) meshes[k].colors.clear();
+    if (!meshes[k].normals.empty()) repair_normals(meshes[k]);
+    if (repair_attributes(meshes[k]) > 0)
       context.warn("attributes that are not finite are replaced");
-    const auto [model, fresh] = models.try_emplace(parts[i].object, int(scene.models.size()));
+    const auto [model, fresh] = models.try_emplace(parts[part].object, int(scene.models.size()));
     if (fresh) {
-      context.budget.take(2 * (sizeof(Model) + sizeof(Object)) + 2 * parts[i].object.size());
+      context.budget.take(2 * (sizeof(Model) + sizeof(Object)) + 2 * parts[part].object.size());
       Object object;
-      object.name = parts[i].object;
+      object.name = parts[part].object;
       object.model = model->second;
-      scene.models.emplace_back().name = parts[i].object;
+      scene.models.emplace_back().name = parts[part].object;
       scene.objects.push_back(std::move(object));
     }
     context.budget.take(2 * (sizeof(Part) + sizeof(Mesh)));
     scene.models[model->second].parts.push_back({int(scene.meshes.size())});
-    meshes[i].name = parts[i].object;
-    meshes[i].material = parts[i].material;
-    if (parts[i].material < 0 && plain < 0) {
+    meshes[k].name = parts[part].object;
+    meshes[k].material = parts[part].material;
+    if (parts[part].material < 0 && plain < 0) {
       plain = int(scene.materials.size());
       scene.materials.push_back(plain_material(!soup.colors.empty()));
     }
-    if (parts[i].material < 0) meshes[i].material = plain;
-    scene.meshes.push_back(std::move(meshes[i]));
+    if (parts[part].material < 0) meshes[k].material = plain;
+    scene.meshes.push_back(std::move(meshes[k]));
   }
   return scene;
 }

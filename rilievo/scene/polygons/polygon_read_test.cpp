@@ -344,7 +344,7 @@ TEST(Ply, elements_without_properties_take_no_time) {
     elements += i % 2 ? "element face 400000\n" : "element some 400000\n";
   EXPECT_EQ(
       reason_of_polygons(ply_of(std::string(kSixVertices) + elements, kSixPositions), "a.ply"),
-      "has points or lines only, no triangles to draw");
+      "ok");  // six points
 }
 
 TEST(Ply, a_list_of_impossible_length_is_refused) {
