@@ -45,6 +45,14 @@ TEST(PointsAndLines, a_ply_file_without_faces_shows_its_vertices_as_points) {
   EXPECT_EQ(count_triangles(loaded->scene), 4u);
 }
 
+TEST(PointsAndLines, what_a_scanner_did_not_measure_is_no_point) {
+  std::string text = ply("", "");
+  text.replace(text.find("1 1 0 255"), 9, "nan nan 0 255");
+  const auto loaded = load_text(text, "cloud.ply");
+  ASSERT_TRUE(loaded.ok()) << loaded.error().message();
+  EXPECT_EQ(loaded->scene.meshes[0].primitives(), 3u);
+}
+
 TEST(PointsAndLines, edges_of_a_ply_file_are_lines_and_its_vertices_are_then_no_points) {
   const auto loaded = load_text(
       ply("element edge 2\nproperty int vertex1\nproperty int vertex2\n", "0 3\n1 2\n"), "a.ply");

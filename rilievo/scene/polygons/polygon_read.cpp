@@ -1,5 +1,7 @@
 #include "rilievo/scene/polygons/polygon_read.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "rilievo/scene/mesh_tools.h"
@@ -24,11 +26,13 @@ Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene
   scene.name = context.name;
   if (soup.cut_short)
     context.warn("polygons that cross themselves, or have too many corners, are drawn as fans");
-  add_missing_normals(soup, context.budget);
-  std::vector<Mesh> meshes = weld(soup, parts.size(), context.budget);
+  std::vector<Mesh> strokes;  // first: what makes normals takes positions that are not finite away
   for (const Primitive primitive : {Primitive::lines, Primitive::points})
     for (Mesh& mesh : stroke_meshes(soup, primitive, parts.size(), context.budget))
-      meshes.push_back(std::move(mesh));
+      strokes.push_back(std::move(mesh));
+  add_missing_normals(soup, context.budget);
+  std::vector<Mesh> meshes = weld(soup, parts.size(), context.budget);
+  std::move(strokes.begin(), strokes.end(), std::back_inserter(meshes));
   int plain = -1;
   std::map<std::string, int> models;
   for (std::size_t k = 0; k < meshes.size(); ++k) {
