@@ -214,8 +214,8 @@ test("keys, the mouse and fingers move the eye", async () => {
   const turned = (a, b) => Math.hypot(a[8] - b[8], a[9] - b[9], a[10] - b[10]);
   const start = await pose();
   await page.keyboard.down("KeyW");
-  await page.waitForFunction((z) => Math.abs(window.viewer.controls.eye[2] - z) > 0.05 ||
-    Math.abs(window.viewer.controls.eye[0]) > 0.05, { timeout: 10000 }, start[14]);
+  await page.waitForFunction((m) => Math.hypot(...[0, 1, 2].map(
+    (k) => window.viewer.controls.eye[k] - m[12 + k])) > 0.05, { timeout: 10000 }, start);
   await page.keyboard.up("KeyW");
   const walked = await pose();
   assert.ok(distance(start, walked) > 0.04);
