@@ -15,7 +15,7 @@
 namespace rilievo {
 
 // Texels from a silhouette at which a texel has its full weight. Steps go along rows and columns.
-inline constexpr int kFeather = 8;
+inline constexpr int kFeather = 4;
 
 // Of each texel of each face: 255 for what is seen head on, far from all silhouettes.
 [[nodiscard]] std::array<Image<std::uint8_t>, 6> texel_weights(const CubeGrid& grid);

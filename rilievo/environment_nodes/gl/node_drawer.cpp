@@ -249,8 +249,9 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   float nearness[kMaxNodes] = {};
   glm::mat4 node_from_eye[kMaxNodes];
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nearness[i] =
-        float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum));
+    // Squared: the nearer node's texels are smaller in both directions.
+    const double share = 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum;
+    nearness[i] = float(std::max(1e-9, share * share));
     begin_layer(i);
     draw_node(frame, *nodes[i], &layer_, nullptr, 0, sides_of(i == 0));
     node_from_eye[i] =

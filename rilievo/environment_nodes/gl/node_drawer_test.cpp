@@ -323,13 +323,13 @@ TEST_F(NodeDrawing, merges_take_the_best_or_the_mean_as_they_are_named) {
     else
       EXPECT_NEAR(between.x + between.y, 255, 2);
   }
-  // Positional: the weights of distances 1/2 and 3/2 are 3 : 1; qualities of a wall seen from
+  // Positional: the weights of distances 1/2 and 3/2 are 9 : 1; qualities of a wall seen from
   // (-1, 0) and (1, 0) at x = -1/2 are cosines of atan(1/4) and atan(3/4), of its few triangles
   // only roughly.
   const glm::ivec2 mean = pixel(-0.5, NodeMerge::positional),
                    even = pixel(0, NodeMerge::positional);
-  EXPECT_GT(mean.x, 0.7 * 255);
-  EXPECT_LT(mean.x, 0.88 * 255);
+  EXPECT_GT(mean.x, 0.86 * 255);
+  EXPECT_LT(mean.x, 0.96 * 255);
   EXPECT_NEAR(even.x, even.y, 25);
 }
 

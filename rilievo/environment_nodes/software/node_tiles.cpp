@@ -80,8 +80,9 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     sum += 1 / std::max(1e-9, glm::distance(eye, node.eye()));
   }
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    placed.nearness[i] =
-        float(std::max(1e-6, 1 / std::max(1e-9, glm::distance(eye, s.drawn[i].node->eye())) / sum));
+    // Squared: the nearer node's texels are smaller in both directions.
+    const double share = 1 / std::max(1e-9, glm::distance(eye, s.drawn[i].node->eye())) / sum;
+    placed.nearness[i] = float(std::max(1e-9, share * share));
     placed.node_from_eye[i] =
         glm::mat4(glm::inverse(s.drawn[i].node->mesh.world_from_node) * frame.world_from_eye);
   }

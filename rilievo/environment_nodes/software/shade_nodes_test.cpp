@@ -220,7 +220,7 @@ class SlowNodes {
       const SlowTexel texel = shade(i, s, center);
       double weight = 1;
       if (!skins) weight = shares[i] * (std::floor(texel.weight * 253 / 255 + 0.5) + 0.25);
-      if (options_.merge == NodeMerge::positional) weight *= nearness_[i];
+      if (options_.merge == NodeMerge::positional) weight *= nearness_[i] * nearness_[i];
       const glm::dvec3 color = glm::floor(texel.color + 0.5);
       const bool best = weight > most;
       if (best) most = weight, out.inverse_z = s.inverse_z;
