@@ -61,19 +61,24 @@ TEST(TexelWeights, rise_from_nothing_at_silhouettes_over_the_edges_of_faces_too)
         if (steps <= kFeather) {
           // From beyond the edge a silhouette may be nearer still.
           EXPECT_LE(weight, std::lround(255.0 * (steps - 1) / kFeather));
-          if (std::min(x, n - 1 - x) > kFeather)
+          if (std::min(x, n - 1 - x) > kFeather) {
             EXPECT_EQ(weight, std::lround(255.0 * (steps - 1) / kFeather));
+          }
         }
         zero += weight == 0, full += weight == 255;
         const int aside = std::min({x, y, n - 1 - x, n - 1 - y});
-        if (steps > kFeather && aside > kFeather) EXPECT_EQ(weight, 255);
+        if (steps > kFeather && aside > kFeather) {
+          EXPECT_EQ(weight, 255);
+        }
         // The sky beside the ball, seen on the next face.
         const glm::dvec3 to =
             world_from_raster(map.faces[std::size_t(f)].camera, {x + 0.5, y + 0.5}, 1.0);
         const double angle =
             std::acos(glm::dot(glm::normalize(to), glm::normalize(glm::dvec3(2, 0.1, -2))));
         const double rim = std::asin(0.8 / glm::length(glm::dvec3(2, 0.1, -2)));
-        if (angle < rim + 1.0 / n) EXPECT_LE(weight, 255 * 3 / kFeather);
+        if (angle < rim + 1.0 / n) {
+          EXPECT_LE(weight, 255 * 3 / kFeather);
+        }
       }
   EXPECT_GT(zero, 50);
   EXPECT_GT(full, 5 * n * n - 2000);
