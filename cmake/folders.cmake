@@ -42,16 +42,20 @@ function(rilievo_library name with_gl)
     rilievo_sources(found ${folder} ${with_gl})
     list(FILTER found EXCLUDE REGEX "_test\\.cpp$")
     list(APPEND sources ${found})
+    # A new file changes the batches of its own folder alone. Highway compiles some files once for
+    # each instruction set: each of them must be the file that is compiled.
+    set(batched 0)
+    foreach(source ${found})
+      file(STRINGS ${source} several REGEX "foreach_target" LIMIT_COUNT 1)
+      if(NOT several)
+        math(EXPR batch "${batched} / ${CMAKE_UNITY_BUILD_BATCH_SIZE}")
+        math(EXPR batched "${batched} + 1")
+        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${batch})
+      endif()
+    endforeach()
   endforeach()
   add_library(${target} STATIC ${sources})
-  # Highway compiles these once for each instruction set: each must be the file that is compiled.
-  # The named ones are new: alone, they leave the others' batches, and what ccache has, as they are.
-  foreach(source ${sources})
-    file(STRINGS ${source} several REGEX "foreach_target" LIMIT_COUNT 1)
-    if(several OR source MATCHES "texel_rule|texel_shader|unmix_edges|sample_target")
-      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-    endif()
-  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   add_library(rilievo::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>

@@ -25,6 +25,7 @@
 #include "rilievo/capture/deep_image_source.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/opengl_frames.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/io/deep_exr.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/method/direct.h"

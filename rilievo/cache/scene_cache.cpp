@@ -44,7 +44,7 @@ Result<std::unique_ptr<SceneCache>> SceneCache::create(Backend& backend,
     if (Result<> known =
             expect_costs(*options.machine, backend.drawn_by(), (*store)->rasterizer() != nullptr);
         !known)
-      return Error{"--machine", known.error().reason};
+      return known.error();
   return std::make_unique<SceneCache>(of.placed(), std::move(*store), options, std::move(levels),
                                       &backend.scene());
 }

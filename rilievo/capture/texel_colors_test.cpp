@@ -141,7 +141,9 @@ TEST(TexelColors, of_thin_wires_are_never_black_and_leave_no_gap) {
         }
         ASSERT_GE(count, 1) << "round " << round << ", column " << x;
         ASSERT_LE(count, 2);
-        if (last >= 0) ASSERT_LE(std::abs(here - last), 2);
+        if (last >= 0) {
+          ASSERT_LE(std::abs(here - last), 2);
+        }
         last = here;
       }
     }

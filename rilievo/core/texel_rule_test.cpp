@@ -162,7 +162,9 @@ TEST(TexelRule, a_cable_of_half_a_texel_is_a_chain_without_a_gap) {
           if (found < 0 || std::abs(k + 0.5 - middle) < std::abs(found + 0.5 - middle)) found = k;
         }
       EXPECT_GE(found, 0) << "a gap at " << i << " of round " << round << ", turned by " << turn;
-      if (last >= 0 && found >= 0) EXPECT_LE(std::abs(found - last), 1) << round << ' ' << i;
+      if (last >= 0 && found >= 0) {
+        EXPECT_LE(std::abs(found - last), 1) << round << ' ' << i;
+      }
       last = found;
     }
     // Not much thicker than a texel.

@@ -89,9 +89,10 @@ TEST(ExrCorpus, foreign_files_are_refused_for_the_right_reason) {
   };
   EXPECT_EQ(reason("rgbd/seurat_capture/depth_image_with_transparency.exr"),
             "has no camera (worldToCamera and worldToNDC)");
-  EXPECT_EQ(reason("rgbd/seurat_capture/color.exr"), "has no channel Z");
-  EXPECT_EQ(reason("rgbd/beachball_stereo/multipart.0001.exr"), "part 0: has no channel Z");
-  EXPECT_EQ(reason("exr/DisplayWindow/t08.exr"), "has no channel Z");
+  EXPECT_EQ(reason("rgbd/seurat_capture/color.exr"), "has no channel Z; it has A, B, G, R");
+  EXPECT_EQ(reason("rgbd/beachball_stereo/multipart.0001.exr"),
+            "part 0: has no channel Z; it has A, B, G, R");
+  EXPECT_EQ(reason("exr/DisplayWindow/t08.exr"), "has no channel Z; it has B, G, R");
   EXPECT_EQ(reason("deep/openexr-id/objectid.deep.exr"),
             "is a deep image, not a flat picture with depth");
 }

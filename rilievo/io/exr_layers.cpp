@@ -1,6 +1,7 @@
 #include "rilievo/io/exr_layers.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "rilievo/io/text_scan.h"
@@ -35,11 +36,14 @@ std::optional<std::string> depth_prefix(const std::string& name) {
   return {};
 }
 
+// In one line, whatever bytes a damaged file has for names.
 std::string list_of(const std::vector<std::string>& names) {
   constexpr std::size_t kMaxCount = 20, kMaxLength = 60;
   std::string list;
   for (std::size_t i = 0; i < std::min(names.size(), kMaxCount); ++i)
     list += (i ? ", " : "") + names[i].substr(0, kMaxLength);
+  for (char& c : list)
+    if (std::uint8_t(c) < 0x20 || c == 0x7f) c = '?';
   if (names.size() > kMaxCount)
     list += " and " + std::to_string(names.size() - kMaxCount) + " more";
   return list;

@@ -60,6 +60,7 @@ TEST(ExrLayers, the_picture_is_found) {
             "ViewLayer.Combined.R, ViewLayer.Normal.Z");
   EXPECT_EQ(found({"Y", "Z"}), "has no channel R; it has Y, Z");
   EXPECT_EQ(found({}), "has no channel R; it has none");
+  EXPECT_EQ(found({"a\nb"}), "has no channel R; it has a?b");
   Names many;
   for (int i = 0; i < 30; ++i) many.push_back("a" + std::to_string(10 + i));
   EXPECT_TRUE(found(many).ends_with("a28, a29 and 10 more")) << found(many);

@@ -136,7 +136,7 @@ ByteMap largest_change(const Rgba8Image& before, const Rgba8Image& now) {
   return out;
 }
 
-void expect_same_size(const Rgba8Image& a, const Rgba8Image& b) {
+void expect_same_size([[maybe_unused]] const Rgba8Image& a, [[maybe_unused]] const Rgba8Image& b) {
   RILIEVO_EXPECTS(!a.empty());
   RILIEVO_EXPECTS(a.width() == b.width() && a.height() == b.height());
 }

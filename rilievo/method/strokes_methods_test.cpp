@@ -38,8 +38,13 @@ Scene ball_in_a_cage() {
   for (std::uint32_t k = 0; k < 8; ++k)
     for (const std::uint32_t bit : {1u, 2u, 4u})
       if (!(k & bit)) cage.indices.insert(cage.indices.end(), {k, k | bit});
-  scene.meshes = {ball, cage};
-  scene.models.emplace_back().parts = {Part{0}, Part{1}};
+  // Nodes are placed by what they see of surfaces: without any there is nothing to choose by.
+  Mesh floor;
+  floor.positions = {{-1, -1.3f, -1}, {-1, -1.3f, 1}, {1, -1.3f, 1}, {1, -1.3f, -1}};
+  floor.normals.assign(4, glm::vec3(0, 1, 0));
+  floor.indices = {0, 1, 2, 0, 2, 3};
+  scene.meshes = {ball, cage, floor};
+  scene.models.emplace_back().parts = {Part{0}, Part{1}, Part{2}};
   scene.objects.emplace_back().name = "ball";
   finish(scene);
   return scene;

@@ -43,7 +43,9 @@ TEST(Webp, IsAsExactAsAsked) {
       for (int c = 0; c < 3; ++c)
         sum += std::pow(double(rgb[3 * i + std::size_t(c)]) - double(picture.texels()[i][c]), 2);
     WebPFree(rgb);
-    if (wanted < 40) EXPECT_LE(file->quality, 100);
+    if (wanted < 40) {
+      EXPECT_LE(file->quality, 100);
+    }
     EXPECT_NEAR(file->psnr_db, 10 * std::log10(255.0 * 255 * 3 * 96 * 96 / sum), 1e-9);
   }
 }

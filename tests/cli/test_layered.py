@@ -216,7 +216,9 @@ class Foreign(command.Case):
 
     def test_depths_and_colours_that_are_no_numbers(self):
         for name, value, reason in (("Z", math.nan, "not a number"), ("Z", -1.0, "negative")):
-            self.refuses(exr({**self.CHANNELS, name: value}, self.MATRICES), reason)
+            # What compares refuses plain pictures before it reads them.
+            file = self.write("file.exr", exr({**self.CHANNELS, name: value}, self.MATRICES))
+            self.refused(["render", file, "-o", self.folder / "out"], file, reason)
         # As renderers write them: docs/formats.md.
         for name, value in (("R", math.nan), ("G", math.inf)):
             file = self.write("file.exr", exr({**self.CHANNELS, name: value}, self.MATRICES))
@@ -428,8 +430,12 @@ class Capture(command.Case):
         self.refused(("bake", TEAPOT, "--around", *out), "--around")
         pose = self.capture / "frame-000001.pose.txt"
         pose.write_text("nan " * 16)
-        self.refused((*bake, *out), pose.name)
-        self.refused(("info", self.capture), pose.name)
+        # One lost camera costs its picture, all of them the capture.
+        self.assertIn(pose.name, self.succeeds("info", self.capture).stderr)
+        for pose in self.capture.glob("*.pose.txt"):
+            pose.write_text("nan " * 16)
+        self.refused((*bake, *out), self.capture)
+        self.refused(("info", self.capture), self.capture)
         self.assertFalse((self.folder / "out.exr").exists())
 
 

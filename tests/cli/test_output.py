@@ -170,8 +170,7 @@ class Lost(command.Case):
 
     def test_an_error_is_an_error_where_nobody_can_be_told(self):
         self.assertEqual(self.to("/dev/full", "info", MISSING, stream="stderr").returncode, 2)
-        # Quads of one corner: left out with a warning.
-        scene = self.write("s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\np 1\n")
+        scene = self.write("s.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         self.assertIn("warning", self.succeeds("info", scene).stderr)
         self.assertEqual(self.to("/dev/full", "info", scene, stream="stderr").returncode, 0)
 

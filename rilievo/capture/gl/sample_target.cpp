@@ -108,6 +108,7 @@ void SampleTarget::read(int sample, Samples& samples) {
   glUniform1i(0, sample);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glUseProgram(0);  // which lives no longer than this target: nobody may save and restore it
   samples.color = Image<glm::vec4>(width_, height_);
   samples.window_z = Image<float>(width_, height_);
   samples.object = Image<std::uint32_t>(width_, height_);

@@ -347,11 +347,11 @@ void main() {
   float alpha = 1.0;
 #ifdef MASK
   float cutoff = material.metallic_roughness_occlusion_cutoff.w;
-#if defined(OBJECT_IDS) || defined(PEEL)
+#if defined(PEEL)
   if (base.a < cutoff) discard;
 #else
   // Sharpened to one pixel's width, and that share of the samples taken, rounded: what a driver
-  // makes of alpha by itself may be half a sample more.
+  // makes of alpha by itself may be half a sample more. Identifiers cover the same samples.
   float share = clamp((base.a - cutoff) / max(fwidth(base.a), 1e-4) + 0.5, 0.0, 1.0);
   int covered = int(share * float(gl_NumSamples) + 0.5);
   if (covered == 0) discard;

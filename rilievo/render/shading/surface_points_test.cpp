@@ -34,7 +34,7 @@ std::unique_ptr<Case> random_case(unsigned seed, bool beside) {
   m.base_color = {0.5f, 0.7f, 0.9f, 1};
   m.emissive = {0.1f, 0.2f, 0.3f};
   m.roughness = 0.4f, m.metallic = 0.6f, m.unlit = seed % 4 == 0;
-  p.material = &m;
+  p.material = &m, p.unlit = m.unlit;
   c->rays.count = 1 + seed % TriangleRays::kMaxCount;
   for (std::size_t i = 0; i < c->rays.count; ++i) {
     glm::vec3 meets(0.0f), weights(1.01f + u(rng), 1.01f + u(rng), 1.01f + u(rng));

@@ -224,8 +224,9 @@ TEST_P(Data, loads_or_says_why_not) {
     EXPECT_TRUE(validate(loaded->scene).ok()) << entry.path();
     EXPECT_GT(count_triangles(loaded->scene), 0u) << entry.path();
     for (const Mesh& mesh : loaded->scene.meshes)
-      if (mesh.primitive == Primitive::triangles)
+      if (mesh.primitive == Primitive::triangles) {
         EXPECT_EQ(mesh.normals.size(), mesh.positions.size()) << entry.path();
+      }
   }
   EXPECT_GT(files, 0);
 }
