@@ -18,7 +18,7 @@ Result<BenchReport> bound(const BenchOptions& options) {
   const GapStats gap_halved = run_gap_benchmark(gap_options);
   DrawnBoundOptions drawn_options;
   drawn_options.progress = options.progress;
-  if (options.quick) drawn_options.cases = 1500;
+  if (options.quick) drawn_options.cases = 500;
   Table drawn_table{"What is drawn against the bound: balls in whole frames of the cache",
                     {"error allowed, px", "cases", "frames", "captures", "moving", "fading",
                      "missing", "violations", "centroid over the bound, most, px",
