@@ -1,7 +1,5 @@
 #include "rilievo/scene/point_size.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -112,7 +110,7 @@ void sort_points(Mesh& mesh) {
   std::vector<Place> places(mesh.indices.size());
   for (std::size_t i = 0; i < places.size(); ++i)
     places[i] = {curve_place(mesh.positions[mesh.indices[i]], box.min, scale), mesh.indices[i]};
-  tbb::parallel_sort(places.begin(), places.end());
+  std::sort(places.begin(), places.end());
   for (std::size_t i = 0; i < places.size(); ++i) mesh.indices[i] = places[i].vertex;
   places = {};
   take(mesh.positions, mesh.indices);
