@@ -131,11 +131,10 @@ TEST(TexelRule, a_cable_of_half_a_texel_is_a_chain_without_a_gap) {
     });
     const ShownSamples shown = choose_samples(texels);
     Image<std::uint8_t> cable(kSize, kSize);
-    int centers = 0, count = 0;
+    int count = 0;
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
         cable(x, y) = texels.center(x, y) > texels.nearness.of_eye_z(3);
-        centers += cable(x, y);
       }
     for (const ThinTexel& thin : shown.thin) {
       EXPECT_EQ(thin.object, 1u);
