@@ -91,7 +91,6 @@ TEST(StrokesMethods, all_show_points_and_lines) {
       least = std::min(least, alike);
       EXPECT_GT(alike, psnr_db(nothing->frames->software_target()->color(), truth) + 3) << angle;
     }
-    RecordProperty(name, int(least));
     // Flat impostors slide by pixels; baked kinds have textures of their own size.
     if (name == "direct-raster" || name == "lod") {
       EXPECT_EQ(least, INFINITY);
