@@ -8,12 +8,12 @@
 //   front is thinner than two texels and covers the centre of no texel across it, but half a texel
 //   of samples, then the texel with most of those samples shows the thin surface: a cable of half a
 //   texel's width is a chain of texels without a gap.
-// - Its colour is the mean of the samples of that surface, and of what it hides in part: they are
-// of
-//   the same object, and where the plane through the texel's centre is, within three texels'
-//   widths (what warps link in any case) and half of the plane's own slope; or behind it. So an
-//   edge is antialiased, and what is behind it never has its colour. If no sample shows the
-//   surface, it is the surface's colour at the centre.
+// - Its colour is the mean of the samples of that surface, and of those that it hides in part.
+//   A sample shows the surface if it is of the same object and lies near the plane through the
+//   texel's centre: within three texels' widths (what warps link in any case) and half of the
+//   plane's own slope. A sample behind that plane is hidden in part: an edge is so antialiased,
+//   and what is behind it never has its colour. If no sample shows the surface, the texel has the
+//   surface's colour at the centre.
 //
 // The plane comes from the centres of neighbouring texels. Depths are given as nearness, which is
 // affine over the raster on a plane, so that the ground is one surface up to the horizon. The plane
