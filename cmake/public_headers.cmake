@@ -11,6 +11,7 @@ set(RILIEVO_PUBLIC_HEADERS
     core/image.h
     core/picture_geometry.h
     core/result.h
+    core/world_space.h
     # Files.
     io/deep_exr.h
     io/exr.h

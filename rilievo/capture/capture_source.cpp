@@ -2,10 +2,17 @@
 
 #include <string>
 
+#include "rilievo/scene/scene.h"
+
 namespace rilievo {
 
 Result<LayeredDepthImage> CaptureSource::capture_layers(const LayersRequest&) {
   return Error{std::string(name()), "shows nearest surfaces only, not those behind them"};
+}
+
+WorldSpace CaptureSource::world() const {
+  const Scene* from = scene();
+  return from ? from->world : WorldSpace{};
 }
 
 }  // namespace rilievo

@@ -15,6 +15,7 @@
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/core/result.h"
+#include "rilievo/core/world_space.h"
 
 namespace rilievo {
 
@@ -85,6 +86,8 @@ class CaptureSource {
   [[nodiscard]] virtual std::span<const LayeredDepthImage> deep_images() const { return {}; }
   // The scene that is captured, for ray casting; null if the source is not a scene.
   [[nodiscard]] virtual const Scene* scene() const { return nullptr; }
+  // Where the space of its cameras lies in the world.
+  [[nodiscard]] virtual WorldSpace world() const;
   // The photographs that the source consists of, if it does.
   [[nodiscard]] virtual std::span<const DepthImage> photographs() const { return {}; }
 };

@@ -18,6 +18,7 @@
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
+#include "rilievo/core/world_space.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/kind/drawable.h"
 #include "rilievo/kind/option.h"
@@ -38,6 +39,9 @@ class Representation {
   [[nodiscard]] virtual Vantage vantage() const { return {}; }
   // The default camera path; none: a path around the bounds.
   [[nodiscard]] virtual std::optional<CameraPath> walk() const { return {}; }
+
+  // Where its scene space lies.
+  WorldSpace world;
 };
 
 // One line of the output of `rilievo info`.

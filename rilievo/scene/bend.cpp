@@ -32,11 +32,11 @@ void add(std::vector<glm::vec<N, float>>& to, const std::vector<glm::vec3>& by, 
 
 std::vector<glm::dmat4> joint_matrices(const Rig& rig, const Deformation& deformation,
                                        double time) {
-  std::vector<glm::mat4> world_from_node(rig.nodes.size());
-  pose_nodes(rig.nodes, rig.channels, time, world_from_node);
+  std::vector<glm::dmat4> scene_from_node(rig.nodes.size());
+  pose_nodes(rig.nodes, rig.channels, time, scene_from_node);
   std::vector<glm::dmat4> matrices;
   for (const Deformation::Joint& joint : deformation.joints)
-    matrices.push_back(glm::dmat4(world_from_node[std::size_t(joint.node)]) *
+    matrices.push_back(scene_from_node[std::size_t(joint.node)] *
                        glm::dmat4(joint.joint_from_mesh));
   return matrices;
 }

@@ -83,9 +83,9 @@ struct DeformationBounds {
 // The speed of curves with steps, metres a second.
 constexpr double kSteppedSpeed = 1e9;
 
-// world_from_node of each node at `time` (seconds, not repeated), into as many matrices. pose() is
+// scene_from_node of each node at `time` (seconds, not repeated), into as many matrices. pose() is
 // made of it.
 void pose_nodes(std::span<const Node> nodes, std::span<const Channel> channels, double time,
-                std::span<glm::mat4> world_from_node);
+                std::span<glm::dmat4> scene_from_node);
 
 }  // namespace rilievo

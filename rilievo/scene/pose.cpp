@@ -26,15 +26,15 @@ glm::vec4 slerp(const glm::vec4& a, const glm::vec4& b, float s) {
 
 // A node's translation, rotation (xyzw) and scale, kept in the columns of a matrix until its turn
 // comes, so that posing needs no memory of its own.
-glm::mat4 packed(const Node& node) {
-  return {glm::vec4(node.translation, 0), xyzw(node.rotation), glm::vec4(node.scale, 0),
-          glm::vec4(0)};
+glm::dmat4 packed(const Node& node) {
+  return {glm::dvec4(node.translation, 0), glm::dvec4(xyzw(node.rotation)),
+          glm::dvec4(glm::dvec3(node.scale), 0), glm::dvec4(0)};
 }
 
-glm::mat4 parent_from_node(const glm::mat4& packed) {
-  const glm::mat3 rotation = glm::mat3_cast(quaternion(unit(packed[1])));
-  return {glm::vec4(rotation[0] * packed[2].x, 0), glm::vec4(rotation[1] * packed[2].y, 0),
-          glm::vec4(rotation[2] * packed[2].z, 0), glm::vec4(glm::vec3(packed[0]), 1)};
+glm::dmat4 parent_from_node(const glm::dmat4& packed) {
+  const glm::dmat3 rotation(glm::mat3_cast(quaternion(unit(glm::vec4(packed[1])))));
+  return {glm::dvec4(rotation[0] * packed[2].x, 0), glm::dvec4(rotation[1] * packed[2].y, 0),
+          glm::dvec4(rotation[2] * packed[2].z, 0), glm::dvec4(glm::dvec3(packed[0]), 1)};
 }
 
 }  // namespace
@@ -74,36 +74,39 @@ double repeated(double time, double duration) {
 }
 
 void pose_nodes(std::span<const Node> nodes, std::span<const Channel> channels, double time,
-                std::span<glm::mat4> world_from_node) {
-  RILIEVO_EXPECTS_EQ(nodes.size(), world_from_node.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) world_from_node[i] = packed(nodes[i]);
+                std::span<glm::dmat4> scene_from_node) {
+  RILIEVO_EXPECTS_EQ(nodes.size(), scene_from_node.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) scene_from_node[i] = packed(nodes[i]);
   for (const Channel& channel : channels) {
     RILIEVO_EXPECTS_LT(std::size_t(channel.node), nodes.size());
     RILIEVO_EXPECTS(!channel.times.empty());
-    world_from_node[std::size_t(channel.node)][int(channel.path)] = sample(channel, time);
+    scene_from_node[std::size_t(channel.node)][int(channel.path)] =
+        glm::dvec4(sample(channel, time));
   }
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const int parent = nodes[i].parent;
     RILIEVO_EXPECTS_LT(parent, int(i));
-    const glm::mat4 local = parent_from_node(world_from_node[i]);
-    world_from_node[i] = parent < 0 ? local : world_from_node[std::size_t(parent)] * local;
+    const glm::dmat4 local = parent_from_node(scene_from_node[i]);
+    scene_from_node[i] = parent < 0 ? local : scene_from_node[std::size_t(parent)] * local;
   }
 }
 
 void pose(const Scene& scene, double time, std::vector<glm::mat4>& world_from_model) {
   const double t = repeated(time, double(scene.duration));
 
-  // The nodes' matrices live behind the objects' in the caller's buffer, which keeps its capacity.
-  world_from_model.resize(scene.objects.size() + scene.nodes.size());
-  glm::mat4* const world_from_node = world_from_model.data() + scene.objects.size();
-  pose_nodes(scene.nodes, scene.channels, t, {world_from_node, scene.nodes.size()});
+  // The nodes' matrices keep their memory from call to call.
+  thread_local std::vector<glm::dmat4> scene_from_node;
+  scene_from_node.resize(scene.nodes.size());
+  pose_nodes(scene.nodes, scene.channels, t, scene_from_node);
 
+  world_from_model.resize(scene.objects.size());
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Object& object = scene.objects[i];
     world_from_model[i] =
-        object.node < 0 ? object.placement : world_from_node[object.node] * object.placement;
+        object.node < 0
+            ? object.placement
+            : glm::mat4(scene_from_node[std::size_t(object.node)] * glm::dmat4(object.placement));
   }
-  world_from_model.resize(scene.objects.size());
 }
 
 }  // namespace rilievo

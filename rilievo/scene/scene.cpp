@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace rilievo {
 namespace {
@@ -34,6 +35,32 @@ glm::mat4 relative_to(const glm::dvec3& origin, const glm::mat4& world_from_mode
   glm::mat4 m = world_from_model;
   m[3] = glm::vec4(glm::vec3(glm::dvec3(world_from_model[3]) - origin), 1.0f);
   return m;
+}
+
+void set_origin(Scene& scene, const glm::dvec3& origin) {
+  const glm::dvec3 by = scene.world.origin - origin;
+  const auto move = [&by](auto& point) {
+    using Point = std::remove_reference_t<decltype(point)>;
+    point = Point(glm::dvec3(point) + by);
+  };
+  scene.world.origin = origin;
+  for (Object& object : scene.objects)
+    if (object.node < 0)
+      object.placement[3] = glm::vec4(glm::dvec4(object.placement[3]) + glm::dvec4(by, 0));
+  for (Node& node : scene.nodes)
+    if (node.parent < 0) move(node.translation);
+  for (Channel& channel : scene.channels) {
+    if (channel.path != Channel::Path::translation ||
+        scene.nodes[std::size_t(channel.node)].parent >= 0)
+      continue;
+    // Of a cubic spline every second of three is a point; the others are its tangents.
+    const bool cubic = channel.interpolation == Channel::Interpolation::cubic_spline;
+    for (std::size_t i = cubic ? 1 : 0; i < channel.values.size(); i += cubic ? 3 : 1)
+      channel.values[i] = glm::vec4(glm::dvec4(channel.values[i]) + glm::dvec4(by, 0));
+  }
+  for (Light& light : scene.lights)
+    if (light.kind != Light::Kind::directional) move(light.position);
+  for (Camera& camera : scene.cameras) camera.world_from_eye[3] += glm::dvec4(by, 0);
 }
 
 std::uint64_t count_triangles(const Scene& scene) {

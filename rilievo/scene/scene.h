@@ -2,7 +2,8 @@
 //
 // An *object* is the unit that gets a picture. Objects share models and models share meshes, so
 // that a forest of 10^8 triangles is a few trees with many placements. Plain data; owns everything;
-// no OpenGL. World space: right-handed, +y up, metres. Colours are linear unless a texture says
+// no OpenGL. Scene space: right-handed, +y up, metres, relative to an origin in the world
+// (core/world_space.h), so that single precision suffices. Colours are linear unless a texture says
 // otherwise.
 #pragma once
 
@@ -16,6 +17,7 @@
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
+#include "rilievo/core/world_space.h"
 
 namespace rilievo {
 
@@ -123,7 +125,7 @@ struct Model {
 // An animated transform. Parents come before their children.
 struct Node {
   int parent = -1;
-  glm::vec3 translation{0.0f};
+  glm::dvec3 translation{0.0};
   glm::quat rotation{1, 0, 0, 0};
   glm::vec3 scale{1.0f};
 };
@@ -170,6 +172,7 @@ struct Sky {
 // A scene with everything that it owns.
 struct Scene {
   std::string name;
+  WorldSpace world;
   std::vector<Rgba8Image> images;  // row 0 is v = 0 (as in glTF); straight alpha
   std::vector<Texture> textures;
   std::vector<Material> materials;
@@ -190,6 +193,9 @@ struct Scene {
 
 // `time` within the first period of an animation of `duration` seconds.
 [[nodiscard]] double repeated(double time, double duration);
+
+// Makes `origin` the scene's: everything in it moves the other way.
+void set_origin(Scene& scene, const glm::dvec3& origin);
 
 // Writes world_from_model of each object at `time` (seconds) into the caller's buffer and resizes
 // it.

@@ -296,5 +296,36 @@ TEST(Validate, names_the_fault) {
             "light 0 has a direction that is not a unit vector");
 }
 
+TEST(Scene, an_origin_moves_everything_the_other_way) {
+  std::mt19937 rng(11);
+  for (int round = 0; round < 30; ++round) {
+    Scene scene = random_scene(rng);
+    scene.lights.push_back({Light::Kind::point, {1, 2, 3}});
+    scene.cameras.push_back({});
+    Scene moved = scene;
+    // Coordinates of a few metres stay within the steps of a float, 1e-6 after a few products.
+    const glm::dvec3 origin(uniform(rng, -8, 8), uniform(rng, -8, 8), uniform(rng, -8, 8));
+    set_origin(moved, origin);
+    EXPECT_EQ(moved.world.origin, origin);
+    for (double t = 0; t < 3; t += 0.37) {
+      std::vector<glm::mat4> before, after;
+      pose(scene, t, before);
+      pose(moved, t, after);
+      ASSERT_EQ(before.size(), after.size());
+      for (std::size_t i = 0; i < before.size(); ++i)
+        for (int c = 0; c < 4; ++c)
+          for (int r = 0; r < 3; ++r)
+            EXPECT_NEAR(double(after[i][c][r]) + (c == 3 ? origin[r] : 0.0), before[i][c][r], 2e-5)
+                << round << " " << t;
+    }
+    for (int r = 0; r < 3; ++r) {
+      EXPECT_NEAR(double(moved.lights[0].position[r]) + origin[r], r + 1, 1e-6);
+      EXPECT_EQ(moved.cameras[0].world_from_eye[3][r], -origin[r]);
+    }
+    set_origin(moved, glm::dvec3(0));
+    EXPECT_EQ(moved.world, scene.world);
+  }
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -121,7 +121,8 @@ Result<> check_animation(const Scene& scene) {
     if (node.parent < -1 || node.parent >= int(i))
       return fault("node", i, "does not come after its parent");
     const glm::quat& q = node.rotation;
-    if (!finite(node.translation) || !finite(node.scale) || !finite(glm::vec4(q.x, q.y, q.z, q.w)))
+    if (!finite(glm::vec3(node.translation)) || !finite(node.scale) ||
+        !finite(glm::vec4(q.x, q.y, q.z, q.w)))
       return fault("node", i, "has a placement that is not finite");
   }
   for (std::size_t i = 0; i < scene.channels.size(); ++i) {

@@ -23,9 +23,9 @@ constexpr double kSpikeFloorNs = 100e6;
 
 Result<> expect_costs(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes) {
   if (drawn_by == DrawnBy::opengl && !costs.draw_opengl)
-    return Error{"machine", "its costs were measured without OpenGL, which draws here"};
+    return Error{"--machine", "its costs were measured without OpenGL, which draws here"};
   if (!rasterizes && !costs.capture_opengl)
-    return Error{"machine", "its costs were measured without OpenGL, which captures here"};
+    return Error{"--machine", "its costs were measured without OpenGL, which captures here"};
   return Done{};
 }
 
