@@ -25,6 +25,7 @@
 #include "rilievo/compare/compare.h"
 #include "rilievo/compare/drawn_error.h"
 #include "rilievo/gl/context.h"
+#include "rilievo/io/png.h"
 #include "rilievo/measure/report_summary.h"
 #include "rilievo/scene/position_colors.h"
 
@@ -36,6 +37,7 @@ struct CompareCommand {
   std::string scene, file, output, json, command_line;
   FileLimits limits;
   std::vector<std::string> methods;
+  std::vector<std::string> foreign;  // NAME=FOLDER
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false, real_time = false, drawn_error = false, one_sample = false;
@@ -64,6 +66,31 @@ void print_summary(const Report& report) {
         s.flip.mean, s.flip_p99.mean, 100 * s.wrong_visibility.mean, 100 * s.ghost.mean,
         100 * s.speckle.mean, 100 * s.flicker.mean, method.captures);
   }
+}
+
+// A frame that another program drew.
+Result<DrawnFrame> read_foreign(const std::filesystem::path& folder, int frame, int width,
+                                int height) {
+  const auto load = [&](const std::filesystem::path& path) -> Result<Rgba8Image> {
+    Result<Rgba8Image> picture = load_png(path);
+    if (picture && (picture->width() != width || picture->height() != height))
+      return Error{path.string(), fmt::format("has {} x {} pixels instead of {} x {}",
+                                              picture->width(), picture->height(), width, height)};
+    return picture;
+  };
+  DrawnFrame drawn;
+  Result<Rgba8Image> color = load(folder / fmt::format("frame_{:05}.png", frame));
+  if (!color) return color.error();
+  drawn.color = std::move(*color);
+  const std::filesystem::path objects = folder / fmt::format("objects_{:05}.png", frame);
+  if (!std::filesystem::exists(objects)) return drawn;
+  const Result<Rgba8Image> codes = load(objects);
+  if (!codes) return codes.error();
+  drawn.objects = Image<std::uint32_t>(width, height);
+  std::ranges::transform(codes->texels(), drawn.objects.texels().begin(), [](const glm::u8vec4& c) {
+    return std::uint32_t(c.r) | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16;
+  });
+  return drawn;
 }
 
 // Direct drawing without antialiasing: what aliasing alone does to the figures.
@@ -148,6 +175,15 @@ Result<> run_compare(CompareCommand options) {
     if (!made) return made.error();
     methods.push_back(std::move(*made));
     compared.push_back({name, methods.back().frames.get()});
+  }
+  for (const std::string& foreign : options.foreign) {
+    const std::size_t equals = foreign.find('=');
+    if (equals == 0 || equals == std::string::npos)
+      return Error{"--frames-of", foreign + " is not NAME=FOLDER"};
+    compared.push_back({foreign.substr(0, equals), nullptr,
+                        [of = foreign.substr(equals + 1), size = options.frames](int frame) {
+                          return read_foreign(of, frame, size.width, size.height);
+                        }});
   }
 
   CompareOptions compare_options;
@@ -282,6 +318,14 @@ Command compare_command(CLI::App& app) {
   command->add_flag("--one-sample", options->one_sample,
                     "Also draw polygons with one sample a pixel, as direct-1-sample: what aliasing "
                     "alone does to the figures");
+  command
+      ->add_option("--frames-of", options->foreign,
+                   "Also measure frames that another program drew of this path: "
+                   "FOLDER/frame_00000.png ..., of this size; objects_00000.png ..., if they are "
+                   "there, have the objects' identifiers (red + 256 green + 65536 blue). Again for "
+                   "each program")
+      ->excludes("--real-time", "--drawn-error")
+      ->type_name("NAME=FOLDER");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

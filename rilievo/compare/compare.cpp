@@ -57,7 +57,8 @@ struct Tally {
 
   void add_frame(const DrawnFrame& truth, const DrawnFrame& frame, const BoundLimits& limits) {
     over_bound += !limits.hold(frame.stats);
-    const Visibility visibility = compare_visibility(truth.objects, frame.objects);
+    const Visibility visibility =
+        frame.objects.empty() ? Visibility() : compare_visibility(truth.objects, frame.objects);
     const FlipSummary flip = flip_of(truth.color, frame.color);
     const Artifacts artifacts = artifacts_of(truth.color, frame.color);
     FrameResult& now = result.frames.emplace_back();
@@ -68,10 +69,11 @@ struct Tally {
     now.wrong_visibility = visibility.wrong_share();
     now.uncovered = visibility.uncovered_share();
     now.counted = double(visibility.counted) / double(truth.objects.texels().size());
-    now.gap_px = widest_gap_px(truth.objects, truth.eye_z, frame.eye_z);
+    if (!frame.eye_z.empty()) now.gap_px = widest_gap_px(truth.objects, truth.eye_z, frame.eye_z);
     now.ghost = artifacts.ghost, now.speckle = artifacts.speckle;
     now.pictures = !polygons_alone(frame.stats);
-    add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
+    if (!frame.eye_z.empty())
+      add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_stats(frame.stats);
   }
 
@@ -116,7 +118,8 @@ EncodedPicture jpeg(const Rgba8Image& picture) { return {"image/jpeg", encode_jp
 Result<OwnTargets> make_targets_of(std::span<const ComparedSource> sources,
                                    const CompareOptions& options) {
   std::vector<FrameSource*> drawing;
-  for (const ComparedSource& one : sources) drawing.push_back(one.source);
+  for (const ComparedSource& one : sources)
+    if (one.source) drawing.push_back(one.source);
   return make_targets(drawing, options.width, options.height, options.samples);
 }
 
@@ -144,7 +147,7 @@ int block_size(std::size_t sources, const CompareOptions& options) {
 Result<Report> compare(std::span<const ComparedSource> sources,
                        const std::function<WalkFrame(int frame)>& walk,
                        const CompareOptions& options) {
-  RILIEVO_EXPECTS(!sources.empty());
+  RILIEVO_EXPECTS(!sources.empty() && sources[0].source);
   RILIEVO_EXPECTS_GE(options.frames, 1);
   RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kMinCompareSize);
   Result<OwnTargets> own = make_targets_of(sources, options);
@@ -158,7 +161,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
   std::vector<Tally> tallies(sources.size());
   for (std::size_t s = 0; s < sources.size(); ++s) {
     tallies[s].result.name = sources[s].name;
-    for (int i = 0; i < options.warm_up; ++i) {
+    for (int i = 0; i < options.warm_up && sources[s].source; ++i) {
       const Result<double> ms = time_frame(*sources[s].source, targets, walk(0));
       if (!ms) return ms.error();
       if (i == 0) tallies[s].result.first_frame_ms = *ms;
@@ -174,7 +177,9 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     std::vector<std::vector<DrawnFrame>> drawn(sources.size());
     for (std::size_t s = 0; s < sources.size(); ++s)
       for (int frame = first; frame < end; ++frame) {
-        Result<DrawnFrame> one = draw_frame(*sources[s].source, targets, walk(frame));
+        Result<DrawnFrame> one = sources[s].source
+                                     ? draw_frame(*sources[s].source, targets, walk(frame))
+                                     : sources[s].read(frame);
         if (!one) return one.error();
         drawn[s].push_back(std::move(*one));
       }

@@ -23,10 +23,13 @@
 
 namespace rilievo {
 
-// A method by name.
+// A method by name: a source that draws, or frames that another program has drawn.
 struct ComparedSource {
   std::string name;
   FrameSource* source = nullptr;
+  // Instead of the source, if there is none: reads a frame of the walk. Without identifiers and
+  // depths, what needs them is not measured.
+  std::function<Result<DrawnFrame>(int frame)> read = {};
 };
 
 // The frames and what to measure.
@@ -50,7 +53,8 @@ struct CompareOptions {
 inline constexpr int kMinCompareSize = 16;
 
 // Draws and measures all frames. Fills the parts of the report that drawing determines: machine,
-// size, antialiasing, methods, pictures. Requires at least one source and one frame.
+// size, antialiasing, methods, pictures. Requires at least one source and one frame; the first
+// source draws.
 [[nodiscard]] Result<Report> compare(std::span<const ComparedSource> sources,
                                      const std::function<WalkFrame(int frame)>& walk,
                                      const CompareOptions& options);
@@ -58,7 +62,7 @@ inline constexpr int kMinCompareSize = 16;
 // The same with the eye moving by the clock: `walk` gives the camera `seconds` after the start.
 // Times are of all frames, measures of `real_time.kept` frames spread evenly over each method's own
 // walk, against true frames from the same eyes. The report shows no pictures. Uses the size and
-// samples of `options`.
+// samples of `options`. All sources draw.
 [[nodiscard]] Result<Report> compare_in_real_time(
     std::span<const ComparedSource> sources, const std::function<WalkFrame(double seconds)>& walk,
     const CompareOptions& options, const RealTimeOptions& real_time);

@@ -126,6 +126,39 @@ TEST_F(CompareTest, a_moved_edge_is_wrong_where_it_has_been) {
   }
 }
 
+TEST_F(CompareTest, frames_that_were_read_measure_as_those_that_were_drawn) {
+  TwoHalves truth(32), moved(42);
+  const auto read = [](bool with_objects) {
+    return [=](int) -> Result<DrawnFrame> {
+      DrawnFrame frame;
+      frame.color = Rgba8Image(kWidth, kHeight);
+      if (with_objects) frame.objects = Image<std::uint32_t>(kWidth, kHeight);
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          frame.color(x, y) = x < 42 ? glm::u8vec4(255, 0, 0, 255) : glm::u8vec4(0, 0, 255, 255);
+          if (with_objects) frame.objects(x, y) = x < 42 ? 1 : 2;
+        }
+      return frame;
+    };
+  };
+  const ComparedSource sources[] = {{"direct", &truth},
+                                    {"moved", &moved},
+                                    {"read", nullptr, read(true)},
+                                    {"colours", nullptr, read(false)}};
+  const Result<Report> report = compare(sources, still, options);
+  ASSERT_TRUE(report.ok()) << report.error().message();
+  ASSERT_EQ(report->methods.size(), 4u);
+  const FrameResult& drawn = report->methods[1].frames[0];
+  for (const std::size_t method : {2u, 3u}) {
+    ASSERT_EQ(report->methods[method].frames.size(), 5u);
+    const FrameResult& frame = report->methods[method].frames[0];
+    EXPECT_EQ(frame.psnr_db, drawn.psnr_db);
+    EXPECT_EQ(frame.ssim, drawn.ssim);
+    EXPECT_EQ(frame.flip, drawn.flip);
+    EXPECT_EQ(frame.wrong_visibility, method == 2u ? drawn.wrong_visibility : 0);
+  }
+}
+
 TEST_F(CompareTest, what_is_not_drawn_is_uncovered) {
   TwoHalves truth(32), holed(32, true);
   const ComparedSource sources[] = {{"direct", &truth}, {"holed", &holed}};

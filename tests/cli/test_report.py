@@ -95,6 +95,18 @@ class Report(command.Case):
         self.assertLess(direct["max"], direct["resolution"])
         self.assertLess(direct["max"], methods["nailboard"]["error_px"]["max"])
 
+    def test_frames_of_another_program_are_measured(self):
+        plan = (*SMALL, "--draw", "software", "--samples", "1")
+        self.succeeds("render", TEAPOTS, *plan, "--method", "nailboard", "-o", self.folder / "theirs")
+        done = ("compare", TEAPOTS, *plan, "--methods", "nailboard", "-o", self.folder / "report", "--frames-of")
+        self.succeeds(*done, f"them={self.folder}/theirs")
+        methods = json.loads((self.folder / "report/report.json").read_text())["methods"]
+        self.assertEqual([method["name"] for method in methods], ["direct-raster", "nailboard", "them"])
+        for figure in ("psnr_db", "ssim", "flip"):
+            self.assertEqual(methods[2][figure], methods[1][figure])
+        self.refused((*done, "theirs"), "--frames-of", "NAME=FOLDER")
+        self.refused((*done, f"them={self.folder}/nowhere"), "frame_00000.png")
+
     def test_the_error_that_is_drawn_is_of_scenes_and_frames(self):
         done = command.run("compare", TEAPOTS, *SMALL, "--drawn-error", "--real-time", "-o", self.out)
         self.assertEqual(done.returncode, 2)
