@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -21,20 +22,34 @@ constexpr int kSheetColumns = 3;
 // Codes of a sketch's distances (WalkSketches).
 constexpr double kSketchSteps = 65533;
 
-Result<Image<std::uint16_t>> object_sheet(const EnvironmentMap& map) {
-  const int n = map.faces[0].camera.width;
-  Image<std::uint16_t> sheet(kSheetColumns * n, 6 / kSheetColumns * n);
-  for (int f = 0; f < 6; ++f) {
-    const DepthImage& face = map.faces[std::size_t(f)];
-    if (face.object.empty()) return Error{"", "its pictures have no identifiers"};
+// Six faces of n x n texels in one picture, each with its bottom row first. `texel` is called with
+// a face and a place in it.
+template <typename Texel>
+auto make_sheet(int n, const Texel& texel) {
+  Image<decltype(texel(0, 0, 0))> sheet(kSheetColumns * n, 6 / kSheetColumns * n);
+  for (int f = 0; f < 6; ++f)
     for (int y = 0; y < n; ++y)
-      for (int x = 0; x < n; ++x) {
-        const std::uint32_t object = face.object(x, y);
-        if (object > 0xFFFF) return Error{"", "it has more than 65535 objects to identify"};
-        sheet(f % kSheetColumns * n + x, f / kSheetColumns * n + n - 1 - y) = std::uint16_t(object);
-      }
-  }
+      for (int x = 0; x < n; ++x)
+        sheet(f % kSheetColumns * n + x, f / kSheetColumns * n + n - 1 - y) = texel(f, x, y);
   return sheet;
+}
+
+Result<Image<std::uint16_t>> object_sheet(const EnvironmentMap& map) {
+  for (const DepthImage& face : map.faces) {
+    if (face.object.empty()) return Error{"", "its pictures have no identifiers"};
+    if (std::ranges::max(face.object.texels()) > 0xFFFF)
+      return Error{"", "it has more than 65535 objects to identify"};
+  }
+  return make_sheet(map.faces[0].camera.width, [&](int f, int x, int y) {
+    return std::uint16_t(map.faces[std::size_t(f)].object(x, y));
+  });
+}
+
+Image<std::uint16_t> weight_sheet(const NodeMesh& mesh) {
+  return make_sheet(mesh.face_size, [&](int f, int x, int y) {
+    const int weight = mesh.weights[std::size_t(f)](x, y);
+    return std::uint16_t((weight * kWalkWeightSteps + 127) / 255);
+  });
 }
 
 Result<WalkLevel> write_level(const EnvironmentMap& map, const TriangulateOptions& mesh_options,
@@ -58,6 +73,9 @@ Result<WalkLevel> write_level(const EnvironmentMap& map, const TriangulateOption
   Result<WalkFile> color_file = writer.add(colors->bytes, "webp");
   if (!color_file) return color_file.error();
   level.colors = std::move(*color_file);
+  Result<WalkFile> weight_file = writer.add(encode_plane16(weight_sheet(mesh)), "bin");
+  if (!weight_file) return weight_file.error();
+  level.weights = std::move(*weight_file);
   if (!options.objects) return level;
   const Result<Image<std::uint16_t>> objects = object_sheet(map);
   if (!objects) return objects.error();
@@ -161,16 +179,13 @@ EnvironmentMap coarser(const EnvironmentMap& map, int factor) {
 }
 
 Rgba8Image face_sheet(const EnvironmentMap& map) {
-  const int n = map.faces[0].camera.width;
-  Rgba8Image sheet(kSheetColumns * n, 6 / kSheetColumns * n);
-  for (int f = 0; f < 6; ++f) {
-    Rgba8Image face = srgb8_from_linear(map.faces[std::size_t(f)].color);
-    dilate_colors(face);
-    for (int y = 0; y < n; ++y)
-      for (int x = 0; x < n; ++x)
-        sheet(f % kSheetColumns * n + x, f / kSheetColumns * n + n - 1 - y) = face(x, y);
+  std::array<Rgba8Image, 6> faces;
+  for (std::size_t f = 0; f < 6; ++f) {
+    faces[f] = srgb8_from_linear(map.faces[f].color);
+    dilate_colors(faces[f]);
   }
-  return sheet;
+  return make_sheet(map.faces[0].camera.width,
+                    [&](int f, int x, int y) { return faces[std::size_t(f)](x, y); });
 }
 
 Result<> add_nodes(const EnvironmentNodes& nodes, WalkWriter& writer, WalkManifest& manifest,

@@ -81,6 +81,7 @@ TEST(NodeFiles, WritesFilesNamedByTheirContentsAndAManifestThatNamesAllOfThem) {
     for (const nlohmann::json& level : node["levels"]) {
       expect_file(level["colors"]);
       expect_file(level["mesh"]);
+      expect_file(level["weights"]);
       EXPECT_GE(level["colors"]["psnr_db"].get<double>(), 42);
     }
   }

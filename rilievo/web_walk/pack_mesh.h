@@ -9,7 +9,7 @@
 //   skin vertex    16 bytes: the same; int16 texture direction x 4 N [3], uint16 stretch
 //
 // N is the face's size. A stretch is stored as 8 times itself plus 1, and kAlways as 0. The quality
-// of triangles is not stored: it follows from their vertices.
+// of triangles is not stored: what texels count is a file of its own.
 #pragma once
 
 #include <cstdint>

@@ -41,6 +41,9 @@ struct WalkMesh {
   double disparity_step = 0;
 };
 
+// What texels count is stored in so many steps: finer ones cost bytes and cannot be seen.
+inline constexpr int kWalkWeightSteps = 15;
+
 // A node in one resolution.
 struct WalkLevel {
   int face_size = 0;  // texels
@@ -51,6 +54,8 @@ struct WalkLevel {
   // Of any texel, in pixels of a frame as fine as the faces, for an eye `reach` metres from the
   // node: of the triangles and of the rounding of disparities together.
   double error_px = 0, reach = 0;
+  // A plane of texel_weights() in steps from 0 to kWalkWeightSteps, laid out as the colours.
+  WalkFile weights;
   WalkFile objects;  // a plane of 16-bit identifiers laid out as the colours; or no name
 };
 

@@ -60,6 +60,8 @@ nlohmann::json json_of(const WalkLevel& level) {
                       {"mesh", json_of(level.mesh)},
                       {"error_px", level.error_px},
                       {"reach", level.reach}};
+  json["weights"] = json_of(level.weights);
+  json["weights"]["steps"] = kWalkWeightSteps;
   json["colors"]["psnr_db"] = std::min(level.psnr_db, 100.0);
   if (!level.objects.name.empty()) json["objects"] = json_of(level.objects);
   return json;
@@ -179,7 +181,8 @@ std::size_t WalkWriter::first_view_bytes(const WalkManifest& manifest) const {
     const double distance = glm::distance(glm::dvec3(node.world_from_node[3]), manifest.eye);
     if (!(distance < least)) continue;
     least = distance;
-    first = node.levels[0].colors.bytes + node.levels[0].mesh.file.bytes;
+    const WalkLevel& level = node.levels[0];
+    first = level.colors.bytes + level.mesh.file.bytes + level.weights.bytes;
   }
   return state_->page_bytes + manifest.sketches.file.bytes + first;
 }

@@ -9,8 +9,9 @@ import { NodeChooser } from "./choose.js";
 import { Decoder } from "./decoder.js";
 import { WalkError, asWalkError } from "./errors.js";
 import { NodeDrawer, kMostDrawn, type View } from "./gl/drawer.js";
-import { deleteNode, storeNode, uploadFace, type StoredNode } from "./gl/node-store.js";
+import { deleteNode, kObjectBytes, kTexelBytes, storeNode, uploadFace, type StoredNode } from "./gl/node-store.js";
 import type { FileEntry, LevelEntry, Manifest } from "./manifest.js";
+import { kSkinStride, kSurfaceStride } from "./mesh-layout.js";
 import { StaticSource, type PictureSource } from "./source.js";
 
 export { WalkError } from "./errors.js";
@@ -284,9 +285,10 @@ export class Walk {
     const entry = this.manifest?.nodes[node].levels[level] as LevelEntry;
     const { mesh } = entry;
     return (
-      (entry.objects && this.options.objects ? 36 : 24) * entry.faceSize * entry.faceSize +
-      12 * (mesh.surfaceVertices.count + mesh.surfaceIndices.count / 2) +
-      16 * mesh.skinVertices.count + 4 * (mesh.surfaceIndices.count + mesh.skinIndices.count)
+      6 * (kTexelBytes + (entry.objects && this.options.objects ? kObjectBytes : 0)) *
+        entry.faceSize * entry.faceSize +
+      kSurfaceStride * mesh.surfaceVertices.count + kSkinStride * mesh.skinVertices.count +
+      4 * (mesh.surfaceIndices.count + mesh.skinIndices.count)
     );
   }
 
@@ -331,7 +333,10 @@ export class Walk {
     const faces: ImageBitmap[] = [];
     try {
       const meshComes = this.fetch(entry.mesh).then((bytes) =>
-        this.decoder.mesh(bytes, entry.mesh, entry.faceSize),
+        this.decoder.mesh(bytes, entry.mesh),
+      );
+      const weightsCome = this.fetch(entry.weights).then((bytes) =>
+        this.decoder.shares(bytes, entry.weights, 3 * entry.faceSize, 2 * entry.faceSize),
       );
       const objectsCome = entry.objects && this.options.objects
         ? this.fetch(entry.objects).then((bytes) =>
@@ -339,9 +344,10 @@ export class Walk {
                                  2 * entry.faceSize))
         : null;
       const facesCome = this.fetch(entry.colors).then((bytes) => this.faces(bytes, entry, faces));
-      const [mesh, objects] = await Promise.all([meshComes, objectsCome, facesCome]);
+      const [mesh, weights, objects] =
+        await Promise.all([meshComes, weightsCome, objectsCome, facesCome]);
       if (generation !== this.generation) throw new WalkError("walk", "is another by now");
-      const stored = storeNode(this.gl, of.worldFromNode, entry, mesh, objects);
+      const stored = storeNode(this.gl, of.worldFromNode, entry, mesh, weights, objects);
       this.release(slot);
       this.nodeBytes += stored.bytes;
       slot.next = { stored, level, faces };
@@ -399,6 +405,7 @@ export class Walk {
       face.close();
       this.options.onNeedsDraw?.();
       if (next.stored.uploaded < 6) return;
+      this.drawer.seenDrawer.draw(next.stored);
       this.drop(slot);
       slot.stored = next.stored;
       slot.level = next.level;

@@ -43,8 +43,15 @@ export class Decoder {
     return (await this.run({ kind: "check", bytes, name: entry.name })) as ArrayBuffer;
   }
 
-  async mesh(bytes: ArrayBuffer, entry: MeshEntry, size: number): Promise<NodeMesh> {
-    return (await this.run({ kind: "mesh", bytes, entry, size })) as NodeMesh;
+  async mesh(bytes: ArrayBuffer, entry: MeshEntry): Promise<NodeMesh> {
+    return (await this.run({ kind: "mesh", bytes, entry })) as NodeMesh;
+  }
+
+  /** A plane of shares, from 0 to 255. */
+  async shares(bytes: ArrayBuffer, entry: FileEntry & { steps: number }, width: number,
+               height: number): Promise<Uint8Array> {
+    const { name, steps } = entry;
+    return (await this.run({ kind: "shares", bytes, name, width, height, steps })) as Uint8Array;
   }
 
   async plane16(bytes: ArrayBuffer, entry: FileEntry, width: number, height: number):

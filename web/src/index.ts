@@ -13,6 +13,7 @@
 
 import * as THREE from "three";
 import { Walk, type WalkError, type WalkOptions, type WalkStats } from "./core.js";
+import { kMostDrawn } from "./gl/drawer.js";
 import { mergeFunction } from "./gl/shaders.js";
 import type { Manifest } from "./manifest.js";
 import type { PictureSource } from "./source.js";
@@ -107,6 +108,7 @@ export class RilievoWalk extends THREE.Object3D<RilievoWalkEvents> {
   private readonly materials: THREE.ShaderMaterial[] = [];
   private readonly colors = new Layers();
   private readonly depths = new Layers();
+  private readonly seen = Array.from({ length: kMostDrawn }, () => new THREE.Texture());
   private readonly viewport = new THREE.Vector4();
   private readonly view = {
     worldFromEye: new Float64Array(16), clipFromEye: new Float64Array(16), width: 0, height: 0,
@@ -216,6 +218,11 @@ export class RilievoWalk extends THREE.Object3D<RilievoWalkEvents> {
         node_depths: { value: this.depths },
         node_merge: { value: new THREE.Vector2() },
         node_nearness: { value: new Array<number>(layers).fill(1) },
+        node_steps: { value: new Array<number>(layers).fill(1) },
+        node_from_eye: { value: Array.from({ length: layers }, () => new THREE.Matrix4()) },
+        node_rays: { value: new THREE.Vector4() },
+        ...Object.fromEntries(
+          this.seen.slice(0, layers).map((texture, i) => [`node_seen${i}`, { value: texture }])),
         log_depth: { value: 0 },
         reversed_depth: { value: 0 },
         frame_corner: { value: this.corner },
@@ -274,11 +281,20 @@ export class RilievoWalk extends THREE.Object3D<RilievoWalkEvents> {
     this.screen.material = material;
     material.visible = true;
     const { drawer } = walk;
-    for (const [texture, name] of [[this.colors, drawer.colors], [this.depths, drawer.depths]] as const)
+    const bind = (texture: THREE.Texture, name: WebGLTexture | null) => {
       (renderer.properties.get(texture) as { __webglTexture?: unknown }).__webglTexture = name;
+    };
+    bind(this.colors, drawer.colors);
+    bind(this.depths, drawer.depths);
     const { uniforms } = material;
     uniforms.node_merge.value.fromArray(drawer.mergeUniform);
-    for (let i = 0; i < count; ++i) uniforms.node_nearness.value[i] = drawer.nearness[i];
+    uniforms.node_rays.value.fromArray(drawer.rays);
+    for (let i = 0; i < count; ++i) {
+      uniforms.node_nearness.value[i] = drawer.nearness[i];
+      uniforms.node_steps.value[i] = drawer.steps[i];
+      uniforms.node_from_eye.value[i].fromArray(drawer.nodeFromEye, 16 * i);
+      bind(this.seen[i], drawer.seen[i]);
+    }
     const { capabilities } = renderer as unknown as { capabilities: Record<string, unknown> };
     uniforms.log_depth.value = capabilities.logarithmicDepthBuffer ? 2 / Math.log2(far + 1) : 0;
     uniforms.reversed_depth.value = this.reversed;

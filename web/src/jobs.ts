@@ -10,10 +10,11 @@ import { sha256Hex } from "./sha256.js";
 
 export type Job =
   | { kind: "check"; bytes: ArrayBuffer; name: string }
-  | { kind: "mesh"; bytes: ArrayBuffer; entry: MeshEntry; size: number }
-  | { kind: "plane16"; bytes: ArrayBuffer; name: string; width: number; height: number };
+  | { kind: "mesh"; bytes: ArrayBuffer; entry: MeshEntry }
+  | { kind: "plane16"; bytes: ArrayBuffer; name: string; width: number; height: number }
+  | { kind: "shares"; bytes: ArrayBuffer; name: string; width: number; height: number; steps: number };
 
-export type JobResult = ArrayBuffer | NodeMesh | Uint16Array;
+export type JobResult = ArrayBuffer | NodeMesh | Uint16Array | Uint8Array;
 
 function expectHash(bytes: Uint8Array, name: string): void {
   const wanted = /([0-9a-f]+)\.\w+$/.exec(name)?.[1] ?? "";
@@ -28,14 +29,19 @@ export async function runJob(job: Job): Promise<JobResult> {
     case "check":
       return job.bytes;
     case "mesh":
-      return decodeMesh(bytes, job.entry, job.size);
+      return decodeMesh(bytes, job.entry);
     case "plane16":
       return decodePlane16(bytes, job.width, job.height, job.name);
+    case "shares": {
+      const plane = await decodePlane16(bytes, job.width, job.height, job.name);
+      return Uint8Array.from(plane, (step) => Math.min(255, Math.round((255 * step) / job.steps)));
+    }
   }
 }
 
 export function transferOf(result: JobResult): ArrayBuffer[] {
   if (result instanceof ArrayBuffer) return [result];
-  if (result instanceof Uint16Array) return [result.buffer as ArrayBuffer];
+  if (result instanceof Uint16Array || result instanceof Uint8Array)
+    return [result.buffer as ArrayBuffer];
   return buffersOf(result);
 }

@@ -33,6 +33,7 @@ export interface LevelEntry {
   readonly faceSize: number;
   readonly colors: FileEntry;
   readonly mesh: MeshEntry;
+  readonly weights: FileEntry & { readonly steps: number };
   readonly objects: FileEntry | null;
   /** The error of the mesh for an eye `reach` metres away, in texels. */
   readonly errorPx: number;
@@ -139,6 +140,11 @@ export function parseManifest(text: string, where: string): Manifest {
     };
   };
 
+  const weights = (value: unknown, name: string) => ({
+    ...file(value, name),
+    steps: Math.max(1, count(object(value, name).steps, `${name}.steps`, 65535)),
+  });
+
   let parsed: unknown;
   try {
     parsed = JSON.parse(text);
@@ -163,6 +169,7 @@ export function parseManifest(text: string, where: string): Manifest {
         faceSize: Math.max(1, count(level.face_size, `${name}.levels[${k}].face_size`, 4096)),
         colors: file(level.colors, `${name}.levels[${k}].colors`),
         mesh: mesh(level.mesh, `${name}.levels[${k}].mesh`),
+        weights: weights(level.weights, `${name}.levels[${k}].weights`),
         objects: level.objects === undefined ? null : file(level.objects, `${name}.objects`),
         errorPx: number(level.error_px, `${name}.levels[${k}].error_px`),
         reach: number(level.reach, `${name}.levels[${k}].reach`),

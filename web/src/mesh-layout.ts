@@ -1,8 +1,7 @@
 // A node's mesh as the GPU draws it.
 
-/** Bytes of a vertex on the GPU: int16 direction x N [3], uint16 disparity code, uint8 quality. */
-export const kSurfaceStride = 12;
-/** As in the file. */
+// Bytes of a vertex, in the file and on the GPU (rilievo/web_walk/pack_mesh.h).
+export const kSurfaceStride = 8;
 export const kSkinStride = 16;
 
 export interface NodeMesh {

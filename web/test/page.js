@@ -142,3 +142,70 @@ window.walked = async (keys, frames) => {
     heap_grown: heap() - before,
   };
 };
+
+/** Numbers from 0 to 1, the same ones for the same seed. */
+function randomNumbers(seed) {
+  let state = seed;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
+
+/** Keys between nodes that see each other, or around a node that is alone; they look anywhere. */
+window.eyesBetweenNodes = (count) => {
+  const { manifest, chooser } = window.viewer.walk;
+  const { nodes, start, up } = manifest;
+  const random = randomNumbers(7);
+  const keys = [];
+  const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  for (let tried = 0; keys.length < count; ++tried) {
+    if (tried > 1000 * count) throw new Error("there is no place for eyes");
+    const i = tried % nodes.length, at = nodes[i].eye;
+    const seen = nodes.map((_, j) => j)
+      .filter((j) => j !== i && chooser.sees(i, ...nodes[j].eye))
+      .sort((a, b) => distance(nodes[a].eye, at) - distance(nodes[b].eye, at)).slice(0, 3);
+    const to = seen.length ? nodes[seen[Math.floor(random() * seen.length)]].eye : at;
+    const share = 0.1 + 0.4 * random(), jitter = seen.length ? 0.15 * distance(at, to) : 0.3;
+    const away = at.map((x, k) => share * (to[k] - x) + jitter * (2 * random() - 1));
+    const eye = at.map((x, k) => x + away[k]);
+    // With some room behind it.
+    if (!chooser.sees(i, ...at.map((x, k) => x + 1.2 * away[k]))) continue;
+    const yaw = 2 * Math.PI * random(), pitch = 0.6 * (random() - 0.5);
+    // Any two directions across `up`.
+    const a = Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 0, 1];
+    const across = normalized(cross(up, a)), other = cross(up, across);
+    const target = eye.map((x, k) => x + Math.cos(pitch) * (Math.cos(yaw) * across[k] +
+      Math.sin(yaw) * other[k]) + Math.sin(pitch) * up[k]);
+    keys.push({ eye, target, up, vertical_fov: start.verticalFov, z_near: start.zNear,
+                z_far: start.zFar });
+  }
+  return keys;
+};
+
+async function png() {
+  const { canvas } = window.viewer;
+  const { width, height } = canvas;
+  const drawn = pixels(), data = new ImageData(width, height);
+  for (let y = 0; y < height; ++y)
+    data.data.set(drawn.subarray(4 * width * (height - 1 - y), 4 * width * (height - y)),
+                  4 * width * y);
+  for (let i = 3; i < data.data.length; i += 4) data.data[i] = 255;
+  const sheet = new OffscreenCanvas(width, height);
+  sheet.getContext("2d").putImageData(data, 0, 0);
+  const blob = await sheet.convertToBlob({ type: "image/png" });
+  const bytes = new Uint8Array(await blob.arrayBuffer());
+  let text = "";
+  for (const byte of bytes) text += String.fromCharCode(byte);
+  return btoa(text);
+}
+
+/** A key's frame, and the objects that it shows as red + 256 green, as PNG in base64. */
+window.pngsOf = async (key) => {
+  await window.settle(key);
+  const frame = await png();
+  window.viewer.walk.drawObjects(window.viewer.view(), null);
+  return { frame, objects: await png() };
+};

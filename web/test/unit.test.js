@@ -70,7 +70,7 @@ function goodManifest() {
     start: { eye: [0, 0, 0], target: [0, 0, -1], vertical_fov: 0.9, z_near: 0.1, z_far: 100 },
     nodes: [{
       world_from_node: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 3, 4, 1],
-      levels: [{ face_size: 64, colors: kFile, mesh, error_px: 0.5, reach: 1 }],
+      levels: [{ face_size: 64, colors: kFile, weights: { ...kFile, steps: 15 }, mesh, error_px: 0.5, reach: 1 }],
     }],
     sketches: { ...kFile, size: 24, near: 0.1, far: 50 },
   };
@@ -90,6 +90,7 @@ test("a manifest is read, and each fault in it named", async () => {
     [(m) => (m.nodes[0].levels[0].mesh.bytes = 17), /sum of its streams/],
     [(m) => (m.nodes[0].levels[0].colors = { file: "../secret.webp", bytes: 1 }), /beside the manifest/],
     [(m) => (m.nodes[0].levels[0].colors = { file: "https://evil/a.webp", bytes: 1 }), /beside the manifest/],
+    [(m) => delete m.nodes[0].levels[0].weights.steps, /weights.steps/],
     [(m) => (m.start.vertical_fov = "wide"), /vertical_fov/],
     [(m) => (m.start.eye = [0, 0]), /start.eye/],
     [(m) => (m.sketches.bytes = -1), /sketches.bytes/],

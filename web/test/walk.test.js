@@ -67,10 +67,13 @@ test("the page that is written beside a walk shows it", async () => {
 });
 
 // What differs: colours of WebP (46 dB), disparities rounded to 0.05 px, which move edges of
-// stripes, and edges that another rasteriser gives to the next pixel.
+// stripes, and edges that another rasteriser gives to the next pixel: 45.8 dB in the mean. Without
+// the weights of texels, or without asking what nodes see through, it is 44.4.
 test("frames are those of the C++ drawer", async () => {
   const { page, errors } = await openViewer();
-  for (const psnr of await psnrs(page)) assert.ok(psnr > 36, `${psnr} dB`);
+  const all = await psnrs(page);
+  for (const psnr of all) assert.ok(psnr > 38, `${all}`);
+  assert.ok(all.reduce((a, b) => a + b) / all.length > 45.2, `${all}`);
   assert.deepEqual(errors, []);
   await page.close();
 });
@@ -111,7 +114,7 @@ test("budgets hold: draw calls, triangles, memory", async () => {
 
 test("a budget of memory is kept, and frames stay right", async () => {
   // Room for two nodes of three.
-  const { page } = await openViewer(server.url, { memoryBudget: 0.9e6, nodes: 1 });
+  const { page } = await openViewer(server.url, { memoryBudget: 1.6e6, nodes: 1 });
   const most = await page.evaluate(async (keys) => {
     let most = 0;
     for (const key of keys) {
@@ -120,7 +123,7 @@ test("a budget of memory is kept, and frames stay right", async () => {
     }
     return most;
   }, keys);
-  assert.ok(most <= 0.9e6, `${most} bytes`);
+  assert.ok(most <= 1.6e6, `${most} bytes`);
   await page.close();
 });
 

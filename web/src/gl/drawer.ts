@@ -1,10 +1,11 @@
-// Draws nodes (S3.3 to S3.7): each node into a layer of its own, colour, quality and depth, and then
-// one pass that merges the layers. Allocates nothing in a frame of the size of the last one.
+// Draws nodes (S3.3 to S3.7): the surfaces of each node into a layer of its own, colour, weight and
+// depth, the skins of all into the last, and then one pass that merges the layers. Allocates nothing in a frame of the size of the last one.
 
 import { kFaceAxes } from "../choose.js";
 import { WalkError } from "../errors.js";
 import { mergeProgram, nodeProgram, showObjectsProgram, skyProgram } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
+import { SeenDrawer } from "./seen.js";
 
 /** A frame to draw. Matrices column by column; clip space as OpenGL's. */
 export interface View {
@@ -38,6 +39,9 @@ interface MergeProgram {
   readonly program: WebGLProgram;
   readonly merge: WebGLUniformLocation | null;
   readonly nearness: WebGLUniformLocation | null;
+  readonly steps: WebGLUniformLocation | null;
+  readonly nodeFromEye: WebGLUniformLocation | null;
+  readonly rays: WebGLUniformLocation | null;
   readonly projection: WebGLUniformLocation | null;
 }
 
@@ -47,10 +51,16 @@ export class NodeDrawer {
   colors: WebGLTexture | null = null;
   depths: WebGLTexture | null = null;
   layers = 0;
-  /** Of the last drawLayers(): tolerance and near plane, and the nearness of each node. */
+  /** Of the last drawLayers(), what mergeFunction() names likewise. */
   readonly mergeUniform = new Float32Array(2);
   readonly nearness = new Float32Array(kMostDrawn);
+  readonly steps = new Float32Array(kMostDrawn);
+  readonly nodeFromEye = new Float32Array(16 * kMostDrawn);
+  readonly rays = new Float32Array(4);
+  readonly seen: (WebGLTexture | null)[] = new Array<null>(kMostDrawn).fill(null);
 
+  /** Draws what a node sees, once when it comes. */
+  readonly seenDrawer: SeenDrawer;
   private readonly surface: NodeProgram;
   private readonly skin: NodeProgram;
   private surfaceObject: NodeProgram | null = null;
@@ -70,13 +80,14 @@ export class NodeDrawer {
   private readonly clip32 = new Float32Array(16);
   private readonly scales = new Float32Array(4);
   private readonly projection = new Float32Array(4);
-  private readonly rays = new Float64Array(12);
+  private readonly corners = new Float64Array(12);
   private readonly apex = new Float64Array(3);
   private readonly visible = new Uint8Array(6);
 
   constructor(private readonly gl: WebGL2RenderingContext) {
     this.surface = this.nodeProgram();
     this.skin = this.nodeProgram("SKIN");
+    this.seenDrawer = new SeenDrawer(gl);
     this.noVertices = gl.createVertexArray();
     this.clamps = gl.getExtension("EXT_depth_clamp") !== null;
     this.clipControl = gl.getExtension("EXT_clip_control");
@@ -85,23 +96,30 @@ export class NodeDrawer {
 
   /** Draws nodes into the layers, the best first. Changes framebuffer, viewport and programs. */
   drawLayers(view: View, nodes: readonly StoredNode[], count: number): void {
-    const { gl, stats } = this;
+    const { stats } = this;
     stats.drawCalls = 0;
     stats.triangles = 0;
-    this.makeLayers(view.width, view.height, Math.max(2, count));
     // The first node shows everything that is seen from its own place.
-    if (count > 1 && eyeDistance(view, nodes[0]) < 1e-6) count = 1;
+    const e = view.worldFromEye;
+    if (count > 1 && eyeDistance(view, nodes[0]) < 1e-6 * Math.max(1, Math.hypot(e[12], e[13], e[14])))
+      count = 1;
+    // One for each node's surfaces, and one for all skins.
+    this.makeLayers(view.width, view.height, Math.max(2, count) + 1);
     this.layers = count;
     const near = this.begin(view);
-    this.mergeUniform[0] = kTolerance;
-    this.mergeUniform[1] = near;
-    let sum = 0;
-    for (let i = 0; i < count; ++i) sum += 1 / Math.max(1e-9, eyeDistance(view, nodes[i]));
+    this.setMerge(view, nodes, count, near);
     for (let i = 0; i < count; ++i) {
-      this.nearness[i] = Math.max(1e-6, 1 / Math.max(1e-9, eyeDistance(view, nodes[i])) / sum);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffers[i]);
-      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-      this.drawNode(view, nodes[i], near, i === 0, this.surface, this.skin);
+      this.beginLayer(i);
+      this.beginNode(view, nodes[i], near);
+      this.drawSurfaces(this.surface, nodes[i], i === 0);
+      if (count === 1) this.drawSkins(this.skin, nodes[i], true);
+    }
+    if (count > 1) {
+      this.beginLayer(count);
+      for (let i = 0; i < count; ++i) {
+        this.beginNode(view, nodes[i], near);
+        this.drawSkins(this.skin, nodes[i], i === 0);
+      }
     }
     this.end();
   }
@@ -116,9 +134,18 @@ export class NodeDrawer {
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.colors);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.depths);
-    gl.activeTexture(gl.TEXTURE0);
     gl.uniform2fv(of.merge, this.mergeUniform);
-    gl.uniform1fv(of.nearness, this.nearness, 0, this.layers);
+    if (this.layers > 1) {
+      for (let i = 0; i < this.layers; ++i) {
+        gl.activeTexture(gl.TEXTURE2 + i);
+        gl.bindTexture(gl.TEXTURE_2D, this.seen[i]);
+      }
+      gl.uniform1fv(of.nearness, this.nearness, 0, this.layers);
+      gl.uniform1fv(of.steps, this.steps, 0, this.layers);
+      gl.uniformMatrix4fv(of.nodeFromEye, false, this.nodeFromEye, 0, 16 * this.layers);
+      gl.uniform4fv(of.rays, this.rays);
+    }
+    gl.activeTexture(gl.TEXTURE0);
     const p = view.clipFromEye;
     this.projection[0] = p[10];
     this.projection[1] = p[14];
@@ -180,7 +207,9 @@ export class NodeDrawer {
     for (let i = 0; i < count; ++i) {
       gl.activeTexture(gl.TEXTURE1);
       gl.bindTexture(gl.TEXTURE_2D, nodes[i].objects);
-      this.drawNode(view, nodes[i], near, i === 0, this.surfaceObject, this.skinObject);
+      this.beginNode(view, nodes[i], near);
+      this.drawSurfaces(this.surfaceObject, nodes[i], i === 0);
+      this.drawSkins(this.skinObject, nodes[i], i === 0);
     }
     this.end();
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
@@ -202,6 +231,7 @@ export class NodeDrawer {
   dispose(): void {
     const { gl } = this;
     this.dropLayers();
+    this.seenDrawer.dispose();
     for (const of of [this.surface, this.skin, this.surfaceObject, this.skinObject])
       if (of) gl.deleteProgram(of.program);
     for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);
@@ -217,6 +247,7 @@ export class NodeDrawer {
     gl.useProgram(program);
     gl.uniform1i(gl.getUniformLocation(program, "faces"), 0);
     gl.uniform1i(gl.getUniformLocation(program, "objects"), 1);
+    gl.uniform1i(gl.getUniformLocation(program, "weights"), 1);
     return {
       program,
       clip: gl.getUniformLocation(program, "clip_from_node"),
@@ -233,10 +264,15 @@ export class NodeDrawer {
     gl.useProgram(program);
     gl.uniform1i(gl.getUniformLocation(program, "node_colors"), 0);
     gl.uniform1i(gl.getUniformLocation(program, "node_depths"), 1);
+    for (let i = 0; i < layers; ++i)
+      gl.uniform1i(gl.getUniformLocation(program, `node_seen${i}`), 2 + i);
     return (this.mergePrograms[layers] = {
       program,
       merge: gl.getUniformLocation(program, "node_merge"),
       nearness: gl.getUniformLocation(program, "node_nearness"),
+      steps: gl.getUniformLocation(program, "node_steps"),
+      nodeFromEye: gl.getUniformLocation(program, "node_from_eye"),
+      rays: gl.getUniformLocation(program, "node_rays"),
       projection: gl.getUniformLocation(program, "projection"),
     });
   }
@@ -271,12 +307,49 @@ export class NodeDrawer {
     gl.bindVertexArray(null);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, null);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
   }
 
-  private drawNode(view: View, node: StoredNode, near: number, first: boolean,
-                   surface: NodeProgram, skin: NodeProgram): void {
+  private beginLayer(layer: number): void {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffers[layer]);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  // What the merge of `count` nodes asks for.
+  private setMerge(view: View, nodes: readonly StoredNode[], count: number, near: number): void {
+    const { nearness, steps, nodeFromEye, rays } = this;
+    this.mergeUniform[0] = kTolerance;
+    this.mergeUniform[1] = near;
+    let sum = 0;
+    for (let i = 0; i < count; ++i) sum += 1 / Math.max(1e-9, eyeDistance(view, nodes[i]));
+    const e = view.worldFromEye, p = view.clipFromEye;
+    for (let i = 0; i < count; ++i) {
+      const node = nodes[i], w = node.worldFromNode;
+      // Squared: the nearer node's texels are smaller in both directions.
+      const share = 1 / Math.max(1e-9, eyeDistance(view, node)) / sum;
+      nearness[i] = Math.max(1e-9, share * share);
+      steps[i] = node.level.mesh.disparityStep;
+      this.seen[i] = node.seen;
+      for (let column = 0; column < 4; ++column)
+        for (let row = 0; row < 4; ++row) {
+          let dot = row === 3 ? (column === 3 ? 1 : 0) : 0;
+          if (row < 3)
+            for (let k = 0; k < 3; ++k)
+              dot += w[4 * row + k] * (e[4 * column + k] - (column === 3 ? w[12 + k] : 0));
+          nodeFromEye[16 * i + 4 * column + row] = dot;
+        }
+    }
+    rays[0] = (p[8] - 1) / p[0];
+    rays[1] = (p[9] - 1) / p[5];
+    rays[2] = 2 / (view.width * p[0]);
+    rays[3] = 2 / (view.height * p[5]);
+  }
+
+  // Before the surfaces and the skins of a node are drawn.
+  private beginNode(view: View, node: StoredNode, near: number): void {
     const { gl, scales } = this;
     this.setClip(view, node);
     this.findVisible(view, node);
@@ -287,13 +360,25 @@ export class NodeDrawer {
     scales[3] = 2 * near;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
+  }
+
+  private drawSurfaces(of: NodeProgram, node: StoredNode, first: boolean): void {
+    const { gl } = this;
+    if (of === this.surface) {
+      gl.activeTexture(gl.TEXTURE1);
+      gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.weights);
+      gl.activeTexture(gl.TEXTURE0);
+    }
     // The first node sees the eye. What the eye would see from behind of another node's surfaces,
     // that node saw around a corner: it must not cover what the first node knows.
     if (first) gl.disable(gl.CULL_FACE);
     else gl.enable(gl.CULL_FACE);
-    this.drawSides(surface, node.surfaces, node.surfaceStarts, 0);
+    this.drawSides(of, node.surfaces, node.surfaceStarts, 0);
     gl.disable(gl.CULL_FACE);
-    this.drawSides(skin, node.skins, node.skinStarts, first ? kAnyWidth : kCrack);
+  }
+
+  private drawSkins(of: NodeProgram, node: StoredNode, first: boolean): void {
+    this.drawSides(of, node.skins, node.skinStarts, first ? kAnyWidth : kCrack);
   }
 
   private drawSides(of: NodeProgram, array: WebGLVertexArrayObject, starts: Uint32Array,
@@ -339,7 +424,7 @@ export class NodeDrawer {
 
   // As visible_faces.cpp: a side is left out whose pyramid is apart from the frustum (S3.5).
   private findVisible(view: View, node: StoredNode): void {
-    const { rays, apex, visible, clip } = this;
+    const { corners, apex, visible, clip } = this;
     const w = node.worldFromNode, e = view.worldFromEye, p = view.clipFromEye;
     const toNode = (x: number, y: number, z: number, out: Float64Array, at: number) => {
       out[at] = w[0] * x + w[1] * y + w[2] * z;
@@ -351,7 +436,7 @@ export class NodeDrawer {
       // Where clip x and y are +-w on the plane z = -1.
       const x = (((k & 1) ? 1 : -1) + p[8]) / p[0], y = (((k & 2) ? 1 : -1) + p[9]) / p[5];
       toNode(e[0] * x + e[4] * y - e[8], e[1] * x + e[5] * y - e[9], e[2] * x + e[6] * y - e[10],
-             rays, 3 * k);
+             corners, 3 * k);
     }
     for (let f = 0; f < 6; ++f) {
       visible[f] = 0;
@@ -376,7 +461,7 @@ export class NodeDrawer {
         const x = a[0] + s * a[at], y = a[1] + s * a[at + 1], z = a[2] + s * a[at + 2];
         let beyond = x * apex[0] + y * apex[1] + z * apex[2] < 0;
         for (let k = 0; k < 4; ++k)
-          beyond = beyond && x * rays[3 * k] + y * rays[3 * k + 1] + z * rays[3 * k + 2] < 0;
+          beyond = beyond && x * corners[3 * k] + y * corners[3 * k + 1] + z * corners[3 * k + 2] < 0;
         apart = apart || beyond;
       }
       if (!apart) visible[f] = 1;

@@ -1,4 +1,5 @@
-// Nodes on the GPU: a cube map of colours, and the meshes of surfaces and skins.
+// Nodes on the GPU: cube maps of colours and of what texels count, what the node sees of all sides,
+// and the meshes of surfaces and skins.
 
 import type { LevelEntry } from "../manifest.js";
 import { kSkinStride, kSurfaceStride, type NodeMesh } from "../mesh-layout.js";
@@ -7,6 +8,9 @@ export interface StoredNode {
   readonly worldFromNode: Float64Array;
   readonly level: LevelEntry;
   readonly faces: WebGLTexture;
+  readonly weights: WebGLTexture;
+  /** 3 x 2 faces of disparities as SeenDrawer (seen.ts) draws them. */
+  readonly seen: WebGLTexture;
   readonly objects: WebGLTexture | null;
   readonly surfaces: WebGLVertexArrayObject;
   readonly skins: WebGLVertexArrayObject;
@@ -19,13 +23,18 @@ export interface StoredNode {
   readonly bytes: number;
   /** Faces uploaded so far; drawn from 6 on. */
   uploaded: number;
+  /** Of all faces, until they are uploaded. */
+  weightSheet: Uint8Array | null;
 }
 
-/** What a node needs on the GPU, bytes. */
+/** A texel's bytes: colour, weight, disparity, and the identifier if there is one. */
+export const kTexelBytes = 4 + 1 + 2, kObjectBytes = 2;
+
 function storedBytes(level: LevelEntry, mesh: NodeMesh, objects: boolean): number {
   const texels = 6 * level.faceSize * level.faceSize;
   return (
-    texels * (objects ? 6 : 4) + mesh.surfaceVertices.length + mesh.skinVertices.length +
+    texels * (kTexelBytes + (objects ? kObjectBytes : 0)) +
+    mesh.surfaceVertices.length + mesh.skinVertices.length +
     mesh.surfaceIndices.byteLength + mesh.skinIndices.byteLength
   );
 }
@@ -36,10 +45,38 @@ function starts(counts: readonly number[]): Uint32Array {
   return made;
 }
 
-/** Creates a node without its faces' colours (uploadFace). */
+function cubeMap(gl: WebGL2RenderingContext, format: number, size: number): WebGLTexture {
+  const made = gl.createTexture() as WebGLTexture;
+  gl.bindTexture(gl.TEXTURE_CUBE_MAP, made);
+  gl.texStorage2D(gl.TEXTURE_CUBE_MAP, 1, format, size, size);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+    gl.texParameteri(gl.TEXTURE_CUBE_MAP, filter, gl.LINEAR);
+  gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
+  return made;
+}
+
+// 3 x 2 faces of 16-bit numbers.
+function sheet16(gl: WebGL2RenderingContext, size: number, texels: Uint16Array | null):
+    WebGLTexture {
+  const made = gl.createTexture() as WebGLTexture;
+  gl.bindTexture(gl.TEXTURE_2D, made);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, 3 * size, 2 * size);
+  if (texels) {
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 3 * size, 2 * size, gl.RED_INTEGER,
+                     gl.UNSIGNED_SHORT, texels);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+  }
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+    gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+  gl.bindTexture(gl.TEXTURE_2D, null);
+  return made;
+}
+
+/** Creates a node without its faces (uploadFace) and what it sees (SeenDrawer). */
 export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Array,
-                          level: LevelEntry, mesh: NodeMesh, objects: Uint16Array | null):
-    StoredNode {
+                          level: LevelEntry, mesh: NodeMesh, weights: Uint8Array,
+                          objects: Uint16Array | null): StoredNode {
   const buffers: WebGLBuffer[] = [];
   const buffer = (target: number, data: ArrayBufferView) => {
     const made = gl.createBuffer();
@@ -56,10 +93,8 @@ export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Arra
     gl.vertexAttribPointer(0, 3, gl.SHORT, false, stride, 0);
     gl.enableVertexAttribArray(1);
     gl.vertexAttribPointer(1, 1, gl.UNSIGNED_SHORT, false, stride, 6);
-    gl.enableVertexAttribArray(2);
-    if (stride === kSurfaceStride) {
-      gl.vertexAttribPointer(2, 1, gl.UNSIGNED_BYTE, true, stride, 8);
-    } else {
+    if (stride === kSkinStride) {
+      gl.enableVertexAttribArray(2);
       gl.vertexAttribPointer(2, 3, gl.SHORT, false, stride, 8);
       gl.enableVertexAttribArray(3);
       gl.vertexAttribPointer(3, 1, gl.UNSIGNED_SHORT, false, stride, 14);
@@ -69,55 +104,50 @@ export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Arra
   };
   const surfaces = array(mesh.surfaceVertices, mesh.surfaceIndices, kSurfaceStride);
   const skins = array(mesh.skinVertices, mesh.skinIndices, kSkinStride);
-
-  const faces = gl.createTexture() as WebGLTexture;
-  gl.bindTexture(gl.TEXTURE_CUBE_MAP, faces);
-  gl.texStorage2D(gl.TEXTURE_CUBE_MAP, 1, gl.RGBA8, level.faceSize, level.faceSize);
-  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-    gl.texParameteri(gl.TEXTURE_CUBE_MAP, filter, gl.LINEAR);
-  gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
-
-  let ids: WebGLTexture | null = null;
-  if (objects) {
-    ids = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, ids);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, 3 * level.faceSize, 2 * level.faceSize);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 3 * level.faceSize, 2 * level.faceSize,
-                     gl.RED_INTEGER, gl.UNSIGNED_SHORT, objects);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-      gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
-    gl.bindTexture(gl.TEXTURE_2D, null);
-  }
   const surfaceStarts = starts(level.mesh.surfaces);
   const skinStarts = starts(level.mesh.skins);
   return {
-    worldFromNode, level, faces, objects: ids, surfaces, skins, buffers, surfaceStarts, skinStarts,
+    worldFromNode, level,
+    faces: cubeMap(gl, gl.RGBA8, level.faceSize),
+    weights: cubeMap(gl, gl.R8, level.faceSize),
+    seen: sheet16(gl, level.faceSize, null),
+    objects: objects ? sheet16(gl, level.faceSize, objects) : null,
+    surfaces, skins, buffers, surfaceStarts, skinStarts,
     reaches: mesh.reaches,
     triangles: surfaceStarts[6] + skinStarts[6],
-    bytes: storedBytes(level, mesh, ids !== null),
+    bytes: storedBytes(level, mesh, objects !== null),
     uploaded: 0,
+    weightSheet: weights,
   };
 }
 
 /** Uploads the next face, whose first row is the bottom one. */
 export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: ImageBitmap): void {
-  gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
+  const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + node.uploaded, size = node.level.faceSize;
   // As the bitmap is: whatever was set by others.
   gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
   gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
   gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-  gl.texSubImage2D(gl.TEXTURE_CUBE_MAP_POSITIVE_X + node.uploaded, 0, 0, 0, gl.RGBA,
-                   gl.UNSIGNED_BYTE, face);
+  gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
+  gl.texSubImage2D(target, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, face);
   gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.BROWSER_DEFAULT_WEBGL);
+  if (node.weightSheet) {
+    const column = node.uploaded % 3, row = Math.floor(node.uploaded / 3);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.weights);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 3 * size);
+    gl.texSubImage2D(target, 0, 0, 0, size, size, gl.RED, gl.UNSIGNED_BYTE, node.weightSheet,
+                     size * (column + 3 * size * row));
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+  }
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
-  ++node.uploaded;
+  if (++node.uploaded === 6) node.weightSheet = null;
 }
 
 export function deleteNode(gl: WebGL2RenderingContext, node: StoredNode): void {
-  gl.deleteTexture(node.faces);
-  if (node.objects) gl.deleteTexture(node.objects);
+  for (const texture of [node.faces, node.weights, node.seen, node.objects])
+    gl.deleteTexture(texture);
   gl.deleteVertexArray(node.surfaces);
   gl.deleteVertexArray(node.skins);
   for (const buffer of node.buffers) gl.deleteBuffer(buffer);

@@ -10,9 +10,6 @@ layout(location = 1) in float disparity;    // code
 layout(location = 2) in vec3 texture_direction;  // times 4 N
 layout(location = 3) in float stretch;           // 8 times itself, plus 1; 0: always
 out float v_stretch;
-#else
-layout(location = 2) in float quality;
-flat out float v_quality;
 #endif
 uniform mat4 clip_from_node;
 uniform vec4 scales;  // 1 / N, disparity step, 1 / 4 N, twice the near plane
@@ -28,8 +25,23 @@ void main() {
   v_stretch = (stretch - 1.0) * 0.125;
 #else
   v_direction = place.xyz;
-  v_quality = quality;
 #endif
+}
+`;
+
+// A direction's face and its place there, from -1 to 1, of OpenGL's cube maps.
+const kFaceOf = `int face_of(vec3 d, out vec2 st) {
+  vec3 a = abs(d);
+  if (a.x >= a.y && a.x >= a.z) {
+    st = vec2(d.x > 0.0 ? -d.z : d.z, -d.y) / a.x;
+    return d.x > 0.0 ? 0 : 1;
+  }
+  if (a.y >= a.z) {
+    st = vec2(d.x, d.y > 0.0 ? d.z : -d.z) / a.y;
+    return d.y > 0.0 ? 2 : 3;
+  }
+  st = vec2(d.z > 0.0 ? d.x : -d.x, -d.y) / a.z;
+  return d.z > 0.0 ? 4 : 5;
 }
 `;
 
@@ -40,27 +52,16 @@ in vec3 v_direction;
 #ifdef SKIN
 in float v_stretch;
 uniform float widest_skin;  // pixels
-#else
-flat in float v_quality;
 #endif
 uniform samplerCube faces;
+uniform samplerCube weights;
 #ifdef OBJECT
 uniform usampler2D objects;  // 3 x 2 faces
 layout(location = 0) out uvec4 out_object;
+${kFaceOf}
 uint object_at(vec3 d) {
-  vec3 a = abs(d);
-  int face;
-  vec2 st;  // of OpenGL's cube maps, from -1 to 1
-  if (a.x >= a.y && a.x >= a.z) {
-    face = d.x > 0.0 ? 0 : 1;
-    st = vec2(d.x > 0.0 ? -d.z : d.z, -d.y) / a.x;
-  } else if (a.y >= a.z) {
-    face = d.y > 0.0 ? 2 : 3;
-    st = vec2(d.x, d.y > 0.0 ? d.z : -d.z) / a.y;
-  } else {
-    face = d.z > 0.0 ? 4 : 5;
-    st = vec2(d.z > 0.0 ? d.x : -d.x, -d.y) / a.z;
-  }
+  vec2 st;
+  int face = face_of(d, st);
   int size = textureSize(objects, 0).x / 3;
   ivec2 texel = clamp(ivec2(floor((0.5 * st + 0.5) * float(size))), ivec2(0), ivec2(size - 1));
   return texelFetch(objects, ivec2(face % 3, face / 3) * size + texel, 0).r;
@@ -78,7 +79,9 @@ void main() {
 #elif defined(SKIN)
   out_color = vec4(texture(faces, v_direction).rgb, 1.0 / 255.0);
 #else
-  out_color = vec4(texture(faces, v_direction).rgb, v_quality);
+  // 0 is nothing, 1 a skin.
+  out_color = vec4(texture(faces, v_direction).rgb,
+                   (2.0 + 253.0 * texture(weights, v_direction).r) / 255.0);
 #endif
 }
 `;
@@ -90,39 +93,113 @@ void main() {
 }
 `;
 
+function each(layers: number, line: (layer: number) => string): string {
+  return Array.from({ length: layers }, (_, layer) => line(layer)).join("");
+}
+
 /**
- * The merge (S3.7): of the surfaces within `tolerance` of the nearest the mean by quality and by
- * nearness of the eye to the node. A skin counts only where no node has more. GLSL of
+ * The merge (S3.7), as kMergeFragment of node_shaders.cpp explains it: of each node its surfaces lie
+ * in a layer of their own, and skins lie behind everything, those of all nodes in the last layer. A
+ * node that is drawn alone has both in its layer. GLSL of
  * `bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z)`; colours are sRGB-encoded.
  */
 export function mergeFunction(layers: number): string {
-  return `
+  const head = `
 uniform highp sampler2DArray node_colors;
 uniform highp sampler2DArray node_depths;
 uniform vec2 node_merge;  // tolerance, near plane of the layers
+float layer_z(ivec2 pixel, int layer) {
+  // The sky: far beyond all surfaces, but a number.
+  return node_merge.y / max(1.0 - texelFetch(node_depths, ivec3(pixel, layer), 0).r, 1e-15);
+}
+`;
+  if (layers === 1)
+    return `${head}
+bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
+  vec4 shown = texelFetch(node_colors, ivec3(pixel, 0), 0);
+  color = shown.rgb;
+  eye_z = layer_z(pixel, 0);
+  return shown.a > 0.0;
+}
+`;
+  return `${head}
 uniform float node_nearness[${layers}];
+uniform float node_steps[${layers}];  // 1/m, of disparities
+uniform mat4 node_from_eye[${layers}];
+uniform vec4 node_rays;  // of a pixel's (x, y): at z = -1, xy + zw (x, y)
+${each(layers, (i) => `uniform highp usampler2D node_seen${i};
+`)}
+int seen_size(int node) {
+${each(layers, (i) => `  if (node == ${i}) return textureSize(node_seen${i}, 0).x / 3;
+`)}  return 1;
+}
+uint seen_at(int node, ivec2 texel) {
+${each(layers, (i) => `  if (node == ${i}) return texelFetch(node_seen${i}, texel, 0).r;
+`)}  return 0u;
+}
+${kFaceOf}
+// 1 where node j sees what lies at p or before it, 0 where it sees through p by the tolerance.
+float node_share(int j, vec3 p) {
+  vec3 seen = (node_from_eye[j] * vec4(p, 1.0)).xyz;
+  vec2 st;
+  int face = face_of(seen, st);
+  int size = seen_size(j);
+  ivec2 corner = ivec2(face % 3, face / 3) * size;
+  ivec2 at = ivec2(floor((0.5 * st + 0.5) * float(size) - 0.5));
+  uint code = 0u;
+  for (int k = 0; k < 4; ++k)
+    code = max(code, seen_at(j, corner + clamp(at + ivec2(k & 1, k >> 1), ivec2(0), ivec2(size - 1))));
+  // It says nothing.
+  if (code == 0u) return 1.0;
+  float nearest = unpackHalf2x16(code - 1u).x * node_steps[j];
+  float ahead = max(max(abs(seen.x), abs(seen.y)), abs(seen.z));
+  return clamp(2.0 - 2.0 * (1.0 / max(nearest * ahead, 1e-9) - 1.0) / node_merge.x, 0.0, 1.0);
+}
 bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
   vec4 colors[${layers}];
   float depths[${layers}];
-  float nearest = 1e38, nearest_skin = 1e38;
+  float shares[${layers}];
+  float nearest = 1e38, farthest = 0.0;
   for (int i = 0; i < ${layers}; ++i) {
     colors[i] = texelFetch(node_colors, ivec3(pixel, i), 0);
-    // The sky: far beyond all surfaces, but a number.
-    depths[i] = node_merge.y / max(1.0 - texelFetch(node_depths, ivec3(pixel, i), 0).r, 1e-15);
-    if (colors[i].a > 1.5 / 255.0) nearest = min(nearest, depths[i]);
-    else if (colors[i].a > 0.0) nearest_skin = min(nearest_skin, depths[i]);
+    depths[i] = layer_z(pixel, i);
+    shares[i] = 1.0;
+    if (colors[i].a == 0.0) continue;
+    nearest = min(nearest, depths[i]);
+    farthest = max(farthest, depths[i]);
   }
-  bool skin = nearest > 1e37;
-  if (skin) nearest = nearest_skin;
-  color = vec3(0.0);
-  eye_z = nearest;
-  if (nearest > 1e37) return false;
+  if (farthest == 0.0) {
+    vec4 skin = texelFetch(node_colors, ivec3(pixel, ${layers}), 0);
+    color = skin.rgb;
+    eye_z = layer_z(pixel, ${layers});
+    return skin.a > 0.0;
+  }
+  if (farthest > nearest * (1.0 + 0.5 * node_merge.x)) {
+    // Surfaces do not agree. Those of the first node, which sees the eye, are there.
+    vec3 ray = vec3(node_rays.xy + node_rays.zw * (vec2(pixel) + 0.5), -1.0);
+    float accepted = 1e38;
+    for (int i = 0; i < ${layers}; ++i) {
+      if (colors[i].a == 0.0) continue;
+      // Nobody sees through the sky.
+      if (i > 0 && depths[i] < 1e12 * node_merge.y)
+        for (int j = 0; j < ${layers}; ++j)
+          if (j != i) shares[i] = min(shares[i], node_share(j, depths[i] * ray));
+      if (shares[i] >= 0.5) accepted = min(accepted, depths[i]);
+    }
+    if (accepted < 1e37) {
+      nearest = accepted;
+    } else {
+      // Each is refuted by another one.
+      for (int i = 0; i < ${layers}; ++i) shares[i] = 1.0;
+    }
+  }
   float limit = nearest * (1.0 + node_merge.x);
   float weights = 0.0, most = -1.0;
+  color = vec3(0.0);
+  eye_z = nearest;
   for (int i = 0; i < ${layers}; ++i) {
-    if (colors[i].a == 0.0 || (colors[i].a > 1.5 / 255.0) == skin || depths[i] > limit) continue;
-    float weight = skin ? 1.0 : max(colors[i].a * 255.0 - 2.0, 0.0) + 0.25;
-    weight *= node_nearness[i];
+    if (colors[i].a == 0.0 || depths[i] > limit) continue;
+    float weight = shares[i] * (max(colors[i].a * 255.0 - 2.0, 0.0) + 0.25) * node_nearness[i];
     if (weight > most) {
       most = weight;
       eye_z = depths[i];
@@ -154,13 +231,6 @@ void main() {
   gl_FragDepth = min(0.5 * z + 0.5, 1.0 - exp2(-23.0));
 }
 `;
-}
-
-export interface Programs {
-  surface: WebGLProgram;
-  skin: WebGLProgram;
-  surfaceObject: WebGLProgram;
-  skinObject: WebGLProgram;
 }
 
 export function compile(gl: WebGL2RenderingContext, name: string, vertex: string,

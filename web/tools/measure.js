@@ -1,0 +1,91 @@
+// What a scene's walk costs and how right it is, in one run: bakes the scene, writes the walk, draws
+// it in Chromium from eyes between its nodes, and compares these frames and those of the C++ drawer
+// with true ones.
+//   node tools/measure.js SCENE FOLDER [--eyes N] [--size WxH] [--program RILIEVO] [BAKE OPTIONS...]
+// FOLDER gets all files, and figures.json; what is already baked there is taken as it is.
+import { spawnSync } from "node:child_process";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { launch, root, serve } from "../test/browser.js";
+
+const [scene, folder, ...rest] = process.argv.slice(2);
+if (!folder) throw new Error("usage: node tools/measure.js SCENE FOLDER [options]");
+function option(name, otherwise) {
+  const at = rest.indexOf(name);
+  return at < 0 ? otherwise : rest.splice(at, 2)[1];
+}
+const eyes = Number(option("--eyes", 100));
+const [width, height] = option("--size", "320x180").split("x").map(Number);
+const program = option("--program", join(root, "../build/release/bin/rilievo"));
+const threshold = option("--psnr", "42");
+mkdirSync(folder, { recursive: true });
+const inside = (name) => join(folder, name);
+
+function rilievo(...args) {
+  const begin = performance.now();
+  const done = spawnSync(program, args, { encoding: "utf8", maxBuffer: 1 << 28 });
+  if (done.status !== 0) throw new Error(`rilievo ${args.join(" ")}: ${done.stderr}`);
+  return 1e-3 * (performance.now() - begin);
+}
+const read = (name) => JSON.parse(readFileSync(inside(name), "utf8"));
+
+if (!existsSync(inside("baked.exr")))
+  rilievo("bake", scene, "--as", "environment-nodes", ...rest, "-o", inside("baked.exr"),
+          "--json", inside("bake.json"));
+rilievo("web", inside("baked.exr"), "--psnr", threshold, "-o", inside("walk"),
+        "--json", inside("web.json"));
+rilievo("web", inside("baked.exr"), "--psnr", threshold, "--objects", "-o", inside("identified"));
+
+const server = await serve({ walk: inside("identified"), test: join(root, "test") });
+const browser = await launch();
+let keys;
+try {
+  const page = await browser.newPage();
+  await page.setViewport({ width, height });
+  await page.goto(`${server.url}/test/viewer.html`);
+  await page.evaluate(async () => {
+    window.viewer = window.rilievo.show(document.getElementById("walk"), "/walk/walk.json",
+                                        { pixelRatio: 1, objects: true });
+    await window.viewer.ready;
+  });
+  keys = await page.evaluate((eyes) => window.eyesBetweenNodes(eyes), eyes);
+  mkdirSync(inside("page"), { recursive: true });
+  for (const [k, key] of keys.entries()) {
+    const { frame, objects } = await page.evaluate((key) => window.pngsOf(key), key);
+    const name = String(k).padStart(5, "0");
+    writeFileSync(inside(`page/frame_${name}.png`), Buffer.from(frame, "base64"));
+    writeFileSync(inside(`page/objects_${name}.png`), Buffer.from(objects, "base64"));
+  }
+} finally {
+  await browser.close();
+  await server.close();
+}
+
+const { start } = read("walk/walk.json");
+writeFileSync(inside("path.json"), JSON.stringify({
+  schema: "rilievo-path-1", z_near: start.z_near, z_far: start.z_far,
+  // Each eye ends at a cut.
+  keys: keys.flatMap(({ eye, target, up, vertical_fov }, k) => [
+    { time: k / 60, eye, target, up, vertical_fov },
+    { time: (k + 1) / 60 - 1e-3, eye, target, up, vertical_fov },
+  ]),
+}));
+rilievo("compare", inside("baked.exr"), "--scene", scene, "--path", inside("path.json"),
+        "--frames", String(eyes), "--size", `${width}x${height}`, "--samples", "1",
+        "--frames-of", `page=${inside("page")}`, "-o", inside("report"));
+
+const web = read("web.json"), bake = read("bake.json");
+const [, library, inPage] = read("report/report.json").methods;
+const lengths = (method) => ({
+  psnr_db: method.psnr_db.mean, least_psnr_db: method.psnr_db.min, ssim: method.ssim.mean,
+  flip: method.flip.mean, wrong_percent: 100 * method.wrong_visibility.mean,
+});
+const manifest = read("walk/walk.json");
+const figures = {
+  scene, nodes: manifest.nodes.length, eyes, first_view_bytes: web.first_view_bytes,
+  bytes: web.bytes, bake_seconds: bake.seconds, write_seconds: web.seconds,
+  held_percent: bake.visible_share_held === undefined ? null : 100 * bake.visible_share_held,
+  library: lengths(library), page: lengths(inPage),
+};
+writeFileSync(inside("figures.json"), JSON.stringify(figures, null, 1));
+console.log(JSON.stringify(figures, null, 1));
