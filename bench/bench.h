@@ -36,6 +36,14 @@ struct BenchOptions {
   double late = CacheOptions{}.late;     // as ImageCacheOptions::late
   double max_spike = kInteractiveSpike;  // as ImageCacheOptions::max_spike
   bool levels = false;                   // as ImageCacheOptions::levels
+  // For `keyframes`: time that a frame spends on the next keyframe, ms (0: a sixteenth of one), and
+  // samples of a keyframe's texel.
+  double keyframe_ms = 8;
+  int keyframe_samples = 4;
+  // For `keyframes`: the eye moves by a sixtieth of a second a frame, not by the clock; and where
+  // true frames of such a walk are kept (empty: nowhere).
+  bool each_frame = false;
+  std::string reference_folder;
   // For `real`: what the cache compares; none: the costs built in.
   std::optional<MachineCosts> machine;
   // Called now and then with what is done and how much there is.

@@ -8,6 +8,7 @@
 #include "bench/decoupling.h"
 #include "bench/deep_objects.h"
 #include "bench/draw.h"
+#include "bench/keyframes.h"
 #include "bench/kinds.h"
 #include "bench/layered.h"
 #include "bench/layered_cost.h"
@@ -46,6 +47,9 @@ std::span<const Bench> benches() {
             tradeoff},
       Bench{"real", "How fast is the cache in scenes such as users have, in real time?",
             Needs::as_it_draws, real},
+      Bench{"keyframes",
+            "What do whole frames from keyframes cost and look like, beside direct drawing?",
+            Needs::nothing, keyframes},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", Needs::nothing,
             scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?",

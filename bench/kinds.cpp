@@ -15,11 +15,13 @@
 #include <utility>
 #include <vector>
 
+#include "bench/drawn_by.h"
 #include "bench/timing.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/software/software_target.h"
 #include "rilievo/representation/gl/factories.h"
 #include "rilievo/representation/kinds.h"
 #include "rilievo/representation/software/software_factories.h"

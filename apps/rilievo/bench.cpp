@@ -30,6 +30,10 @@ struct BenchCommand {
   int width = 0, height = 0;
   double capture_ms = 0, late = CacheOptions{}.late, max_spike = kInteractiveSpike;
   bool levels = false;
+  bool each_frame = false;
+  std::string reference_folder;
+  double keyframe_ms = bench::BenchOptions{}.keyframe_ms;
+  int keyframe_samples = bench::BenchOptions{}.keyframe_samples;
   std::optional<MachineCosts> machine;
 };
 
@@ -81,6 +85,10 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.max_spike = options.max_spike;
   bench_options.levels = options.levels;
   bench_options.machine = options.machine;
+  bench_options.each_frame = options.each_frame;
+  bench_options.reference_folder = options.reference_folder;
+  bench_options.keyframe_ms = options.keyframe_ms;
+  bench_options.keyframe_samples = options.keyframe_samples;
   bench_options.shader = options.shader;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
@@ -126,19 +134,36 @@ Command bench_command(CLI::App& app) {
   command
       ->add_option("--scene", options->scenes,
                    "For node-places: scenes besides stonehenge; for kinds: objects besides its "
-                   "own; for real: scenes instead of its own, each with the walks NAME-*.json "
-                   "beside it")
+                   "own; for real and keyframes: scenes instead of its own, each with the walks "
+                   "NAME-*.json beside it")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(
           "--size",
           [options](const std::string& text) { parse_size(text, options->width, options->height); },
-          "For real: size of a frame in pixels (default 1280x720)")
+          "For real and keyframes: size of a frame in pixels (default 1280x720)")
       ->type_name("WxH");
   add_budget_options(*command, "For real", options->capture_ms, options->late, options->max_spike);
   command->add_flag(
       "--levels", options->levels,
       "For real: the cache draws levels of detail with bounded errors (not by OpenGL)");
+  command
+      ->add_option("--keyframe-ms", options->keyframe_ms,
+                   "For keyframes: time that a frame spends on the next keyframe, in ms; 0: a "
+                   "sixteenth of one (default 8)")
+      ->check(in_range(0.0, 1000.0))
+      ->type_name("T");
+  command
+      ->add_option("--keyframe-samples", options->keyframe_samples,
+                   "For keyframes: samples of a texel (default 4)")
+      ->check(CLI::IsMember({1, 4, 16}));
+  command->add_flag("--each-frame", options->each_frame,
+                    "For keyframes: the eye moves by a sixtieth of a second a frame, however long "
+                    "frames take; with --keyframe-ms 0, frames are the same on every machine");
+  command
+      ->add_option("--reference-folder", options->reference_folder,
+                   "For keyframes: with --each-frame, where true frames are kept and found again")
+      ->type_name("DIR");
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/commit.h"
+#include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/methods.h"
@@ -22,6 +23,7 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/cache/plan/policy.h"
+#include "rilievo/capture/store/content_hash.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/compare/drawn_error.h"
 #include "rilievo/gl/context.h"
@@ -42,6 +44,8 @@ struct CompareCommand {
   MethodOptions method_options;
   bool pop = false, real_time = false, drawn_error = false, one_sample = false;
   bool bends = false;  // the scene by time, and some method shows it
+  int reference = 0;   // samples of a pixel of the true frames; 0: the first method's
+  std::string reference_folder;
 };
 
 // Direct drawing is always there, and first: it draws the true frames. Without OpenGL, and where
@@ -142,6 +146,38 @@ Result<> add_drawn_errors(const CompareCommand& options, const Scene& scene, Fra
   return measure_drawn_errors(coded, *half_periods, compared, walk, compare_options, report);
 }
 
+// True frames with more samples, and who draws them.
+struct TrueFrames {
+  Method method;
+  std::optional<ReferenceFrames> frames;
+};
+
+// Makes those that `options` ask for; leaves `frames` empty if they ask for none.
+Result<> make_reference(const CompareCommand& options, const Scene& scene, Stages& stages,
+                        TrueFrames& made) {
+  if (options.reference == 0) return Done{};
+  const int samples = options.frames.samples;
+  if (!can_reference(options.reference, samples))
+    return Error{"--reference", fmt::format("with --samples {0} it is {0}, {1}, {2} or {3}",
+                                            samples, 4 * samples, 9 * samples, 16 * samples)};
+  MethodOptions software = options.method_options;
+  software.draw = "software";
+  Result<Method> method = stages.all.make("direct-raster", software);
+  if (!method) return method.error();
+  made.method = std::move(*method);
+  ReferenceOptions reference;
+  reference.samples = options.reference;
+  // By the clock no eye comes back to a place.
+  if (!options.real_time) {
+    reference.folder = options.reference_folder.empty()
+                           ? std::filesystem::path(options.output) / "reference"
+                           : std::filesystem::path(options.reference_folder);
+    reference.scene = content_hash(scene);
+  }
+  made.frames.emplace(*made.method.frames, samples, std::move(reference));
+  return Done{};
+}
+
 Result<> run_compare(CompareCommand options) {
   if (std::min(options.frames.width, options.frames.height) < kMinCompareSize)
     return Error{"--size",
@@ -186,7 +222,12 @@ Result<> run_compare(CompareCommand options) {
                         }});
   }
 
+  TrueFrames true_frames;
+  if (Result<> done = make_reference(options, opened->scene, stages, true_frames); !done)
+    return done;
+
   CompareOptions compare_options;
+  if (true_frames.frames) compare_options.reference = &*true_frames.frames;
   compare_options.width = options.frames.width;
   compare_options.height = options.frames.height;
   compare_options.samples = options.frames.samples;
@@ -222,6 +263,10 @@ Result<> run_compare(CompareCommand options) {
     report->notes.push_back(
         "The scene bends by time, which OpenGL's polygons do not show: the true "
         "frames are direct-raster's, by software.");
+  if (options.reference > 0)
+    report->notes.push_back(
+        fmt::format("Colours are compared with true frames of {} samples a pixel, those of {} too.",
+                    options.reference, names.front()));
   if (options.drawn_error)
     if (Result<> done = add_drawn_errors(options, opened->scene, *compared[0].source, walk,
                                          compare_options, *report);
@@ -326,6 +371,18 @@ Command compare_command(CLI::App& app) {
                    "each program")
       ->excludes("--real-time", "--drawn-error")
       ->type_name("NAME=FOLDER");
+  command
+      ->add_option("--reference", options->reference,
+                   "Compare colours with true frames of so many samples a pixel: as many as "
+                   "--samples times 1, 4, 9 or 16, drawn by software (default: compare with "
+                   "the frames of direct)")
+      ->check(in_range(1, 64))
+      ->type_name("N");
+  command
+      ->add_option("--reference-folder", options->reference_folder,
+                   "Where these frames are kept, and found again for the same scene, eyes and size "
+                   "(default DIR/reference; with --real-time none is kept)")
+      ->type_name("DIR");
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->method_options);
   add_json_option(*command, options->json);

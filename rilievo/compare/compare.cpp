@@ -55,23 +55,26 @@ struct Tally {
                        [](const auto& kind) { return kind.second == 0; });
   }
 
-  void add_frame(const DrawnFrame& truth, const DrawnFrame& frame, const BoundLimits& limits) {
+  // `color`: the true colours, of `truth` or of more samples.
+  void add_frame(const DrawnFrame& truth, const Rgba8Image& color, const DrawnFrame& frame,
+                 const BoundLimits& limits) {
     over_bound += !limits.hold(frame.stats);
     const Visibility visibility =
         frame.objects.empty() ? Visibility() : compare_visibility(truth.objects, frame.objects);
-    const FlipSummary flip = flip_of(truth.color, frame.color);
-    const Artifacts artifacts = artifacts_of(truth.color, frame.color);
+    const FlipSummary flip = flip_of(color, frame.color);
+    const Artifacts artifacts = artifacts_of(color, frame.color);
     FrameResult& now = result.frames.emplace_back();
     now.frame_ms = frame.frame_ms;
-    now.psnr_db = psnr_db(truth.color, frame.color);
-    now.ssim = ssim(truth.color, frame.color);
+    now.psnr_db = psnr_db(color, frame.color);
+    now.ssim = ssim(color, frame.color);
     now.flip = flip.mean, now.flip_p99 = flip.p99;
     now.wrong_visibility = visibility.wrong_share();
     now.uncovered = visibility.uncovered_share();
     now.counted = double(visibility.counted) / double(truth.objects.texels().size());
     if (!frame.eye_z.empty()) now.gap_px = widest_gap_px(truth.objects, truth.eye_z, frame.eye_z);
     now.ghost = artifacts.ghost, now.speckle = artifacts.speckle;
-    now.pictures = !polygons_alone(frame.stats);
+    // Against themselves polygons say nothing; against more samples they do.
+    now.pictures = &color != &truth.color || !polygons_alone(frame.stats);
     if (!frame.eye_z.empty())
       add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_stats(frame.stats);
@@ -171,6 +174,7 @@ Result<Report> compare(std::span<const ComparedSource> sources,
     }
   }
 
+  Rgba8Image true_last;  // frame
   const int step = block_size(sources.size(), options);
   for (int first = 0; first < options.frames; first += step) {
     const int end = std::min(first + step, options.frames);
@@ -187,21 +191,28 @@ Result<Report> compare(std::span<const ComparedSource> sources,
       const std::size_t i = std::size_t(frame - first);
       const bool shown = std::binary_search(report.shown.begin(), report.shown.end(), frame);
       const DrawnFrame& truth = drawn[0][i];
-      if (shown) report.true_pictures.push_back(jpeg(truth.color));
+      std::optional<Rgba8Image> reference;
+      if (options.reference) {
+        Result<Rgba8Image> made = options.reference->frame(walk(frame));
+        if (!made) return made.error();
+        reference = std::move(*made);
+      }
+      const Rgba8Image& color = reference ? *reference : truth.color;
+      if (shown) report.true_pictures.push_back(jpeg(color));
       const Image<float> true_change =
-          options.pop ? tallies[0].change_to(truth.color) : Image<float>();
-      const Rgba8Image true_last = tallies[0].last;
+          options.pop && !true_last.empty() ? flip_map(true_last, color) : Image<float>();
       for (std::size_t s = 0; s < sources.size(); ++s) {
         if (options.pop)
-          tallies[s].add_pop(true_change,
-                             s == 0 ? true_change : tallies[s].change_to(drawn[s][i].color));
-        tallies[s].add_change(true_last, truth.color, drawn[s][i].color);
-        tallies[s].add_frame(truth, drawn[s][i], options.limits);
+          tallies[s].add_pop(true_change, s == 0 && !reference
+                                              ? true_change
+                                              : tallies[s].change_to(drawn[s][i].color));
+        tallies[s].add_change(true_last, color, drawn[s][i].color);
+        tallies[s].add_frame(truth, color, drawn[s][i], options.limits);
         if (!shown) continue;
         tallies[s].result.pictures.push_back(jpeg(drawn[s][i].color));
-        tallies[s].result.differences.push_back(
-            jpeg(difference_picture(truth.color, drawn[s][i].color)));
+        tallies[s].result.differences.push_back(jpeg(difference_picture(color, drawn[s][i].color)));
       }
+      true_last = color;
       if (options.progress) options.progress(frame + 1, options.frames);
     }
   }
@@ -226,7 +237,13 @@ Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
     for (const auto& [frame, drawn] : walked->kept) {
       Result<DrawnFrame> truth = draw_frame(*sources[0].source, targets, frame);
       if (!truth) return truth.error();
-      tally.add_frame(*truth, drawn, real_time.limits);
+      std::optional<Rgba8Image> reference;
+      if (options.reference) {
+        Result<Rgba8Image> made = options.reference->frame(frame);
+        if (!made) return made.error();
+        reference = std::move(*made);
+      }
+      tally.add_frame(*truth, reference ? *reference : truth->color, drawn, real_time.limits);
     }
     // Of all frames, not of those that were compared.
     MethodResult& result = tally.result;

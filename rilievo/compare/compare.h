@@ -2,9 +2,9 @@
 //
 // The first source draws the true frames (direct drawing). All sources are timed alike, with the
 // same antialiasing: wall-clock time from FrameTarget::begin() until the GPU has finished after
-// resolve(). Colours are compared as displayed; objects and depths are compared in a second drawing
-// with one sample per pixel. Each source draws a block of frames, then all are measured, so that
-// measuring does not disturb the timing.
+// resolve(). Colours are compared as displayed, with the first source's or with `reference`;
+// objects and depths are compared in a second drawing with one sample per pixel. Each source draws
+// a block of frames, then all are measured, so that measuring does not disturb the timing.
 //
 // Needs a current OpenGL context unless all sources draw without; measuring uses all cores. Apart
 // from times, the results do not depend on the machine's speed or its number of threads.
@@ -17,6 +17,7 @@
 
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/compare/real_time.h"
+#include "rilievo/compare/reference_frames.h"
 #include "rilievo/core/result.h"
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/measure/report.h"
@@ -46,6 +47,8 @@ struct CompareOptions {
   // The largest number of frames with pictures in the report.
   int shown_frames = 8;
   BoundLimits limits;  // for MethodResult::over_bound_share
+  // True colours with more samples (compare/reference_frames.h); null: the first source's.
+  ReferenceFrames* reference = nullptr;
   std::function<void(int done, int total)> progress;
 };
 

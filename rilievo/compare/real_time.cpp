@@ -1,6 +1,7 @@
 #include "rilievo/compare/real_time.h"
 
 #include <algorithm>
+#include <ctime>
 
 #include "rilievo/core/expects.h"
 
@@ -38,7 +39,8 @@ std::vector<double> cuts_of(const CameraPath& path) {
 Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& targets,
                                        const std::function<WalkFrame(double seconds)>& walk,
                                        const RealTimeOptions& options) {
-  RILIEVO_EXPECTS(options.kept >= 1 && options.seconds > 0 && options.refresh > 0);
+  RILIEVO_EXPECTS(options.kept >= 1 && options.in_a_row >= 1 && options.seconds > 0 &&
+                  options.refresh > 0);
   RealTimeWalk result;
   const WalkFrame start = walk(0);
   Camera last = start.camera;
@@ -50,8 +52,9 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
 
   std::size_t next_cut = 0;
   double since_cut = -1;  // ms; negative: a good frame came after the last cut
-  // The k-th frame that is kept is the first one at k / kept of the walk or later.
-  for (double clock = 0; clock < options.seconds || int(result.kept.size()) < options.kept;) {
+  // The k-th place is the first frame at k / kept of the walk or later.
+  const int wanted = options.kept * options.in_a_row;
+  for (double clock = 0; clock < options.seconds || int(result.kept.size()) < wanted;) {
     const WalkFrame frame = walk(clock);
     bool after_cut = false;
     for (; next_cut < options.cuts.size() && clock >= options.cuts[next_cut]; ++next_cut)
@@ -60,9 +63,11 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
     after_cut = after_cut && !same_place(frame.camera, last);
     if (after_cut) since_cut = std::max(since_cut, 0.0);
     last = frame.camera;
-    const double place = options.seconds * double(result.kept.size()) / options.kept;
-    const bool keep = int(result.kept.size()) < options.kept && clock >= place;
+    const int kept = int(result.kept.size());
+    const double place = options.seconds * (kept / options.in_a_row) / options.kept;
+    const bool keep = kept < wanted && (kept % options.in_a_row > 0 || clock >= place);
     double ms = 0;
+    const std::clock_t busy = std::clock();
     if (keep) {
       Result<DrawnFrame> drawn = draw_frame(source, targets, frame);
       if (!drawn) return drawn.error();
@@ -72,6 +77,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
       const Result<double> timed = time_frame(source, targets, frame);
       if (!timed) return timed.error();
       ms = *timed;
+      result.busy_ms.push_back(1e3 * double(std::clock() - busy) / CLOCKS_PER_SEC);
     }
     result.frame_ms.push_back(ms);
     if (after_cut) result.cut_ms = std::max(result.cut_ms.value_or(0), ms);
@@ -85,7 +91,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
         since_cut = -1;
       }
     }
-    clock += std::max(ms / 1000, 1 / options.refresh);
+    clock += options.each_frame ? 1 / options.refresh : std::max(ms / 1000, 1 / options.refresh);
   }
   // Not good again before the walk ended: at least so long.
   if (since_cut >= 0) result.cut_fine_ms = std::max(result.cut_fine_ms.value_or(0), since_cut);

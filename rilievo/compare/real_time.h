@@ -21,8 +21,10 @@ namespace rilievo {
 struct RealTimeOptions {
   double seconds = 4;  // of the walk
   int kept = 8;        // frames to compare, spread evenly over the walk
+  int in_a_row = 1;    // so many frames that follow each other are kept at each of these places
   BoundLimits limits;
   double refresh = 60;       // the most frames that a display shows in a second
+  bool each_frame = false;   // the eye moves from frame to frame as at that rate, not by the clock
   std::vector<double> cuts;  // times at which the eye jumps, ascending
 };
 
@@ -37,7 +39,8 @@ struct RealTimeWalk {
   int captures = 0;
   double capture_ms = 0, bound_px = 0, gap_px = 0;
   std::size_t picture_bytes = 0;
-  std::vector<std::pair<WalkFrame, DrawnFrame>> kept;  // as many as asked for
+  std::vector<std::pair<WalkFrame, DrawnFrame>> kept;  // kept x in_a_row
+  std::vector<double> busy_ms;  // processor time, of all threads, of the frames not kept
 };
 
 // The times at which the eye jumps (is_cut), seconds after the first key.

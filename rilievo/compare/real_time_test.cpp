@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -90,6 +91,28 @@ TEST_F(RealTimeTest, a_slow_method_moves_further_from_frame_to_frame) {
       EXPECT_DOUBLE_EQ(walked->cut_ms.value_or(0), walked->frame_ms[i - 1]);
     }
   EXPECT_DOUBLE_EQ(walked->over_bound_share, double(bad) / double(slow.eyes.size()));
+}
+
+TEST_F(RealTimeTest, frames_in_a_row_follow_each_other) {
+  RealTimeOptions options;
+  options.seconds = 0.6;
+  options.kept = 3, options.in_a_row = 2;
+  options.refresh = 100;
+  Sleeper slow(20);
+  const Result<RealTimeWalk> walked = draw_walk(slow, options);
+  ASSERT_TRUE(walked.ok());
+  ASSERT_EQ(walked->kept.size(), 6u);
+  EXPECT_EQ(walked->busy_ms.size() + 6, walked->frame_ms.size());
+  const auto number_of = [&](std::size_t kept) {
+    const double x = walked->kept[kept].first.camera.position().x;
+    // The first two frames are of one eye.
+    const auto found = std::find(slow.eyes.begin() + 1, slow.eyes.end(), x);
+    return int(found - slow.eyes.begin());
+  };
+  for (std::size_t i = 0; i < 6; i += 2) {
+    EXPECT_EQ(number_of(i + 1), number_of(i) + 1);
+    EXPECT_GE(walked->kept[i].first.time, 0.2 * double(i / 2));
+  }
 }
 
 TEST_F(RealTimeTest, a_fast_method_waits_for_the_display) {

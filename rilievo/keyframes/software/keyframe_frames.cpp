@@ -217,6 +217,18 @@ const SoftwareTarget* KeyframeFrames::software_target() const { return &state_->
 const FrameStats& KeyframeFrames::stats() const { return state_->stats; }
 const KeyframeShares& KeyframeFrames::shares() const { return state_->shares; }
 
+double KeyframeFrames::live_share() const {
+  const State& s = *state_;
+  if (s.live.empty()) return 0;
+  if (!s.any_still) return 1;
+  std::size_t live = 0;
+  for (int y = 0; y < s.target.height(); ++y)
+    for (int x = 0; x < s.target.width(); ++x)
+      live += !s.warped.hole(x, y) && s.target.inverse_z()(x, y) > s.warped.inverse_z(x, y) &&
+              s.target.inverse_z()(x, y) > float(1 / s.camera.z_far);
+  return double(live) / (double(s.target.width()) * s.target.height());
+}
+
 std::vector<DepthImage> KeyframeFrames::read_pictures() const {
   std::vector<DepthImage> pictures;
   for (const WarpedKeyframe& one : state_->producer->chosen())

@@ -61,6 +61,8 @@ class KeyframeFrames final : public FrameSource {
   [[nodiscard]] std::vector<DepthImage> read_pictures() const override;
 
   [[nodiscard]] const KeyframeShares& shares() const;
+  // The share of the last frame's pixels that show polygons. Counts them.
+  [[nodiscard]] double live_share() const;
 
  private:
   struct State;
