@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,7 @@
 #include "apps/rilievo/progress.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/representation/kinds.h"
+#include "rilievo/web_walk/picture_files.h"
 #include "rilievo/web_walk/walks.h"
 
 namespace rilievo::app {
@@ -36,6 +38,7 @@ struct WebCommand {
 struct WebInput {
   const Kind* kind = nullptr;
   std::unique_ptr<Representation> representation;
+  FramePictures pictures;  // of no kind
   std::optional<CameraPath> path;
   std::vector<Fact> facts;  // of the bake
 };
@@ -64,17 +67,34 @@ Result<WebInput> read_for_web(const WebCommand& options) {
   if (!options.as.empty() || !options.kinds.bake.empty())
     return Error{options.as.empty() ? "--" + options.kinds.bake.begin()->first : "--as",
                  "says how a scene is baked, and " + options.input + " is baked already"};
-  Result<PictureFileContent> content = open_representation(options.input);
+  Result<PictureFileContent> content = open_pictures(options.input);
   if (!content) return content.error();
   WebInput input;
   input.kind = content->kind;
   input.representation = std::move(content->representation);
+  input.pictures = std::move(content->frame);
   return input;
+}
+
+// A frame's pictures are seen from its own eye; others from that of the first.
+void stand_at_frame(const FramePictures& frame, WalkManifest& manifest) {
+  const Camera& camera = frame.camera ? *frame.camera : frame.pictures.front().camera;
+  manifest.eye = camera.position();
+  manifest.target = manifest.eye + camera.forward();
+  manifest.up = glm::dvec3(camera.world_from_eye[1]);
+  manifest.vertical_fov = std::atan(camera.window.top) - std::atan(camera.window.bottom);
+  if (!frame.camera) return;
+  manifest.z_near = camera.z_near;
+  manifest.z_far = camera.z_far;
 }
 
 WalkManifest manifest_of(const WebCommand& options, const WebInput& input) {
   WalkManifest manifest;
   manifest.name = std::filesystem::path(options.input).stem().string();
+  if (!input.kind) {
+    stand_at_frame(input.pictures, manifest);
+    return manifest;
+  }
   if (options.input.starts_with("builtin:"))
     manifest.name = options.input.substr(8, options.input.find('?') - 8);
   const Vantage vantage = input.representation->vantage();
@@ -109,7 +129,9 @@ Result<> run_web(const WebCommand& options) {
     WalkOptions walk = options.walk;
     walk.progress = [&](int done, int total) { progress.show(done, total); };
     const Result<> added =
-        add_to_walk(*input->kind, *input->representation, *writer, manifest, walk);
+        input->kind ? add_to_walk(*input->kind, *input->representation, *writer, manifest, walk)
+                    : add_nailboards(input->pictures.pictures, input->pictures.delta_bits, *writer,
+                                     manifest, walk);
     if (!added)
       return Error{options.input,
                    added.error().where.empty() ? added.error().reason : added.error().message()};
@@ -117,7 +139,7 @@ Result<> run_web(const WebCommand& options) {
   if (Result<> done = writer->finish(manifest); !done) return done;
   const double seconds = 1e-3 * watch.ms();
   const std::size_t first = writer->first_view_bytes(manifest);
-  const std::string_view kind_name = input->kind->name;
+  const std::string_view kind_name = input->kind ? input->kind->name : "nailboards";
   if (!options.json.empty()) {
     nlohmann::json json{{"schema", "rilievo-web-1"}, {"input", options.input},
                         {"kind", kind_name},         {"files", writer->files()},

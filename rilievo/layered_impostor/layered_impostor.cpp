@@ -55,13 +55,15 @@ bool holds(const Camera& camera, const Box& bounds) {
   return true;
 }
 
+}  // namespace
+
 // Which neighbours are one surface? What lies between two samples is off by up to half their step
 // in depth, the more the steeper the surface is to the view. Where views lie all around, another
 // view sees it better then: one within the covering angle, and what the camera's perspective adds,
 // of facing it. So the surface ends where it is steeper than that, and pixels look it up in other
 // views. Frames of a teapot and a jug are as near to the truth as without a limit, or nearer; with
 // smaller limits, slices are not.
-LinkOptions links_of(const ViewSet& views) {
+LinkOptions view_links(const ViewSet& views) {
   constexpr double kAllAround = 0.8;  // radians: 12 views and more
   if (covering_angle(views) > kAllAround) return {};
   LinkOptions links;
@@ -69,8 +71,6 @@ LinkOptions links_of(const ViewSet& views) {
   links.steepest = 5.0f;
   return links;
 }
-
-}  // namespace
 
 glm::dvec3 view_direction(const Camera& camera) {
   return glm::normalize(camera.keeps_farthest() ? camera.forward() : -camera.forward());
@@ -155,7 +155,7 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
   }
   impostor.views = view_set_from_directions(std::move(directions));
 
-  const LinkOptions links = links_of(impostor.views);
+  const LinkOptions links = view_links(impostor.views);
   Box samples;  // without the pieces around them, which reach over the edges
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const DepthImage& picture = pictures[i];

@@ -115,6 +115,10 @@ struct LayeredImpostor {
 // Each ordered pair of neighbours, ascending, without slices.
 [[nodiscard]] std::vector<FillSlices> neighbor_pairs(const ViewSet& views);
 
+// The slopes up to which texels are linked in pictures of these views: of many views another shows
+// what is steep in one.
+[[nodiscard]] LinkOptions view_links(const ViewSet& views);
+
 // The unit direction towards the viewers whom a picture of this camera serves.
 [[nodiscard]] glm::dvec3 view_direction(const Camera& camera);
 

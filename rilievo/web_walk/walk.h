@@ -18,6 +18,8 @@
 #include <vector>
 
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/camera.h"
+#include "rilievo/warp/texel_links.h"
 
 namespace rilievo {
 
@@ -76,6 +78,32 @@ struct WalkSketches {
   double near = 1, far = 1;
 };
 
+// A picture with depth.
+struct WalkPicture {
+  Camera camera;
+  WalkFile colors;     // a WebP, sRGB, with alpha; row 0 on top
+  double psnr_db = 0;  // of the colours over black
+  // A plane of 16-bit numbers: 0 is nothing, c > 0 the disparity (1 / eye_z of the camera)
+  // least_disparity + (c - 1) disparity_step, 1/m.
+  WalkFile depths;
+  double least_disparity = 0, disparity_step = 0;
+  bool complete = true;     // as LayeredImpostor's; of surfaces
+  glm::dvec3 direction{0};  // unit, towards the viewers whom it serves; of surfaces
+  double plane_z = 1;       // eye_z of its polygon; of nailboards
+};
+
+// Pictures that are drawn together.
+struct WalkPictures {
+  // surfaces: of an object, for viewers all around, as LayeredMethod::surfaces draws them;
+  // nailboards: each on its polygon
+  enum class Drawn { surfaces, nailboards };
+  Drawn drawn = Drawn::surfaces;
+  Box bounds;
+  double handover = 0;  // radians, in which pictures fade into each other
+  LinkOptions links;
+  std::vector<WalkPicture> pictures;  // none: the walk has nodes
+};
+
 // What the manifest says.
 struct WalkManifest {
   std::string name;
@@ -84,13 +112,14 @@ struct WalkManifest {
   glm::dvec3 eye{0.0}, target{0, 0, -1};
   double vertical_fov = 0.9;
   double z_near = 0.1, z_far = 1000;
-  std::vector<WalkNode> nodes;
+  std::vector<WalkNode> nodes;  // with their sketches, or none
   WalkSketches sketches;
+  WalkPictures pictures;
 };
 
 // How exact a walk is, and what is in it.
 struct WalkOptions {
-  double least_psnr_db = 42;  // of colours
+  double least_psnr_db = 54;  // of colours
   double rounding_px = 0.05;  // the most that rounding of disparities moves a texel
   int coarse_face = 128;      // texels a side of a face that is loaded first
   bool objects = false;       // identifiers, to measure what is drawn

@@ -35,6 +35,10 @@ nlohmann::json json_of(const glm::dmat4& matrix) {
   return json;
 }
 
+nlohmann::json json_of(const Box& box) {
+  return {json_of(glm::dvec3(box.min)), json_of(glm::dvec3(box.max))};
+}
+
 nlohmann::json json_of(const WalkFile& file) {
   return {{"file", file.name}, {"bytes", file.bytes}};
 }
@@ -73,8 +77,46 @@ nlohmann::json json_of(const WalkNode& node) {
   nlohmann::json json{{"world_from_node", json_of(node.world_from_node)},
                       {"covered", node.covered},
                       {"levels", levels}};
-  if (!node.bounds.empty())
-    json["bounds"] = {json_of(glm::dvec3(node.bounds.min)), json_of(glm::dvec3(node.bounds.max))};
+  if (!node.bounds.empty()) json["bounds"] = json_of(node.bounds);
+  return json;
+}
+
+nlohmann::json json_of(const WalkPicture& picture, WalkPictures::Drawn drawn) {
+  const Camera& camera = picture.camera;
+  const ImageWindow& window = camera.window;
+  nlohmann::json json{{"world_from_eye", json_of(camera.world_from_eye)},
+                      {"window", {window.left, window.right, window.bottom, window.top}},
+                      {"size", {camera.width, camera.height}},
+                      {"z_near", camera.z_near},
+                      {"z_far", camera.z_far},
+                      {"colors", json_of(picture.colors)},
+                      {"depths", json_of(picture.depths)}};
+  json["colors"]["psnr_db"] = std::min(picture.psnr_db, 100.0);
+  json["depths"]["least"] = picture.least_disparity;
+  json["depths"]["step"] = picture.disparity_step;
+  if (drawn == WalkPictures::Drawn::nailboards) {
+    json["plane_z"] = picture.plane_z;
+    return json;
+  }
+  json["back_perspective"] = camera.keeps_farthest();
+  json["complete"] = picture.complete;
+  json["direction"] = json_of(picture.direction);
+  return json;
+}
+
+nlohmann::json json_of(const WalkPictures& pictures) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const WalkPicture& picture : pictures.pictures)
+    list.push_back(json_of(picture, pictures.drawn));
+  const bool surfaces = pictures.drawn == WalkPictures::Drawn::surfaces;
+  nlohmann::json json{{"drawn", surfaces ? "surfaces" : "nailboards"},
+                      {"bounds", json_of(pictures.bounds)},
+                      {"list", list}};
+  if (!surfaces) return json;
+  json["handover"] = pictures.handover;
+  json["links"] = {{"gentle", pictures.links.gentle},
+                   {"steepest", pictures.links.steepest},
+                   {"growth", pictures.links.growth}};
   return json;
 }
 
@@ -89,9 +131,10 @@ nlohmann::json json_of(const WalkManifest& walk) {
                         {"target", json_of(walk.target)},
                         {"vertical_fov", walk.vertical_fov},
                         {"z_near", walk.z_near},
-                        {"z_far", walk.z_far}}},
-                      {"nodes", nodes}};
+                        {"z_far", walk.z_far}}}};
+  if (!walk.pictures.pictures.empty()) json["pictures"] = json_of(walk.pictures);
   if (!walk.nodes.empty()) {
+    json["nodes"] = nodes;
     json["sketches"] = json_of(walk.sketches.file);
     json["sketches"]["size"] = walk.sketches.size;
     json["sketches"]["near"] = walk.sketches.near;
@@ -183,6 +226,16 @@ std::size_t WalkWriter::first_view_bytes(const WalkManifest& manifest) const {
     least = distance;
     const WalkLevel& level = node.levels[0];
     first = level.colors.bytes + level.mesh.file.bytes + level.weights.bytes;
+  }
+  // The page loads first the picture for its own eye.
+  double most = -INFINITY;
+  const WalkPictures& pictures = manifest.pictures;
+  for (const WalkPicture& picture : pictures.pictures) {
+    const double along =
+        glm::dot(picture.direction, manifest.eye - glm::dvec3(pictures.bounds.center()));
+    if (!(along > most)) continue;
+    most = along;
+    first = picture.colors.bytes + picture.depths.bytes;
   }
   return state_->page_bytes + manifest.sketches.file.bytes + first;
 }

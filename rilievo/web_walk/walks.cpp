@@ -5,7 +5,9 @@
 #include <string>
 
 #include "rilievo/environment_nodes/environment_kind.h"
+#include "rilievo/layered_impostor/layered_kind.h"
 #include "rilievo/web_walk/node_files.h"
+#include "rilievo/web_walk/picture_files.h"
 
 namespace rilievo {
 namespace {
@@ -25,6 +27,12 @@ const std::array kWalkKinds{
                return add_nodes(dynamic_cast<const EnvironmentRepresentation&>(of).nodes, writer,
                                 manifest, options);
              }},
+    WalkKind{kLayeredImpostorName,
+             [](const Representation& of, WalkWriter& writer, WalkManifest& manifest,
+                const WalkOptions& options) {
+               return add_layered_impostor(dynamic_cast<const LayeredRepresentation&>(of).impostor,
+                                           writer, manifest, options);
+             }},
 };
 
 }  // namespace
@@ -40,7 +48,8 @@ Result<> add_to_walk(const Kind& kind, const Representation& representation, Wal
   const auto found = std::find_if(kWalkKinds.begin(), kWalkKinds.end(),
                                   [&](const WalkKind& of) { return of.name == kind.name; });
   if (found == kWalkKinds.end())
-    return Error{std::string(kind.name), "has no form for browsers; environment nodes have"};
+    return Error{std::string(kind.name),
+                 "has no form for browsers; environment nodes and layered impostors have"};
   return found->add(representation, writer, manifest, options);
 }
 

@@ -10,9 +10,10 @@ import { Decoder } from "./decoder.js";
 import { WalkError, asWalkError } from "./errors.js";
 import { NodeDrawer, kMostDrawn, type View } from "./gl/drawer.js";
 import { deleteNode, kObjectBytes, kTexelBytes, storeNode, uploadFace, type StoredNode } from "./gl/node-store.js";
-import type { FileEntry, LevelEntry, Manifest } from "./manifest.js";
+import type { FileEntry, LevelEntry, Manifest, PicturesEntry, SketchesEntry } from "./manifest.js";
 import { kSkinStride, kSurfaceStride } from "./mesh-layout.js";
 import { StaticSource, type PictureSource } from "./source.js";
+import { PictureSet } from "./views/picture-set.js";
 
 export { WalkError } from "./errors.js";
 export { parseManifest } from "./manifest.js";
@@ -89,6 +90,8 @@ export class Walk {
   private readonly mostDrawn: number;
   private readonly mostLoading: number;
   private chooser: NodeChooser | null = null;
+  /** Instead of nodes. */
+  private pictures: PictureSet | null = null;
   private slots: Slot[] = [];
   private readonly drawn: StoredNode[] = [];
   private frame = 0;
@@ -125,7 +128,9 @@ export class Walk {
     eye[0] = x;
     eye[1] = y;
     eye[2] = z;
-    if (!chooser || this.gl.isContextLost()) return;
+    if (this.gl.isContextLost()) return;
+    this.pictures?.update(x, y, z);
+    if (!chooser) return;
     chooser.order(x, y, z);
     this.upload();
     this.choose();
@@ -135,8 +140,7 @@ export class Walk {
   /** Draws into a framebuffer (null: the canvas), with depth, as large as the view. */
   draw(view: View, framebuffer: WebGLFramebuffer | null): void {
     const { gl } = this;
-    if (this.drawn.length === 0 || gl.isContextLost()) return;
-    this.drawLayers(view);
+    if (gl.isContextLost() || this.drawLayers(view) === 0) return;
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.viewport(0, 0, view.width, view.height);
     this.drawer.merge(view);
@@ -145,6 +149,14 @@ export class Walk {
 
   /** Draws nodes into the layers of `drawer` alone: how many? */
   drawLayers(view: View): number {
+    const { pictures } = this;
+    if (pictures && pictures.stats.there > 0) {
+      this.drawer.drawOther(view, (near) => pictures.draw(view, near));
+      this.drawer.stats.drawCalls = pictures.stats.drawCalls;
+      this.drawer.stats.triangles = pictures.stats.triangles;
+      this.count();
+      return 1;
+    }
     if (this.drawn.length === 0) return 0;
     this.drawer.drawLayers(view, this.drawn, this.drawn.length);
     this.count();
@@ -160,6 +172,7 @@ export class Walk {
   /** Is everything there that an eye needs which is where update() was told last? */
   get settled(): boolean {
     const { chooser } = this;
+    if (this.pictures) return this.pictures.settled;
     if (!chooser) return this.failed !== null;
     for (let k = 0; k < Math.min(this.mostDrawn, this.slots.length); ++k) {
       const slot = this.slots[chooser.best[k]];
@@ -175,6 +188,7 @@ export class Walk {
     this.drawer = new NodeDrawer(gl);
     this.nodeBytes = 0;
     this.drawn.length = 0;
+    if (this.pictures) this.makePictures(this.manifest?.pictures as PicturesEntry);
     for (const slot of this.slots) {
       for (const face of slot.next?.faces ?? []) face.close();
       slot.stored = slot.next = null;
@@ -196,6 +210,7 @@ export class Walk {
       slot.stored = slot.next = null;
     }
     this.drawn.length = 0;
+    this.pictures?.dispose();
     this.drawer.dispose();
   }
 
@@ -203,18 +218,11 @@ export class Walk {
     try {
       const { signal } = this.abort;
       const manifest = await this.source.manifest(signal);
-      const { sketches } = manifest;
-      const codes = await this.decoder.plane16(
-        await this.fetch(sketches), sketches, sketches.size,
-        6 * sketches.size * manifest.nodes.length,
-      );
-      this.chooser = new NodeChooser(manifest.nodes, codes, sketches);
-      this.slots = manifest.nodes.map((node) => ({
-        stored: null, level: -1, coming: -1, reserved: 0, most: node.levels.length, lastUsed: 0,
-        next: null,
-      }));
-      this.manifest = manifest;
       const first = new Promise<void>((resolve) => (this.firstPicture = resolve));
+      const { sketches } = manifest;
+      if (manifest.pictures) this.makePictures(manifest.pictures);
+      if (sketches) await this.openNodes(manifest, sketches);
+      this.manifest = manifest;
       this.update(...manifest.start.eye);
       this.options.onNeedsDraw?.();
       await first;
@@ -225,6 +233,41 @@ export class Walk {
       this.failed = told;
       throw told;
     }
+  }
+
+  private async openNodes(manifest: Manifest, sketches: SketchesEntry): Promise<void> {
+    const codes = await this.decoder.plane16(
+      await this.fetch(sketches), sketches, sketches.size,
+      6 * sketches.size * manifest.nodes.length,
+    );
+    this.chooser = new NodeChooser(manifest.nodes, codes, sketches);
+    this.slots = manifest.nodes.map((node) => ({
+      stored: null, level: -1, coming: -1, reserved: 0, most: node.levels.length, lastUsed: 0,
+      next: null,
+    }));
+  }
+
+  private makePictures(entry: PicturesEntry): void {
+    this.pictures?.dispose();
+    this.pictures = new PictureSet(this.gl, entry, this.decoder, {
+      budget: this.budget,
+      fetch: (file) => this.fetch(file),
+      arrived: () => this.options.onNeedsDraw?.(),
+      loaded: (picture) => {
+        this.options.onPicture?.(picture, 0);
+        this.firstPicture?.();
+        this.firstPicture = null;
+      },
+      failed: (error) => {
+        if (this.firstPicture && this.pictures?.allFailed) {
+          this.failed = error;
+          this.firstPicture();
+          this.firstPicture = null;
+        }
+        this.options.onError?.(error);
+        this.options.onNeedsDraw?.();
+      },
+    });
   }
 
   private async fetch(entry: FileEntry): Promise<ArrayBuffer> {
@@ -401,7 +444,7 @@ export class Walk {
       const i = chooser.best[k], slot = slots[i], next = slot.next;
       if (!next) continue;
       const face = next.faces[next.stored.uploaded];
-      uploadFace(this.gl, next.stored, face);
+      uploadFace(this.gl, next.stored, face, this.drawer.weightWriter);
       face.close();
       this.options.onNeedsDraw?.();
       if (next.stored.uploaded < 6) return;
@@ -422,7 +465,7 @@ export class Walk {
     stats.drawCalls = drawer.stats.drawCalls;
     stats.triangles = drawer.stats.triangles;
     stats.drawn = drawer.layers;
-    stats.bytes = this.nodeBytes + drawer.bytes;
+    stats.bytes = this.nodeBytes + drawer.bytes + (this.pictures?.bytes ?? 0);
     let nodes = 0;
     for (let i = 0; i < this.slots.length; ++i) if (this.slots[i].stored) ++nodes;
     stats.nodes = nodes;

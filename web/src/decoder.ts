@@ -5,6 +5,7 @@ import { WalkError } from "./errors.js";
 import type { FileEntry, MeshEntry } from "./manifest.js";
 import type { Job, JobResult } from "./jobs.js";
 import type { NodeMesh } from "./mesh-layout.js";
+import type { ViewDepths, ViewSurface } from "./views/surface.js";
 
 export class Decoder {
   private readonly worker: Worker;
@@ -45,6 +46,11 @@ export class Decoder {
 
   async mesh(bytes: ArrayBuffer, entry: MeshEntry): Promise<NodeMesh> {
     return (await this.run({ kind: "mesh", bytes, entry })) as NodeMesh;
+  }
+
+  /** The surface of a picture. */
+  async view(bytes: ArrayBuffer, entry: FileEntry, of: ViewDepths): Promise<ViewSurface> {
+    return (await this.run({ kind: "view", bytes, name: entry.name, of })) as ViewSurface;
   }
 
   /** A plane of shares, from 0 to 255. */

@@ -1,6 +1,7 @@
 // The manifest of a walk, schema `rilievo-walk-1`. Whatever a server sends is checked here, once.
 
 import { WalkError } from "./errors.js";
+import type { LinkLimits } from "./views/surface.js";
 
 export type Vector = readonly [number, number, number];
 
@@ -54,6 +55,46 @@ export interface SketchesEntry extends FileEntry {
   readonly far: number;
 }
 
+/** A picture with depth. */
+export interface PictureEntry {
+  readonly worldFromEye: Float64Array;
+  /** The window on the plane z = -1. */
+  readonly left: number;
+  readonly right: number;
+  readonly bottom: number;
+  readonly top: number;
+  readonly width: number;
+  readonly height: number;
+  /** Sides of a texel on that plane. */
+  readonly du: number;
+  readonly dv: number;
+  readonly zNear: number;
+  readonly zFar: number;
+  readonly colors: FileEntry;
+  /** Code c > 0 is the disparity least + (c - 1) step, 1/m. */
+  readonly depths: FileEntry & { readonly least: number; readonly step: number };
+  readonly backPerspective: boolean;
+  readonly complete: boolean;
+  /** Towards the viewers whom it serves. */
+  readonly direction: Vector;
+  /** Of a nailboard's polygon. */
+  readonly planeZ: number;
+}
+
+/** Pictures that are drawn together. */
+export interface PicturesEntry {
+  readonly drawn: "surfaces" | "nailboards";
+  readonly low: Vector;
+  readonly high: Vector;
+  readonly center: Vector;
+  /** Metres by which what is drawn may reach over the bounds. */
+  readonly slack: number;
+  /** Radians in which pictures fade into each other. */
+  readonly handover: number;
+  readonly links: LinkLimits;
+  readonly list: readonly PictureEntry[];
+}
+
 export interface Manifest {
   readonly name: string;
   readonly up: Vector;
@@ -66,7 +107,9 @@ export interface Manifest {
     readonly zFar: number;
   };
   readonly nodes: readonly NodeEntry[];
-  readonly sketches: SketchesEntry;
+  /** Of the nodes; null: there are none, but pictures. */
+  readonly sketches: SketchesEntry | null;
+  readonly pictures: PicturesEntry | null;
 }
 
 type Json = Record<string, unknown>;
@@ -145,6 +188,61 @@ export function parseManifest(text: string, where: string): Manifest {
     steps: Math.max(1, count(object(value, name).steps, `${name}.steps`, 65535)),
   });
 
+  const matrix = (value: unknown, name: string): Float64Array => {
+    const numbers = list(value, name).map((n) => number(n, name));
+    if (numbers.length !== 16) fail(`${name} has not 16 numbers`);
+    return Float64Array.from(numbers);
+  };
+  const pictureOf = (value: unknown, name: string, surfaces: boolean): PictureEntry => {
+    const of = object(value, name), depths = object(of.depths, `${name}.depths`);
+    const [left, right, bottom, top] = list(of.window, `${name}.window`).map((n) =>
+      number(n, `${name}.window`, -1e9, 1e9));
+    if (!(right > left && top > bottom)) fail(`${name}.window is empty`);
+    const [width, height] = list(of.size, `${name}.size`).map((n) => count(n, `${name}.size`, 8192));
+    if (!(width > 0 && height > 0)) fail(`${name}.size is empty`);
+    return {
+      worldFromEye: matrix(of.world_from_eye, `${name}.world_from_eye`),
+      left, right, bottom, top, width, height,
+      du: (right - left) / width, dv: (top - bottom) / height,
+      zNear: number(of.z_near, `${name}.z_near`, 1e-12, 1e12),
+      zFar: number(of.z_far, `${name}.z_far`, 1e-12, 1e12),
+      colors: file(of.colors, `${name}.colors`),
+      depths: {
+        ...file(depths, `${name}.depths`),
+        least: number(depths.least, `${name}.depths.least`, 0, 1e30),
+        step: number(depths.step, `${name}.depths.step`, 0, 1e30),
+      },
+      backPerspective: of.back_perspective === true,
+      complete: of.complete === true,
+      direction: surfaces ? vector(of.direction, `${name}.direction`) : [0, 0, 0],
+      planeZ: surfaces ? 1 : number(of.plane_z, `${name}.plane_z`, 1e-12, 1e12),
+    };
+  };
+  const picturesOf = (of: Json): PicturesEntry => {
+    const { drawn } = of;
+    if (drawn !== "surfaces" && drawn !== "nailboards")
+      return fail(`pictures.drawn is ${JSON.stringify(drawn)}, which this viewer cannot draw`);
+    const surfaces = drawn === "surfaces";
+    const corners = list(of.bounds, "pictures.bounds");
+    const low = vector(corners[0], "pictures.bounds"), high = vector(corners[1], "pictures.bounds");
+    const middle = (k: 0 | 1 | 2) => 0.5 * (low[k] + high[k]);
+    const links = surfaces ? object(of.links, "pictures.links") : {};
+    const limit = (name: string) =>
+      surfaces ? number(links[name], `pictures.links.${name}`, 0, 1e9) : 0;
+    const made = list(of.list, "pictures.list").map((value, i) =>
+      pictureOf(value, `pictures.list[${i}]`, surfaces));
+    if (made.length === 0) fail("pictures.list is empty");
+    return {
+      drawn, low, high,
+      center: [middle(0), middle(1), middle(2)],
+      // Rounding must not cut off what lies on a face of the bounds.
+      slack: 0.5e-4 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) + 1e-9,
+      handover: surfaces ? number(of.handover, "pictures.handover", 0, 7) : 0,
+      links: { gentle: limit("gentle"), steepest: limit("steepest"), growth: limit("growth") },
+      list: made,
+    };
+  };
+
   let parsed: unknown;
   try {
     parsed = JSON.parse(text);
@@ -155,14 +253,12 @@ export function parseManifest(text: string, where: string): Manifest {
   if (root.schema !== "rilievo-walk-1")
     fail(`its schema is ${JSON.stringify(root.schema) ?? "missing"}, not "rilievo-walk-1"`);
   const start = object(root.start, "start");
-  const sketches = object(root.sketches, "sketches");
-  const nodes = list(root.nodes, "nodes").map((value, i): NodeEntry => {
+  const pictures = root.pictures === undefined ? null : picturesOf(object(root.pictures, "pictures"));
+  const sketches = pictures ? null : object(root.sketches, "sketches");
+  const nodes = (pictures ? [] : list(root.nodes, "nodes")).map((value, i): NodeEntry => {
     const name = `nodes[${i}]`;
     const node = object(value, name);
-    const matrix = list(node.world_from_node, `${name}.world_from_node`).map((n) =>
-      number(n, `${name}.world_from_node`),
-    );
-    if (matrix.length !== 16) fail(`${name}.world_from_node has not 16 numbers`);
+    const worldFromNode = matrix(node.world_from_node, `${name}.world_from_node`);
     const levels = list(node.levels, `${name}.levels`).map((of, k): LevelEntry => {
       const level = object(of, `${name}.levels[${k}]`);
       return {
@@ -177,12 +273,12 @@ export function parseManifest(text: string, where: string): Manifest {
     });
     if (levels.length === 0) fail(`${name} has no level`);
     return {
-      worldFromNode: Float64Array.from(matrix),
-      eye: [matrix[12], matrix[13], matrix[14]],
+      worldFromNode,
+      eye: [worldFromNode[12], worldFromNode[13], worldFromNode[14]],
       levels,
     };
   });
-  if (nodes.length === 0) fail("it has no node");
+  if (!pictures && nodes.length === 0) fail("it has no node");
   return {
     name: typeof root.name === "string" ? root.name : "",
     up: vector(root.up, "up"),
@@ -194,7 +290,8 @@ export function parseManifest(text: string, where: string): Manifest {
       zFar: number(start.z_far, "start.z_far", 1e-9, 1e12),
     },
     nodes,
-    sketches: {
+    pictures,
+    sketches: sketches && {
       ...file(sketches, "sketches"),
       size: Math.max(1, count(sketches.size, "sketches.size", 256)),
       near: number(sketches.near, "sketches.near", 1e-30, 1e30),

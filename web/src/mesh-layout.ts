@@ -12,10 +12,3 @@ export interface NodeMesh {
   /** Of each side the least and the most disparity, 1/m; the most is below the least if it is empty. */
   reaches: Float64Array;
 }
-
-/** What the buffers of a mesh are, for sending them between threads. */
-export function buffersOf(mesh: NodeMesh): ArrayBuffer[] {
-  return [
-    mesh.surfaceVertices, mesh.surfaceIndices, mesh.skinVertices, mesh.skinIndices, mesh.reaches,
-  ].map((array) => array.buffer as ArrayBuffer);
-}

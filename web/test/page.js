@@ -185,6 +185,7 @@ window.eyesBetweenNodes = (count) => {
   return keys;
 };
 
+/** The last frame as PNG in base64. */
 async function png() {
   const { canvas } = window.viewer;
   const { width, height } = canvas;
@@ -202,10 +203,26 @@ async function png() {
   return btoa(text);
 }
 
+window.pngOfFrame = png;
+
 /** A key's frame, and the objects that it shows as red + 256 green, as PNG in base64. */
 window.pngsOf = async (key) => {
   await window.settle(key);
   const frame = await png();
   window.viewer.walk.drawObjects(window.viewer.view(), null);
   return { frame, objects: await png() };
+};
+
+/** Draws a key's frame now, and asks for no other. */
+window.look = (key) => {
+  const { walk, canvas } = window.viewer;
+  const { width, height } = canvas;
+  const gl = canvas.getContext("webgl2");
+  walk.update(...key.eye);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, width, height);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  const view = viewOf(key, width, height, key.z_near, key.z_far);
+  walk.draw(view, null);
+  walk.drawer.drawSky(view);
 };

@@ -80,3 +80,68 @@ window.cubeInWall = async (mode) => {
   if (error) throw new Error(`WebGL error ${error}`);
   return { wrong, cube: ofCube, wall: ofWall, skipped };
 };
+
+/** Pixels of which two eyes in one frame, as WebXR's, differ from the same eyes one by one. */
+window.twoEyes = async () => {
+  const renderer = new THREE.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });
+  renderer.setPixelRatio(1);
+  renderer.setSize(kWidth, kHeight, false);
+  document.body.replaceChildren(renderer.domElement);
+  const scene = new THREE.Scene();
+  const walk = new RilievoWalk("/walk/walk.json");
+  scene.add(walk);
+  const half = kWidth / 2;
+  const eyes = [-0.032, 0.032].map((aside, k) => {
+    const eye = new THREE.PerspectiveCamera(50, half / kHeight, 0.05, 50);
+    eye.position.set(0.35 + aside, 1.55, 0.4);
+    eye.lookAt(0.1 + aside, 1.6, kWall);
+    eye.updateMatrixWorld();
+    eye.viewport = new THREE.Vector4(k * half, 0, half, kHeight);
+    return eye;
+  });
+  const both = new THREE.ArrayCamera(eyes);
+  both.position.set(0.35, 1.55, 0.4);
+  both.updateMatrixWorld();
+  const end = performance.now() + 30000;
+  do {
+    walk.update(eyes[0], renderer);
+    renderer.render(scene, eyes[0]);
+    await new Promise((resolve) => setTimeout(resolve, 1));
+  } while (!walk.settled && performance.now() < end);
+  const gl = renderer.getContext();
+  const read = () => {
+    const pixels = new Uint8Array(4 * kWidth * kHeight);
+    gl.readPixels(0, 0, kWidth, kHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    return pixels;
+  };
+  // As in a session: each eye has a camera of its own, which render() tells of.
+  renderer.xr.isPresenting = true;
+  walk.update(both, renderer);
+  renderer.render(scene, both);
+  renderer.xr.isPresenting = false;
+  const together = read();
+  renderer.autoClear = false;
+  renderer.clear();
+  for (const eye of eyes) {
+    const { viewport } = eye;
+    delete eye.viewport;
+    renderer.setViewport(viewport);
+    walk.update(eye, renderer);
+    renderer.render(scene, eye);
+  }
+  const apart = read();
+  let different = 0, eyesDiffer = 0, dark = 0;
+  for (let y = 0; y < kHeight; ++y)
+    for (let x = 0; x < kWidth; ++x) {
+      const at = 4 * (y * kWidth + x), other = 4 * (y * kWidth + ((x + half) % kWidth));
+      const same = (a, b, i, j) => [0, 1, 2].every((c) => a[i + c] === b[j + c]);
+      if (!same(together, apart, at, at)) ++different;
+      if (!same(together, together, at, other)) ++eyesDiffer;
+      if (together[at] + together[at + 1] + together[at + 2] < 30) ++dark;
+    }
+  const error = gl.getError();
+  walk.dispose();
+  renderer.dispose();
+  if (error) throw new Error(`WebGL error ${error}`);
+  return { different, eyesDiffer, dark };
+};

@@ -140,3 +140,82 @@ test("the package is at most 30 kB gzipped, without three.js and the decoder", (
   assert.ok(bytes <= 30000, `${bytes} bytes`);
   console.log(`gzipped without the decoder: ${bytes} bytes`);
 });
+
+function floatOfHalf(bits) {
+  const sign = bits & 0x8000 ? -1 : 1, exponent = (bits >> 10) & 31, mantissa = bits & 1023;
+  return sign * (exponent ? 2 ** (exponent - 15) * (1 + mantissa / 1024) : mantissa * 2 ** -24);
+}
+
+test("halves are the nearest ones", async () => {
+  const { halfOf } = await load("views/surface");
+  for (let bits = 0; bits < 0x7c00; bits += 37) {
+    assert.equal(halfOf(floatOfHalf(bits)), bits);
+    assert.equal(halfOf(-floatOfHalf(bits)), bits | 0x8000);
+    // Between two of them.
+    const step = floatOfHalf(bits + 1) - floatOfHalf(bits);
+    if (bits + 1 < 0x7c00) {
+      assert.equal(halfOf(floatOfHalf(bits) + 0.49 * step), bits);
+      assert.equal(halfOf(floatOfHalf(bits) + 0.51 * step), bits + 1);
+    }
+  }
+});
+
+const kSurface = {
+  width: 24, height: 20, du: 0.02, dv: 0.03, least: 0.5, step: 1e-5, sigma: 1,
+  links: { gentle: 6, steepest: 20, growth: 2 },
+};
+const codesOf = (q) => Uint16Array.from({ length: 24 * 20 }, (_, i) => {
+  const at = q(i % 24, Math.floor(i / 24));
+  return at === 0 ? 0 : 1 + Math.round((at - kSurface.least) / kSurface.step);
+});
+const slopesAt = ({ slopes }, i) => [0, 16].flatMap((shift) => [slopes[2 * i], slopes[2 * i + 1]]
+  .map((word) => floatOfHalf((word >>> shift) & 0xffff)));
+
+test("a plane is one surface, and ends where depth jumps and where nothing is", async () => {
+  const { makeSurface } = await load("views/surface");
+  const plane = (x, y) => 0.6 + 0.002 * x + 0.001 * y;
+  // Nearly twice as near from column 12 on; a hole at (5, 5).
+  const surface = makeSurface(
+    codesOf((x, y) => (x === 5 && y === 5 ? 0 : plane(x, y) * (x < 12 ? 0.85 : 1.5))), kSurface);
+  const linksAt = (x, y) => surface.links[24 * y + x];
+  assert.equal(linksAt(8, 8), 255);
+  assert.equal(linksAt(5, 5), 0);
+  // Right of it: nothing to the left, nor on the corners there.
+  assert.equal(linksAt(6, 5), 0b11000111);
+  assert.equal(linksAt(11, 8), 0b01111100);
+  assert.equal(linksAt(12, 8), 0b11000111);
+  const [right, left, down, up] = slopesAt(surface, 24 * 8 + 8);
+  for (const [slope, wanted] of [[right, 0.0017], [left, -0.0017], [down, 0.00085], [up, -0.00085]])
+    assert.ok(Math.abs(slope - wanted) < 2e-5, `${slope} instead of ${wanted}`);
+  // Where it ends it goes on straight.
+  assert.ok(Math.abs(slopesAt(surface, 24 * 8 + 11)[0] - 0.0017) < 2e-5);
+});
+
+test("cells hold the surfaces below them, whichever way the picture looks", async () => {
+  const { makeSurface, cellLayout } = await load("views/surface");
+  const random = Float64Array.from(randomBytes(24 * 20), (byte) => byte / 255);
+  for (const sigma of [1, -1]) {
+    const surface = makeSurface(
+      codesOf((x, y) => (random[24 * y + x] < 0.1 ? 0 : 0.6 + 0.3 * random[24 * y + x])),
+      { ...kSurface, sigma });
+    const { columns, levelAt } = cellLayout(24, 20);
+    for (let y = 0; y < 20; ++y)
+      for (let x = 0; x < 24; ++x) {
+        const i = 24 * y + x, code = surface.codes[i];
+        for (let level = 0; level < 4; ++level) {
+          const side = 4 ** (level + 1);
+          const cell = columns * Math.floor(y / side) + levelAt[level] + Math.floor(x / side);
+          const front = surface.cells[2 * cell], back = surface.cells[2 * cell + 1];
+          if (code === 0) assert.ok(back < 0);
+          if (code === 0) continue;
+          const [right, left, down, up] = slopesAt(surface, i);
+          for (const u of [right, left, 0])
+            for (const v of [down, up, 0]) {
+              const q = kSurface.least + (code - 1) * kSurface.step + 0.5 * (u + v);
+              assert.ok(sigma * q <= front + 1e-3, `${sigma * q} before ${front}`);
+              assert.ok(sigma * q >= sigma * Math.abs(back) - 1e-3);
+            }
+        }
+      }
+  }
+});

@@ -10,7 +10,10 @@ const path = JSON.parse(readFileSync(join(root, "test/path.json"), "utf8"));
 // Every other key ends a cut.
 const keys = path.keys.filter((_, i) => i % 2 === 0);
 const manifest = JSON.parse(readFileSync(join(walk, "walk.json"), "utf8"));
-const mounts = { walk: [walk, pageFolder], test: join(root, "test"), web: root };
+const mounts = {
+  walk: [walk, pageFolder], impostor: join(root, "test/impostor"),
+  nailboards: join(root, "test/nailboards"), test: join(root, "test"), web: root,
+};
 let browser, server;
 
 before(async () => {
@@ -35,13 +38,13 @@ async function open(url, prepare) {
 }
 
 /** A page whose viewer is `viewer` and which has what the tests ask it for. */
-async function openViewer(base = server.url, options = {}, wait = true) {
-  const opened = await open(`${base}/test/viewer.html`);
-  await opened.page.evaluate(async ({ options, wait }) => {
-    window.viewer = window.rilievo.show(document.getElementById("walk"), "/walk/walk.json",
+async function openViewer(options = {}, which = "walk") {
+  const opened = await open(`${server.url}/test/viewer.html`);
+  await opened.page.evaluate(async ({ options, which }) => {
+    window.viewer = window.rilievo.show(document.getElementById("walk"), `/${which}/walk.json`,
                                         { pixelRatio: 1, ...options });
-    if (wait) await window.viewer.ready;
-  }, { options, wait });
+    await window.viewer.ready;
+  }, { options, which });
   return opened;
 }
 
@@ -54,7 +57,15 @@ async function alarmed(page) {
   return alarm(page);
 }
 
-const psnrs = (page) => page.evaluate((keys) => window.comparedFrames(keys, "/test/frames"), keys);
+/** PSNR of the frames of a walk against the C++ drawer's. */
+function psnrs(page, which = "walk") {
+  if (which === "walk")
+    return page.evaluate((keys) => window.comparedFrames(keys, "/test/frames"), keys);
+  const { keys: all, z_near, z_far } =
+    JSON.parse(readFileSync(join(root, "test", which, "path.json"), "utf8"));
+  return page.evaluate(({ keys, which }) => window.comparedFrames(keys, `/${which}/frames`), {
+    keys: all.filter((_, i) => i % 2 === 0).map((key) => ({ z_near, z_far, ...key })), which });
+}
 
 test("the page that is written beside a walk shows it", async () => {
   const { page, errors } = await open(`${server.url}/walk/`);
@@ -78,6 +89,20 @@ test("frames are those of the C++ drawer", async () => {
   await page.close();
 });
 
+// What differs: disparities of 16 bits, colours of WebP, pixels at edges (of the impostor 39.2 to 58.5
+// dB, of the nailboards 38.4 to 44.8, the less the farther the eye has moved).
+for (const [which, least, mean] of [["impostor", 38, 49], ["nailboards", 37.5, 40.5]])
+  test(`frames of a walk of ${which} are those of the C++ drawer`, async () => {
+    const { page, errors } = await openViewer({}, which);
+    const all = await psnrs(page, which);
+    for (const psnr of all) assert.ok(psnr > least, `${all}`);
+    assert.ok(all.reduce((a, b) => a + b) / all.length > mean, `${all}`);
+    const { drawCalls, triangles } = await page.evaluate(() => window.viewer.walk.stats);
+    assert.ok(drawCalls <= 3 && triangles > 0, `${drawCalls} draw calls`);
+    assert.deepEqual(errors, []);
+    await page.close();
+  });
+
 test("gaps show the sky of the C++ drawer", async () => {
   const { page } = await openViewer();
   const seen = await page.evaluate(() => {
@@ -94,7 +119,7 @@ test("gaps show the sky of the C++ drawer", async () => {
 });
 
 test("every pixel shows the object of the room, which is closed", async () => {
-  const { page } = await openViewer(server.url, { objects: true });
+  const { page } = await openViewer({ objects: true });
   const shown = await page.evaluate((keys) => window.shownObjects(keys), keys);
   // All polygons of an OBJ are one object.
   for (const objects of shown) assert.deepEqual(objects, [1]);
@@ -114,7 +139,7 @@ test("budgets hold: draw calls, triangles, memory", async () => {
 
 test("a budget of memory is kept, and frames stay right", async () => {
   // Room for two nodes of three.
-  const { page } = await openViewer(server.url, { memoryBudget: 1.6e6, nodes: 1 });
+  const { page } = await openViewer({ memoryBudget: 1.4e6, nodes: 1 });
   const most = await page.evaluate(async (keys) => {
     let most = 0;
     for (const key of keys) {
@@ -123,26 +148,27 @@ test("a budget of memory is kept, and frames stay right", async () => {
     }
     return most;
   }, keys);
-  assert.ok(most <= 1.6e6, `${most} bytes`);
+  assert.ok(most <= 1.4e6, `${most} bytes`);
   await page.close();
 });
 
-test("a lost context comes back", async () => {
-  const { page, errors } = await openViewer();
-  const before = await psnrs(page);
-  await page.evaluate(() => {
-    const gl = window.viewer.canvas.getContext("webgl2");
-    window.lose = gl.getExtension("WEBGL_lose_context");
-    window.lose.loseContext();
+for (const which of ["walk", "impostor", "nailboards"])
+  test(`a lost context comes back: ${which}`, async () => {
+    const { page, errors } = await openViewer({}, which);
+    const before = await psnrs(page, which);
+    await page.evaluate(() => {
+      const gl = window.viewer.canvas.getContext("webgl2");
+      window.lose = gl.getExtension("WEBGL_lose_context");
+      window.lose.loseContext();
+    });
+    assert.match(await alarmed(page), /took the graphics away/);
+    await page.evaluate(() => window.lose.restoreContext());
+    await page.waitForFunction(
+      () => document.querySelector("[role=alert]").style.display === "none", { timeout: 20000 });
+    assert.deepEqual(await psnrs(page, which), before);
+    assert.deepEqual(errors, []);
+    await page.close();
   });
-  assert.match(await alarmed(page), /took the graphics away/);
-  await page.evaluate(() => window.lose.restoreContext());
-  await page.waitForFunction(
-    () => document.querySelector("[role=alert]").style.display === "none", { timeout: 20000 });
-  assert.deepEqual(await psnrs(page), before);
-  assert.deepEqual(errors, []);
-  await page.close();
-});
 
 test("a browser without WebGL 2 is told so", async () => {
   const { page, errors } = await open(`${server.url}/walk/`, () => {
@@ -243,6 +269,44 @@ test("keys, the mouse and fingers move the eye", async () => {
   assert.ok(distance(swiped, await pose()) > 0.05);
   await page.close();
 });
+
+test("a gamepad walks and looks", async () => {
+  const { page } = await openViewer();
+  const moved = await page.evaluate(() => {
+    const { controls } = window.viewer;
+    const pad = { axes: [0, 0, 0, 0] };
+    navigator.getGamepads = () => [null, pad];
+    const step = (axes) => {
+      pad.axes = axes;
+      const before = Array.from(controls.worldFromEye);
+      const did = controls.advance(0.1);
+      const after = controls.worldFromEye;
+      const along = (k) => [0, 1, 2].reduce((sum, a) => sum + (after[12 + a] - before[12 + a]) * before[k + a], 0);
+      const turned = Math.hypot(...[8, 9, 10].map((k) => after[k] - before[k]));
+      return { did, aside: along(0), ahead: -along(8), turned };
+    };
+    const { speed } = controls;
+    return { speed, active: controls.active, rest: step([0.1, -0.1, 0.05, 0]), ahead: step([0, -1, 0, 0]),
+             aside: step([0.5, 0, 0, 0]), turn: step([0, 0, 1, 0]) };
+  });
+  assert.equal(moved.active, true);
+  assert.equal(moved.rest.did, false);
+  assert.ok(Math.abs(moved.ahead.ahead - 0.1 * moved.speed) < 1e-9 && Math.abs(moved.ahead.aside) < 1e-9);
+  assert.ok(Math.abs(moved.aside.aside - 0.05 * moved.speed) < 1e-9);
+  assert.ok(moved.turn.turned > 0.1 && Math.abs(moved.turn.ahead) < 1e-9);
+  await page.close();
+});
+
+for (const version of ["three", "three-newest"])
+  test(`in ${version} two eyes of one frame see what each sees alone`, async () => {
+    const { page, errors } = await open(`${server.url}/test/three.html?three=${version}`);
+    const { different, eyesDiffer, dark } = await page.evaluate(() => window.twoEyes());
+    assert.equal(different, 0);
+    assert.ok(eyesDiffer > 1000, `${eyesDiffer} pixels differ between the eyes`);
+    assert.equal(dark, 0);
+    assert.deepEqual(errors, []);
+    await page.close();
+  });
 
 for (const version of ["three", "three-newest"])
   test(`in ${version} a cube half inside a wall meets it to a pixel`, async () => {

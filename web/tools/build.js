@@ -18,6 +18,17 @@ const common = {
   logLevel: "warning",
 };
 
+// Shaders are text that esbuild does not shorten: without their comments and their indentation.
+const shaders = {
+  name: "shaders",
+  setup(build) {
+    build.onLoad({ filter: /(shaders|seen)\.ts$/ }, ({ path }) => ({
+      contents: readFileSync(path, "utf8").replace(/^\s+/gm, "").replace(/(^|\s+)\/\/ .*$/gm, ""),
+      loader: "ts",
+    }));
+  },
+};
+
 // A program of a worker, as text within the module that starts it.
 const workers = {
   name: "workers",
@@ -41,7 +52,7 @@ export async function pageProgram() {
     entryPoints: ["src/viewer.ts"],
     format: "iife",
     globalName: "rilievo",
-    plugins: [workers],
+    plugins: [workers, shaders],
     banner: { js: "// Generated from web/src by web/tools/build.js: do not edit." },
     write: false,
   });
@@ -58,7 +69,7 @@ async function build() {
     splitting: true,
     chunkNames: "chunk-[hash]",
     external: ["three"],
-    plugins: [workers],
+    plugins: [workers, shaders],
   });
   const types = spawnSync(
     process.execPath,

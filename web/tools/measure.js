@@ -17,7 +17,7 @@ function option(name, otherwise) {
 const eyes = Number(option("--eyes", 100));
 const [width, height] = option("--size", "320x180").split("x").map(Number);
 const program = option("--program", join(root, "../build/release/bin/rilievo"));
-const threshold = option("--psnr", "42");
+const threshold = option("--psnr", "54");
 mkdirSync(folder, { recursive: true });
 const inside = (name) => join(folder, name);
 
@@ -75,17 +75,17 @@ rilievo("compare", inside("baked.exr"), "--scene", scene, "--path", inside("path
         "--frames-of", `page=${inside("page")}`, "-o", inside("report"));
 
 const web = read("web.json"), bake = read("bake.json");
-const [, library, inPage] = read("report/report.json").methods;
-const lengths = (method) => ({
+const { "environment-nodes": library, page: inPage } = read("report/report.json").methods;
+const figuresOf = (method) => ({
   psnr_db: method.psnr_db.mean, least_psnr_db: method.psnr_db.min, ssim: method.ssim.mean,
   flip: method.flip.mean, wrong_percent: 100 * method.wrong_visibility.mean,
 });
 const manifest = read("walk/walk.json");
 const figures = {
   scene, nodes: manifest.nodes.length, eyes, first_view_bytes: web.first_view_bytes,
-  bytes: web.bytes, bake_seconds: bake.seconds, write_seconds: web.seconds,
+  bytes: web.bytes, bake_seconds: bake.seconds.total, write_seconds: web.seconds,
   held_percent: bake.visible_share_held === undefined ? null : 100 * bake.visible_share_held,
-  library: lengths(library), page: lengths(inPage),
+  library: figuresOf(library), page: figuresOf(inPage),
 };
 writeFileSync(inside("figures.json"), JSON.stringify(figures, null, 1));
 console.log(JSON.stringify(figures, null, 1));

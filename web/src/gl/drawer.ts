@@ -5,7 +5,7 @@ import { kFaceAxes } from "../choose.js";
 import { WalkError } from "../errors.js";
 import { mergeProgram, nodeProgram, showObjectsProgram, skyProgram } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
-import { SeenDrawer } from "./seen.js";
+import { SeenDrawer, WeightWriter } from "./seen.js";
 
 /** A frame to draw. Matrices column by column; clip space as OpenGL's. */
 export interface View {
@@ -61,6 +61,7 @@ export class NodeDrawer {
 
   /** Draws what a node sees, once when it comes. */
   readonly seenDrawer: SeenDrawer;
+  readonly weightWriter: WeightWriter;
   private readonly surface: NodeProgram;
   private readonly skin: NodeProgram;
   private surfaceObject: NodeProgram | null = null;
@@ -88,6 +89,7 @@ export class NodeDrawer {
     this.surface = this.nodeProgram();
     this.skin = this.nodeProgram("SKIN");
     this.seenDrawer = new SeenDrawer(gl);
+    this.weightWriter = new WeightWriter(gl);
     this.noVertices = gl.createVertexArray();
     this.clamps = gl.getExtension("EXT_depth_clamp") !== null;
     this.clipControl = gl.getExtension("EXT_clip_control");
@@ -232,6 +234,7 @@ export class NodeDrawer {
     const { gl } = this;
     this.dropLayers();
     this.seenDrawer.dispose();
+    this.weightWriter.dispose();
     for (const of of [this.surface, this.skin, this.surfaceObject, this.skinObject])
       if (of) gl.deleteProgram(of.program);
     for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);
@@ -247,7 +250,6 @@ export class NodeDrawer {
     gl.useProgram(program);
     gl.uniform1i(gl.getUniformLocation(program, "faces"), 0);
     gl.uniform1i(gl.getUniformLocation(program, "objects"), 1);
-    gl.uniform1i(gl.getUniformLocation(program, "weights"), 1);
     return {
       program,
       clip: gl.getUniformLocation(program, "clip_from_node"),
@@ -307,9 +309,20 @@ export class NodeDrawer {
     gl.bindVertexArray(null);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, null);
-    gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
+  }
+
+  /** Draws something else into the one layer: `draw` is told the layer's near plane. */
+  drawOther(view: View, draw: (near: number) => void): void {
+    this.stats.drawCalls = this.stats.triangles = 0;
+    this.makeLayers(view.width, view.height, 1);
+    this.layers = 1;
+    const near = this.begin(view);
+    this.setMerge(view, [], 0, near);
+    this.beginLayer(0);
+    draw(near);
+    this.end();
   }
 
   private beginLayer(layer: number): void {
@@ -364,11 +377,6 @@ export class NodeDrawer {
 
   private drawSurfaces(of: NodeProgram, node: StoredNode, first: boolean): void {
     const { gl } = this;
-    if (of === this.surface) {
-      gl.activeTexture(gl.TEXTURE1);
-      gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.weights);
-      gl.activeTexture(gl.TEXTURE0);
-    }
     // The first node sees the eye. What the eye would see from behind of another node's surfaces,
     // that node saw around a corner: it must not cover what the first node knows.
     if (first) gl.disable(gl.CULL_FACE);

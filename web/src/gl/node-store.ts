@@ -1,14 +1,15 @@
-// Nodes on the GPU: cube maps of colours and of what texels count, what the node sees of all sides,
+// Nodes on the GPU: a cube map of colours and of what texels count, what the node sees of all sides,
 // and the meshes of surfaces and skins.
 
 import type { LevelEntry } from "../manifest.js";
 import { kSkinStride, kSurfaceStride, type NodeMesh } from "../mesh-layout.js";
+import type { WeightWriter } from "./seen.js";
 
 export interface StoredNode {
   readonly worldFromNode: Float64Array;
   readonly level: LevelEntry;
+  /** Alpha is what texels count. */
   readonly faces: WebGLTexture;
-  readonly weights: WebGLTexture;
   /** 3 x 2 faces of disparities as SeenDrawer (seen.ts) draws them. */
   readonly seen: WebGLTexture;
   readonly objects: WebGLTexture | null;
@@ -27,8 +28,8 @@ export interface StoredNode {
   weightSheet: Uint8Array | null;
 }
 
-/** A texel's bytes: colour, weight, disparity, and the identifier if there is one. */
-export const kTexelBytes = 4 + 1 + 2, kObjectBytes = 2;
+/** A texel's bytes: colour and weight, disparity, and the identifier if there is one. */
+export const kTexelBytes = 4 + 2, kObjectBytes = 2;
 
 function storedBytes(level: LevelEntry, mesh: NodeMesh, objects: boolean): number {
   const texels = 6 * level.faceSize * level.faceSize;
@@ -45,10 +46,10 @@ function starts(counts: readonly number[]): Uint32Array {
   return made;
 }
 
-function cubeMap(gl: WebGL2RenderingContext, format: number, size: number): WebGLTexture {
+function cubeMap(gl: WebGL2RenderingContext, size: number): WebGLTexture {
   const made = gl.createTexture() as WebGLTexture;
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, made);
-  gl.texStorage2D(gl.TEXTURE_CUBE_MAP, 1, format, size, size);
+  gl.texStorage2D(gl.TEXTURE_CUBE_MAP, 1, gl.RGBA8, size, size);
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
     gl.texParameteri(gl.TEXTURE_CUBE_MAP, filter, gl.LINEAR);
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
@@ -108,8 +109,7 @@ export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Arra
   const skinStarts = starts(level.mesh.skins);
   return {
     worldFromNode, level,
-    faces: cubeMap(gl, gl.RGBA8, level.faceSize),
-    weights: cubeMap(gl, gl.R8, level.faceSize),
+    faces: cubeMap(gl, level.faceSize),
     seen: sheet16(gl, level.faceSize, null),
     objects: objects ? sheet16(gl, level.faceSize, objects) : null,
     surfaces, skins, buffers, surfaceStarts, skinStarts,
@@ -122,8 +122,9 @@ export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Arra
 }
 
 /** Uploads the next face, whose first row is the bottom one. */
-export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: ImageBitmap): void {
-  const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + node.uploaded, size = node.level.faceSize;
+export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: ImageBitmap,
+                           weights: WeightWriter): void {
+  const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + node.uploaded;
   // As the bitmap is: whatever was set by others.
   gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
   gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
@@ -131,23 +132,14 @@ export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: I
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
   gl.texSubImage2D(target, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, face);
   gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.BROWSER_DEFAULT_WEBGL);
-  if (node.weightSheet) {
-    const column = node.uploaded % 3, row = Math.floor(node.uploaded / 3);
-    gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.weights);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 3 * size);
-    gl.texSubImage2D(target, 0, 0, 0, size, size, gl.RED, gl.UNSIGNED_BYTE, node.weightSheet,
-                     size * (column + 3 * size * row));
-    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-  }
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
+  if (node.weightSheet)
+    weights.write(node.weightSheet, node.uploaded, node.level.faceSize, node.faces);
   if (++node.uploaded === 6) node.weightSheet = null;
 }
 
 export function deleteNode(gl: WebGL2RenderingContext, node: StoredNode): void {
-  for (const texture of [node.faces, node.weights, node.seen, node.objects])
-    gl.deleteTexture(texture);
+  for (const texture of [node.faces, node.seen, node.objects]) gl.deleteTexture(texture);
   gl.deleteVertexArray(node.surfaces);
   gl.deleteVertexArray(node.skins);
   for (const buffer of node.buffers) gl.deleteBuffer(buffer);

@@ -54,7 +54,6 @@ in float v_stretch;
 uniform float widest_skin;  // pixels
 #endif
 uniform samplerCube faces;
-uniform samplerCube weights;
 #ifdef OBJECT
 uniform usampler2D objects;  // 3 x 2 faces
 layout(location = 0) out uvec4 out_object;
@@ -80,8 +79,8 @@ void main() {
   out_color = vec4(texture(faces, v_direction).rgb, 1.0 / 255.0);
 #else
   // 0 is nothing, 1 a skin.
-  out_color = vec4(texture(faces, v_direction).rgb,
-                   (2.0 + 253.0 * texture(weights, v_direction).r) / 255.0);
+  vec4 color = texture(faces, v_direction);
+  out_color = vec4(color.rgb, (2.0 + 253.0 * color.a) / 255.0);
 #endif
 }
 `;

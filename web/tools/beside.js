@@ -1,0 +1,108 @@
+// A walk beside the same scene as plain glTF by three.js' GLTFLoader, in one browser, in turn: bytes,
+// time to the first view, time and processor time of a frame, memory.
+//   node tools/beside.js SCENE.glb WALK [--size WxH] [--frames N] [--rounds N]
+// WALK is a folder of `rilievo web`. The machine's other work moves times: compare what stands beside
+// each other; the processor time of all of the browser's processes is moved less.
+import { execFileSync } from "node:child_process";
+import { readFileSync, readdirSync, statSync } from "node:fs";
+import { basename, dirname, join } from "node:path";
+import { launch, root, serve } from "../test/browser.js";
+
+const [scene, folder, ...rest] = process.argv.slice(2);
+if (!folder) throw new Error("usage: node tools/beside.js SCENE.glb WALK [options]");
+const option = (name, otherwise) => {
+  const at = rest.indexOf(name);
+  return at < 0 ? otherwise : rest[at + 1];
+};
+const [width, height] = option("--size", "640x360").split("x").map(Number);
+const frames = Number(option("--frames", 100)), rounds = Number(option("--rounds", 3));
+const kTicksPerSecond = Number(execFileSync("getconf", ["CLK_TCK"]));
+
+/** Of a process and all that it started: seconds of processor time, and bytes of its own. */
+function costOf(root) {
+  const children = new Map();
+  for (const name of readdirSync("/proc").filter((of) => /^\d+$/.test(of))) {
+    try {
+      const parts = readFileSync(`/proc/${name}/stat`, "utf8").replace(/^.*\) /, "").split(" ");
+      const status = readFileSync(`/proc/${name}/smaps_rollup`, "utf8");
+      const own = /Pss:\s+(\d+)/.exec(status);
+      children.set(Number(name), { parent: Number(parts[1]), own: own ? 1024 * Number(own[1]) : 0,
+                                   ticks: Number(parts[11]) + Number(parts[12]) });
+    } catch { /* it has ended */ }
+  }
+  const isBelow = (pid) => pid === root || (children.has(pid) && children.get(pid).parent > 1 &&
+                                            isBelow(children.get(pid).parent));
+  let ticks = 0, bytes = 0;
+  for (const [pid, of] of children) if (isBelow(pid)) ticks += of.ticks, bytes += of.own;
+  return { seconds: ticks / kTicksPerSecond, bytes };
+}
+
+const bytesBelow = (path) => statSync(path).isDirectory()
+  ? readdirSync(path).reduce((sum, name) => sum + bytesBelow(join(path, name)), 0)
+  : statSync(path).size;
+
+const server = await serve({ walk: folder, scene: dirname(scene), test: join(root, "test"), web: root });
+let keys;
+
+async function measured(kind) {
+  const browser = await launch(["--js-flags=--expose-gc"]);
+  try {
+    const page = await browser.newPage();
+    await page.setViewport({ width, height });
+    await page.goto(`${server.url}/test/${kind === "walk" ? "viewer" : "gltf"}.html`);
+    let first;
+    if (kind === "walk") {
+      first = await page.evaluate(async () => {
+        const begin = performance.now();
+        const box = document.getElementById("walk");
+        window.viewer = window.rilievo.show(box, "/walk/walk.json", { pixelRatio: 1 });
+        await window.viewer.ready;
+        window.viewer.draw();
+        const gl = window.viewer.canvas.getContext("webgl2"), pixel = new Uint8Array(4);
+        window.drawKey = (key) => {
+          window.look(key);
+          gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        };
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        return performance.now() - begin;
+      });
+      keys ??= await page.evaluate((count) => window.eyesBetweenNodes(count), 8);
+      // All that these eyes need is there before frames count.
+      for (const key of keys) await page.evaluate((key) => window.settle(key), key);
+    } else {
+      await page.waitForFunction(() => window.openScene);
+      first = await page.evaluate(
+        ({ url, key, width, height }) => window.openScene(url, key, width, height),
+        { url: `/scene/${basename(scene)}`, key: keys[0], width, height });
+      for (const key of keys) await page.evaluate((key) => window.drawKey(key), key);
+    }
+    const before = costOf(browser.process().pid), begin = performance.now();
+    await page.evaluate(async ({ keys, frames }) => {
+      for (let i = 0; i < frames; ++i) {
+        window.drawKey(keys[i % keys.length]);
+        if (i % 8 === 7) await new Promise((resolve) => setTimeout(resolve, 0));
+      }
+    }, { keys, frames });
+    const wall = performance.now() - begin, after = costOf(browser.process().pid);
+    return { first_ms: first, frame_ms: wall / frames,
+             frame_cpu_ms: (1e3 * (after.seconds - before.seconds)) / frames,
+             memory_mb: 1e-6 * after.bytes };
+  } finally {
+    await browser.close();
+  }
+}
+
+const middle = (numbers) => numbers.sort((a, b) => a - b)[numbers.length >> 1];
+const all = { walk: [], glTF: [] };
+for (let round = 0; round < rounds; ++round)
+  for (const kind of ["walk", "glTF"]) all[kind].push(await measured(kind));
+await server.close();
+const table = Object.fromEntries(Object.entries(all).map(([kind, list]) => [kind, {
+  bytes: bytesBelow(kind === "walk" ? folder : scene),
+  ...Object.fromEntries(Object.keys(list[0]).map((of) => [of, middle(list.map((one) => one[of]))])),
+}]));
+for (const of of Object.keys(table.walk)) {
+  const [walk, glTF] = [table.walk[of], table.glTF[of]];
+  console.log(of.padEnd(14), walk.toFixed(1).padStart(12), glTF.toFixed(1).padStart(12),
+              `walk : glTF ${(walk / glTF).toFixed(2)}`);
+}
