@@ -1,9 +1,12 @@
 #include "rilievo/gl/object.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace rilievo::gl {
 namespace {
+
+std::atomic<std::size_t> made_programs{0};
 
 void sample_linearly_without_wrapping(GLuint texture, bool mipmapped) {
   glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER,
@@ -88,6 +91,7 @@ VertexArray make_vertex_array() {
 
 Result<Program> make_program(std::string_view name, std::string_view vertex,
                              std::string_view fragment, std::string_view defines) {
+  ++made_programs;
   const Result<GLuint> v = compile(name, GL_VERTEX_SHADER, vertex, defines);
   if (!v) return v.error();
   const Result<GLuint> f = compile(name, GL_FRAGMENT_SHADER, fragment, defines);
@@ -110,6 +114,8 @@ Result<Program> make_program(std::string_view name, std::string_view vertex,
   log.resize(std::size_t(length));
   return Error{std::string(name), "program does not link: " + log};
 }
+
+std::size_t programs_made() { return made_programs; }
 
 void StreamBuffer::upload_and_bind(GLenum target, GLuint index, std::span<const std::byte> bytes) {
   // Enough for any driver's alignment of offsets.

@@ -49,7 +49,11 @@ struct DrawnSamples {
 
 Result<DrawnSamples> draw_samples(SceneRenderer& renderer, const Camera& camera,
                                   std::span<const std::uint32_t> objects, int samples) {
-  Result<SampleTarget> target = SampleTarget::create(camera.width, camera.height, samples);
+  const Result<GLuint> extract =
+      renderer.kept_program("capture's samples", SampleTarget::make_extract_program);
+  if (!extract) return extract.error();
+  Result<SampleTarget> target =
+      SampleTarget::create(camera.width, camera.height, samples, *extract);
   if (!target) return target.error();
   target->begin_color(camera.keeps_farthest());
   renderer.draw_opaque(camera, objects, OutputEncoding::linear);

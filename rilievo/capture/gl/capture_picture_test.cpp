@@ -57,6 +57,29 @@ INSTANTIATE_TEST_SUITE_P(AllProjections, CapturePictureTest,
                          testing::Values(Projection::perspective, Projection::back_perspective,
                                          Projection::parallel));
 
+// Of any size, and after others: what is compiled while frames are drawn makes them stutter.
+TEST(CapturePicture, compiles_no_program_but_with_the_first_picture) {
+  auto context = gl::Context::create();
+  ASSERT_TRUE(context.ok());
+  const auto builtin = make_builtin("builtin:teapot?triangles=2000");
+  auto renderer = SceneRenderer::create(builtin->scene);
+  ASSERT_TRUE(renderer.ok());
+  const Box box = world_bounds(builtin->scene);
+  Result<Camera> camera =
+      tight_camera(Projection::perspective, glm::dvec3(box.center()) + 2.0 * double(box.radius()),
+                   {0, 1, 0}, box);
+  ASSERT_TRUE(camera.ok());
+  std::size_t made = 0;
+  for (int i = 0; i < 3; ++i) {
+    camera->width = 40 + 10 * i, camera->height = 30;
+    for (const int samples : {1, 4})
+      ASSERT_TRUE(
+          capture_picture(*renderer, *camera, {.samples = samples, .with_sky = i == 2}).ok());
+    if (i == 0) made = gl::programs_made();
+    EXPECT_EQ(gl::programs_made(), made);
+  }
+}
+
 TEST(CapturePicture, refuses_a_camera_that_is_none) {
   auto context = gl::Context::create();
   ASSERT_TRUE(context.ok());

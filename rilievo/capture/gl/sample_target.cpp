@@ -27,8 +27,13 @@ void main() {
 
 }  // namespace
 
-Result<SampleTarget> SampleTarget::create(int width, int height, int samples) {
+Result<gl::Program> SampleTarget::make_extract_program(std::string_view name) {
+  return gl::make_program(name, kVertex, kFragment);
+}
+
+Result<SampleTarget> SampleTarget::create(int width, int height, int samples, GLuint extract) {
   SampleTarget t;
+  t.extract_ = extract;
   t.width_ = width, t.height_ = height;
   t.color_ = gl::make_texture_2d_multisample(GL_RGBA16F, width, height, samples);
   t.object_ = gl::make_texture_2d_multisample(GL_R32UI, width, height, samples);
@@ -52,9 +57,6 @@ Result<SampleTarget> SampleTarget::create(int width, int height, int samples) {
        {GLuint(t.color_target_), GLuint(t.object_target_), GLuint(t.one_)})
     if (glCheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
       return Error{"capture", "the driver refuses a float framebuffer of this size"};
-  Result<gl::Program> extract = gl::make_program("capture's samples", kVertex, kFragment);
-  if (!extract) return extract.error();
-  t.extract_ = std::move(*extract);
   t.no_vertices_ = gl::make_vertex_array();
   return t;
 }
@@ -108,7 +110,6 @@ void SampleTarget::read(int sample, Samples& samples) {
   glUniform1i(0, sample);
   glBindVertexArray(no_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  glUseProgram(0);  // which lives no longer than this target: nobody may save and restore it
   samples.color = Image<glm::vec4>(width_, height_);
   samples.window_z = Image<float>(width_, height_);
   samples.object = Image<std::uint32_t>(width_, height_);

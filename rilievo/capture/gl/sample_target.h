@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <string_view>
 #include <vector>
 
 #include "rilievo/core/image.h"
@@ -16,8 +17,12 @@ namespace rilievo {
 // A target of several samples a texel.
 class SampleTarget {
  public:
-  // Fails if the driver refuses a float framebuffer of this size.
-  [[nodiscard]] static Result<SampleTarget> create(int width, int height, int samples);
+  // `extract`: make_extract_program()'s, which must outlive the target. Fails if the driver refuses
+  // a float framebuffer of this size.
+  [[nodiscard]] static Result<SampleTarget> create(int width, int height, int samples,
+                                                   GLuint extract);
+  // The program that reads samples, for SceneRenderer::kept_program().
+  [[nodiscard]] static Result<gl::Program> make_extract_program(std::string_view name);
 
   // Binds the target for drawing colours, or identifiers (after the colours), and clears it: depth
   // is near for cameras that keep the farthest sample.
@@ -41,7 +46,7 @@ class SampleTarget {
   gl::Texture color_, object_, depth_;              // multisampled
   gl::Texture one_color_, one_object_, one_depth_;  // of one sample
   gl::Framebuffer color_target_, object_target_, one_;
-  gl::Program extract_;
+  GLuint extract_ = 0;
   gl::VertexArray no_vertices_;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/render/draw_list.h"
@@ -52,7 +54,8 @@ struct SceneRenderer::State {
   const Scene* scene;
   GpuScene gpu;
   std::map<unsigned, gl::Program> programs;
-  gl::Program sky[2];  // srgb, linear
+  std::map<std::string, gl::Program, std::less<>> kept;  // of passes, by name
+  gl::Program sky[2];                                    // srgb, linear
   gl::VertexArray no_vertices;
 
   PlacedScene placed;
@@ -361,6 +364,17 @@ void SceneRenderer::draw_sky(const Camera& camera, OutputEncoding encoding) {
   glDepthFunc(GL_LEQUAL);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glDepthMask(GL_TRUE);
+}
+
+Result<GLuint> SceneRenderer::kept_program(std::string_view name,
+                                           Result<gl::Program> (*make)(std::string_view name)) {
+  auto found = state_->kept.find(name);
+  if (found == state_->kept.end()) {
+    Result<gl::Program> made = make(name);
+    if (!made) return made.error();
+    found = state_->kept.emplace(name, std::move(*made)).first;
+  }
+  return GLuint(found->second);
 }
 
 }  // namespace rilievo

@@ -10,9 +10,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/gl/object.h"
 #include "rilievo/render/cross_fade.h"
 #include "rilievo/render/placed_scene.h"
 #include "rilievo/scene/scene.h"
@@ -81,6 +83,11 @@ class SceneRenderer {
   void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects);
   // Draws the sky where nothing has been drawn yet.
   void draw_sky(const Camera& camera, OutputEncoding encoding);
+
+  // The program called `name`, which lives as long as the renderer. The first call for a name makes
+  // it. For passes over what is drawn here, so that no frame compiles again.
+  [[nodiscard]] Result<GLuint> kept_program(std::string_view name,
+                                            Result<gl::Program> (*make)(std::string_view name));
 
  private:
   struct State;
