@@ -14,6 +14,24 @@ constexpr long kMaxPixels = 1L << 26;
 constexpr int kMaxFrames = 1'000'000;
 constexpr int kDefaultFrames = 120;
 
+// Once around, in so many frames.
+CameraPath turn_path(const Box& bounds, int frames, const Vantage& vantage) {
+  constexpr int kOnce = 36 * int(kFramesPerSecond);  // at orbit_path's speed
+  const CameraPath once = orbit_path(bounds, kOnce, vantage);
+  CameraPath path = once;
+  path.keys.clear();
+  // At each frame, and between them as the circle asks for; more than five would be cuts.
+  const int keys = frames * std::clamp(360 / frames, 1, 5);
+  for (int i = 0; i <= keys; ++i) {
+    const double share = double(i) / keys;
+    const Camera camera = camera_at(once, share * kOnce / kFramesPerSecond, 1, 1);
+    path.keys.push_back(look_key(
+        share * frames / kFramesPerSecond, camera.position(), camera.position() + camera.forward(),
+        glm::dvec3(camera.world_from_eye[1]), once.keys.front().vertical_fov));
+  }
+  return path;
+}
+
 }  // namespace
 
 bool is_frame_size(int width, int height) {
@@ -56,11 +74,11 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
   auto* path =
       command.add_option("--path", options.path_file, "Camera path, JSON (rilievo-path-1)")
           ->type_name("FILE.json");
-  auto* orbit = command
-                    .add_option("--orbit", options.orbit,
-                                "Camera path: N frames of a circle around the scene")
-                    ->check(in_range(1, kMaxFrames))
-                    ->type_name("N");
+  auto* orbit =
+      command
+          .add_option("--orbit", options.orbit, "Camera path: once around the scene in N frames")
+          ->check(in_range(1, kMaxFrames))
+          ->type_name("N");
   auto* walk =
       command.add_option("--walk", options.walk, "Camera path: N frames of a walk past the scene")
           ->check(in_range(1, kMaxFrames))
@@ -87,8 +105,9 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
                 : options.orbit ? options.orbit
                 : options.walk  ? options.walk
                                 : kDefaultFrames;
-  plan.path = options.walk ? walk_path(bounds, plan.frames, vantage)
-                           : orbit_path(bounds, plan.frames, vantage);
+  plan.path = options.walk    ? walk_path(bounds, plan.frames, vantage)
+              : options.orbit ? turn_path(bounds, options.orbit, vantage)
+                              : orbit_path(bounds, plan.frames, vantage);
   return plan;
 }
 
