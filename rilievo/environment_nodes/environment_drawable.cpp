@@ -49,14 +49,8 @@ Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& valu
   options.draw.skin = !values.flag("gaps");
   options.resident = std::size_t(values.integer("resident"));
   options.nodes = std::size_t(values.integer("nodes"));
-  if (options.nodes > options.resident) {
-    if (!values.given("nodes"))
-      options.nodes = options.resident;
-    else if (!values.given("resident"))
-      options.resident = options.nodes;
-    else
-      return Error{"--nodes", "is more than --resident: what is merged must be in memory"};
-  }
+  // What is merged must be in memory.
+  options.resident = std::max(options.resident, options.nodes);
   return options;
 }
 

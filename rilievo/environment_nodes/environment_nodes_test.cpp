@@ -261,8 +261,10 @@ TEST(EnvironmentNodes, as_many_are_in_memory_as_are_drawn) {
   EXPECT_EQ(options({})->resident, 4u);
   EXPECT_EQ(options({{"nodes", "8"}})->nodes, 8u);
   EXPECT_EQ(options({{"nodes", "8"}})->resident, 8u);
-  EXPECT_EQ(options({{"resident", "1"}})->nodes, 1u);
-  EXPECT_FALSE(options({{"nodes", "3"}, {"resident", "2"}}).ok());
+  EXPECT_EQ(options({{"resident", "1"}})->nodes, 2u);
+  EXPECT_EQ(options({{"resident", "1"}})->resident, 2u);
+  EXPECT_EQ(options({{"nodes", "1"}, {"resident", "1"}})->resident, 1u);
+  EXPECT_EQ(options({{"nodes", "3"}, {"resident", "2"}})->resident, 3u);
 }
 
 // Seurat's own test data: its one view has parallel rays, which no node has.

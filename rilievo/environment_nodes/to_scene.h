@@ -2,7 +2,8 @@
 //
 // Ordinary texture coordinates are linear over a triangle in space; those of a node are linear over
 // its picture. Edges are halved until the two differ by at most a fraction of a texel, equally on
-// both sides of an edge, so that a closed mesh stays closed. One unlit material for each face,
+// both sides of an edge, so that a closed mesh stays closed. Within skins, which show nobody's
+// texels, none are halved. One unlit material for each face,
 // colours in sRGB. The sky lies at a multiple of the farthest surface's distance. World space.
 #pragma once
 

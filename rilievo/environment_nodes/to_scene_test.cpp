@@ -62,5 +62,23 @@ TEST(SceneFromNode, a_closed_room_stays_closed) {
   for (const auto& [edge, count] : edges) EXPECT_EQ(count % 2, 0);
 }
 
+TEST(SceneFromNode, skins_are_few_and_have_area) {
+  const EnvironmentMap map = make_node(64, furnished_room());
+  const NodeMesh node = triangulate(map, {.triangles = 2000});
+  ASSERT_GT(node.triangles(), node.surface_triangles());
+  const Scene closed = scene_from_node(map, node),
+              open = scene_from_node(map, node, {.skins = false});
+  EXPECT_GT(count_triangles(closed), count_triangles(open));
+  EXPECT_LE(count_triangles(closed), 2 * count_triangles(open));
+  for (const Mesh& mesh : closed.meshes)
+    for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+      const glm::dvec3 a(mesh.positions[mesh.indices[t]]), b(mesh.positions[mesh.indices[t + 1]]),
+          c(mesh.positions[mesh.indices[t + 2]]);
+      const double longest =
+          std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+      ASSERT_GT(glm::length(glm::cross(b - a, c - a)), 1e-7 * glm::length(a) * longest);
+    }
+}
+
 }  // namespace
 }  // namespace rilievo
