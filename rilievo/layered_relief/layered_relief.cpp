@@ -46,8 +46,8 @@ TileLines tile_lines(const LayeredRelief& relief, const LayeredDepthImage& layer
       const std::size_t i = std::size_t(v0 + v) * std::size_t(w) + std::size_t(u0 + u);
       for (std::uint64_t s = layers.first[i + 1]; s-- > layers.first[i];) {
         const LayerSample& sample = layers.samples[s];
-        const double d =
-            eye_z_from(layers.depth_kind, sample.depth, layers.camera, {}) - relief.plane_z;
+        const double d = relief.d_of(eye_z_from(layers.depth_kind, sample.depth, layers.camera,
+                                                {u0 + u + 0.5, v0 + v + 0.5}));
         const double code = std::round((d - relief.first_d) / relief.d_step);
         const auto clamped = std::uint32_t(std::clamp(code, 0.0, double(kLargestCode)));
         lines.samples.push_back({std::uint32_t(u) | std::uint32_t(v) << 8 | clamped << 16,
@@ -119,12 +119,13 @@ void add_hull(LayeredRelief& relief, int slices) {
 
 Result<LayeredRelief> build_layered_relief(const LayeredDepthImage& given,
                                            const LayeredReliefOptions& options) {
-  RILIEVO_EXPECTS(given.camera.projection == Projection::parallel);
+  RILIEVO_EXPECTS(given.camera.projection != Projection::back_perspective);
   RILIEVO_EXPECTS(options.tile_size >= 1 && options.tile_size <= 256 &&
                   (options.tile_size & (options.tile_size - 1)) == 0);
   const auto error = [&](const char* reason) { return Error{given.name, reason}; };
   // A parallel picture's window_z is the one depth that is not in metres.
-  const double per_metre = given.depth_kind == DepthKind::window_z
+  const bool perspective = given.camera.projection == Projection::perspective;
+  const double per_metre = given.depth_kind == DepthKind::window_z && !perspective
                                ? 1 / (given.camera.z_far - given.camera.z_near)
                                : 1.0;
   const LayeredDepthImage layers =
@@ -138,14 +139,18 @@ Result<LayeredRelief> build_layered_relief(const LayeredDepthImage& given,
   relief.camera = layers.camera;
   relief.merged_d = options.merge;
   double nearest = 1e300, farthest = -1e300;
-  for (const LayerSample& sample : layers.samples) {
-    const double z = eye_z_from(layers.depth_kind, sample.depth, layers.camera, {});
-    nearest = std::min(nearest, z), farthest = std::max(farthest, z);
-  }
+  const auto width = std::size_t(layers.camera.width);
+  for (std::size_t i = 0; i + 1 < layers.first.size(); ++i)
+    for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+      const double z = eye_z_from(layers.depth_kind, layers.samples[s].depth, layers.camera,
+                                  {double(i % width) + 0.5, double(i / width) + 0.5});
+      nearest = std::min(nearest, z), farthest = std::max(farthest, z);
+    }
   relief.plane_z = 0.5 * (nearest + farthest);
-  relief.first_d = nearest - relief.plane_z;
+  relief.first_d = relief.d_of(nearest);
   // A flat picture needs a step too.
-  const double extent = std::max(farthest - nearest, 1e-6 * (relief.camera.z_far));
+  const double extent = std::max(relief.d_of(farthest) - relief.first_d,
+                                 1e-6 * (perspective ? 1 / nearest : relief.camera.z_far));
   relief.d_step = extent / double(kLargestCode);
 
   relief.tile_size = options.tile_size;

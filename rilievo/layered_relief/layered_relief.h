@@ -3,8 +3,8 @@
 //
 // Source space: the texel position (u, v) in a parallel camera's raster, and the displacement d
 // (metres, positive is deeper) from the source plane, which stands at eye_z == plane_z in the
-// middle of the samples' depths. A displacement is stored as a 16-bit code: d = first_d + code *
-// d_step.
+// middle of the samples' depths; of a perspective camera d = -1 / eye_z (warp/relief_warp.h). A
+// displacement is stored as a 16-bit code: d = first_d + code * d_step.
 //
 // A sample is 8 bytes, so that warping it is copying it. Each tile stores its samples four times,
 // in the four occlusion-compatible orders. If the eye's foot on the source plane (the epipole) lies
@@ -50,8 +50,8 @@ enum ReliefOrder : unsigned { kDescendingU = 1, kDescendingV = 2 };
 // A layered relief.
 struct LayeredRelief {
   std::string name;
-  Camera camera;  // parallel; the capture's
-  double plane_z = 1;
+  Camera camera;       // parallel or perspective; the capture's
+  double plane_z = 1;  // of a parallel one
   double first_d = 0, d_step = 0;
 
   int tile_size = 32;  // texels a side: a power of two, at most 256
@@ -73,6 +73,10 @@ struct LayeredRelief {
   double merged_d = 0;
 
   [[nodiscard]] std::size_t samples() const { return first.empty() ? 0 : first.back(); }
+  [[nodiscard]] bool perspective() const { return camera.projection == Projection::perspective; }
+  [[nodiscard]] double d_of(double eye_z) const {
+    return perspective() ? -1 / eye_z : eye_z - plane_z;
+  }
   [[nodiscard]] double d(std::uint32_t code) const { return first_d + double(code) * d_step; }
   [[nodiscard]] double nearest_d() const { return first_d; }
   [[nodiscard]] double farthest_d() const { return first_d + double(kLargestCode) * d_step; }
@@ -82,7 +86,8 @@ struct LayeredRelief {
 // What to merge.
 struct LayeredReliefOptions {
   int tile_size = 32;
-  // Samples of one line of sight within this distance become one; metres.
+  // Samples of one line of sight within this distance become one; metres, of a perspective picture
+  // in the unit of its depths.
   double merge = 0.0;
   // Translucent samples are gathered along the line of sight until their opacity reaches this.
   float least_alpha = 0.5f;
@@ -92,7 +97,8 @@ struct LayeredReliefOptions {
   bool identifiers = false;
 };
 
-// Builds a relief. Requires a valid parallel picture. Fails if it has no samples, or 2^32 or more.
+// Builds a relief. Requires a valid parallel or perspective picture; of a perspective one samples
+// have a finite eye_z. Fails if it has no samples, or 2^32 or more.
 [[nodiscard]] Result<LayeredRelief> build_layered_relief(const LayeredDepthImage& layers,
                                                          const LayeredReliefOptions& options = {});
 

@@ -1,6 +1,7 @@
-// Cf. [Parilov, Stuerzlinger 2002, sections 3.1, 4.1 and 5]. How we differ: the result's grid
-// stands still on the source plane, so that tiles can be kept from eye to eye; depths come along;
-// the size of a splat is du / (1 + k3 d) (the printed formula adds a displacement to a size).
+// Cf. [Parilov, Stuerzlinger 2002, sections 3.1, 4.1 and 5]. How we differ: sources may be in
+// perspective; the result's grid stands still on the source plane, so that tiles can be kept from
+// eye to eye; depths come along; the size of a splat is du / (1 + k3 d) (the printed formula adds a
+// displacement to a size).
 #include "rilievo/layered_relief/prewarp.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -9,6 +10,7 @@
 #include <cmath>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_relief/fill_pinholes.h"
 #include "rilievo/layered_relief/prewarp_grid.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
 
@@ -63,20 +65,29 @@ bool outside(const glm::dmat4& clip_from_world, const std::array<glm::dvec3, 4>&
   return all != 0;
 }
 
-}  // namespace
-
-std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief, const ReliefWarp& warp,
-                                                double splat_size) {
+// Of what is no nearer than `least_d`: the hull is one of boxes along d, which end there.
+ReliefRectangle rectangle_beyond(const LayeredRelief& relief, const ReliefWarp& warp,
+                                 double splat_size, double least_d) {
   ReliefRectangle rectangle{glm::dvec2(1e300), glm::dvec2(-1e300)};
   const double beyond = std::max(0.0, 0.5 * (splat_size - 1));
   for (const glm::dvec3& corner : relief.hull) {
-    if (!(1 + warp.k3 * corner.z >= 1 / kMaxPrewarpMagnification)) return std::nullopt;
-    const glm::dvec2 at = warp.moved(corner.x, corner.y, corner.z);
-    const glm::dvec2 reach(beyond * warp.magnification(corner.z));
+    const double d = std::max(corner.z, least_d);
+    const glm::dvec2 at = warp.moved(corner.x, corner.y, d);
+    const glm::dvec2 reach(beyond * warp.magnification(d));
     rectangle.min = glm::min(rectangle.min, at - reach);
     rectangle.max = glm::max(rectangle.max, at + reach);
   }
   return rectangle;
+}
+
+}  // namespace
+
+std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief, const ReliefWarp& warp,
+                                                double splat_size) {
+  const double least = warp.least_d(kMaxPrewarpMagnification);
+  for (const glm::dvec3& corner : relief.hull)
+    if (!(corner.z >= least)) return std::nullopt;
+  return rectangle_beyond(relief, warp, splat_size, least);
 }
 
 struct Prewarp::State {
@@ -92,6 +103,7 @@ struct Prewarp::State {
     std::vector<PrewarpRun> runs;
   };
   tbb::enumerable_thread_specific<Scratch> scratch;
+  std::vector<std::uint16_t> before_filling;
 
   struct Job {
     glm::ivec2 tile;
@@ -105,6 +117,8 @@ struct Prewarp::State {
     Texels all, shown;  // of the result, before and after clipping to the view
     TileGrid grid;
     std::vector<Sheet> sheets;
+    glm::dvec3 eye{0.0};
+    std::uint32_t least_code = 0;  // nearer samples are not drawn
     PrewarpCoefficients coefficients;
     ResolveCoefficients resolve;
   };
@@ -112,7 +126,8 @@ struct Prewarp::State {
   [[nodiscard]] bool in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const;
   void plan_tiles(Frame& f, const Camera* view, bool keeps, std::vector<Job>& jobs) const;
   void set_coefficients(Frame& f) const;
-  void set_geometry(const Frame& f, const glm::dvec3& eye, PictureGeometry& geometry) const;
+  void set_geometry(const Frame& f, PictureGeometry& geometry) const;
+  void set_resolve(Frame& f, const Camera& camera) const;
   void keep_tiles(const Frame& f, std::vector<Job>& jobs);
   void do_tile(const Frame& f, const Job& job, Prewarped& result, PrewarpStats& stats);
   [[nodiscard]] KeptTile* kept_tile(const glm::ivec2& tile) {
@@ -142,8 +157,9 @@ void Prewarp::reset() {
 bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const {
   std::array<glm::dvec3, 4> quad;
   for (int i = 0; i < 4; ++i)
-    quad[std::size_t(i)] = frame.world((i & 1 ? texels.max.x : texels.min.x) / f.resolution,
-                                       (i & 2 ? texels.max.y : texels.min.y) / f.resolution, 0);
+    quad[std::size_t(i)] =
+        f.eye + frame.ray(f.eye, (i & 1 ? texels.max.x : texels.min.x) / f.resolution,
+                          (i & 2 ? texels.max.y : texels.min.y) / f.resolution);
   return !outside(clip, quad);
 }
 
@@ -191,19 +207,20 @@ void Prewarp::State::set_coefficients(Frame& f) const {
   f.coefficients.w_0 = float(1 + k3 * d0);
   f.coefficients.low = float(0.5 - 0.5 * options.splat_size);
   f.coefficients.high = float(0.5 + 0.5 * options.splat_size);
+  f.coefficients.least_code = float(f.least_code);
 }
 
-void Prewarp::State::set_geometry(const Frame& f, const glm::dvec3& eye,
-                                  PictureGeometry& geometry) const {
-  const double h = 1 / f.warp.k3, s = f.resolution;
+// The camera of the result: at the eye, in the source's direction.
+void Prewarp::State::set_geometry(const Frame& f, PictureGeometry& geometry) const {
+  const double s = f.resolution;
   Camera& camera = geometry.capture;
   camera = relief->camera;
   camera.projection = Projection::perspective;
-  camera.world_from_eye[3] = glm::dvec4(eye, 1);
+  camera.world_from_eye[3] = glm::dvec4(f.eye, 1);
   const glm::dvec3 right(camera.world_from_eye[0]), up(camera.world_from_eye[1]);
   const auto window = [&](int x, int y) {
-    const glm::dvec3 at = frame.world(x / s, y / s, 0) - eye;
-    return glm::dvec2(glm::dot(at, right), glm::dot(at, up)) / h;
+    const glm::dvec3 ray = frame.ray(f.eye, x / s, y / s);
+    return glm::dvec2(glm::dot(ray, right), glm::dot(ray, up)) / glm::dot(ray, camera.forward());
   };
   const glm::dvec2 upper_left = window(f.shown.min.x, f.shown.min.y);
   const glm::dvec2 lower_right = window(f.shown.max.x, f.shown.max.y);
@@ -211,11 +228,34 @@ void Prewarp::State::set_geometry(const Frame& f, const glm::dvec3& eye,
   camera.width = f.shown.size().x;
   camera.height = f.shown.size().y;
   // No sample on a plane of the frustum.
-  camera.z_near = h + relief->nearest_d() - relief->d_step;
-  camera.z_far = h + relief->farthest_d() + relief->d_step;
-  geometry.plane_z = h;
+  const double near = relief->d(f.least_code), far = relief->farthest_d();
+  if (relief->perspective()) {
+    const auto eye_z = [&](double d) { return -(1 + f.warp.k3 * d) / d; };
+    camera.z_near = (1 - 1e-5) * eye_z(near);
+    camera.z_far = (1 + 1e-5) * eye_z(far);
+    geometry.plane_z = best_plane({camera.z_near, camera.z_far});
+  } else {
+    geometry.plane_z = 1 / f.warp.k3;
+    camera.z_near = geometry.plane_z + near - relief->d_step;
+    camera.z_far = geometry.plane_z + far + relief->d_step;
+  }
   geometry.slab = {camera.z_near, camera.z_far};
   geometry.delta_bits = 16;
+}
+
+// A Delta is steps (z - z_near) / z, with d = z - h, h being the eye's height over the plane, or of
+// a perspective relief, of which z = -(1 + k3 d) / d,
+//
+//   steps (1 + (k3 + z_near) d) / (1 + k3 d)
+void Prewarp::State::set_resolve(Frame& f, const Camera& camera) const {
+  const double steps = double(delta_steps(16)) * camera.z_far / (camera.z_far - camera.z_near);
+  const double k3 = f.warp.k3, near = camera.z_near, d0 = relief->first_d, step = relief->d_step;
+  if (relief->perspective())
+    f.resolve = {float(steps * (k3 + near) * step), float(steps * (1 + (k3 + near) * d0)),
+                 float(k3 * step), float(1 + k3 * d0)};
+  else
+    f.resolve = {float(steps * step), float(steps * (1 / k3 + d0 - near)), float(step),
+                 float(1 / k3 + d0)};
 }
 
 // The new grid of tiles, with what can be kept of the old one; how wrong each has become.
@@ -277,6 +317,7 @@ void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
     query.half_splat = 0.5 * options.splat_size;
     query.resolution = f.resolution;
     query.nearest = options.splat == Splat::nearest;
+    query.least_code = f.least_code;
     if (keep) {
       own.runs.clear();
       set_rectangle(with_neighbors(f.grid, job.tile));
@@ -313,14 +354,20 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   if (!warp) return std::nullopt;
   f.warp = *warp;
   const double splat = options.splat == Splat::nearest ? 0.0 : options.splat_size;
-  const auto rectangle = relief_rectangle(*s.relief, f.warp, splat);
-  if (!rectangle) return std::nullopt;
-  const glm::dvec2 extent = rectangle->max - rectangle->min;
+  f.eye = eye;
+  // Rounded up, so that no code that is drawn is before it.
+  const double least_d = f.warp.least_d(kMaxPrewarpMagnification);
+  f.least_code = std::uint32_t(std::clamp(
+      std::ceil((least_d - s.relief->first_d) / s.relief->d_step), 0.0, double(kEmptyCode)));
+  if (f.least_code > s.relief->tree[0].farthest) return std::nullopt;
+  const ReliefRectangle rectangle =
+      rectangle_beyond(*s.relief, f.warp, splat, s.relief->d(f.least_code));
+  const glm::dvec2 extent = rectangle.max - rectangle.min;
   f.resolution = options.resolution;
   // Two texels are lost to rounding.
   while (std::max(extent.x, extent.y) * f.resolution > options.max_size - 2) f.resolution *= 0.5;
-  f.all = {glm::ivec2(glm::floor(rectangle->min * f.resolution)),
-           glm::ivec2(glm::ceil(rectangle->max * f.resolution))};
+  f.all = {glm::ivec2(glm::floor(rectangle.min * f.resolution)),
+           glm::ivec2(glm::ceil(rectangle.max * f.resolution))};
   f.all.max = glm::max(f.all.max, f.all.min + 1);
 
   const bool keeps = options.reuse_error > 0 || out_of_time;
@@ -336,13 +383,9 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   }
 
   s.set_coefficients(f);
-  s.set_geometry(f, eye, result.geometry);
+  s.set_geometry(f, result.geometry);
   const Camera& camera = result.geometry.capture;
-  const double slab = camera.z_far - camera.z_near, h = 1 / f.warp.k3;
-  const double steps = double(delta_steps(16)) * camera.z_far / slab;
-  f.resolve = {float(steps * s.relief->d_step),
-               float(steps * (h + s.relief->first_d - camera.z_near)), float(s.relief->d_step),
-               float(h + s.relief->first_d)};
+  s.set_resolve(f, camera);
   f.sheets = sheets_of(*s.relief, f.warp);
   const std::size_t texels = std::size_t(camera.width) * std::size_t(camera.height);
   result.color.resize(texels);
@@ -371,6 +414,7 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
     stats.samples_drawn += sum.samples_drawn;
     stats.largest_reuse_error = std::max(stats.largest_reuse_error, sum.largest_reuse_error);
   }
+  if (options.fill_pinholes) fill_pinholes(result, s.before_filling);
   return stats;
 }
 

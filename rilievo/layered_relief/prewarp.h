@@ -1,4 +1,5 @@
-// What does an eye see of a layered relief, as a flat picture on the relief's source plane?
+// What does an eye see of a layered relief, as a flat picture on the relief's source plane, or in
+// the directions of a perspective relief's texels?
 // (S4.2, S4.3, S4.5 to S4.8, S4.10)
 //
 // The result is a nailboard as if captured by the eye itself: its camera stands at the eye and
@@ -6,7 +7,7 @@
 // cover, and its Deltas are their depths. Any nailboard drawer draws it, from this eye without
 // parallax.
 //
-// Result space: texels of the source plane times `resolution`. The grid is fixed on the plane, so
+// Result space: texels of the source times `resolution`. The grid is fixed on the plane, so
 // that tiles can be kept while the eye moves. Tiles are warped in parallel and share nothing: the
 // result depends neither on the number of threads nor on the instruction set.
 #pragma once
@@ -29,7 +30,7 @@ enum class Splat {
   rectangle,  // the texels within the sample's source texel, moved and scaled (S4.5)
 };
 
-// No sample is warped that this magnifies more: its eye is too near.
+// No sample is warped that this magnifies more: the eye is too near to it, or before it.
 constexpr double kMaxPrewarpMagnification = 64;
 
 // The resolution, and when tiles are reused.
@@ -50,6 +51,8 @@ struct PrewarpOptions {
   // A tile of the last result is kept if none of its samples would move by more than this many
   // texels; 0: only if none would move at all.
   double reuse_error = 0.0;
+  // Closes pinholes between splats (fill_pinholes.h).
+  bool fill_pinholes = false;
 };
 
 // What the last warp() did.
@@ -70,8 +73,9 @@ class Prewarp {
   Prewarp(Prewarp&&) noexcept;
   Prewarp& operator=(Prewarp&&) noexcept;
 
-  // Warps the relief for `eye` (world space). None if part of the relief lies behind the eye's
-  // plane, or so near to it that it would be magnified more than 64 times. Only tiles within
+  // Warps the relief for `eye` (world space). What lies behind the eye, or so near to it that it
+  // would be magnified more than 64 times, is left out; none if that is everything, or if the eye
+  // is not in front of a parallel relief's plane. Only tiles within
   // `view`'s frustum are warped (null: all), those with the largest errors first. Once
   // out_of_time(), which several threads call, returns true, tiles that were warped before are kept
   // as they are.
@@ -91,8 +95,8 @@ class Prewarp {
 struct ReliefRectangle {
   glm::dvec2 min{0.0}, max{0.0};
 };
-// The tight rectangle that contains all samples' splats (S4.3); none as in Prewarp::warp. The
-// hull's corners touch it on all sides.
+// The tight rectangle that contains all samples' splats (S4.3); none if Prewarp::warp leaves some
+// out. The hull's corners touch it on all sides.
 [[nodiscard]] std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief,
                                                               const ReliefWarp& warp,
                                                               double splat_size = 1.0);

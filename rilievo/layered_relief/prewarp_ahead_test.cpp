@@ -38,11 +38,12 @@ TEST(PrewarpAhead, pictures_are_those_without_it_whatever_was_predicted) {
   const glm::dvec3 center(box.center());
   std::vector<Camera> cameras;
   for (int i = 0; i < 60; ++i) {
-    // Now and then within the object, where nothing can be warped.
+    // Now and then within the object, or looking past it.
     const double angle = 0.11 * i, away = (i % 17 == 16 ? 0.05 : 3.0) * double(box.radius());
     const glm::dvec3 eye = center + away * glm::dvec3(std::sin(angle), 0.4, std::cos(angle));
-    cameras.push_back(look_at(eye, center + glm::dvec3(0, 0.01, 0), {0, 1, 0}, 0.8, 90, 70,
-                              0.01 * away, 10 * double(box.radius())));
+    const glm::dvec3 target = i % 17 == 8 ? 2.0 * eye - center : center + glm::dvec3(0, 0.01, 0);
+    cameras.push_back(
+        look_at(eye, target, {0, 1, 0}, 0.8, 90, 70, 0.01 * away, 10 * double(box.radius())));
   }
   for (const Overlap overlap : {Overlap::never, Overlap::automatic, Overlap::always}) {
     PrewarpAhead ahead(*set, {.splat_size = 1.5}, overlap);

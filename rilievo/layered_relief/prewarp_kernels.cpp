@@ -85,6 +85,11 @@ HWY_INLINE hn::Mask<I> in_columns(const PrewarpRun& run, VI u) {
   return hn::And(hn::Gt(u, hn::Set(i, int(run.u_from) - 1)), hn::Lt(u, hn::Set(i, int(run.u_to))));
 }
 
+// Not too near?
+HWY_INLINE hn::Mask<I> is_shown(const PrewarpCoefficients& k, const Lanes& s) {
+  return hn::RebindMask(I(), hn::Ge(s.code, hn::Set(F(), k.least_code)));
+}
+
 // How many of the first `count` lanes are set?
 HWY_INLINE std::size_t count_first(hn::Mask<I> mask, std::uint32_t count) {
   const I i;
@@ -175,6 +180,7 @@ std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
             const VI x = hn::Sub(index_of(u, scale, shift_x, s.w), x_first);
             const VI y = hn::Sub(index_of(v, scale, shift_y, s.w), y_first);
             auto inside = hn::And(within(x, width), within(y, height));
+            inside = hn::And(inside, is_shown(k, s));
             if (!run.all_columns) inside = hn::And(inside, in_columns(run, s.u));
             const VI to = hn::Add(hn::Mul(y, pitch), x);
             hn::Store(hn::IfThenElse(inside, to, missed), i, address[half] + at);
@@ -222,6 +228,7 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
       const VI y0 = hn::Max(edge(v, low, shift_y), y_first);
       const VI y1 = hn::Min(edge(v, high_end, shift_y), y_last);
       auto covers = hn::And(hn::Gt(x1, x0), hn::Gt(y1, y0));
+      covers = hn::And(covers, is_shown(k, s));
       if (!run.all_columns) covers = hn::And(covers, in_columns(run, s.u));
       const VI to = hn::Add(hn::Mul(hn::Sub(y0, y_first), pitch), hn::Sub(x0, x_first));
       hn::Store(hn::IfThenElse(covers, to, missed), i, address + at);

@@ -20,6 +20,7 @@ struct PrewarpCoefficients {
   float scale = 1, x_code = 0, x_0 = 0, y_code = 0, y_0 = 0, w_code = 0, w_0 = 1;
   // Splats extend from u + low to u + high. Nearest samples lie at u + 0.5, which x_0 includes.
   float low = 0, high = 1;
+  float least_code = 0;  // nearer samples are left out: they are behind the eye, or too near
 };
 
 // The largest number of texels that a splat of a run can cover along an axis.

@@ -30,6 +30,10 @@ class Search {
  private:
   void add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y);
   [[nodiscard]] SplatReach reach(const ReliefNode& node) const;
+  // Of what is drawn of it.
+  [[nodiscard]] double nearest_d(const ReliefNode& node) const {
+    return relief_.d(std::max<std::uint32_t>(node.nearest, query_.least_code));
+  }
 
   const LayeredRelief& relief_;
   const ReliefWarp& warp_;
@@ -40,13 +44,13 @@ class Search {
 // Node at column x and row y of the nodes of its level; the last level is relief_.levels - 1.
 void Search::descend(const Sheet& sheet, std::size_t node, int level, int x, int y) {
   const ReliefNode& stretch = relief_.tree[node];
-  if (stretch.empty()) return;
+  if (stretch.empty() || stretch.farthest < query_.least_code) return;
   const int size = relief_.tile_size << (relief_.levels - 1 - level);
   const int u0 = std::max(x * size, sheet.u_from), u1 = std::min((x + 1) * size, sheet.u_to);
   const int v0 = std::max(y * size, sheet.v_from), v1 = std::min((y + 1) * size, sheet.v_to);
   if (u0 >= u1 || v0 >= v1) return;
   const double beyond = query_.half_splat - 0.5;
-  const double d0 = relief_.d(stretch.nearest), d1 = relief_.d(stretch.farthest);
+  const double d0 = nearest_d(stretch), d1 = relief_.d(stretch.farthest);
   const Interval u = moved(u0 - beyond, u1 + beyond, warp_.k1, warp_.k3, d0, d1);
   const Interval v = moved(v0 - beyond, v1 + beyond, warp_.k2, warp_.k3, d0, d1);
   if (u.high <= query_.min.x || u.low >= query_.max.x || v.high <= query_.min.y ||
@@ -66,7 +70,8 @@ void Search::descend(const Sheet& sheet, std::size_t node, int level, int x, int
 SplatReach Search::reach(const ReliefNode& node) const {
   if (query_.nearest) return SplatReach::nearest;
   const double largest =
-      2 * query_.half_splat * query_.resolution * warp_.magnification(relief_.d(node.nearest));
+      2 * query_.half_splat * query_.resolution *
+      std::max(warp_.magnification(nearest_d(node)), warp_.magnification(relief_.d(node.farthest)));
   // An interval shorter than one holds at most one centre; a little is left for rounding.
   if (largest < 0.999) return SplatReach::one;
   return largest < 1.999 ? SplatReach::two : SplatReach::many;
@@ -79,7 +84,7 @@ void Search::add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y) 
   int row = std::max(sheet.v_from - v0, 0), last = std::min(sheet.v_to - v0, size);
   // Rows that do not reach the rectangle are left out.
   const double beyond = query_.half_splat - 0.5;
-  const double d0 = relief_.d(node.nearest), d1 = relief_.d(node.farthest);
+  const double d0 = nearest_d(node), d1 = relief_.d(node.farthest);
   const auto misses = [&](int v) {
     const Interval at = moved(v0 + v - beyond, v0 + v + 1 + beyond, warp_.k2, warp_.k3, d0, d1);
     return at.high <= query_.min.y || at.low >= query_.max.y;
@@ -119,6 +124,7 @@ std::vector<Sheet> sheets_of(const LayeredRelief& relief, const ReliefWarp& warp
     Sheet sheet{0, u, 0, v, order};
     if (order & kDescendingU) sheet.u_from = u, sheet.u_to = w;
     if (order & kDescendingV) sheet.v_from = v, sheet.v_to = h;
+    if (warp.k3 < 0) sheet.order ^= kDescendingU | kDescendingV;
     if (sheet.u_from < sheet.u_to && sheet.v_from < sheet.v_to) sheets.push_back(sheet);
   }
   return sheets;

@@ -4,6 +4,7 @@
 // each is drawn towards the epipole. Within a sheet, the quad-tree is traversed with the children
 // farther from the epipole first. This is correct because whatever hides a sample is, in both u and
 // v, at least as near to the epipole, and this order (Z-order) never visits the farther one last.
+// Where k3 < 0 it is at least as far, and all is drawn away from the epipole.
 #pragma once
 
 #include <array>
@@ -28,6 +29,7 @@ struct RunQuery {
   double half_splat = 0.5;
   double resolution = 1;  // of the result; decides how many texels a splat covers
   bool nearest = false;
+  std::uint32_t least_code = 0;  // nearer samples are not drawn
 };
 
 // The range of codes of all runs; empty as in ReliefNode.

@@ -16,9 +16,11 @@ std::uint32_t label(const Prewarped& result, std::size_t texel) {
   return std::bit_cast<std::uint32_t>(result.color[texel]);
 }
 
-LayeredRelief random_relief(std::mt19937& rng, int width = 45, int height = 38) {
+LayeredRelief random_relief(std::mt19937& rng, int width = 45, int height = 38,
+                            bool perspective = false) {
   // Nothing so near to each other that its codes are the same.
-  return *build_layered_relief(random_layers(rng, width, height), {.tile_size = 8, .merge = 1e-3});
+  return *build_layered_relief(random_layers(rng, width, height, 0.1, perspective),
+                               {.tile_size = 8, .merge = 1e-3});
 }
 
 struct Agreement {
@@ -44,14 +46,15 @@ double margin(const LayeredRelief& relief, const PlacedSample& s, const ReliefWa
 
 // The pre-warp against the z-buffer. With `no_smaller`, the resolution is high enough that no two
 // texels of a plane land in one of the result.
-Agreement agreement(const PrewarpOptions& options, bool no_smaller, int eyes, unsigned seed) {
+Agreement agreement(const PrewarpOptions& options, bool no_smaller, int eyes, unsigned seed,
+                    bool perspective = false) {
   std::mt19937 rng(seed);
   Agreement sum;
   LayeredRelief relief;
   std::vector<PlacedSample> samples;
   for (int i = 0; i < eyes; ++i) {
     if (i % 20 == 0) {
-      relief = random_relief(rng);
+      relief = random_relief(rng, 45, 38, perspective);
       samples = label_samples(relief);
     }
     const glm::dvec3 eye = random_eye(rng, relief);
@@ -110,6 +113,16 @@ TEST(Prewarp, order_alone_shows_the_nearest_sample_over_1000_eyes) {
   options.splat = Splat::nearest;
   options.tile_size = 32;
   const Agreement all = agreement(options, true, 1000, 2);
+  EXPECT_GT(all.texels, 1'000'000u);
+  EXPECT_GE(double(all.same), 0.999 * double(all.texels));
+  EXPECT_EQ(all.unexplained, 0u);
+}
+
+// Of perspective reliefs as well, for eyes ahead of their own, and back from it.
+TEST(Prewarp, order_alone_shows_the_nearest_splat_of_a_perspective_relief) {
+  PrewarpOptions options;
+  options.tile_size = 32;
+  const Agreement all = agreement(options, false, 1000, 9, true);
   EXPECT_GT(all.texels, 1'000'000u);
   EXPECT_GE(double(all.same), 0.999 * double(all.texels));
   EXPECT_EQ(all.unexplained, 0u);
@@ -216,8 +229,8 @@ TEST(Prewarp, splats_of_a_plane_meet_without_cracks_at_any_magnification) {
 TEST(Prewarp, the_picture_is_what_its_camera_sees) {
   // Each texel's Delta, put back into the world, is the depth of the sample that it shows.
   std::mt19937 rng(6);
-  for (int i = 0; i < 10; ++i) {
-    LayeredRelief relief = random_relief(rng);
+  for (int i = 0; i < 20; ++i) {
+    LayeredRelief relief = random_relief(rng, 45, 38, i % 2);
     const std::vector<PlacedSample> samples = label_samples(relief);
     const ReliefFrame frame = relief.frame();
     for (int e = 0; e < 10; ++e) {
@@ -236,13 +249,13 @@ TEST(Prewarp, the_picture_is_what_its_camera_sees) {
           const double z = eye_z_from(DepthKind::window_z, decode_delta(result.delta[t], 16),
                                       camera, {x + 0.5, y + 0.5});
           const double d = relief.d(s.code);
-          const double expected = glm::dot(frame.world(0, 0, d) - eye, frame.f);
+          const double expected = glm::dot(frame.world(0, 0, d) - eye, relief.camera.forward());
           // Half a step of Delta, where it is longest: at the far end.
           const double step = (camera.z_far - camera.z_near) / 65534 * camera.z_far / camera.z_near;
           ASSERT_NEAR(z, expected, step);
           // And the sample's own texel lies around where it is drawn: half its size, and rounding.
           const glm::dvec3 at = raster_from_world(camera, frame.world(s.u + 0.5, s.v + 0.5, d));
-          const double half = 0.5 / (1 + d / result.geometry.plane_z) + 1e-3;
+          const double half = 0.5 * relief_warp(frame, eye)->magnification(d) + 1e-3;
           ASSERT_LE(std::max(std::abs(at.x - x - 0.5), std::abs(at.y - y - 0.5)), half);
         }
     }
@@ -276,14 +289,42 @@ TEST(Prewarp, any_number_of_threads_and_every_instruction_set_make_the_same_byte
     }
 }
 
-TEST(Prewarp, an_eye_that_stands_too_near_gets_nothing) {
+TEST(Prewarp, what_is_behind_the_eye_or_too_near_is_left_out) {
   std::mt19937 rng(8);
-  const LayeredRelief relief = random_relief(rng);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::size_t left_out = 0, drawn = 0;
+  for (int i = 0; i < 60; ++i) {
+    LayeredRelief relief = random_relief(rng, 45, 38, i % 2);
+    const std::vector<PlacedSample> samples = label_samples(relief);
+    const ReliefFrame frame = relief.frame();
+    // Among the samples, before the middle.
+    const double d =
+        relief.nearest_d() + (0.05 + 0.4 * unit(rng)) * (relief.farthest_d() - relief.nearest_d());
+    const glm::dvec3 eye = frame.world(45 * unit(rng), 38 * unit(rng), d);
+    Prewarped result;
+    ASSERT_TRUE(Prewarp(relief).warp(eye, nullptr, result));
+    const ReliefWarp warp = *relief_warp(frame, eye);
+    for (const PlacedSample& s : samples)
+      left_out += 1 + warp.k3 * relief.d(s.code) < 1 / kMaxPrewarpMagnification;
+    for (std::size_t t = 0; t < result.delta.size(); ++t) {
+      const std::uint32_t shown = label(result, t);
+      if (shown == kNoSample) continue;
+      ++drawn;
+      ASSERT_GE(1 + warp.k3 * relief.d(samples[shown].code), 0.999 / kMaxPrewarpMagnification);
+    }
+  }
+  EXPECT_GT(left_out, 1000u);
+  EXPECT_GT(drawn, 10000u);
+}
+
+TEST(Prewarp, an_eye_behind_everything_or_behind_the_plane_gets_nothing) {
+  std::mt19937 rng(8);
+  const LayeredRelief relief = random_relief(rng), deep = random_relief(rng, 45, 38, true);
   Prewarped result;
   Prewarp prewarp(relief);
-  EXPECT_FALSE(prewarp.warp(relief.frame().world(10, 10, relief.nearest_d() + 0.1), {}, result));
   EXPECT_FALSE(prewarp.warp(relief.frame().world(10, 10, 2.0), {}, result));
   EXPECT_FALSE(prewarp.warp(relief.frame().world(10, 10, 0.0), {}, result));
+  EXPECT_FALSE(Prewarp(deep).warp(deep.frame().world(10, 10, -0.1), {}, result));
 }
 
 }  // namespace

@@ -111,6 +111,8 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
                          const PrewarpOptions& options, double lacks) {
   RILIEVO_EXPECTS(!set.reliefs.empty() && set.reliefs.size() <= ReliefStats::kMaxCount);
   ReliefStats stats;
+  for (const LayeredRelief& relief : set.reliefs)
+    if (relief.perspective()) return stats;
   stats.count = int(set.reliefs.size());
   stats.max_size = options.max_size;
   stats.splat_size = options.splat == Splat::nearest ? 0.0f : float(options.splat_size);

@@ -35,7 +35,8 @@ struct ReliefStats {
   float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
 };
 
-// `moved`, `lacks`: the largest of the pictures'. At most kMaxCount reliefs.
+// `moved`, `lacks`: the largest of the pictures'. At most kMaxCount reliefs, all parallel; of
+// perspective ones nothing is known, and stats of none are returned.
 [[nodiscard]] ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
                                        const PrewarpOptions& options, double lacks = 0);
 

@@ -11,7 +11,7 @@ namespace rilievo {
 
 double relief_error_px(const LayeredRelief& relief, const Camera& camera,
                        const ReliefErrorOptions& options) {
-  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective && !relief.perspective());
   const ReliefFrame frame = relief.frame();
   const auto warp = relief_warp(frame, camera.position());
   const auto rectangle = warp ? relief_rectangle(relief, *warp, options.splat_size) : std::nullopt;

@@ -71,8 +71,8 @@ Result<ReliefPictures> relief_pictures_from(PictureFile file, const std::filesys
                                 moved = metres(attributes, kMoved);
     if (!merged || !moved)
       return error(fmt::format("part {}: does not say how far its samples were moved", i));
-    if (file.layers[i].camera.projection != Projection::parallel)
-      return error(fmt::format("part {}: a layered relief is in parallel projection", i));
+    if (file.layers[i].camera.projection == Projection::back_perspective)
+      return error(fmt::format("part {}: is back-perspective, which no layered relief is", i));
     pictures.pictures.push_back(
         {std::move(file.layers[i]), *merged, *moved, metres(attributes, kLacks).value_or(0.0)});
   }

@@ -87,17 +87,16 @@ Result<> check_options_of_source(const OptionValues& values,
   if (Result<> good = values.expect_none_of({"ball"}, "is for scenes: a deep image is framed");
       !good)
     return good;
-  if (Result<> good = values.expect_none_of({"textures", "share"},
-                                            "is for scenes: a deep image is one texture");
+  if (Result<> good = values.expect_none_of({"size", "textures", "share"},
+                                            "is for scenes: a deep image is one texture as it is");
       !good)
     return good;
   const bool parallel = std::ranges::any_of(deep, [](const LayeredDepthImage& layers) {
     return layers.camera.projection == Projection::parallel;
   });
   if (!parallel) return Done{};
-  return values.expect_none_of(
-      {"size", "max-depth"},
-      "is for scenes and perspective deep images: a parallel one stays as it is");
+  return values.expect_none_of({"max-depth"},
+                               "is for perspective deep images: a parallel one stays as it is");
 }
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
@@ -167,7 +166,7 @@ std::vector<Fact> describe(const Representation& representation) {
        fmt::format("{:.1f} MB to be warped", 1e-6 * double(bytes))},
       {"merged_m", json(merged), "merged", fmt::format("{:.3g} m along a line of sight", merged)},
       {"moved_m", json(moved), moved > 0 ? "moved" : "",
-       fmt::format("up to {:.3g} m to make parallel what is in perspective", moved)},
+       fmt::format("up to {:.3g} m into textures that others saw them for", moved)},
       {"bounds_min", list(pictures.bounds.min), "bounds",
        fmt::format("{} to {} m", text_of(pictures.bounds.min), text_of(pictures.bounds.max))},
       {"bounds_max", list(pictures.bounds.max), "", ""},
@@ -191,8 +190,8 @@ std::uint32_t ReliefRepresentation::only_object() const {
 
 Vantage ReliefRepresentation::vantage() const {
   Vantage vantage;
-  if (pictures.pictures.size() != 1 || pictures.pictures[0].moved == 0) return vantage;
-  const Camera& camera = pictures.pictures[0].layers.camera;
+  const Camera& camera = pictures.pictures.front().layers.camera;
+  if (pictures.pictures.size() != 1 || camera.projection != Projection::perspective) return vantage;
   const glm::dvec3 eye = camera.position(), forward = camera.forward();
   vantage.up = glm::normalize(glm::dvec3(camera.world_from_eye[1]));
   const double distance = glm::dot(glm::dvec3(pictures.bounds.center()) - eye, forward);
@@ -217,6 +216,7 @@ PrewarpOptions relief_draw_options(const OptionValues& values) {
   options.resolution = values.number("relief-resolution");
   options.reuse_error = values.number("reuse");
   options.max_size = 2048;
+  options.fill_pinholes = true;
   return options;
 }
 

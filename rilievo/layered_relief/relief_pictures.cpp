@@ -1,13 +1,42 @@
 #include "rilievo/layered_relief/relief_pictures.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "rilievo/layered_relief/merge_layers.h"
-#include "rilievo/layered_relief/resample_layers.h"
 #include "rilievo/layered_relief/share_samples.h"
 
 namespace rilievo {
+namespace {
+
+// A perspective picture with depths as eye_z; without what lies behind the eye, infinitely far, or
+// beyond `max_depth` (0: nothing does). `nearest`: of its samples.
+LayeredDepthImage by_eye_z(const LayeredDepthImage& layers, double max_depth, double& nearest) {
+  LayeredDepthImage out;
+  out.name = layers.name;
+  out.camera = layers.camera;
+  out.depth_kind = DepthKind::eye_z;
+  out.first = {0};
+  nearest = std::numeric_limits<double>::infinity();
+  const auto width = std::size_t(layers.camera.width);
+  for (std::size_t i = 0; i + 1 < layers.first.size(); ++i) {
+    const glm::dvec2 at(double(i % width) + 0.5, double(i / width) + 0.5);
+    for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+      LayerSample sample = layers.samples[s];
+      const double z = eye_z_from(layers.depth_kind, double(sample.depth), layers.camera, at);
+      if (!(z > 0) || !std::isfinite(z) || (max_depth > 0 && z > max_depth)) continue;
+      nearest = std::min(nearest, z);
+      sample.depth = sample.back = float(z);
+      out.samples.push_back(sample);
+    }
+    out.first.push_back(out.samples.size());
+  }
+  return out;
+}
+
+}  // namespace
 
 Box bounds_of(const ReliefPictures& pictures) {
   Box box;
@@ -66,25 +95,22 @@ Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> 
   ReliefPictures made;
   for (const LayeredDepthImage& layers : deep) {
     if (layers.camera.projection == Projection::back_perspective)
-      return Error{layers.name, "is a back-perspective deep image, which cannot be resampled"};
+      return Error{layers.name, "is a back-perspective deep image, which cannot be warped"};
     ReliefPictures::Picture picture;
+    double per_metre = 1;
     if (layers.camera.projection == Projection::parallel) {
       picture.layers = layers;
+      picture.merged = options.merge_texels * texel_angle(layers.camera);
+      if (layers.depth_kind == DepthKind::window_z)
+        per_metre = 1 / (layers.camera.z_far - layers.camera.z_near);
     } else {
-      ResampleOptions resample;
-      resample.size = options.size;
-      if (options.max_depth > 0) resample.max_z = options.max_depth;
+      double nearest = 0;
       // Fog becomes surfaces while its lines of sight are still those that it was seen along.
-      Result<ResampledLayers> resampled =
-          resample_layers(gather_layers(layers, LayeredReliefOptions{}.least_alpha), resample);
-      if (!resampled) return resampled.error();
-      picture.layers = std::move(resampled->layers);
-      picture.moved = resampled->error;
+      picture.layers = by_eye_z(gather_layers(layers, LayeredReliefOptions{}.least_alpha),
+                                options.max_depth, nearest);
+      // Texels are as large as where they are smallest.
+      picture.merged = options.merge_texels * texel_angle(layers.camera) * nearest;
     }
-    picture.merged = options.merge_texels * texel_angle(picture.layers.camera);
-    const double per_metre = picture.layers.depth_kind == DepthKind::window_z
-                                 ? 1 / (picture.layers.camera.z_far - picture.layers.camera.z_near)
-                                 : 1.0;
     picture.layers = merge_layers(picture.layers, picture.merged * per_metre);
     made.pictures.push_back(std::move(picture));
   }

@@ -1,6 +1,7 @@
 // What is kept of an object or a scene as layered reliefs: its layered pictures (S4.1, S4.4).
 //
-// Parallel pictures from several directions, as they lie in a file; the reliefs that are warped
+// Pictures from several directions, as they lie in a file: parallel ones, and deep images in
+// perspective as they are; the reliefs that are warped
 // follow from them and are made when they are to be drawn. World space at capture, metres.
 #pragma once
 
@@ -19,10 +20,10 @@ namespace rilievo {
 struct ReliefPictures {
   // The picture of one direction.
   struct Picture {
-    LayeredDepthImage layers;  // parallel
+    LayeredDepthImage layers;  // parallel or perspective
     double merged = 0;         // how far a sample may stand before one that was merged into it
-    double moved = 0;  // how far samples may stand from where they were seen: of resampled deep
-                       // images, and of samples that come from other pictures
+    double moved = 0;  // how far samples that come from other pictures may stand from where they
+                       // were seen
     double lacks = 0;  // how far from a point of a surface the nearest sample is, at most, if the
                        // surface is wider than that; 0: not known
   };
@@ -50,7 +51,7 @@ using ReliefProgress = std::function<void(int done, int total)>;
                                                              std::span<const std::uint32_t> objects,
                                                              const ReliefCaptureOptions& options,
                                                              const ReliefProgress& progress = {});
-// Of deep images: perspective ones become parallel (resample_layers.h).
+// Of deep images.
 [[nodiscard]] Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> deep,
                                                            const ReliefCaptureOptions& options);
 

@@ -46,6 +46,9 @@ int pick_relief(const ReliefSet& set, const glm::dvec3& eye, int current, double
     const double angle = angle_to(set.reliefs[std::size_t(i)], eye) - (i == current ? hold : 0.0);
     if (angle < least) least = angle, best = i;
   }
+  // None wholly: the first one in part.
+  for (int i = 0; i < int(set.reliefs.size()) && best < 0; ++i)
+    if (relief_warp(set.reliefs[std::size_t(i)].frame(), eye)) best = i;
   return best;
 }
 

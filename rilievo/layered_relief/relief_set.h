@@ -23,9 +23,10 @@ struct ReliefSet {
 // source; infinite if it cannot be warped from there.
 [[nodiscard]] double relief_stretch(const LayeredRelief& relief, const glm::dvec3& eye);
 
-// The index of the relief that faces the eye most, among those that the eye is in front of; -1 if
-// there is none. To prevent flicker, `current` (the relief shown now, or -1) stays unless another
-// one faces the eye better by more than `hold` radians.
+// The index of the relief that faces the eye most, among those that the eye is in front of; of
+// none, the first that can be warped in part; -1 if there is none. To prevent flicker, `current`
+// (the relief shown now, or -1) stays unless another one faces the eye better by more than `hold`
+// radians.
 [[nodiscard]] int pick_relief(const ReliefSet& set, const glm::dvec3& eye, int current = -1,
                               double hold = 0.05);
 

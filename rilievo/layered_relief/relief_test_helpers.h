@@ -21,13 +21,22 @@ inline Camera random_parallel_camera(std::mt19937& rng, int width, int height) {
   return camera;
 }
 
+// One in perspective.
+inline Camera random_perspective_camera(std::mt19937& rng, int width, int height) {
+  Camera camera = random_parallel_camera(rng, width, height);
+  camera.projection = Projection::perspective;
+  camera.window = {-0.45, 0.3, -0.35, 0.4};
+  return camera;
+}
+
 // Balls and slanted walls that pass through each other, hit by hit; and a share of noise.
-inline LayeredDepthImage random_layers(std::mt19937& rng, int width, int height,
-                                       double noise = 0.1) {
+inline LayeredDepthImage random_layers(std::mt19937& rng, int width, int height, double noise = 0.1,
+                                       bool perspective = false) {
   std::uniform_real_distribution<double> unit(0, 1);
   LayeredDepthImage layers;
   layers.name = "random";
-  layers.camera = random_parallel_camera(rng, width, height);
+  layers.camera = perspective ? random_perspective_camera(rng, width, height)
+                              : random_parallel_camera(rng, width, height);
   const auto coordinate = [&] { return 2 * unit(rng) - 1; };
   struct Ball {
     double x, y, z, r;
@@ -64,9 +73,15 @@ inline LayeredDepthImage random_layers(std::mt19937& rng, int width, int height,
   return layers;
 }
 
-// An eye in front of the camera's near plane, to any side.
+// An eye in front of the camera's near plane, to any side; ahead of a perspective relief's own eye,
+// or back from it.
 inline glm::dvec3 random_eye(std::mt19937& rng, const LayeredRelief& relief) {
   std::uniform_real_distribution<double> unit(-1, 1);
+  if (relief.perspective()) {
+    const glm::dmat3 axes(relief.camera.world_from_eye);
+    const double aside = unit(rng), up = unit(rng), back = unit(rng);
+    return relief.camera.position() + axes * glm::dvec3(aside, up, 1.9 * back);
+  }
   const double distance = 0.3 + 4.0 * std::abs(unit(rng)) - relief.nearest_d();
   const ReliefFrame frame = relief.frame();
   const double w = relief.camera.width, h = relief.camera.height;
@@ -142,6 +157,13 @@ inline std::vector<std::uint32_t> oracle_warp(const LayeredRelief& relief,
 inline glm::ivec2 grid_origin(const LayeredRelief& relief, const Prewarped& result,
                               double resolution) {
   const Camera& camera = result.geometry.capture;
+  if (relief.perspective()) {
+    const ImageWindow &now = camera.window, &source = relief.camera.window;
+    return glm::ivec2(glm::round(
+        resolution *
+        glm::dvec2((now.left - source.left) / (source.right - source.left) * relief.camera.width,
+                   (source.top - now.top) / (source.top - source.bottom) * relief.camera.height)));
+  }
   const glm::dvec3 corner = world_from_raster(camera, {0, 0}, result.geometry.plane_z);
   const ReliefFrame frame = relief.frame();
   const glm::dvec3 from = corner - frame.origin;

@@ -51,7 +51,21 @@ std::unordered_set<std::uint32_t> find_closed_objects(
 
 SampleSides::SampleSides(const LayeredDepthImage& layers,
                          const std::unordered_set<std::uint32_t>& closed)
-    : layers_(layers), closed_(closed), normals_(layers.samples.size()), z_(layers.samples.size()) {
+    : layers_(layers),
+      closed_(closed),
+      normals_(layers.samples.size()),
+      knows_normal_(layers.samples.size()),
+      outer_(layers.samples.size()),
+      z_(layers.samples.size()) {
+  for (std::size_t i = 0; i + 1 < layers.first.size(); ++i)
+    for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+      if (!is_closed(s)) continue;
+      const auto before = layers.samples.begin() + std::ptrdiff_t(layers.first[i]);
+      const auto of_it = [&](const LayerSample& sample) {
+        return sample.object == layers.samples[s].object;
+      };
+      outer_[s] = std::count_if(before, layers.samples.begin() + std::ptrdiff_t(s), of_it) % 2 == 0;
+    }
   const Camera& camera = layers.camera;
   const int w = camera.width, h = camera.height;
   const glm::dvec2 texel = texel_of(camera);
@@ -76,9 +90,10 @@ SampleSides::SampleSides(const LayeredDepthImage& layers,
       return std::abs(best) <= steepest ? best : std::nan("");
     };
     const auto slope = [](double before, double after) {
-      if (std::isnan(before)) return std::isnan(after) ? 0.0 : after;
+      if (std::isnan(before)) return after;
       return std::isnan(after) ? -before : 0.5 * (after - before);
     };
+    const auto or_across = [](double slope) { return std::isnan(slope) ? 0.0 : slope; };
     for (int x = 0; x < w; ++x)
       for (std::uint64_t s = layers.first[line(x, y)]; s < layers.first[line(x, y) + 1]; ++s) {
         const float z = z_[s];
@@ -86,16 +101,17 @@ SampleSides::SampleSides(const LayeredDepthImage& layers,
             slope(step(x - 1, y, z, kSteepest * texel.x), step(x + 1, y, z, kSteepest * texel.x));
         const double upwards =
             slope(step(x, y + 1, z, kSteepest * texel.y), step(x, y - 1, z, kSteepest * texel.y));
-        normals_[s] =
-            glm::vec3(glm::normalize(across / texel.x * right + upwards / texel.y * up - forward));
+        knows_normal_[s] = !std::isnan(across) && !std::isnan(upwards);
+        normals_[s] = glm::vec3(glm::normalize(or_across(across) / texel.x * right +
+                                               or_across(upwards) / texel.y * up - forward));
       }
   });
 }
 
-int SampleSides::turn(std::size_t sample, std::size_t layer, const glm::dvec3& forward) const {
+int SampleSides::turn(std::size_t sample, const glm::dvec3& forward) const {
   if (!is_closed(sample)) return 0;
   const float faces = -glm::dot(normals_[sample], glm::vec3(forward));
-  if (layer == 0 && faces > kTurnsAway) return 0;
+  if (is_outer(sample) && faces > kTurnsAway) return 0;
   return faces > 0 ? 1 : 2;
 }
 

@@ -31,13 +31,22 @@ class SampleSides {
   // The unit normal towards the picture's viewers, by the nearest samples of neighbouring lines of
   // sight.
   [[nodiscard]] const glm::vec3& normal(std::size_t sample) const { return normals_[sample]; }
+  // Are there such neighbours along both axes? Else it is towards the viewers as if the surface
+  // were across their sight, which may as well be along it.
+  [[nodiscard]] bool knows_normal(std::size_t sample) const { return knows_normal_[sample] != 0; }
   [[nodiscard]] const LayeredDepthImage& layers() const { return layers_; }
 
-  // When a picture that looks along `forward` takes a sample of this one, `layer` samples behind
-  // the first of its line of sight: 0, first, if nothing hides it here and it faces the other's
-  // viewers, or nearly; 1 if it faces them; 2 if it shows the side that they do not see. What is
-  // not closed has no order: 0.
-  [[nodiscard]] int turn(std::size_t sample, std::size_t layer, const glm::dvec3& forward) const;
+  // Where its line of sight goes into a closed object.
+  [[nodiscard]] bool is_outer(std::size_t sample) const { return outer_[sample]; }
+  // Where it comes out of one: the side that nobody sees.
+  [[nodiscard]] bool is_inner(std::size_t sample) const {
+    return is_closed(sample) && !outer_[sample];
+  }
+
+  // When a picture that looks along `forward` takes a sample of this one: 0, first, if it is an
+  // outer side that faces the other's viewers, or nearly; 1 if it faces them; 2 if it shows the
+  // side that they do not see. What is not closed has no order: 0.
+  [[nodiscard]] int turn(std::size_t sample, const glm::dvec3& forward) const;
   static constexpr int kTurns = 3;
   [[nodiscard]] bool is_closed(std::size_t sample) const {
     return closed_.contains(layers_.samples[sample].object);
@@ -47,6 +56,8 @@ class SampleSides {
   const LayeredDepthImage& layers_;
   const std::unordered_set<std::uint32_t>& closed_;
   std::vector<glm::vec3> normals_;
+  std::vector<std::uint8_t> knows_normal_;  // not of bool: threads write it
+  std::vector<bool> outer_;
   std::vector<float> z_;
 };
 

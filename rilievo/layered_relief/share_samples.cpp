@@ -17,6 +17,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -32,18 +34,44 @@ constexpr std::uint32_t kNone = 0xffffffff;
 // within 0.87 of any point (farthest_from_hits), and this one lies up to as far from its texel's
 // middle.
 constexpr double kOneSurface = 1.25;
+// The cosine between normals from which on samples show one side of one surface.
+constexpr float kSameSide = 0.7f;
+// The cosine that a picture counts with, at least, in a mean with others.
+constexpr float kLeastFaces = 0.05f;
+
+// A sample with what is known of it.
+struct Known {
+  LayerSample sample;
+  glm::vec3 normal{0};
+  float faces = 0;  // the cosine at which its picture sees it
+  std::uint32_t source = 0;
+  bool inner = false;  // of a closed object
+  bool sure = true;    // of its normal
+};
+
+Known known_of(const SampleSides& sides, std::uint32_t source, std::size_t s) {
+  const glm::vec3 forward(sides.layers().camera.forward());
+  return {sides.layers().samples[s], sides.normal(s), -glm::dot(sides.normal(s), forward), source,
+          sides.is_inner(s),
+          // Of what is not closed both sides are seen: what is not sure stays as it is.
+          sides.knows_normal(s) || !sides.is_closed(s)};
+}
 
 // What is added to a picture: a list for each line of sight.
 struct Added {
   std::vector<std::uint32_t> head;  // by line of sight, into the others
-  std::vector<std::uint32_t> next, line;
-  std::vector<LayerSample> samples;
+  std::vector<std::uint32_t> next;
   // By line of sight, the depths of its list, sorted: there are hundreds where a line runs along a
   // face that other pictures see.
   std::vector<std::vector<float>> depths;
-  // Of each of `samples`: towards those who saw it, and whether it is the outer side of a body.
+  std::vector<Known> known;  // as `next`
+};
+
+// The outer sides of closed bodies that other pictures see, where a picture has them.
+struct OuterSides {
+  std::vector<std::uint32_t> head, next;  // as Added has them
+  std::vector<LayerSample> samples;
   std::vector<glm::vec3> normals;
-  std::vector<bool> outer;
 };
 
 double largest_texel(const Camera& camera) {
@@ -108,92 +136,203 @@ bool is_represented(const LayeredDepthImage& layers, const Added& added, const g
   return false;
 }
 
-// The inner side of a wall has the outer side's colour, if that has been added beside it: whichever
-// eye sees the place sees that one.
-void color_as_outer(const LayeredDepthImage& to, const Added& added, const glm::vec3& normal,
-                    std::size_t line, double per_metre, LayerSample& sample) {
-  const Camera& camera = to.camera;
-  const glm::dvec2 texel((camera.window.right - camera.window.left) / camera.width,
-                         (camera.window.top - camera.window.bottom) / camera.height);
-  const int x0 = int(line % std::size_t(camera.width)), y0 = int(line / std::size_t(camera.width));
-  const double reach = kOneSurface * largest_texel(camera);
-  double least = reach * reach;
-  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
-    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x) {
-      std::uint32_t k = added.head[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
-      for (; k != kNone; k = added.next[k]) {
-        if (!added.outer[k] || glm::dot(added.normals[k], normal) >= 0) continue;
-        const LayerSample& other = added.samples[k];
-        const glm::dvec3 off((x - x0) * texel.x, (y - y0) * texel.y,
-                             double(other.depth - sample.depth) / per_metre);
-        if (other.object != sample.object || glm::dot(off, off) > least) continue;
-        least = glm::dot(off, off);
-        sample.color = other.color;
-      }
-    }
+// Where a picture has what another one sees; none if that is beside it.
+struct PlacedIn {
+  glm::dvec2 at{0.0};
+  std::size_t line = 0;
+  double depth = 0;  // in the picture's kind
+};
+std::optional<PlacedIn> place_in(const LayeredDepthImage& to, const glm::dvec3& world) {
+  const Camera& target = to.camera;
+  const glm::dvec3 there = raster_from_world(target, world);
+  // Faces of the box around everything lie on the picture's very edge.
+  constexpr double kRounding = 1e-3;
+  if (!(there.x >= -kRounding && there.x <= target.width + kRounding)) return std::nullopt;
+  if (!(there.y >= -kRounding && there.y <= target.height + kRounding)) return std::nullopt;
+  const auto x = std::size_t(std::clamp(there.x, 0.0, target.width - 0.5));
+  const auto y = std::size_t(std::clamp(there.y, 0.0, target.height - 0.5));
+  return PlacedIn{glm::dvec2(there), y * std::size_t(target.width) + x,
+                  depth_from_eye_z(to.depth_kind, there.z, target,
+                                   glm::dvec2(double(x) + 0.5, double(y) + 0.5))};
 }
 
-// Samples whose turn it is (SampleSides::turn).
-void add_from(const SampleSides& sides, int turn, const LayeredDepthImage& to, double reach,
-              double per_metre, Added& added) {
-  const LayeredDepthImage& from = sides.layers();
-  const glm::dvec3 forward = to.camera.forward();
-  const Camera &source = from.camera, &target = to.camera;
-  for (std::size_t i = 0; i + 1 < from.first.size(); ++i) {
-    const glm::dvec2 at(double(i % std::size_t(source.width)) + 0.5,
-                        double(i / std::size_t(source.width)) + 0.5);
-    for (std::uint64_t s = from.first[i]; s < from.first[i + 1]; ++s) {
-      if (sides.turn(s, s - from.first[i], forward) != turn) continue;
-      LayerSample sample = from.samples[s];
-      const double z = eye_z_from(from.depth_kind, double(sample.depth), source, at);
-      const glm::dvec3 there = raster_from_world(target, world_from_raster(source, at, z));
-      // Faces of the box around everything lie on the picture's very edge.
-      constexpr double kRounding = 1e-3;
-      if (!(there.x >= -kRounding && there.x <= target.width + kRounding)) continue;
-      if (!(there.y >= -kRounding && there.y <= target.height + kRounding)) continue;
-      const auto x = std::size_t(std::clamp(there.x, 0.0, target.width - 0.5));
-      const auto y = std::size_t(std::clamp(there.y, 0.0, target.height - 0.5));
-      const std::size_t line = y * std::size_t(target.width) + x;
-      const double depth =
-          depth_from_eye_z(to.depth_kind, there.z, target, glm::dvec2(x + 0.5, y + 0.5));
-      if (is_represented(to, added, glm::dvec2(there), depth, per_metre, reach)) continue;
-      sample.depth = sample.back = float(depth);
-      if (turn > 0) color_as_outer(to, added, sides.normal(s), line, per_metre, sample);
-      added.normals.push_back(sides.normal(s));
-      added.outer.push_back(turn == 0 && sides.is_closed(s));
-      std::vector<float>& depths = added.depths[line];
-      depths.insert(std::upper_bound(depths.begin(), depths.end(), sample.depth), sample.depth);
-      added.next.push_back(added.head[line]);
-      added.head[line] = std::uint32_t(added.samples.size());
-      added.line.push_back(std::uint32_t(line));
-      added.samples.push_back(sample);
-    }
+// Calls visit(sample, world place) for each sample.
+template <class Visit>
+void each_sample(const LayeredDepthImage& layers, Visit&& visit) {
+  const auto width = std::size_t(layers.camera.width);
+  for (std::size_t i = 0; i + 1 < layers.first.size(); ++i) {
+    const glm::dvec2 at(double(i % width) + 0.5, double(i / width) + 0.5);
+    for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s)
+      visit(s, world_from_raster(layers.camera, at,
+                                 eye_z_from(layers.depth_kind, double(layers.samples[s].depth),
+                                            layers.camera, at)));
   }
 }
 
-// Its own samples and those added, which its own inner sides have their colours from.
-LayeredDepthImage with(const SampleSides& own, const Added& added, double per_metre) {
+// Those that others see; of `sides`, all pictures', number `own` is left out.
+OuterSides outer_sides(std::span<const SampleSides> sides, std::size_t own) {
+  const LayeredDepthImage& to = sides[own].layers();
+  OuterSides out;
+  out.head.assign(to.first.size() - 1, kNone);
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    if (k == own) continue;
+    each_sample(sides[k].layers(), [&](std::size_t s, const glm::dvec3& world) {
+      if (!sides[k].is_outer(s)) return;
+      const std::optional<PlacedIn> place = place_in(to, world);
+      if (!place) return;
+      LayerSample sample = sides[k].layers().samples[s];
+      sample.depth = sample.back = float(place->depth);
+      out.next.push_back(out.head[place->line]);
+      out.head[place->line] = std::uint32_t(out.samples.size());
+      out.samples.push_back(sample);
+      out.normals.push_back(sides[k].normal(s));
+    });
+  }
+  return out;
+}
+
+// Calls visit(line) for the line of sight and those around it.
+template <class Visit>
+void each_line_around(const Camera& camera, std::size_t line, Visit&& visit) {
+  const int x0 = int(line % std::size_t(camera.width)), y0 = int(line / std::size_t(camera.width));
+  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
+    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x)
+      visit(std::size_t(y) * std::size_t(camera.width) + std::size_t(x));
+}
+
+// Squared, between the middles of lines of sight.
+double distance_squared(const Camera& camera, std::size_t a, std::size_t b, double along) {
+  const auto width = std::size_t(camera.width);
+  const double x = (double(a % width) - double(b % width)) *
+                   (camera.window.right - camera.window.left) / camera.width;
+  const double y = (double(a / width) - double(b / width)) *
+                   (camera.window.top - camera.window.bottom) / camera.height;
+  return x * x + y * y + along * along;
+}
+
+// The inner side of a wall has the outer side's colour, if another picture sees that: whichever eye
+// sees the place, through a gap between samples or past the wall's edge, would see the outer side.
+void color_as_outer(const LayeredDepthImage& to, const OuterSides& outer, const glm::vec3& normal,
+                    std::size_t line, double per_metre, LayerSample& sample) {
+  const double reach = kOneSurface * largest_texel(to.camera);
+  double least = reach * reach;
+  each_line_around(to.camera, line, [&](std::size_t beside) {
+    for (std::uint32_t k = outer.head[beside]; k != kNone; k = outer.next[k]) {
+      const LayerSample& other = outer.samples[k];
+      if (other.object != sample.object || glm::dot(outer.normals[k], normal) >= 0) continue;
+      const double off =
+          distance_squared(to.camera, beside, line, double(other.depth - sample.depth) / per_metre);
+      if (off > least) continue;
+      least = off;
+      sample.color = other.color;
+    }
+  });
+}
+
+// Samples of picture `source` whose turn it is (SampleSides::turn).
+void add_from(const SampleSides& sides, std::uint32_t source, int turn, const LayeredDepthImage& to,
+              const OuterSides& outer, double reach, double per_metre, Added& added) {
+  const glm::dvec3 forward = to.camera.forward();
+  each_sample(sides.layers(), [&](std::size_t s, const glm::dvec3& world) {
+    if (sides.turn(s, forward) != turn) return;
+    const std::optional<PlacedIn> place = place_in(to, world);
+    if (!place || is_represented(to, added, place->at, place->depth, per_metre, reach)) return;
+    Known known = known_of(sides, source, s);
+    known.sample.depth = known.sample.back = float(place->depth);
+    if (known.inner) color_as_outer(to, outer, known.normal, place->line, per_metre, known.sample);
+    std::vector<float>& depths = added.depths[place->line];
+    depths.insert(std::upper_bound(depths.begin(), depths.end(), known.sample.depth),
+                  known.sample.depth);
+    added.next.push_back(added.head[place->line]);
+    added.head[place->line] = std::uint32_t(added.known.size());
+    added.known.push_back(known);
+  });
+}
+
+// What samples of one picture say of a place.
+struct Opinion {
+  std::uint32_t source = 0;
+  glm::vec3 color{0};
+  float faces = 0, count = 0;  // sums
+};
+
+// Is `other` seen beside `of`, on the same side of one surface?
+bool same_side(const Known& of, const Known& other) {
+  if (other.inner || !other.sure || other.sample.object != of.sample.object) return false;
+  return !of.sure || glm::dot(other.normal, of.inner ? -of.normal : of.normal) >= kSameSide;
+}
+
+// Where samples of several pictures lie side by side on one surface, each has what all of them say:
+// a highlight is elsewhere for each, and the surface would be peppered with it. A picture counts as
+// it faces the surface, squared: beside many samples of one that does, those of one
+// that sees it nearly edge-on would be a dotted line. An inner side shows what is seen of the outer
+// one.
+void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& known, double per_metre,
+                 std::vector<LayerSample>& out) {
+  const double reach = kOneSurface * largest_texel(layers.camera);
+  const float along = float(reach * per_metre);
+  std::vector<Opinion> opinions;
+  for (std::size_t line = 0; line + 1 < layers.first.size(); ++line)
+    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
+      const Known& of = known[s];
+      opinions.clear();
+      each_line_around(layers.camera, line, [&](std::size_t beside) {
+        const auto begin = known.begin() + std::ptrdiff_t(layers.first[beside]),
+                   end = known.begin() + std::ptrdiff_t(layers.first[beside + 1]);
+        auto k = std::lower_bound(
+            begin, end, of.sample.depth - along,
+            [](const Known& other, float depth) { return other.sample.depth < depth; });
+        for (; k != end && k->sample.depth <= of.sample.depth + along; ++k) {
+          if (!same_side(of, *k)) continue;
+          const double deeper = double(k->sample.depth - of.sample.depth) / per_metre;
+          if (distance_squared(layers.camera, beside, line, deeper) > reach * reach) continue;
+          auto found = std::find_if(opinions.begin(), opinions.end(),
+                                    [&](const Opinion& o) { return o.source == k->source; });
+          if (found == opinions.end()) found = opinions.insert(found, {.source = k->source});
+          found->color += glm::vec3(k->sample.color);
+          found->faces += k->faces;
+          ++found->count;
+        }
+      });
+      if (opinions.size() < (of.inner || !of.sure ? 1 : 2)) continue;
+      glm::vec4 sum(0);
+      for (const Opinion& o : opinions) {
+        const float faces = std::max(o.faces / o.count, kLeastFaces);
+        sum += faces * faces * glm::vec4(o.color / o.count, 1);
+      }
+      out[s].color = glm::vec4(glm::vec3(sum) / sum.a, out[s].color.a);
+    }
+}
+
+// Its own samples and those added.
+LayeredDepthImage with(const SampleSides& own, std::uint32_t number, const OuterSides& outer,
+                       const Added& added, double per_metre) {
   const LayeredDepthImage& layers = own.layers();
   LayeredDepthImage out;
   out.name = layers.name;
   out.camera = layers.camera;
   out.depth_kind = layers.depth_kind;
-  out.samples.reserve(layers.samples.size() + added.samples.size());
+  std::vector<Known> known;
+  known.reserve(layers.samples.size() + added.known.size());
   out.first.reserve(layers.first.size());
   out.first.push_back(0);
   for (std::size_t line = 0; line + 1 < layers.first.size(); ++line) {
-    const auto begin = std::ptrdiff_t(out.samples.size());
+    const auto begin = std::ptrdiff_t(known.size());
     for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
-      out.samples.push_back(layers.samples[s]);
-      if (s > layers.first[line] && own.is_closed(s))
-        color_as_outer(layers, added, own.normal(s), line, per_metre, out.samples.back());
+      known.push_back(known_of(own, number, s));
+      if (own.is_inner(s))
+        color_as_outer(layers, outer, own.normal(s), line, per_metre, known.back().sample);
     }
     for (std::uint32_t k = added.head[line]; k != kNone; k = added.next[k])
-      out.samples.push_back(added.samples[k]);
-    std::stable_sort(out.samples.begin() + begin, out.samples.end(),
-                     [](const LayerSample& a, const LayerSample& b) { return a.depth < b.depth; });
-    out.first.push_back(out.samples.size());
+      known.push_back(added.known[k]);
+    std::stable_sort(known.begin() + begin, known.end(), [](const Known& a, const Known& b) {
+      return a.sample.depth < b.sample.depth;
+    });
+    out.first.push_back(known.size());
   }
+  out.samples.reserve(known.size());
+  for (const Known& k : known) out.samples.push_back(k.sample);
+  mix_sources(out, known, per_metre, out.samples);
   return out;
 }
 
@@ -244,10 +383,11 @@ void share_samples(ReliefPictures& pictures, double reach) {
     Added added;
     added.head.assign(to.first.size() - 1, kNone);
     added.depths.resize(to.first.size() - 1);
+    const OuterSides outer = outer_sides(sides, i);
     for (int turn = 0; turn < SampleSides::kTurns; ++turn)
       for (std::size_t k = 0; k < shared.size(); ++k)
-        if (k != i) add_from(sides[k], turn, to, metres, per_metre, added);
-    shared[i] = with(sides[i], added, per_metre);
+        if (k != i) add_from(sides[k], std::uint32_t(k), turn, to, outer, metres, per_metre, added);
+    shared[i] = with(sides[i], std::uint32_t(i), outer, added, per_metre);
   });
   for (std::size_t i = 0; i < shared.size(); ++i) {
     ReliefPictures::Picture& picture = pictures.pictures[i];

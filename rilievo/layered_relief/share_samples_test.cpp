@@ -259,7 +259,7 @@ std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pi
     const int width = from.camera.width;
     for (std::size_t line = 0; line + 1 < from.first.size(); ++line)
       for (std::uint64_t s = from.first[line]; s < from.first[line + 1]; ++s) {
-        if (sides.turn(s, s - from.first[line], camera.forward()) != int(n / count)) continue;
+        if (sides.turn(s, camera.forward()) != int(n / count)) continue;
         const glm::dvec2 at(int(line) % width + 0.5, int(line) / width + 0.5);
         const double z =
             eye_z_from(from.depth_kind, double(from.samples[s].depth), from.camera, at);
@@ -358,6 +358,43 @@ TEST(ShareSamples, the_inner_side_of_a_body_does_not_pepper_its_outer_side) {
   EXPECT_GT(added, 1000);
   // What is left turns away from the picture's viewers.
   EXPECT_LE(peppered, added / 40) << "of " << added;
+}
+
+// Through a gap between samples of the near side one sees the far side, of which only the outer
+// colour is ever to be seen.
+TEST(ShareSamples, the_inner_side_of_a_body_has_the_outer_sides_colour) {
+  ReliefPictures pictures = two_sided_ball(48);
+  share_samples(pictures, 0.75);
+  std::size_t all = 0, inner = 0;
+  for (const ReliefPictures::Picture& picture : pictures.pictures)
+    for (const LayerSample& sample : picture.layers.samples) ++all, inner += sample.color.b > 0.5f;
+  EXPECT_GT(all, 20000u);
+  EXPECT_LE(inner, all / 200);
+}
+
+// A ball that shines for each picture where that picture looks: what is beside each other must not
+// differ because others saw it.
+TEST(ShareSamples, samples_of_several_pictures_side_by_side_have_one_colour) {
+  ReliefPictures pictures = two_sided_ball(48);
+  for (std::size_t k = 0; k < pictures.pictures.size(); ++k)
+    for (LayerSample& sample : pictures.pictures[k].layers.samples)
+      sample.color.g = k % 2 ? 1.0f : 0.0f;
+  share_samples(pictures, 0.75);
+  double differ = 0, count = 0;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
+    const LayeredDepthImage& layers = picture.layers;
+    const double texel = (layers.camera.window.right - layers.camera.window.left) / 48;
+    for (std::size_t line = 0; line + 2 < layers.first.size(); ++line)
+      for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
+        for (std::uint64_t t = s + 1; t < layers.first[line + 2]; ++t) {
+          if (std::abs(layers.samples[s].depth - layers.samples[t].depth) > 0.5 * texel) continue;
+          differ += double(std::abs(layers.samples[s].color.g - layers.samples[t].color.g));
+          ++count;
+        }
+  }
+  EXPECT_GT(count, 10000);
+  // Colours as they were captured would differ by 1 wherever two pictures meet.
+  EXPECT_LT(differ / count, 0.05);
 }
 
 TEST(SampleSides, bodies_are_closed_and_sheets_are_not) {

@@ -75,7 +75,7 @@ SplattedFrame empty_frame(const Camera& camera) {
 }
 
 SplattedFrame splat_layers(const LayeredRelief& relief, const Camera& camera, SplatShape shape) {
-  RILIEVO_EXPECTS(camera.projection == Projection::perspective);
+  RILIEVO_EXPECTS(camera.projection == Projection::perspective && !relief.perspective());
   SplattedFrame frame = empty_frame(camera);
   const ReliefFrame source = relief.frame();
   const auto warp = relief_warp(source, camera.position());
