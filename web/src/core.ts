@@ -70,6 +70,7 @@ interface Slot {
 }
 
 const kMemoryBudget = 192 * 1024 * 1024;
+const kTexelsAFrame = 512 * 512;
 /** A node may stay ahead of what is drawn: so many of the next best are loaded as well. */
 const kAhead = 4;
 
@@ -112,15 +113,22 @@ export class Walk {
     this.budget = options.memoryBudget ?? kMemoryBudget;
     this.mostDrawn = Math.min(kMostDrawn, Math.max(1, options.nodes ?? 2));
     this.mostLoading = Math.max(1, options.connections ?? 3);
-    this.drawer = new NodeDrawer(gl);
+    // Loads while shaders are compiled.
     this.ready = this.open();
     // Who does not wait for it hears of its error by onError.
     this.ready.catch(() => {});
+    try {
+      this.drawer = new NodeDrawer(gl);
+    } catch (error) {
+      this.abort.abort();
+      this.decoder.dispose();
+      throw error;
+    }
   }
 
   /**
-   * What the eye at (x, y, z) needs is loaded, and at most one face of a picture uploaded. Call it
-   * once a frame.
+   * What the eye at (x, y, z) needs is loaded, and a part of it uploaded that takes a millisecond.
+   * Call it once a frame.
    */
   update(x: number, y: number, z: number): void {
     const { eye, chooser } = this;
@@ -436,21 +444,26 @@ export class Walk {
     }
   }
 
-  // One face a frame: a large one takes a millisecond. The old level is drawn until all are there.
+  // As many texels a frame as one large face has, which takes a millisecond. The old level is drawn
+  // until all six faces are there.
   private upload(): void {
     const { chooser, slots } = this;
     if (!chooser) return;
     for (let k = 0; k < slots.length; ++k) {
       const i = chooser.best[k], slot = slots[i], next = slot.next;
       if (!next) continue;
-      const face = next.faces[next.stored.uploaded];
-      uploadFace(this.gl, next.stored, face, this.drawer.weightWriter);
-      face.close();
+      const { stored } = next;
       this.options.onNeedsDraw?.();
-      if (next.stored.uploaded < 6) return;
-      this.drawer.seenDrawer.draw(next.stored);
+      const texels = stored.level.faceSize * stored.level.faceSize;
+      for (let left = kTexelsAFrame; left > 0 && stored.uploaded < 6; left -= texels) {
+        const face = next.faces[stored.uploaded];
+        uploadFace(this.gl, stored, face, this.drawer.weightWriter);
+        face.close();
+      }
+      if (stored.uploaded < 6) return;
+      this.drawer.seenDrawer.draw(stored);
       this.drop(slot);
-      slot.stored = next.stored;
+      slot.stored = stored;
       slot.level = next.level;
       slot.next = null;
       this.options.onPicture?.(i, next.level);

@@ -33,6 +33,27 @@ window.settle = async (key) => {
   } while (!viewer.walk.settled && performance.now() < end);
   if (!viewer.walk.settled) throw new Error("the walk does not settle");
   viewer.draw();
+  drain();
+};
+
+// Waits until all that was asked of the rasteriser is drawn.
+const pixel = new Uint8Array(4);
+function drain() {
+  const gl = window.viewer.canvas.getContext("webgl2");
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+}
+window.drain = drain;
+
+/** The same of several, until nothing more comes. */
+window.settleAll = async (keys) => {
+  const { walk } = window.viewer;
+  for (const key of keys) await window.settle(key);
+  for (let quiet = 0, loaded = walk.stats.loaded; quiet < 60; ++quiet) {
+    await window.settle(keys[quiet % keys.length]);
+    await new Promise((resolve) => setTimeout(resolve, 10));
+    if (walk.stats.loaded !== loaded || walk.stats.loading > 0) quiet = 0;
+    loaded = walk.stats.loaded;
+  }
 };
 
 /** RGBA, the bottom row first. */
@@ -53,6 +74,20 @@ async function pictureOf(url) {
   context.drawImage(bitmap, 0, 0);
   return context.getImageData(0, 0, bitmap.width, bitmap.height);
 }
+
+/** PSNR of frames in two folders, at most 100 dB. */
+window.psnrsOf = async (folder, other, count) => {
+  const psnrs = [];
+  for (let k = 0; k < count; ++k) {
+    const name = `frame_${String(k).padStart(5, "0")}.png`;
+    const [a, b] = await Promise.all([folder, other].map((of) => pictureOf(`${of}/${name}`)));
+    let sum = 0;
+    for (let i = 0; i < a.data.length; i += 4)
+      for (let c = 0; c < 3; ++c) sum += (a.data[i + c] - b.data[i + c]) ** 2;
+    psnrs.push(Math.min(100, 10 * Math.log10((255 * 255 * 3 * a.width * a.height) / sum)));
+  }
+  return psnrs;
+};
 
 /** PSNR of each key's frame against FOLDER/K.png. */
 window.comparedFrames = async (keys, folder) => {
@@ -98,6 +133,22 @@ window.shownObjects = async (keys) => {
   return all;
 };
 
+// Draws a frame as the page does, and asks for no other: milliseconds of update() and of the rest.
+function drawView(view, times) {
+  const { walk, canvas } = window.viewer;
+  const gl = canvas.getContext("webgl2"), e = view.worldFromEye;
+  const begin = performance.now();
+  walk.update(e[12], e[13], e[14]);
+  const updated = performance.now();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, view.width, view.height);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  walk.draw(view, null);
+  walk.drawer.drawSky(view);
+  times[0] = updated - begin;
+  times[1] = performance.now() - updated;
+}
+
 const percentile = (times, share) => {
   const sorted = Array.from(times).sort((a, b) => a - b);
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? 0;
@@ -107,9 +158,14 @@ const percentile = (times, share) => {
 window.walked = async (keys, frames) => {
   const { viewer } = window;
   for (const key of keys) await window.settle(key);
-  const heap = () => performance.memory?.usedJSHeapSize ?? 0;
+  // Once what is no longer used has gone, if the browser lets us ask for that.
+  const heap = () => {
+    window.gc?.();
+    return performance.memory?.usedJSHeapSize ?? 0;
+  };
   let drawCalls = 0, triangles = 0;
-  const update = [], draw = [], views = [];
+  const update = new Float32Array(frames), draw = new Float32Array(frames), views = [];
+  const times = new Float32Array(2);
   for (let i = 0; i < frames; ++i) {
     const at = (i / frames) * (keys.length - 1), k = Math.floor(at), s = at - k;
     const mix = (a, b) => a.map((x, c) => x + s * (b[c] - x));
@@ -120,17 +176,13 @@ window.walked = async (keys, frames) => {
   }
   const before = heap(), begin = performance.now();
   for (let i = 0; i < frames; ++i) {
-    viewer.setView(views[i]);
-    viewer.draw();
-    const at = (viewer.times.frames - 1) % viewer.times.update.length;
-    update.push(viewer.times.update[at]);
-    draw.push(viewer.times.draw[at]);
+    drawView(views[i], times);
+    update[i] = times[0];
+    draw[i] = times[1];
     const { stats } = viewer.walk;
     drawCalls = Math.max(drawCalls, stats.drawCalls);
     triangles = Math.max(triangles, stats.triangles);
-    // Wait for what was asked of the rasteriser, as a screen would.
-    const gl = viewer.canvas.getContext("webgl2");
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    drain();
     if (i % 8 === 0) await new Promise((resolve) => setTimeout(resolve, 0));
   }
   return {
@@ -215,14 +267,6 @@ window.pngsOf = async (key) => {
 
 /** Draws a key's frame now, and asks for no other. */
 window.look = (key) => {
-  const { walk, canvas } = window.viewer;
-  const { width, height } = canvas;
-  const gl = canvas.getContext("webgl2");
-  walk.update(...key.eye);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.viewport(0, 0, width, height);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  const view = viewOf(key, width, height, key.z_near, key.z_far);
-  walk.draw(view, null);
-  walk.drawer.drawSky(view);
+  const { width, height } = window.viewer.canvas;
+  drawView(viewOf(key, width, height, key.z_near, key.z_far), new Float32Array(2));
 };

@@ -3,10 +3,10 @@
 //   node tools/beside.js SCENE.glb WALK [--size WxH] [--frames N] [--rounds N]
 // WALK is a folder of `rilievo web`. The machine's other work moves times: compare what stands beside
 // each other; the processor time of all of the browser's processes is moved less.
-import { execFileSync } from "node:child_process";
-import { readFileSync, readdirSync, statSync } from "node:fs";
+import { readdirSync, statSync } from "node:fs";
 import { basename, dirname, join } from "node:path";
-import { launch, root, serve } from "../test/browser.js";
+import { launch, page as pageFolder, root, serve } from "../test/browser.js";
+import { costOf } from "./cost.js";
 
 const [scene, folder, ...rest] = process.argv.slice(2);
 if (!folder) throw new Error("usage: node tools/beside.js SCENE.glb WALK [options]");
@@ -16,32 +16,12 @@ const option = (name, otherwise) => {
 };
 const [width, height] = option("--size", "640x360").split("x").map(Number);
 const frames = Number(option("--frames", 100)), rounds = Number(option("--rounds", 3));
-const kTicksPerSecond = Number(execFileSync("getconf", ["CLK_TCK"]));
-
-/** Of a process and all that it started: seconds of processor time, and bytes of its own. */
-function costOf(root) {
-  const children = new Map();
-  for (const name of readdirSync("/proc").filter((of) => /^\d+$/.test(of))) {
-    try {
-      const parts = readFileSync(`/proc/${name}/stat`, "utf8").replace(/^.*\) /, "").split(" ");
-      const status = readFileSync(`/proc/${name}/smaps_rollup`, "utf8");
-      const own = /Pss:\s+(\d+)/.exec(status);
-      children.set(Number(name), { parent: Number(parts[1]), own: own ? 1024 * Number(own[1]) : 0,
-                                   ticks: Number(parts[11]) + Number(parts[12]) });
-    } catch { /* it has ended */ }
-  }
-  const isBelow = (pid) => pid === root || (children.has(pid) && children.get(pid).parent > 1 &&
-                                            isBelow(children.get(pid).parent));
-  let ticks = 0, bytes = 0;
-  for (const [pid, of] of children) if (isBelow(pid)) ticks += of.ticks, bytes += of.own;
-  return { seconds: ticks / kTicksPerSecond, bytes };
-}
-
 const bytesBelow = (path) => statSync(path).isDirectory()
   ? readdirSync(path).reduce((sum, name) => sum + bytesBelow(join(path, name)), 0)
   : statSync(path).size;
 
-const server = await serve({ walk: folder, scene: dirname(scene), test: join(root, "test"), web: root });
+// The page of this checkout, whatever lies in the folder.
+const server = await serve({ walk: [pageFolder, folder], scene: dirname(scene), test: join(root, "test"), web: root });
 let keys;
 
 async function measured(kind) {
@@ -58,17 +38,16 @@ async function measured(kind) {
         window.viewer = window.rilievo.show(box, "/walk/walk.json", { pixelRatio: 1 });
         await window.viewer.ready;
         window.viewer.draw();
-        const gl = window.viewer.canvas.getContext("webgl2"), pixel = new Uint8Array(4);
         window.drawKey = (key) => {
           window.look(key);
-          gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+          window.drain();
         };
-        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        window.drain();
         return performance.now() - begin;
       });
       keys ??= await page.evaluate((count) => window.eyesBetweenNodes(count), 8);
-      // All that these eyes need is there before frames count.
-      for (const key of keys) await page.evaluate((key) => window.settle(key), key);
+      // All nodes are there before frames count, those that are only likely to be needed too.
+      await page.evaluate((keys) => window.settleAll(keys), keys);
     } else {
       await page.waitForFunction(() => window.openScene);
       first = await page.evaluate(

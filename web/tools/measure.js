@@ -2,7 +2,7 @@
 // it in Chromium from eyes between its nodes, and compares these frames and those of the C++ drawer
 // with true ones.
 //   node tools/measure.js SCENE FOLDER [--eyes N] [--size WxH] [--program RILIEVO] [BAKE OPTIONS...]
-// FOLDER gets all files, and figures.json; what is already baked there is taken as it is.
+// FOLDER gets all files, and figures.json; what an earlier run left there is taken as it is.
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -32,47 +32,56 @@ const read = (name) => JSON.parse(readFileSync(inside(name), "utf8"));
 if (!existsSync(inside("baked.exr")))
   rilievo("bake", scene, "--as", "environment-nodes", ...rest, "-o", inside("baked.exr"),
           "--json", inside("bake.json"));
-rilievo("web", inside("baked.exr"), "--psnr", threshold, "-o", inside("walk"),
-        "--json", inside("web.json"));
-rilievo("web", inside("baked.exr"), "--psnr", threshold, "--objects", "-o", inside("identified"));
+if (!existsSync(inside("walk")))
+  rilievo("web", inside("baked.exr"), "--psnr", threshold, "-o", inside("walk"),
+          "--json", inside("web.json"));
+if (!existsSync(inside("identified")))
+  rilievo("web", inside("baked.exr"), "--psnr", threshold, "--objects", "-o", inside("identified"));
 
-const server = await serve({ walk: inside("identified"), test: join(root, "test") });
+const size = `${width}x${height}`;
+const server = await serve({ walk: inside("identified"), out: folder, test: join(root, "test") });
 const browser = await launch();
-let keys;
+let toLibrary;
 try {
   const page = await browser.newPage();
   await page.setViewport({ width, height });
   await page.goto(`${server.url}/test/viewer.html`);
-  await page.evaluate(async () => {
-    window.viewer = window.rilievo.show(document.getElementById("walk"), "/walk/walk.json",
-                                        { pixelRatio: 1, objects: true });
-    await window.viewer.ready;
-  });
-  keys = await page.evaluate((eyes) => window.eyesBetweenNodes(eyes), eyes);
-  mkdirSync(inside("page"), { recursive: true });
-  for (const [k, key] of keys.entries()) {
-    const { frame, objects } = await page.evaluate((key) => window.pngsOf(key), key);
-    const name = String(k).padStart(5, "0");
-    writeFileSync(inside(`page/frame_${name}.png`), Buffer.from(frame, "base64"));
-    writeFileSync(inside(`page/objects_${name}.png`), Buffer.from(objects, "base64"));
+  if (!existsSync(inside("path.json"))) {
+    await page.evaluate(async () => {
+      window.viewer = window.rilievo.show(document.getElementById("walk"), "/walk/walk.json",
+                                          { pixelRatio: 1, objects: true });
+      await window.viewer.ready;
+    });
+    const keys = await page.evaluate((eyes) => window.eyesBetweenNodes(eyes), eyes);
+    mkdirSync(inside("page"), { recursive: true });
+    for (const [k, key] of keys.entries()) {
+      const { frame, objects } = await page.evaluate((key) => window.pngsOf(key), key);
+      const name = String(k).padStart(5, "0");
+      writeFileSync(inside(`page/frame_${name}.png`), Buffer.from(frame, "base64"));
+      writeFileSync(inside(`page/objects_${name}.png`), Buffer.from(objects, "base64"));
+    }
+    const { start } = read("walk/walk.json");
+    writeFileSync(inside("path.json"), JSON.stringify({
+      schema: "rilievo-path-1", z_near: start.z_near, z_far: start.z_far,
+      // Each eye ends at a cut.
+      keys: keys.flatMap(({ eye, target, up, vertical_fov }, k) => [
+        { time: k / 60, eye, target, up, vertical_fov },
+        { time: (k + 1) / 60 - 1e-3, eye, target, up, vertical_fov },
+      ]),
+    }));
   }
+  const path = ["--path", inside("path.json"), "--frames", String(eyes), "--size", size,
+                "--samples", "1"];
+  if (!existsSync(inside("report")))
+    rilievo("compare", inside("baked.exr"), "--scene", scene, ...path,
+            "--frames-of", `page=${inside("page")}`, "-o", inside("report"));
+  if (!existsSync(inside("library")))
+    rilievo("render", inside("baked.exr"), ...path, "-o", inside("library"));
+  toLibrary = await page.evaluate((eyes) => window.psnrsOf("/out/page", "/out/library", eyes), eyes);
 } finally {
   await browser.close();
   await server.close();
 }
-
-const { start } = read("walk/walk.json");
-writeFileSync(inside("path.json"), JSON.stringify({
-  schema: "rilievo-path-1", z_near: start.z_near, z_far: start.z_far,
-  // Each eye ends at a cut.
-  keys: keys.flatMap(({ eye, target, up, vertical_fov }, k) => [
-    { time: k / 60, eye, target, up, vertical_fov },
-    { time: (k + 1) / 60 - 1e-3, eye, target, up, vertical_fov },
-  ]),
-}));
-rilievo("compare", inside("baked.exr"), "--scene", scene, "--path", inside("path.json"),
-        "--frames", String(eyes), "--size", `${width}x${height}`, "--samples", "1",
-        "--frames-of", `page=${inside("page")}`, "-o", inside("report"));
 
 const web = read("web.json"), bake = read("bake.json");
 const { "environment-nodes": library, page: inPage } = read("report/report.json").methods;
@@ -86,6 +95,7 @@ const figures = {
   bytes: web.bytes, bake_seconds: bake.seconds.total, write_seconds: web.seconds,
   held_percent: bake.visible_share_held === undefined ? null : 100 * bake.visible_share_held,
   library: figuresOf(library), page: figuresOf(inPage),
+  page_to_library_db: { mean: toLibrary.reduce((a, b) => a + b) / eyes, least: Math.min(...toLibrary) },
 };
 writeFileSync(inside("figures.json"), JSON.stringify(figures, null, 1));
 console.log(JSON.stringify(figures, null, 1));

@@ -121,52 +121,23 @@ bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
   return shown.a > 0.0;
 }
 `;
+  // Unrolled: software rasterisers are slow with arrays.
   return `${head}
 uniform float node_nearness[${layers}];
 uniform float node_steps[${layers}];  // 1/m, of disparities
 uniform mat4 node_from_eye[${layers}];
 uniform vec4 node_rays;  // of a pixel's (x, y): at z = -1, xy + zw (x, y)
-${each(layers, (i) => `uniform highp usampler2D node_seen${i};
-`)}
-int seen_size(int node) {
-${each(layers, (i) => `  if (node == ${i}) return textureSize(node_seen${i}, 0).x / 3;
-`)}  return 1;
-}
-uint seen_at(int node, ivec2 texel) {
-${each(layers, (i) => `  if (node == ${i}) return texelFetch(node_seen${i}, texel, 0).r;
-`)}  return 0u;
-}
 ${kFaceOf}
-// 1 where node j sees what lies at p or before it, 0 where it sees through p by the tolerance.
-float node_share(int j, vec3 p) {
-  vec3 seen = (node_from_eye[j] * vec4(p, 1.0)).xyz;
-  vec2 st;
-  int face = face_of(seen, st);
-  int size = seen_size(j);
-  ivec2 corner = ivec2(face % 3, face / 3) * size;
-  ivec2 at = ivec2(floor((0.5 * st + 0.5) * float(size) - 0.5));
-  uint code = 0u;
-  for (int k = 0; k < 4; ++k)
-    code = max(code, seen_at(j, corner + clamp(at + ivec2(k & 1, k >> 1), ivec2(0), ivec2(size - 1))));
-  // It says nothing.
-  if (code == 0u) return 1.0;
-  float nearest = unpackHalf2x16(code - 1u).x * node_steps[j];
-  float ahead = max(max(abs(seen.x), abs(seen.y)), abs(seen.z));
-  return clamp(2.0 - 2.0 * (1.0 / max(nearest * ahead, 1e-9) - 1.0) / node_merge.x, 0.0, 1.0);
-}
+${each(layers, shareFunction)}
 bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
-  vec4 colors[${layers}];
-  float depths[${layers}];
-  float shares[${layers}];
   float nearest = 1e38, farthest = 0.0;
-  for (int i = 0; i < ${layers}; ++i) {
-    colors[i] = texelFetch(node_colors, ivec3(pixel, i), 0);
-    depths[i] = layer_z(pixel, i);
-    shares[i] = 1.0;
-    if (colors[i].a == 0.0) continue;
-    nearest = min(nearest, depths[i]);
-    farthest = max(farthest, depths[i]);
-  }
+${each(layers, (i) => `
+  vec4 c${i} = texelFetch(node_colors, ivec3(pixel, ${i}), 0);
+  float d${i} = layer_z(pixel, ${i}), s${i} = 1.0;
+  if (c${i}.a > 0.0) {
+    nearest = min(nearest, d${i});
+    farthest = max(farthest, d${i});
+  }`)}
   if (farthest == 0.0) {
     vec4 skin = texelFetch(node_colors, ivec3(pixel, ${layers}), 0);
     color = skin.rgb;
@@ -177,37 +148,64 @@ bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
     // Surfaces do not agree. Those of the first node, which sees the eye, are there.
     vec3 ray = vec3(node_rays.xy + node_rays.zw * (vec2(pixel) + 0.5), -1.0);
     float accepted = 1e38;
-    for (int i = 0; i < ${layers}; ++i) {
-      if (colors[i].a == 0.0) continue;
+    if (c0.a > 0.0) accepted = d0;
+${each(layers, (i) => i === 0 ? "" : `
+    if (c${i}.a > 0.0) {
       // Nobody sees through the sky.
-      if (i > 0 && depths[i] < 1e12 * node_merge.y)
-        for (int j = 0; j < ${layers}; ++j)
-          if (j != i) shares[i] = min(shares[i], node_share(j, depths[i] * ray));
-      if (shares[i] >= 0.5) accepted = min(accepted, depths[i]);
-    }
+      if (d${i} < 1e12 * node_merge.y) {
+        vec3 p = d${i} * ray;
+${each(layers, (j) => j === i ? "" : `        s${i} = min(s${i}, node_share${j}(p));\n`)}
+      }
+      if (s${i} >= 0.5) accepted = min(accepted, d${i});
+    }`)}
     if (accepted < 1e37) {
       nearest = accepted;
     } else {
       // Each is refuted by another one.
-      for (int i = 0; i < ${layers}; ++i) shares[i] = 1.0;
+${each(layers, (i) => `      s${i} = 1.0;\n`)}
     }
   }
   float limit = nearest * (1.0 + node_merge.x);
   float weights = 0.0, most = -1.0;
   color = vec3(0.0);
   eye_z = nearest;
-  for (int i = 0; i < ${layers}; ++i) {
-    if (colors[i].a == 0.0 || depths[i] > limit) continue;
-    float weight = shares[i] * (max(colors[i].a * 255.0 - 2.0, 0.0) + 0.25) * node_nearness[i];
+${each(layers, (i) => `
+  if (c${i}.a > 0.0 && d${i} <= limit) {
+    float weight = s${i} * (max(c${i}.a * 255.0 - 2.0, 0.0) + 0.25) * node_nearness[${i}];
     if (weight > most) {
       most = weight;
-      eye_z = depths[i];
+      eye_z = d${i};
     }
-    color += weight * colors[i].rgb;
+    color += weight * c${i}.rgb;
     weights += weight;
-  }
+  }`)}
   color /= max(weights, 1e-20);
   return true;
+}
+`;
+}
+
+// node_share: 1 where the node sees what lies at p (eye space) or before it, 0 where it sees through
+// p by the tolerance.
+function shareFunction(node: number): string {
+  return `
+uniform highp usampler2D node_seen${node};
+float node_share${node}(vec3 p) {
+  vec3 seen = (node_from_eye[${node}] * vec4(p, 1.0)).xyz;
+  vec2 st;
+  int face = face_of(seen, st);
+  int last = textureSize(node_seen${node}, 0).x / 3 - 1;
+  ivec2 corner = ivec2(face % 3, face / 3) * (last + 1);
+  ivec2 at = ivec2(floor((0.5 * st + 0.5) * float(last + 1) - 0.5));
+  ivec2 a = corner + clamp(at, ivec2(0), ivec2(last)), b = corner + clamp(at + 1, ivec2(0), ivec2(last));
+  uint code = max(max(texelFetch(node_seen${node}, a, 0).r, texelFetch(node_seen${node}, b, 0).r),
+                  max(texelFetch(node_seen${node}, ivec2(a.x, b.y), 0).r,
+                      texelFetch(node_seen${node}, ivec2(b.x, a.y), 0).r));
+  // It says nothing.
+  if (code == 0u) return 1.0;
+  float nearest = unpackHalf2x16(code - 1u).x * node_steps[${node}];
+  float ahead = max(max(abs(seen.x), abs(seen.y)), abs(seen.z));
+  return clamp(2.0 - 2.0 * (1.0 / max(nearest * ahead, 1e-9) - 1.0) / node_merge.x, 0.0, 1.0);
 }
 `;
 }
