@@ -23,6 +23,7 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/deep_image_source.h"
+#include "rilievo/capture/pose_origin.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/gl/context.h"
@@ -173,9 +174,11 @@ Result<DeepImageSource> open_deep(const BakeCommand& options) {
       reason += ": --fov DEGREES gives one, at the origin, looking along -z";
     return Error{options.scene, reason};
   }
+  glm::dmat4* const pose = &layers->camera.world_from_eye;
+  const WorldSpace world = take_origin_off({&pose, 1});
   std::vector<LayeredDepthImage> pictures;
   pictures.push_back(*std::move(layers));
-  return DeepImageSource(options.scene, std::move(pictures));
+  return DeepImageSource(options.scene, std::move(pictures), world);
 }
 
 Result<> run_bake(const BakeCommand& options) {
@@ -189,6 +192,7 @@ Result<> run_bake(const BakeCommand& options) {
   if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   if (holds_pictures(options.scene)) {
+    if (Result<> good = expect_no_units(options.scene, options.limits); !good) return good;
     Result<DeepImageSource> source = open_deep(options);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;

@@ -7,7 +7,9 @@
 
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
+#include "rilievo/capture/pose_origin.h"
 #include "rilievo/core/file.h"
+#include "rilievo/core/place_text.h"
 #include "rilievo/environment_nodes/seurat.h"
 #include "rilievo/io/rgbd.h"
 #include "rilievo/warp/reproject.h"
@@ -51,10 +53,16 @@ Result<std::vector<DepthImage>> seurat_views(const std::string& path, bool allow
   return views;
 }
 
-nlohmann::json list_of(const glm::vec3& v) { return {v.x, v.y, v.z}; }
-
-std::string text_of(const glm::vec3& v) {
-  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+// Near their origin, if they lie far away.
+WorldSpace move_near(std::vector<DepthImage>& views) {
+  std::vector<glm::dmat4*> poses;
+  for (DepthImage& view : views) poses.push_back(&view.camera.world_from_eye);
+  return take_origin_off(poses);
+}
+WorldSpace move_near(RgbdCapture& capture) {
+  std::vector<glm::dmat4*> poses;
+  for (RgbdFrame& frame : capture.frames) poses.push_back(&frame.world_from_eye);
+  return take_origin_off(poses);
 }
 
 Result<std::vector<DepthImage>> photographs_of(const std::string& path, const RgbdCapture& capture,
@@ -77,17 +85,21 @@ Result<std::vector<DepthImage>> photographs_of(const std::string& path, const Rg
 }
 
 Result<> print_capture(const std::string& path, const std::string& json, const char* format,
-                       std::size_t frames, int width, int height, const Box& bounds) {
+                       std::size_t frames, int width, int height, const Box& bounds,
+                       const WorldSpace& world) {
+  const double metres = double(bounds.radius());
+  const glm::dvec3 low = world.origin + glm::dvec3(bounds.min),
+                   high = world.origin + glm::dvec3(bounds.max);
   if (json.empty()) {
     print("{}\nformat     {}\nframes     {}\nsize       {} x {}\nbounds     {} to {} m\n", path,
-          format, frames, width, height, text_of(bounds.min), text_of(bounds.max));
+          format, frames, width, height, place_text(low, metres), place_text(high, metres));
     return Done{};
   }
   return write_json(json, {{"schema", "rilievo-info-1"},
                            {"capture", format},
                            {"frames", frames},
                            {"size", {width, height}},
-                           {"bounds", {list_of(bounds.min), list_of(bounds.max)}}});
+                           {"bounds", {list_of(low), list_of(high)}}});
 }
 
 }  // namespace
@@ -97,18 +109,21 @@ bool is_capture(const std::string& path) {
 }
 
 Result<PhotographSource> open_photographs(const std::string& path, const FileLimits& limits) {
+  if (Result<> good = expect_no_units(path, limits); !good) return good.error();
   if (is_seurat_capture(path)) {
     Result<std::vector<DepthImage>> views = seurat_views(path, limits.allow_outside);
     if (!views) return views.error();
-    return PhotographSource(path, std::move(*views));
+    const WorldSpace world = move_near(*views);
+    return PhotographSource(path, std::move(*views), {}, world);
   }
-  const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
+  Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
   for (const std::string& warning : capture->warnings.lines())
     complain(path + ": warning: " + warning);
+  const WorldSpace world = move_near(*capture);
   Result<std::vector<DepthImage>> photographs = photographs_of(path, *capture, limits);
   if (!photographs) return photographs.error();
-  return PhotographSource(path, std::move(*photographs));
+  return PhotographSource(path, std::move(*photographs), {}, world);
 }
 
 Result<> describe_capture(const std::string& path, const std::string& json,
@@ -116,19 +131,21 @@ Result<> describe_capture(const std::string& path, const std::string& json,
   Box bounds;
   int width = 0, height = 0;
   if (is_seurat_capture(path)) {
-    const Result<std::vector<DepthImage>> views = seurat_views(path, limits.allow_outside);
+    Result<std::vector<DepthImage>> views = seurat_views(path, limits.allow_outside);
     if (!views) return views.error();
+    const WorldSpace world = move_near(*views);
     for (const DepthImage& view : *views) {
       width = std::max(width, view.camera.width);
       height = std::max(height, view.camera.height);
     }
     return print_capture(path, json, "Seurat manifest", views->size(), width, height,
-                         measured_bounds(*views));
+                         measured_bounds(*views), world);
   }
-  const Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
+  Result<RgbdCapture> capture = open_rgbd_capture(path, limits.allow_outside);
   if (!capture) return capture.error();
   for (const std::string& warning : capture->warnings.lines())
     complain(path + ": warning: " + warning);
+  const WorldSpace world = move_near(*capture);
   for (const RgbdFrame& frame : capture->frames) {
     const Result<DepthImage> read = load_rgbd_frame(frame, limits.bytes());
     if (!read) return read.error();
@@ -137,7 +154,7 @@ Result<> describe_capture(const std::string& path, const std::string& json,
     bounds.add(measured_bounds(std::span(&*read, 1)));
   }
   return print_capture(path, json, name_of(capture->format), capture->frames.size(), width, height,
-                       bounds);
+                       bounds, world);
 }
 
 }  // namespace rilievo::app

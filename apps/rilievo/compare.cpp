@@ -46,6 +46,7 @@ struct CompareCommand {
   bool bends = false;  // the scene by time, and some method shows it
   int reference = 0;   // samples of a pixel of the true frames; 0: the first method's
   std::string reference_folder;
+  WorldSpace baked;    // of `file`
 };
 
 // Direct drawing is always there, and first: it draws the true frames. Without OpenGL, and where
@@ -186,11 +187,12 @@ Result<> run_compare(CompareCommand options) {
   const std::filesystem::path report_file = folder / "report.json",
                               page_file = folder / "report.html";
   if (Result<> good = expect_outputs({report_file, page_file, options.json}); !good) return good;
-  const Result<OpenedScene> opened =
+  Result<OpenedScene> opened =
       open_scene(options.scene, options.limits, 0,
                  options.file.empty() &&
                      std::any_of(options.methods.begin(), options.methods.end(), bends_by_time));
   if (!opened) return opened.error();
+  if (!options.file.empty()) set_origin(opened->scene, options.baked.origin);
   options.bends = !opened->deformations.meshes.empty();
   if (options.bends && options.drawn_error)
     return Error{
@@ -310,6 +312,11 @@ Result<> settle(CompareCommand& options, const std::string& given, const std::st
   }
   const Result<PictureFileContent> content = open_representation(given);
   if (!content) return content.error();
+  options.baked = content->representation->world;
+  // The scene as it was taken for the bake.
+  if (!options.limits.up && options.baked.up != UpAxis::y) options.limits.up = options.baked.up;
+  if (!options.limits.metres_per_unit && options.baked.metres_per_unit != 1)
+    options.limits.metres_per_unit = options.baked.metres_per_unit;
   if (options.methods.empty()) options.methods = kind_method_names(*content->kind);
   for (const std::string& method : options.methods)
     if (method != "direct" && method != "direct-raster")

@@ -31,11 +31,11 @@ Result<> run_export(const ExportCommand& options) {
   const Kind& kind = *content->kind;
   if (!kind.to_scene)
     return Error{options.file, fmt::format("holds {}, which has no mesh", kind.name)};
-  const Result<Scene> scene =
-      kind.to_scene(*content->representation, {options.part, !options.gaps});
+  Result<Scene> scene = kind.to_scene(*content->representation, {options.part, !options.gaps});
   if (!scene)
     return scene.error().where.starts_with("--") ? scene.error()
                                                  : Error{options.file, scene.error().reason};
+  scene->world = content->representation->world;
   if (Result<> made = make_folder(file.parent_path()); !made) return made;
   return save_glb(*scene, file);
 }

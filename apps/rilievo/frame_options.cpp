@@ -92,12 +92,12 @@ void add_frame_options(CLI::App& command, FrameOptions& options) {
 }
 
 Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
-                              const Vantage& vantage) {
+                              const glm::dvec3& origin, const Vantage& vantage) {
   FramePlan plan;
   if (!options.path_file.empty()) {
     Result<CameraPath> path = load_path(options.path_file);
     if (!path) return path.error();
-    plan.path = std::move(*path);
+    plan.path = relative_to(origin, std::move(*path));
     plan.frames = options.frames ? options.frames : std::min(frame_count(plan.path), kMaxFrames);
     return plan;
   }
@@ -112,7 +112,8 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
 }
 
 Result<FramePlan> plan_frames(const FrameOptions& options, const Representation& representation) {
-  Result<FramePlan> plan = plan_frames(options, representation.bounds(), representation.vantage());
+  Result<FramePlan> plan = plan_frames(options, representation.bounds(),
+                                       representation.world.origin, representation.vantage());
   if (!plan || !options.path_file.empty() || options.orbit || options.walk) return plan;
   if (std::optional<CameraPath> walk = representation.walk()) {
     plan->path = *std::move(walk);
@@ -130,7 +131,8 @@ Box eyes_of(const CameraPath& path, int frames) {
 }
 
 Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {
-  Result<FramePlan> plan = plan_frames(options, world_bounds(opened.scene));
+  Result<FramePlan> plan =
+      plan_frames(options, world_bounds(opened.scene), opened.scene.world.origin);
   if (plan && opened.walk && options.path_file.empty() && !options.orbit && !options.walk)
     plan->path = *opened.walk;
   return plan;

@@ -28,9 +28,10 @@ struct FramePlan {
   int frames = 1;
 };
 
-// The path asked for; or one found from the bounds of what there is to see.
+// The path asked for; or one found from the bounds of what there is to see. Files count from the
+// world's origin, plans and bounds from `origin`.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const Box& bounds,
-                                            const Vantage& vantage = {});
+                                            const glm::dvec3& origin, const Vantage& vantage = {});
 // The path asked for; or the representation's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options,
                                             const Representation& representation);

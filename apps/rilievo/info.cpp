@@ -14,6 +14,7 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/scene_file.h"
+#include "rilievo/core/place_text.h"
 
 namespace rilievo::app {
 namespace {
@@ -24,11 +25,28 @@ struct InfoCommand {
   FileLimits limits;
 };
 
-std::string text_of_point(const glm::vec3& v) {
-  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+const char* name_of(UpAxis axis) {
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  return kNames[int(axis)];
 }
 
-nlohmann::json list_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+// How the file's coordinates were taken and why, and where the scene is kept.
+void print_world(const WorldSpace& world, const char* why) {
+  print("  taken as   {} up, {}{}\n", name_of(world.up),
+        world.metres_per_unit == 1 ? std::string("metres")
+                                   : fmt::format("units of {:g} m", world.metres_per_unit),
+        why);
+  if (world.origin != glm::dvec3(0)) print("  origin     {} m\n", place_text(world.origin, 1));
+}
+
+// Why a scene is in metres with y up, if no option says otherwise.
+const char* why_taken(const std::string& file) {
+  const std::string extension = std::filesystem::path(file).extension().string();
+  if (file.starts_with("builtin:")) return "";
+  return extension == ".glb" || extension == ".gltf"
+             ? " (glTF's; --up and --units take it otherwise)"
+             : " (assumed, the format does not say; --up and --units take it otherwise)";
+}
 
 const char* name_of(Projection projection) {
   switch (projection) {
@@ -74,6 +92,9 @@ Result<> describe_scene(const InfoCommand& options) {
   if (!opened) return opened.error();
   const Scene& scene = opened->scene;
   const Box bounds = world_bounds(scene);
+  const double size = double(bounds.radius());
+  const glm::dvec3 low = scene.world.origin + glm::dvec3(bounds.min),
+                   high = scene.world.origin + glm::dvec3(bounds.max);
   std::size_t moving = 0, texels = 0, stored = 0;
   for (const Object& object : scene.objects) moving += object.moving ? 1 : 0;
   for (const Rgba8Image& image : scene.images) texels += image.texels().size();
@@ -100,9 +121,12 @@ Result<> describe_scene(const InfoCommand& options) {
         {"cameras", scene.cameras.size()},
         {"duration_s", scene.duration}};
     if (!bounds.empty()) {
-      json["bounds_min"] = list_of(bounds.min);
-      json["bounds_max"] = list_of(bounds.max);
+      json["bounds_min"] = list_of(low);
+      json["bounds_max"] = list_of(high);
     }
+    json["origin"] = list_of(scene.world.origin);
+    json["up"] = name_of(scene.world.up);
+    json["metres_per_unit"] = scene.world.metres_per_unit;
     return write_json(options.json, json);
   }
   print("{}\n", options.file);
@@ -121,7 +145,9 @@ Result<> describe_scene(const InfoCommand& options) {
   print("  lights     {}, cameras {}\n", scene.lights.size(), scene.cameras.size());
   if (scene.duration > 0) print("  animation  {:.3g} s\n", scene.duration);
   if (!bounds.empty())
-    print("  bounds     {} to {} m\n", text_of_point(bounds.min), text_of_point(bounds.max));
+    print("  bounds     {} to {} m\n", place_text(low, size), place_text(high, size));
+  print_world(scene.world,
+              options.limits.up && options.limits.metres_per_unit ? "" : why_taken(options.file));
   return Done{};
 }
 
@@ -134,12 +160,16 @@ Result<> describe_representation(const InfoCommand& options, const Kind& kind,
     nlohmann::json json{
         {"schema", "rilievo-info-1"}, {"representation", kind.name}, {"file_bytes", file_bytes}};
     for (const Fact& fact : facts) json[fact.key] = nlohmann::json::parse(fact.json);
+    json["origin"] = list_of(representation.world.origin);
+    json["up"] = name_of(representation.world.up);
+    json["metres_per_unit"] = representation.world.metres_per_unit;
     return write_json(options.json, json);
   }
   print("{}\n  kind       {}, {:.1f} MB in the file\n", options.file, kind.name,
         1e-6 * double(file_bytes));
   for (const Fact& fact : facts)
     if (!fact.label.empty()) print("  {:<10} {}\n", fact.label, fact.text);
+  print_world(representation.world, "");
   return Done{};
 }
 
@@ -160,12 +190,13 @@ Result<> describe_pictures(const InfoCommand& options) {
     if (options.json.empty())
       print("  {:<24} {}x{} {} from {}, depth {:.4g} to {:.4g} m, {:.1f} % covered\n",
             picture.name.empty() ? "(no name)" : picture.name, camera.width, camera.height,
-            name_of(camera.projection), text_of_point(camera.position()), camera.z_near,
-            camera.z_far, 100 * share);
+            name_of(camera.projection),
+            place_text(content->frame.world.origin + camera.position(), camera.z_near),
+            camera.z_near, camera.z_far, 100 * share);
     list.push_back({{"name", picture.name},
                     {"size", {camera.width, camera.height}},
                     {"projection", name_of(camera.projection)},
-                    {"position", list_of(camera.position())},
+                    {"position", list_of(content->frame.world.origin + camera.position())},
                     {"z_near", camera.z_near},
                     {"z_far", camera.z_far},
                     {"covered", share}});

@@ -65,6 +65,8 @@ Result<> write_text(const std::string& file, std::string_view text) {
   return write_file(file, text);
 }
 
+nlohmann::json list_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
 Result<> write_json(const std::string& file, const nlohmann::json& json) {
   return write_text(file,
                     json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ void print(fmt::format_string<Values...> format, Values&&... values) {
 void complain(std::string message);
 
 void add_json_option(CLI::App& command, std::string& file);
+
+// The three numbers.
+[[nodiscard]] nlohmann::json list_of(const glm::dvec3& v);
 
 // "-" is the standard output.
 [[nodiscard]] Result<> write_text(const std::string& file, std::string_view text);

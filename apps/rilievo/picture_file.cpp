@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/rilievo/kinds.h"
-#include "rilievo/io/exr.h"
+#include "rilievo/io/world_attributes.h"
 #include "rilievo/representation/kinds.h"
 #include "rilievo/representation/load_representation.h"
 
@@ -60,6 +60,7 @@ Result<> read_text(const std::string& text, const std::string& file, FramePictur
 
 Result<> save_frame_pictures(const std::string& file, const FramePictures& frame) {
   FileAttributes attributes;
+  store_world(frame.world, attributes.file);
   if (frame.camera) attributes.file[kFrame] = text_of(frame);
   return save_pictures(file, frame.pictures, attributes);
 }
@@ -74,10 +75,14 @@ Result<PictureFileContent> open_pictures(const std::string& file) {
     loaded = load_picture_file(file);
     if (!loaded) return loaded.error();
   }
+  const Result<WorldSpace> world = world_from(loaded->attributes.file);
+  if (!world) return Error{file, world.error().reason};
+  content.frame.world = *world;
   if (content.kind) {
     Result<std::unique_ptr<Representation>> made = content.kind->load(std::move(*loaded), file);
     if (!made) return made.error();
     content.representation = std::move(*made);
+    content.representation->world = *world;
     return content;
   }
   content.frame.pictures = std::move(loaded->pictures);

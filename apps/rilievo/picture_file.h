@@ -17,6 +17,7 @@ struct FramePictures {
   std::vector<DepthImage> pictures;
   std::optional<Camera> camera;  // of the frame
   int delta_bits = 16;
+  WorldSpace world;
 };
 
 [[nodiscard]] Result<> save_frame_pictures(const std::string& file, const FramePictures& frame);

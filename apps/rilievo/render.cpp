@@ -45,6 +45,7 @@ struct Walk {
   FramePlan plan;
   std::optional<Camera> only;        // instead of the plan's cameras
   std::optional<double> still = {};  // the scene's time, instead of the path's
+  WorldSpace world = {};             // where the eyes' space lies
 
   [[nodiscard]] int frames() const { return only ? 1 : plan.frames; }
   [[nodiscard]] double time(int frame) const {
@@ -62,8 +63,8 @@ std::string numbered(const std::string& folder, const char* stem, int frame,
 }
 
 Result<> save_pictures_of(const FrameSource& source, const RenderCommand& options,
-                          const Camera& camera, int frame) {
-  const FramePictures saved{source.read_pictures(), camera, options.methods.delta_bits};
+                          const WorldSpace& world, const Camera& camera, int frame) {
+  const FramePictures saved{source.read_pictures(), camera, options.methods.delta_bits, world};
   // A frame of nothing but light objects has none.
   if (saved.pictures.empty()) return Done{};
   return save_frame_pictures(numbered(options.pictures, "pictures", frame, ".exr"), saved);
@@ -120,7 +121,8 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
         !saved)
       return saved;
     if (options.pictures.empty()) continue;
-    if (Result<> saved = save_pictures_of(source, options, camera, frame); !saved) return saved;
+    if (Result<> saved = save_pictures_of(source, options, walk.world, camera, frame); !saved)
+      return saved;
   }
   if (options.json.empty()) return Done{};
   const Summary ms = summarize(frame_ms);
@@ -210,14 +212,14 @@ Result<> render_scene(const RenderCommand& options) {
   Stage stage(opened->scene, options.frames.samples, &opened->deformations);
   Result<Method> method = stage.make(options.method, methods);
   if (!method) return method.error();
-  return draw_or_loop(options, {*plan, {}, options.time}, *method->frames);
+  return draw_or_loop(options, {*plan, {}, options.time, opened->scene.world}, *method->frames);
 }
 
 // The eye of the frame that the pictures were saved from; else that of the first picture.
 Result<Walk> walk_of(const RenderCommand& options, const FramePictures& stored) {
   Walk walk;
   if (!options.frames.path_file.empty()) {
-    const Result<FramePlan> plan = plan_frames(options.frames, Box{});
+    const Result<FramePlan> plan = plan_frames(options.frames, Box{}, stored.world.origin);
     if (!plan) return plan.error();
     walk.plan = *plan;
     return walk;

@@ -38,7 +38,7 @@ Result<> run_scene(const SceneCommand& options) {
   if (options.path.empty()) return Done{};
   const CameraPath path =
       opened->walk ? *opened->walk : orbit_path(world_bounds(opened->scene), 120);
-  return save_path(path, options.path);
+  return save_path(relative_to(-opened->scene.world.origin, path), options.path);
 }
 
 }  // namespace

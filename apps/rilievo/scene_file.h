@@ -28,9 +28,14 @@ struct FileLimits {
   int memory_mb = 4096;
   bool allow_outside = false;
   PointSize point_size;  // of clouds of points
+  std::optional<UpAxis> up;
+  std::optional<double> metres_per_unit;
 
   [[nodiscard]] std::uint64_t bytes() const { return std::uint64_t(memory_mb) << 20; }
 };
+
+// Fails if --up or --units was given for what is no file of a scene.
+[[nodiscard]] Result<> expect_no_units(const std::string& text, const FileLimits& limits);
 
 void add_file_limits(CLI::App& command, FileLimits& limits);
 

@@ -146,6 +146,7 @@ struct Subject {
   std::function<Result<Method>(const std::string& method, const MethodOptions& options)> make;
   FrameSource* direct = nullptr;  // none if nothing but pictures is known
   Vantage vantage{};
+  glm::dvec3 origin{0.0};  // of the space of all these, in the world
 };
 
 // What an orbit goes around.
@@ -273,7 +274,9 @@ class Viewer {
       CameraPath path = state_.recorded;
       path.z_near = state_.path.z_near, path.z_far = state_.path.z_far;
       const std::string file = free_name("path", ".json");
-      state_.message = path.keys.empty() ? "set a key first" : outcome(save_path(path, file), file);
+      state_.message = path.keys.empty()
+                           ? "set a key first"
+                           : outcome(save_path(relative_to(-subject_.origin, path), file), file);
     }
     state_.save_screenshot = state_.save_path = false;
   }
@@ -307,6 +310,7 @@ Result<> view_scene(const ViewCommand& options) {
   Result<Method> direct = stage.make_direct();
   if (!direct) return direct.error();
   Subject subject{world_bounds(opened->scene), *plan, {"cache"}, {}, direct->frames.get()};
+  subject.origin = opened->scene.world.origin;
   for (const std::string& name : method_names())
     if (name != "cache") subject.methods.push_back(name);
   subject.make = [&](const std::string& method, MethodOptions methods) {
@@ -333,6 +337,7 @@ Result<> view_file(const ViewCommand& options) {
   const Scene nothing;
   Stage stage(nothing, options.frames.samples);
   Subject subject{bounds, *plan, kind_method_names(kind), {}, nullptr, vantage};
+  subject.origin = content->representation->world.origin;
   subject.make = [&](const std::string& method, const MethodOptions& with) -> Result<Method> {
     // A drawable takes the representation for itself: the next method loads it again.
     if (!content->representation) {

@@ -99,6 +99,7 @@ WalkManifest manifest_of(const WebCommand& options, const WebInput& input) {
     manifest.name = options.input.substr(8, options.input.find('?') - 8);
   const Vantage vantage = input.representation->vantage();
   manifest.up = vantage.up;
+  manifest.origin = input.representation->world.origin;
   std::optional<CameraPath> path = input.path;
   if (!path) path = input.representation->walk();
   if (!path) path = walk_path(input.representation->bounds(), 2, vantage);

@@ -15,8 +15,10 @@ namespace rilievo {
 class DeepImageSource final : public CaptureSource {
  public:
   // Requires valid pictures.
-  DeepImageSource(std::string name, std::vector<LayeredDepthImage> pictures)
-      : name_(std::move(name)), pictures_(std::move(pictures)) {}
+  // `world` is where the pictures' space lies.
+  DeepImageSource(std::string name, std::vector<LayeredDepthImage> pictures,
+                  const WorldSpace& world = {})
+      : name_(std::move(name)), pictures_(std::move(pictures)), world_(world) {}
 
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
@@ -25,10 +27,12 @@ class DeepImageSource final : public CaptureSource {
   [[nodiscard]] std::span<const LayeredDepthImage> deep_images() const override {
     return pictures_;
   }
+  [[nodiscard]] WorldSpace world() const override { return world_; }
 
  private:
   std::string name_;
   std::vector<LayeredDepthImage> pictures_;
+  WorldSpace world_;
 };
 
 }  // namespace rilievo

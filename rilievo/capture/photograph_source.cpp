@@ -8,10 +8,11 @@
 namespace rilievo {
 
 PhotographSource::PhotographSource(std::string name, std::vector<DepthImage> photographs,
-                                   const Box& box)
+                                   const Box& box, const WorldSpace& world)
     : name_(std::move(name)),
       photographs_(std::move(photographs)),
-      box_(box.empty() ? measured_bounds(photographs_) : box) {
+      box_(box.empty() ? measured_bounds(photographs_) : box),
+      world_(world) {
   for (DepthImage& photograph : photographs_) unmix_edges(photograph);
 }
 

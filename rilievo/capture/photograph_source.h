@@ -15,7 +15,9 @@ namespace rilievo {
 class PhotographSource final : public CaptureSource {
  public:
   // `box` is the region of interest (world space); empty: everything that was measured.
-  PhotographSource(std::string name, std::vector<DepthImage> photographs, const Box& box = {});
+  // `world` is where the photographs' space lies.
+  PhotographSource(std::string name, std::vector<DepthImage> photographs, const Box& box = {},
+                   const WorldSpace& world = {});
 
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
@@ -23,11 +25,13 @@ class PhotographSource final : public CaptureSource {
   // do not know hidden surfaces.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   [[nodiscard]] std::span<const DepthImage> photographs() const override { return photographs_; }
+  [[nodiscard]] WorldSpace world() const override { return world_; }
 
  private:
   std::string name_;
   std::vector<DepthImage> photographs_;
   Box box_;
+  WorldSpace world_;
 };
 
 }  // namespace rilievo

@@ -113,6 +113,11 @@ struct Framing {
 
 }  // namespace
 
+CameraPath relative_to(const glm::dvec3& origin, CameraPath path) {
+  for (PathKey& key : path.keys) key.eye -= origin;
+  return path;
+}
+
 PathKey look_key(double time, const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up,
                  double vertical_fov) {
   const Camera camera = look_at(eye, target, up, vertical_fov, 1, 1, 1, 2);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "rilievo/core/place_text.h"
 #include "rilievo/environment_nodes/bake_nodes.h"
 #include "rilievo/environment_nodes/file.h"
 #include "rilievo/environment_nodes/to_scene.h"
@@ -93,13 +94,15 @@ Result<> check_options(const OptionValues& values) {
   return Done{};
 }
 
-NodeBakeOptions bake_options(const OptionValues& values) {
+// `origin` is that of the scene: options count from the world's.
+NodeBakeOptions bake_options(const OptionValues& values, const glm::dvec3& origin) {
   NodeBakeOptions bake;
   const std::vector<double> at = values.numbers("at"), region = values.numbers("region");
   for (std::size_t i = 0; i + 2 < at.size(); i += 3)
-    bake.at.emplace_back(at[i], at[i + 1], at[i + 2]);
+    bake.at.emplace_back(glm::dvec3(at[i], at[i + 1], at[i + 2]) - origin);
   if (!region.empty())
-    bake.placement.region = {{region[0], region[1], region[2]}, {region[3], region[4], region[5]}};
+    bake.placement.region = {glm::dvec3(region[0], region[1], region[2]) - origin,
+                             glm::dvec3(region[3], region[4], region[5]) - origin};
   bake.placement.nodes = values.integer("auto");
   bake.face = values.integer("face");
   bake.mesh.triangles = std::size_t(values.integer("triangles"));
@@ -110,10 +113,6 @@ NodeBakeOptions bake_options(const OptionValues& values) {
 
 nlohmann::json list_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-std::string text_of(const glm::dvec3& v) {
-  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
-}
-
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   if (!input.source.photographs().empty())
     if (Result<> good = values.expect_none_of(
@@ -121,7 +120,8 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
             "is for scenes: the nodes of a capture stand where its cameras stood");
         !good)
       return good.error();
-  NodeBakeOptions options = bake_options(values);
+  const WorldSpace world = input.source.world();
+  NodeBakeOptions options = bake_options(values, world.origin);
   options.objects = input.objects;
   options.progress = progress;
   if (options.placement.region.empty()) options.placement.region = input.eyes;
@@ -133,6 +133,7 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
         {"visible_share_held", nlohmann::json(*made->held).dump(), "holds",
          fmt::format("{:.2f} % of the surface that is seen from the region", 100 * *made->held)});
   baked.representation = std::make_unique<EnvironmentRepresentation>(std::move(made->nodes));
+  baked.representation->world = world;
   return baked;
 }
 
@@ -147,18 +148,21 @@ const EnvironmentNodes& nodes_of(const Representation& representation) {
 }
 
 Result<> save(const Representation& representation, const std::filesystem::path& path) {
-  return save_environment_nodes(path, nodes_of(representation));
+  return save_environment_nodes(path, nodes_of(representation), representation.world);
 }
 
 std::vector<Fact> describe(const Representation& representation) {
   const EnvironmentNodes& nodes = nodes_of(representation);
   const Box bounds = nodes.bounds();
+  const double size = double(bounds.radius());
+  const glm::dvec3& origin = representation.world.origin;
+  const glm::dvec3 low = origin + glm::dvec3(bounds.min), high = origin + glm::dvec3(bounds.max);
   nlohmann::json eyes = nlohmann::json::array();
   double covered = 0;
   std::size_t texels = 0;
   int least = nodes.nodes.front().face_size, most = least;
   for (const NodeSketch& node : nodes.nodes) {
-    eyes.push_back(list_of(node.eye()));
+    eyes.push_back(list_of(origin + node.eye()));
     covered += node.covered / double(nodes.nodes.size());
     texels += 6 * std::size_t(node.face_size) * std::size_t(node.face_size);
     least = std::min(least, node.face_size), most = std::max(most, node.face_size);
@@ -167,7 +171,7 @@ std::vector<Fact> describe(const Representation& representation) {
   return {
       {"nodes", json(nodes.nodes.size()), "nodes",
        fmt::format("{} of 6 x {} x {}, the first at {}", nodes.nodes.size(), most, most,
-                   text_of(nodes.nodes.front().eye()))},
+                   place_text(origin + nodes.nodes.front().eye(), size))},
       {"node_eyes", eyes.dump(), "", ""},
       {"face", json(most), "", ""},
       {"least_face", json(least), "", ""},
@@ -182,9 +186,9 @@ std::vector<Fact> describe(const Representation& representation) {
        fmt::format("{:.1f} M, {:.1f} % show a surface, the others the sky or nothing",
                    1e-6 * double(texels), 100 * covered)},
       {"coverage", json(covered), "", ""},
-      {"bounds_min", list_of(glm::dvec3(bounds.min)).dump(), "bounds",
-       fmt::format("{} to {} m", text_of(glm::dvec3(bounds.min)), text_of(glm::dvec3(bounds.max)))},
-      {"bounds_max", list_of(glm::dvec3(bounds.max)).dump(), "", ""},
+      {"bounds_min", list_of(low).dump(), "bounds",
+       fmt::format("{} to {} m", place_text(low, size), place_text(high, size))},
+      {"bounds_max", list_of(high).dump(), "", ""},
   };
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "rilievo/environment_nodes/cube_grid.h"
+#include "rilievo/io/world_attributes.h"
 
 namespace rilievo {
 namespace {
@@ -40,8 +41,10 @@ std::optional<TriangulateOptions> mesh_from(std::string_view text) {
 
 }  // namespace
 
-Result<> save_environment_nodes(const std::filesystem::path& path, const EnvironmentNodes& nodes) {
+Result<> save_environment_nodes(const std::filesystem::path& path, const EnvironmentNodes& nodes,
+                                const WorldSpace& world) {
   FileAttributes attributes;
+  store_world(world, attributes.file);
   attributes.file[kRepresentation] = kEnvironmentNodes;
   attributes.file[kMesh] = mesh_text(nodes.mesh);
   if (!nodes.pictures.empty()) return save_pictures(path, nodes.pictures, attributes);

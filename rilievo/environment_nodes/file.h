@@ -9,6 +9,7 @@
 
 #include <filesystem>
 
+#include "rilievo/core/world_space.h"
 #include "rilievo/environment_nodes/environment_nodes.h"
 #include "rilievo/io/exr.h"
 
@@ -16,7 +17,8 @@ namespace rilievo {
 
 // Saves nodes. Colours are rounded to half precision (io/exr.h).
 [[nodiscard]] Result<> save_environment_nodes(const std::filesystem::path& path,
-                                              const EnvironmentNodes& nodes);
+                                              const EnvironmentNodes& nodes,
+                                              const WorldSpace& world = {});
 
 // Do the attributes say that the pictures are environment nodes?
 [[nodiscard]] bool matches_environment_nodes(const FileAttributes& attributes);

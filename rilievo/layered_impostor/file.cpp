@@ -10,6 +10,8 @@
 #include <span>
 #include <string_view>
 
+#include "rilievo/io/world_attributes.h"
+
 namespace rilievo {
 namespace {
 
@@ -143,8 +145,10 @@ Result<> add_fills(std::string_view text, int view, LayeredImpostor& impostor) {
 
 }  // namespace
 
-Result<> save_layered_impostor(const std::filesystem::path& path, const LayeredImpostor& impostor) {
+Result<> save_layered_impostor(const std::filesystem::path& path, const LayeredImpostor& impostor,
+                               const WorldSpace& world) {
   FileAttributes attributes;
+  store_world(world, attributes.file);
   attributes.file[kRepresentation] = kLayeredImpostor;
   attributes.file[kSlicing] = slicing_text(impostor.slicing);
   if (impostor.vantage != Vantage{}) attributes.file[kUp] = text_of(impostor.vantage.up);

@@ -16,6 +16,7 @@
 
 #include <filesystem>
 
+#include "rilievo/core/world_space.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/layered_impostor/layered_impostor.h"
 
@@ -23,7 +24,8 @@ namespace rilievo {
 
 // Saves an impostor. Colours are rounded to half precision (io/exr.h).
 [[nodiscard]] Result<> save_layered_impostor(const std::filesystem::path& path,
-                                             const LayeredImpostor& impostor);
+                                             const LayeredImpostor& impostor,
+                                             const WorldSpace& world = {});
 
 // Loads an impostor. The error names the file and the reason: not an EXR file, not a layered
 // impostor, damaged pictures, or attributes that contradict them.

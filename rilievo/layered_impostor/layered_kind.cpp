@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "rilievo/core/place_text.h"
 #include "rilievo/layered_impostor/bake_photographs.h"
 #include "rilievo/layered_impostor/file.h"
 
@@ -60,7 +61,7 @@ const std::array kBakeOptions{
            .default_value = "",
            .help = "Photographs: the region to bake, as two corners (default everything)",
            .unit = "X0,Y0,Z0,X1,Y1,Z1"},
-    Option{.name = "up",
+    Option{.name = "upright",
            .type = OptionType::point,
            .default_value = "",
            .help = "Photographs: the direction that is up in their world (default estimated "
@@ -84,9 +85,9 @@ const std::array kDrawOptions{
 constexpr std::array kVariants{Variant{"layered-slices", "warp", "slices"},
                                Variant{"layered", "", ""}};
 
-// Of the option "up"; nothing if it was not given.
+// Of the option "upright"; nothing if it was not given.
 std::optional<glm::dvec3> up_from(const OptionValues& values) {
-  const std::vector<double> n = values.numbers("up");
+  const std::vector<double> n = values.numbers("upright");
   if (n.empty()) return std::nullopt;
   return glm::dvec3(n[0], n[1], n[2]);
 }
@@ -94,7 +95,7 @@ std::optional<glm::dvec3> up_from(const OptionValues& values) {
 Result<> check_options(const OptionValues& values) {
   if (const std::optional<glm::dvec3> up = up_from(values);
       up && !(glm::length(*up) > 1e-6 && glm::length(*up) < 1e6))
-    return Error{"--up", "is not a direction: its length must be between 1e-6 and 1e6"};
+    return Error{"--upright", "is not a direction: its length must be between 1e-6 and 1e6"};
   if (values.integer("ring") > 0 && values.integer("ring") < 3)
     return Error{"--ring", "takes at least 3 views"};
   if (values.integer("ring") > 0 && (values.given("views") || values.flag("hemisphere")))
@@ -105,16 +106,14 @@ Result<> check_options(const OptionValues& values) {
   return Done{};
 }
 
-Box box_from(const std::vector<double>& n, std::span<const DepthImage> photographs) {
+// `n` counts from the world's origin.
+Box box_from(const std::vector<double>& n, std::span<const DepthImage> photographs,
+             const glm::dvec3& origin) {
   if (n.empty()) return measured_bounds(photographs);
-  return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  return {glm::dvec3(n[0], n[1], n[2]) - origin, glm::dvec3(n[3], n[4], n[5]) - origin};
 }
 
-nlohmann::json list_of(const glm::vec3& v) { return {v.x, v.y, v.z}; }
-
-std::string text_of(const glm::vec3& v) {
-  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
-}
+nlohmann::json list_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 // From photographs: their own reprojection, no capture call (S2.7).
 Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& values) {
@@ -126,7 +125,8 @@ Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& v
       return good.error();
   const BakeOptions options = layered_bake_options(values);
   const std::span<const DepthImage> photographs = source.photographs();
-  const Box box = box_from(values.numbers("box"), photographs);
+  const WorldSpace world = source.world();
+  const Box box = box_from(values.numbers("box"), photographs, world.origin);
   PhotographBakeOptions bake;
   bake.reproject.box = box;
   bake.up = up_from(values);
@@ -143,7 +143,11 @@ Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& v
   baked.facts = {
       {"photographs", std::to_string(photographs.size()), "photos",
        std::to_string(photographs.size())},
-      {"box", nlohmann::json{list_of(box.min), list_of(box.max)}.dump(), "", ""},
+      {"box",
+       nlohmann::json{list_of(world.origin + glm::dvec3(box.min)),
+                      list_of(world.origin + glm::dvec3(box.max))}
+           .dump(),
+       "", ""},
       {"filled_texels", nlohmann::json(made->total.filled).dump(), "", ""},
       {"hole_texels", nlohmann::json(made->total.holes).dump(), "", ""},
       {"hole_share", nlohmann::json(made->total.hole_share()).dump(), "holes",
@@ -151,19 +155,22 @@ Result<Baked> bake_from_photographs(CaptureSource& source, const OptionValues& v
       {"hole_share_by_view", holes.dump(), "", ""},
   };
   baked.representation = std::make_unique<LayeredRepresentation>(std::move(made->impostor));
+  baked.representation->world = world;
   return baked;
 }
 
 Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Progress& progress) {
   if (!input.source.photographs().empty()) return bake_from_photographs(input.source, values);
-  if (values.given("box") || values.given("up") || values.flag("around"))
+  if (values.given("box") || values.given("upright") || values.flag("around"))
     return Error{std::string(input.source.name()),
-                 "is no capture: --box, --up and --around are for photographs"};
+                 "is no capture: --box, --upright and --around are for photographs"};
   BakeOptions options = layered_bake_options(values);
   options.progress = progress;
   Result<LayeredImpostor> impostor = bake_layered(input.source, input.objects, options);
   if (!impostor) return impostor.error();
-  return Baked{std::make_unique<LayeredRepresentation>(std::move(*impostor)), {}};
+  Baked baked{std::make_unique<LayeredRepresentation>(std::move(*impostor)), {}};
+  baked.representation->world = input.source.world();
+  return baked;
 }
 
 Result<std::unique_ptr<Representation>> load(PictureFile file, const std::filesystem::path& path) {
@@ -177,7 +184,7 @@ const LayeredImpostor& impostor_of(const Representation& representation) {
 }
 
 Result<> save(const Representation& representation, const std::filesystem::path& path) {
-  return save_layered_impostor(path, impostor_of(representation));
+  return save_layered_impostor(path, impostor_of(representation), representation.world);
 }
 
 const char* name_of(Projection projection) {
@@ -213,6 +220,10 @@ std::vector<Fact> describe(const Representation& representation) {
   const std::size_t surfaces = texture_bytes(impostor, LayeredMethod::surfaces);
   const std::size_t slices = texture_bytes(impostor, LayeredMethod::slices);
   const Camera& camera = first.camera;
+  const double size = double(impostor.bounds.radius());
+  const glm::dvec3& origin = representation.world.origin;
+  const glm::dvec3 low = origin + glm::dvec3(impostor.bounds.min),
+                   high = origin + glm::dvec3(impostor.bounds.max);
   return {
       {"views", json(views), "views",
        fmt::format("{} {} pictures of {}x{}", views, name_of(camera.projection), camera.width,
@@ -246,9 +257,9 @@ std::vector<Fact> describe(const Representation& representation) {
       {"up",
        nlohmann::json{impostor.vantage.up.x, impostor.vantage.up.y, impostor.vantage.up.z}.dump(),
        "", ""},
-      {"bounds_min", list_of(impostor.bounds.min).dump(), "bounds",
-       fmt::format("{} to {} m", text_of(impostor.bounds.min), text_of(impostor.bounds.max))},
-      {"bounds_max", list_of(impostor.bounds.max).dump(), "", ""},
+      {"bounds_min", list_of(low).dump(), "bounds",
+       fmt::format("{} to {} m", place_text(low, size), place_text(high, size))},
+      {"bounds_max", list_of(high).dump(), "", ""},
   };
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "rilievo/io/deep_exr.h"
+#include "rilievo/io/world_attributes.h"
 #include "rilievo/layered_relief/relief_bound.h"
 
 namespace rilievo {
@@ -33,8 +34,10 @@ std::optional<double> metres(const Attributes& attributes, const char* key) {
 
 }  // namespace
 
-Result<> save_relief_pictures(const std::filesystem::path& path, const ReliefPictures& pictures) {
+Result<> save_relief_pictures(const std::filesystem::path& path, const ReliefPictures& pictures,
+                              const WorldSpace& world) {
   FileAttributes attributes;
+  store_world(world, attributes.file);
   attributes.file[kRepresentation] = kLayeredRelief;
   std::vector<LayeredDepthImage> layers;
   for (const ReliefPictures::Picture& picture : pictures.pictures) {

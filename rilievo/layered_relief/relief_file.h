@@ -11,6 +11,7 @@
 
 #include <filesystem>
 
+#include "rilievo/core/world_space.h"
 #include "rilievo/io/exr.h"
 #include "rilievo/layered_relief/relief_pictures.h"
 
@@ -18,7 +19,8 @@ namespace rilievo {
 
 // Colours are rounded to halfs (io/exr.h).
 [[nodiscard]] Result<> save_relief_pictures(const std::filesystem::path& path,
-                                            const ReliefPictures& pictures);
+                                            const ReliefPictures& pictures,
+                                            const WorldSpace& world = {});
 
 // The error names the file and what is wrong with it.
 [[nodiscard]] Result<ReliefPictures> load_relief_pictures(const std::filesystem::path& path);

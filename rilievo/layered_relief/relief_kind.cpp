@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "rilievo/core/place_text.h"
 #include "rilievo/layered_relief/relief_file.h"
 
 namespace rilievo {
@@ -109,7 +110,9 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
       deep.empty() ? capture_relief_pictures(input.source, input.objects, options, progress)
                    : adopt_relief_pictures(deep, options);
   if (!pictures) return pictures.error();
-  return Baked{std::make_unique<ReliefRepresentation>(*std::move(pictures)), {}};
+  Baked baked{std::make_unique<ReliefRepresentation>(*std::move(pictures)), {}};
+  baked.representation->world = input.source.world();
+  return baked;
 }
 
 Result<std::unique_ptr<Representation>> load(PictureFile file, const std::filesystem::path& path) {
@@ -123,11 +126,7 @@ const ReliefPictures& pictures_of(const Representation& representation) {
 }
 
 Result<> save(const Representation& representation, const std::filesystem::path& path) {
-  return save_relief_pictures(path, pictures_of(representation));
-}
-
-std::string text_of(const glm::vec3& v) {
-  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+  return save_relief_pictures(path, pictures_of(representation), representation.world);
 }
 
 std::vector<Fact> describe(const Representation& representation) {
@@ -148,7 +147,11 @@ std::vector<Fact> describe(const Representation& representation) {
     sizes.push_back({layers.camera.width, layers.camera.height});
   }
   const auto json = [](const auto& value) { return nlohmann::json(value).dump(); };
-  const auto list = [](const glm::vec3& v) { return nlohmann::json{v.x, v.y, v.z}.dump(); };
+  const auto list = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}.dump(); };
+  const double size = double(pictures.bounds.radius());
+  const glm::dvec3& origin = representation.world.origin;
+  const glm::dvec3 low = origin + glm::dvec3(pictures.bounds.min),
+                   high = origin + glm::dvec3(pictures.bounds.max);
   const std::size_t count = pictures.pictures.size();
   const Camera& first = pictures.pictures.front().layers.camera;
   // Four streams of eight bytes a sample.
@@ -167,9 +170,9 @@ std::vector<Fact> describe(const Representation& representation) {
       {"merged_m", json(merged), "merged", fmt::format("{:.3g} m along a line of sight", merged)},
       {"moved_m", json(moved), moved > 0 ? "moved" : "",
        fmt::format("up to {:.3g} m into textures that others saw them for", moved)},
-      {"bounds_min", list(pictures.bounds.min), "bounds",
-       fmt::format("{} to {} m", text_of(pictures.bounds.min), text_of(pictures.bounds.max))},
-      {"bounds_max", list(pictures.bounds.max), "", ""},
+      {"bounds_min", list(low), "bounds",
+       fmt::format("{} to {} m", place_text(low, size), place_text(high, size))},
+      {"bounds_max", list(high), "", ""},
   };
 }
 

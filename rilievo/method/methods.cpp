@@ -90,6 +90,7 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
     make = [&](const RayScene& rays) {
       ShaderInput input;
       input.rays = &rays;
+      input.exec.world = rays.scene().world;
       return make_shader(options.source, input);
     };
   }

@@ -275,8 +275,10 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
       if (!tracer) return tracer.error();
       content.shaders.push_back(*std::move(tracer));
     } else {
+      ExecOptions exec = options.exec;
+      exec.world = scene.world;
       Result<std::unique_ptr<CaptureSource>> shader =
-          make_shader(options.shader, {content.rays.get(), options.trace, {}, options.exec});
+          make_shader(options.shader, {content.rays.get(), options.trace, {}, exec});
       if (!shader) return shader.error();
       content.shaders.push_back(*std::move(shader));
     }

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "rilievo/io/world_attributes.h"
 #include "rilievo/representation/kind_methods.h"
 #include "rilievo/representation/kinds.h"
 
@@ -23,10 +24,13 @@ Result<LoadedRepresentation> load_representation(const std::filesystem::path& fi
     loaded = load_picture_file(file);
     if (!loaded) return loaded.error();
   }
+  const Result<WorldSpace> world = world_from(loaded->attributes.file);
+  if (!world) return Error{file.string(), world.error().reason};
   Result<std::unique_ptr<Representation>> representation =
       made.kind->load(std::move(*loaded), file);
   if (!representation) return representation.error();
   made.representation = std::move(*representation);
+  made.representation->world = *world;
   return made;
 }
 

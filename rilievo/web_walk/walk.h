@@ -108,6 +108,7 @@ struct WalkPictures {
 struct WalkManifest {
   std::string name;
   glm::dvec3 up{0, 1, 0};
+  glm::dvec3 origin{0.0};  // of the walk's space, in the world
   // Where a walk begins, which way it looks; vertical field of view, radians.
   glm::dvec3 eye{0.0}, target{0, 0, -1};
   double vertical_fov = 0.9;

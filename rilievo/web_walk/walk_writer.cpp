@@ -132,6 +132,7 @@ nlohmann::json json_of(const WalkManifest& walk) {
                         {"vertical_fov", walk.vertical_fov},
                         {"z_near", walk.z_near},
                         {"z_far", walk.z_far}}}};
+  if (walk.origin != glm::dvec3(0)) json["origin"] = json_of(walk.origin);
   if (!walk.pictures.pictures.empty()) json["pictures"] = json_of(walk.pictures);
   if (!walk.nodes.empty()) {
     json["nodes"] = nodes;

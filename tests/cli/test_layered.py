@@ -409,12 +409,12 @@ class Capture(command.Case):
         up = json.loads(self.succeeds("bake", self.capture, "-o", out, "--json", "-").stdout)["up"]
         for value, expected in zip(up, (0, -1, 0)):  # these poses have y down
             self.assertAlmostEqual(value, expected, places=4)
-        up = json.loads(self.succeeds("bake", self.capture, "--up", "0,0,-2", "-o", out,
+        up = json.loads(self.succeeds("bake", self.capture, "--upright", "0,0,-2", "-o", out,
                                       "--json", "-").stdout)["up"]
         self.assertEqual(up, [0, 0, -1])
-        self.refused(("bake", self.capture, "--up", "0,0,0", "-o", out), "--up")
-        self.refused(("bake", self.capture, "--up", "nan,0,0", "-o", out), "--up")
-        self.refused(("bake", TEAPOT, "--up", "0,1,0", "-o", out), "--up")
+        self.refused(("bake", self.capture, "--upright", "0,0,0", "-o", out), "--upright")
+        self.refused(("bake", self.capture, "--upright", "nan,0,0", "-o", out), "--upright")
+        self.refused(("bake", TEAPOT, "--upright", "0,1,0", "-o", out), "--upright")
 
     def test_only_what_lies_in_the_box(self):
         done = self.succeeds("bake", self.capture, "--box", "-0.3,-0.3,1,0.3,0.3,3", "-o",

@@ -56,7 +56,8 @@ Camera tile_of(const Camera& camera, int x, int y, int size) {
   return tile;
 }
 
-Result<Box> box_of(const ExecJson& answer) {
+// In the space of `origin`.
+Result<Box> box_of(const ExecJson& answer, const glm::dvec3& origin) {
   const Error error{"", "gives no bounds: two corners of three numbers"};
   const auto found = answer.find("bounds");
   if (found == answer.end() || !found->is_array() || found->size() != 2) return error;
@@ -67,7 +68,7 @@ Result<Box> box_of(const ExecJson& answer) {
     for (int i = 0; i < 3; ++i) {
       const ExecJson& number = corner[std::size_t(i)];
       if (!number.is_number() || !(std::abs(number.get<double>()) <= 1e9)) return error;
-      p[i] = number.get<float>();
+      p[i] = float(number.get<double>() - origin[i]);
     }
     box.add(p);
   }
@@ -212,7 +213,8 @@ Result<std::unique_ptr<ExecSource>> ExecSource::start(const std::string& program
   const ExecJson request{{"rilievo", 1}, {"id", id}, {"request", "bounds"}};
   const Result<std::string> answer = source->ask(request.dump(), id, {});
   if (!answer) return answer.error();
-  const Result<Box> box = box_of(ExecJson::parse(*answer, nullptr, false));
+  const Result<Box> box =
+      box_of(ExecJson::parse(*answer, nullptr, false), source->options_.world.origin);
   if (!box) return Error{source->name_, box.error().reason};
   source->bounds_ = *box;
   source->options_.warn = warn;
@@ -225,13 +227,15 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
                             DepthImage& into) {
   const std::uint64_t id = ++last_id_;
   const std::filesystem::path file = file_of(id);
+  Camera in_world = camera;
+  in_world.world_from_eye[3] += glm::dvec4(options_.world.origin, 0);
   const ExecJson json{{"rilievo", 1},
                       {"id", id},
                       {"request", "picture"},
                       {"file", file.string()},
                       {"samples", request.samples},
                       {"time", request.time},
-                      {"camera", json_of_camera(camera)}};
+                      {"camera", json_of_camera(in_world)}};
   const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
   const Result<std::string> line = ask(json.dump(), id, stop);
   std::error_code ignored;

@@ -40,6 +40,7 @@ struct ExecOptions {
   int tile = 0;                             // texels a side of a tile; 0: whole pictures
   int nice = 0;                             // how far it gives way to the caller, 0 to 19
   int max_failures = 3;                     // in a row; then it is not started again
+  WorldSpace world = {};                    // programs see the world, callers the scene's space
   // Gets one line at the first failure, and one when the program is given up.
   std::function<void(const std::string&)> warn = {};
 };
@@ -57,6 +58,7 @@ class ExecSource final : public CaptureSource {
 
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t>) const override { return bounds_; }
+  [[nodiscard]] WorldSpace world() const override { return options_.world; }
   // Fails for chosen objects, back-perspective cameras, `farthest`, and with_sky; if the program
   // fails, dies, is late, or writes something else than the picture. Obeys request.control's
   // `stop`.

@@ -68,7 +68,11 @@ for line in sys.stdin:
     if bad and fault == "says no": print(json.dumps({"id": ask["id"], "error": "out\nof paint"}), flush=True); continue
     if ask["request"] == "bounds":
         bounds = [[0, 0], 1] if fault == "no bounds" else [[-1, -2, -3], [1, 2, 3]]
+        if fault == "far": bounds = [[1e6 - 1, -2, -3], [1e6 + 1, 2, 3]]
         print(json.dumps({"id": ask["id"], "bounds": bounds}), flush=True)
+        continue
+    if fault == "far" and ask["camera"]["world_from_eye"][12:15] != [1e6 + 1, 2, 3]:
+        print(json.dumps({"id": ask["id"], "error": "another place"}), flush=True)
         continue
     if not (bad and fault == "no file"): exr(ask["camera"], ask["file"])
     print(json.dumps({"id": ask["id"], "done": True}), flush=True)
@@ -122,6 +126,18 @@ TEST_F(ExecSourceTest, a_program_renders_whole_pictures_and_tiles) {
     }
   }
   EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(ExecSourceTest, programs_see_the_world_and_callers_the_scenes_space) {
+  options_.world.origin = {1e6, 0, 0};
+  const auto source = start("far", 0);
+  ASSERT_TRUE(source.ok()) << source.error().message();
+  EXPECT_EQ((*source)->bounds({}).min, glm::vec3(-1, -2, -3));
+  EXPECT_EQ((*source)->bounds({}).max, glm::vec3(1, 2, 3));
+  EXPECT_EQ((*source)->world().origin, glm::dvec3(1e6, 0, 0));
+  const Result<CapturedPicture> captured = (*source)->capture({.camera = camera_});
+  ASSERT_TRUE(captured.ok()) << captured.error().message();
+  EXPECT_EQ(captured->picture.camera.position(), camera_.position());
 }
 
 TEST_F(ExecSourceTest, a_program_that_dies_is_started_again) {

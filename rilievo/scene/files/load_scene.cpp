@@ -13,6 +13,7 @@
 #include "rilievo/scene/gltf/read.h"
 #include "rilievo/scene/polygons/polygon_read.h"
 #include "rilievo/scene/solid_materials.h"
+#include "rilievo/scene/take_as.h"
 
 namespace rilievo {
 namespace {
@@ -86,6 +87,7 @@ LoadedScene read(Bytes file, const std::string& extension, const LoadOptions& op
               : kind == "ply" ? read_ply(file, context)
                               : read_stl(file, context);
   finish_points(out.scene, options.point_size, !options.deformations);
+  take_as(out.scene, options.up.value_or(UpAxis::y), options.metres_per_unit.value_or(1));
   finish(out.scene);
   if (const Result<> valid = validate(out.scene); !valid) refuse(valid.error().reason);
   make_solid_materials_opaque(out.scene);

@@ -23,12 +23,15 @@
 // with
 //   a warning.
 //
+// Coordinates far from 0 lose nothing: Scene::world has an origin for them (core/world_space.h).
+//
 // Points and lines are read from glTF, OBJ and PLY; a PLY file without faces and edges shows its
 // vertices. In OBJ, PLY and STL, each named group is an Object; materials come from the .mtl file.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,6 +52,10 @@ struct LoadOptions {
   bool allow_outside = false;
   // --point-size: how large points are drawn.
   PointSize point_size;
+  // --up and --units: which axis of the file points up, and how long a unit is, where it is not as
+  // usual: +y, metres. A file's numbers stay; the scene is turned and scaled.
+  std::optional<UpAxis> up = {};
+  std::optional<double> metres_per_unit = {};
   // Keeps what bends meshes, so that scene/bend.h can pose them at other times.
   bool deformations = false;
 };

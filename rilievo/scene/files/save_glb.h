@@ -5,6 +5,7 @@
 // - Objects can come back in another order. Static instances of one model become instances of one
 //   node (EXT_mesh_gpu_instancing) and lose their names.
 // - A part that its model places by a matrix is written in the model's space.
+// - A scene with an origin (core/world_space.h) hangs below a node that has it.
 // - Glass (KHR_materials_transmission) keeps its alpha, and loses its transmission and its index of
 //   refraction, which only rays show.
 // - Cameras whose axis does not pass through the image's centre, back-perspective cameras and the

@@ -168,7 +168,13 @@ std::vector<int> add_glb_nodes(GlbWriter& writer, const Scene& scene,
   for (const Light& light : scene.lights) add(light_node(writer, light), -1);
   for (const Camera& camera : scene.cameras)
     if (std::optional<GlbJson> node = camera_node(writer, camera)) add(std::move(*node), -1);
-  return roots;
+  const glm::dvec3& origin = scene.world.origin;
+  if (origin == glm::dvec3(0)) return roots;
+  // Numbers in JSON are doubles, those in buffers are not.
+  const int all = writer.add(
+      "nodes",
+      {{"name", "origin"}, {"translation", {origin.x, origin.y, origin.z}}, {"children", roots}});
+  return {all};
 }
 
 void add_glb_animation(GlbWriter& writer, const Scene& scene) {

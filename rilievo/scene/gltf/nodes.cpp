@@ -132,7 +132,7 @@ Stretch decompose(const glm::dmat3& linear) {
 
 Node to_node(int parent, const glm::dvec3& translation, const glm::dquat& rotation,
              const glm::dvec3& scale) {
-  return {parent, glm::vec3(translation), glm::quat(rotation), glm::vec3(scale)};
+  return {parent, translation, glm::quat(rotation), glm::vec3(scale)};
 }
 
 }  // namespace
@@ -197,6 +197,22 @@ void pose_rig(const Tree& tree, const Animation& animation, double time,
   rig.objects.resize(n);
   for (std::size_t i = 0; i < n; ++i) rig.objects[i].node = rig_node[i];
   pose(rig, time, posed);
+}
+
+void set_origin(const glm::dvec3& origin, Tree& tree, Animation& animation) {
+  for (TreeNode& node : tree.nodes) {
+    if (node.parent >= 0) continue;
+    node.translation -= origin;
+    node.parent_from_node[3] -= glm::dvec4(origin, 0);
+  }
+  for (Channel& channel : animation.channels) {
+    if (channel.path != Channel::Path::translation || tree.nodes[channel.node].parent >= 0)
+      continue;
+    // The second of three values of a cubic spline is a point; the others are its tangents.
+    const bool cubic = channel.interpolation == Channel::Interpolation::cubic_spline;
+    for (std::size_t i = cubic ? 1 : 0; i < channel.values.size(); i += cubic ? 3 : 1)
+      channel.values[i] = glm::vec4(glm::dvec4(channel.values[i]) - glm::dvec4(origin, 0));
+  }
 }
 
 PosedTree pose_tree(const Tree& tree, const Animation& animation, double time) {

@@ -53,4 +53,7 @@ struct PosedTree {
 };
 [[nodiscard]] PosedTree pose_tree(const Tree& tree, const Animation& animation, double time);
 
+// Makes `origin` the origin of the tree and of the curves that move its roots.
+void set_origin(const glm::dvec3& origin, Tree& tree, Animation& animation);
+
 }  // namespace rilievo::gltf

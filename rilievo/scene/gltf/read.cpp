@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "rilievo/scene/far_origin.h"
 #include "rilievo/scene/gltf/accessor.h"
 #include "rilievo/scene/gltf/lights.h"
 #include "rilievo/scene/gltf/material.h"
@@ -26,6 +27,7 @@ class Reader {
 
   Scene read() {
     scene_.name = context_.name;
+    take_origin_off();
     for (int node : tree_.order)
       if (tree_.drawn[node]) add_objects(node);
     if (tree_.nodes.empty()) add_bare_meshes();
@@ -38,6 +40,10 @@ class Reader {
   }
 
  private:
+  void take_origin_off();
+  std::vector<glm::dvec3> places();
+  [[nodiscard]] glm::dvec3 origin_for(std::vector<glm::dvec3> points) const;
+  glm::dvec3 center_positions(const Model& model);
   void add_objects(int node);
   void add_bare_meshes();
   void add_object(const std::string& name, int model, int node, const glm::dmat4& placement);
@@ -64,9 +70,101 @@ class Reader {
   // Which model a mesh has become, bent by a skin and weights, and by the curve of a node if these
   // are kept; -1: none, it has no triangles.
   std::map<std::tuple<int, int, std::vector<float>, int>, int> models_;
-  std::vector<int> rig_nodes_;                          // by the document's, or -1
+  std::vector<glm::dvec3> offsets_;  // of each model: was subtracted from its positions
+  std::vector<int> rig_nodes_;       // by the document's, or -1
   std::vector<std::vector<std::size_t>> rig_channels_;  // by the document's node
 };
+
+// Points that tell where the drawn objects are, by what the file says of its meshes.
+std::vector<glm::dvec3> Reader::places() {
+  constexpr std::size_t kSamples = 4096;  // of instances
+  std::vector<glm::dvec3> points;
+  const JsonValue root = document_.root(), accessors = root["accessors"];
+  const auto add_box = [&](const glm::dmat4& scene_from_mesh, const glm::dvec3(&ends)[2]) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec4 p(ends[corner & 1].x, ends[corner >> 1 & 1].y, ends[corner >> 2].z, 1);
+      const glm::dvec3 placed(scene_from_mesh * p);
+      if (std::isfinite(glm::dot(placed, placed))) points.push_back(placed);
+    }
+  };
+  // Where nothing tells how large a mesh is; metres.
+  constexpr glm::dvec3 kSomeBox[2]{glm::dvec3(-1), glm::dvec3(1)};
+  for (int i : tree_.order) {
+    const JsonValue node = root["nodes"][std::size_t(i)];
+    const int mesh = node["mesh"].index(document_.count("meshes"));
+    if (mesh < 0 || !tree_.drawn[i]) continue;
+    context_.budget.borrow(points.size() + 8, 2 * sizeof(glm::dvec3));
+    const int skin = node["skin"].index(document_.count("skins"));
+    if (skin >= 0) {
+      for (const SkinJoint& joint : joints_of(skin))
+        add_box(posed_.world_from_node[joint.node], kSomeBox);
+      continue;
+    }
+    std::vector<glm::dmat4> places{posed_.world_from_node[i]};
+    if (const JsonValue instancing = node["extensions"]["EXT_mesh_gpu_instancing"]) {
+      places = instances_of(instancing);
+      for (glm::dmat4& place : places) place = posed_.world_from_node[i] * place;
+    }
+    const JsonValue primitives = root["meshes"][std::size_t(mesh)]["primitives"];
+    for (std::size_t k = 0; k < primitives.size(); ++k) {
+      const JsonValue position = primitives[k]["attributes"]["POSITION"];
+      const int index = position.index(accessors.size());
+      const JsonValue low = index < 0 ? position : accessors[std::size_t(index)]["min"];
+      const JsonValue high = index < 0 ? position : accessors[std::size_t(index)]["max"];
+      glm::dvec3 ends[2]{kSomeBox[0], kSomeBox[1]};
+      for (std::size_t c = 0; c < 3 && index >= 0 && low.size() == 3 && high.size() == 3; ++c)
+        ends[0][int(c)] = low[c].number(), ends[1][int(c)] = high[c].number();
+      const std::size_t step = 1 + places.size() / kSamples;
+      for (std::size_t at = 0; at < places.size(); at += step) add_box(places[at], ends);
+    }
+  }
+  return points;
+}
+
+// The place of a root, if it serves: then what hangs below keeps its own numbers.
+glm::dvec3 Reader::origin_for(std::vector<glm::dvec3> points) const {
+  const glm::dvec3 found = far_origin(points);
+  if (found == glm::dvec3(0)) return found;
+  constexpr int kTried = 16;  // a scene of many roots has none that is all the others'
+  int tried = 0;
+  for (int i : tree_.order) {
+    if (tree_.nodes[i].parent >= 0 || !tree_.drawn[i] || ++tried > kTried) continue;
+    const glm::dvec3 place(tree_.nodes[i].parent_from_node[3]);
+    std::vector<glm::dvec3> around = points;
+    for (glm::dvec3& p : around) p -= place;
+    if (far_origin(std::move(around)) == glm::dvec3(0)) return place;
+  }
+  return found;
+}
+
+void Reader::take_origin_off() {
+  const glm::dvec3 origin = origin_for(places());
+  if (origin != glm::dvec3(0)) {
+    set_origin(origin, tree_, animation_);
+    posed_ = pose_tree(tree_, animation_, context_.time);
+  }
+  scene_.world.origin = origin;
+  const JsonValue center = document_.root()["extensions"]["CESIUM_RTC"]["center"];
+  for (std::size_t c = 0; c < 3 && center.size() == 3; ++c)
+    scene_.world.origin[int(c)] += center[c].number();
+}
+
+// Meshes whose positions are far from 0 lose digits when they are placed near it: what placements
+// then add instead. Floats subtract without a loss where they are alike.
+glm::dvec3 Reader::center_positions(const Model& model) {
+  std::vector<glm::dvec3> corners;
+  for (const Part& part : model.parts) {
+    Box box;
+    for (const glm::vec3& p : scene_.meshes[std::size_t(part.mesh)].positions) box.add(p);
+    if (!box.empty()) corners.insert(corners.end(), {box.min, box.max});
+  }
+  const glm::dvec3 offset = far_origin(std::move(corners));
+  if (offset == glm::dvec3(0)) return offset;
+  for (const Part& part : model.parts)
+    for (glm::vec3& p : scene_.meshes[std::size_t(part.mesh)].positions)
+      p = glm::vec3(glm::dvec3(p) - offset);
+  return offset;
+}
 
 std::vector<Reader::SkinJoint> Reader::joints_of(int skin) {
   constexpr std::array kSixteen{16};
@@ -195,6 +293,7 @@ int Reader::model_of(int node, int mesh, int skin, const Pose& pose) {
   }
   if (model.parts.empty()) return -1;
   known->second = int(scene_.models.size());
+  offsets_.push_back(bends || skin >= 0 ? glm::dvec3(0) : center_positions(model));
   scene_.models.push_back(std::move(model));
   return known->second;
 }
@@ -242,6 +341,7 @@ void Reader::add_object(const std::string& name, int model, int node, const glm:
   object.model = model;
   object.node = node;
   object.placement = glm::mat4(placement);
+  object.placement[3] = glm::vec4(placement * glm::dvec4(offsets_[std::size_t(model)], 1));
   scene_.objects.push_back(std::move(object));
 }
 

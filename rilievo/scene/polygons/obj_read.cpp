@@ -163,9 +163,8 @@ class Reader {
     double v[7];
     const std::size_t n = read_numbers(rest, v);
     if (n < 3) fail("has a vertex with fewer than three numbers");
-    const glm::vec3 p(v[0], v[1], v[2]);  // finite or not: a face may never use it
-    context_.budget.take(2 * sizeof(glm::vec3));
-    soup_.positions.push_back(p);
+    context_.budget.take(2 * sizeof(glm::dvec3));
+    soup_.positions.push_back({v[0], v[1], v[2]});  // finite or not: a face may never use it
     if (n < 6) return;
     context_.budget.take(2 * sizeof(glm::vec4));
     soup_.colors.resize(soup_.positions.size() - 1, kNoColor);

@@ -215,7 +215,7 @@ void read_vertices(const Element& element, Values& values, PolygonSoup& soup,
   if (!has[px] || !has[py] || !has[pz]) refuse("is a PLY file whose vertices have no x, y and z");
   const bool normals = has[nx] && has[ny] && has[nz], uv = has[tu] && has[tv];
   const bool colors = has[red] && has[green] && has[blue];
-  budget.take(element.count, 12 + (normals ? 12 : 0) + (uv ? 8 : 0) + (colors ? 16 : 0));
+  budget.take(element.count, 24 + (normals ? 12 : 0) + (uv ? 8 : 0) + (colors ? 16 : 0));
   for (std::uint64_t i = 0; i < element.count; ++i) {
     std::array<double, kSlots> v{};
     v[alpha] = 1.0;
@@ -227,7 +227,7 @@ void read_vertices(const Element& element, Values& values, PolygonSoup& soup,
       }
     }
     // Finite or not: scanners write NaN for what they did not measure, and no face uses it.
-    soup.positions.push_back(glm::vec3(v[px], v[py], v[pz]));
+    soup.positions.push_back({v[px], v[py], v[pz]});
     if (normals) soup.normals.push_back(glm::vec3(v[nx], v[ny], v[nz]));
     // v grows upwards there, downwards here.
     if (uv) soup.uv.push_back(glm::vec2(v[tu], 1.0 - v[tv]));

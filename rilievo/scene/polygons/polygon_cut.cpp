@@ -27,8 +27,7 @@ std::vector<glm::dvec2> flatten(const PolygonSoup& soup, std::span<const Corner>
   std::vector<glm::dvec3> p;
   p.reserve(polygon.size());
   for (const Corner& c : polygon)
-    p.push_back(glm::dvec3(soup.positions[c.position]) -
-                glm::dvec3(soup.positions[polygon[0].position]));
+    p.push_back(soup.positions[c.position] - soup.positions[polygon[0].position]);
   glm::dvec3 normal(0.0);
   for (std::size_t i = 0; i < p.size(); ++i) normal += glm::cross(p[i], p[(i + 1) % p.size()]);
   // Leave out the axis along which the polygon is thinnest; the order of the other two keeps the

@@ -13,19 +13,19 @@ namespace rilievo {
 namespace {
 
 // For every position, the first one with the same coordinates: files repeat them at will.
-std::vector<std::uint32_t> same_place(const std::vector<glm::vec3>& positions) {
-  std::vector<std::uint32_t> order(positions.size());
+std::vector<std::uint32_t> same_place(const PolygonSoup& soup) {
+  std::vector<std::uint32_t> order(soup.positions.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) {
-    const glm::vec3 &a = positions[i], &b = positions[k];
+    const glm::vec3 a = soup.place(i), b = soup.place(k);
     if (a.x != b.x) return a.x < b.x;
     if (a.y != b.y) return a.y < b.y;
     if (a.z != b.z) return a.z < b.z;
     return i < k;
   });
-  std::vector<std::uint32_t> first(positions.size());
+  std::vector<std::uint32_t> first(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool same = k > 0 && positions[order[k]] == positions[order[k - 1]];
+    const bool same = k > 0 && soup.place(order[k]) == soup.place(order[k - 1]);
     first[order[k]] = same ? first[order[k - 1]] : order[k];
   }
   return first;
@@ -53,8 +53,7 @@ std::vector<glm::dvec3> area_normals(const PolygonSoup& soup) {
   std::vector<glm::dvec3> normals(soup.parts.size());
   for (std::size_t t = 0; t < normals.size(); ++t) {
     glm::dvec3 p[3];
-    for (int k = 0; k < 3; ++k)
-      p[k] = glm::dvec3(soup.positions[soup.triangles[3 * t + k].position]);
+    for (int k = 0; k < 3; ++k) p[k] = glm::dvec3(soup.place(soup.triangles[3 * t + k].position));
     normals[t] = glm::cross(p[1] - p[0], p[2] - p[0]);
   }
   return normals;
@@ -69,10 +68,6 @@ struct HashCorner {
     return h ^ h >> 32;
   }
 };
-
-bool is_finite(const glm::vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 // Does a triangle's normal `n` count for the corner of one with the normal `own`, at one place?
 bool smooths(const glm::dvec3& own, std::uint32_t own_group, const glm::dvec3& n,
@@ -89,15 +84,19 @@ bool smooths(const glm::dvec3& own, std::uint32_t own_group, const glm::dvec3& n
 
 }  // namespace
 
+bool is_finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
 const Corner* corner_that_is_not_finite(const PolygonSoup& soup, std::span<const Corner> polygon) {
   for (const Corner& c : polygon)
-    if (!is_finite(soup.positions[c.position])) return &c;
+    if (!is_finite(glm::vec3(soup.positions[c.position]))) return &c;
   return nullptr;
 }
 
 void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget) {
-  for (glm::vec3& p : soup.positions)
-    if (!is_finite(p)) p = glm::vec3(0.0f);
+  for (glm::dvec3& p : soup.positions)
+    if (!is_finite(glm::vec3(p))) p = soup.origin;
   const auto bare = [](const Corner& c) { return c.normal == Corner::kNone; };
   if (std::none_of(soup.triangles.begin(), soup.triangles.end(), bare)) return;
   budget.borrow(soup.positions.size(), 4 * sizeof(std::uint32_t));
@@ -110,7 +109,7 @@ void add_missing_normals(PolygonSoup& soup, MemoryBudget& budget) {
   // flat triangles and other groups: comparing all pairs there would take forever.
   constexpr std::size_t kMaxCount = 64;
   const std::vector<glm::dvec3> normal = area_normals(soup);
-  const Around around = corners_around(soup, same_place(soup.positions));
+  const Around around = corners_around(soup, same_place(soup));
   std::vector<std::pair<glm::vec3, std::uint32_t>> made;  // at one place
   std::map<std::uint32_t, glm::dvec3> group_normals;      // the sums at a crowded place
   for (std::size_t p = 0; p + 1 < around.begin.size(); ++p) {
@@ -164,7 +163,7 @@ std::vector<Mesh> weld(const PolygonSoup& soup, std::size_t parts, MemoryBudget&
     const auto [at, fresh] = vertices[part].try_emplace(c, std::uint32_t(mesh.positions.size()));
     if (fresh) {
       budget.take(each);
-      mesh.positions.push_back(soup.positions[c.position]);
+      mesh.positions.push_back(soup.place(c.position));
       mesh.normals.push_back(soup.normals[c.normal]);
       if (!soup.uv.empty())
         mesh.uv[0].push_back(c.uv == Corner::kNone ? glm::vec2(0) : soup.uv[c.uv]);

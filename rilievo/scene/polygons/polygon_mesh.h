@@ -28,8 +28,9 @@ struct Strokes {
 
 // Triangles, lines and points of a whole file, with their attributes.
 struct PolygonSoup {
-  std::vector<glm::vec3> positions;  // finite where a corner refers to them
-  std::vector<glm::vec4> colors;     // linear; empty, or one for each position, then any others
+  std::vector<glm::dvec3> positions;  // world space; finite floats where a corner refers to them
+  glm::dvec3 origin{0.0};             // of the meshes' space
+  std::vector<glm::vec4> colors;      // linear; empty, or one for each position, then any others
   std::vector<glm::vec2> uv;
   std::vector<glm::vec3> normals;
 
@@ -50,6 +51,11 @@ struct PolygonSoup {
   // them. Each polygon adds 256 for each of its corners.
   std::int64_t work_left = 200'000'000;
   bool cut_short = false;  // work_left did not suffice: the rest of a polygon became a fan
+
+  // A position as meshes have it.
+  [[nodiscard]] glm::vec3 place(std::uint32_t position) const {
+    return glm::vec3(positions[position] - origin);
+  }
 };
 
 // Triangulates `polygon` and appends it to part `part`. Handles nearly flat simple polygons, convex
@@ -57,6 +63,8 @@ struct PolygonSoup {
 // triangulation. Corners must refer to existing entries.
 void add_polygon(PolygonSoup& soup, std::span<const Corner> polygon, std::uint32_t part,
                  MemoryBudget& budget);
+
+[[nodiscard]] bool is_finite(const glm::vec3& position);
 
 // The first corner whose position is not finite, or none.
 [[nodiscard]] const Corner* corner_that_is_not_finite(const PolygonSoup& soup,

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <map>
 
+#include "rilievo/scene/far_origin.h"
 #include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
@@ -19,11 +20,22 @@ Material plain_material(bool colored) {
   return material;
 }
 
+// By some of the positions, evenly spread over the file.
+glm::dvec3 origin_of(const PolygonSoup& soup) {
+  constexpr std::size_t kSamples = 1 << 16;
+  std::vector<glm::dvec3> samples;
+  const std::size_t step = 1 + soup.positions.size() / kSamples;
+  for (std::size_t i = 0; i < soup.positions.size(); i += step)
+    if (is_finite(glm::vec3(soup.positions[i]))) samples.push_back(soup.positions[i]);
+  return far_origin(std::move(samples));
+}
+
 }  // namespace
 
 Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene,
                LoadContext& context) {
   scene.name = context.name;
+  soup.origin = scene.world.origin = origin_of(soup);
   if (soup.cut_short)
     context.warn("polygons that cross themselves, or have too many corners, are drawn as fans");
   std::vector<Mesh> strokes;  // first: what makes normals takes positions that are not finite away

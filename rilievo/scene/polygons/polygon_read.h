@@ -27,8 +27,8 @@ struct SoupPart {
 };
 
 // Makes one Object for each object name, of all its parts, in the order in which the names appear.
-// Vertices stay in world space. `scene` provides the materials and textures; parts without a
-// material get a plain one.
+// Vertices are relative to the origin of the scene. `scene` provides the materials and textures;
+// parts without a material get a plain one.
 [[nodiscard]] Scene scene_of(PolygonSoup soup, const std::vector<SoupPart>& parts, Scene scene,
                              LoadContext& context);
 

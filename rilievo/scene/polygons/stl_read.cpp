@@ -12,16 +12,15 @@
 namespace rilievo {
 namespace {
 
-void add_triangle(PolygonSoup& soup, std::span<const glm::vec3> loop, std::uint32_t part,
+void add_triangle(PolygonSoup& soup, std::span<const glm::dvec3> loop, std::uint32_t part,
                   MemoryBudget& budget) {
   std::vector<Corner> corners;
-  for (const glm::vec3& p : loop) {
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      refuse("has a vertex whose position is not finite");
-    budget.take(sizeof(glm::vec3));
+  for (const glm::dvec3& p : loop) {
+    budget.take(sizeof(glm::dvec3));
     corners.push_back({std::uint32_t(soup.positions.size())});
     soup.positions.push_back(p);
   }
+  if (corner_that_is_not_finite(soup, corners)) refuse("has a vertex whose position is not finite");
   add_polygon(soup, corners, part, budget);
 }
 
@@ -39,7 +38,8 @@ void read_binary(Bytes file, std::size_t count, PolygonSoup& soup, MemoryBudget&
   for (std::size_t i = 0; i < count; ++i) {
     glm::vec3 p[3];
     std::memcpy(p, file.data() + kHead + kTriangle * i + 12, sizeof p);
-    add_triangle(soup, p, 0, budget);
+    const glm::dvec3 loop[] = {p[0], p[1], p[2]};
+    add_triangle(soup, loop, 0, budget);
   }
 }
 
@@ -116,7 +116,7 @@ std::string_view take_rest_of_line(std::string_view& text) {
 std::vector<SoupPart> read_text(std::string_view text, PolygonSoup& soup, LoadContext& context) {
   const std::string_view whole = text;
   Solids solids(context);
-  std::vector<glm::vec3> loop;
+  std::vector<glm::dvec3> loop;
   std::size_t facets = 0;
   // Some writers use capitals throughout.
   for (std::string word = lower_case(take_word(text)); !word.empty();
@@ -127,14 +127,14 @@ std::vector<SoupPart> read_text(std::string_view text, PolygonSoup& soup, LoadCo
       (void)take_rest_of_line(text);
       solids.begin({});
     } else if (word == "vertex") {
-      glm::vec3 p;
+      glm::dvec3 p;
       for (int c = 0; c < 3; ++c) {
         const std::string_view digits = take_word(text);
         const std::optional<double> number = number_of(digits);
         if (!number) refuse(line_name(whole, digits.data()) + " " + no_number(digits));
-        p[c] = float(*number);
+        p[c] = *number;
       }
-      context.budget.borrow(loop.size(), sizeof(glm::vec3));
+      context.budget.borrow(loop.size(), sizeof(glm::dvec3));
       loop.push_back(p);
     } else if (word == "endloop") {
       add_triangle(soup, loop, solids.part(), context.budget);

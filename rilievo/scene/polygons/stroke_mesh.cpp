@@ -8,10 +8,6 @@
 namespace rilievo {
 namespace {
 
-bool has_place(const glm::vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 // Leaves out those whose positions are not finite: scanners write NaN for what they did not
 // measure.
 void keep_finite(Mesh& mesh) {
@@ -20,7 +16,7 @@ void keep_finite(Mesh& mesh) {
     if (!values.empty()) values[kept] = values[from];
   };
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    if (!has_place(mesh.positions[i])) continue;
+    if (!is_finite(mesh.positions[i])) continue;
     move(mesh.normals, i), move(mesh.uv[0], i), move(mesh.colors, i);
     mesh.positions[kept++] = mesh.positions[i];
   }
@@ -33,8 +29,10 @@ void keep_finite(Mesh& mesh) {
 Mesh mesh_of_vertices(PolygonSoup& soup, MemoryBudget& budget) {
   Mesh mesh;
   mesh.primitive = Primitive::points;
-  budget.take(soup.positions.size(), sizeof(std::uint32_t));
-  mesh.positions = std::move(soup.positions);
+  budget.take(soup.positions.size(), sizeof(std::uint32_t) + sizeof(glm::vec3));
+  mesh.positions.reserve(soup.positions.size());
+  for (std::uint32_t i = 0; i < soup.positions.size(); ++i) mesh.positions.push_back(soup.place(i));
+  soup.positions = {};
   mesh.normals = std::move(soup.normals);
   mesh.uv[0] = std::move(soup.uv);
   mesh.colors = soup.colors;  // whether there are any is asked for later
@@ -64,14 +62,14 @@ std::vector<Mesh> stroke_meshes(PolygonSoup& soup, Primitive primitive, std::siz
   for (std::size_t i = 0; i < strokes.corners.size(); ++i) {
     const Corner& c = strokes.corners[i];
     const std::uint32_t part = strokes.parts[i / corners];
-    if (!has_place(soup.positions[c.position]))
+    if (!is_finite(glm::vec3(soup.positions[c.position])))
       refuse("has a point or a line with vertex " + std::to_string(c.position + 1) +
              ", whose position is not finite");
     Mesh& mesh = meshes[part];
     budget.take(each);
     mesh.primitive = primitive;
     mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
-    mesh.positions.push_back(soup.positions[c.position]);
+    mesh.positions.push_back(soup.place(c.position));
     if (has_normals[part]) mesh.normals.push_back(soup.normals[c.normal]);
     if (!soup.uv.empty())
       mesh.uv[0].push_back(c.uv == Corner::kNone ? glm::vec2(0) : soup.uv[c.uv]);
