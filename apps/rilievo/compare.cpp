@@ -46,7 +46,7 @@ struct CompareCommand {
   bool bends = false;  // the scene by time, and some method shows it
   int reference = 0;   // samples of a pixel of the true frames; 0: the first method's
   std::string reference_folder;
-  WorldSpace baked;    // of `file`
+  WorldSpace baked;  // of `file`
 };
 
 // Direct drawing is always there, and first: it draws the true frames. Without OpenGL, and where

@@ -25,8 +25,8 @@ TEST(PoseOrigin, cameras_near_0_stay_and_others_come_near) {
         EXPECT_LT(glm::distance(glm::dvec3(poses[std::size_t(i)][3]) + world.origin,
                                 glm::dvec3(before[std::size_t(i)][3])),
                   1e-8);
-        if (world.origin != glm::dvec3(0))
-          EXPECT_LT(glm::length(glm::dvec3(poses[std::size_t(i)][3])), 120);
+        // What stays where it is lies near 0 anyway.
+        EXPECT_LT(glm::length(glm::dvec3(poses[std::size_t(i)][3])), 150);
       }
     }
 }

@@ -12,7 +12,7 @@ namespace {
 TEST(PlaceText, has_as_many_digits_as_the_size_asks_for) {
   EXPECT_EQ(place_text({1.5, -2, 0}, 3), "1.5 -2 0");
   EXPECT_EQ(place_text({470012.3456, 412.25, -5.4e6}, 8), "470012.346 412.25 -5400000");
-  EXPECT_EQ(place_text({470012.3456, 1e9, 0}, 3e6), "470012 1e+09 0");
+  EXPECT_EQ(place_text({470012.3456, 1e9, 0}, 3e6), "4.7e+05 1000000000 0");
   EXPECT_EQ(place_text({12345.678, 0, 0}, 0), "1.235e+04 0 0");
 }
 
