@@ -145,13 +145,19 @@ export class Walk {
     this.load();
   }
 
-  /** Draws into a framebuffer (null: the canvas), with depth, as large as the view. */
-  draw(view: View, framebuffer: WebGLFramebuffer | null): void {
+  /**
+   * Draws into a framebuffer (null: the canvas), with depth, as large as the view. With `sky` what
+   * the walk does not show is the library's default sky, at the far plane.
+   */
+  draw(view: View, framebuffer: WebGLFramebuffer | null, sky = false): void {
     const { gl } = this;
-    if (gl.isContextLost() || this.drawLayers(view) === 0) return;
+    if (gl.isContextLost()) return;
+    const layers = this.drawLayers(view);
+    if (layers === 0 && !sky) return;
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.viewport(0, 0, view.width, view.height);
-    this.drawer.merge(view);
+    if (layers === 0) this.drawer.drawSky(view);
+    else this.drawer.merge(view, sky);
     this.count();
   }
 

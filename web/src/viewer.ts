@@ -149,8 +149,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0.063, 0.078, 0.094, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    walk.draw(now, null);
-    if (options.sky ?? true) walk.drawer.drawSky(now);
+    walk.draw(now, null, options.sky ?? true);
     const at = times.frames++ % kTimes;
     times.update[at] = updated - begin;
     times.draw[at] = performance.now() - updated;

@@ -143,8 +143,7 @@ function drawView(view, times) {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.viewport(0, 0, view.width, view.height);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  walk.draw(view, null);
-  walk.drawer.drawSky(view);
+  walk.draw(view, null, true);
   times[0] = updated - begin;
   times[1] = performance.now() - updated;
 }

@@ -43,6 +43,7 @@ interface MergeProgram {
   readonly nodeFromEye: WebGLUniformLocation | null;
   readonly rays: WebGLUniformLocation | null;
   readonly projection: WebGLUniformLocation | null;
+  readonly place: WebGLUniformLocation | null;
 }
 
 export class NodeDrawer {
@@ -93,7 +94,6 @@ export class NodeDrawer {
     this.noVertices = gl.createVertexArray();
     this.clamps = gl.getExtension("EXT_depth_clamp") !== null;
     this.clipControl = gl.getExtension("EXT_clip_control");
-    this.mergeFor(2);
   }
 
   /** Draws nodes into the layers, the best first. Changes framebuffer, viewport and programs. */
@@ -126,11 +126,14 @@ export class NodeDrawer {
     this.end();
   }
 
-  /** Merges the layers into the bound framebuffer and viewport, with depth. */
-  merge(view: View): void {
+  /**
+   * Merges the layers into the bound framebuffer and viewport, with depth. With `sky` what no node
+   * shows is sky, at the far plane.
+   */
+  merge(view: View, sky = false): void {
     const { gl } = this;
     if (this.layers === 0) return;
-    const of = this.mergeFor(this.layers);
+    const of = this.mergeFor(this.layers, sky);
     gl.useProgram(of.program);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.colors);
@@ -154,6 +157,7 @@ export class NodeDrawer {
     this.projection[2] = p[11];
     this.projection[3] = p[15];
     gl.uniform4fv(of.projection, this.projection);
+    if (sky) this.setSky(view, of.place);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.depthMask(true);
@@ -168,21 +172,13 @@ export class NodeDrawer {
 
   /** Draws the sky where nothing was drawn, into the bound framebuffer and viewport. */
   drawSky(view: View): void {
-    const { gl, pixels } = this;
+    const { gl } = this;
     if (!this.sky) {
       const program = skyProgram(gl);
       this.sky = { program, place: gl.getUniformLocation(program, "world_from_pixel") };
     }
-    const e = view.worldFromEye, p = view.clipFromEye;
-    const sx = 2 / (view.width * p[0]), sy = 2 / (view.height * p[5]);
-    const x = (p[8] - 1) / p[0], y = (p[9] - 1) / p[5];
-    for (let k = 0; k < 3; ++k) {
-      pixels[k] = e[k] * sx;
-      pixels[3 + k] = e[4 + k] * sy;
-      pixels[6 + k] = e[k] * x + e[4 + k] * y - e[8 + k];
-    }
     gl.useProgram(this.sky.program);
-    gl.uniformMatrix3fv(this.sky.place, false, pixels);
+    this.setSky(view, this.sky.place);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.bindVertexArray(this.noVertices);
@@ -258,17 +254,18 @@ export class NodeDrawer {
     };
   }
 
-  private mergeFor(layers: number): MergeProgram {
-    const known = this.mergePrograms[layers];
+  private mergeFor(layers: number, sky: boolean): MergeProgram {
+    const index = 2 * layers + (sky ? 1 : 0);
+    const known = this.mergePrograms[index];
     if (known) return known;
     const { gl } = this;
-    const program = mergeProgram(gl, layers);
+    const program = mergeProgram(gl, layers, sky);
     gl.useProgram(program);
     gl.uniform1i(gl.getUniformLocation(program, "node_colors"), 0);
     gl.uniform1i(gl.getUniformLocation(program, "node_depths"), 1);
     for (let i = 0; i < layers; ++i)
       gl.uniform1i(gl.getUniformLocation(program, `node_seen${i}`), 2 + i);
-    return (this.mergePrograms[layers] = {
+    return (this.mergePrograms[index] = {
       program,
       merge: gl.getUniformLocation(program, "node_merge"),
       nearness: gl.getUniformLocation(program, "node_nearness"),
@@ -276,6 +273,7 @@ export class NodeDrawer {
       nodeFromEye: gl.getUniformLocation(program, "node_from_eye"),
       rays: gl.getUniformLocation(program, "node_rays"),
       projection: gl.getUniformLocation(program, "projection"),
+      place: gl.getUniformLocation(program, "world_from_pixel"),
     });
   }
 
@@ -323,6 +321,19 @@ export class NodeDrawer {
     this.beginLayer(0);
     draw(near);
     this.end();
+  }
+
+  private setSky(view: View, place: WebGLUniformLocation | null): void {
+    const { gl, pixels } = this;
+    const e = view.worldFromEye, p = view.clipFromEye;
+    const sx = 2 / (view.width * p[0]), sy = 2 / (view.height * p[5]);
+    const x = (p[8] - 1) / p[0], y = (p[9] - 1) / p[5];
+    for (let k = 0; k < 3; ++k) {
+      pixels[k] = e[k] * sx;
+      pixels[3 + k] = e[4 + k] * sy;
+      pixels[6 + k] = e[k] * x + e[4 + k] * y - e[8 + k];
+    }
+    gl.uniformMatrix3fv(place, false, pixels);
   }
 
   private beginLayer(layer: number): void {

@@ -210,17 +210,31 @@ float node_share${node}(vec3 p) {
 `;
 }
 
-function mergeFragment(layers: number): string {
+// The default sky of the library (rilievo/scene/scene.h), for what no node shows.
+const kSkyColor = `
+uniform mat3 world_from_pixel;  // the line of sight through a pixel's (x, y, 1)
+vec4 sky_color() {
+  float elevation = normalize(world_from_pixel * vec3(gl_FragCoord.xy, 1.0)).y;
+  vec3 above = mix(vec3(0.75, 0.82, 0.90), vec3(0.25, 0.45, 0.85), sqrt(clamp(elevation, 0.0, 1.0)));
+  vec3 linear = mix(above, vec3(0.20, 0.19, 0.17), smoothstep(0.0, 1.0, -elevation / 0.08));
+  return vec4(mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear,
+                  vec3(lessThanEqual(linear, vec3(0.0031308)))), 1.0);
+}
+`;
+
+function mergeFragment(layers: number, sky: boolean): string {
   return `#version 300 es
 precision highp float;
 precision highp int;
-${mergeFunction(layers)}
+${mergeFunction(layers)}${sky ? kSkyColor : ""}
 uniform vec4 projection;  // elements [2][2], [3][2], [2][3], [3][3] of the clip matrix
 layout(location = 0) out vec4 out_color;
 void main() {
   vec3 color;
   float eye_z;
-  if (!merge_nodes(ivec2(gl_FragCoord.xy), color, eye_z)) discard;
+  if (!merge_nodes(ivec2(gl_FragCoord.xy), color, eye_z)) {
+${sky ? "    out_color = sky_color();\n    gl_FragDepth = 1.0;\n    return;" : "    discard;"}
+  }
   out_color = vec4(color, 1.0);
   // What lies beyond the far plane, as the sky, is drawn just before it, so that a sky drawn later
   // fills only the gaps.
@@ -262,8 +276,10 @@ export function nodeProgram(gl: WebGL2RenderingContext, ...defines: string[]): W
   return compile(gl, "node", withDefines(kVertex, defines), withDefines(kFragment, defines));
 }
 
-export function mergeProgram(gl: WebGL2RenderingContext, layers: number): WebGLProgram {
-  return compile(gl, "merge", kScreenVertex, mergeFragment(layers));
+/** With a sky it is drawn where no node shows anything. */
+export function mergeProgram(gl: WebGL2RenderingContext, layers: number, sky: boolean):
+    WebGLProgram {
+  return compile(gl, "merge", kScreenVertex, mergeFragment(layers, sky));
 }
 
 const kShowObjects = `#version 300 es
@@ -281,18 +297,11 @@ export function showObjectsProgram(gl: WebGL2RenderingContext): WebGLProgram {
   return compile(gl, "objects", kScreenVertex, kShowObjects);
 }
 
-// The default sky of the library (rilievo/scene/scene.h), for what no node shows.
 const kSky = `#version 300 es
 precision highp float;
-uniform mat3 world_from_pixel;  // the line of sight through a pixel's (x, y, 1)
+${kSkyColor}
 layout(location = 0) out vec4 out_color;
-void main() {
-  float elevation = normalize(world_from_pixel * vec3(gl_FragCoord.xy, 1.0)).y;
-  vec3 above = mix(vec3(0.75, 0.82, 0.90), vec3(0.25, 0.45, 0.85), sqrt(clamp(elevation, 0.0, 1.0)));
-  vec3 linear = mix(above, vec3(0.20, 0.19, 0.17), smoothstep(0.0, 1.0, -elevation / 0.08));
-  out_color = vec4(mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear,
-                       vec3(lessThanEqual(linear, vec3(0.0031308)))), 1.0);
-}
+void main() { out_color = sky_color(); }
 `;
 
 export function skyProgram(gl: WebGL2RenderingContext): WebGLProgram {
