@@ -165,7 +165,8 @@ export class Walk {
   drawLayers(view: View): number {
     const { pictures } = this;
     if (pictures && pictures.stats.there > 0) {
-      this.drawer.drawOther(view, (near) => pictures.draw(view, near));
+      pictures.draw(view, this.drawer.beginOther(view));
+      this.drawer.endOther();
       this.drawer.stats.drawCalls = pictures.stats.drawCalls;
       this.drawer.stats.triangles = pictures.stats.triangles;
       this.count();

@@ -25,6 +25,7 @@ export const kTolerance = 0.03;
 // Gaps of this width, pixels, count as cracks, which are always filled.
 const kCrack = 2;
 const kAnyWidth = 1e30;
+const kNoNodes: readonly StoredNode[] = [];
 const kDepthClamp = 0x864f;
 const kLowerLeft = 0x8ca1, kNegativeOneToOne = 0x935e;
 
@@ -311,15 +312,18 @@ export class NodeDrawer {
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
   }
 
-  /** Draws something else into the one layer: `draw` is told the layer's near plane. */
-  drawOther(view: View, draw: (near: number) => void): void {
+  /** Begins to draw something else into the one layer, whose near plane it returns. */
+  beginOther(view: View): number {
     this.stats.drawCalls = this.stats.triangles = 0;
     this.makeLayers(view.width, view.height, 1);
     this.layers = 1;
     const near = this.begin(view);
-    this.setMerge(view, [], 0, near);
+    this.setMerge(view, kNoNodes, 0, near);
     this.beginLayer(0);
-    draw(near);
+    return near;
+  }
+
+  endOther(): void {
     this.end();
   }
 

@@ -38,6 +38,8 @@ interface Program {
 
 // Bytes of a texel: colour and code; slopes and links of surfaces, and cells, less than one each.
 const kBoardBytes = 4 + 2, kSurfaceBytes = kBoardBytes + 8 + 1 + 1;
+const kTextures = ["color", "code", "slope", "links", "cell"] as const;
+type TextureName = (typeof kTextures)[number];
 const kUniforms = [
   "clip_from_local", "box_min", "box_max", "view_data", "view_weights", "view_complete",
   "view_counts", "forward_near",
@@ -52,7 +54,7 @@ export class PictureSet {
   private readonly width: number;
   private readonly height: number;
   private readonly layers: number;
-  private readonly textures: Record<string, WebGLTexture> = {};
+  private readonly textures: Partial<Record<TextureName, WebGLTexture>> = {};
   private readonly program: Program;
   private readonly vertices: WebGLVertexArrayObject | null;
   private readonly instances: WebGLBuffer | null = null;
@@ -164,7 +166,7 @@ export class PictureSet {
     const { gl } = this;
     const program = compile(gl, name, vertex, fragment);
     gl.useProgram(program);
-    ["color", "code", "slope", "links", "cell"].forEach((texture, unit) =>
+    kTextures.forEach((texture, unit) =>
       gl.uniform1i(gl.getUniformLocation(program, `${texture}_texture`), unit));
     return {
       program,
@@ -174,7 +176,7 @@ export class PictureSet {
 
   private makeTextures(): void {
     const { gl, width, height } = this;
-    const make = (name: string, format: number, w = width, h = height,
+    const make = (name: TextureName, format: number, w = width, h = height,
                   filter: number = gl.NEAREST) => {
       const made = gl.createTexture() as WebGLTexture;
       gl.bindTexture(gl.TEXTURE_2D_ARRAY, made);
@@ -196,11 +198,10 @@ export class PictureSet {
 
   private bind(): void {
     const { gl, textures } = this;
-    ["color", "code", "slope", "links", "cell"].forEach((name, unit) => {
-      if (!textures[name]) return;
+    for (let unit = 0; unit < kTextures.length; ++unit) {
       gl.activeTexture(gl.TEXTURE0 + unit);
-      gl.bindTexture(gl.TEXTURE_2D_ARRAY, textures[name]);
-    });
+      gl.bindTexture(gl.TEXTURE_2D_ARRAY, textures[kTextures[unit]] ?? null);
+    }
     gl.activeTexture(gl.TEXTURE0);
   }
 
@@ -278,22 +279,23 @@ export class PictureSet {
 
   private upload(): void {
     const { gl, textures } = this;
-    const i = this.slots.findIndex((slot) => slot.next);
-    if (i < 0) return;
+    let i = 0;
+    while (i < this.slots.length && !this.slots[i].next) ++i;
+    if (i === this.slots.length) return;
     const slot = this.slots[i], of = this.entry.list[i];
     const { surface, colors } = slot.next as NonNullable<Slot["next"]>;
     slot.next = null;
     const layer = this.freeLayer();
     const { width: w, height: h } = of;
-    const store = (name: string, format: number, type: number, data: ArrayBufferView,
+    const store = (name: TextureName, format: number, type: number, data: ArrayBufferView,
                    columns = w, rows = h) => {
-      gl.bindTexture(gl.TEXTURE_2D_ARRAY, textures[name]);
+      gl.bindTexture(gl.TEXTURE_2D_ARRAY, textures[name] ?? null);
       gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, columns, rows, 1, format, type, data);
     };
     gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, textures.color);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, textures.color ?? null);
     gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, w, h, 1, gl.RGBA, gl.UNSIGNED_BYTE, colors);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.BROWSER_DEFAULT_WEBGL);
     colors.close();
@@ -315,7 +317,7 @@ export class PictureSet {
   private storeCells(layer: number, w: number, h: number, cells: Float32Array): void {
     const { gl } = this;
     const from = cellLayout(w, h), to = cellLayout(this.width, this.height);
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.textures.cell);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.textures.cell ?? null);
     gl.pixelStorei(gl.UNPACK_ROW_LENGTH, from.columns);
     for (let level = 0; level < kLevels; ++level) {
       const columns = (from.levelAt[level + 1] ?? from.columns) - from.levelAt[level];

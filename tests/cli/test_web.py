@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""What `rilievo web` writes: folders that a browser walks through.
+
+    test_web.py PATH/TO/rilievo [unittest arguments]
+"""
+
+import json
+import pathlib
+
+import command
+from command import TEAPOTS
+
+
+class Web(command.Case):
+    def written(self, *arguments):
+        """The manifest of a walk, all of whose files are there."""
+        folder = self.folder / "walk"
+        self.succeeds("web", *arguments, "-o", folder)
+        names = set()
+
+        def find_files(value):
+            for one in value.values() if isinstance(value, dict) else value if isinstance(value, list) else []:
+                find_files(one)
+            if isinstance(value, dict) and "file" in value:
+                names.add(value["file"])
+                self.assertEqual((folder / value["file"]).stat().st_size, value["bytes"])
+
+        manifest = json.loads((folder / "walk.json").read_text())
+        self.assertEqual(manifest["schema"], "rilievo-walk-1")
+        find_files(manifest)
+        self.assertEqual(names | {"index.html", "viewer.js", "walk.json"},
+                         {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()})
+        return manifest
+
+    def test_a_scene_becomes_nodes(self):
+        manifest = self.written(TEAPOTS, "--at", "0,2,6", "--face", "32", "--coarse", "16")
+        self.assertEqual([level["face_size"] for level in manifest["nodes"][0]["levels"]], [16, 32])
+        self.assertNotIn("pictures", manifest)
+
+    def test_an_impostor_becomes_pictures_that_are_marched_through(self):
+        baked = self.folder / "teapots.exr"
+        self.succeeds("bake", TEAPOTS, "--as", "layered-impostor", "--views", "12", "--size", "16", "-o", baked)
+        pictures = self.written(baked)["pictures"]
+        self.assertEqual((pictures["drawn"], len(pictures["list"])), ("surfaces", 12))
+        # Of 12 views the covering angle is 0.65 rad: what is steep is looked up in others.
+        self.assertEqual(pictures["links"]["gentle"], 4)
+
+    def test_a_frame_becomes_nailboards(self):
+        self.succeeds("render", TEAPOTS, "--draw", "software", "--method", "nailboard", "--frames", "1", "--size",
+                      "96x64", "--save-pictures", self.folder, "-o", self.folder / "frame")
+        manifest = self.written(self.folder / "pictures_00000.exr")
+        self.assertEqual(manifest["pictures"]["drawn"], "nailboards")
+        self.assertGreater(len(manifest["pictures"]["list"]), 1)
+        self.assertNotIn("nodes", manifest)
+
+    def test_what_has_no_form_is_named(self):
+        baked = self.folder / "relief.exr"
+        self.succeeds("bake", TEAPOTS, "--as", "layered-relief", "--size", "32", "-o", baked)
+        self.refused(("web", baked, "-o", self.folder / "walk"), baked, "layered-relief", "no form for browsers")
+        self.assertFalse((self.folder / "walk").exists())
+        self.refused(("web", baked, "--as", "layered-impostor", "-o", self.folder / "walk"), "--as")
+
+
+if __name__ == "__main__":
+    command.main()
