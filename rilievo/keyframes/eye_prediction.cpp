@@ -52,13 +52,21 @@ void EyePrediction::follow(const Camera& camera) {
   last_ = camera;
 }
 
+double EyePrediction::turning_sideways() const {
+  return std::abs(glm::dot(turn_, glm::dvec3(last_.world_from_eye[1])));
+}
+double EyePrediction::turning_upwards() const {
+  return std::abs(glm::dot(turn_, glm::dvec3(last_.world_from_eye[0])));
+}
+
 Camera EyePrediction::after(double frames) const {
   RILIEVO_EXPECTS(any_);
   Camera camera = last_;
   glm::dmat3 axes(last_.world_from_eye);
   const double angle = glm::length(turn_);
   if (angle > 1e-9) {
-    const double all = std::min(angle * frames, kMostTurn);
+    const double turning = kTurningFrames * (1 - std::exp(-frames / kTurningFrames));
+    const double all = std::min(angle * turning, kMostTurn);
     axes = glm::mat3_cast(glm::angleAxis(all, turn_ / angle)) * axes;
     // Rigid, whatever rounding did.
     axes[2] = glm::normalize(axes[2]);

@@ -13,13 +13,17 @@ namespace rilievo {
 // Follows an eye.
 class EyePrediction {
  public:
-  // The turn that is predicted at most, in all: an eye that turns fast soon looks at one thing.
-  static constexpr double kMostTurn = 0.5;
+  // The turn that is predicted at most, in all: an eye that turns fast soon looks at one thing. So
+  // a turn goes on ever more slowly, as if for so many frames in the end.
+  static constexpr double kMostTurn = 0.5, kTurningFrames = 24;
 
   // The next frame's camera.
   void follow(const Camera& camera);
   // The last camera, moved on by `frames` frames. Requires that one was followed.
   [[nodiscard]] Camera after(double frames) const;
+  // How fast it turns about its own y and x axes, radians per frame, without sign.
+  [[nodiscard]] double turning_sideways() const;
+  [[nodiscard]] double turning_upwards() const;
   // Has the eye jumped to the last camera?
   [[nodiscard]] bool jumped() const { return jumped_; }
 

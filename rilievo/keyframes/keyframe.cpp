@@ -30,11 +30,11 @@ void InverseRange::add(const InverseRange& other) {
   add(other.nearest);
 }
 
-void resize(Keyframe& keyframe, const Camera& camera) {
+void resize(Keyframe& keyframe, const Camera& camera, bool quarters) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   const int width = camera.width, height = camera.height;
   keyframe.camera = camera;
-  set_size(keyframe.color, width, height);
+  set_size(keyframe.color, quarters ? 2 * width : width, quarters ? 2 * height : height);
   set_size(keyframe.inverse_z, width, height);
   set_size(keyframe.object, width, height);
   set_size(keyframe.segments, parts(width, Keyframe::kColumns), height);
@@ -60,15 +60,15 @@ void find_ranges(Keyframe& keyframe, int from, int to) {
   });
 }
 
-Camera keyframe_camera(const Camera& frame, double margin, double texels) {
-  RILIEVO_EXPECTS(margin >= 1 && texels > 0);
+Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels) {
+  RILIEVO_EXPECTS(margin.x >= 1 && margin.y >= 1 && texels > 0);
   Camera camera = frame;
   // As many texels on either side, so that a pixel's texels keep their places.
-  const auto wider = [&](int pixels) {
-    const int more = int(std::ceil((margin - 1) * pixels * texels / 2 - 1e-9));
+  const auto wider = [&](int pixels, double times) {
+    const int more = int(std::ceil((times - 1) * pixels * texels / 2 - 1e-9));
     return std::max(1, int(std::ceil(pixels * texels - 1e-9)) + 2 * more);
   };
-  camera.width = wider(frame.width), camera.height = wider(frame.height);
+  camera.width = wider(frame.width, margin.x), camera.height = wider(frame.height, margin.y);
   const ImageWindow& w = frame.window;
   const double x = (w.left + w.right) / 2, y = (w.bottom + w.top) / 2;
   const double half_x = (w.right - w.left) / frame.width / texels * camera.width / 2,

@@ -25,29 +25,52 @@ struct InverseRange {
   void add(const InverseRange& other);
 };
 
-// A keyframe. All images have the camera's size.
+// The highest byte of a colour: what the quarter of a texel shows, the texel's surface, one in
+// front of it, or what is behind; and of the four quarters beside it how many show the same as it,
+// and how many what is in front of that. Silhouettes are placed by it.
+enum class Quarter : std::uint32_t { own = 0, nearer = 1, farther = 2 };
+[[nodiscard]] constexpr std::uint32_t quarter_code(Quarter shows, std::uint32_t same_beside,
+                                                   std::uint32_t nearer_beside) {
+  return std::uint32_t(shows) << 30 | same_beside << 27 | nearer_beside << 24;
+}
+// Of a texel without quarters.
+inline constexpr std::uint32_t kWholeTexel = quarter_code(Quarter::own, 4, 0);
+
+// A keyframe. All images have the camera's size but that of the colours, which has twice that size
+// where each texel has four quarters.
 struct Keyframe {
   // Columns of a segment and rows of a block, for which ranges of depth are kept.
   static constexpr int kColumns = 64, kRows = 16;
 
   Camera camera;                // perspective
-  Image<std::uint32_t> color;   // sRGB bytes R, G, B, A, the first one in the lowest bits; A is 255
+  Image<std::uint32_t> color;   // sRGB bytes R, G, B, the first one in the lowest bits; above them
+                                // what the quarter, or the whole texel, shows
   Image<float> inverse_z;       // 1 / eye_z of the surface at the texel's centre; 0: sky
   Image<std::uint32_t> object;  // index into Scene::objects + 1; kNoObject: sky
   bool coarse = false;          // has larger texels than the frames for which it was made
+
+  [[nodiscard]] bool quarters() const { return color.width() > camera.width; }
 
   // Of each segment of a row, and of each block of kRows rows of segments; row by row.
   Image<InverseRange> segments, blocks;
 };
 
 // Gives the keyframe the size of its camera. Does not allocate if it has that size already.
-void resize(Keyframe& keyframe, const Camera& camera);
+void resize(Keyframe& keyframe, const Camera& camera, bool quarters = false);
 // Finds the ranges of depth of columns [from, to), which begin and end at segments, or at the end.
 void find_ranges(Keyframe& keyframe, int from, int to);
 
-// The camera of a keyframe at a frame's eye: `margin` times as wide and high (1: as the frame), and
-// `texels` texels for each pixel of the frame. Sizes are rounded up, and the window with them, so
-// that with texels = 1 the texels' centres lie on the frame's pixels' centres.
-[[nodiscard]] Camera keyframe_camera(const Camera& frame, double margin, double texels = 1);
+// How many times as wide and high as a frame a keyframe is; 1: as the frame.
+struct KeyframeMargin {
+  double x = 1, y = 1;
+
+  KeyframeMargin(double both) : x(both), y(both) {}  // NOLINT: a number is a margin
+  KeyframeMargin(double x, double y) : x(x), y(y) {}
+};
+
+// The camera of a keyframe at a frame's eye, with `texels` texels for each pixel of the frame.
+// Sizes are rounded up, and the window with them, so that with texels = 1 the texels' centres lie
+// on the frame's pixels' centres.
+[[nodiscard]] Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels = 1);
 
 }  // namespace rilievo

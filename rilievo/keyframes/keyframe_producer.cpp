@@ -21,6 +21,9 @@ constexpr float kCoarseWeight = 1e-4f;
 constexpr float kSpareWeight = 0.2f;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
+// An eye that turns by so many radians a frame, or more, gets a margin that is wider by so much
+// along that axis.
+constexpr double kTurning = 0.003, kTurningMargin = 1.2;
 // How many frames ahead an eye is predicted at most, for a source that takes long.
 constexpr int kMostAhead = 60;
 // What is being made for an eye that looks elsewhere, by so many radians, is given up.
@@ -39,7 +42,7 @@ double turn_between(const Camera& a, const Camera& b) {
 }
 
 // Its view, of the frame's eye.
-Camera plain(const Camera& camera, const Camera& frame, double margin) {
+Camera plain(const Camera& camera, const Camera& frame, KeyframeMargin margin) {
   Camera moved = frame;
   moved.world_from_eye = camera.world_from_eye;
   return keyframe_camera(moved, margin);
@@ -58,10 +61,12 @@ KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
 KeyframeProducer::~KeyframeProducer() { stop_.request_stop(); }
 
 std::size_t KeyframeProducer::bytes() const {
-  std::size_t texels = 0;
+  std::size_t bytes = 0;
   for (const std::vector<Keyframe>* list : {&ready_, &spare_})
-    for (const Keyframe& key : *list) texels += key.color.texels().size();
-  return texels * (2 * sizeof(std::uint32_t) + sizeof(float));
+    for (const Keyframe& key : *list)
+      bytes += sizeof(std::uint32_t) * (key.color.texels().size() + key.object.texels().size()) +
+               sizeof(float) * key.inverse_z.texels().size();
+  return bytes;
 }
 
 KeyframeWork KeyframeProducer::take_work() { return std::exchange(done_, {}); }
@@ -102,10 +107,33 @@ Keyframe KeyframeProducer::reusable() {
   return key;
 }
 
+void KeyframeProducer::forget() {
+  RILIEVO_EXPECTS(!options_.beside);
+  if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
+  for (Keyframe& key : ready_) spare_.push_back(std::move(key));
+  ready_.clear(), chosen_.clear();
+  if (spare_.size() > 2) spare_.resize(2);
+}
+
+bool KeyframeProducer::has_two() const {
+  return std::count_if(ready_.begin(), ready_.end(),
+                       [](const Keyframe& key) { return !key.coarse; }) >= 2;
+}
+
+KeyframeMargin KeyframeProducer::margin() const {
+  const auto along = [&](double turning) {
+    return options_.margin * (turning >= kTurning ? kTurningMargin : 1.0);
+  };
+  return {along(prediction_.turning_sideways()), along(prediction_.turning_upwards())};
+}
+
 void KeyframeProducer::begin(const Camera& eye) {
-  maker_.begin(
-      {plain(eye, frame_, options_.margin), objects_, options_.samples, time_, false, options_.sky},
-      reusable());
+  KeyframeRequest request;
+  request.camera = plain(eye, frame_, margin());
+  request.objects = objects_;
+  request.samples = options_.samples, request.whole_texels = options_.whole_texels;
+  request.time = time_, request.sky = options_.sky;
+  maker_.begin(request, reusable());
 }
 
 void KeyframeProducer::add(Keyframe keyframe) {
@@ -136,8 +164,11 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   }
   if (coarse) {
     KeyframeMaker maker;
-    maker.begin({keyframe_camera(frame_, kCoarseMargin, kCoarseTexels), objects_, 1, time_, true},
-                reusable());
+    KeyframeRequest request;
+    request.camera = keyframe_camera(frame_, kCoarseMargin, kCoarseTexels);
+    request.objects = objects_, request.samples = 1;
+    request.time = time_, request.coarse = true;
+    maker.begin(request, reusable());
     if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
     add(maker.take());
     ++done_.coarse;
@@ -154,7 +185,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
 
 int KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
-  const int width = keyframe_camera(frame_, options_.margin).width;
+  const int width = keyframe_camera(frame_, margin()).width;
   int columns = (width + options_.interval - 1) / options_.interval;
   if (!(options_.keyframe_ms > 0)) return (columns + kBand - 1) / kBand * kBand;
   // Within the time, and no more than needed.
@@ -179,7 +210,7 @@ Result<> KeyframeProducer::work_beside() {
     return Done{};
   }
   const Camera eye = prediction_.after(std::min(2 * frames_for_one_, kMostAhead));
-  const Camera camera = plain(eye, frame_, options_.margin);
+  const Camera camera = plain(eye, frame_, margin());
   for (const Keyframe& key : ready_)
     if (!key.coarse && same_view(key.camera, camera)) return Done{};
   begin(eye);
@@ -201,9 +232,9 @@ Result<> KeyframeProducer::work() {
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     spare_.push_back(maker_.give_up());
   if (!maker_.busy()) {
-    const int width = keyframe_camera(frame_, options_.margin).width;
+    const int width = keyframe_camera(frame_, margin()).width;
     const Camera eye = prediction_.after(2.0 * ((width + columns - 1) / columns));
-    const Camera camera = plain(eye, frame_, options_.margin);
+    const Camera camera = plain(eye, frame_, margin());
     for (const Keyframe& key : ready_)
       if (!key.coarse && same_view(key.camera, camera)) return Done{};
     begin(eye);
@@ -215,6 +246,8 @@ Result<> KeyframeProducer::work() {
   ms_per_column_ = ms_per_column_ == 0
                        ? per_column
                        : ms_per_column_ + (per_column - ms_per_column_) * kNewestCost;
+  const int height = keyframe_camera(frame_, margin()).height;
+  ms_per_texel_ = ms_per_column_ / height;
   done_.ms += ms;
   if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};

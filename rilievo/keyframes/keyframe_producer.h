@@ -30,12 +30,13 @@ namespace rilievo {
 
 // How keyframes are made.
 struct KeyframeOptions {
-  double margin = 1.2;       // of a keyframe's sides over the frame's
-  int samples = 4;           // of a texel: 1, 4 or 16
-  int interval = 16;         // the least number of frames for a keyframe
-  double keyframe_ms = 0;    // the most time that a frame spends on keyframes; 0: no limit
-  bool beside = false;       // keyframes are made beside the frames, each at once
-  const Sky* sky = nullptr;  // for sources that draw none; null: they do. See KeyframeRequest
+  double margin = 1.2;        // of a keyframe's sides over the frame's; of an eye that turns, more
+  int samples = 4;            // of a texel: 1, 4 or 16
+  int interval = 16;          // the least number of frames for a keyframe
+  double keyframe_ms = 0;     // the most time that a frame spends on keyframes; 0: no limit
+  bool whole_texels = false;  // as KeyframeRequest's
+  bool beside = false;        // keyframes are made beside the frames, each at once
+  const Sky* sky = nullptr;   // for sources that draw none; null: they do. See KeyframeRequest
 };
 
 // What producing did since the last time it was asked.
@@ -62,6 +63,12 @@ class KeyframeProducer {
   Result<> work();
 
   [[nodiscard]] bool any() const { return !ready_.empty(); }
+  // Forgets all keyframes: they are of where the eye was some time ago.
+  void forget();
+  // Has it two keyframes that are not coarse?
+  [[nodiscard]] bool has_two() const;
+  // What a texel of a keyframe took, as measured: the mean, in ms; 0: none was made.
+  [[nodiscard]] double ms_per_texel() const { return ms_per_texel_; }
   // The memory of keyframes.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] KeyframeWork take_work();
@@ -70,6 +77,7 @@ class KeyframeProducer {
 
  private:
   void choose();
+  [[nodiscard]] KeyframeMargin margin() const;
   Result<> work_beside();
   void begin(const Camera& eye);
   void add(Keyframe keyframe);
@@ -86,7 +94,7 @@ class KeyframeProducer {
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
-  double ms_per_column_ = 0;
+  double ms_per_column_ = 0, ms_per_texel_ = 0;
   KeyframeWork done_;
 
   // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.

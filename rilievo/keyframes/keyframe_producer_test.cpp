@@ -29,7 +29,11 @@ TEST(EyePrediction, ASteadyEyeGoesOnAndAJumpIsNoMotion) {
   EyePrediction prediction;
   for (int i = 0; i < 20; ++i) prediction.follow(ProducerStage::eye(0.02 * i, 0.01 * i));
   EXPECT_FALSE(prediction.jumped());
-  const Camera ahead = prediction.after(10), expected = ProducerStage::eye(0.02 * 29, 0.29);
+  const double turning =
+      EyePrediction::kTurningFrames * (1 - std::exp(-10 / EyePrediction::kTurningFrames));
+  EXPECT_GT(turning, 8);
+  const Camera ahead = prediction.after(10),
+               expected = ProducerStage::eye(0.02 * 29, 0.19 + 0.01 * turning);
   EXPECT_NEAR(glm::length(ahead.position() - expected.position()), 0, 1e-9);
   EXPECT_NEAR(glm::length(ahead.forward() - expected.forward()), 0, 1e-9);
   EXPECT_TRUE(validate(ahead));
@@ -56,6 +60,22 @@ TEST(KeyframeProducer, TheEyeOfASteadyWalkIsBetweenTwoKeyframes) {
     ASSERT_TRUE(producer.work());
   }
   EXPECT_GE(between, 30);
+}
+
+TEST(KeyframeProducer, AnEyeThatTurnsGetsAWiderMarginAlongItsWay) {
+  ProducerStage stage;
+  for (const double turn : {0.0, 0.01}) {
+    KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 2});
+    for (int i = 0; i < 12; ++i) {
+      if (producer.follow(ProducerStage::eye(0.02 * i, turn * i), 0).empty()) {
+        ASSERT_TRUE(producer.make_now());
+      }
+      ASSERT_TRUE(producer.work());
+    }
+    const Camera& made = producer.chosen().back().keyframe->camera;
+    EXPECT_NEAR(made.width, 96 * (turn > 0 ? 1.44 : 1.2), 2);
+    EXPECT_NEAR(made.height, 64 * 1.2, 2);
+  }
 }
 
 TEST(KeyframeProducer, AnEyeThatStandsGetsItsOwnKeyframeAndThenNothingIsMade) {

@@ -36,7 +36,7 @@ class SrgbBytes {
 
 std::uint32_t bytes_of(const glm::vec4& linear) {
   static const SrgbBytes table;
-  return table(linear.r) | table(linear.g) << 8 | table(linear.b) << 16 | 0xff000000u;
+  return table(linear.r) | table(linear.g) << 8 | table(linear.b) << 16;
 }
 
 float inverse_of(float eye_z) { return eye_z < kNoDepth && eye_z > 0 ? 1 / eye_z : 0.0f; }
@@ -44,49 +44,96 @@ float inverse_of(float eye_z) { return eye_z < kNoDepth && eye_z > 0 ? 1 / eye_z
 // Depths that differ by less are one surface's.
 constexpr float kSameSurface = 0.03f;
 
-// A texel of a keyframe.
-struct KeyframeTexel {
-  std::uint32_t color, object;
-  float inverse_z;
-};
-
-// Of four: the second nearest, because where two of four show what is in front, it has half of the
-// texel.
-KeyframeTexel of_four(const KeyframeTexel (&in)[4]) {
-  int order[4] = {0, 1, 2, 3};
-  std::stable_sort(order, order + 4,
-                   [&](int a, int b) { return in[a].inverse_z > in[b].inverse_z; });
-  const KeyframeTexel& chosen = in[order[1]];
-  float sum = 0;
-  std::uint32_t count = 0, channels[3] = {};
-  for (const KeyframeTexel& one : in) {
-    if (!(std::abs(one.inverse_z - chosen.inverse_z) <= kSameSurface * chosen.inverse_z)) continue;
-    sum += one.inverse_z, ++count;
-    for (int c = 0; c < 3; ++c) channels[c] += one.color >> (8 * c) & 255;
-  }
-  std::uint32_t color = 0xff000000u;
-  for (int c = 0; c < 3; ++c) color |= (channels[c] + count / 2) / count << (8 * c);
-  return {color, chosen.object, sum / float(count)};
+bool same_surface(float inverse_z, float as) {
+  return std::abs(inverse_z - as) <= kSameSurface * as;
 }
 
-// Columns [first, first + width of the picture / scale) of the keyframe.
-void take_over(const DepthImage& picture, int scale, int first, Keyframe& keyframe) {
-  const int columns = picture.camera.width / scale;
-  const bool objects = !picture.object.empty();
+// Where things are finer than texels, a quarter of one sample says little: its sides that show the
+// same surface count an eighth each, about as much as a pixel's own width shows of them.
+constexpr std::uint32_t kOwnPart = 4, kSidePart = 1;
+
+// A quarter's colour, smoothed if asked for, and of quarter_code() how many sides show what. Beyond
+// the picture is the same.
+std::uint32_t with_sides(const KeyframeBand& band, bool smooth, int x, int y) {
+  static constexpr std::uint32_t kPer[] = {16384, 13107, 10923, 9362, 8192};  // 65536 / (4 to 8)
+  const std::uint32_t own = band.colors(x, y);
+  const float w = band.inverse_z(x, y);
+  // Two bytes at a time.
+  std::uint32_t even = kOwnPart * (own & 0x00ff00ffu), odd = kOwnPart * (own >> 8 & 0xffu);
+  std::uint32_t same = 0, nearer = 0, added = 0;
+  const auto add = [&](bool within, int at_x, int at_y) {
+    const float beside = within ? band.inverse_z(at_x, at_y) : w;
+    if (!same_surface(beside, w)) {
+      nearer += beside > w;
+      return;
+    }
+    ++same;
+    if (!within) return;
+    const std::uint32_t color = band.colors(at_x, at_y);
+    even += color & 0x00ff00ffu, odd += color >> 8 & 0xffu, ++added;
+  };
+  add(x > 0, x - 1, y);
+  add(x + 1 < band.colors.width(), x + 1, y);
+  add(y > 0, x, y - 1);
+  add(y + 1 < band.colors.height(), x, y + 1);
+  const std::uint32_t code = quarter_code(Quarter::own, same, nearer);
+  if (!smooth) return own | code;
+  const auto mean = [&](std::uint32_t sum) { return (sum * kPer[added] + 32768) >> 16; };
+  return mean(even & 0xffffu) | mean(odd) << 8 | mean(even >> 16) << 16 | code;
+}
+
+// Texel (x, y) of the keyframe from its quarters, which are at (from_x, from_y) of the picture and
+// beside. Of their depths the second nearest counts, because where two of four show what is in
+// front, it has half of the texel.
+void join_quarters(const DepthImage& picture, const KeyframeBand& band, bool smooth, int from_x,
+                   int from_y, int x, int y, Keyframe& keyframe) {
+  float inverse_z[4];
+  for (int i = 0; i < 4; ++i) inverse_z[i] = band.inverse_z(from_x + i % 2, from_y + i / 2);
+  const auto nearer = std::minmax(inverse_z[0], inverse_z[1]),
+             others = std::minmax(inverse_z[2], inverse_z[3]);
+  const float second =
+      std::max(std::min(nearer.second, others.second), std::max(nearer.first, others.first));
+  float sum = 0;
+  int count = 0, chosen = 0;
+  for (int i = 0; i < 4; ++i) {
+    const bool own = same_surface(inverse_z[i], second);
+    if (inverse_z[i] == second) chosen = i;
+    if (own) sum += inverse_z[i], ++count;
+    const Quarter shows = own                     ? Quarter::own
+                          : inverse_z[i] > second ? Quarter::nearer
+                                                  : Quarter::farther;
+    keyframe.color(2 * x + i % 2, 2 * y + i / 2) =
+        with_sides(band, smooth, from_x + i % 2, from_y + i / 2) | quarter_code(shows, 0, 0);
+  }
+  keyframe.inverse_z(x, y) = sum / float(count);
+  keyframe.object(x, y) =
+      picture.object.empty() ? kNoObject : picture.object(from_x + chosen % 2, from_y + chosen / 2);
+}
+
+// Columns [from, to) of the keyframe; the picture begins `before` columns before them.
+void take_over(const DepthImage& picture, int from, int to, int before, bool smooth,
+               KeyframeBand& band, Keyframe& keyframe) {
+  const int width = picture.camera.width, height = picture.camera.height;
+  if (band.colors.width() != width || band.colors.height() != height) {
+    band.colors = Image<std::uint32_t>(width, height);
+    band.inverse_z = Image<float>(width, height);
+  }
+  parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      band.colors(x, y) = bytes_of(picture.color(x, y));
+      band.inverse_z(x, y) = inverse_of(picture.depth(x, y));
+    }
+  });
   parallel_for(0, keyframe.camera.height, [&](int y) {
-    for (int column = 0; column < columns; ++column) {
-      const auto texel = [&](int i) {
-        const int from_x = column * scale + i % 2, from_y = y * scale + i / 2;
-        return KeyframeTexel{bytes_of(picture.color(from_x, from_y)),
-                             objects ? picture.object(from_x, from_y) : kNoObject,
-                             inverse_of(picture.depth(from_x, from_y))};
-      };
-      const KeyframeTexel made =
-          scale == 1 ? texel(0) : of_four({texel(0), texel(1), texel(2), texel(3)});
-      const int x = first + column;
-      keyframe.color(x, y) = made.color;
-      keyframe.object(x, y) = made.object;
-      keyframe.inverse_z(x, y) = made.inverse_z;
+    for (int x = from; x < to; ++x) {
+      const int column = x - from + before;
+      if (keyframe.quarters()) {
+        join_quarters(picture, band, smooth, 2 * column, 2 * y, x, y, keyframe);
+        continue;
+      }
+      keyframe.color(x, y) = band.colors(column, y) | kWholeTexel;
+      keyframe.object(x, y) = picture.object.empty() ? kNoObject : picture.object(column, y);
+      keyframe.inverse_z(x, y) = band.inverse_z(column, y);
     }
   });
 }
@@ -126,7 +173,8 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   request_ = request;
   request_.objects = objects_;
   keyframe_ = std::move(reuse);
-  resize(keyframe_, request.camera);
+  resize(keyframe_, request.camera,
+         request.samples == 16 || (request.samples == 4 && !request.whole_texels));
   keyframe_.coarse = request.coarse;
   next_ = 0;
 }
@@ -136,18 +184,21 @@ Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureCo
   const int width = keyframe_.camera.width;
   const int whole = (std::max(columns, 1) + kBand - 1) / kBand * kBand;
   const int from = next_, to = std::min(from + whole, width);
-  const int scale = request_.samples == 16 ? 2 : 1;
+  const bool quarters = keyframe_.quarters();
+  const bool smooth = quarters && request_.samples == 4;
+  // With the sides of its quarters.
+  const int before = quarters && from > 0 ? 1 : 0, behind = quarters && to < width ? 1 : 0;
   CaptureRequest request;
-  request.camera = band_of(keyframe_.camera, from, to, scale);
+  request.camera = band_of(keyframe_.camera, from - before, to + behind, quarters ? 2 : 1);
   request.objects = request_.objects;
-  request.samples = std::min(request_.samples, 4);
+  request.samples = quarters ? request_.samples / 4 : request_.samples;
   request.with_sky = !request_.sky;
   request.control = control;
   request.time = request_.time;
   Result<CapturedPicture> captured = source.capture(request);
   if (!captured) return captured.error();
   if (request_.sky) add_sky(*request_.sky, captured->picture);
-  take_over(captured->picture, scale, from, keyframe_);
+  take_over(captured->picture, from, to, before, smooth, band_, keyframe_);
   // Of the segments that are complete now.
   const auto complete = [&](int column) {
     return column == width ? width : column / Keyframe::kColumns * Keyframe::kColumns;

@@ -2,10 +2,13 @@
 //
 // A band is a few columns, captured by a camera of their own: it can be made between two frames,
 // and the rest later. Columns, because each of them crosses the horizon, where most of a scene is:
-// of rows some would take many times as long as others. Colours have 1, 4 or 16 samples a texel;
-// with 16 the band is captured at twice the size, and of the four depths the second nearest stays.
-// Depth and colour are those of the quarters that show its surface; colours are averaged as
-// displayed bytes, as frames average theirs. One thread; the source uses more.
+// of rows some would take many times as long as others. Colours have 1, 4 or 16 samples a texel.
+// A band is captured at twice the size, with a quarter of the samples: each quarter of a texel has
+// a colour, and of the four depths the second nearest stays, and the mean of those on its surface.
+// What the quarters show tells where silhouettes are; and where a frame's pixel lies between
+// texels, it is as sharp as if it lay on one. Quarters of one sample are smoothed a
+// little, within their surface: about as much as the width of a pixel does. One thread; the source
+// uses more.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +28,20 @@ struct KeyframeRequest {
   Camera camera;
   std::span<const std::uint32_t> objects = {};  // that it shows; empty: all. Copied
   int samples = 4;                              // of a texel: 1, 4 or 16
-  double time = 0;                              // seconds
+  // Of a source for which four texels take four times as long as four samples of one: it captures a
+  // band of 1 or 4 samples at its own size, without quarters.
+  bool whole_texels = false;
+  double time = 0;  // seconds
   bool coarse = false;
   // Drawn behind what a source captures that draws none of its own (such as the ray tracer), and
   // behind what covers a texel in part. Null: the source draws it.
   const Sky* sky = nullptr;
+};
+
+// A band as it was captured.
+struct KeyframeBand {
+  Image<std::uint32_t> colors;  // sRGB bytes
+  Image<float> inverse_z;
 };
 
 // A keyframe that is being made.
@@ -56,6 +68,7 @@ class KeyframeMaker {
   KeyframeRequest request_;
   std::vector<std::uint32_t> objects_;
   Keyframe keyframe_;
+  KeyframeBand band_;
   int next_ = 1 << 30;  // column
 };
 

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/random.h"
+#include "rilievo/keyframes/warp_keyframes.h"
+#include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo {
@@ -21,7 +24,7 @@ struct MakerStage {
 };
 
 std::uint32_t bytes_of_color(const glm::vec4& linear) {
-  std::uint32_t bytes = 0xff000000u;
+  std::uint32_t bytes = kWholeTexel;
   for (int c = 0; c < 3; ++c)
     bytes |= std::uint32_t(srgb_from_linear(std::clamp(linear[c], 0.0f, 1.0f)) * 255 + 0.5f)
              << (8 * c);
@@ -52,7 +55,7 @@ void expect_ranges(const Keyframe& key) {
 TEST(MakeKeyframe, ShowsWhatTheSourceCaptures) {
   MakerStage stage;
   const Camera camera = keyframe_camera(stage.frame, 1.2);
-  const auto key = make_keyframe(stage.source, {camera, {}, 4});
+  const auto key = make_keyframe(stage.source, {camera, {}, 4, true});
   ASSERT_TRUE(key);
   CaptureRequest request;
   request.camera = camera;
@@ -104,6 +107,7 @@ TEST(MakeKeyframe, SixteenSamplesKeepTheSecondNearestOfFourDepths) {
   request.with_sky = true;
   const auto captured = stage.source.capture(request);
   ASSERT_TRUE(captured);
+  int in_part = 0;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       float inverse[4];
@@ -113,7 +117,81 @@ TEST(MakeKeyframe, SixteenSamplesKeepTheSecondNearestOfFourDepths) {
       }
       std::sort(inverse, inverse + 4);
       EXPECT_LE(std::abs(key->inverse_z(x, y) - inverse[2]), 0.03f * inverse[2]);
+      for (int i = 0; i < 4; ++i) {
+        const int from_x = 2 * x + i % 2, from_y = 2 * y + i / 2;
+        const float depth = captured->picture.depth(from_x, from_y);
+        const float one = depth == kNoDepth ? 0.0f : 1 / depth;
+        const bool same = std::abs(one - inverse[2]) <= 0.03f * inverse[2];
+        const Quarter shows = same               ? Quarter::own
+                              : one > inverse[2] ? Quarter::nearer
+                                                 : Quarter::farther;
+        std::uint32_t same_beside = 0, nearer_beside = 0;
+        for (int side = 0; side < 4; ++side) {
+          const int at_x = from_x + (side < 2 ? 2 * side - 1 : 0),
+                    at_y = from_y + (side < 2 ? 0 : 2 * side - 5);
+          const bool within =
+              at_x >= 0 && at_y >= 0 && at_x < 2 * camera.width && at_y < 2 * camera.height;
+          const float there = within ? captured->picture.depth(at_x, at_y) : depth;
+          const float beside = there == kNoDepth ? 0.0f : 1 / there;
+          const bool alike = std::abs(beside - one) <= 0.03f * one;
+          same_beside += alike, nearer_beside += !alike && beside > one;
+        }
+        EXPECT_EQ(key->color(from_x, from_y) & 0xff000000u,
+                  quarter_code(shows, same_beside, nearer_beside));
+        EXPECT_LE(most_apart(key->color(from_x, from_y) & 0xffffffu,
+                             bytes_of_color(captured->picture.color(from_x, from_y)) & 0xffffffu),
+                  1);
+        in_part += !same;
+      }
     }
+  EXPECT_GT(in_part, 100);
+}
+
+double mean_difference(const WarpedFrame& frame, const Rgba8Image& truth) {
+  double sum = 0;
+  for (int y = 0; y < truth.height(); ++y)
+    for (int x = 0; x < truth.width(); ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double d = double(frame.color(x, y) >> (8 * c) & 255) - double(truth(x, y)[c]);
+        sum += d * d;
+      }
+  return sum / double(truth.texels().size());
+}
+
+TEST(MakeKeyframe, QuartersLoseLessInAWarpThanWholeTexelsDo) {
+  const BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
+  PlacedScene placed(made.scene);
+  RasterSource source(placed);
+  const Camera frame = camera_at(made.path, 0.5, 480, 300);
+  // The truth: 36 samples a pixel, averaged as frames average theirs.
+  TestSource direct = software_direct(made.scene, 4);
+  Camera finer = frame;
+  finer.width *= 3, finer.height *= 3;
+  ASSERT_TRUE(direct.draw(finer, 0));
+  const Rgba8Image& all = direct.software_target()->color();
+  Rgba8Image truth(frame.width, frame.height);
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      glm::ivec4 sum(4);
+      for (int i = 0; i < 9; ++i) sum += glm::ivec4(all(3 * x + i % 3, 3 * y + i / 3));
+      truth(x, y) = glm::u8vec4(sum / 9);
+    }
+  // Turned by some texels and a part of one, different everywhere.
+  Camera turned = keyframe_camera(frame, 1.3);
+  const glm::dmat4 turn = glm::rotate(glm::dmat4(1), 0.023, glm::dvec3(0.3, 1, 0.6));
+  for (int c = 0; c < 3; ++c) turned.world_from_eye[c] = turn * frame.world_from_eye[c];
+  const auto loss = [&](int samples, bool whole_texels) {
+    const auto key = make_keyframe(source, {turned, {}, samples, whole_texels});
+    EXPECT_TRUE(key);
+    EXPECT_EQ(key->quarters(), samples == 16 || !whole_texels);
+    WarpedFrame out;
+    const WarpedKeyframe one{&*key, 1};
+    warp_keyframes({&one, 1}, frame, out);
+    return mean_difference(out, truth);
+  };
+  const double of_texels = loss(4, true), of_quarters = loss(4, false), of_more = loss(16, false);
+  EXPECT_LT(of_quarters, 0.8 * of_texels) << of_texels << " " << of_quarters << " " << of_more;
+  EXPECT_LT(of_more, 0.8 * of_texels);
 }
 
 TEST(MakeKeyframe, RangesHoldAllDepthsOfTheirTexels) {

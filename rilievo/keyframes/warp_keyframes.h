@@ -9,9 +9,11 @@
 // A texel has the colour of one surface (conventions.md), so that edges are made smooth here. Where
 // one of a pixel's neighbours is nearer, or else farther, both surfaces are looked up at the pixel:
 // the share of the four texels that show the one in front is what it covers, and the rest shows the
-// one behind. The share is half on the border of two texels, wherever that is in the pixel, and
-// falls from 1 to 0 within a texel: the same as a box filter. So are cracks closed between the
-// squares of a surface that came nearer, of which a keyframe shows all.
+// one behind. Where texels have quarters, the four of them around the place count instead, each of
+// which shows its texel's surface or what is in front of it or behind, and counts with its sides.
+// The share is half on the border of two texels, wherever that is in the pixel, and falls from 1 to
+// 0 within a texel: about as a box filter. So are cracks closed between the squares of a surface
+// that came nearer, of which a keyframe shows all.
 //
 // Raster coordinates and 1 / eye_z go from one camera to another by a matrix: with a point at
 // raster (x, y) and w = 1 / eye_z, eye E and the ray R(x, y) through it, affine in x and y,
@@ -62,6 +64,9 @@ inline constexpr float kSameSurfaceDepth = 0.03f;
 // Weights of the four texels around a place are whole numbers that make up this, or a little less.
 // So many of them must show the pixel's surface; with more than so many all of it is shown.
 inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
+// A quarter of a surface's texel that shows another surface has a colour for want of a better one:
+// its weight is shifted by so many bits.
+inline constexpr int kOtherQuarterShift = 4;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
 // Texels do not grow by more. What is so much nearer than at capture has been left behind.

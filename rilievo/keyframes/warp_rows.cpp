@@ -124,9 +124,10 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
 }
 
 // What the keyframes show of places in the frame: sums of bytes, weighted; and how much of the
-// places it covers, in kTexelWeights.
+// places it covers, in kTexelWeights: the most of all keyframes, and the sum, weighted as the
+// bytes, with those quarters of texels behind that show what is in front.
 struct Found {
-  VF r, g, b, weight, cover;
+  VF r, g, b, weight, cover, front;
 };
 
 // Looks up the surfaces at pixels `px` of row `py`, at 1 / eye_z `w`. Colours are summed two bytes
@@ -136,7 +137,8 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
   const I i32;
   const U u32;
   const VF one = number(1);
-  Found found{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
+  const VF zero = hn::Zero(f);
+  Found found{zero, zero, zero, zero, zero, zero};
   for (int k = 0; k < count; ++k) {
     const WarpSource& source = sources[k];
     const Keyframe& key = *source.keyframe;
@@ -147,16 +149,29 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         along_z(source.from_frame.z, py);
     const VF z = along_z.at(px, w);
     const VF per_z = hn::Div(one, hn::Max(z, number(1e-6f)));
-    const VF qx = hn::Sub(hn::Mul(along_x.at(px, w), per_z), number(0.5f));
-    const VF qy = hn::Sub(hn::Mul(along_y.at(px, w), per_z), number(0.5f));
-    const Mask right = hn::And(hn::Ge(qx, hn::Zero(f)), hn::Lt(qx, number(float(width - 1))));
-    const Mask below = hn::And(hn::Ge(qy, hn::Zero(f)), hn::Lt(qy, number(float(height - 1))));
+    // In quarters of texels, if there are any.
+    const int finer = key.quarters() ? 1 : 0;
+    const int columns = width << finer, rows = height << finer;
+    const VF scaled = hn::Mul(per_z, number(float(1 << finer)));
+    const VF qx = hn::Sub(hn::Mul(along_x.at(px, w), scaled), number(0.5f));
+    const VF qy = hn::Sub(hn::Mul(along_y.at(px, w), scaled), number(0.5f));
+    const Mask right = hn::And(hn::Ge(qx, hn::Zero(f)), hn::Lt(qx, number(float(columns - 1))));
+    const Mask below = hn::And(hn::Ge(qy, hn::Zero(f)), hn::Lt(qy, number(float(rows - 1))));
     const Mask within = hn::And(hn::And(wanted, hn::Gt(z, number(1e-6f))), hn::And(right, below));
     if (hn::AllFalse(f, within)) continue;
     const VF x_floor = hn::Floor(qx), y_floor = hn::Floor(qy);
     const VF ax = hn::Sub(qx, x_floor), ay = hn::Sub(qy, y_floor);
     const auto whole = [&](VF v) { return hn::ConvertTo(i32, hn::IfThenElseZero(within, v)); };
-    const VI at = hn::Add(hn::Mul(whole(y_floor), hn::Set(i32, width)), whole(x_floor));
+    const VI ix = whole(x_floor), iy = whole(y_floor);
+    const VI at = hn::Add(hn::Mul(iy, hn::Set(i32, columns)), ix);
+    // The texels of two rows and two columns of quarters, some of them the same.
+    const VI one_more = hn::Set(i32, 1), stride = hn::Set(i32, width);
+    const auto texel = [&](VI of) { return hn::ShiftRightSame(of, finer); };
+    const VI left = texel(ix), right_of = texel(hn::Add(ix, one_more)),
+             upper = hn::Mul(texel(iy), stride),
+             lower = hn::Mul(texel(hn::Add(iy, one_more)), stride);
+    const VI texels[4] = {hn::Add(upper, left), hn::Add(upper, right_of), hn::Add(lower, left),
+                          hn::Add(lower, right_of)};
     const VF there = hn::Mul(w, per_z);
     const VF slack = hn::Mul(number(kSameSurfaceDepth), there);
     const VF left_weight = hn::Mul(hn::Sub(one, ax), number(float(kTexelWeights))),
@@ -166,22 +181,40 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     const float* depths = key.inverse_z.texels().data();
     const auto* colors = reinterpret_cast<const std::int32_t*>(key.color.texels().data());
     const VU pairs = hn::Set(u32, 0x00ff00ffu);
-    VU shown = hn::Zero(u32);
+    VU shown = hn::Zero(u32), sure = hn::Zero(u32), front = hn::Zero(u32);
     VU even = hn::Zero(u32), odd = hn::Zero(u32);  // bytes 0 and 2, 1 and 3
     for (int i = 0; i < 4; ++i) {
-      const std::ptrdiff_t offset = std::ptrdiff_t(i / 2) * width + i % 2;
-      const VF depth = hn::GatherIndex(f, depths + offset, at);
+      const std::ptrdiff_t offset = std::ptrdiff_t(i / 2) * columns + i % 2;
+      const VF depth = hn::GatherIndex(f, depths, texels[i]);
       const VU color = hn::BitCast(u32, hn::GatherIndex(i32, colors + offset, at));
-      const Mask same = hn::Le(hn::Abs(hn::Sub(depth, there)), slack);
-      const VU weight = hn::BitCast(
-          u32, hn::ConvertTo(i32, hn::IfThenElseZero(hn::And(same, within), weights[i])));
-      shown = hn::Add(shown, weight);
+      const auto same = hn::RebindMask(u32, hn::Le(hn::Abs(hn::Sub(depth, there)), slack));
+      const auto before = hn::RebindMask(u32, hn::Lt(depth, hn::Sub(there, slack)));
+      const VU shows = hn::ShiftRight<30>(color);
+      const auto is = [&](Quarter quarter) {
+        return hn::Eq(shows, hn::Set(u32, std::uint32_t(quarter)));
+      };
+      const auto own = is(Quarter::own), nearer = is(Quarter::nearer);
+      const VU all = hn::BitCast(u32, hn::ConvertTo(i32, hn::IfThenElseZero(within, weights[i])));
+      shown = hn::Add(shown, hn::IfThenElseZero(same, all));
+      // A quarter of what is looked up, with its sides; or, of one behind, the sides in front. In
+      // front of a texel behind there is what is looked up.
+      const VU seven = hn::Set(u32, 7);
+      const VU of_same = hn::Add(hn::And(hn::ShiftRight<27>(color), seven), hn::Set(u32, 4));
+      const VU of_nearer = hn::And(hn::ShiftRight<24>(color), seven);
+      const auto in_front = hn::Or(hn::And(same, own), hn::And(before, nearer));
+      const auto behind = hn::AndNot(nearer, hn::Or(same, before));
+      const VU eighths = hn::IfThenElse(in_front, of_same, hn::IfThenElseZero(behind, of_nearer));
+      front = hn::Add(front, hn::Mul(all, eighths));
+      const VU weight = hn::IfThenElseZero(
+          same, hn::IfThenElse(own, all, hn::ShiftRight<kOtherQuarterShift>(all)));
+      sure = hn::Add(sure, weight);
       even = hn::Add(even, hn::Mul(weight, hn::And(color, pairs)));
       odd = hn::Add(odd, hn::Mul(weight, hn::And(hn::ShiftRight<8>(color), pairs)));
     }
     const auto number_of = [&](VU v) { return hn::ConvertTo(f, hn::BitCast(i32, v)); };
     const VF share = number_of(shown);
-    const Mask shows = hn::Gt(share, hn::Zero(f));
+    const VF colored = number_of(sure);
+    const Mask shows = hn::Gt(colored, hn::Zero(f));
     found.cover = hn::Max(found.cover, share);
     const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
     const VF counts =
@@ -190,7 +223,9 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     found.r = hn::Add(found.r, hn::Mul(counts, number_of(hn::And(even, low))));
     found.g = hn::Add(found.g, hn::Mul(counts, number_of(hn::And(odd, low))));
     found.b = hn::Add(found.b, hn::Mul(counts, number_of(hn::ShiftRight<16>(even))));
-    found.weight = hn::Add(found.weight, hn::Mul(counts, share));
+    const VF counted = hn::Mul(counts, colored);
+    found.weight = hn::Add(found.weight, counted);
+    found.front = hn::Add(found.front, hn::Mul(counted, number_of(front)));
   }
   return found;
 }
@@ -234,12 +269,15 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     // Shown as a whole where it is no edge.
     Mask shown = hn::Gt(nearer.cover, least);
     VF part = hn::IfThenElseZero(shown, one), w = front;
-    Found sum{zero, zero, zero, zero, zero};
+    Found sum{zero, zero, zero, zero, zero, zero};
     if (!hn::AllFalse(f, edge)) {
       const Found farther = find(sources, count, px, py, back);
       const Mask behind = hn::And(edge, hn::Gt(farther.cover, least));
       // Without anything behind, the surface in front is all there is.
-      part = select(behind, hn::Mul(nearer.cover, number(1.0f / kTexelWeights)), part);
+      const VF covers =
+          hn::Div(nearer.front, select(hn::Gt(nearer.weight, zero), nearer.weight, one));
+      part =
+          select(behind, hn::Min(hn::Mul(covers, number(1.0f / (8 * kTexelWeights))), one), part);
       w = select(hn::And(behind, hn::Lt(part, number(0.5f))), back, w);
       shown = hn::Or(shown, behind);
       add_part(farther, hn::IfThenElseZero(behind, hn::Sub(one, part)), sum);

@@ -85,7 +85,7 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
     if (Result<> known = check_shader(options.source); !known)
       return Error{"--source", known.error().reason + ", raster or rays"};
     // It takes long, and draws no sky.
-    keyframes.keyframes.beside = true;
+    keyframes.keyframes.beside = keyframes.keyframes.whole_texels = true;
     keyframes.keyframes.sky = &(*software)->scene().sky;
     make = [&](const RayScene& rays) {
       ShaderInput input;

@@ -10,6 +10,8 @@
 #include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/keyframes/cheaper_way.h"
+#include "rilievo/keyframes/keyframe_bound.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
 #include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/polygon_tiles.h"
@@ -21,7 +23,7 @@ namespace rilievo {
 namespace {
 
 // Holes that get all samples: more than these are drawn coarse for the sake of time.
-constexpr std::size_t kMostFineHoles = 30000;
+constexpr std::size_t kMostFineHoles = 40000;
 
 DepthImage picture_of(const Keyframe& key, std::string name) {
   DepthImage picture;
@@ -31,13 +33,22 @@ DepthImage picture_of(const Keyframe& key, std::string name) {
   picture.depth = Image<float>(key.camera.width, key.camera.height, kNoDepth);
   picture.object = key.object;
   const std::array<float, 256>& linear = linear_of_srgb_bytes();
-  for (std::size_t i = 0; i < key.color.texels().size(); ++i) {
-    const std::uint32_t color = key.color.texels()[i];
-    const float w = key.inverse_z.texels()[i];
-    picture.color.texels()[i] = {linear[color & 255], linear[color >> 8 & 255],
-                                 linear[color >> 16 & 255], 1};
-    if (w > 0) picture.depth.texels()[i] = 1 / w;
-  }
+  const int scale = key.quarters() ? 2 : 1;
+  for (int y = 0; y < key.camera.height; ++y)
+    for (int x = 0; x < key.camera.width; ++x) {
+      // The mean of those quarters that show the surface; one of them does.
+      glm::vec3 sum(0);
+      int count = 0;
+      for (int i = 0; i < scale * scale; ++i) {
+        const std::uint32_t color = key.color(scale * x + i % 2, scale * y + i / 2);
+        if (color >> 30 != std::uint32_t(Quarter::own)) continue;
+        sum += glm::vec3(linear[color & 255], linear[color >> 8 & 255], linear[color >> 16 & 255]);
+        ++count;
+      }
+      picture.color(x, y) = glm::vec4(sum / float(count), 1);
+      const float w = key.inverse_z(x, y);
+      if (w > 0) picture.depth(x, y) = 1 / w;
+    }
   return picture;
 }
 
@@ -54,6 +65,9 @@ struct KeyframeFrames::State {
   std::vector<bool> moves;  // by object
   bool any_still = false, blends = false;
   std::optional<KeyframeProducer> producer;
+  std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
+  bool warps = false;                 // the last frame shows keyframes
+  bool making_beside = false;         // it is polygons, and keyframes are being made
 
   SoftwareTarget target;
   WarpedFrame warped;
@@ -99,6 +113,7 @@ void KeyframeFrames::State::make_producer() {
   }
   any_still = !objects.empty();
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
+  if (any_still && !own_source && options.keyframes.keyframe_ms > 0) cheaper.emplace();
   CaptureSource* source = own_source.get();
   if (!source && options.by == KeyframesBy::raster) source = &raster_source.emplace(placed);
   if (!source) source = &ray_source;
@@ -110,7 +125,7 @@ void KeyframeFrames::State::find_view() {
   placed.cull(camera, in_view);
   still.clear(), live.clear(), blended_in_view.clear();
   for (const std::uint32_t object : in_view) {
-    (moves[object] ? live : still).push_back(object);
+    (moves[object] || !warps ? live : still).push_back(object);
     if (placed.has_blended_parts(object)) blended_in_view.push_back(object);
   }
 }
@@ -153,6 +168,9 @@ Result<std::unique_ptr<KeyframeFrames>> KeyframeFrames::create(
 
 Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   State& s = *state_;
+  const Stopwatch all;
+  const CheaperWay::Way way = s.cheaper ? s.cheaper->next() : CheaperWay::Way::keyframes;
+  s.warps = s.any_still && way == CheaperWay::Way::keyframes;
   s.camera = camera;
   s.placed.set_time(time);
   s.shares = {};
@@ -161,7 +179,8 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   if (s.target.width() != camera.width || s.target.height() != camera.height)
     s.target = SoftwareTarget(camera.width, camera.height, s.options.samples);
   s.drawers.clear();
-  if (s.any_still) {
+  s.shares.direct = s.any_still && !s.warps;
+  if (s.warps) {
     if (Result<> done = s.warp(time); !done) return done;
     const Stopwatch watch;
     s.keyframe_tiles.place(camera, s.options.samples, s.warped, s.still, kMostFineHoles);
@@ -176,15 +195,22 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&s.polygons, &s.polygons.shading()});
   s.sky.place(camera);
   s.drawers.push_back(&s.sky);
-  if (s.any_still) s.drawers.push_back(&s.keyframe_tiles.sky());
+  if (s.warps) s.drawers.push_back(&s.keyframe_tiles.sky());
   if (s.blends) {
     s.blended.place(camera, s.options.samples, s.placed, s.blended_in_view);
     if (s.blended.any()) s.drawers.push_back(&s.blended);
   }
   s.target.draw(camera.z_far, s.drawers);
   s.shares.tiles_ms = tiles.ms();
-  if (s.any_still)
+  if (s.any_still && way != CheaperWay::Way::polygons) {
+    // Beside polygons nobody asked for the keyframes at hand.
+    if (!s.warps) {
+      if (!s.making_beside) s.producer->forget();
+      (void)s.producer->follow(camera, time);
+    }
     if (Result<> done = s.producer->work(); !done) return done;
+  }
+  s.making_beside = way == CheaperWay::Way::both;
 
   const KeyframeWork work = s.producer->take_work();
   s.shares.keyframe_ms = work.ms;
@@ -193,16 +219,23 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.stats.captures = work.completed + work.coarse;
   s.stats.capture_ms = work.ms;
   s.stats.picture_bytes = s.producer->bytes();
+  const KeyframeBound bound =
+      s.warps ? bound_keyframes(s.producer->chosen(), camera) : KeyframeBound{};
+  s.stats.bound_px = bound.error_px, s.stats.gap_px = bound.gap_px;
   s.stats.polygons = int(s.live.size());
   s.stats.by_kind.clear();
-  s.stats.by_kind.emplace_back("keyframe", int(s.producer->chosen().size()));
+  s.stats.by_kind.emplace_back("keyframe", s.warps ? int(s.producer->chosen().size()) : 0);
+  if (s.cheaper) {
+    const double pixels = double(camera.width) * camera.height;
+    s.cheaper->add(all.ms(), s.producer->ms_per_texel() * pixels, s.producer->has_two());
+  }
   return Done{};
 }
 
 Result<> KeyframeFrames::draw_objects() {
   State& s = *state_;
   s.drawers.clear();
-  if (s.any_still) {
+  if (s.warps) {
     warp_objects(s.producer->chosen(), s.camera, s.warped, s.shown);
     s.keyframe_tiles.place_objects(s.camera, s.warped, s.shown, s.still);
     s.drawers.push_back(&s.keyframe_tiles);
@@ -219,8 +252,8 @@ const KeyframeShares& KeyframeFrames::shares() const { return state_->shares; }
 
 double KeyframeFrames::live_share() const {
   const State& s = *state_;
+  if (!s.warps) return 1;
   if (s.live.empty()) return 0;
-  if (!s.any_still) return 1;
   std::size_t live = 0;
   for (int y = 0; y < s.target.height(); ++y)
     for (int x = 0; x < s.target.width(); ++x)

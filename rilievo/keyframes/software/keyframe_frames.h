@@ -4,6 +4,9 @@
 // blends is drawn as polygons into the same z-buffer. Then a part of the next keyframe is made. The
 // cost depends on the frame's size, whatever the scene. Into a target of the source's own. Uses all
 // cores; without a limit of time the frames depend neither on it nor on the number of threads.
+//
+// With a limit of time, whole frames are polygons where these take less time, as measured now and
+// then (keyframes/cheaper_way.h).
 #pragma once
 
 #include <cstdint>
@@ -28,7 +31,7 @@ struct KeyframeFramesOptions {
   KeyframesBy by = KeyframesBy::raster;
   int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
   // Frames of which a larger share would be holes get a keyframe at once.
-  double most_filled = 0.08;
+  double most_filled = 0.2;
 };
 
 // What the last frame consisted of, as shares of its pixels, and times.
@@ -36,6 +39,7 @@ struct KeyframeShares {
   double filled = 0;
   int live = 0;         // objects that were drawn as polygons because they move
   bool coarse = false;  // a coarse keyframe was made for this frame
+  bool direct = false;  // it is all polygons
   int completed = 0;    // keyframes that it completed
   double warp_ms = 0, fill_ms = 0, tiles_ms = 0, keyframe_ms = 0;
 };

@@ -62,6 +62,35 @@ TEST(KeyframeFrames, AWalkLooksLikeDirectFrames) {
   }
 }
 
+TEST(KeyframeFrames, WithALimitOfTimeFramesAreRightWhicheverWayTheyAreDrawn) {
+  // Few triangles: polygons are cheaper, if anything is. What is drawn when depends on the machine.
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  KeyframeFramesOptions options;
+  options.keyframes.interval = 4, options.keyframes.keyframe_ms = 50;
+  auto frames = KeyframeFrames::create(made.scene, options);
+  ASSERT_TRUE(frames);
+  TestSource direct = software_direct(made.scene, 4);
+  for (int i = 0; i < 150; ++i) {
+    const double time = frame_time(made.path, i);
+    const Camera camera = camera_at(made.path, time, kWidth, kHeight);
+    ASSERT_TRUE((*frames)->draw(camera, time));
+    const KeyframeShares& shares = (*frames)->shares();
+    EXPECT_EQ((*frames)->stats().count("keyframe") == 0, shares.direct);
+    EXPECT_EQ((*frames)->stats().bound_px == 0, shares.direct);
+    if (i % 7 != 1) continue;
+    ASSERT_TRUE(direct.draw(camera, time));
+    const double psnr =
+        psnr_of((*frames)->software_target()->color(), direct.software_target()->color());
+    EXPECT_GT(psnr, shares.direct ? 60 : 28) << i;
+    ASSERT_TRUE((*frames)->draw_objects());
+    ASSERT_TRUE(direct.draw_objects());
+    // Keyframes come when the machine is ready: edges are two pixels off where they are old.
+    EXPECT_LT(
+        wrong_share(direct.software_target()->objects(), (*frames)->software_target()->objects()),
+        0.008);
+  }
+}
+
 TEST(KeyframeFrames, HolesAreFilled) {
   // Keyframes without a margin and an eye that turns: a strip at the border is in none of them.
   const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
