@@ -143,7 +143,7 @@ Result<NodeBake> bake_nodes(CaptureSource& source, const NodeBakeOptions& option
   std::vector<glm::dvec3> eyes = options.at;
   std::optional<double> held;
   if (const Scene* scene = source.scene()) {
-    const Result<RayScene> rays = RayScene::create(*scene);
+    const Result<RayScene> rays = RayScene::create(*scene, 0, RayParts::strokes);
     if (!rays) return rays.error();
     if (eyes.empty()) {
       Result<Placement> placed = place_nodes(*rays, placement);

@@ -78,6 +78,49 @@ TEST(PlaceNodes, three_rooms_take_three_nodes_and_a_row_takes_more) {
   EXPECT_GE(*held, *row);
 }
 
+// The rooms as a scanner would have them: points on the walls, 6 cm wide and 4 cm apart.
+Scene points_of(const Scene& walls) {
+  Scene scene;
+  Mesh mesh;
+  mesh.primitive = Primitive::points;
+  mesh.width = 0.06f;
+  for (const Mesh& wall : walls.meshes)
+    for (std::size_t i = 0; i < wall.indices.size(); i += 3) {
+      const glm::vec3 a = wall.positions[wall.indices[i]];
+      const glm::vec3 b = wall.positions[wall.indices[i + 1]] - a;
+      const glm::vec3 c = wall.positions[wall.indices[i + 2]] - a;
+      const int rows = 1 + int(glm::length(b) / 0.04f), columns = 1 + int(glm::length(c) / 0.04f);
+      for (int row = 0; row <= rows; ++row)
+        for (int column = 0; column <= columns; ++column) {
+          const float u = float(row) / float(rows), v = float(column) / float(columns);
+          if (u + v <= 1) mesh.positions.push_back(a + u * b + v * c);
+        }
+    }
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) mesh.indices.push_back(std::uint32_t(i));
+  scene.meshes.push_back(mesh);
+  scene.models.emplace_back().parts = {Part{0}};
+  scene.objects.emplace_back();
+  finish(scene);
+  return scene;
+}
+
+TEST(PlaceNodes, points_are_seen_and_hide_what_is_behind_them) {
+  const Scene scene = points_of(three_rooms());
+  const Result<RayScene> rays = RayScene::create(scene, 0, RayParts::strokes);
+  ASSERT_TRUE(rays.ok());
+  PlacementOptions options = options_for_rooms();
+  options.nodes = 3;
+  const Result<Placement> placed = place_nodes(*rays, options);
+  ASSERT_TRUE(placed.ok()) << placed.error().message();
+  ASSERT_EQ(placed->eyes.size(), 3u);
+  // A node in each room, and none holds another's walls.
+  bool room[3] = {};
+  for (const glm::dvec3& eye : placed->eyes) room[std::min(2, int(eye.x / 4))] = true;
+  EXPECT_TRUE(room[0] && room[1] && room[2]);
+  EXPECT_LT(placed->share[0], 0.6);
+  EXPECT_GT(placed->share[2], 0.8);
+}
+
 TEST(PlaceNodes, shares_grow_and_do_not_depend_on_threads) {
   const Scene scene = three_rooms();
   const Result<RayScene> rays = RayScene::create(scene);

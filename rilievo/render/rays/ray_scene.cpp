@@ -137,6 +137,35 @@ void place_vertices(const Part& part, const Mesh& mesh, const glm::dmat4& to_fro
     vertices[v] = glm::vec3(to_from_mesh * glm::dvec4(mesh.positions[v], 1));
 }
 
+// Points as balls, lines as rods with round ends; null if memory does not suffice. Embree's
+// vertices are a place and a radius.
+RTCGeometry stroke_geometry(RTCDevice device, const Part& part, const Mesh& mesh,
+                            const glm::dmat4& to_from_model, float px_radius) {
+  const bool lines = mesh.primitive == Primitive::lines;
+  RTCGeometry geometry = rtcNewGeometry(
+      device, lines ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE : RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  const std::size_t count = mesh.primitives() * corners_of(mesh.primitive);
+  auto* vertices = static_cast<glm::vec4*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(glm::vec4), count));
+  auto* first = lines ? static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+                            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
+                            sizeof(std::uint32_t), mesh.primitives()))
+                      : nullptr;
+  if (!vertices || (lines && !first)) {
+    rtcReleaseGeometry(geometry);
+    return nullptr;
+  }
+  const glm::dmat4 to_from_mesh = to_from_model * glm::dmat4(part.model_from_mesh);
+  const float radius = mesh.width > 0
+                           ? 0.5f * mesh.width * float(smallest_stretch(glm::mat4(to_from_mesh)))
+                           : px_radius;
+  for (std::size_t i = 0; i < count; ++i)
+    vertices[i] =
+        glm::vec4(glm::vec3(to_from_mesh * glm::dvec4(mesh.positions[mesh.indices[i]], 1)), radius);
+  for (std::uint32_t i = 0; lines && i < mesh.primitives(); ++i) first[i] = 2 * i;
+  return geometry;
+}
+
 RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float t_near, float t_far) {
   RTCRay ray{};
   ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
@@ -250,7 +279,20 @@ Result<EmbreeModel> RayScene::State::build(int of, const glm::dmat4& to_from_mod
     const Part& part = model.parts[std::size_t(p)];
     const Mesh& mesh = scene->meshes[std::size_t(part.mesh)];
     const SurfaceMaterial& material = materials.of_mesh(part.mesh);
-    if ((material.blended && included == RayParts::opaque) || mesh.triangles() == 0) continue;
+    if (mesh.primitive != Primitive::triangles) {
+      if (included != RayParts::strokes || mesh.primitives() == 0) continue;
+      RTCGeometry strokes =
+          stroke_geometry(device, part, mesh, to_from_model, 1e-3f * model.bounds.radius());
+      if (!strokes) return Error{"Embree", "out of memory"};
+      built.filters.push_back(
+          std::make_unique<PartFilter>(PartFilter{&mesh, nullptr, &material, 1}));
+      rtcCommitGeometry(strokes);
+      rtcAttachGeometry(built.scene.get(), strokes);
+      rtcReleaseGeometry(strokes);
+      part_of.push_back(p);
+      continue;
+    }
+    if ((material.blended && included != RayParts::all) || mesh.triangles() == 0) continue;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<glm::vec3*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -356,7 +398,10 @@ bool RayScene::State::rebuild(int of, const glm::dmat4& to_from_model, std::span
   const std::vector<int>& part_of = parts[std::size_t(of)];
   for (unsigned g = 0; g < part_of.size(); ++g) {
     const Part& part = scene->models[std::size_t(of)].parts[std::size_t(part_of[g])];
-    if (std::find(meshes.begin(), meshes.end(), part.mesh) == meshes.end()) continue;
+    // Points and lines have none that bend.
+    if (std::find(meshes.begin(), meshes.end(), part.mesh) == meshes.end() ||
+        !built.filters[g]->vertices)
+      continue;
     RTCGeometry geometry = rtcGetGeometry(built.scene.get(), g);
     place_vertices(part, *built.filters[g]->mesh, to_from_model, built.filters[g]->vertices);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);

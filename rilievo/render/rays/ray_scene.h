@@ -39,8 +39,10 @@ enum class RaySides {
 
 // The parts of a scene that rays hit.
 enum class RayParts {
-  opaque,  // those that a picture can hold
-  all,     // blended parts, too
+  opaque,   // those that a picture can hold, but for points and lines (rays/stroke_hits.h)
+  all,      // blended parts, too
+  strokes,  // opaque ones, and points as balls and lines as round rods: as wide as they are, or,
+            // where that is in pixels, as a thousandth of their model's bounds
 };
 
 // Up to 16 similar rays and their first hits.

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "rilievo/core/random.h"
 #include "rilievo/render/rays/box_test_helpers.h"
 #include "rilievo/render/rays/cast_picture.h"
 
@@ -230,6 +232,76 @@ TEST(CastPicture, back_perspective_keeps_the_farthest_and_holds_five_faces_of_a_
     for (int face : {0, 1, 2, 3}) EXPECT_EQ(texels[face] > 100, back) << face;
     EXPECT_EQ(texels[4] > 100, !back);
     EXPECT_EQ(texels[5] > 100, back);
+  }
+}
+
+// The first of balls and rods that a ray enters, by their formulae in doubles.
+double nearest_stroke(const std::vector<std::array<glm::dvec3, 2>>& rods, double radius,
+                      const glm::dvec3& origin, const glm::dvec3& to) {
+  double nearest = 1e9;
+  const auto ball = [&](const glm::dvec3& center) {
+    const glm::dvec3 from = origin - center;
+    const double b = glm::dot(from, to), c = glm::dot(from, from) - radius * radius;
+    if (b * b - c < 0) return;
+    const double t = -b - std::sqrt(b * b - c);
+    if (t > 0) nearest = std::min(nearest, t);
+  };
+  for (const auto& [a, b] : rods) {
+    ball(a), ball(b);
+    const double length = glm::distance(a, b);
+    if (length == 0) continue;
+    const glm::dvec3 axis = (b - a) / length, from = origin - a;
+    const glm::dvec3 across = to - axis * glm::dot(to, axis);
+    const glm::dvec3 beside = from - axis * glm::dot(from, axis);
+    const double k = glm::dot(across, across), m = glm::dot(across, beside);
+    const double disc = m * m - k * (glm::dot(beside, beside) - radius * radius);
+    if (k < 1e-12 || disc < 0) continue;
+    const double t = (-m - std::sqrt(disc)) / k, along = glm::dot(from + t * to, axis);
+    if (t > 0 && 0 <= along && along <= length) nearest = std::min(nearest, t);
+  }
+  return nearest;
+}
+
+TEST(RayScene, rays_hit_points_as_balls_and_lines_as_rods_if_asked) {
+  for (const Primitive primitive : {Primitive::points, Primitive::lines}) {
+    Random random(21);
+    const auto around = [&](float size) {
+      const float x = random.between(-size, size), y = random.between(-size, size);
+      return glm::vec3(x, y, random.between(-size, size));
+    };
+    Scene scene;
+    Mesh mesh;
+    mesh.primitive = primitive;
+    mesh.width = 0.3f;
+    std::vector<std::array<glm::dvec3, 2>> rods;
+    for (int i = 0; i < 40; ++i) {
+      const std::array<glm::vec3, 2> ends{around(3), around(3)};
+      for (std::uint32_t k = 0; k < corners_of(primitive); ++k) {
+        mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+        mesh.positions.push_back(ends[k]);
+      }
+      rods.push_back({ends[0], primitive == Primitive::lines ? ends[1] : ends[0]});
+    }
+    scene.meshes.push_back(mesh);
+    scene.models.emplace_back().parts = {Part{0}};
+    scene.objects.emplace_back();
+    finish(scene);
+    const Result<RayScene> rays = RayScene::create(scene, 0, RayParts::strokes);
+    const Result<RayScene> none = RayScene::create(scene);
+    ASSERT_TRUE(rays.ok() && none.ok());
+    int hits = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const glm::vec3 origin = 8.0f * glm::normalize(around(1));
+      const glm::vec3 to = glm::normalize(around(3) - origin);
+      const double expected = nearest_stroke(rods, 0.15, glm::dvec3(origin), glm::dvec3(to));
+      const std::optional<RayHit> hit = rays->first_hit(origin, to, 0, 100);
+      EXPECT_FALSE(none->first_hit(origin, to, 0, 100));
+      // Embree's lines may be off by some 1e-4 of the distance; rays that graze may miss.
+      if (!hit) continue;
+      EXPECT_NEAR(double(hit->distance), expected, 3e-3) << i;
+      ++hits;
+    }
+    EXPECT_GT(hits, 100);
   }
 }
 
