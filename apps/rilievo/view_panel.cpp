@@ -122,8 +122,12 @@ void method_panel(ViewState& state) {
     state.new_source = true;
   ImGui::SameLine();
   ImGui::Checkbox("animate", &state.animate);
+  // Of pictures that frames are captured for; what is baked has its own.
+  const bool captures =
+      state.method == "nailboard" || state.method == "flat" || state.method == "cache";
   constexpr std::array bits{2, 4, 6, 8, 16};
-  if (ImGui::BeginCombo("bits of Delta", std::to_string(state.methods.delta_bits).c_str())) {
+  if (captures &&
+      ImGui::BeginCombo("bits of Delta", std::to_string(state.methods.delta_bits).c_str())) {
     for (const int b : bits) {
       if (!ImGui::Selectable(std::to_string(b).c_str(), b == state.methods.delta_bits)) continue;
       state.methods.delta_bits = b;
@@ -132,7 +136,7 @@ void method_panel(ViewState& state) {
     ImGui::EndCombo();
   }
   bool linear = state.methods.depth_mode == DepthMode::linear;
-  if (ImGui::Checkbox("linear depth, eq. (4)", &linear)) {
+  if (captures && state.method != "flat" && ImGui::Checkbox("linear depth, eq. (4)", &linear)) {
     state.methods.depth_mode = linear ? DepthMode::linear : DepthMode::exact;
     state.new_source = true;
   }
@@ -201,8 +205,13 @@ void show_panel(ViewState& state) {
     over.AddText(ImVec2(x + 8, size.y - 24), white, "direct");
   }
   ImGui::SetNextWindowPos(ImVec2(12, 12), ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize(ImVec2(430, 0), ImGuiCond_FirstUseEver);
+  // At most a third of the window; what is longer is scrolled.
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  const float width = std::min(430.0f, std::floor(window.x / 3 - 12));
+  ImGui::SetNextWindowSize(ImVec2(width, 0), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(window.x, window.y - 24));
   ImGui::Begin("Rilievo");
+  ImGui::PushItemWidth(0.5f * ImGui::GetContentRegionAvail().x);
   camera_panel(state);
   ImGui::Separator();
   method_panel(state);
@@ -217,6 +226,7 @@ void show_panel(ViewState& state) {
   impostor_panel(state);
   if (state.stats.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.stats.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
+  ImGui::PopItemWidth();
   ImGui::End();
 }
 

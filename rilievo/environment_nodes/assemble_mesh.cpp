@@ -188,9 +188,13 @@ class Assembler {
       return mesh_.vertices[side.from.vertex].disparity + mesh_.vertices[side.to.vertex].disparity;
     };
     const float of_one = nearness(one) < nearness(two) ? 1.0f : 0.0f, of_two = 1.0f - of_one;
-    // A skin that begins or ends in a point begins there in the middle.
+    // A skin that begins or ends in a point begins there in the middle. All of it has the colours
+    // of the farther surface, which is more likely to go on behind the nearer one than that is to
+    // go on beside itself.
     const auto at = [](const Placed& p, const Placed& other, float stretch) {
-      return Stretched{p, p.vertex == other.vertex ? 0.5f : stretch};
+      Stretched corner{p, p.vertex == other.vertex ? 0.5f : stretch};
+      if (stretch == 0) corner.placed.anchor = other.anchor;
+      return corner;
     };
     const Stretched corners[] = {at(one.to, two.to, of_one), at(one.from, two.from, of_one),
                                  at(two.from, one.from, of_two), at(two.to, one.to, of_two)};

@@ -23,8 +23,8 @@ namespace rilievo {
 struct NodeVertex {
   glm::vec3 direction{0, 0, 1};
   float disparity = 0;
-  // The direction from which a skin takes its colour: slightly inside the surface at whose border
-  // it begins. For vertices of surfaces, `direction` itself.
+  // The direction from which a skin takes its colour: slightly inside the farther of the surfaces
+  // that it joins. For vertices of surfaces, `direction` itself.
   glm::vec3 texture{0, 0, 1};
   // 0 at a skin's nearer border, 1 at the farther one: its rate of change over the frame tells how
   // wide the skin is. kAlways: always drawn.

@@ -71,6 +71,7 @@ struct MethodOptions {
   std::optional<MachineCosts> machine = {};           // cache; none: the costs built in
   Progress progress = {};                             // of what is baked before the first frame
   std::function<void(const std::string&)> warn = {};  // of programs and stores; a line each
+  std::function<void(const std::string&)> note = {};  // of what was baked; a line each
 };
 
 // A method, made.

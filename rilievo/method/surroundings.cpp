@@ -29,6 +29,8 @@ Result<std::unique_ptr<SurroundingChooser>> SurroundingChooser::create(
   if (still.size() == objects.size()) still.clear();
   Result<Baked> baked = kind.bake({source, std::move(still), options.eyes}, options.bake, progress);
   if (!baked) return baked.error();
+  for (const Fact& fact : baked->facts)
+    if (options.note) options.note(std::string(kind.name) + ": " + fact.label + " " + fact.text);
   Result<std::unique_ptr<Drawable>> drawable =
       frames->factory_->make_drawable(std::move(baked->representation), options.draw);
   if (!drawable) return drawable.error();

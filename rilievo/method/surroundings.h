@@ -3,7 +3,9 @@
 // Moving objects are drawn as polygons into the same z-buffer.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "rilievo/capture/capture_source.h"
@@ -17,6 +19,7 @@ struct SurroundingFramesOptions {
   OptionValues bake, draw;  // of the kind
   Box eyes = {};            // the region of the eyes; empty: unknown
   Progress progress;
+  std::function<void(const std::string&)> note = {};  // a line for each fact of the bake
 };
 
 // Chooses frames of baked surroundings.

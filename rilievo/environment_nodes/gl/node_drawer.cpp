@@ -139,6 +139,7 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glCullFace(GL_BACK);
   glBindVertexArray(node.vertex_array_);
   glBindTextureUnit(0, node.faces_);
+  if (surfaces == &layer_ || surfaces == &color_) glBindTextureUnit(1, node.disparities_);
   const auto draw_ranges = [&](const gl::Program& program,
                                const std::array<TriangleRange, 6>& ranges) {
     glUseProgram(program);
@@ -229,8 +230,10 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   triangles_drawn_ = 0;
   const glm::dvec3 eye = frame.position();
   // Closer than a frame of a walk's motion by far.
-  if (glm::distance(eye, nodes[0]->eye()) < 1e-6 * std::max(1.0, glm::length(eye)))
-    nodes = nodes.first(1);
+  const bool from_own =
+      glm::distance(eye, nodes[0]->eye()) < 1e-6 * std::max(1.0, glm::length(eye));
+  if (from_own) nodes = nodes.first(1);
+  glProgramUniform1f(color_, 4, from_own ? -1.0f : options.tolerance);
   const float widest = options.skin ? kAnyWidth : kCrack;
   if (nodes.size() == 1 || options.merge == NodeMerge::layering) {
     for (const StoredNode* node : nodes)
@@ -239,6 +242,7 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
     return Done{};
   }
 
+  glProgramUniform1f(layer_, 4, options.tolerance);
   // One for each node's surfaces, and one for all skins.
   if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size()) + 1); !made)
     return made;

@@ -20,8 +20,9 @@ layout(location = 0) in vec4 place;    // direction, disparity
 layout(location = 1) in vec4 texture_stretch;
 layout(location = 0) uniform mat4 clip_from_node;
 out vec3 v_direction;
-out float v_stretch;
+out float v_stretch, v_disparity;
 void main() {
+  v_disparity = place.w;
 #ifdef TWICE
   gl_Position = clip_from_node * vec4(place.xyz / place.w, 1.0);
 #else
@@ -32,9 +33,12 @@ void main() {
 }
 )";
 
+// Beside silhouettes, where weights are 0, surfaces have the colours of those texels
+// alone that lie about as deep as what is drawn: of four texels, two may show what is in front, and
+// would stay on what is behind as an outline.
 const char* const kFragment = R"(#version 450
 in vec3 v_direction;
-in float v_stretch;
+in float v_stretch, v_disparity;
 layout(location = 1) uniform float widest_skin;  // pixels
 #ifdef OBJECT
 layout(location = 3) uniform uint object;  // 0: those of the pictures
@@ -43,6 +47,30 @@ layout(location = 0) out uint out_object;
 #else
 layout(binding = 0) uniform samplerCube faces;
 layout(location = 0) out vec4 out_color;
+#endif
+#ifdef UNMIXES
+layout(binding = 1) uniform samplerCube disparities;
+layout(location = 4) uniform float tolerance;  // negative: all is mixed
+vec3 surface_color(vec3 mixed) {
+  vec3 d = v_direction, a = abs(d);
+  vec4 weights = textureGather(faces, d, 3);
+  if (min(min(weights.x, weights.y), min(weights.z, weights.w)) > 0.0) return mixed;
+  float ahead = max(a.x, max(a.y, a.z));
+  vec2 at = ahead == a.x ? vec2(d.x > 0.0 ? -d.z : d.z, -d.y)
+          : ahead == a.y ? vec2(d.x, d.y > 0.0 ? d.z : -d.z)
+          : vec2(d.z > 0.0 ? d.x : -d.x, -d.y);
+  vec2 share = fract((0.5 * at / ahead + 0.5) * float(textureSize(faces, 0).x) - 0.5);
+  // As textureGather has them: lower left, lower right, upper right, upper left, with t downwards.
+  vec4 weight = vec4(1.0 - share.x, share.x, share.x, 1.0 - share.x) *
+                vec4(share.y, share.y, 1.0 - share.y, 1.0 - share.y);
+  float own = v_disparity / ahead;
+  vec4 off = abs(textureGather(disparities, d) - own);
+  float least = min(min(off.x, off.y), min(off.z, off.w));
+  weight = max(weight, 1e-3) * vec4(lessThanEqual(off, vec4(least + tolerance * own)));
+  weight /= weight.x + weight.y + weight.z + weight.w;
+  return vec3(dot(weight, textureGather(faces, d, 0)), dot(weight, textureGather(faces, d, 1)),
+              dot(weight, textureGather(faces, d, 2)));
+}
 #endif
 void main() {
 #ifdef SKIN
@@ -55,6 +83,9 @@ void main() {
   out_color = vec4(v_direction, 1.0);
 #else
   vec4 color = texture(faces, v_direction);
+#ifdef UNMIXES
+  if (tolerance >= 0.0 && color.a < 0.5) color.rgb = surface_color(color.rgb);
+#endif
 #ifdef LAYER
   // 0 is nothing, 1 a skin.
 #ifdef SKIN
@@ -215,6 +246,7 @@ Result<gl::Program> make_cube_map_program() {
 Result<gl::Program> make_node_program(NodeOutput output) {
   std::string defines;
   if (output == NodeOutput::layer) defines = "#define LAYER 1\n";
+  if (output == NodeOutput::layer || output == NodeOutput::color) defines += "#define UNMIXES 1\n";
   if (output == NodeOutput::object) defines = "#define OBJECT 1\n";
   if (output == NodeOutput::direction) defines = "#define DIRECTION 1\n";
   if (output == NodeOutput::color_twice_corrected) defines = "#define TWICE 1\n";

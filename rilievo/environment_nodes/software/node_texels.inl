@@ -85,9 +85,10 @@ HWY_INLINE VF limited(VF value, VF most) {
   return hn::Min(value, most);
 }
 
-// sRGB-encoded, 0 to 255, and the texels' weight, likewise.
+// sRGB-encoded, 0 to 255, and the texels' weight, likewise; the least of the four is 0 beside
+// silhouettes.
 struct Colors {
-  VF r, g, b, weight;
+  VF r, g, b, weight, least;
 };
 
 // The colours of a node between four texels; their weight if it is asked for.
@@ -118,8 +119,12 @@ HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
     return mix(mix(of(t00), of(t10), fx), mix(of(t01), of(t11), fx), fy);
   };
   Colors colors{channel.template operator()<0>(), channel.template operator()<8>(),
-                channel.template operator()<16>(), hn::Zero(f)};
-  if constexpr (with_weight) colors.weight = channel.template operator()<24>();
+                channel.template operator()<16>(), hn::Zero(f), hn::Zero(f)};
+  if constexpr (with_weight) {
+    colors.weight = channel.template operator()<24>();
+    const VU least = hn::Min(hn::Min(t00, t10), hn::Min(t01, t11));
+    colors.least = hn::ConvertTo(f, hn::BitCast(i32, hn::ShiftRight<24>(least)));
+  }
   return colors;
 }
 
@@ -160,13 +165,16 @@ HWY_INLINE Colors shade(const NodeLayer& layer, VU triangle, MF wanted, VF x, VF
   const F f;
   const Directions directions = find_directions(layer.triangles().data(), triangle, wanted, x, y);
   const FacePoints points = find_face_points(directions, wanted);
-  Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
+  Colors colors{hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f), hn::Zero(f)};
   for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
     const Colors found = find_colors<with_weight>(node, points);
     colors.r = hn::IfThenElse(its, found.r, colors.r);
     colors.g = hn::IfThenElse(its, found.g, colors.g);
     colors.b = hn::IfThenElse(its, found.b, colors.b);
-    if constexpr (with_weight) colors.weight = hn::IfThenElse(its, found.weight, colors.weight);
+    if constexpr (with_weight) {
+      colors.weight = hn::IfThenElse(its, found.weight, colors.weight);
+      colors.least = hn::IfThenElse(its, found.least, colors.least);
+    }
   });
   return colors;
 }

@@ -68,8 +68,9 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
   const glm::dvec3 eye = frame.position();
   // At the first node's own place only that one, which shows everything visible from there.
   const glm::dvec3 first = s.nodes.at(nodes[0])->eye();
-  if (output == Output::color && glm::distance(eye, first) < 1e-6 * std::max(1.0, glm::length(eye)))
-    nodes = nodes.first(1);
+  const bool from_own = glm::distance(eye, first) < 1e-6 * std::max(1.0, glm::length(eye));
+  if (output == Output::color && from_own) nodes = nodes.first(1);
+  placed.unmixes = !from_own;
   placed.merged =
       output == Output::color && nodes.size() > 1 && options.merge != NodeMerge::layering;
   s.drawn.clear();

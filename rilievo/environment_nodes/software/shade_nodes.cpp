@@ -143,6 +143,121 @@ HWY_INLINE VF center_x(int x, int i) {
 }
 HWY_INLINE VF center_y(int y, int i) { return hn::Set(F(), float(y + i / kBlock) + 0.5f); }
 
+// Are the triangles skins?
+HWY_INLINE MF are_skins(const NodeLayer& layer, VU triangle) {
+  const I i32;
+  const VI first = hn::Set(i32, std::int32_t(layer.first_skin()));
+  return hn::RebindMask(F(), hn::Not(hn::Lt(hn::BitCast(i32, triangle), first)));
+}
+
+// Where node `k` sees points of the frame's eye space.
+HWY_INLINE Directions seen_by(const PlacedNodes& placed, std::size_t k, VF x, VF y, VF z) {
+  const F f;
+  const glm::mat4& m = placed.node_from_eye[k];
+  const auto axis = [&](int row) {
+    const auto column = [&](int c) { return hn::Set(f, m[c][row]); };
+    return hn::Add(hn::Add(hn::Mul(column(0), x), hn::Mul(column(1), y)),
+                   hn::Add(hn::Mul(column(2), z), column(3)));
+  };
+  return {axis(0), axis(1), axis(2)};
+}
+HWY_INLINE VF ahead_of(const Directions& seen) {
+  return hn::Max(hn::Abs(seen.x), hn::Max(hn::Abs(seen.y), hn::Abs(seen.z)));
+}
+
+// Beside silhouettes, where weights are 0, the colours of those texels alone that lie about as
+// deep as what pixels show of surfaces of a layer's node; `k` is its number among all. See
+// gl/node_shaders.cpp.
+HWY_INLINE void keep_to_surface(const PlacedNodes& placed, const NodeLayer& layer,
+                                const SoftwareNode& node, std::size_t k, VU triangle, MF wanted,
+                                VF px, VF py, VF inverse_z, float nothing, Colors& colors) {
+  const F f;
+  const I i32;
+  const U u32;
+  const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
+  const MF beside =
+      hn::And(wanted, hn::AndNot(are_skins(layer, triangle), hn::Eq(colors.least, zero)));
+  if (hn::AllFalse(f, beside)) return;
+  const glm::vec4& rays = placed.rays;
+  const VF ahead = hn::Div(
+      one, hn::Max(hn::Mul(inverse_z, hn::Set(f, float(placed.scale))), hn::Set(f, 1e-30f)));
+  const VF x = hn::Mul(hn::Add(hn::Set(f, rays.x), hn::Mul(hn::Set(f, rays.z), px)), ahead);
+  const VF y = hn::Mul(hn::Add(hn::Set(f, rays.y), hn::Mul(hn::Set(f, rays.w), py)), ahead);
+  VF own =
+      hn::Div(one, hn::Max(ahead_of(seen_by(placed, k, x, y, hn::Neg(ahead))), hn::Set(f, 1e-9f)));
+  own = hn::IfThenZeroElse(hn::Le(inverse_z, hn::Set(f, nothing * (2 * kBeforeFar - 1))), own);
+
+  const FacePoints at =
+      find_face_points(find_directions(layer.triangles().data(), triangle, beside, px, py), beside);
+  const int face = node.mesh.face_size, wide = node.wide();
+  const VF size = hn::Set(f, float(face)), half = hn::Set(f, 0.5f);
+  const VF u = hn::Add(hn::Mul(at.u, size), half), v = hn::Add(hn::Mul(at.v, size), half);
+  const VI left = hn::ConvertTo(i32, limited(u, size)), top = hn::ConvertTo(i32, limited(v, size));
+  const VF fx = limited(hn::Sub(u, hn::ConvertTo(f, left)), one),
+           fy = limited(hn::Sub(v, hn::ConvertTo(f, top)), one);
+  const VI last = hn::Set(i32, face - 1), none = hn::Zero(i32);
+  VU texel[4];
+  VF weight[4], off[4];
+  VF least = hn::Set(f, 1e30f);
+  for (int c = 0; c < 4; ++c) {
+    const VI column = hn::Add(left, hn::Set(i32, c & 1)), row = hn::Add(top, hn::Set(i32, c >> 1));
+    const VI first =
+        hn::Mul(hn::Add(hn::Mul(at.face, hn::Set(i32, wide)), row), hn::Set(i32, wide));
+    texel[c] = hn::GatherIndex(u32, node.color.data(), hn::Add(first, column));
+    // Disparities have no border.
+    const auto inside = [&](VI index) {
+      return hn::Min(hn::Max(hn::Sub(index, hn::Set(i32, 1)), none), last);
+    };
+    const VI of_row =
+        hn::Mul(hn::Add(hn::Mul(at.face, hn::Set(i32, face)), inside(row)), hn::Set(i32, face));
+    const VF disparity = hn::GatherIndex(f, node.disparity.data(), hn::Add(of_row, inside(column)));
+    weight[c] = hn::Max(hn::Mul(c & 1 ? fx : hn::Sub(one, fx), c >> 1 ? fy : hn::Sub(one, fy)),
+                        hn::Set(f, 1e-3f));
+    off[c] = hn::Abs(hn::Sub(disparity, own));
+    least = hn::Min(least, off[c]);
+  }
+  const VF most = hn::Add(least, hn::Mul(hn::Set(f, placed.options.tolerance), own));
+  VF sum = zero;
+  for (int c = 0; c < 4; ++c) {
+    weight[c] = hn::IfThenElseZero(hn::Le(off[c], most), weight[c]);
+    sum = hn::Add(sum, weight[c]);
+  }
+  const auto mean = [&]<int shift>(VF& channel) {
+    VF total = zero;
+    for (int c = 0; c < 4; ++c) {
+      const VF value = hn::ConvertTo(
+          f, hn::BitCast(i32, hn::And(hn::ShiftRight<shift>(texel[c]), hn::Set(u32, 0xffu))));
+      total = hn::Add(total, hn::Mul(weight[c], value));
+    }
+    channel = hn::IfThenElse(beside, hn::Div(total, sum), channel);
+  };
+  mean.template operator()<0>(colors.r);
+  mean.template operator()<8>(colors.g);
+  mean.template operator()<16>(colors.b);
+}
+
+// The same of all nodes of a layer, which are numbers `first`, first + 1, ... among all.
+HWY_INLINE void keep_to_surfaces(const PlacedNodes& placed, const NodeLayer& layer,
+                                 std::size_t first, VU triangle, MF wanted, VF px, VF py,
+                                 VF inverse_z, float nothing, Colors& colors) {
+  std::size_t n = 0;
+  for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
+    while (layer.drawn(n).node != &node) ++n;
+    keep_to_surface(placed, layer, node, first + n, triangle, its, px, py, inverse_z, nothing,
+                    colors);
+  });
+}
+
+// What a tile holds of one layer's triangles, of which all nodes are, at depths 1 / inverse_z.
+HWY_INLINE VU find_unmixed(const PlacedNodes& placed, const NodeLayer& layer, const FrameTile& tile,
+                           VU triangle, MF wanted, VF px, VF py, VF inverse_z) {
+  if (tile.of != TileContent::color || !placed.unmixes)
+    return find_content(placed, layer, tile.of, triangle, wanted, px, py);
+  Colors colors = shade<true>(layer, triangle, wanted, px, py);
+  keep_to_surfaces(placed, layer, 0, triangle, wanted, px, py, inverse_z, tile.nothing, colors);
+  return bytes_of(colors);
+}
+
 // Draws a layer over what the block shows.
 template <int samples>
 void draw_over(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& tile, int block, int x,
@@ -182,22 +297,16 @@ void draw_over(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& til
       const MF other = hn::Or(hn::RebindMask(f, hn::Ne(triangle, first)), hn::Not(of_first));
       VU content = first_content;
       if (!hn::AllFalse(f, hn::And(seen, other))) {
-        content = find_content(placed, layer, tile.of, triangle, seen, px, py);
+        content = find_unmixed(placed, layer, tile, triangle, seen, px, py, z);
       } else if (!known) {
-        first_content = content = find_content(placed, layer, tile.of, first, of_first, px, py);
+        first_content = content = find_unmixed(placed, layer, tile, first, of_first, px, py,
+                                               hn::Load(f, shown[0].inverse_z + i));
         known = true;
       }
       put(f, plane, i, seen, z, content);
       tile.changed[block] = true;
     }
   }
-}
-
-// Are the triangles skins?
-HWY_INLINE MF are_skins(const NodeLayer& layer, VU triangle) {
-  const I i32;
-  const VI first = hn::Set(i32, std::int32_t(layer.first_skin()));
-  return hn::RebindMask(F(), hn::Not(hn::Lt(hn::BitCast(i32, triangle), first)));
 }
 
 // What pixels show of the layers: the share of each in the colour, and 1 / eye_z (0: nothing).
@@ -219,14 +328,8 @@ HWY_INLINE VF find_share(const PlacedNodes& placed, std::size_t k, VF x, VF y, V
   const F f;
   const I i32;
   const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
-  const glm::mat4& m = placed.node_from_eye[k];
-  const auto axis = [&](int row) {
-    const auto column = [&](int c) { return hn::Set(f, m[c][row]); };
-    return hn::Add(hn::Add(hn::Mul(column(0), x), hn::Mul(column(1), y)),
-                   hn::Add(hn::Mul(column(2), z), column(3)));
-  };
-  const Directions seen{axis(0), axis(1), axis(2)};
-  const VF ahead = hn::Max(hn::Abs(seen.x), hn::Max(hn::Abs(seen.y), hn::Abs(seen.z)));
+  const Directions seen = seen_by(placed, k, x, y, z);
+  const VF ahead = ahead_of(seen);
   const FacePoints at = find_face_points(seen, wanted);
   const SoftwareNode& node = *placed.layers[k].drawn(0).node;
   const int size = node.mesh.face_size;
@@ -390,7 +493,7 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
     Merged merged;
     Colors colors[kMaxDrawnNodes];
     const auto shade_layer = [&](std::size_t k, MF wanted) {
-      colors[k] = Colors{zero, zero, zero, zero};
+      colors[k] = Colors{zero, zero, zero, zero, zero};
       if (hn::AllFalse(f, wanted)) return;
       colors[k] =
           shade<true>(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i), wanted, px, py);
@@ -400,8 +503,13 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
       merge_first(placed, shown, i, merged);
       seen = hn::Gt(merged.inverse_z, farthest);
       if (hn::AllFalse(f, seen)) continue;
-      for (std::size_t k = 0; k < placed.count; ++k)
-        shade_layer(k, hn::And(seen, hn::Gt(merged.share[k], zero)));
+      for (std::size_t k = 0; k < placed.count; ++k) {
+        const MF shares = hn::And(seen, hn::Gt(merged.share[k], zero));
+        shade_layer(k, shares);
+        if (!hn::AllFalse(f, shares))
+          keep_to_surfaces(placed, placed.layers[k], k, hn::Load(u32, shown[k][0].triangle + i),
+                           shares, px, py, merged.inverse_z, tile.nothing, colors[k]);
+      }
     } else {
       Candidates candidates;
       find_candidates(placed, shown, i, px, py, tile.nothing, candidates);
@@ -409,13 +517,18 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
       if (hn::AllFalse(f, seen)) continue;
       VF weights[kMaxDrawnNodes];
       for (std::size_t k = 0; k < placed.count; ++k) {
-        shade_layer(k, hn::And(seen, candidates.counts[k]));
+        const MF counts = hn::And(seen, candidates.counts[k]);
+        shade_layer(k, counts);
+        if (!hn::AllFalse(f, counts))
+          keep_to_surface(placed, placed.layers[k], *placed.layers[k].drawn(0).node, k,
+                          hn::Load(u32, shown[k][0].triangle + i), counts, px, py, candidates.z[k],
+                          tile.nothing, colors[k]);
         weights[k] = colors[k].weight;
       }
       merge(placed, candidates, weights, merged);
       seen = hn::Gt(merged.inverse_z, farthest);
     }
-    Colors sum{zero, zero, zero, zero};
+    Colors sum{zero, zero, zero, zero, zero};
     for (std::size_t k = 0; k < placed.count; ++k) {
       const MF has_share = hn::And(seen, hn::Gt(merged.share[k], zero));
       if (hn::AllFalse(f, has_share)) continue;

@@ -17,6 +17,9 @@ struct PlacedNodes {
   std::uint32_t object = kNoObject;
   NodeDrawOptions options;
   bool merged = false;  // else one is drawn over the other
+  // Do surfaces keep out the colours of those beside? Not from a node's own place, where they are
+  // beside each other for the eye too, and mixed: antialiased.
+  bool unmixes = false;
   // Of layers in use: one for each node that is merged (NodeMerge::first: one for the first, one
   // for the others), else one for all.
   std::size_t count = 0;

@@ -73,8 +73,9 @@ SlowTexel nearest_texel(const ShadeNode& node, const glm::dvec3& d) {
           double(node.mesh.weights[std::size_t(face)](x, y))};
 }
 
-// Between four texels; those beyond a face's edge are its neighbours'.
-SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d) {
+// Between four texels; those beyond a face's edge are its neighbours'. Beside silhouettes only
+// between those about as deep as what is shown, `own` being its disparity; NaN: all.
+SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d, double own, double tolerance) {
   const int size = node.mesh.face_size;
   SlowTexel out = nearest_texel(node, d);
   const glm::dvec3 a = glm::abs(d);
@@ -83,6 +84,9 @@ SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d) {
   const double u = (0.5 + 0.5 * glm::dot(d, glm::dvec3(axes.right)) / a[axis]) * size - 0.5,
                v = (0.5 - 0.5 * glm::dot(d, glm::dvec3(axes.up)) / a[axis]) * size - 0.5;
   out.color = glm::dvec3(0.0), out.weight = 0;
+  const Image<float>& disparity = node.disparity[std::size_t(2 * axis + (d[axis] < 0))];
+  double off[4], shares[4], least = 1e30, least_weight = 255;
+  glm::dvec3 colors[4];
   for (int k = 0; k < 4; ++k) {
     const double x = std::floor(u) + (k & 1), y = std::floor(v) + (k >> 1);
     const glm::dvec3 texel = glm::dvec3(axes.forward) +
@@ -91,7 +95,17 @@ SlowTexel slow_texel(const ShadeNode& node, const glm::dvec3& d) {
     const SlowTexel nearest = nearest_texel(node, texel);
     const double share = (1 - std::abs(u - x)) * (1 - std::abs(v - y));
     out.color += share * nearest.color, out.weight += share * nearest.weight;
+    off[k] = std::abs(
+        double(disparity(std::clamp(int(x), 0, size - 1), std::clamp(int(y), 0, size - 1))) - own);
+    least = std::min(least, off[k]), least_weight = std::min(least_weight, nearest.weight);
+    shares[k] = std::max(share, 1e-3), colors[k] = nearest.color;
   }
+  if (std::isnan(own) || least_weight > 0) return out;
+  out.color = glm::dvec3(0.0);
+  double sum = 0;
+  for (int k = 0; k < 4; ++k)
+    if (off[k] <= least + tolerance * own) out.color += shares[k] * colors[k], sum += shares[k];
+  out.color /= sum;
   return out;
 }
 
@@ -161,7 +175,9 @@ class SlowNodes {
     glm::dvec3 direction(0.0);
     for (int k = 0; k < 3; ++k)
       direction += weights[k] * glm::dvec3(sample.node->mesh.vertices[corners[k]].texture);
-    return slow_texel(*sample.node, direction);
+    return slow_texel(*sample.node, direction,
+                      sample.skin ? std::nan("") : disparity_of(sample, center),
+                      double(options_.tolerance));
   }
 
   // What a pixel shows of all nodes, merged.
@@ -234,6 +250,15 @@ class SlowNodes {
   }
 
  private:
+  // 1 / eye_z from the node of what a sample shows, at a pixel's centre; 0 of the sky.
+  [[nodiscard]] double disparity_of(const SlowSample& sample, const glm::dvec2& center) const {
+    if (sample.inverse_z <= 1.00001 / frame_.z_far) return 0;
+    const glm::dvec3 world =
+        world_from_raster(frame_, {center.x, frame_.height - center.y}, 1 / sample.inverse_z);
+    const glm::dvec3 seen(glm::inverse(sample.node->mesh.world_from_node) * glm::dvec4(world, 1));
+    const glm::dvec3 a = glm::abs(seen);
+    return 1 / std::max({a.x, a.y, a.z, 1e-9});
+  }
   // What is left of what lies at a point of the world where a node may see through it.
   [[nodiscard]] double share(const ShadeNode& node, const glm::dvec3& world) const {
     const glm::dvec3 seen(glm::inverse(node.mesh.world_from_node) * glm::dvec4(world, 1));
