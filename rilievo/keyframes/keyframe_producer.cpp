@@ -24,6 +24,8 @@ constexpr double kNewestCost = 0.1;
 // An eye that turns by so many radians a frame, or more, gets a margin that is wider by so much
 // along that axis.
 constexpr double kTurning = 0.003, kTurningMargin = 1.2;
+// The most frames for a keyframe, or those of its interval if these are more.
+constexpr int kMostInterval = 32;
 // How many frames ahead an eye is predicted at most, for a source that takes long.
 constexpr int kMostAhead = 60;
 // What is being made for an eye that looks elsewhere, by so many radians, is given up.
@@ -188,9 +190,11 @@ int KeyframeProducer::columns_a_frame() const {
   const int width = keyframe_camera(frame_, margin()).width;
   int columns = (width + options_.interval - 1) / options_.interval;
   if (!(options_.keyframe_ms > 0)) return (columns + kBand - 1) / kBand * kBand;
-  // Within the time, and no more than needed.
+  // Within the time, and no more than needed; but an eye soon is where a keyframe that takes too
+  // many frames shows little.
+  const int least = (width + kMostInterval - 1) / kMostInterval;
   if (ms_per_column_ > 0) columns = std::min(columns, int(options_.keyframe_ms / ms_per_column_));
-  return std::max(columns / kBand, 1) * kBand;
+  return std::max(columns / kBand, (least + kBand - 1) / kBand) * kBand;
 }
 
 Result<> KeyframeProducer::work_beside() {

@@ -30,10 +30,11 @@ namespace rilievo {
 
 // How keyframes are made.
 struct KeyframeOptions {
-  double margin = 1.2;        // of a keyframe's sides over the frame's; of an eye that turns, more
-  int samples = 4;            // of a texel: 1, 4 or 16
-  int interval = 16;          // the least number of frames for a keyframe
-  double keyframe_ms = 0;     // the most time that a frame spends on keyframes; 0: no limit
+  double margin = 1.2;  // of a keyframe's sides over the frame's; of an eye that turns, more
+  int samples = 4;      // of a texel: 1, 4 or 16
+  int interval = 16;    // the least number of frames for a keyframe
+  double keyframe_ms =
+      0;  // time of a frame for keyframes, more if one took over 32 frames; 0: no limit
   bool whole_texels = false;  // as KeyframeRequest's
   bool beside = false;        // keyframes are made beside the frames, each at once
   const Sky* sky = nullptr;   // for sources that draw none; null: they do. See KeyframeRequest

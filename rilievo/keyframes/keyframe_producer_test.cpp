@@ -113,6 +113,27 @@ TEST(KeyframeProducer, WithALimitOfTimeAJumpGetsACoarseKeyframeAndThenFineOnes) 
   for (const WarpedKeyframe& one : producer.chosen()) EXPECT_FALSE(one.keyframe->coarse);
 }
 
+TEST(KeyframeProducer, AKeyframeTakesAFewFramesHoweverLittleTimeThereIs) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source,
+                            {.samples = 1, .interval = 4, .keyframe_ms = 1e-6});
+  const auto eye = [](int i) {
+    const glm::dvec3 at(0.01 * i, 1.7, 12);
+    // Wide enough for more bands than frames.
+    return look_at(at, at + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.3, 800, 40, 0.1, 200);
+  };
+  int completed = 0;
+  for (int i = 0; i < 70; ++i) {
+    if (producer.follow(eye(i), 0).empty()) {
+      ASSERT_TRUE(producer.make_now());
+      (void)producer.take_work();
+    }
+    ASSERT_TRUE(producer.work());
+    completed += producer.take_work().completed;
+  }
+  EXPECT_EQ(completed, 2);
+}
+
 // A source that takes until it is told to go on.
 class PatientSource final : public CaptureSource {
  public:
