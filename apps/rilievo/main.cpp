@@ -11,6 +11,7 @@
 #include "apps/commit.h"
 #include "apps/rilievo/checks.h"
 #include "apps/rilievo/command.h"
+#include "apps/rilievo/help.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/signals.h"
 
@@ -44,7 +45,7 @@ std::string command_line(int argc, char** argv) {
 int run(int argc, char** argv) {
   CLI::App app{
       "Draws heavy 3D scenes as pictures with depth, and measures them against direct drawing."};
-  app.set_help_all_flag("--help-all", "Show the options of every command");
+  app.set_help_all_flag("--help-all", "Show all options; of every command, if none is named");
   app.set_version_flag("--version",
                        fmt::format("rilievo {} ({})", RILIEVO_VERSION, rilievo::commit()),
                        "Print the version and the commit, and exit");
@@ -61,10 +62,28 @@ int run(int argc, char** argv) {
       view_command(app),
 #endif
   };
-  for (const Command& command : commands) refuse_empty(*command.parser);
+  for (const Command& command : commands) {
+    refuse_empty(*command.parser);
+    group_options(*command.parser);
+  }
+  std::string shell;
+  CLI::App* completion =
+      app.add_subcommand("completion", "Print a script that completes what is typed in a shell");
+  completion->add_option("SHELL", shell, "bash or zsh")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh"}));
+  completion->footer("Example: source <(rilievo completion bash)");
+  CLI::App* manual = app.add_subcommand("manual", "Print the manual page, in roff");
+  manual->footer("Example: rilievo manual > rilievo.1 && man ./rilievo.1");
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& wish) {  // --help
+  } catch (const CLI::CallForHelp& wish) {
+    show_usual_options(app);
+    std::ostringstream help;
+    const int code = app.exit(wish, help, help);
+    print_text(help.str());
+    return code;
+  } catch (const CLI::Success& wish) {  // --help-all, --version
     std::ostringstream help;
     const int code = app.exit(wish, help, help);
     print_text(help.str());
@@ -72,6 +91,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return fail(error.what(), 2);
   }
+  if (*completion) print_text(completion_script(app, shell));
+  if (*manual) print_text(manual_page(app, RILIEVO_VERSION));
   for (const Command& command : commands) {
     if (!*command.parser) continue;
     const rilievo::Result<> result = command.run(command_line(argc, argv));

@@ -30,13 +30,21 @@ void add_file_limits(CLI::App& command, FileLimits& limits) {
   command
       .add_option("--up", limits.up,
                   "Which axis of a scene's file points up (default y, as glTF has it)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, UpAxis>{{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}));
+      ->transform(
+          CLI::CheckedTransformer(
+              std::map<std::string, UpAxis>{{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}},
+              CLI::ignore_case)
+              .description("{x,y,z}"))
+      ->type_name("AXIS");
   command
       .add_option("--units", limits.metres_per_unit,
                   "What a scene's file counts in (default m, as glTF does)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, double>{
-          {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"ft", 0.3048}, {"in", 0.0254}}));
+      ->transform(CLI::CheckedTransformer(
+                      std::map<std::string, double>{
+                          {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"ft", 0.3048}, {"in", 0.0254}},
+                      CLI::ignore_case)
+                      .description("{m,cm,mm,ft,in}"))
+      ->type_name("UNIT");
 }
 
 Result<> expect_no_units(const std::string& text, const FileLimits& limits) {

@@ -66,6 +66,49 @@ class Usage(Folder):
                 self.assertIn(scene, self.refused("info", scene))
 
 
+class Help(command.Case):
+    def options(self, *arguments):
+        return [line for line in self.succeeds(*arguments).stdout.splitlines()
+                if line.startswith("  -")]
+
+    def test_help_shows_what_most_need_and_help_all_the_rest(self):
+        for name in ("render", "compare"):
+            few, all_of_them = self.options(name, "--help"), self.options(name, "--help-all")
+            self.assertLessEqual(len(few), 20, name)
+            self.assertGreater(len(all_of_them), 2 * len(few), name)
+            self.assertLessEqual({line.split()[0] for line in few},
+                                 {line.split()[0] for line in all_of_them})
+            self.assertIn(f"{len(all_of_them) - len(few)} more options: rilievo {name} --help-all",
+                          self.succeeds(name, "--help").stdout)
+        text = self.succeeds("render", "--help-all").stdout
+        for group in ("Of cache:", "Of keyframes:", "Of environment-nodes:"):
+            self.assertIn(group, text)
+
+    def test_bash_completes_commands_options_and_values(self):
+        script = self.write("completion.bash", self.succeeds("completion", "bash").stdout)
+
+        def completed(*words):
+            line = ("source %s; COMP_WORDS=(rilievo %s); COMP_CWORD=%d; _rilievo; "
+                    "echo ${COMPREPLY[@]}" % (script, " ".join(f"'{word}'" for word in words), len(words)))
+            done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.stderr, "")
+            return done.stdout.split()
+
+        self.assertEqual(completed("rend"), ["render"])
+        self.assertEqual(completed("render", "--key"), ["--keyframe-ms", "--keyframe-samples"])
+        self.assertEqual(completed("render", "--draw", "s"), ["software"])
+        self.assertEqual(completed("info", "--units", "m"), ["m", "mm"])
+        self.assertIn("#compdef rilievo", self.succeeds("completion", "zsh").stdout)
+
+    def test_the_manual_names_every_command_and_option(self):
+        manual = self.succeeds("manual").stdout
+        self.assertTrue(manual.startswith(".TH RILIEVO 1"))
+        for name in ("render", "bake", "web", "completion"):
+            self.assertIn(f".SS rilievo {name}\n", manual)
+        self.assertIn("\\-\\-keyframe\\-ms", manual)
+        self.assertNotRegex(manual, r"(?m)^\.(?!TH|SH|SS|TP|B |PP|nf|fi)")
+
+
 class Paths(Folder):
     def path_file(self, text):
         file = self.folder / "path.json"
