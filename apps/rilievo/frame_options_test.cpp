@@ -16,7 +16,7 @@ TEST(FrameOptions, an_orbit_is_one_turn_in_its_frames) {
   for (const int frames : {1, 2, 4, 7, 60, 500}) {
     FrameOptions options;
     options.orbit = frames;
-    const Result<FramePlan> plan = plan_frames(options, box);
+    const Result<FramePlan> plan = plan_frames(options, box, glm::dvec3(0));
     ASSERT_TRUE(plan.ok());
     EXPECT_EQ(plan->frames, frames);
     const auto at = [&](int frame) {
@@ -36,7 +36,7 @@ TEST(FrameOptions, an_orbit_is_one_turn_in_its_frames) {
   // Of which fewer frames may be drawn.
   FrameOptions options;
   options.orbit = 30, options.frames = 3;
-  EXPECT_EQ(plan_frames(options, box)->frames, 3);
+  EXPECT_EQ(plan_frames(options, box, glm::dvec3(0))->frames, 3);
 }
 
 }  // namespace
