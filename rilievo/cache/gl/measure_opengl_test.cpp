@@ -52,7 +52,7 @@ TEST_F(MeasureOpenGLTest, a_cache_refuses_costs_that_were_measured_without_openg
   options.machine = measured_elsewhere();
   const auto cache = opengl_cache(*renderer, options);
   ASSERT_FALSE(cache.ok());
-  EXPECT_EQ(cache.error().where, "machine");
+  EXPECT_EQ(cache.error().where, "--machine");
 }
 
 }  // namespace

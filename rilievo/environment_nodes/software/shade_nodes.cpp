@@ -297,7 +297,9 @@ void draw_over(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& til
       const MF other = hn::Or(hn::RebindMask(f, hn::Ne(triangle, first)), hn::Not(of_first));
       VU content = first_content;
       if (!hn::AllFalse(f, hn::And(seen, other))) {
-        content = find_unmixed(placed, layer, tile, triangle, seen, px, py, z);
+        // A triangle has one depth in a pixel, whichever pixels lie beside it in a vector.
+        const VF own = hn::IfThenElse(other, z, hn::Load(f, shown[0].inverse_z + i));
+        content = find_unmixed(placed, layer, tile, triangle, seen, px, py, own);
       } else if (!known) {
         first_content = content = find_unmixed(placed, layer, tile, first, of_first, px, py,
                                                hn::Load(f, shown[0].inverse_z + i));

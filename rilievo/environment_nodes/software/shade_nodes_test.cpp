@@ -383,14 +383,19 @@ class ShadeNodesTest : public testing::Test {
   [[nodiscard]] static std::vector<SlowPixel> looks(const SlowNodes& slow, std::size_t count, int x,
                                                     int y, int s, int samples) {
     const glm::dvec2 corner(x, kShadeHeight - 1 - y);
-    const glm::dvec2 in = samples == 1 ? glm::dvec2(0.5)
-                                       : glm::dvec2(double(FrameTile::kSampleX[s]),
-                                                    1 - double(FrameTile::kSampleY[s]));
+    const auto in = [&](int sample) {
+      return samples == 1 ? glm::dvec2(0.5)
+                          : glm::dvec2(double(FrameTile::kSampleX[sample]),
+                                       1 - double(FrameTile::kSampleY[sample]));
+    };
     std::vector<SlowPixel> out(1);
     for (std::size_t n = 0; n < count; ++n) {
-      const SlowSample seen = slow.look(n, corner + in);
-      if (seen.inverse_z > 0)
-        out.push_back({seen.inverse_z, slow.shade(n, seen, corner + 0.5).color});
+      const SlowSample seen = slow.look(n, corner + in(s));
+      if (!(seen.inverse_z > 0)) continue;
+      // A triangle has one colour in a pixel, at its depth in the first sample if it is seen there.
+      const SlowSample first = slow.look(n, corner + in(0));
+      const bool same = first.inverse_z > 0 && first.triangle == seen.triangle;
+      out.push_back({seen.inverse_z, slow.shade(n, same ? first : seen, corner + 0.5).color});
     }
     std::sort(out.begin(), out.end(),
               [](const SlowPixel& a, const SlowPixel& b) { return a.inverse_z > b.inverse_z; });
