@@ -15,12 +15,14 @@
 #include "apps/rilievo/picture_file.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/place_text.h"
+#include "rilievo/io/png.h"
+#include "rilievo/relief_impostor/valid_eyes.h"
 
 namespace rilievo::app {
 namespace {
 
 struct InfoCommand {
-  std::string file, json;
+  std::string file, json, valid_eyes;
   bool machine = false;
   FileLimits limits;
 };
@@ -205,6 +207,32 @@ Result<> describe_pictures(const InfoCommand& options) {
   return write_json(options.json, {{"schema", "rilievo-info-1"}, {"pictures", list}});
 }
 
+// From above: the eyes for which a relief impostor of the first picture needs no other (S5.3).
+// Nothing nearer than its nearest surface is an eye.
+Result<> save_valid_eyes(const InfoCommand& options) {
+  const Result<PictureFileContent> content = open_pictures(options.file);
+  if (!content) return content.error();
+  if (content->kind || content->frame.pictures.empty())
+    return Error{"--valid-eyes", "is for plain pictures with depth (render --save-pictures)"};
+  const DepthImage& picture = content->frame.pictures.front();
+  if (picture.camera.projection != Projection::perspective)
+    return Error{"--valid-eyes", "is for pictures in perspective"};
+  const ImpostorPicture impostor = impostor_picture(picture);
+  if (impostor.empty()) return Error{options.file, "its first picture shows nothing"};
+  ValidEyesOptions map;
+  map.size = 129;
+  map.extent = picture.camera.z_near;
+  const ValidEyes eyes = valid_eyes(impostor, map);
+  if (Result<> made = make_folder(std::filesystem::path(options.valid_eyes).parent_path()); !made)
+    return made;
+  if (Result<> saved = save_png(options.valid_eyes, picture_of(eyes)); !saved) return saved;
+  const auto& all = eyes.valid.texels();
+  print("{}: {:.0f} % of the eyes within {:.3g} m to each side are valid (green)\n",
+        options.valid_eyes,
+        100.0 * double(std::count(all.begin(), all.end(), 1)) / double(all.size()), map.extent);
+  return Done{};
+}
+
 }  // namespace
 
 Command info_command(CLI::App& app) {
@@ -219,12 +247,20 @@ Command info_command(CLI::App& app) {
                  "Measure what drawing and capturing take on this machine instead, in a second or "
                  "two; the file of --json is what --machine of other commands reads")
       ->excludes(file);
+  command
+      ->add_option("--valid-eyes", options->valid_eyes,
+                   "Of pictures: a map, from above, of the eyes for which a relief impostor of the "
+                   "first one stays valid, as PNG")
+      ->type_name("MAP.png")
+      ->needs(file);
   add_json_option(*command, options->json);
   add_file_limits(*command, options->limits);
   command->footer(
       "Example: rilievo info model.glb\n         rilievo info --machine --json machine.json");
   return {command, [options](const std::string&) -> Result<> {
-            if (Result<> good = expect_outputs({options->json}); !good) return good;
+            if (Result<> good = expect_outputs({options->json, options->valid_eyes}); !good)
+              return good;
+            if (!options->valid_eyes.empty()) return save_valid_eyes(*options);
             if (options->machine) return describe_machine(options->json);
             if (options->file.empty()) return Error{"info", "FILE or --machine is required"};
             if (is_capture(options->file))

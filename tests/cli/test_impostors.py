@@ -11,7 +11,7 @@ import struct
 import unittest
 
 import command
-from command import TEAPOTS, files_below
+from command import SMALL, TEAPOTS, files_below
 
 METHOD = ("--method", "relief-impostor", "--impostor-texels", "96", "--impostor-samples", "1")
 SIZE = ("--size", "192x108")
@@ -139,6 +139,15 @@ class Impostors(command.Case):
                 self.assertFalse(out.exists() and files_below(out))
         self.assertEqual(other.read_bytes()[:10], b"not a stor")
 
+    def test_a_map_of_valid_eyes(self):
+        pictures, image = self.folder / "pictures", self.folder / "maps" / "map.png"
+        self.succeeds("render", TEAPOTS, "--method", "nailboard", *SMALL, "--save-pictures", pictures,
+                      "-o", self.folder / "frames")
+        first = pictures / "pictures_00000.exr"
+        done = self.succeeds("info", first, "--valid-eyes", image)
+        self.assertRegex(done.stdout, r"map\.png: [1-9][0-9]* % of the eyes")
+        self.assertEqual(image.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.refused(("info", TEAPOTS, "--valid-eyes", image), TEAPOTS)
 
 if __name__ == "__main__":
     command.main()
