@@ -19,7 +19,9 @@ namespace rilievo {
 inline Scene random_strokes(std::uint64_t seed, int count) {
   Random random(seed);
   const auto around = [&](float size) {
-    return size * glm::vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+    // One after the other: compilers differ in the order in which they evaluate arguments.
+    const float z = random.between(-1, 1), y = random.between(-1, 1);
+    return size * glm::vec3(random.between(-1, 1), y, z);
   };
   Scene scene;
   scene.name = "strokes";
@@ -123,8 +125,10 @@ inline Camera stroke_camera(Random& random, Projection projection, int width, in
   glm::dvec3 way;
   do way = {number(-1, 1), number(-1, 1), number(-1, 1)};
   while (glm::length(way) < 0.3);
-  Camera camera = look_at(distance * glm::normalize(way), {number(-1, 1), 0, number(-1, 1)},
-                          {0.1, 1, 0.2}, number(0.5f, 1.6f), width, height, 0.2, 40);
+  const double fov = number(0.5f, 1.6f);
+  const glm::dvec3 target{number(-1, 1), 0, number(-1, 1)};
+  Camera camera =
+      look_at(distance * glm::normalize(way), target, {0.1, 1, 0.2}, fov, width, height, 0.2, 40);
   camera.projection = projection;
   if (projection == Projection::parallel) camera.window = {-4, 5, -4, 3};
   return camera;
