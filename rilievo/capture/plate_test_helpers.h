@@ -30,9 +30,10 @@ inline Scene plate(Random& random, bool one_object) {
   scene.meshes = {square(0.6f), square(4.0f)};
   scene.meshes[1].material = 1;
   scene.meshes[0].material = 0;
+  // One after the other: compilers differ in the order in which they evaluate arguments.
+  const float tilt = random.between(-0.4f, 0.4f), turn = random.between(0, 1.5f);
   const glm::mat4 turned = glm::rotate(
-      glm::rotate(glm::translate(glm::mat4(1), {0, 0, 1}), random.between(0, 1.5f), {0, 0, 1}),
-      random.between(-0.4f, 0.4f), {0, 1, 0});
+      glm::rotate(glm::translate(glm::mat4(1), {0, 0, 1}), turn, {0, 0, 1}), tilt, {0, 1, 0});
   if (one_object) {
     scene.models = {{"both", {{0, turned}, {1, glm::mat4(1)}}, {}, 0}};
     scene.objects.resize(1);
@@ -47,8 +48,8 @@ inline Scene plate(Random& random, bool one_object) {
 
 // Sees the whole plate before the wall.
 inline Camera plate_camera(Random& random, int size) {
-  const glm::dvec3 eye(random.between(-0.8f, 0.8f), random.between(-0.8f, 0.8f),
-                       random.between(2.5f, 3.5f));
+  const float z = random.between(2.5f, 3.5f), y = random.between(-0.8f, 0.8f);
+  const glm::dvec3 eye(random.between(-0.8f, 0.8f), y, z);
   return look_at(eye, {0, 0, 0.5}, {0, 1, 0}, 1.2, size, size, 0.1, 20);
 }
 

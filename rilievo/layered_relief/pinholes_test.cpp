@@ -57,7 +57,8 @@ TEST_P(Pinholes, few_are_seen_from_200_eyes_near_and_far) {
   Random random(41);
   Holes all, open;
   for (int i = 0; i < 200; ++i) {
-    const glm::dvec3 out(random.between(-1, 1), random.between(-0.4f, 1), random.between(-1, 1));
+    const float z = random.between(-1, 1), y = random.between(-0.4f, 1);
+    const glm::dvec3 out(random.between(-1, 1), y, z);
     if (glm::length(out) < 0.2) continue;
     // From where texels have three pixels to where they have a third of one.
     const double distance = radius * (1.7 + 6.3 * double(random.unit()));
