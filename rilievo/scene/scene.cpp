@@ -4,6 +4,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "rilievo/scene/move_points.h"
+
 namespace rilievo {
 namespace {
 
@@ -49,15 +51,10 @@ void set_origin(Scene& scene, const glm::dvec3& origin) {
       object.placement[3] = glm::vec4(glm::dvec4(object.placement[3]) + glm::dvec4(by, 0));
   for (Node& node : scene.nodes)
     if (node.parent < 0) move(node.translation);
-  for (Channel& channel : scene.channels) {
-    if (channel.path != Channel::Path::translation ||
-        scene.nodes[std::size_t(channel.node)].parent >= 0)
-      continue;
-    // Of a cubic spline every second of three is a point; the others are its tangents.
-    const bool cubic = channel.interpolation == Channel::Interpolation::cubic_spline;
-    for (std::size_t i = cubic ? 1 : 0; i < channel.values.size(); i += cubic ? 3 : 1)
-      channel.values[i] = glm::vec4(glm::dvec4(channel.values[i]) + glm::dvec4(by, 0));
-  }
+  for (Channel& channel : scene.channels)
+    if (channel.path == Channel::Path::translation &&
+        scene.nodes[std::size_t(channel.node)].parent < 0)
+      move_points(channel, by);
   for (Light& light : scene.lights)
     if (light.kind != Light::Kind::directional) move(light.position);
   for (Camera& camera : scene.cameras) camera.world_from_eye[3] += glm::dvec4(by, 0);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "rilievo/scene/move_points.h"
+
 namespace rilievo::gltf {
 namespace {
 
@@ -205,14 +207,9 @@ void set_origin(const glm::dvec3& origin, Tree& tree, Animation& animation) {
     node.translation -= origin;
     node.parent_from_node[3] -= glm::dvec4(origin, 0);
   }
-  for (Channel& channel : animation.channels) {
-    if (channel.path != Channel::Path::translation || tree.nodes[channel.node].parent >= 0)
-      continue;
-    // The second of three values of a cubic spline is a point; the others are its tangents.
-    const bool cubic = channel.interpolation == Channel::Interpolation::cubic_spline;
-    for (std::size_t i = cubic ? 1 : 0; i < channel.values.size(); i += cubic ? 3 : 1)
-      channel.values[i] = glm::vec4(glm::dvec4(channel.values[i]) - glm::dvec4(origin, 0));
-  }
+  for (Channel& channel : animation.channels)
+    if (channel.path == Channel::Path::translation && tree.nodes[channel.node].parent < 0)
+      move_points(channel, -origin);
 }
 
 PosedTree pose_tree(const Tree& tree, const Animation& animation, double time) {
