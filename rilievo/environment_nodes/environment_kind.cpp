@@ -12,6 +12,7 @@
 #include "rilievo/environment_nodes/bake_nodes.h"
 #include "rilievo/environment_nodes/file.h"
 #include "rilievo/environment_nodes/to_scene.h"
+#include "rilievo/kind/bounds_facts.h"
 
 namespace rilievo {
 namespace {
@@ -165,7 +166,6 @@ std::vector<Fact> describe(const Representation& representation) {
   const Box bounds = nodes.bounds();
   const double size = double(bounds.radius());
   const glm::dvec3& origin = representation.world.origin;
-  const glm::dvec3 low = origin + glm::dvec3(bounds.min), high = origin + glm::dvec3(bounds.max);
   nlohmann::json eyes = nlohmann::json::array();
   double covered = 0;
   std::size_t texels = 0;
@@ -177,7 +177,7 @@ std::vector<Fact> describe(const Representation& representation) {
     least = std::min(least, node.face_size), most = std::max(most, node.face_size);
   }
   const auto json = [](const auto& value) { return nlohmann::json(value).dump(); };
-  return {
+  std::vector<Fact> facts{
       {"nodes", json(nodes.nodes.size()), "nodes",
        fmt::format("{} of 6 x {} x {}, the first at {}", nodes.nodes.size(), most, most,
                    place_text(origin + nodes.nodes.front().eye(), size))},
@@ -195,10 +195,9 @@ std::vector<Fact> describe(const Representation& representation) {
        fmt::format("{:.1f} M, {:.1f} % show a surface, the others the sky or nothing",
                    1e-6 * double(texels), 100 * covered)},
       {"coverage", json(covered), "", ""},
-      {"bounds_min", list_of(low).dump(), "bounds",
-       fmt::format("{} to {} m", place_text(low, size), place_text(high, size))},
-      {"bounds_max", list_of(high).dump(), "", ""},
   };
+  for (Fact& fact : bounds_facts(bounds, representation.world)) facts.push_back(std::move(fact));
+  return facts;
 }
 
 Result<Scene> to_scene(const Representation& representation, const SceneRequest& request) {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "rilievo/core/place_text.h"
+#include "rilievo/kind/bounds_facts.h"
 #include "rilievo/layered_impostor/bake_photographs.h"
 #include "rilievo/layered_impostor/file.h"
 
@@ -220,11 +220,7 @@ std::vector<Fact> describe(const Representation& representation) {
   const std::size_t surfaces = texture_bytes(impostor, LayeredMethod::surfaces);
   const std::size_t slices = texture_bytes(impostor, LayeredMethod::slices);
   const Camera& camera = first.camera;
-  const double size = double(impostor.bounds.radius());
-  const glm::dvec3& origin = representation.world.origin;
-  const glm::dvec3 low = origin + glm::dvec3(impostor.bounds.min),
-                   high = origin + glm::dvec3(impostor.bounds.max);
-  return {
+  std::vector<Fact> facts{
       {"views", json(views), "views",
        fmt::format("{} {} pictures of {}x{}", views, name_of(camera.projection), camera.width,
                    camera.height)},
@@ -257,10 +253,10 @@ std::vector<Fact> describe(const Representation& representation) {
       {"up",
        nlohmann::json{impostor.vantage.up.x, impostor.vantage.up.y, impostor.vantage.up.z}.dump(),
        "", ""},
-      {"bounds_min", list_of(low).dump(), "bounds",
-       fmt::format("{} to {} m", place_text(low, size), place_text(high, size))},
-      {"bounds_max", list_of(high).dump(), "", ""},
   };
+  for (Fact& fact : bounds_facts(impostor.bounds, representation.world))
+    facts.push_back(std::move(fact));
+  return facts;
 }
 
 }  // namespace

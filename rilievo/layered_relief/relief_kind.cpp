@@ -6,7 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "rilievo/core/place_text.h"
+#include "rilievo/kind/bounds_facts.h"
 #include "rilievo/layered_relief/relief_file.h"
 
 namespace rilievo {
@@ -147,17 +147,12 @@ std::vector<Fact> describe(const Representation& representation) {
     sizes.push_back({layers.camera.width, layers.camera.height});
   }
   const auto json = [](const auto& value) { return nlohmann::json(value).dump(); };
-  const auto list = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}.dump(); };
-  const double size = double(pictures.bounds.radius());
-  const glm::dvec3& origin = representation.world.origin;
-  const glm::dvec3 low = origin + glm::dvec3(pictures.bounds.min),
-                   high = origin + glm::dvec3(pictures.bounds.max);
   const std::size_t count = pictures.pictures.size();
   const Camera& first = pictures.pictures.front().layers.camera;
   // Four streams of eight bytes a sample.
   const std::size_t bytes = 32 * samples;
   const double layers = double(samples) / double(std::max<std::size_t>(lines, 1));
-  return {
+  std::vector<Fact> facts{
       {"textures", json(count), "textures",
        fmt::format("{}, the first {}x{}", count, first.width, first.height)},
       {"sizes", sizes.dump(), "", ""},
@@ -170,10 +165,10 @@ std::vector<Fact> describe(const Representation& representation) {
       {"merged_m", json(merged), "merged", fmt::format("{:.3g} m along a line of sight", merged)},
       {"moved_m", json(moved), moved > 0 ? "moved" : "",
        fmt::format("up to {:.3g} m into textures that others saw them for", moved)},
-      {"bounds_min", list(low), "bounds",
-       fmt::format("{} to {} m", place_text(low, size), place_text(high, size))},
-      {"bounds_max", list(high), "", ""},
   };
+  for (Fact& fact : bounds_facts(pictures.bounds, representation.world))
+    facts.push_back(std::move(fact));
+  return facts;
 }
 
 }  // namespace
