@@ -8,9 +8,9 @@
 
 namespace rilievo {
 
-// Subtracts an origin from poses (world_from_eye, metres) where single precision would not serve
-// what the cameras see, and returns the space that they count from then; the world's itself, and
-// poses as they were, where it does.
+// Subtracts an origin from poses (world_from_eye, metres) that lie too far from 0 for what the
+// cameras see to be kept in single precision. Returns the space that the poses count from. Poses
+// near 0 stay as they are; the origin is then 0.
 [[nodiscard]] WorldSpace take_origin_off(std::span<glm::dmat4* const> poses);
 
 }  // namespace rilievo

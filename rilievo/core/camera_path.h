@@ -56,7 +56,7 @@ struct CameraPath {
 [[nodiscard]] PathKey look_key(double time, const glm::dvec3& eye, const glm::dvec3& target,
                                const glm::dvec3& up, double vertical_fov);
 
-// The same path relative to `origin`, or of a path relative to -origin the one in the world.
+// The path with every eye relative to `origin`; relative_to(-origin, ...) undoes it.
 [[nodiscard]] CameraPath relative_to(const glm::dvec3& origin, CameraPath path);
 
 // The number of frames of 1/60 s from the first key to the last; at least one.

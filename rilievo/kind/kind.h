@@ -40,7 +40,7 @@ class Representation {
   // The default camera path; none: a path around the bounds.
   [[nodiscard]] virtual std::optional<CameraPath> walk() const { return {}; }
 
-  // Where its scene space lies.
+  // Where the space of its pictures lies in the world.
   WorldSpace world;
 };
 

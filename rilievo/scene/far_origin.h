@@ -6,9 +6,9 @@
 
 namespace rilievo {
 
-// An origin in the middle of most of `points` (finite, any order), rounded to a power of two about
-// as large as they spread. 0 where single precision serves them all as well: they are not 16 times
-// as far from 0 as they reach, nor most of them 256 times as far as they spread.
+// An origin in the middle of most of `points` (finite, any order), rounded to multiples of a power
+// of two about as large as their spread. 0 if single precision serves them: the centre of their box
+// is at most 16 radii away from 0, and their median at most 256 times their median deviation.
 [[nodiscard]] glm::dvec3 far_origin(std::vector<glm::dvec3> points);
 
 }  // namespace rilievo
