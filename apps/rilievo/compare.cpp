@@ -202,6 +202,7 @@ Result<> run_compare(CompareCommand options) {
   if (!plan) return plan.error();
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
   options.method_options.impostors.background = options.real_time;
+  options.method_options.by_clock = options.method_options.by_clock || options.real_time;
   Stages stages(opened->scene, options.frames.samples, &opened->deformations);
   std::vector<Method> methods;
   std::vector<ComparedSource> compared;

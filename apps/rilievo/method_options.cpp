@@ -82,9 +82,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(in_range(1, 65536))
       ->type_name("MB");
   command
-      .add_option(
-          "--error-px", options.error_px,
-          "cache, lod: the largest position error of a picture or a level, in pixels (default 1)")
+      .add_option("--error-px", options.error_px,
+                  "cache, lod, auto: the largest position error of a picture or a level, in pixels "
+                  "(default 1)")
       ->check(in_range(0.01, 100.0))
       ->type_name("E");
   command
@@ -152,6 +152,22 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       .add_option("--keyframe-samples", options.keyframe_samples,
                   "keyframes: samples of a texel (default 4)")
       ->check(CLI::IsMember({1, 4, 16}));
+  command
+      .add_option("--fps", options.fps,
+                  "auto: frames a second that are enough: of all methods that keep it the best in "
+                  "quality draws (0: as many as can be; default 0)")
+      ->check(in_range(0.0, 1000.0))
+      ->type_name("N");
+  command
+      .add_option("--loss-db", options.loss_db,
+                  "auto: how much farther than direct drawing frames from keyframes may be from "
+                  "what is true, in dB (default 4)")
+      ->check(in_range(0.0, 100.0))
+      ->type_name("DB");
+  command.add_flag(
+      "--by-clock", options.by_clock,
+      "auto: decide by the time that frames take, which makes no two runs alike (view, "
+      "and compare --real-time, do), and not by counts of work");
   add_impostor_options(command, options.impostors);
   add_kind_options(command, KindOptionsOf::draw, options.kinds);
   add_kind_options(command, KindOptionsOf::bake, options.kinds);

@@ -8,6 +8,7 @@
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/frame/software/software_backend.h"
+#include "rilievo/method/auto.h"
 #include "rilievo/representation/software/software_factories.h"
 
 namespace rilievo::app {
@@ -40,6 +41,10 @@ Result<Method> with_reports(const MethodOptions& options, const Make& make) {
 
 bool is_method(const std::string& name) {
   return kind_method(name).kind || find_method(methods(), name);
+}
+
+std::string default_method(const MethodOptions& options) {
+  return options.bake_mb > 0 || options.levels ? "cache" : std::string(kAutoName);
 }
 
 bool bends_by_time(const std::string& method) {

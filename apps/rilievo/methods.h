@@ -19,6 +19,8 @@ namespace rilievo::app {
 
 // Does --method take it? Former names too.
 [[nodiscard]] bool is_method(const std::string& name);
+// The method of `render` and `view` if none is asked for: `auto`, or the cache where it is to bake.
+[[nodiscard]] std::string default_method(const MethodOptions& options);
 // Does the method show skins and morph targets by time, if the stage has Deformations?
 [[nodiscard]] bool bends_by_time(const std::string& method);
 // For CLI options that take one or several methods.

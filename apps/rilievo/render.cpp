@@ -29,7 +29,7 @@
 namespace rilievo::app {
 namespace {
 
-constexpr char kDefaultMethod[] = "nailboard";
+constexpr char kPicturesMethod[] = "nailboard";
 
 struct RenderCommand {
   std::string scene, output, pictures, json, method;
@@ -105,6 +105,7 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
   for (const std::string& folder : {options.output, options.pictures})
     if (Result<> made = make_folder(folder); !made) return made;
   std::vector<double> frame_ms;
+  std::vector<std::string> drawn_by;  // of methods that choose between others
   int captures = 0;
   Progress progress("frame");
   for (int frame = 0; frame < walk.frames(); ++frame) {
@@ -115,6 +116,8 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
       return drawn;
     frame_ms.push_back(watch.ms());
     captures += source.stats().captures;
+    if (!source.stats().decision.method.empty())
+      drawn_by.push_back(source.stats().decision.sentence());
     const std::string file = numbered(options.output, "frame", frame, ".png");
     if (Result<> saved =
             save_png(file, *target ? (*target)->read() : source.software_target()->color());
@@ -126,16 +129,17 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
   }
   if (options.json.empty()) return Done{};
   const Summary ms = summarize(frame_ms);
-  const nlohmann::json json{{"schema", "rilievo-render-1"},
-                            {"scene", options.scene},
-                            {"method", options.method},
-                            {"size", {width, height}},
-                            {"samples", options.frames.samples},
-                            {"draw", source.software_target() ? "software" : "opengl"},
-                            {"frames", walk.frames()},
-                            {"frame_ms", {{"p50", ms.p50}, {"p99", ms.p99}, {"max", ms.max}}},
-                            {"captures", captures},
-                            {"picture_bytes", source.stats().picture_bytes}};
+  nlohmann::json json{{"schema", "rilievo-render-1"},
+                      {"scene", options.scene},
+                      {"method", options.method},
+                      {"size", {width, height}},
+                      {"samples", options.frames.samples},
+                      {"draw", source.software_target() ? "software" : "opengl"},
+                      {"frames", walk.frames()},
+                      {"frame_ms", {{"p50", ms.p50}, {"p99", ms.p99}, {"max", ms.max}}},
+                      {"captures", captures},
+                      {"picture_bytes", source.stats().picture_bytes}};
+  if (!drawn_by.empty()) json["drawn_by"] = drawn_by;
   return write_json(options.json, json);
 }
 
@@ -269,13 +273,13 @@ Result<> render_file(RenderCommand options) {
   Result<PictureFileContent> content = open_pictures(options.scene);
   if (!content) return content.error();
   if (options.method.empty())
-    options.method = content->kind ? std::string(content->kind->name) : kDefaultMethod;
+    options.method = content->kind ? std::string(content->kind->name) : kPicturesMethod;
   if (content->kind) {
     if (Result<> known = expect_method_of(*content->kind, options.method, "--method"); !known)
       return known;
-  } else if (options.method != kDefaultMethod) {
+  } else if (options.method != kPicturesMethod) {
     return Error{"--method",
-                 fmt::format("the pictures of {} are drawn as {}", options.scene, kDefaultMethod)};
+                 fmt::format("the pictures of {} are drawn as {}", options.scene, kPicturesMethod)};
   }
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
@@ -308,15 +312,17 @@ Command render_command(CLI::App& app) {
           ->type_name("S");
   output->excludes(loop_seconds);
   command
-      ->add_option("--time", options->time,
-                   "The scene as it is at this time of its animation, skins and morph targets "
-                   "posed, while the eye follows its path (default: it moves with the path, and "
-                   "what bends is as at 0, but for relief-impostor, and direct-raster by software)")
+      ->add_option(
+          "--time", options->time,
+          "The scene as it is at this time of its animation, skins and morph targets "
+          "posed, while the eye follows its path (default: it moves with the path, and "
+          "what bends is as at 0, but for relief-impostor, and auto and direct-raster by software)")
       ->check(in_range(0.0, 1e6))
       ->type_name("SECONDS");
   command
-      ->add_option("--method", options->method,
-                   "The drawing method (default nailboard; for a file, its kind)")
+      ->add_option(
+          "--method", options->method,
+          "The drawing method (default auto; with --save-pictures nailboard; for a file, its kind)")
       ->check(known_method());
   command
       ->add_option("--save-pictures", options->pictures,
@@ -336,7 +342,9 @@ Command render_command(CLI::App& app) {
               if (options->time) return Error{"--time", "pictures of a file do not move"};
               return render_file(*options);
             }
-            if (options->method.empty()) options->method = kDefaultMethod;
+            if (options->method.empty())
+              options->method =
+                  options->pictures.empty() ? default_method(options->methods) : kPicturesMethod;
             return render_scene(*options);
           }};
 }

@@ -309,10 +309,11 @@ Result<> view_scene(const ViewCommand& options) {
   Stage stage(opened->scene, options.frames.samples, &opened->deformations);
   Result<Method> direct = stage.make_direct();
   if (!direct) return direct.error();
-  Subject subject{world_bounds(opened->scene), *plan, {"cache"}, {}, direct->frames.get()};
+  const std::string first = default_method(options.methods);
+  Subject subject{world_bounds(opened->scene), *plan, {first}, {}, direct->frames.get()};
   subject.origin = opened->scene.world.origin;
   for (const std::string& name : method_names())
-    if (name != "cache") subject.methods.push_back(name);
+    if (name != first) subject.methods.push_back(name);
   subject.make = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
     methods.impostors.background = true;
@@ -360,7 +361,7 @@ Command view_command(CLI::App& app) {
       ->required();
   command
       ->add_option("--method", options->method,
-                   "The drawing method (default cache; for a file, its kind)")
+                   "The drawing method (default auto; for a file, its kind)")
       ->check(known_method());
   command->add_flag("--split", options->split,
                     "Show direct drawing in the right half of the window");
@@ -370,6 +371,7 @@ Command view_command(CLI::App& app) {
       ->type_name("FILE");
   add_frame_options(*command, options->frames);
   options->methods.max_spike = kInteractiveSpike;
+  options->methods.by_clock = true;
   add_method_options(*command, options->methods);
   add_file_limits(*command, options->limits);
   command->footer("Example: rilievo view builtin:bridge --split");

@@ -224,6 +224,8 @@ void show_panel(ViewState& state) {
   for (const auto& [kind, count] : state.stats.by_kind)
     if (count > 0) ImGui::Text("%d %.*s", count, int(kind.size()), kind.data());
   impostor_panel(state);
+  if (!state.stats.decision.method.empty())
+    ImGui::TextWrapped("%s", state.stats.decision.sentence().c_str());
   if (state.stats.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.stats.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   ImGui::PopItemWidth();

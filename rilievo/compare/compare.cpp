@@ -78,6 +78,8 @@ struct Tally {
     if (!frame.eye_z.empty())
       add_depth_errors(truth.objects, frame.objects, truth.eye_z, frame.eye_z, depth_errors);
     add_stats(frame.stats);
+    if (!frame.stats.decision.method.empty())
+      result.decisions.push_back(frame.stats.decision.sentence());
   }
 
   // FLIP maps between the true frame and the one before it, and between `frame` and the one before

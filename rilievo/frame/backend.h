@@ -61,6 +61,9 @@ class Backend {
   [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> make_frames(
       std::unique_ptr<FrameChooser> chooser) = 0;
 
+  // Waits until what was drawn is done, so that its time can be taken.
+  virtual void finish() {}
+
   // For methods that draw without OpenGL whatever the backend: the same scene without OpenGL, and
   // frames of it in the place of this backend's. OpenGL gets an upload of colours and depths. Fails
   // for other numbers of samples than 1 and 4.

@@ -1,8 +1,18 @@
 #include "rilievo/frame/frame_content.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace rilievo {
+
+std::string FrameDecision::sentence() const {
+  if (method.empty()) return {};
+  std::string text = fmt::format("{} ({}", method, reason);
+  if (expected_ms > 0) text += fmt::format(": {:.1f} ms", expected_ms);
+  if (!rival.empty()) text += fmt::format(", {} {:.1f} ms", rival, rival_ms);
+  return text + ")";
+}
 
 void count_drawn(const FrameContent& content, FrameStats& stats) {
   stats.polygons = int(content.polygons.size() + content.fading.size());

@@ -59,6 +59,7 @@ Json method_json(const MethodResult& method) {
     Json& drawn_as = out["drawn_as"] = Json::object();
     for (const auto& [way, count] : method.drawn_as) drawn_as[way] = count;
   }
+  if (!method.decisions.empty()) out["decisions"] = method.decisions;
   Json& all = out["series"] = Json::object();
   all["frame_ms"] = series(method, &FrameResult::frame_ms);
   all["psnr_db"] = series(method, &FrameResult::psnr_db);

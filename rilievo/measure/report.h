@@ -81,6 +81,8 @@ struct MethodResult {
   std::optional<double> pop_max;                               // over tiles
   std::optional<double> pop_frame_max;                         // over whole frames
   std::vector<std::pair<std::string, std::int64_t>> drawn_as;  // "polygons", "nailboard", ...
+  // Of a method that chooses between others, for each frame: "NAME (why)".
+  std::vector<std::string> decisions;
   // For the page, one for each frame shown, in order:
   std::vector<EncodedPicture> pictures, differences;
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "rilievo/measure/report_summary.h"
@@ -146,6 +147,15 @@ const std::array kReportRows = {
           std::string out;
           for (const auto& [way, count] : m.drawn_as)
             out += fmt::format("{}{} {}", out.empty() ? "" : ", ", count, way);
+          return out;
+        }},
+    Row{"Frames by", "What drew them, where a method chooses between others.",
+        [](const MethodResult& m, const MethodSummary&) {
+          std::map<std::string, int> frames;
+          for (const std::string& one : m.decisions) ++frames[one.substr(0, one.find(' '))];
+          std::string out;
+          for (const auto& [name, count] : frames)
+            out += fmt::format("{}{} {}", out.empty() ? "" : ", ", count, name);
           return out;
         }},
 };

@@ -94,13 +94,15 @@ TEST(Report, frames_of_polygons_alone_do_not_make_pictures_look_better) {
 
 TEST(Report, keys_of_later_methods_are_there_only_where_they_are_known) {
   Report r = small_report();
-  for (const char* key : {"bound_px", "gap_bound_px", "error_px", "drawn_as"})
+  for (const char* key : {"bound_px", "gap_bound_px", "error_px", "drawn_as", "decisions"})
     EXPECT_FALSE(Json::parse(report_json(r))["methods"]["nailboard"].contains(key));
   r.methods[1].bound_px_max = 0.75;
   r.methods[1].gap_bound_px_max = 1.5;
   r.methods[1].error_px = ErrorPx{0.1, 0.2, 0.3, 0.4, 0.5, 0.06, 0.07, 0.08, 0.09, 10, 11};
   r.methods[1].drawn_as = {{"polygons", 4}, {"nailboard", 5}, {"hierarchy", 6}};
+  r.methods[1].decisions = {"cache (the cheapest)", "direct (a trial)"};
   const Json m = Json::parse(report_json(r))["methods"]["nailboard"];
+  EXPECT_EQ(m["decisions"], Json({"cache (the cheapest)", "direct (a trial)"}));
   EXPECT_EQ(m["bound_px"]["max"], 0.75);
   EXPECT_EQ(m["gap_bound_px"]["max"], 1.5);
   EXPECT_EQ(m["error_px"], Json({{"p50", 0.1},

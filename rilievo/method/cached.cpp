@@ -74,8 +74,9 @@ Result<> add_alternatives(SceneCache& cache, const MethodOptions& options, const
   return Done{};
 }
 
-// What can change while the cache runs.
-void follow(const MethodOptions& options, ImageCacheOptions& cache) {
+}  // namespace
+
+void follow_cache(const MethodOptions& options, ImageCacheOptions& cache) {
   cache.error_px = options.error_px;
   cache.gap_px = options.gap_px;
   cache.capture_ms = options.capture_ms;
@@ -86,7 +87,7 @@ void follow(const MethodOptions& options, ImageCacheOptions& cache) {
 
 ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   ImageCacheOptions cache;
-  follow(options, cache);
+  follow_cache(options, cache);
   cache.max_bytes = std::size_t(options.memory_mb - options.bake_mb) * kMegabyte;
   cache.levels = options.levels;
   if (!options.fade) cache.fade_frames = 1;
@@ -96,8 +97,6 @@ ImageCacheOptions cache_options(const MethodOptions& options, int samples) {
   cache.machine = options.machine;
   return cache;
 }
-
-}  // namespace
 
 Result<Method> make_cached_method(const MethodOptions& options, Backend& backend) {
   if (options.bake_mb >= options.memory_mb)
@@ -114,7 +113,9 @@ Result<Method> make_cached_method(const MethodOptions& options, Backend& backend
   }
   Method method;
   method.frames = std::move(made->frames);
-  method.follow = [&cache](const MethodOptions& changed) { follow(changed, cache.options()); };
+  method.follow = [&cache](const MethodOptions& changed) {
+    follow_cache(changed, cache.options());
+  };
   return method;
 }
 

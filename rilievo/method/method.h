@@ -6,6 +6,7 @@
 //   cache                                 pictures of groups, within an error in pixels
 //   relief-impostor                       objects that are rendered beside the frames
 //   keyframes                             whole frames, warped from pictures of the whole view
+//   auto                                  each frame by the cheapest of these that is good enough
 //   and the kinds of representation, which are baked before the first frame
 //
 // A method is one file with a chooser (frame/frame_chooser.h), and one line in methods.cpp.
@@ -65,6 +66,9 @@ struct MethodOptions {
   std::string source = "raster";          // keyframes: raster, rays, raytrace, exec:PROGRAM
   double keyframe_ms = 0;                 // keyframes: time a frame; 0: no limit
   int keyframe_samples = 4;               // keyframes: of a texel: 1, 4 or 16
+  double fps = 0;         // auto: frames a second that are enough; 0: as many as can be
+  double loss_db = 4;     // auto: how much worse than direct drawing keyframes may look
+  bool by_clock = false;  // auto: decide by the time that frames take; else by counts of work
   KindOptions kinds;
   ReliefImpostorOptions impostors;
   Box eyes = {};                                      // where eyes will be; empty: not known

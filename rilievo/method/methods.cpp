@@ -6,6 +6,7 @@
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
+#include "rilievo/method/auto.h"
 #include "rilievo/method/cached.h"
 #include "rilievo/method/direct.h"
 #include "rilievo/method/kinds.h"
@@ -112,6 +113,7 @@ std::span<const MethodRow> methods() {
       {"nailboard", make_nailboards},
       {"cache", make_cached_method},
       {"keyframes", make_keyframes},
+      {kAutoName, make_auto, true, true},
       {kReliefImpostorName, make_relief_impostors, true, true},
   };
   return kMethods;

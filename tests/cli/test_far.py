@@ -19,7 +19,7 @@ KINDS = ("layered-impostor", "environment-nodes", "layered-relief")
 SMALL_BAKES = {"layered-impostor": ("--ring", "4", "--size", "48"),
                "environment-nodes": ("--face", "48"),
                "layered-relief": ("--size", "48")}
-METHODS = ("flat", "nailboard", "cache", "keyframes", "lod", "direct-raster", "direct-rays")
+METHODS = ("flat", "nailboard", "cache", "keyframes", "auto", "lod", "direct-raster", "direct-rays")
 
 
 def edit_glb(data, edit):

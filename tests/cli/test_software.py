@@ -32,7 +32,7 @@ class NoOpenGL(command.Case):
         return json.loads(done.stdout)
 
     def test_every_method_draws_a_scene(self):
-        methods = ["direct", "direct-raster", "direct-rays", "lod", "flat", "nailboard", "cache", "keyframes",
+        methods = ["direct", "direct-raster", "direct-rays", "lod", "flat", "nailboard", "cache", "keyframes", "auto",
                    "layered-slices"]
         baked = ("--views", "12", "--view-size", "32")
         for method in methods:

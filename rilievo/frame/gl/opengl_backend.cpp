@@ -5,6 +5,7 @@
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/frame/gl/presented_frames.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/nailboard/gl/atlas_pictures.h"
 #include "rilievo/nailboard/gl/atlas_store.h"
@@ -53,6 +54,8 @@ Result<std::unique_ptr<FrameSource>> OpenGLBackend::make_frames(
     std::unique_ptr<FrameChooser> chooser) {
   return {std::make_unique<OpenGLFrames>(*renderer_, std::move(chooser))};
 }
+
+void OpenGLBackend::finish() { gl::finish(); }
 
 Result<SoftwareBackend*> OpenGLBackend::software() {
   if (samples_ != 1 && samples_ != 4)

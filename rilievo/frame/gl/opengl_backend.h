@@ -39,6 +39,7 @@ class OpenGLBackend final : public Backend {
   [[nodiscard]] Result<std::unique_ptr<Backend>> make_backend(const Scene& scene) const override;
   [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_frames(
       std::unique_ptr<FrameChooser> chooser) override;
+  void finish() override;
   [[nodiscard]] Result<SoftwareBackend*> software() override;
   [[nodiscard]] Result<std::unique_ptr<FrameSource>> present(
       std::unique_ptr<FrameSource> software_frames) override;

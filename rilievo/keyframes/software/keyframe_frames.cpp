@@ -1,6 +1,7 @@
 #include "rilievo/keyframes/software/keyframe_frames.h"
 
 #include <array>
+#include <atomic>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/keyframes/cheaper_way.h"
 #include "rilievo/keyframes/keyframe_bound.h"
@@ -113,7 +115,9 @@ void KeyframeFrames::State::make_producer() {
   }
   any_still = !objects.empty();
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
-  if (any_still && !own_source && options.keyframes.keyframe_ms > 0) cheaper.emplace();
+  if (any_still && !own_source && options.keyframes.keyframe_ms > 0 &&
+      options.polygons_where_cheaper)
+    cheaper.emplace();
   CaptureSource* source = own_source.get();
   if (!source && options.by == KeyframesBy::raster) source = &raster_source.emplace(placed);
   if (!source) source = &ray_source;
@@ -223,6 +227,12 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
       s.warps ? bound_keyframes(s.producer->chosen(), camera) : KeyframeBound{};
   s.stats.bound_px = bound.error_px, s.stats.gap_px = bound.gap_px;
   s.stats.polygons = int(s.live.size());
+  s.stats.filled_share = s.shares.filled;
+  s.stats.live_share = live_share();
+  s.stats.late = 0;
+  if (s.warps)
+    for (const WarpedKeyframe& one : s.producer->chosen())
+      s.stats.late += one.keyframe->coarse && !one.spare;
   s.stats.by_kind.clear();
   s.stats.by_kind.emplace_back("keyframe", s.warps ? int(s.producer->chosen().size()) : 0);
   if (s.cheaper) {
@@ -246,6 +256,19 @@ Result<> KeyframeFrames::draw_objects() {
   return Done{};
 }
 
+Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
+  State& s = *state_;
+  if (!s.any_still) return Done{};
+  if (anew && !s.options.keyframes.beside) s.producer->forget();
+  s.placed.set_time(time);
+  (void)s.producer->follow(camera, time);
+  Result<> done = s.producer->work();
+  (void)s.producer->take_work();
+  return done;
+}
+
+bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_two(); }
+
 const SoftwareTarget* KeyframeFrames::software_target() const { return &state_->target; }
 const FrameStats& KeyframeFrames::stats() const { return state_->stats; }
 const KeyframeShares& KeyframeFrames::shares() const { return state_->shares; }
@@ -254,11 +277,16 @@ double KeyframeFrames::live_share() const {
   const State& s = *state_;
   if (!s.warps) return 1;
   if (s.live.empty()) return 0;
-  std::size_t live = 0;
-  for (int y = 0; y < s.target.height(); ++y)
-    for (int x = 0; x < s.target.width(); ++x)
-      live += !s.warped.hole(x, y) && s.target.inverse_z()(x, y) > s.warped.inverse_z(x, y) &&
-              s.target.inverse_z()(x, y) > float(1 / s.camera.z_far);
+  std::atomic<std::size_t> live = 0;
+  const float nothing = float(1 / s.camera.z_far);
+  parallel_for(0, s.target.height(), [&](int y) {
+    std::size_t in_row = 0;
+    for (int x = 0; x < s.target.width(); ++x) {
+      const float shown = s.target.inverse_z()(x, y);
+      in_row += !s.warped.hole(x, y) && shown > s.warped.inverse_z(x, y) && shown > nothing;
+    }
+    live += in_row;
+  });
   return double(live) / (double(s.target.width()) * s.target.height());
 }
 

@@ -32,6 +32,8 @@ struct KeyframeFramesOptions {
   int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
   // Frames of which a larger share would be holes get a keyframe at once.
   double most_filled = 0.2;
+  // With a limit of time, are whole frames polygons where these take less?
+  bool polygons_where_cheaper = true;
 };
 
 // What the last frame consisted of, as shares of its pixels, and times.
@@ -67,6 +69,12 @@ class KeyframeFrames final : public FrameSource {
   [[nodiscard]] const KeyframeShares& shares() const;
   // The share of the last frame's pixels that show polygons. Counts them.
   [[nodiscard]] double live_share() const;
+
+  // Beside a frame that something else draws: makes a part of a keyframe. `anew`: this is the first
+  // such frame for some time, and keyframes from before are forgotten. Fails where a capture does.
+  Result<> prepare(const Camera& camera, double time, bool anew);
+  // Are there keyframes to begin with?
+  [[nodiscard]] bool prepared() const;
 
  private:
   struct State;

@@ -1,0 +1,325 @@
+#include "rilievo/method/auto.h"
+
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "rilievo/core/background.h"
+#include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/keyframes/eye_prediction.h"
+#include "rilievo/keyframes/software/keyframe_frames.h"
+#include "rilievo/method/auto_decision.h"
+#include "rilievo/method/cached.h"
+#include "rilievo/method/direct_or_cached.h"
+#include "rilievo/method/levels.h"
+#include "rilievo/render/rays/ray_visibility.h"
+
+namespace rilievo {
+namespace {
+
+enum Methods { kDirect, kCache, kRays, kLevels, kKeyframes, kMethods };
+
+// Frames of the cache after a change until it has the pictures that it wants.
+constexpr int kCacheWarmsUp = 12;
+// The first frames of what has its own memory are slower.
+constexpr int kWarmsUp = 1;
+constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
+                                         {"cache", 1, kCacheWarmsUp},
+                                         {"rays", 0, kWarmsUp},
+                                         {"lod", 2, kWarmsUp},
+                                         {"keyframes", 3, kWarmsUp}};
+// What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
+constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1e-2;
+// The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
+// two take.
+constexpr double kKeyframeMs = 8;
+constexpr int kFirstKeyframes = 64;
+// What levels of detail take of direct drawing, before anyone knows.
+constexpr double kLevelsOfDirect = 0.6;
+// The share of a frame in how slow the machine is.
+constexpr double kNewestSlowness = 0.05;
+// With OpenGL frames overlap: one in so many is waited for, to be timed.
+constexpr int kTimedFrames = 8;
+
+std::uint64_t triangles_of_meshes(const Scene& scene) {
+  std::uint64_t count = 0;
+  for (const Mesh& mesh : scene.meshes) count += mesh.indices.size() / 3;
+  return count;
+}
+
+// What is made on another thread, while frames are drawn.
+struct Prepared {
+  Result<std::unique_ptr<RayVisibility>> rays{Error{}};
+  std::optional<ObjectLevels> levels;
+  Result<std::unique_ptr<KeyframeFrames>> keyframes{Error{}};
+};
+
+class AutoFrames final : public FrameSource {
+ public:
+  static Result<std::unique_ptr<AutoFrames>> create(const MethodOptions& options, Backend& backend);
+
+  Result<> draw(const Camera& camera, double time) override;
+  Result<> draw_objects() override { return active_->draw_objects(); }
+  [[nodiscard]] const SoftwareTarget* software_target() const override {
+    return active_->software_target();
+  }
+  [[nodiscard]] const FrameStats& stats() const override { return stats_; }
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override {
+    return active_->read_pictures();
+  }
+  void follow(const MethodOptions& options);
+
+ private:
+  AutoFrames(const MethodOptions& options, Backend& backend)
+      : options_(options),
+        backend_(backend),
+        threads_(options.by_clock ? int(std::max(1u, std::thread::hardware_concurrency())) : 2),
+        triangles_(count_triangles(backend.scene())),
+        meshes_triangles_(triangles_of_meshes(backend.scene())) {}
+
+  void begin(const Camera& camera);
+  void look(const Camera& camera);
+  void prepare(int method);
+  Result<> adopt();
+  Result<> prepare_keyframes(const Camera& camera, double time);
+
+  MethodOptions options_;
+  Backend& backend_;
+  int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
+  std::uint64_t triangles_, meshes_triangles_;
+  bool only_direct_ = true, bends_ = false;
+  int width_ = 0, height_ = 0;
+  std::optional<AutoDecision> decision_;
+  EyePrediction eye_;
+  std::vector<AutoOutlook> outlook_;
+  std::vector<std::uint32_t> in_view_;
+
+  DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
+  std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
+  KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
+  FrameSource* active_ = nullptr;
+  FrameStats stats_;
+  bool failed_[kMethods] = {};
+
+  int preparing_ = -1;
+  bool keyframes_follow_ = false;  // keyframes were drawn, or prepared, in the last frame
+  std::atomic<bool> prepared_{false};
+  Prepared made_;
+  int frame_ = 0, counted_frames_ = 0;
+  double slowness_ = 1;                   // times as slow as the machine of FrameLoad
+  std::optional<Background> background_;  // last: it ends first
+};
+
+Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& options,
+                                                       Backend& backend) {
+  std::unique_ptr<AutoFrames> made(new AutoFrames(options, backend));
+  auto chooser =
+      std::make_unique<DirectOrCached>(backend, cache_options(options, backend.samples()));
+  made->shared_chooser_ = chooser.get();
+  made->bends_ = backend.deformations() && !backend.deformations()->meshes.empty();
+  Result<std::unique_ptr<FrameSource>> frames{Error{}};
+  if (made->bends_) {
+    // As direct-raster: OpenGL's polygons do not bend.
+    Result<SoftwareBackend*> software = backend.software();
+    if (!software) return software.error();
+    frames = backend.present(std::make_unique<SoftwareFrames>(**software, std::move(chooser)));
+  } else {
+    frames = backend.make_frames(std::move(chooser));
+  }
+  if (!frames) return frames.error();
+  made->frames_[kDirect] = std::move(*frames);
+  made->active_ = made->frames_[kDirect].get();
+  return made;
+}
+
+// Before the first frame, and when the frame's size changes.
+void AutoFrames::begin(const Camera& camera) {
+  width_ = camera.width, height_ = camera.height;
+  FrameLoad load{double(triangles_), double(camera.width) * camera.height, threads_};
+  only_direct_ = bends_ || load.fits();
+  if (only_direct_) {
+    decision_.reset();
+    return;
+  }
+  in_view_.clear();
+  backend_.placed().cull(camera, in_view_);
+  load.triangles = 0;
+  for (const std::uint32_t object : in_view_)
+    load.triangles += double(
+        backend_.scene().models[std::size_t(backend_.scene().objects[object].model)].triangles);
+  const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
+  decision_.emplace(kCandidates, load.heavy() ? kCache : kDirect, pace_ms);
+  outlook_.assign(kMethods, {});
+}
+
+void AutoFrames::look(const Camera& camera) {
+  in_view_.clear();
+  backend_.placed().cull(camera, in_view_);
+  FrameLoad load{0, double(camera.width) * camera.height, threads_};
+  const Scene& scene = backend_.scene();
+  for (const std::uint32_t object : in_view_)
+    load.triangles += double(scene.models[std::size_t(scene.objects[object].model)].triangles);
+  outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
+  outlook_[kCache] = {!shared_chooser_->cache_failed(), false, true, 0, 0};
+  for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
+    AutoOutlook& one = outlook_[std::size_t(method)];
+    one = {};
+    one.ready = frames_[method] != nullptr;
+    one.preparable = options_.by_clock && !one.ready && !failed_[method];
+  }
+  outlook_[kRays].guess_ms = slowness_ * load.rays_ms();
+  outlook_[kRays].prepare_ms = slowness_ * kRaysTriangleMs * double(meshes_triangles_);
+  const double direct_ms = decision_->mean_ms(kDirect);
+  outlook_[kLevels].guess_ms =
+      kLevelsOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
+  outlook_[kLevels].prepare_ms = slowness_ * kLevelsTriangleMs * double(meshes_triangles_);
+  AutoOutlook& keyframes = outlook_[kKeyframes];
+  keyframes.guess_ms = slowness_ * load.keyframes_ms();
+  keyframes.prepare_ms =
+      slowness_ * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
+  if (keyframes_) {
+    keyframes.ready = keyframes_follow_ && keyframes_->prepared();
+    keyframes.preparable = !keyframes.ready;
+    keyframes.prepare_ms = kFirstKeyframes * kKeyframeMs;
+  }
+  // What is being prepared goes on, whatever the frames take meanwhile.
+  if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
+}
+
+void AutoFrames::prepare(int method) {
+  if (preparing_ >= 0 || failed_[method]) return;
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) {
+    failed_[method] = true;
+    return;
+  }
+  preparing_ = method;
+  prepared_ = false;
+  if (!background_) background_.emplace();
+  const Scene& scene = (*software)->scene();
+  background_->run([this, method, &scene] {
+    if (method == kRays) made_.rays = RayVisibility::create(scene);
+    if (method == kLevels) made_.levels = make_object_levels(scene);
+    if (method == kKeyframes) {
+      KeyframeFramesOptions keyframes;
+      keyframes.samples = backend_.samples();
+      keyframes.polygons_where_cheaper = false;
+      keyframes.keyframes.samples = options_.keyframe_samples;
+      keyframes.keyframes.keyframe_ms =
+          options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
+      made_.keyframes = KeyframeFrames::create(scene, keyframes);
+    }
+    prepared_ = true;
+  });
+}
+
+// Takes what was prepared.
+Result<> AutoFrames::adopt() {
+  if (preparing_ < 0 || !prepared_) return Done{};
+  background_->wait();
+  const int method = std::exchange(preparing_, -1);
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) return software.error();
+  Result<std::unique_ptr<FrameSource>> frames{Error{}};
+  if (method == kRays && made_.rays)
+    frames = backend_.present(std::make_unique<SoftwareFrames>(
+        **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
+  if (method == kLevels && made_.levels)
+    frames = make_level_frames(backend_, std::move(*made_.levels), options_.error_px);
+  if (method == kKeyframes && made_.keyframes) {
+    keyframes_ = made_.keyframes->get();
+    frames = backend_.present(std::move(*made_.keyframes));
+  }
+  made_ = {};
+  // Memory, mostly: the other methods go on.
+  failed_[method] = !frames;
+  if (frames)
+    frames_[method] = std::move(*frames);
+  else if (method == kKeyframes)
+    keyframes_ = nullptr;
+  return Done{};
+}
+
+Result<> AutoFrames::prepare_keyframes(const Camera& camera, double time) {
+  Result<> done = keyframes_->prepare(camera, time, !keyframes_follow_);
+  keyframes_follow_ = true;
+  return done;
+}
+
+Result<> AutoFrames::draw(const Camera& camera, double time) {
+  if (camera.width != width_ || camera.height != height_) begin(camera);
+  if (only_direct_) {
+    active_ = frames_[kDirect].get();
+    shared_chooser_->use_cache(false);
+    Result<> drawn = active_->draw(camera, time);
+    stats_ = active_->stats();
+    stats_.decision = {kCandidates[kDirect].name, describe(AutoReason::only)};
+    return drawn;
+  }
+  if (Result<> adopted = adopt(); !adopted) return adopted;
+  eye_.follow(camera);
+  look(camera);
+  const AutoChoice choice = decision_->next(outlook_, eye_.jumped());
+  const bool disturbed = preparing_ >= 0;
+  const bool opengl = backend_.drawn_by() == DrawnBy::opengl;
+  // Warm-ups and trials are short: all of their frames count.
+  const bool timed = !opengl || choice.reason == AutoReason::trial || frame_ % kTimedFrames == 0;
+  ++frame_;
+  if (opengl && timed) backend_.finish();
+  const Stopwatch watch;
+  shared_chooser_->use_cache(choice.draws == kCache);
+  active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
+  if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
+  if (opengl && timed) backend_.finish();
+  double ms = watch.ms(), beside_ms = 0;
+  if (choice.draws == kKeyframes) {
+    keyframes_follow_ = true;
+  } else if (choice.prepares == kKeyframes && keyframes_) {
+    if (Result<> done = prepare_keyframes(camera, time); !done) return done;
+    beside_ms = watch.ms() - ms;
+    ms += beside_ms;
+  } else {
+    keyframes_follow_ = false;
+    if (choice.prepares >= 0) prepare(choice.prepares);
+  }
+  const double counted_ms = shared_chooser_->counted_ms();
+  if (!options_.by_clock) {
+    ms = counted_ms, beside_ms = 0;
+  } else if (timed && !disturbed && active_ == frames_[kDirect].get() && counted_ms > 0) {
+    const double slowness = (ms - beside_ms) / counted_ms;
+    slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
+  }
+  if (timed) decision_->add(ms, beside_ms, disturbed);
+  stats_ = active_->stats();
+  stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
+                     choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,
+                     choice.rival_ms};
+  return Done{};
+}
+
+void AutoFrames::follow(const MethodOptions& options) {
+  options_.error_px = options.error_px;
+  options_.fps = options.fps;
+  if (decision_) decision_->set_pace(options.fps > 0 ? 1000 / options.fps : 0);
+  follow_cache(options, shared_chooser_->options());
+}
+
+}  // namespace
+
+Result<Method> make_auto(const MethodOptions& options, Backend& backend) {
+  // These change the scene that the cache draws, or take minutes.
+  if (options.bake_mb > 0) return Error{"--bake-mb", "is for --method cache"};
+  if (options.levels) return Error{"--levels", "is for --method cache"};
+  Result<std::unique_ptr<AutoFrames>> made = AutoFrames::create(options, backend);
+  if (!made) return made.error();
+  Method method;
+  method.follow = [frames = made->get()](const MethodOptions& changed) { frames->follow(changed); };
+  method.frames = std::move(*made);
+  return method;
+}
+
+}  // namespace rilievo

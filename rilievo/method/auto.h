@@ -1,0 +1,29 @@
+// `auto`: each frame by the cheapest method that is good enough.
+//
+//   direct      polygons, by the backend                                           exact
+//   rays        polygons, found by rays: their time hardly depends on the scene    exact
+//   cache       pictures of groups, within error_px                                a bound
+//   lod         levels of detail, within error_px                                  a bound
+//   keyframes   whole frames from keyframes, of at most loss_db                    measured
+//
+// method/auto_decision.h decides. What a frame takes is measured by the clock, or counted
+// (MethodOptions::by_clock); only direct drawing and the cache are counted, and then the same input
+// gives the same frames.
+//
+// A scene that has few triangles for the frame's pixels is drawn directly, and nothing else is
+// made. The cache and direct drawing are one chooser's. Everything else is prepared beside the
+// frames, which do not wait for it, and not before it may pay.
+#pragma once
+
+#include <string_view>
+
+#include "rilievo/method/method.h"
+
+namespace rilievo {
+
+inline constexpr std::string_view kAutoName = "auto";
+
+// Makes the frames. Deforming scenes are drawn directly.
+[[nodiscard]] Result<Method> make_auto(const MethodOptions& options, Backend& backend);
+
+}  // namespace rilievo

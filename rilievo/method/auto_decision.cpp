@@ -1,0 +1,307 @@
+#include "rilievo/method/auto_decision.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+
+namespace rilievo {
+namespace {
+
+// The share of a new frame in the mean, once there are enough.
+constexpr double kNewest = 0.1, kNewestOfWarmUp = 0.4;
+// A method that was never measured and of which no model is known may take this share of the one
+// that draws.
+constexpr double kHopeOfUnknown = 0.7;
+// How much less than measured a method may take after n frames: kDoubt sqrt(n), at most kMostDoubt.
+// A guess that nothing confirmed may be off by kGuessDoubt.
+constexpr double kDoubt = 0.02, kMostDoubt = 0.75, kGuessDoubt = 0.25;
+// Frames from a trial to the next of the same method: after the first one that fails, and at most.
+constexpr int kGap = 40, kMostGap = 640;
+// A jump makes what was measured older by so many frames.
+constexpr int kJumpAges = 200;
+// What is older than this is not known.
+constexpr int kKnown = 150;
+// Frames after a change before the next one, unless what draws takes much more than what it
+// replaced.
+constexpr int kDwell = 12;
+constexpr double kMuchMore = 1.3;
+// The frames of a trial after the warm-up; and of one that ends within kClose of the other's time.
+constexpr int kTrial = 3, kCloseTrial = 10;
+constexpr double kClose = 0.15;
+// A trial whose frames take this much more ends at once; after a warm-up.
+constexpr double kHopeless = 1.6;
+// And one whose frames together take so many frames' time more.
+constexpr double kMostMore = 5;
+
+// What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
+constexpr int kThreads = 2;
+constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
+constexpr double kRaysPixelMs = 50e-6, kKeyframesPixelMs = 30e-6;
+
+double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
+
+// The mean without the largest, which may be the work of another program.
+double trial_mean(std::span<const double> ms) {
+  double sum = 0, most = 0;
+  for (const double one : ms) sum += one, most = std::max(most, one);
+  return ms.size() > 1 ? (sum - most) / double(ms.size() - 1) : sum;
+}
+
+}  // namespace
+
+double FrameLoad::direct_ms() const {
+  return (kDirectPixelMs * pixels + kDirectTriangleMs * triangles) * kThreads / threads;
+}
+double FrameLoad::rays_ms() const { return kRaysPixelMs * pixels * kThreads / threads; }
+double FrameLoad::keyframes_ms() const { return kKeyframesPixelMs * pixels * kThreads / threads; }
+
+std::string_view describe(AutoReason reason) {
+  switch (reason) {
+    case AutoReason::only:
+      return "the scene fits the frame";
+    case AutoReason::begins:
+      return "by the size of the scene";
+    case AutoReason::cheapest:
+      return "the cheapest";
+    case AutoReason::best:
+      return "the best that keeps the pace";
+    case AutoReason::trial:
+      return "a trial";
+    case AutoReason::leaves:
+      return "what drew before is not good enough";
+  }
+  return {};
+}
+
+AutoDecision::AutoDecision(std::span<const AutoCandidate> candidates, int first, double pace_ms)
+    : candidates_(candidates.begin(), candidates.end()),
+      costs_(candidates.size()),
+      pace_ms_(pace_ms),
+      draws_(first),
+      guesses_(candidates.size()) {
+  RILIEVO_EXPECTS(first >= 0 && first < int(candidates.size()));
+  // So that no trial allocates.
+  int most = 0;
+  for (const AutoCandidate& one : candidates_) most = std::max(most, one.warm_up);
+  trial_ms_.reserve(std::size_t(most + kCloseTrial));
+}
+
+// What it takes now, as far as is known; 0: nothing is.
+double AutoDecision::expected(int i, const AutoOutlook& outlook) const {
+  const Cost& cost = costs_[std::size_t(i)];
+  if (cost.mean_ms == 0) return outlook.guess_ms;
+  if (i == draws_ || cost.guess_ms == 0 || outlook.guess_ms == 0) return cost.mean_ms;
+  // The model says how much has changed since.
+  return cost.mean_ms * outlook.guess_ms / cost.guess_ms;
+}
+
+// What it takes if it takes little.
+double AutoDecision::hoped(int i, const AutoOutlook& outlook) const {
+  const Cost& cost = costs_[std::size_t(i)];
+  const double ms = expected(i, outlook);
+  if (ms == 0) return kHopeOfUnknown * costs_[std::size_t(draws_)].mean_ms;
+  return ms * (1 - (cost.mean_ms == 0 ? kGuessDoubt : doubt(cost.age)));
+}
+
+bool AutoDecision::better(double ms, int rank, double than_ms, int than_rank) const {
+  if (pace_ms_ > 0) {
+    const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
+    if (keeps && than_keeps) return rank < than_rank;
+  }
+  return rank < than_rank ? ms < than_ms : ms < (1 - kGain) * than_ms;
+}
+
+// What a frame may take at no loss.
+double AutoDecision::free_ms() const {
+  return std::max(costs_[std::size_t(draws_)].mean_ms, kKeepsPace * pace_ms_);
+}
+
+bool AutoDecision::affordable(double ms) const {
+  // The time of two frames is free.
+  return trials_ms_ + ms <= 2 * costs_[std::size_t(draws_)].mean_ms + kTrialShare * all_ms_;
+}
+
+int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
+  int best = draws_;
+  double best_ms = costs_[std::size_t(draws_)].mean_ms;
+  for (int i = 0; i < int(candidates_.size()); ++i) {
+    const Cost& cost = costs_[std::size_t(i)];
+    const AutoOutlook& one = outlook[std::size_t(i)];
+    if (i == draws_ || !one.ready || !one.good_enough || cost.mean_ms == 0 || cost.age > kKnown)
+      continue;
+    const double ms = expected(i, one);
+    if (!better(ms, candidates_[std::size_t(i)].rank, best_ms, candidates_[std::size_t(best)].rank))
+      continue;
+    best = i, best_ms = ms;
+  }
+  return best;
+}
+
+int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook) const {
+  const double now = costs_[std::size_t(draws_)].mean_ms;
+  int best = -1;
+  double best_ms = 0;
+  for (int i = 0; i < int(candidates_.size()); ++i) {
+    const Cost& cost = costs_[std::size_t(i)];
+    const AutoOutlook& one = outlook[std::size_t(i)];
+    if (i == draws_ || !(one.ready || one.preparable) || !one.good_enough) continue;
+    if (cost.fails > 0 && cost.age < cost.gap) continue;
+    const double hope = hoped(i, one), likely = std::max(expected(i, one), hope);
+    const AutoCandidate& candidate = candidates_[std::size_t(i)];
+    if (!better(hope, candidate.rank, now, candidates_[std::size_t(draws_)].rank)) continue;
+    // A model knows what has changed since; without one the method may have become cheaper.
+    if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
+    const int frames = candidate.warm_up + kTrial;
+    if (!affordable(std::max(0.0, likely - free_ms()) * frames)) continue;
+    if (!one.ready && one.prepare_ms > kPaysWithin * (now - hope)) continue;
+    if (best >= 0 && hope >= best_ms) continue;
+    best = i, best_ms = hope;
+  }
+  return best;
+}
+
+void AutoDecision::change(int to) {
+  Cost& left = costs_[std::size_t(draws_)];
+  left.age = 0;
+  left.guess_ms = guesses_[std::size_t(draws_)];
+  // Methods that take the same must not take turns.
+  left.gap = std::min(kMostGap, kGap << std::min(left.fails, 8));
+  ++left.fails;
+  draws_ = to;
+  since_change_ = 0;
+}
+
+bool AutoDecision::trial_over() const {
+  const int warm_up = candidates_[std::size_t(trial_)].warm_up;
+  const int drawn = int(trial_ms_.size()) - warm_up;
+  const double now = costs_[std::size_t(draws_)].mean_ms, hopeless = kHopeless * free_ms();
+  if (trial_ms_.empty()) return false;
+  // The first frames of what must warm up say little; of what need not, enough.
+  if (trial_ms_.back() > hopeless &&
+      (warm_up == 0 || (2 * int(trial_ms_.size()) >= warm_up && trial_ms_.size() >= 2 &&
+                        trial_ms_[trial_ms_.size() - 2] > hopeless)))
+    return true;
+  double more = 0;
+  for (const double ms : trial_ms_) more += ms - free_ms();
+  if (more > kMostMore * free_ms()) return true;
+  if (drawn < kTrial) return false;
+  const double mean = trial_mean(std::span(trial_ms_).subspan(std::size_t(warm_up)));
+  return drawn >= kCloseTrial || std::abs(mean / now - 1) > kClose;
+}
+
+void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
+  if (trial_ms_.empty()) {
+    trial_ = -1;
+    return;
+  }
+  const AutoCandidate& tried = candidates_[std::size_t(trial_)];
+  Cost& cost = costs_[std::size_t(trial_)];
+  const int drawn = int(trial_ms_.size());
+  const int from = drawn > tried.warm_up ? tried.warm_up : std::max(0, drawn - 2);
+  cost.mean_ms = trial_mean(std::span(trial_ms_).subspan(std::size_t(from)));
+  cost.guess_ms = outlook[std::size_t(trial_)].guess_ms;
+  cost.frames = drawn - from, cost.age = 0;
+  const double now = costs_[std::size_t(draws_)].mean_ms;
+  const bool wins = outlook[std::size_t(trial_)].ready &&
+                    outlook[std::size_t(trial_)].good_enough &&
+                    better(cost.mean_ms, tried.rank, now, candidates_[std::size_t(draws_)].rank);
+  const int to = trial_;
+  trial_ = -1;
+  trial_ms_.clear();
+  if (!wins) {
+    cost.gap = std::min(kMostGap, kGap << std::min(cost.fails, 8));
+    ++cost.fails;
+    return;
+  }
+  change(to);
+  reason_ = AutoReason::cheapest;
+}
+
+AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped) {
+  RILIEVO_EXPECTS(outlook.size() == candidates_.size());
+  for (int i = 0; i < int(candidates_.size()); ++i) {
+    guesses_[std::size_t(i)] = outlook[std::size_t(i)].guess_ms;
+    Cost& cost = costs_[std::size_t(i)];
+    if (i != draws_) cost.age += jumped ? kJumpAges : 1;
+    if (!jumped) continue;
+    // What was learned is of another place.
+    cost.fails = 0;
+    cost.frames = std::min(cost.frames, 2);
+  }
+  ++since_change_;
+
+  if (trial_ >= 0) {
+    const AutoOutlook& tried = outlook[std::size_t(trial_)];
+    if (jumped || !tried.ready || !tried.good_enough || trial_over()) end_trial(outlook);
+  }
+  if (trial_ < 0) {
+    const AutoOutlook& drawing = outlook[std::size_t(draws_)];
+    if (!drawing.ready || !drawing.good_enough) {
+      // To the cheapest that can draw; rank decides where nothing is known.
+      int to = -1;
+      for (int i = 0; i < int(candidates_.size()); ++i) {
+        const AutoOutlook& one = outlook[std::size_t(i)];
+        if (i == draws_ || !one.ready || !one.good_enough) continue;
+        if (to < 0 ||
+            (expected(i, one) > 0 && expected(i, one) < expected(to, outlook[std::size_t(to)])))
+          to = i;
+      }
+      if (to >= 0) change(to), reason_ = AutoReason::leaves;
+    }
+    if (costs_[std::size_t(draws_)].frames >= kTrial) {
+      const int best = best_known(outlook);
+      const double now = costs_[std::size_t(draws_)].mean_ms;
+      if (best != draws_ &&
+          (since_change_ > kDwell || now > kMuchMore * costs_[std::size_t(best)].mean_ms)) {
+        change(best);
+        reason_ = pace_ms_ > 0 && costs_[std::size_t(best)].mean_ms < kKeepsPace * pace_ms_
+                      ? AutoReason::best
+                      : AutoReason::cheapest;
+      } else if (since_change_ > candidates_[std::size_t(draws_)].warm_up) {
+        const int tries = worth_trying(outlook);
+        prepares_ = -1;
+        if (tries >= 0 && outlook[std::size_t(tries)].ready)
+          trial_ = tries, trial_ms_.clear();
+        else
+          prepares_ = tries;
+      }
+    }
+  }
+
+  AutoChoice choice;
+  choice.draws = drawn_ = trial_ >= 0 ? trial_ : draws_;
+  choice.prepares = trial_ >= 0 ? -1 : prepares_;
+  choice.reason = candidates_.size() == 1 ? AutoReason::only
+                  : trial_ >= 0           ? AutoReason::trial
+                                          : reason_;
+  choice.expected_ms = costs_[std::size_t(choice.draws)].mean_ms;
+  for (int i = 0; i < int(candidates_.size()); ++i) {
+    const double ms = expected(i, outlook[std::size_t(i)]);
+    if (i == choice.draws || ms == 0 || (choice.rival >= 0 && ms >= choice.rival_ms)) continue;
+    choice.rival = i, choice.rival_ms = ms;
+  }
+  return choice;
+}
+
+void AutoDecision::add(double ms, double beside_ms, bool disturbed) {
+  RILIEVO_EXPECTS(drawn_ >= 0);
+  all_ms_ += ms;
+  if (disturbed) return;
+  if (trial_ >= 0) {
+    trial_ms_.push_back(ms);
+    trials_ms_ += std::max(0.0, ms - free_ms());
+    return;
+  }
+  Cost& cost = costs_[std::size_t(draws_)];
+  const double own = std::max(0.0, ms - beside_ms);
+  // The first frames of a method that warms up are not what it takes: they are forgotten soon.
+  ++cost.frames;
+  const bool warms_up = since_change_ <= candidates_[std::size_t(draws_)].warm_up;
+  const double newest = std::max(warms_up ? kNewestOfWarmUp : kNewest, 1.0 / cost.frames);
+  cost.mean_ms += (own - cost.mean_ms) * newest;
+  cost.age = 0;
+  cost.guess_ms = guesses_[std::size_t(draws_)];
+}
+
+}  // namespace rilievo

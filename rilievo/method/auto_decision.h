@@ -1,0 +1,132 @@
+// Which method draws the next frame?
+//
+// A pure decision from costs: what each method took when it drew, what it would take by a model,
+// and how good its frames are. The one that draws is measured in every frame; the others now and
+// then, in a trial of a few frames.
+//
+// A trial must be able to pay. What a method took, or what a model says that it would, is taken for
+// the less certain the older it is; only what may then be cheaper is tried, not if it would take
+// over kMaySpike times the frame, and only while all that trials have cost stays below kTrialShare
+// of all time. What must be prepared first must gain as much in kPaysWithin frames. Each trial that
+// fails doubles the time to the next one of that method. So a walk on which nothing changes costs
+// next to nothing, and where the costs change the next trial is soon.
+//
+// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality. With a
+// pace, of all that keep it the best in quality is taken. The same input gives the same decisions.
+// Milliseconds a frame; time in frames.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace rilievo {
+
+// A method that may draw.
+struct AutoCandidate {
+  std::string_view name;
+  int rank = 0;     // of its quality; 0 is the best
+  int warm_up = 0;  // frames that it draws until it takes what it will take from then on
+};
+
+// The guesses before any frame was drawn, for frames of so many pixels and triangles in view on so
+// many threads. Rays take 4 samples a pixel.
+struct FrameLoad {
+  double triangles = 0, pixels = 1;
+  int threads = 1;
+
+  // The polygons are so few that no picture can cost less: it has as many texels.
+  [[nodiscard]] bool fits() const { return triangles <= pixels / 4; }
+  // There are more of them than pixels: pictures may cost less.
+  [[nodiscard]] bool heavy() const { return triangles > pixels; }
+  [[nodiscard]] double direct_ms() const;
+  [[nodiscard]] double rays_ms() const;
+  [[nodiscard]] double keyframes_ms() const;
+};
+
+// A method before a frame.
+struct AutoOutlook {
+  bool ready = false;       // it can draw
+  bool preparable = false;  // not yet, but it could be prepared beside the frames
+  bool good_enough = true;  // its frames are what was asked for, as far as is known
+  double guess_ms = 0;      // what it would take, by a model; 0: unknown
+  double prepare_ms = 0;    // what preparing it still takes of the frames beside, all together
+};
+
+// Why a method draws.
+enum class AutoReason {
+  only,      // there is no other
+  begins,    // by the guesses before the first frame
+  cheapest,  // by what was measured
+  best,      // the best in quality that keeps the pace
+  trial,     // to find out what it takes
+  leaves,    // the one before is not good enough, or cannot draw
+};
+[[nodiscard]] std::string_view describe(AutoReason reason);
+
+struct AutoChoice {
+  int draws = 0;      // index of the method
+  int prepares = -1;  // index of one to be prepared beside the frame; -1: none
+  AutoReason reason = AutoReason::begins;
+  double expected_ms = 0;  // by the last frames; 0: unknown
+  int rival = -1;          // the next best, as far as is known; -1: none
+  double rival_ms = 0;
+};
+
+// Decides for one sequence of frames.
+class AutoDecision {
+ public:
+  static constexpr double kGain = 0.05, kMaySpike = 1.5, kTrialShare = 0.015;
+  static constexpr int kPaysWithin = 60;
+  // The share of the pace that a method may take to be said to keep it.
+  static constexpr double kKeepsPace = 0.85;
+
+  // Begins with `first`. `pace_ms`: faster frames are no gain; 0: there is no pace.
+  AutoDecision(std::span<const AutoCandidate> candidates, int first, double pace_ms = 0);
+
+  // The next frame's, for an outlook of each candidate. `jumped`: the eye has, so that what was
+  // measured says less. Requires that some candidate can draw.
+  [[nodiscard]] AutoChoice next(std::span<const AutoOutlook> outlook, bool jumped = false);
+  // That frame took `ms`, of which `beside_ms` went into preparing another. `disturbed`: something
+  // else took time meanwhile, so that it says little.
+  void add(double ms, double beside_ms = 0, bool disturbed = false);
+
+  [[nodiscard]] double mean_ms(int candidate) const {
+    return costs_[std::size_t(candidate)].mean_ms;
+  }
+  void set_pace(double ms) { pace_ms_ = ms; }
+
+ private:
+  struct Cost {
+    double mean_ms = 0;   // of the last frames that it drew; 0: none yet
+    double guess_ms = 0;  // the model's, when that was measured
+    int frames = 0;       // in the mean
+    int age = 0;          // frames since
+    int gap = 0;          // the least age for the next trial
+    int fails = 0;        // trials in a row
+  };
+
+  [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
+  [[nodiscard]] double hoped(int i, const AutoOutlook& outlook) const;
+  [[nodiscard]] bool better(double ms, int rank, double than_ms, int than_rank) const;
+  [[nodiscard]] double free_ms() const;
+  [[nodiscard]] bool affordable(double ms) const;
+  [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;
+  [[nodiscard]] int worth_trying(std::span<const AutoOutlook> outlook) const;
+  void change(int to);
+  void end_trial(std::span<const AutoOutlook> outlook);
+  [[nodiscard]] bool trial_over() const;
+
+  std::vector<AutoCandidate> candidates_;
+  std::vector<Cost> costs_;
+  double pace_ms_;
+  int draws_, trial_ = -1, prepares_ = -1, drawn_ = -1;
+  AutoReason reason_ = AutoReason::begins;
+  int since_change_ = 0;
+  std::vector<double> trial_ms_;
+  double all_ms_ = 0, trials_ms_ = 0;
+  std::vector<double> guesses_;  // of this frame
+};
+
+}  // namespace rilievo

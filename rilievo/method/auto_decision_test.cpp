@@ -1,0 +1,226 @@
+#include "rilievo/method/auto_decision.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+namespace rilievo {
+namespace {
+
+// A method whose cost is known: what a frame takes, and what a model says of it.
+struct Simulated {
+  AutoCandidate candidate;
+  std::function<double(int frame)> ms;
+  double guess = 0;        // times what it takes; 0: no model
+  double cold = 1;         // times as much in the frames of its warm-up
+  int prepared_after = 0;  // frames of preparing
+  bool good = true;
+};
+
+struct Walk {
+  double auto_ms = 0, trials_ms = 0;
+  std::vector<double> frames;
+  std::vector<double> each_ms;  // by method, had it drawn all frames
+  std::vector<int> drawn;       // frames by each method
+  int changes = 0, worst_trial = 0;
+};
+
+// Draws `frames` frames by the decision; what is measured is up to `noise` more, now and then much.
+Walk walk(const std::vector<Simulated>& methods, int first, int frames, double noise,
+          std::uint32_t seed, double pace = 0, const std::vector<int>& jumps = {}) {
+  std::mt19937 random(seed);
+  const auto uniform = [&] { return double(random()) / 4294967296.0; };
+  std::vector<AutoCandidate> candidates;
+  for (const Simulated& one : methods) candidates.push_back(one.candidate);
+  AutoDecision decision(candidates, first, pace);
+  Walk walk;
+  walk.each_ms.assign(methods.size(), 0), walk.drawn.assign(methods.size(), 0);
+  std::vector<int> prepared(methods.size()), in_a_row(methods.size());
+  int last = first;
+  for (int frame = 0; frame < frames; ++frame) {
+    std::vector<AutoOutlook> outlook(methods.size());
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      outlook[i].ready = prepared[i] >= methods[i].prepared_after;
+      outlook[i].preparable = !outlook[i].ready;
+      outlook[i].good_enough = methods[i].good;
+      outlook[i].guess_ms = methods[i].guess * methods[i].ms(frame);
+      walk.each_ms[i] += methods[i].ms(frame);
+    }
+    const AutoChoice choice =
+        decision.next(outlook, std::find(jumps.begin(), jumps.end(), frame) != jumps.end());
+    const auto draws = std::size_t(choice.draws);
+    EXPECT_TRUE(outlook[draws].ready);
+    double beside = 0;
+    if (choice.prepares >= 0) {
+      ++prepared[std::size_t(choice.prepares)];
+      beside = 2;
+    }
+    in_a_row[draws] = choice.draws == last ? in_a_row[draws] + 1 : 1;
+    double ms = methods[draws].ms(frame);
+    if (in_a_row[draws] <= methods[draws].candidate.warm_up) ms *= methods[draws].cold;
+    const double more = uniform(), rare = uniform();
+    const double measured = ms * (1 + noise * more) * (rare < 0.01 ? 1.8 : 1) + beside;
+    decision.add(measured, beside);
+    walk.auto_ms += ms + beside;
+    walk.frames.push_back(ms + beside);
+    ++walk.drawn[draws];
+    walk.changes += choice.draws != last;
+    last = choice.draws;
+  }
+  return walk;
+}
+
+double regret(const Walk& walk) {
+  return walk.auto_ms / *std::min_element(walk.each_ms.begin(), walk.each_ms.end());
+}
+
+std::function<double(int)> always(double ms) {
+  return [ms](int) { return ms; };
+}
+
+TEST(AutoDecision, one_method_draws_all_frames) {
+  const Walk one = walk({{{"direct"}, always(8)}}, 0, 100, 0.2, 1);
+  EXPECT_EQ(one.drawn[0], 100);
+  EXPECT_EQ(one.changes, 0);
+}
+
+TEST(AutoDecision, finds_the_cheapest_of_random_costs) {
+  std::mt19937 random(7);
+  const auto uniform = [&] { return double(random()) / 4294967296.0; };
+  double worst = 0, sum = 0;
+  const int kCases = 400;
+  for (int i = 0; i < kCases; ++i) {
+    std::vector<Simulated> methods;
+    for (int k = 0; k < 4; ++k) {
+      Simulated one;
+      one.candidate = {"", k, k == 1 ? 8 : 0};
+      const double ms = 10 * std::exp(2 * uniform());
+      one.ms = always(ms);
+      // Models are off by up to a third, or there are none.
+      const double off = 0.67 + 0.66 * uniform();
+      one.guess = uniform() < 0.5 ? off : 0;
+      methods.push_back(one);
+    }
+    const Walk drawn = walk(methods, i % 4, 2000, 0.15, std::uint32_t(i));
+    worst = std::max(worst, regret(drawn)), sum += regret(drawn);
+    // Trials are a small share of the frames, whatever they find: 2000 frames and at most one
+    // change a hundred.
+    EXPECT_LT(drawn.changes, 60);
+  }
+  // What it loses is the beginning, trials, and methods within kGain of the best.
+  EXPECT_LT(worst, 1.15);
+  EXPECT_LT(sum / kCases, 1.03);
+}
+
+TEST(AutoDecision, a_method_that_is_never_cheaper_costs_next_to_nothing) {
+  for (const double other : {11.0, 15.0, 40.0, 400.0}) {
+    for (const double guess : {0.0, 1.0}) {
+      const Walk drawn =
+          walk({{{"direct", 0}, always(10)}, {{"cache", 1, 10}, always(other), guess, 1.5}}, 0,
+               4000, 0.1, 3);
+      EXPECT_LT(regret(drawn), 1.025) << other << " " << guess;
+      EXPECT_GT(drawn.drawn[0], 3700);
+    }
+  }
+  // With a model no frame is much dearer, either.
+  const Walk modelled =
+      walk({{{"direct", 0}, always(10)}, {{"rays", 0}, always(40), 1}}, 0, 4000, 0.1, 3);
+  EXPECT_EQ(modelled.changes, 0);
+}
+
+TEST(AutoDecision, a_method_that_becomes_cheaper_is_found) {
+  for (const bool model : {false, true}) {
+    const std::vector<Simulated> methods{
+        {{"direct", 0}, [](int frame) { return frame < 1000 ? 20.0 : 60.0; }, model ? 1.0 : 0.0},
+        {{"cache", 1, 8}, [](int frame) { return frame < 1000 ? 30.0 : 30.0; }, 0, 1.3}};
+    const Walk drawn = walk(methods, 0, 2000, 0.1, 5);
+    // The best of both: 20 ms, and then 30.
+    EXPECT_LT(drawn.auto_ms, 1.06 * (1000 * 20 + 1000 * 30));
+    // And where the one that draws stays, while the other becomes cheaper:
+    const std::vector<Simulated> silent{
+        {{"direct", 0}, always(40)},
+        {{"cache", 1, 8}, [](int frame) { return frame < 1000 ? 60.0 : 20.0; }, 0, 1.3}};
+    const Walk other = walk(silent, 0, 4000, 0.1, 5);
+    EXPECT_LT(other.auto_ms, 1.35 * (1000 * 40 + 3000 * 20));
+  }
+}
+
+TEST(AutoDecision, a_jump_is_looked_at_anew) {
+  const auto cost = [](double before, double after) {
+    return [=](int frame) { return frame < 1000 ? before : after; };
+  };
+  const std::vector<Simulated> methods{{{"direct", 0}, cost(15, 50)},
+                                       {{"cache", 1, 8}, cost(25, 20), 0, 1.5}};
+  const Walk drawn = walk(methods, 0, 2000, 0.1, 9, 0, {1000});
+  EXPECT_LT(drawn.auto_ms, 1.08 * (1000 * 15 + 1000 * 20));
+}
+
+TEST(AutoDecision, costs_that_go_up_and_down_are_followed) {
+  for (int seed = 0; seed < 20; ++seed) {
+    const auto swing = [](double middle, double by, double phase) {
+      return [=](int frame) { return middle * (1 + by * std::sin(frame / 200.0 + phase)); };
+    };
+    const std::vector<Simulated> methods{{{"direct", 0}, swing(30, 0.5, seed), 1.2},
+                                         {{"cache", 1, 8}, swing(30, 0.5, seed + 3.1), 0, 1.3}};
+    const Walk drawn = walk(methods, 0, 4000, 0.1, std::uint32_t(seed));
+    // No worse than either alone, though they change places every ten seconds.
+    EXPECT_LT(regret(drawn), 1.0) << seed;
+  }
+}
+
+TEST(AutoDecision, equal_methods_do_not_take_turns) {
+  for (int seed = 0; seed < 50; ++seed) {
+    const Walk drawn = walk(
+        {{{"direct", 0}, always(20)}, {{"rays", 0}, always(20)}, {{"cache", 1, 8}, always(20)}},
+        seed % 3, 3000, 0.25, std::uint32_t(seed));
+    EXPECT_LT(drawn.changes, 80);
+    EXPECT_LT(regret(drawn), 1.01);
+  }
+}
+
+TEST(AutoDecision, what_is_not_good_enough_does_not_draw) {
+  const Walk drawn =
+      walk({{{"direct", 0}, always(40)}, {{"keyframes", 2}, always(10), 1, 1, 0, false}}, 0, 500,
+           0.1, 1);
+  EXPECT_EQ(drawn.drawn[1], 0);
+  const Walk left =
+      walk({{{"direct", 0}, always(40)}, {{"keyframes", 2}, always(10), 1, 1, 0, false}}, 1, 500,
+           0.1, 1);
+  EXPECT_EQ(left.drawn[1], 0);
+}
+
+TEST(AutoDecision, what_must_be_prepared_is_prepared_where_it_may_pay) {
+  const Walk pays = walk(
+      {{{"direct", 0}, always(100)}, {{"keyframes", 2, 2}, always(30), 1, 1, 30}}, 0, 1000, 0.1, 1);
+  EXPECT_LT(regret(pays), 1.2);
+  EXPECT_GT(pays.drawn[1], 900);
+  const Walk loses = walk(
+      {{{"direct", 0}, always(20)}, {{"keyframes", 2, 2}, always(30), 1, 1, 30}}, 0, 1000, 0.1, 1);
+  EXPECT_EQ(loses.drawn[1], 0);
+  EXPECT_LT(loses.auto_ms, 20 * 1000 + 10);  // next to nothing was prepared
+}
+
+TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {
+  const std::vector<Simulated> methods{
+      {{"direct", 0}, always(12), 1}, {{"cache", 1, 8}, always(6)}, {{"keyframes", 2}, always(4)}};
+  for (const int first : {0, 1, 2}) {
+    const Walk drawn = walk(methods, first, 1000, 0.1, 1, 1000.0 / 60);
+    EXPECT_GT(drawn.drawn[0], 900) << first;
+  }
+  // None keeps it: the cheapest.
+  const Walk none = walk(methods, 0, 1000, 0.1, 1, 1000.0 / 400);
+  EXPECT_GT(none.drawn[2], 900);
+}
+
+TEST(AutoDecision, the_same_input_gives_the_same_decisions) {
+  const std::vector<Simulated> methods{{{"direct", 0}, always(30)},
+                                       {{"cache", 1, 8}, always(25), 0, 1.4}};
+  EXPECT_EQ(walk(methods, 0, 500, 0.3, 4).frames, walk(methods, 0, 500, 0.3, 4).frames);
+}
+
+}  // namespace
+}  // namespace rilievo

@@ -1,0 +1,138 @@
+// The method `auto`: what it draws is what the method that it names draws.
+#include "rilievo/method/auto.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "rilievo/frame/software/software_backend.h"
+#include "rilievo/render/software/software_target.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+class AutoTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto built = make_builtin("builtin:teapots?triangles=20000");
+    ASSERT_TRUE(built.ok());
+    scene_ = std::move(built->scene);
+    path_ = built->path;
+  }
+  [[nodiscard]] Camera camera(int frame, int width, int height) const {
+    return camera_at(path_, frame_time(path_, frame), width, height);
+  }
+
+  Scene scene_;
+  CameraPath path_;
+};
+
+TEST_F(AutoTest,
+       a_scene_with_few_triangles_for_the_frame_is_drawn_directly_and_nothing_else_is_made) {
+  SoftwareBackend backend(scene_, 4), other(scene_, 4);
+  for (const bool by_clock : {false, true}) {
+    const Result<Method> made = make_method("auto", {.by_clock = by_clock}, backend);
+    const Result<Method> direct = make_method("direct-raster", {}, other);
+    ASSERT_TRUE(made.ok() && direct.ok());
+    for (int i = 0; i < 5; ++i) {
+      // 90 000 pixels.
+      const Camera eye = camera(i, 400, 225);
+      ASSERT_TRUE(made->frames->draw(eye, 0).ok() && direct->frames->draw(eye, 0).ok());
+      const FrameStats& stats = made->frames->stats();
+      EXPECT_EQ(stats.decision.method, "direct");
+      EXPECT_EQ(stats.decision.sentence(), "direct (the scene fits the frame)");
+      EXPECT_EQ(stats.captures, 0);
+      EXPECT_EQ(stats.picture_bytes, 0u);
+      EXPECT_TRUE(made->frames->software_target()->color() ==
+                  direct->frames->software_target()->color());
+    }
+  }
+}
+
+TEST_F(AutoTest, by_counts_the_same_walk_gives_the_same_frames) {
+  std::vector<Rgba8Image> frames[2];
+  std::vector<std::string> decisions[2];
+  for (int run = 0; run < 2; ++run) {
+    SoftwareBackend backend(scene_, 4);
+    const Result<Method> made = make_method("auto", {}, backend);
+    ASSERT_TRUE(made.ok());
+    for (int i = 0; i < 40; ++i) {
+      ASSERT_TRUE(made->frames->draw(camera(i, 96, 64), frame_time(path_, i)).ok());
+      frames[run].push_back(made->frames->software_target()->color());
+      decisions[run].push_back(made->frames->stats().decision.sentence());
+      EXPECT_LE(made->frames->stats().bound_px, 1);
+    }
+  }
+  EXPECT_EQ(decisions[0], decisions[1]);
+  EXPECT_TRUE(frames[0] == frames[1]);
+  // There are more triangles than pixels.
+  EXPECT_TRUE(decisions[0][0].starts_with("cache (by the size of the scene"));
+}
+
+TEST_F(AutoTest, frames_that_are_said_to_be_direct_are_those_of_direct_drawing) {
+  SoftwareBackend backend(scene_, 4), other(scene_, 4);
+  // A cache that may show no picture at all costs no less than polygons: both are drawn.
+  MethodOptions options;
+  options.error_px = 0.01;
+  const Result<Method> made = make_method("auto", options, backend);
+  const Result<Method> direct = make_method("direct-raster", {}, other);
+  ASSERT_TRUE(made.ok() && direct.ok());
+  std::map<std::string, int> drawn;
+  for (int i = 0; i < 60; ++i) {
+    const Camera eye = camera(i, 96, 64);
+    const double time = frame_time(path_, i);
+    ASSERT_TRUE(made->frames->draw(eye, time).ok() && direct->frames->draw(eye, time).ok());
+    const std::string by(made->frames->stats().decision.method);
+    ++drawn[by];
+    if (by != "direct") continue;
+    EXPECT_TRUE(made->frames->software_target()->color() ==
+                direct->frames->software_target()->color())
+        << i;
+    ASSERT_TRUE(made->frames->draw_objects().ok() && direct->frames->draw_objects().ok());
+    EXPECT_TRUE(made->frames->software_target()->objects() ==
+                direct->frames->software_target()->objects())
+        << i;
+  }
+  EXPECT_GT(drawn["direct"], 0);
+  EXPECT_GT(drawn["cache"], 0);
+}
+
+// Whatever the clock says: no object is missing, and the one that draws is named.
+TEST_F(AutoTest, by_the_clock_no_object_is_missing) {
+  SoftwareBackend backend(scene_, 4), other(scene_, 4);
+  const Result<Method> made = make_method("auto", {.by_clock = true}, backend);
+  const Result<Method> direct = make_method("direct-raster", {}, other);
+  ASSERT_TRUE(made.ok() && direct.ok());
+  for (int i = 0; i < 120; ++i) {
+    const Camera eye = camera(i, 96, 64);
+    const double time = frame_time(path_, i);
+    ASSERT_TRUE(made->frames->draw(eye, time).ok());
+    EXPECT_FALSE(made->frames->stats().decision.method.empty());
+    if (i % 8 != 0) continue;
+    ASSERT_TRUE(direct->frames->draw(eye, time).ok());
+    ASSERT_TRUE(made->frames->draw_objects().ok() && direct->frames->draw_objects().ok());
+    const auto shown = made->frames->software_target()->objects().texels();
+    const auto truth = direct->frames->software_target()->objects().texels();
+    for (std::uint32_t object = 1; object <= scene_.objects.size(); ++object)
+      // Of fewer pixels an edge that is a pixel off may leave none.
+      if (std::count(truth.begin(), truth.end(), object) > 12) {
+        EXPECT_GT(std::count(shown.begin(), shown.end(), object), 0) << object << " in " << i;
+      }
+  }
+}
+
+TEST_F(AutoTest, what_only_the_cache_has_is_refused_by_its_name) {
+  SoftwareBackend backend(scene_, 4);
+  const Result<Method> bakes = make_method("auto", {.bake_mb = 10}, backend);
+  ASSERT_FALSE(bakes.ok());
+  EXPECT_EQ(bakes.error().where, "--bake-mb");
+  const Result<Method> levels = make_method("auto", {.levels = true}, backend);
+  ASSERT_FALSE(levels.ok());
+  EXPECT_EQ(levels.error().where, "--levels");
+}
+
+}  // namespace
+}  // namespace rilievo
