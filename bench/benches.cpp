@@ -1,5 +1,6 @@
 #include <array>
 
+#include "bench/automatic.h"
 #include "bench/bench.h"
 #include "bench/bound.h"
 #include "bench/capture.h"
@@ -50,6 +51,8 @@ std::span<const Bench> benches() {
       Bench{"keyframes",
             "What do whole frames from keyframes cost and look like, beside direct drawing?",
             Needs::nothing, keyframes},
+      Bench{"auto", "Does the method auto take as little time as the best of all methods?",
+            Needs::nothing, automatic},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", Needs::nothing,
             scaling},
       Bench{"pop", "Does a picture that replaces another one pop, and does fading help?",

@@ -132,16 +132,17 @@ Command bench_command(CLI::App& app) {
                    "(default raytrace)")
       ->type_name("SHADER");
   command
-      ->add_option("--scene", options->scenes,
-                   "For node-places: scenes besides stonehenge; for kinds: objects besides its "
-                   "own; for real and keyframes: scenes instead of its own, each with the walks "
-                   "NAME-*.json beside it")
+      ->add_option(
+          "--scene", options->scenes,
+          "For node-places: scenes besides stonehenge; for kinds: objects besides its "
+          "own; for real, keyframes and auto: scenes instead of its own, each with the walks "
+          "NAME-*.json beside it")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(
           "--size",
           [options](const std::string& text) { parse_size(text, options->width, options->height); },
-          "For real and keyframes: size of a frame in pixels (default 1280x720)")
+          "For real, keyframes and auto: size of a frame in pixels (default 1280x720)")
       ->type_name("WxH");
   add_budget_options(*command, "For real", options->capture_ms, options->late, options->max_spike);
   command->add_flag(
