@@ -78,13 +78,14 @@ test("the page that is written beside a walk shows it", async () => {
 });
 
 // What differs: colours of WebP (46 dB), disparities rounded to 0.05 px, which move edges of
-// stripes, and edges that another rasteriser gives to the next pixel: 45.8 dB in the mean. Without
-// the weights of texels, or without asking what nodes see through, it is 44.4.
+// stripes, and edges that another rasteriser gives to the next pixel: 45.3 dB in the mean. Without
+// the weights of texels, or without asking what nodes see through, it is some 44; without keeping
+// colours to their surfaces beside silhouettes 43.96.
 test("frames are those of the C++ drawer", async () => {
   const { page, errors } = await openViewer();
   const all = await psnrs(page);
   for (const psnr of all) assert.ok(psnr > 38, `${all}`);
-  assert.ok(all.reduce((a, b) => a + b) / all.length > 45.2, `${all}`);
+  assert.ok(all.reduce((a, b) => a + b) / all.length > 44.8, `${all}`);
   assert.deepEqual(errors, []);
   await page.close();
 });

@@ -34,6 +34,7 @@ interface NodeProgram {
   readonly clip: WebGLUniformLocation | null;
   readonly scales: WebGLUniformLocation | null;
   readonly widest: WebGLUniformLocation | null;
+  readonly unmix: WebGLUniformLocation | null;
 }
 
 interface MergeProgram {
@@ -79,6 +80,7 @@ export class NodeDrawer {
   private objectTarget: { framebuffer: WebGLFramebuffer; texture: WebGLTexture; depth: WebGLRenderbuffer } | null = null;
   private width = 0;
   private height = 0;
+  private unmix = -1;
   private readonly clip = new Float64Array(16);
   private readonly clip32 = new Float32Array(16);
   private readonly scales = new Float32Array(4);
@@ -88,7 +90,7 @@ export class NodeDrawer {
   private readonly visible = new Uint8Array(6);
 
   constructor(private readonly gl: WebGL2RenderingContext) {
-    this.surface = this.nodeProgram();
+    this.surface = this.nodeProgram("UNMIXES");
     this.skin = this.nodeProgram("SKIN");
     this.seenDrawer = new SeenDrawer(gl);
     this.weightWriter = new WeightWriter(gl);
@@ -97,15 +99,21 @@ export class NodeDrawer {
     this.clipControl = gl.getExtension("EXT_clip_control");
   }
 
-  /** Draws nodes into the layers, the best first. Changes framebuffer, viewport and programs. */
+  /**
+   * Draws at least one node into the layers, the best first. Changes framebuffer, viewport and
+   * programs.
+   */
   drawLayers(view: View, nodes: readonly StoredNode[], count: number): void {
-    const { stats } = this;
+    const { gl, stats } = this;
     stats.drawCalls = 0;
     stats.triangles = 0;
-    // The first node shows everything that is seen from its own place.
+    // The first node shows everything that is seen from its own place, and mixes it: what is beside
+    // each other for the node is so for the eye.
     const e = view.worldFromEye;
-    if (count > 1 && eyeDistance(view, nodes[0]) < 1e-6 * Math.max(1, Math.hypot(e[12], e[13], e[14])))
-      count = 1;
+    const fromOwn =
+      eyeDistance(view, nodes[0]) < 1e-6 * Math.max(1, Math.hypot(e[12], e[13], e[14]));
+    if (fromOwn) count = 1;
+    this.unmix = fromOwn ? -1 : kTolerance;
     // One for each node's surfaces, and one for all skins.
     this.makeLayers(view.width, view.height, Math.max(2, count) + 1);
     this.layers = count;
@@ -114,6 +122,8 @@ export class NodeDrawer {
     for (let i = 0; i < count; ++i) {
       this.beginLayer(i);
       this.beginNode(view, nodes[i], near);
+      gl.activeTexture(gl.TEXTURE1);
+      gl.bindTexture(gl.TEXTURE_2D, nodes[i].seen);
       this.drawSurfaces(this.surface, nodes[i], i === 0);
       if (count === 1) this.drawSkins(this.skin, nodes[i], true);
     }
@@ -247,11 +257,13 @@ export class NodeDrawer {
     gl.useProgram(program);
     gl.uniform1i(gl.getUniformLocation(program, "faces"), 0);
     gl.uniform1i(gl.getUniformLocation(program, "objects"), 1);
+    gl.uniform1i(gl.getUniformLocation(program, "seen"), 1);
     return {
       program,
       clip: gl.getUniformLocation(program, "clip_from_node"),
       scales: gl.getUniformLocation(program, "scales"),
       widest: gl.getUniformLocation(program, "widest_skin"),
+      unmix: gl.getUniformLocation(program, "unmix"),
     };
   }
 
@@ -411,6 +423,7 @@ export class NodeDrawer {
     gl.uniformMatrix4fv(of.clip, false, this.clip32);
     gl.uniform4fv(of.scales, this.scales);
     if (of.widest) gl.uniform1f(of.widest, widest);
+    if (of.unmix) gl.uniform1f(of.unmix, this.unmix);
     gl.bindVertexArray(array);
     for (let f = 0; f < 6; ++f) {
       if (!visible[f]) continue;

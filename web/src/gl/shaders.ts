@@ -14,6 +14,9 @@ out float v_stretch;
 uniform mat4 clip_from_node;
 uniform vec4 scales;  // 1 / N, disparity step, 1 / 4 N, twice the near plane
 out vec3 v_direction;
+#ifdef UNMIXES
+out float v_disparity;  // code
+#endif
 void main() {
   vec4 place = vec4(direction * scales.x, disparity * scales.y);
   vec4 clip = clip_from_node * place;
@@ -25,6 +28,9 @@ void main() {
   v_stretch = (stretch - 1.0) * 0.125;
 #else
   v_direction = place.xyz;
+#endif
+#ifdef UNMIXES
+  v_disparity = disparity;
 #endif
 }
 `;
@@ -45,8 +51,11 @@ const kFaceOf = `int face_of(vec3 d, out vec2 st) {
 }
 `;
 
+// Beside silhouettes, where weights are 0, surfaces have the colours of those texels alone that lie
+// about as deep as what is drawn, as kFragment of node_shaders.cpp says.
 const kFragment = `#version 300 es
 precision highp float;
+precision highp int;
 precision highp usampler2D;
 in vec3 v_direction;
 #ifdef SKIN
@@ -54,6 +63,51 @@ in float v_stretch;
 uniform float widest_skin;  // pixels
 #endif
 uniform samplerCube faces;
+#ifdef UNMIXES
+in float v_disparity;
+uniform usampler2D seen;  // SeenDrawer's (seen.ts)
+uniform float unmix;      // tolerance; negative: all is mixed
+float disparity_at(ivec2 texel) {
+  uint code = texelFetch(seen, texel, 0).r;
+  return code == 0u ? -1.0 : unpackHalf2x16(code - 1u).x;
+}
+vec4 texel_at(vec3 d) { return textureLod(faces, d, 0.0); }
+vec3 surface_color(vec3 mixed) {
+  vec3 a = abs(v_direction);
+  float ahead = max(a.x, max(a.y, a.z));
+  vec3 d = v_direction / ahead, s = vec3(1.0, 0.0, 0.0), t = vec3(0.0, -1.0, 0.0);
+  int face = d.z > 0.0 ? 4 : 5;
+  if (ahead == a.x) {
+    face = d.x > 0.0 ? 0 : 1;
+    s = vec3(0.0, 0.0, -d.x);
+  } else if (ahead == a.y) {
+    face = d.y > 0.0 ? 2 : 3;
+    t = vec3(0.0, 0.0, d.y);
+  } else {
+    s.x = d.z;
+  }
+  // The four texels around, of which the first lies at low.
+  int size = textureSize(faces, 0).x;
+  vec2 at = (0.5 * vec2(dot(d, s), dot(d, t)) + 0.5) * float(size) - 0.5, low = floor(at);
+  vec2 far = at - low, near = 1.0 - far;
+  s *= 2.0 / float(size);
+  t *= 2.0 / float(size);
+  d -= far.x * s + far.y * t;
+  vec4 c0 = texel_at(d), c1 = texel_at(d + s), c2 = texel_at(d + t), c3 = texel_at(d + s + t);
+  if (min(min(c0.a, c1.a), min(c2.a, c3.a)) > 0.0) return mixed;
+  ivec2 corner = ivec2(face % 3, face / 3) * size, last = ivec2(size - 1);
+  ivec2 p = corner + clamp(ivec2(low), ivec2(0), last);
+  ivec2 q = corner + clamp(ivec2(low) + 1, ivec2(0), last);
+  float own = v_disparity / ahead;
+  vec4 off = abs(vec4(disparity_at(p), disparity_at(ivec2(q.x, p.y)),
+                      disparity_at(ivec2(p.x, q.y)), disparity_at(q)) - own);
+  float least = min(min(off.x, off.y), min(off.z, off.w));
+  vec4 weight = vec4(near.x, far.x, near.x, far.x) * vec4(near.y, near.y, far.y, far.y);
+  weight = max(weight, 1e-3) * vec4(lessThanEqual(off, vec4(least + unmix * own)));
+  return (weight.x * c0.rgb + weight.y * c1.rgb + weight.z * c2.rgb + weight.w * c3.rgb) /
+         (weight.x + weight.y + weight.z + weight.w);
+}
+#endif
 #ifdef OBJECT
 uniform usampler2D objects;  // 3 x 2 faces
 layout(location = 0) out uvec4 out_object;
@@ -80,6 +134,9 @@ void main() {
 #else
   // 0 is nothing, 1 a skin.
   vec4 color = texture(faces, v_direction);
+#ifdef UNMIXES
+  if (unmix >= 0.0 && color.a < 0.5) color.rgb = surface_color(color.rgb);
+#endif
   out_color = vec4(color.rgb, (2.0 + 253.0 * color.a) / 255.0);
 #endif
 }
