@@ -43,15 +43,10 @@ Result<> write_picture(const Image<float>& disparity, Rgba8Image colors, WalkWri
   Result<WalkFile> depths = writer.add(encode_plane16(codes), "bin");
   if (!depths) return depths.error();
   picture.depths = std::move(*depths);
-
-  dilate_colors(colors);
-  const Result<WebpFile> encoded =
-      encode_webp(colors, {.least_psnr_db = options.least_psnr_db, .alpha = true});
-  if (!encoded) return encoded.error();
-  picture.psnr_db = encoded->psnr_db;
-  Result<WalkFile> file = writer.add(encoded->bytes, "webp");
+  Result<WalkColors> file = write_colors(std::move(colors), writer, options);
   if (!file) return file.error();
-  picture.colors = std::move(*file);
+  picture.colors = std::move(file->file);
+  picture.psnr_db = file->psnr_db;
   return Done{};
 }
 
@@ -77,14 +72,25 @@ std::optional<DeltaRange> delta_range(const Nailboard& board) {
                     double((farthest * 254 + steps - 1) / steps) / 254};
 }
 
-Result<> write_all(std::size_t count, const WalkOptions& options, WalkPictures& pictures,
-                   const std::function<Result<>(std::size_t, WalkPicture&)>& write) {
-  pictures.pictures.resize(count);
+}  // namespace
+
+Result<WalkColors> write_colors(Rgba8Image colors, WalkWriter& writer, const WalkOptions& options) {
+  dilate_colors(colors);
+  const Result<WebpFile> encoded =
+      encode_webp(colors, {.least_psnr_db = options.least_psnr_db, .alpha = true});
+  if (!encoded) return encoded.error();
+  Result<WalkFile> file = writer.add(encoded->bytes, "webp");
+  if (!file) return file.error();
+  return WalkColors{std::move(*file), encoded->psnr_db};
+}
+
+Result<> write_each(std::size_t count, const WalkOptions& options,
+                    const std::function<Result<>(std::size_t)>& write) {
   std::vector<std::optional<Error>> errors(count);
   std::mutex mutex;
   int done = 0;
   parallel_for(std::size_t(0), count, [&](std::size_t i) {
-    if (Result<> written = write(i, pictures.pictures[i]); !written) errors[i] = written.error();
+    if (Result<> written = write(i); !written) errors[i] = written.error();
     const std::lock_guard lock(mutex);
     if (options.progress) options.progress(++done, int(count));
   });
@@ -93,8 +99,6 @@ Result<> write_all(std::size_t count, const WalkOptions& options, WalkPictures& 
   return Done{};
 }
 
-}  // namespace
-
 Result<> add_layered_impostor(const LayeredImpostor& impostor, WalkWriter& writer,
                               WalkManifest& manifest, const WalkOptions& options) {
   WalkPictures& made = manifest.pictures;
@@ -102,7 +106,9 @@ Result<> add_layered_impostor(const LayeredImpostor& impostor, WalkWriter& write
   made.bounds = impostor.bounds;
   made.handover = kHandover * mean_spacing(impostor.views);
   made.links = view_links(impostor.views);
-  return write_all(impostor.pictures.size(), options, made, [&](std::size_t i, WalkPicture& to) {
+  made.pictures.resize(impostor.pictures.size());
+  return write_each(made.pictures.size(), options, [&](std::size_t i) {
+    WalkPicture& to = made.pictures[i];
     const TexelSurface& surface = impostor.surfaces[i];
     to.camera = impostor.pictures[i].camera;
     to.complete = impostor.complete[i];
@@ -134,7 +140,9 @@ Result<> add_nailboards(std::span<const DepthImage> pictures, int delta_bits, Wa
                                            picture.camera, {x + 0.5, y + 0.5}))));
   }
   if (made.bounds.empty()) return Error{"", "its pictures show nothing"};
-  return write_all(pictures.size(), options, made, [&](std::size_t i, WalkPicture& to) {
+  made.pictures.resize(pictures.size());
+  return write_each(made.pictures.size(), options, [&](std::size_t i) {
+    WalkPicture& to = made.pictures[i];
     // As it is drawn elsewhere: with depths in so many bits, on the same polygon.
     Nailboard board = make_nailboard(pictures[i], delta_bits);
     if (const auto range = delta_range(board)) narrow_slab(board.geometry, *range);

@@ -10,6 +10,7 @@
 #include "rilievo/core/file.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/web_walk/plane16.h"
+#include "rilievo/web_walk/walk_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -31,12 +32,6 @@ DepthImage disc_from(const glm::dvec3& eye) {
       picture.depth(x, y) = 3.0f + 0.05f * float(x);
     }
   return picture;
-}
-
-std::vector<std::uint8_t> bytes_of(const std::filesystem::path& path) {
-  const Result<std::string> text = read_file(path, 1 << 24);
-  EXPECT_TRUE(text);
-  return text ? std::vector<std::uint8_t>(text->begin(), text->end()) : std::vector<std::uint8_t>();
 }
 
 // What a picture of a walk says where the original shows something: depth and colour.

@@ -3,7 +3,8 @@
 //   walk.json          the manifest: what there is, where it stands, which files hold it
 //   pictures/NAME.EXT  one file for each picture or mesh; NAME is the beginning of its SHA-256
 //   index.html         a page that walks it, with
-//   viewer.js          its program
+//   viewer.js          its program; of walks of pictures also
+//   pictures.js, or reliefs.js
 //
 // All paths are relative. docs/formats.md describes the manifest, and the npm package in web/ reads
 // it. World space, metres; disparities are 1 / eye_z of a node's face, 1/m.
@@ -92,7 +93,7 @@ struct WalkPicture {
   double plane_z = 1;       // eye_z of its polygon; of nailboards
 };
 
-// Pictures that are drawn together.
+// Pictures that are drawn together; none: the walk has others.
 struct WalkPictures {
   // surfaces: of an object, for viewers all around, as LayeredMethod::surfaces draws them;
   // nailboards: each on its polygon
@@ -101,7 +102,33 @@ struct WalkPictures {
   Box bounds;
   double handover = 0;  // radians, in which pictures fade into each other
   LinkOptions links;
-  std::vector<WalkPicture> pictures;  // none: the walk has nodes
+  std::vector<WalkPicture> pictures;
+};
+
+// A layered relief. Its samples lie in a sheet of blocks of kReliefBlock texels a side: first the
+// nearest samples of all blocks of the picture that have any, row by row, then the second ones of
+// those that have two on a line of sight, and so on.
+inline constexpr int kReliefBlock = 16;
+struct WalkRelief {
+  Camera camera;  // parallel or perspective
+  // A code c > 0 of a sample is the displacement first_d + (c - 1) d_step from the plane at eye_z
+  // == plane_z, or -1 / eye_z of a perspective one (LayeredRelief).
+  double plane_z = 1, first_d = 0, d_step = 0;
+  int sheet_width = 0, sheet_height = 0;  // texels
+  std::size_t samples = 0;
+  WalkFile colors;     // a WebP of the sheet, sRGB, with alpha; row 0 on top
+  double psnr_db = 0;  // of the colours over black
+  WalkFile codes;      // a plane of the sheet; 0 is nothing
+  WalkFile layers;     // a plane: how many blocks of the sheet each block of the picture has
+  std::vector<glm::dvec3> hull;  // as LayeredRelief's
+};
+
+// Reliefs of one object, of which the one that faces the eye most is drawn.
+struct WalkReliefs {
+  Box bounds;
+  double splat = 1, resolution = 1;  // as PrewarpOptions'
+  int max_size = 1024;
+  std::vector<WalkRelief> reliefs;
 };
 
 // What the manifest says.
@@ -116,6 +143,7 @@ struct WalkManifest {
   std::vector<WalkNode> nodes;  // with their sketches, or none
   WalkSketches sketches;
   WalkPictures pictures;
+  WalkReliefs reliefs;
 };
 
 // How exact a walk is, and what is in it.

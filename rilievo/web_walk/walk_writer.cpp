@@ -22,6 +22,12 @@ constexpr std::string_view kWalkPage =
 constexpr std::string_view kWalkViewer =
 #include "rilievo/web_walk/page/viewer.js.inc"
     ;
+constexpr std::string_view kWalkPictures =
+#include "rilievo/web_walk/page/pictures.js.inc"
+    ;
+constexpr std::string_view kWalkReliefs =
+#include "rilievo/web_walk/page/reliefs.js.inc"
+    ;
 
 // Half of a digest: no two contents meet by chance.
 constexpr int kDigits = 32;
@@ -37,6 +43,10 @@ nlohmann::json json_of(const glm::dmat4& matrix) {
 
 nlohmann::json json_of(const Box& box) {
   return {json_of(glm::dvec3(box.min)), json_of(glm::dvec3(box.max))};
+}
+
+nlohmann::json json_of(const ImageWindow& window) {
+  return {window.left, window.right, window.bottom, window.top};
 }
 
 nlohmann::json json_of(const WalkFile& file) {
@@ -83,9 +93,8 @@ nlohmann::json json_of(const WalkNode& node) {
 
 nlohmann::json json_of(const WalkPicture& picture, WalkPictures::Drawn drawn) {
   const Camera& camera = picture.camera;
-  const ImageWindow& window = camera.window;
   nlohmann::json json{{"world_from_eye", json_of(camera.world_from_eye)},
-                      {"window", {window.left, window.right, window.bottom, window.top}},
+                      {"window", json_of(camera.window)},
                       {"size", {camera.width, camera.height}},
                       {"z_near", camera.z_near},
                       {"z_far", camera.z_far},
@@ -120,6 +129,37 @@ nlohmann::json json_of(const WalkPictures& pictures) {
   return json;
 }
 
+nlohmann::json json_of(const WalkRelief& relief) {
+  nlohmann::json hull = nlohmann::json::array();
+  for (const glm::dvec3& corner : relief.hull) hull.push_back(json_of(corner));
+  nlohmann::json json{
+      {"world_from_eye", json_of(relief.camera.world_from_eye)},
+      {"projection", relief.camera.projection == Projection::parallel ? "parallel" : "perspective"},
+      {"window", json_of(relief.camera.window)},
+      {"size", {relief.camera.width, relief.camera.height}},
+      {"plane_z", relief.plane_z},
+      {"first", relief.first_d},
+      {"step", relief.d_step},
+      {"hull", hull},
+      {"samples", relief.samples},
+      {"sheet", {relief.sheet_width, relief.sheet_height}},
+      {"colors", json_of(relief.colors)},
+      {"codes", json_of(relief.codes)},
+      {"layers", json_of(relief.layers)}};
+  json["colors"]["psnr_db"] = std::min(relief.psnr_db, 100.0);
+  return json;
+}
+
+nlohmann::json json_of(const WalkReliefs& reliefs) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const WalkRelief& relief : reliefs.reliefs) list.push_back(json_of(relief));
+  return {{"bounds", json_of(reliefs.bounds)},
+          {"splat", reliefs.splat},
+          {"resolution", reliefs.resolution},
+          {"max_size", reliefs.max_size},
+          {"list", list}};
+}
+
 nlohmann::json json_of(const WalkManifest& walk) {
   nlohmann::json nodes = nlohmann::json::array();
   for (const WalkNode& node : walk.nodes) nodes.push_back(json_of(node));
@@ -134,6 +174,7 @@ nlohmann::json json_of(const WalkManifest& walk) {
                         {"z_far", walk.z_far}}}};
   if (walk.origin != glm::dvec3(0)) json["origin"] = json_of(walk.origin);
   if (!walk.pictures.pictures.empty()) json["pictures"] = json_of(walk.pictures);
+  if (!walk.reliefs.reliefs.empty()) json["reliefs"] = json_of(walk.reliefs);
   if (!walk.nodes.empty()) {
     json["nodes"] = nodes;
     json["sketches"] = json_of(walk.sketches.file);
@@ -192,15 +233,27 @@ Result<WalkFile> WalkWriter::add(std::span<const std::uint8_t> bytes, std::strin
 Result<> WalkWriter::finish(const WalkManifest& manifest) {
   const std::string text =
       json_of(manifest).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  const std::pair<const char*, std::string_view> files[] = {
-      {"index.html", kWalkPage}, {"viewer.js", kWalkViewer}, {"walk.json", text}};
-  for (const auto& [name, content] : files) {
+  struct File {
+    const char* name;
+    std::string_view content;
+    bool needed;
+  };
+  const File files[] = {{"index.html", kWalkPage, true},
+                        {"viewer.js", kWalkViewer, true},
+                        {"pictures.js", kWalkPictures, !manifest.pictures.pictures.empty()},
+                        {"reliefs.js", kWalkReliefs, !manifest.reliefs.reliefs.empty()},
+                        {"walk.json", text, true}};
+  std::error_code failed;
+  for (const auto& [name, content, needed] : files) {
+    if (!needed) {
+      fs::remove(state_->folder / name, failed);
+      continue;
+    }
     if (Result<> written = write_file(state_->folder / name, content); !written) return written;
     state_->files[name] = content.size();
     state_->page_bytes += content.size();
   }
   // What an earlier walk left.
-  std::error_code failed;
   for (const fs::directory_entry& entry :
        fs::directory_iterator(state_->folder / "pictures", failed)) {
     const std::string name = entry.path().filename().string();
@@ -237,6 +290,13 @@ std::size_t WalkWriter::first_view_bytes(const WalkManifest& manifest) const {
     if (!(along > most)) continue;
     most = along;
     first = picture.colors.bytes + picture.depths.bytes;
+  }
+  for (const WalkRelief& relief : manifest.reliefs.reliefs) {
+    const double along = glm::dot(-relief.camera.forward(),
+                                  manifest.eye - glm::dvec3(manifest.reliefs.bounds.center()));
+    if (!(along > most)) continue;
+    most = along;
+    first = relief.colors.bytes + relief.codes.bytes + relief.layers.bytes;
   }
   return state_->page_bytes + manifest.sketches.file.bytes + first;
 }

@@ -6,8 +6,10 @@
 
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/layered_relief/relief_kind.h"
 #include "rilievo/web_walk/node_files.h"
 #include "rilievo/web_walk/picture_files.h"
+#include "rilievo/web_walk/relief_files.h"
 
 namespace rilievo {
 namespace {
@@ -33,6 +35,13 @@ const std::array kWalkKinds{
                return add_layered_impostor(dynamic_cast<const LayeredRepresentation&>(of).impostor,
                                            writer, manifest, options);
              }},
+    WalkKind{kLayeredReliefName,
+             [](const Representation& of, WalkWriter& writer, WalkManifest& manifest,
+                const WalkOptions& options) {
+               const OptionValues draw(layered_relief_kind().draw_options);
+               return add_reliefs(dynamic_cast<const ReliefRepresentation&>(of).pictures,
+                                  relief_draw_options(draw), writer, manifest, options);
+             }},
 };
 
 }  // namespace
@@ -47,9 +56,7 @@ Result<> add_to_walk(const Kind& kind, const Representation& representation, Wal
                      WalkManifest& manifest, const WalkOptions& options) {
   const auto found = std::find_if(kWalkKinds.begin(), kWalkKinds.end(),
                                   [&](const WalkKind& of) { return of.name == kind.name; });
-  if (found == kWalkKinds.end())
-    return Error{std::string(kind.name),
-                 "has no form for browsers; environment nodes and layered impostors have"};
+  if (found == kWalkKinds.end()) return Error{std::string(kind.name), "has no form for browsers"};
   return found->add(representation, writer, manifest, options);
 }
 

@@ -12,8 +12,8 @@ from command import TEAPOTS
 
 
 class Web(command.Case):
-    def written(self, *arguments):
-        """The manifest of a walk, all of whose files are there."""
+    def written(self, *arguments, parts=()):
+        """The manifest of a walk, all of whose files are there, and those parts of the program."""
         folder = self.folder / "walk"
         self.succeeds("web", *arguments, "-o", folder)
         names = set()
@@ -28,7 +28,7 @@ class Web(command.Case):
         manifest = json.loads((folder / "walk.json").read_text())
         self.assertEqual(manifest["schema"], "rilievo-walk-1")
         find_files(manifest)
-        self.assertEqual(names | {"index.html", "viewer.js", "walk.json"},
+        self.assertEqual(names | {"index.html", "viewer.js", "walk.json", *parts},
                          {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()})
         return manifest
 
@@ -40,7 +40,7 @@ class Web(command.Case):
     def test_an_impostor_becomes_pictures_that_are_marched_through(self):
         baked = self.folder / "teapots.exr"
         self.succeeds("bake", TEAPOTS, "--as", "layered-impostor", "--views", "12", "--size", "16", "-o", baked)
-        pictures = self.written(baked)["pictures"]
+        pictures = self.written(baked, parts=["pictures.js"])["pictures"]
         self.assertEqual((pictures["drawn"], len(pictures["list"])), ("surfaces", 12))
         # Of 12 views the covering angle is 0.65 rad: what is steep is looked up in others.
         self.assertEqual(pictures["links"]["gentle"], 4)
@@ -48,17 +48,30 @@ class Web(command.Case):
     def test_a_frame_becomes_nailboards(self):
         self.succeeds("render", TEAPOTS, "--draw", "software", "--method", "nailboard", "--frames", "1", "--size",
                       "96x64", "--save-pictures", self.folder, "-o", self.folder / "frame")
-        manifest = self.written(self.folder / "pictures_00000.exr")
+        manifest = self.written(self.folder / "pictures_00000.exr", parts=["pictures.js"])
         self.assertEqual(manifest["pictures"]["drawn"], "nailboards")
         self.assertGreater(len(manifest["pictures"]["list"]), 1)
         self.assertNotIn("nodes", manifest)
 
-    def test_what_has_no_form_is_named(self):
+    def test_reliefs_become_sheets_of_samples(self):
         baked = self.folder / "relief.exr"
         self.succeeds("bake", TEAPOTS, "--as", "layered-relief", "--size", "32", "-o", baked)
-        self.refused(("web", baked, "-o", self.folder / "walk"), baked, "layered-relief", "no form for browsers")
-        self.assertFalse((self.folder / "walk").exists())
+        reliefs = self.written(baked, parts=["reliefs.js"])["reliefs"]
+        self.assertEqual(len(reliefs["list"]), 6)
+        # As `render` draws them by default.
+        self.assertEqual((reliefs["splat"], reliefs["resolution"], reliefs["max_size"]), (1.5, 1, 2048))
+        info = self.folder / "info.json"
+        self.succeeds("info", baked, "--json", info)
+        self.assertEqual(sum(relief["samples"] for relief in reliefs["list"]),
+                         json.loads(info.read_text())["samples"])
+        # A walk of another kind in the same folder leaves nothing of this one.
+        self.written(TEAPOTS, "--at", "0,2,6", "--face", "16")
+
+    def test_what_is_baked_is_not_baked_again(self):
+        baked = self.folder / "relief.exr"
+        self.succeeds("bake", TEAPOTS, "--as", "layered-relief", "--size", "16", "-o", baked)
         self.refused(("web", baked, "--as", "layered-impostor", "-o", self.folder / "walk"), "--as")
+        self.assertFalse((self.folder / "walk").exists())
 
 
 if __name__ == "__main__":

@@ -8,19 +8,20 @@
 import { NodeChooser } from "./choose.js";
 import { Decoder } from "./decoder.js";
 import { WalkError, asWalkError } from "./errors.js";
-import { NodeDrawer, kMostDrawn, type View } from "./gl/drawer.js";
+import { NodeDrawer, kMostDrawn } from "./gl/drawer.js";
+import type { View } from "./gl/program.js";
 import { deleteNode, kObjectBytes, kTexelBytes, storeNode, uploadFace, type StoredNode } from "./gl/node-store.js";
-import type { FileEntry, LevelEntry, Manifest, PicturesEntry, SketchesEntry } from "./manifest.js";
+import type { FileEntry, LevelEntry, Manifest, SketchesEntry } from "./manifest.js";
 import { kSkinStride, kSurfaceStride } from "./mesh-layout.js";
 import { StaticSource, type PictureSource } from "./source.js";
-import { PictureSet } from "./views/picture-set.js";
+import type { Pictures, PicturesHost } from "./views/pictures.js";
 
 export { WalkError } from "./errors.js";
 export { parseManifest } from "./manifest.js";
 export type { FileEntry, LevelEntry, Manifest, MeshEntry, NodeEntry, Vector } from "./manifest.js";
 export { StaticSource } from "./source.js";
 export type { EyePose, PictureSource } from "./source.js";
-export type { View } from "./gl/drawer.js";
+export type { View } from "./gl/program.js";
 
 export interface WalkOptions {
   /** Bytes on the GPU; nodes that were not drawn for longest go first. Default 192 MiB. */
@@ -92,7 +93,8 @@ export class Walk {
   private readonly mostLoading: number;
   private chooser: NodeChooser | null = null;
   /** Instead of nodes. */
-  private pictures: PictureSet | null = null;
+  private pictures: Pictures | null = null;
+  private makePictures: ((gl: WebGL2RenderingContext) => Pictures) | null = null;
   private slots: Slot[] = [];
   private readonly drawn: StoredNode[] = [];
   private frame = 0;
@@ -165,6 +167,7 @@ export class Walk {
   drawLayers(view: View): number {
     const { pictures } = this;
     if (pictures && pictures.stats.there > 0) {
+      pictures.prepare(view);
       pictures.draw(view, this.drawer.beginOther(view));
       this.drawer.endOther();
       this.drawer.stats.drawCalls = pictures.stats.drawCalls;
@@ -203,7 +206,8 @@ export class Walk {
     this.drawer = new NodeDrawer(gl);
     this.nodeBytes = 0;
     this.drawn.length = 0;
-    if (this.pictures) this.makePictures(this.manifest?.pictures as PicturesEntry);
+    this.pictures?.dispose();
+    if (this.makePictures) this.pictures = this.makePictures(gl);
     for (const slot of this.slots) {
       for (const face of slot.next?.faces ?? []) face.close();
       slot.stored = slot.next = null;
@@ -235,7 +239,7 @@ export class Walk {
       const manifest = await this.source.manifest(signal);
       const first = new Promise<void>((resolve) => (this.firstPicture = resolve));
       const { sketches } = manifest;
-      if (manifest.pictures) this.makePictures(manifest.pictures);
+      await this.openPictures(manifest);
       if (sketches) await this.openNodes(manifest, sketches);
       this.manifest = manifest;
       this.update(...manifest.start.eye);
@@ -262,9 +266,8 @@ export class Walk {
     }));
   }
 
-  private makePictures(entry: PicturesEntry): void {
-    this.pictures?.dispose();
-    this.pictures = new PictureSet(this.gl, entry, this.decoder, {
+  private async openPictures({ pictures, reliefs }: Manifest): Promise<void> {
+    const host: PicturesHost = {
       budget: this.budget,
       fetch: (file) => this.fetch(file),
       arrived: () => this.options.onNeedsDraw?.(),
@@ -282,7 +285,17 @@ export class Walk {
         this.options.onError?.(error);
         this.options.onNeedsDraw?.();
       },
-    });
+    };
+    // Programs that walks of nodes do not need.
+    if (pictures) {
+      const { PictureSet } = await part(import("./views/picture-set.js"));
+      this.makePictures = (gl) => new PictureSet(gl, pictures, this.decoder, host);
+    } else if (reliefs) {
+      const { ReliefSet } = await part(import("./reliefs/relief-set.js"));
+      this.makePictures = (gl) => new ReliefSet(gl, reliefs, this.decoder, host);
+    }
+    this.abort.signal.throwIfAborted();
+    if (this.makePictures) this.pictures = this.makePictures(this.gl);
   }
 
   private async fetch(entry: FileEntry): Promise<ArrayBuffer> {
@@ -490,4 +503,11 @@ export class Walk {
     for (let i = 0; i < this.slots.length; ++i) if (this.slots[i].stored) ++nodes;
     stats.nodes = nodes;
   }
+}
+
+/** A part of the program, as an error of a walk if it does not come. */
+function part<Module>(coming: Promise<Module>): Promise<Module> {
+  return coming.catch(() => {
+    throw new WalkError("program", "a part of it, which belongs beside it, could not be loaded");
+  });
 }

@@ -5,6 +5,7 @@ import { WalkError } from "./errors.js";
 import type { FileEntry, MeshEntry } from "./manifest.js";
 import type { Job, JobResult } from "./jobs.js";
 import type { NodeMesh } from "./mesh-layout.js";
+import type { SheetEntry } from "./reliefs/samples.js";
 import type { ViewDepths, ViewSurface } from "./views/surface.js";
 
 export class Decoder {
@@ -51,6 +52,14 @@ export class Decoder {
   /** The surface of a picture. */
   async view(bytes: ArrayBuffer, entry: FileEntry, of: ViewDepths): Promise<ViewSurface> {
     return (await this.run({ kind: "view", bytes, name: entry.name, of })) as ViewSurface;
+  }
+
+  /** The samples of a relief. */
+  async samples(bytes: ArrayBuffer, name: string, entry: SheetEntry, layers: Uint16Array):
+      Promise<Uint16Array> {
+    const { width, height, sheetWidth, sheetHeight, samples } = entry;
+    const of = { width, height, sheetWidth, sheetHeight, samples };
+    return (await this.run({ kind: "samples", bytes, name, layers, of })) as Uint16Array;
   }
 
   /** A plane of shares, from 0 to 255. */

@@ -6,6 +6,7 @@ import type { MeshEntry } from "./manifest.js";
 import type { NodeMesh } from "./mesh-layout.js";
 import { decodeMesh } from "./node-mesh.js";
 import { decodePlane16 } from "./plane16.js";
+import { unpackSamples, type SheetEntry } from "./reliefs/samples.js";
 import { sha256Hex } from "./sha256.js";
 import { makeSurface, type ViewDepths, type ViewSurface } from "./views/surface.js";
 
@@ -14,6 +15,7 @@ export type Job =
   | { kind: "mesh"; bytes: ArrayBuffer; entry: MeshEntry }
   | { kind: "plane16"; bytes: ArrayBuffer; name: string; width: number; height: number }
   | { kind: "view"; bytes: ArrayBuffer; name: string; of: ViewDepths }
+  | { kind: "samples"; bytes: ArrayBuffer; name: string; layers: Uint16Array; of: SheetEntry }
   | { kind: "shares"; bytes: ArrayBuffer; name: string; width: number; height: number; steps: number };
 
 export type JobResult = ArrayBuffer | NodeMesh | Uint16Array | Uint8Array | ViewSurface;
@@ -36,6 +38,11 @@ export async function runJob(job: Job): Promise<JobResult> {
       return decodePlane16(bytes, job.width, job.height, job.name);
     case "view":
       return makeSurface(await decodePlane16(bytes, job.of.width, job.of.height, job.name), job.of);
+    case "samples": {
+      const { of, layers, name } = job;
+      const codes = await decodePlane16(bytes, of.sheetWidth, of.sheetHeight, name);
+      return unpackSamples(codes, layers, of, name);
+    }
     case "shares": {
       const plane = await decodePlane16(bytes, job.width, job.height, job.name);
       return Uint8Array.from(plane, (step) => Math.min(255, Math.round((255 * step) / job.steps)));

@@ -1,6 +1,7 @@
 // The manifest of a walk, schema `rilievo-walk-1`. Whatever a server sends is checked here, once.
 
 import { WalkError } from "./errors.js";
+import { kReliefBlock, type SheetEntry } from "./reliefs/samples.js";
 import type { LinkLimits } from "./views/surface.js";
 
 export type Vector = readonly [number, number, number];
@@ -95,6 +96,39 @@ export interface PicturesEntry {
   readonly list: readonly PictureEntry[];
 }
 
+/** A layered relief. */
+export interface ReliefEntry extends SheetEntry {
+  readonly worldFromEye: Float64Array;
+  readonly perspective: boolean;
+  /** The window; of a perspective one on the plane z = -1. */
+  readonly left: number;
+  readonly right: number;
+  readonly bottom: number;
+  readonly top: number;
+  readonly planeZ: number;
+  /** Code c > 0 is the displacement first + (c - 1) step. */
+  readonly first: number;
+  readonly step: number;
+  /** u, v, displacement. */
+  readonly hull: readonly Vector[];
+  readonly colors: FileEntry;
+  readonly codes: FileEntry;
+  readonly layers: FileEntry;
+}
+
+/** Reliefs of one object, of which one is drawn. */
+export interface ReliefsEntry {
+  readonly low: Vector;
+  readonly high: Vector;
+  readonly center: Vector;
+  /** The side of a splat, texels of a relief. */
+  readonly splat: number;
+  /** Texels of what is drawn for one of a relief, and at most along a side. */
+  readonly resolution: number;
+  readonly maxSize: number;
+  readonly list: readonly ReliefEntry[];
+}
+
 export interface Manifest {
   readonly name: string;
   readonly up: Vector;
@@ -107,9 +141,10 @@ export interface Manifest {
     readonly zFar: number;
   };
   readonly nodes: readonly NodeEntry[];
-  /** Of the nodes; null: there are none, but pictures. */
+  /** Of the nodes; null: there are none, but pictures or reliefs. */
   readonly sketches: SketchesEntry | null;
   readonly pictures: PicturesEntry | null;
+  readonly reliefs: ReliefsEntry | null;
 }
 
 type Json = Record<string, unknown>;
@@ -193,17 +228,28 @@ export function parseManifest(text: string, where: string): Manifest {
     if (numbers.length !== 16) fail(`${name} has not 16 numbers`);
     return Float64Array.from(numbers);
   };
-  const pictureOf = (value: unknown, name: string, surfaces: boolean): PictureEntry => {
-    const of = object(value, name), depths = object(of.depths, `${name}.depths`);
+  const windowOf = (of: Json, name: string) => {
     const [left, right, bottom, top] = list(of.window, `${name}.window`).map((n) =>
       number(n, `${name}.window`, -1e9, 1e9));
     if (!(right > left && top > bottom)) fail(`${name}.window is empty`);
-    const [width, height] = list(of.size, `${name}.size`).map((n) => count(n, `${name}.size`, 8192));
-    if (!(width > 0 && height > 0)) fail(`${name}.size is empty`);
+    return { left, right, bottom, top };
+  };
+  const sizeOf = (value: unknown, name: string, most: number): [number, number] => {
+    const [width, height] = list(value, name).map((n) => count(n, name, most));
+    return width > 0 && height > 0 ? [width, height] : fail(`${name} is empty`);
+  };
+  const boundsOf = (value: unknown, name: string) => {
+    const corners = list(value, name), low = vector(corners[0], name), high = vector(corners[1], name);
+    const middle = (k: 0 | 1 | 2) => 0.5 * (low[k] + high[k]);
+    return { low, high, center: [middle(0), middle(1), middle(2)] as Vector };
+  };
+  const pictureOf = (value: unknown, name: string, surfaces: boolean): PictureEntry => {
+    const of = object(value, name), depths = object(of.depths, `${name}.depths`);
+    const window = windowOf(of, name), [width, height] = sizeOf(of.size, `${name}.size`, 8192);
     return {
       worldFromEye: matrix(of.world_from_eye, `${name}.world_from_eye`),
-      left, right, bottom, top, width, height,
-      du: (right - left) / width, dv: (top - bottom) / height,
+      ...window, width, height,
+      du: (window.right - window.left) / width, dv: (window.top - window.bottom) / height,
       zNear: number(of.z_near, `${name}.z_near`, 1e-12, 1e12),
       zFar: number(of.z_far, `${name}.z_far`, 1e-12, 1e12),
       colors: file(of.colors, `${name}.colors`),
@@ -223,9 +269,7 @@ export function parseManifest(text: string, where: string): Manifest {
     if (drawn !== "surfaces" && drawn !== "nailboards")
       return fail(`pictures.drawn is ${JSON.stringify(drawn)}, which this viewer cannot draw`);
     const surfaces = drawn === "surfaces";
-    const corners = list(of.bounds, "pictures.bounds");
-    const low = vector(corners[0], "pictures.bounds"), high = vector(corners[1], "pictures.bounds");
-    const middle = (k: 0 | 1 | 2) => 0.5 * (low[k] + high[k]);
+    const bounds = boundsOf(of.bounds, "pictures.bounds"), { low, high } = bounds;
     const links = surfaces ? object(of.links, "pictures.links") : {};
     const limit = (name: string) =>
       surfaces ? number(links[name], `pictures.links.${name}`, 0, 1e9) : 0;
@@ -233,12 +277,44 @@ export function parseManifest(text: string, where: string): Manifest {
       pictureOf(value, `pictures.list[${i}]`, surfaces));
     if (made.length === 0) fail("pictures.list is empty");
     return {
-      drawn, low, high,
-      center: [middle(0), middle(1), middle(2)],
+      drawn, ...bounds,
       // Rounding must not cut off what lies on a face of the bounds.
       slack: 0.5e-4 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]) + 1e-9,
       handover: surfaces ? number(of.handover, "pictures.handover", 0, 7) : 0,
       links: { gentle: limit("gentle"), steepest: limit("steepest"), growth: limit("growth") },
+      list: made,
+    };
+  };
+
+  const reliefOf = (value: unknown, name: string): ReliefEntry => {
+    const of = object(value, name);
+    const [width, height] = sizeOf(of.size, `${name}.size`, 32768);
+    const [sheetWidth, sheetHeight] = sizeOf(of.sheet, `${name}.sheet`, 4096);
+    if ((sheetWidth | sheetHeight) % kReliefBlock) fail(`${name}.sheet has parts of blocks`);
+    const perspective = of.projection === "perspective";
+    if (!perspective && of.projection !== "parallel") fail(`${name}.projection is not known`);
+    const hull = list(of.hull, `${name}.hull`).map((corner) => vector(corner, `${name}.hull`));
+    if (hull.length === 0) fail(`${name}.hull is empty`);
+    const samples = count(of.samples, `${name}.samples`, sheetWidth * sheetHeight);
+    return {
+      worldFromEye: matrix(of.world_from_eye, `${name}.world_from_eye`),
+      perspective, ...windowOf(of, name), width, height, sheetWidth, sheetHeight, samples, hull,
+      planeZ: number(of.plane_z, `${name}.plane_z`, -1e12, 1e12),
+      first: number(of.first, `${name}.first`, -1e30, 1e30),
+      step: number(of.step, `${name}.step`, 1e-30, 1e30),
+      colors: file(of.colors, `${name}.colors`),
+      codes: file(of.codes, `${name}.codes`),
+      layers: file(of.layers, `${name}.layers`),
+    };
+  };
+  const reliefsOf = (of: Json): ReliefsEntry => {
+    const made = list(of.list, "reliefs.list").map((value, i) => reliefOf(value, `reliefs.list[${i}]`));
+    if (made.length === 0) fail("reliefs.list is empty");
+    return {
+      ...boundsOf(of.bounds, "reliefs.bounds"),
+      splat: number(of.splat, "reliefs.splat", 0.01, 64),
+      resolution: number(of.resolution, "reliefs.resolution", 0.01, 64),
+      maxSize: Math.max(16, count(of.max_size, "reliefs.max_size", 4096)),
       list: made,
     };
   };
@@ -254,8 +330,10 @@ export function parseManifest(text: string, where: string): Manifest {
     fail(`its schema is ${JSON.stringify(root.schema) ?? "missing"}, not "rilievo-walk-1"`);
   const start = object(root.start, "start");
   const pictures = root.pictures === undefined ? null : picturesOf(object(root.pictures, "pictures"));
-  const sketches = pictures ? null : object(root.sketches, "sketches");
-  const nodes = (pictures ? [] : list(root.nodes, "nodes")).map((value, i): NodeEntry => {
+  const reliefs = root.reliefs === undefined ? null : reliefsOf(object(root.reliefs, "reliefs"));
+  const others = pictures ?? reliefs;
+  const sketches = others ? null : object(root.sketches, "sketches");
+  const nodes = (others ? [] : list(root.nodes, "nodes")).map((value, i): NodeEntry => {
     const name = `nodes[${i}]`;
     const node = object(value, name);
     const worldFromNode = matrix(node.world_from_node, `${name}.world_from_node`);
@@ -278,7 +356,7 @@ export function parseManifest(text: string, where: string): Manifest {
       levels,
     };
   });
-  if (!pictures && nodes.length === 0) fail("it has no node");
+  if (!others && nodes.length === 0) fail("it has no node");
   return {
     name: typeof root.name === "string" ? root.name : "",
     up: vector(root.up, "up"),
@@ -291,6 +369,7 @@ export function parseManifest(text: string, where: string): Manifest {
     },
     nodes,
     pictures,
+    reliefs,
     sketches: sketches && {
       ...file(sketches, "sketches"),
       size: Math.max(1, count(sketches.size, "sketches.size", 256)),

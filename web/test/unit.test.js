@@ -105,6 +105,45 @@ test("a manifest is read, and each fault in it named", async () => {
   assert.throws(() => parseManifest("<p>There is no such file.</p>", "walk.json"), /not JSON/);
 });
 
+function goodReliefs() {
+  const { nodes, sketches, ...manifest } = goodManifest();
+  return { ...manifest, reliefs: {
+    bounds: [[-1, -1, -1], [1, 1, 1]], splat: 1.5, resolution: 1, max_size: 2048,
+    list: [{
+      world_from_eye: nodes[0].world_from_node, projection: "parallel", window: [-1, 1, -1, 1],
+      size: [40, 40], plane_z: 3, first: -1, step: 1e-5, hull: [[0, 0, -1], [40, 40, 1]],
+      samples: 100, sheet: [48, 64], colors: kFile, codes: kFile, layers: kFile,
+    }],
+  } };
+}
+
+test("a manifest of reliefs is read, and each fault in it named", async () => {
+  const { parseManifest } = await load("manifest");
+  const { reliefs, nodes } = parseManifest(JSON.stringify(goodReliefs()), "walk.json");
+  assert.equal(nodes.length, 0);
+  assert.equal(reliefs.list[0].sheetHeight, 64);
+  const faults = [
+    [(m) => (m.reliefs.list = []), /reliefs.list is empty/],
+    [(m) => (m.reliefs.max_size = 1e6), /max_size/],
+    [(m) => (m.reliefs.splat = 0), /splat/],
+    [(m) => (m.reliefs.bounds = [[0, 0, 0]]), /bounds/],
+    [(m) => (m.reliefs.list[0].projection = "fish eye"), /projection/],
+    [(m) => (m.reliefs.list[0].hull = []), /hull/],
+    [(m) => (m.reliefs.list[0].hull[0] = [1, 2]), /hull/],
+    [(m) => (m.reliefs.list[0].sheet = [40, 64]), /parts of blocks/],
+    [(m) => (m.reliefs.list[0].sheet = [1 << 20, 64]), /sheet/],
+    [(m) => (m.reliefs.list[0].samples = 48 * 64 + 1), /samples/],
+    [(m) => (m.reliefs.list[0].step = 0), /step/],
+    [(m) => (m.reliefs.list[0].window = [1, 1, 0, 1]), /window/],
+    [(m) => (m.reliefs.list[0].codes = { file: "/etc/passwd", bytes: 1 }), /beside the manifest/],
+  ];
+  for (const [damage, expected] of faults) {
+    const bad = structuredClone(goodReliefs());
+    damage(bad);
+    assert.throws(() => parseManifest(JSON.stringify(bad), "walk.json"), expected);
+  }
+});
+
 test("nodes that see the eye come first, and of them the nearest", async () => {
   const { NodeChooser } = await load("choose");
   const size = 4, count = 5;
@@ -128,17 +167,189 @@ test("nodes that see the eye come first, and of them the nearest", async () => {
 
 test("the committed program of the page is what the sources make", async () => {
   const { pageProgram } = await import("../tools/build.js");
-  assert.equal(readFileSync(join(root, "../rilievo/web_walk/page/viewer.js"), "utf8"),
-               await pageProgram());
+  for (const [name, text] of Object.entries(await pageProgram()))
+    assert.equal(readFileSync(join(root, "../rilievo/web_walk/page", name), "utf8"), text, name);
 });
 
-test("the package is at most 30 kB gzipped, without three.js and the decoder", () => {
-  const files = readdirSync(join(root, "dist")).filter((name) => name.endsWith(".js"));
-  const all = Buffer.concat(files.map((name) => readFileSync(join(root, "dist", name))));
-  const decoder = readFileSync(join(root, "node_modules/meshoptimizer/meshopt_decoder.mjs"));
-  const bytes = gzipSync(all, { level: 9 }).length - gzipSync(decoder, { level: 9 }).length;
-  assert.ok(bytes <= 30000, `${bytes} bytes`);
-  console.log(`gzipped without the decoder: ${bytes} bytes`);
+// What a page loads: an entry, all that it imports, and one of the parts that it imports when a walk
+// needs it.
+test("no page loads more than 30 kB gzipped, without three.js and the decoder", () => {
+  const read = (name) => readFileSync(join(root, "dist", name), "utf8");
+  const named = (name, pattern) => [...read(name).matchAll(pattern)].map((match) => match[1]);
+  const imported = (name, found = new Set()) => {
+    if (found.has(name)) return found;
+    found.add(name);
+    for (const next of named(name, /(?:from|import)"\.\/([^"]+)"/g)) imported(next, found);
+    return found;
+  };
+  const gzipped = (text) => gzipSync(text, { level: 9 }).length;
+  const decoder = gzipped(readFileSync(join(root, "node_modules/meshoptimizer/meshopt_decoder.mjs")));
+  const bytesOf = (names) => gzipped([...names].map(read).join("")) - decoder;
+  for (const entry of ["index.js", "core.js", "viewer.js"]) {
+    const always = imported(entry);
+    const parts = new Set([...always].flatMap((name) => named(name, /import\("\.\/([^"]+)"\)/g)));
+    assert.equal(parts.size, 2);
+    const bytes = [always, ...[...parts].map((part) => imported(part, new Set(always)))].map(bytesOf);
+    console.log(`${entry} gzipped without the decoder: ${bytes.join(", ")} bytes`);
+    assert.ok(Math.max(...bytes) <= 30000, `${bytes} bytes`);
+  }
+});
+
+/** Numbers from `low` to `high`, the same ones for the same seed. */
+function randomNumbers(seed) {
+  let state = seed;
+  return (low, high) => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return low + ((high - low) * ((t ^ (t >>> 14)) >>> 0)) / 4294967296;
+  };
+}
+
+// A picture of lines of sight with up to three samples, and the sheet that holds them.
+function sheetOfLines(of, random) {
+  const side = 16, across = Math.ceil(of.width / side), down = Math.ceil(of.height / side);
+  const layers = new Uint16Array(across * down);
+  const samples = [];
+  for (let y = 0; y < of.height; ++y)
+    for (let x = 0; x < of.width; ++x) {
+      const block = Math.floor(y / side) * across + Math.floor(x / side);
+      // In the second block there is nothing.
+      const count = block === 1 ? 0 : Math.floor(random(0, 4));
+      layers[block] = Math.max(layers[block], count);
+      for (let layer = 0; layer < count; ++layer)
+        samples.push({ x, y, layer, block, code: 1 + Math.floor(random(0, 65534)) });
+    }
+  const codes = new Uint16Array(of.sheetWidth * of.sheetHeight);
+  for (const sample of samples) {
+    // The blocks that come before.
+    let place = 0;
+    for (let layer = 0; layer <= sample.layer; ++layer)
+      for (let block = 0; block < layers.length; ++block)
+        if (layers[block] > layer && (layer < sample.layer || block < sample.block)) ++place;
+    sample.column = (place % (of.sheetWidth / side)) * side + (sample.x % side);
+    sample.row = Math.floor(place / (of.sheetWidth / side)) * side + (sample.y % side);
+    codes[sample.row * of.sheetWidth + sample.column] = sample.code;
+  }
+  return { layers, codes, samples };
+}
+
+test("samples come back from their sheet, and one that is damaged is named", async () => {
+  const { unpackSamples } = await load("reliefs/samples");
+  const size = { width: 37, height: 20, sheetWidth: 48, sheetHeight: 96 };
+  const { layers, codes, samples } = sheetOfLines(size, randomNumbers(1));
+  const of = { ...size, samples: samples.length };
+  const made = unpackSamples(codes, layers, of, "codes");
+  const found = samples.map((_, i) => made.slice(6 * i, 6 * i + 6).join(" "));
+  assert.deepEqual(found.sort(), samples.map((t) =>
+    [t.x, t.y, t.code - 1, t.layer, t.column, t.row].join(" ")).sort());
+  const bad = (codes, layers, other) => assert.throws(
+    () => unpackSamples(codes, layers, { ...of, ...other }, "codes"), /codes: is damaged/);
+  bad(codes, layers, { samples: of.samples - 1 });
+  bad(codes, layers, { samples: of.samples + 1 });
+  bad(codes, layers.map(() => 60000), {});
+  // Beyond the picture's right edge.
+  bad(codes.map(() => 7), layers, {});
+});
+
+// A relief that looks along a slanting direction; what is at (u, v) and d lies at `world`.
+function slantingRelief(perspective) {
+  const turned = (x, y, z) => { // by any rotation
+    const c = Math.cos(0.7), s = Math.sin(0.7), a = c * x + s * z, b = c * z - s * x;
+    const C = Math.cos(0.4), S = Math.sin(0.4);
+    return [a, C * y + S * b, C * b - S * y];
+  };
+  const right = turned(1, 0, 0), up = turned(0, 1, 0), back = turned(0, 0, 1), eye = [0.3, -0.2, 0.5];
+  const of = {
+    worldFromEye: Float64Array.from([...right, 0, ...up, 0, ...back, 0, ...eye, 1]), perspective,
+    left: -0.6, right: 0.5, bottom: -0.4, top: 0.7, width: 110, height: 90,
+    planeZ: perspective ? 1 : 3, first: perspective ? -0.5 : -0.8, step: perspective ? 5e-6 : 2.5e-5,
+    hull: [[0, 0, perspective ? -0.5 : -0.8], [110, 90, perspective ? -0.18 : 0.8]], samples: 1,
+  };
+  const world = (u, v, code) => {
+    const d = of.first + code * of.step, z = perspective ? -1 / d : of.planeZ + d;
+    const scale = perspective ? z : 1;
+    const x = scale * (of.left + (u / of.width) * (of.right - of.left));
+    const y = scale * (of.top + (v / of.height) * (of.bottom - of.top));
+    return eye.map((e, k) => e + x * right[k] + y * up[k] - z * back[k]);
+  };
+  const set = { low: [-3, -3, -3], high: [3, 3, 3], center: [0, 0, 0], splat: 1.5, resolution: 1, maxSize: 2048,
+                list: [of] };
+  return { of, set, world, forward: back.map((x) => -x) };
+}
+
+test("samples are warped to where their places are seen, with their depths", async () => {
+  const { ReliefWarp } = await load("reliefs/warp");
+  const random = randomNumbers(2);
+  for (const perspective of [false, true]) {
+    const { of, set, world, forward } = slantingRelief(perspective);
+    const warp = new ReliefWarp(of, set), out = new Float32Array(12);
+    for (let tried = 0; tried < 40; ++tried) {
+      const middle = world(55, 45, 20000);
+      const eye = middle.map((x, k) => x - forward[k] * random(perspective ? 2 : 1.5, 6) + random(-0.8, 0.8));
+      if (!warp.place(...eye)) continue;
+      warp.coefficients(out);
+      for (let i = 0; i < 10; ++i) {
+        const u = random(0, 100), v = random(0, 80), code = Math.floor(random(0, 60000));
+        if (code < warp.leastCode) continue;
+        const w = out[4] + out[5] * code;
+        const x = (out[6] * u + out[0] + out[1] * code) / w, y = (out[6] * v + out[2] + out[3] * code) / w;
+        // The line of sight through this texel of the result meets the sample's middle.
+        const at = world(u + 0.5, v + 0.5, code).map((p, k) => p - eye[k]);
+        const ray = [0, 1, 2].map((k) =>
+          warp.g[k] + (x * warp.a[k] + y * warp.b[k]) / warp.resolution);
+        const along = (p) => p.reduce((sum, p, k) => sum + p * forward[k], 0);
+        const scale = along(at) / along(ray);
+        // In texels where the sample is.
+        const off = Math.hypot(...at.map((p, k) => p - scale * ray[k])) / (scale * Math.hypot(...warp.a));
+        assert.ok(off < 2e-3, `${off} texels off`);
+        const delta = Math.round((out[8] + out[9] * code) / (out[10] + out[11] * code));
+        const z = warp.zNear * warp.zFar / (warp.zFar - (delta / 65534) * (warp.zFar - warp.zNear));
+        // A step of Delta here.
+        const step = z * z * (warp.zFar - warp.zNear) / (65534 * warp.zNear * warp.zFar);
+        assert.ok(Math.abs(z - along(at)) < step + 1e-4 * z, `${z} instead of ${along(at)}`);
+      }
+    }
+  }
+});
+
+test("what a frame shows of a relief is all that its pixels see", async () => {
+  const { ReliefWarp } = await load("reliefs/warp");
+  const { of, set, world, forward } = slantingRelief(false);
+  const warp = new ReliefWarp(of, set);
+  const random = randomNumbers(3);
+  let seen = 0;
+  for (let tried = 0; tried < 60; ++tried) {
+    const middle = world(55, 45, 30000);
+    const eye = middle.map((x, k) => x - forward[k] * random(1.2, 4) + random(-1, 1));
+    const yaw = random(0, 6.28), pitch = random(-1.2, 1.2);
+    const back = [Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch), Math.cos(pitch) * Math.cos(yaw)];
+    const right = [Math.cos(yaw), 0, -Math.sin(yaw)];
+    const up = [back[1] * right[2] - back[2] * right[1], back[2] * right[0] - back[0] * right[2],
+                back[0] * right[1] - back[1] * right[0]];
+    const view = {
+      worldFromEye: [...right, 0, ...up, 0, ...back, 0, ...eye, 1], width: 64, height: 48,
+      clipFromEye: [1.2, 0, 0, 0, 0, 1.6, 0, 0, 0.1, -0.2, -1, -1, 0, 0, -0.1, 0],
+    };
+    if (!warp.place(...eye)) continue;
+    const [x0, y0, x1, y1] = warp.all;
+    const shows = warp.show(view);
+    for (let i = 0; i < 30; ++i) {
+      // A texel of the result, if the frame shows it.
+      const x = random(x0, x1), y = random(y0, y1);
+      const ray = [0, 1, 2].map((k) => warp.g[k] + (x * warp.a[k] + y * warp.b[k]) / warp.resolution);
+      const dot = (a, b) => a.reduce((sum, p, k) => sum + p * b[k], 0);
+      const z = -dot(ray, back);
+      const at = [(1.2 * dot(ray, right)) / z - 0.1, (1.6 * dot(ray, up)) / z + 0.2];
+      if (!(z > 1e-3 * Math.hypot(...ray)) || Math.max(Math.abs(at[0]), Math.abs(at[1])) > 1) continue;
+      ++seen;
+      assert.ok(shows);
+      const [l, t, r, b] = warp.shown;
+      assert.ok(x >= l - 1e-6 && x <= r + 1e-6 && y >= t - 1e-6 && y <= b + 1e-6,
+                `(${x}, ${y}) outside ${warp.shown} of ${warp.all}`);
+    }
+  }
+  assert.ok(seen > 30, `${seen}`);
 });
 
 function floatOfHalf(bits) {

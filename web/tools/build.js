@@ -3,12 +3,12 @@
 //   node tools/build.js --check  fails if the committed program is not what the sources make
 import { spawnSync } from "node:child_process";
 import { readFileSync, rmSync, writeFileSync } from "node:fs";
-import { dirname, join } from "node:path";
+import { basename, dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
 
 const root = dirname(dirname(fileURLToPath(import.meta.url)));
-const page = join(root, "../rilievo/web_walk/page/viewer.js");
+const page = join(root, "../rilievo/web_walk/page");
 const common = {
   absWorkingDir: root,
   bundle: true,
@@ -46,17 +46,32 @@ const workers = {
   },
 };
 
+// What only some walks need, as modules beside the page's program.
+const parts = { "pictures.js": "src/views/picture-set.ts", "reliefs.js": "src/reliefs/relief-set.ts" };
+const besides = {
+  name: "parts",
+  setup(build) {
+    build.onResolve({ filter: /-set\.js$/ }, ({ path, kind }) => {
+      if (kind !== "dynamic-import") return undefined;
+      const name = basename(path).replace(".js", ".ts");
+      return { path: `./${Object.keys(parts).find((of) => basename(parts[of]) === name)}`, external: true };
+    });
+  },
+};
+
+/** The files of the page's program: texts by name. */
 export async function pageProgram() {
-  const { outputFiles } = await esbuild.build({
+  const bundled = async (entry, options) => (await esbuild.build({
     ...common,
-    entryPoints: ["src/viewer.ts"],
-    format: "iife",
-    globalName: "rilievo",
-    plugins: [workers, shaders],
+    entryPoints: [entry],
+    plugins: [workers, shaders, besides],
     banner: { js: "// Generated from web/src by web/tools/build.js: do not edit." },
     write: false,
-  });
-  return outputFiles[0].text;
+    ...options,
+  })).outputFiles[0].text;
+  const made = { "viewer.js": await bundled("src/viewer.ts", { format: "iife", globalName: "rilievo" }) };
+  for (const [name, entry] of Object.entries(parts)) made[name] = await bundled(entry, { format: "esm" });
+  return made;
 }
 
 async function build() {
@@ -77,13 +92,14 @@ async function build() {
     { cwd: root, stdio: "inherit" },
   );
   if (types.status !== 0) process.exit(1);
-  writeFileSync(page, await pageProgram());
+  for (const [name, text] of Object.entries(await pageProgram())) writeFileSync(join(page, name), text);
 }
 
 const started = process.argv[1] && process.argv[1] === fileURLToPath(import.meta.url);
 if (started && process.argv.includes("--check")) {
-  if (readFileSync(page, "utf8") !== (await pageProgram())) {
-    console.error("rilievo/web_walk/page/viewer.js is older than web/src: run `npm run build` in web/");
+  for (const [name, text] of Object.entries(await pageProgram())) {
+    if (readFileSync(join(page, name), "utf8") === text) continue;
+    console.error(`rilievo/web_walk/page/${name} is older than web/src: run \`npm run build\` in web/`);
     process.exit(1);
   }
 } else if (started) {

@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { page, root, serve, walk } from "../test/browser.js";
 
 // As test/walk.test.js has it.
-const kLeastPsnr = { walk: 38, impostor: 38, nailboards: 37.5 };
+const kLeastPsnr = { walk: 38, impostor: 38, nailboards: 37.5, reliefs: 45 };
 const lib = "/usr/lib/x86_64-linux-gnu";
 const browser = readdirSync(lib).map((name) => join(lib, name, "MiniBrowser")).find(existsSync);
 assert.ok(browser && existsSync("/usr/bin/WebKitWebDriver"), "tools/setup web installs WebKitGTK");
@@ -34,7 +34,7 @@ async function ask(method, path, body) {
 
 const server = await serve({
   walk: [walk, page], impostor: join(root, "test/impostor"),
-  nailboards: join(root, "test/nailboards"), test: join(root, "test"),
+  nailboards: join(root, "test/nailboards"), reliefs: join(root, "test/reliefs"), test: join(root, "test"),
 });
 try {
   start("Xvfb", [display, "-screen", "0", "800x600x24"]);

@@ -5,18 +5,8 @@ import { kFaceAxes } from "../choose.js";
 import { WalkError } from "../errors.js";
 import { mergeProgram, nodeProgram, showObjectsProgram, skyProgram } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
+import type { View } from "./program.js";
 import { SeenDrawer, WeightWriter } from "./seen.js";
-
-/** A frame to draw. Matrices column by column; clip space as OpenGL's. */
-export interface View {
-  readonly worldFromEye: ArrayLike<number>;
-  /** A perspective projection, eye space to clip space. */
-  readonly clipFromEye: ArrayLike<number>;
-  readonly width: number;
-  readonly height: number;
-  /** The near plane, metres; else that of an OpenGL projection. */
-  readonly near?: number;
-}
 
 /** The most nodes that are merged. */
 export const kMostDrawn = 4;

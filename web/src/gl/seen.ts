@@ -3,7 +3,7 @@
 // Nothing of it is in a file.
 
 import { kFaceAxes } from "../choose.js";
-import { compile } from "./shaders.js";
+import { compile } from "./program.js";
 import type { StoredNode } from "./node-store.js";
 
 // A side lies on the plane in front of its face, so that disparity is linear in the face. What is

@@ -2,6 +2,8 @@
 // direction / disparity from the node and is sent homogeneous, so that the rasteriser's own
 // division corrects texture coordinates and the sky lies at infinity (S3.3).
 
+import { compile, kScreenVertex } from "./program.js";
+
 const kVertex = `#version 300 es
 precision highp float;
 layout(location = 0) in vec3 direction;     // times the scale
@@ -139,13 +141,6 @@ void main() {
 #endif
   out_color = vec4(color.rgb, (2.0 + 253.0 * color.a) / 255.0);
 #endif
-}
-`;
-
-const kScreenVertex = `#version 300 es
-void main() {
-  gl_Position = vec4(float((gl_VertexID & 1) * 4) - 1.0, float((gl_VertexID >> 1) * 4) - 1.0, 0.0,
-                     1.0);
 }
 `;
 
@@ -299,29 +294,6 @@ ${sky ? "    out_color = sky_color();\n    gl_FragDepth = 1.0;\n    return;" : "
   gl_FragDepth = min(0.5 * z + 0.5, 1.0 - exp2(-23.0));
 }
 `;
-}
-
-export function compile(gl: WebGL2RenderingContext, name: string, vertex: string,
-                        fragment: string): WebGLProgram {
-  const program = gl.createProgram();
-  if (!program) throw new Error(`${name}: the WebGL context is lost`);
-  for (const [type, source] of [
-    [gl.VERTEX_SHADER, vertex],
-    [gl.FRAGMENT_SHADER, fragment],
-  ] as const) {
-    const shader = gl.createShader(type);
-    if (!shader) throw new Error(`${name}: the WebGL context is lost`);
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-    gl.deleteShader(shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-    const logs = (gl.getAttachedShaders(program) ?? []).map((s) => gl.getShaderInfoLog(s));
-    throw new Error(`${name}: ${[gl.getProgramInfoLog(program), ...logs].join(" ").trim()}`);
-  }
-  return program;
 }
 
 function withDefines(source: string, defines: readonly string[]): string {

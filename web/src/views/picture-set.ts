@@ -3,22 +3,12 @@
 
 import type { Decoder } from "../decoder.js";
 import { WalkError, asWalkError } from "../errors.js";
-import { compile } from "../gl/shaders.js";
-import type { View } from "../gl/drawer.js";
-import type { FileEntry, PictureEntry, PicturesEntry } from "../manifest.js";
+import { clipFromLocal, compile, type View } from "../gl/program.js";
+import type { PicturesEntry } from "../manifest.js";
+import { bitmapOf, type Pictures, type PicturesHost } from "./pictures.js";
 import { kBoardFloats, kBoardFragment, kBoardVertex } from "./board-shaders.js";
 import { kMostViews, kViewFragment, kViewVectors, kViewVertex } from "./shaders.js";
 import { cellLayout, kLevels, type ViewSurface } from "./surface.js";
-
-export interface PictureSetHost {
-  fetch(entry: FileEntry): Promise<ArrayBuffer>;
-  /** A picture came and waits to be uploaded. */
-  arrived(): void;
-  /** A picture can be drawn. */
-  loaded(picture: number): void;
-  failed(error: WalkError): void;
-  readonly budget: number;
-}
 
 interface Slot {
   /** In the texture arrays; -1: not there. */
@@ -45,7 +35,7 @@ const kUniforms = [
   "view_counts", "forward_near",
 ];
 
-export class PictureSet {
+export class PictureSet implements Pictures {
   readonly stats = { drawCalls: 0, triangles: 0, there: 0, drawn: 0 };
   readonly bytes: number;
   private readonly slots: Slot[];
@@ -68,7 +58,7 @@ export class PictureSet {
   private disposed = false;
 
   constructor(private readonly gl: WebGL2RenderingContext, private readonly entry: PicturesEntry,
-              private readonly decoder: Decoder, private readonly host: PictureSetHost) {
+              private readonly decoder: Decoder, private readonly host: PicturesHost) {
     const { list } = entry;
     this.surfaces = entry.drawn === "surfaces";
     this.width = Math.max(...list.map((of) => of.width));
@@ -103,7 +93,6 @@ export class PictureSet {
     }
   }
 
-  /** Chooses, loads, and uploads at most one picture, for an eye in world space. */
   update(x: number, y: number, z: number): void {
     ++this.frame;
     this.sort(x, y, z);
@@ -119,7 +108,6 @@ export class PictureSet {
     }
   }
 
-  /** Is everything there that the eye of the last update() needs? */
   get settled(): boolean {
     const needed = this.surfaces ? Math.min(kMostViews, this.slots.length) : this.layers;
     for (let k = 0; k < needed; ++k) {
@@ -133,12 +121,13 @@ export class PictureSet {
     return this.slots.every((slot) => slot.failed);
   }
 
-  /** Draws into the bound layer, whose near plane is `near`. */
+  prepare(): void {}
+
   draw(view: View, near: number): void {
     const { gl, stats } = this;
     stats.drawCalls = stats.triangles = stats.drawn = 0;
     if (stats.there === 0) return;
-    this.setClip(view);
+    clipFromLocal(view, this.clip);
     const e = view.worldFromEye;
     gl.useProgram(this.program.program);
     const { at } = this.program;
@@ -233,7 +222,8 @@ export class PictureSet {
           links: this.surfaces ? this.entry.links : null,
         }));
       const colorsCome = this.host.fetch(of.colors).then(async (bytes) => {
-        colors = await this.bitmap(await this.decoder.check(bytes, of.colors), of);
+        colors = await bitmapOf(await this.decoder.check(bytes, of.colors), of.colors, of.width,
+                                of.height);
       });
       const [surface] = await Promise.all([depthsCome, colorsCome]);
       if (this.disposed) throw new WalkError("walk", "was disposed of");
@@ -247,22 +237,6 @@ export class PictureSet {
     } finally {
       slot.coming = false;
     }
-  }
-
-  private async bitmap(bytes: ArrayBuffer, of: PictureEntry): Promise<ImageBitmap> {
-    // As the shaders want them: multiplied by alpha.
-    const options: ImageBitmapOptions = {
-      premultiplyAlpha: "premultiply", colorSpaceConversion: "none",
-    };
-    const made = await createImageBitmap(new Blob([bytes], { type: "image/webp" }), options)
-      .catch(() => {
-        throw new WalkError(of.colors.name, "is no WebP picture that this browser reads");
-      });
-    if (made.width !== of.width || made.height !== of.height) {
-      made.close();
-      throw new WalkError(of.colors.name, `is not ${of.width} x ${of.height} texels large`);
-    }
-    return made;
   }
 
   // A layer that is free, or that of the picture which was not among the best for longest.
@@ -327,16 +301,6 @@ export class PictureSet {
     }
     gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, 0);
     gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
-  }
-
-  // From offsets to the eye, along the world's axes.
-  private setClip(view: View): void {
-    const e = view.worldFromEye, p = view.clipFromEye, m = this.clip;
-    for (let column = 0; column < 3; ++column)
-      for (let row = 0; row < 4; ++row)
-        m[4 * column + row] = p[row] * e[column] + p[4 + row] * e[4 + column] +
-                              p[8 + row] * e[8 + column];
-    for (let row = 0; row < 4; ++row) m[12 + row] = p[12 + row];
   }
 
   private drawSurfaces(e: ArrayLike<number>): void {
