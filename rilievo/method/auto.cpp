@@ -40,6 +40,9 @@ constexpr double kKeyframeMs = 8;
 constexpr int kFirstKeyframes = 64;
 // What levels of detail take of direct drawing, before anyone knows.
 constexpr double kLevelsOfDirect = 0.6;
+// One frame in so many of keyframes is looked at, once it is known how good they are; and what was
+// not good enough is looked at again after so many frames.
+constexpr int kLossFrames = 8, kLooksAgain = 600;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
@@ -83,6 +86,7 @@ class AutoFrames final : public FrameSource {
 
   void begin(const Camera& camera);
   void look(const Camera& camera);
+  [[nodiscard]] bool good_enough();
   void prepare(int method);
   Result<> adopt();
   Result<> prepare_keyframes(const Camera& camera, double time);
@@ -106,6 +110,8 @@ class AutoFrames final : public FrameSource {
   bool failed_[kMethods] = {};
 
   int preparing_ = -1;
+  std::optional<double> loss_db_;  // of keyframes; none: not known
+  int lost_in_ = 0;                // the last frame of keyframes
   bool keyframes_follow_ = false;  // keyframes were drawn, or prepared, in the last frame
   std::atomic<bool> prepared_{false};
   Prepared made_;
@@ -181,6 +187,7 @@ void AutoFrames::look(const Camera& camera) {
   keyframes.guess_ms = slowness_ * load.keyframes_ms();
   keyframes.prepare_ms =
       slowness_ * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
+  keyframes.good_enough = good_enough();
   if (keyframes_) {
     keyframes.ready = keyframes_follow_ && keyframes_->prepared();
     keyframes.preparable = !keyframes.ready;
@@ -188,6 +195,15 @@ void AutoFrames::look(const Camera& camera) {
   }
   // What is being prepared goes on, whatever the frames take meanwhile.
   if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
+}
+
+// Are keyframes? What was not may be, some time later.
+bool AutoFrames::good_enough() {
+  if (loss_db_ && *loss_db_ > options_.loss_db && frame_ - lost_in_ > kLooksAgain) {
+    loss_db_.reset();
+    keyframes_->forget_loss();
+  }
+  return !loss_db_ || *loss_db_ <= options_.loss_db;
 }
 
 void AutoFrames::prepare(int method) {
@@ -278,6 +294,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   double ms = watch.ms(), beside_ms = 0;
   if (choice.draws == kKeyframes) {
     keyframes_follow_ = true;
+    if (!loss_db_ || frame_ % kLossFrames == 0) loss_db_ = keyframes_->sample_loss();
+    lost_in_ = frame_;
   } else if (choice.prepares == kKeyframes && keyframes_) {
     if (Result<> done = prepare_keyframes(camera, time); !done) return done;
     beside_ms = watch.ms() - ms;

@@ -15,6 +15,7 @@
 #include "rilievo/keyframes/cheaper_way.h"
 #include "rilievo/keyframes/keyframe_bound.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
+#include "rilievo/keyframes/software/sampled_loss.h"
 #include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/polygon_tiles.h"
 #include "rilievo/render/rays/ray_scene.h"
@@ -83,6 +84,7 @@ struct KeyframeFrames::State {
   Camera camera;
   FrameStats stats;
   KeyframeShares shares;
+  std::optional<SampledLoss> loss;  // none: nobody asked
 
   State(const Scene& scene, RayScene made_rays, const KeyframeFramesOptions& options);
   void make_producer();
@@ -265,6 +267,18 @@ Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
   Result<> done = s.producer->work();
   (void)s.producer->take_work();
   return done;
+}
+
+std::optional<double> KeyframeFrames::sample_loss() {
+  State& s = *state_;
+  if (!s.loss) s.loss.emplace(s.rays);
+  if (s.warps && s.live.empty() && s.blended_in_view.empty())
+    s.loss->add(s.camera, s.still, s.target.color());
+  return s.loss->known() ? std::optional(s.loss->loss_db()) : std::nullopt;
+}
+
+void KeyframeFrames::forget_loss() {
+  if (state_->loss) state_->loss->forget();
 }
 
 bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_two(); }

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rilievo/frame/frame_source.h"
@@ -75,6 +76,13 @@ class KeyframeFrames final : public FrameSource {
   Result<> prepare(const Camera& camera, double time, bool anew);
   // Are there keyframes to begin with?
   [[nodiscard]] bool prepared() const;
+
+  // Looks at some pixels of the last frame, if it was warped and nothing moves or blends in it: by
+  // how many dB warped frames are farther from the truth than direct drawing
+  // (keyframes/software/sampled_loss.h). Some ms. None: not known yet.
+  std::optional<double> sample_loss();
+  // Begins anew.
+  void forget_loss();
 
  private:
   struct State;

@@ -1,0 +1,125 @@
+#include "rilievo/keyframes/software/sampled_loss.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rilievo {
+namespace {
+
+constexpr int kSamples = 4;
+// Of the sums, when a frame is added.
+constexpr double kRemembered = 0.97;
+// Half a byte's step squared in three channels: rounding is no loss.
+constexpr double kRounding = 0.25;
+
+double square(const glm::dvec3& a) { return glm::dot(a, a); }
+
+}  // namespace
+
+// The sums of the samples' bytes of each pixel.
+void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
+                       std::span<const std::uint32_t> objects, std::vector<glm::ivec4>& sums) {
+  caster_.cast(camera, kSamples, pixels, objects);
+  sums.assign(pixels.size(), glm::ivec4(0));
+  const std::span<const float> depths = caster_.inverse_z();
+  const std::span<const std::uint32_t> triangles = caster_.triangles();
+  // What is shaded comes back in another order: a pixel is known by its place.
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    unsigned left = 0;
+    for (int s = 0; s < kSamples; ++s)
+      left |= unsigned(depths[i * kSamples + std::size_t(s)] > 0) << s;
+    for (int s = 0; left != 0; ++s) {
+      if (!(left >> s & 1)) continue;
+      const std::uint32_t triangle = triangles[i * kSamples + std::size_t(s)];
+      unsigned same = 0;
+      for (int k = s; k < kSamples; ++k)
+        same |=
+            unsigned((left >> k & 1) != 0 && triangles[i * kSamples + std::size_t(k)] == triangle)
+            << k;
+      seen_.add(caster_.meshes(),
+                {triangle, pixels[i].x, std::uint16_t(camera.height - 1 - pixels[i].y),
+                 std::uint16_t(same)});
+      left &= ~same;
+    }
+  }
+  const auto before = [](const FramePixel& a, const FramePixel& b) {
+    return a.y != b.y ? a.y < b.y : a.x < b.x;
+  };
+  seen_.shade(caster_.view(camera, kSamples), [&](const SeenTriangles::Shaded& shaded) {
+    std::uint32_t bytes[Surfaces::kMaxCount];
+    premultiplied_bytes(shaded.surfaces, shaded.colors, bytes);
+    for (std::size_t i = 0; i < shaded.pixels.size(); ++i) {
+      const SeenTriangles::Pixel& of = shaded.pixels[i];
+      const FramePixel at{of.x, std::uint16_t(camera.height - 1 - of.y)};
+      const auto found = std::lower_bound(pixels.begin(), pixels.end(), at, before);
+      int count = 0;
+      for (int s = 0; s < kSamples; ++s) count += of.samples >> s & 1;
+      const std::uint32_t c = bytes[i];
+      sums[std::size_t(found - pixels.begin())] +=
+          count * glm::ivec4(c & 255, c >> 8 & 255, c >> 16 & 255, 1);
+    }
+  });
+}
+
+void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
+                      const Rgba8Image& shown) {
+  pixels_.clear();
+  const auto next = [&] { return (random_ = random_ * 1664525u + 1013904223u) >> 8; };
+  for (int i = 0; i < kPixels; ++i) {
+    const std::uint32_t x = next() % std::uint32_t(camera.width);
+    const std::uint32_t y = next() % std::uint32_t(camera.height);
+    pixels_.push_back({std::uint16_t(x), std::uint16_t(y)});
+  }
+  // In rows, each once.
+  std::sort(pixels_.begin(), pixels_.end(), [](const FramePixel& a, const FramePixel& b) {
+    return a.y != b.y ? a.y < b.y : a.x < b.x;
+  });
+  pixels_.erase(std::unique(pixels_.begin(), pixels_.end(),
+                            [](const FramePixel& a, const FramePixel& b) {
+                              return a.x == b.x && a.y == b.y;
+                            }),
+                pixels_.end());
+  cast(camera, pixels_, objects, direct_sums_);
+  // The truth: four pixels of a frame of twice the size. Rows of it are in order, too.
+  Camera fine = camera;
+  fine.width *= 2, fine.height *= 2;
+  parts_.clear();
+  for (std::size_t from = 0; from < pixels_.size();) {
+    std::size_t to = from;
+    while (to < pixels_.size() && pixels_[to].y == pixels_[from].y) ++to;
+    for (int row = 0; row < 2; ++row)
+      for (std::size_t i = from; i < to; ++i)
+        for (int column = 0; column < 2; ++column)
+          parts_.push_back(
+              {std::uint16_t(2 * pixels_[i].x + column), std::uint16_t(2 * pixels_[i].y + row)});
+    from = to;
+  }
+  cast(fine, parts_, objects, true_sums_);
+  shown_ *= kRemembered, direct_ *= kRemembered, counted_ *= kRemembered;
+  for (std::size_t from = 0, part = 0; from < pixels_.size();) {
+    std::size_t to = from;
+    while (to < pixels_.size() && pixels_[to].y == pixels_[from].y) ++to;
+    const std::size_t in_row = to - from;
+    for (std::size_t i = from; i < to; ++i) {
+      const std::size_t first = part + 2 * (i - from), second = first + 2 * in_row;
+      const glm::ivec4 all =
+          true_sums_[first] + true_sums_[first + 1] + true_sums_[second] + true_sums_[second + 1];
+      const glm::ivec4& few = direct_sums_[i];
+      if (all.w < 4 * kSamples || few.w < kSamples) continue;
+      const glm::dvec3 truth = glm::dvec3(all) / double(all.w);
+      const glm::u8vec4& seen = shown(pixels_[i].x, pixels_[i].y);
+      shown_ += square(glm::dvec3(seen.r, seen.g, seen.b) - truth);
+      direct_ += square(glm::dvec3(few) / double(few.w) - truth);
+      ++counted_;
+    }
+    part += 4 * in_row;
+    from = to;
+  }
+}
+
+double SampledLoss::loss_db() const {
+  const double rounding = kRounding * counted_ + 1e-9;
+  return 10 * std::log10((shown_ + rounding) / (direct_ + rounding));
+}
+
+}  // namespace rilievo

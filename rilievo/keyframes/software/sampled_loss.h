@@ -1,0 +1,53 @@
+// How much farther from the truth are frames than direct drawing, as some of their pixels tell?
+//
+// Of a few pixels of a frame rays find 16 samples, which stand for the truth, and the 4 samples
+// that direct drawing takes. With the squared differences of a frame's bytes and of direct
+// drawing's
+//
+//   loss = 10 log10( sum (shown - true)^2 / sum (direct - true)^2 )   dB
+//
+// which is PSNR of direct drawing less that of the frames. Pixels of which a sample shows nothing
+// do not count. Frames are forgotten after some dozens of others. The same pixels of the same
+// frames in every run.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/core/color.h"
+#include "rilievo/render/rays/cast_pixels.h"
+
+namespace rilievo {
+
+// The loss of the last frames.
+class SampledLoss {
+ public:
+  // Pixels of a frame; and those after which the loss is known.
+  static constexpr int kPixels = 256, kEnough = 1500;
+
+  // `rays`, of the scene, must outlive the object.
+  explicit SampledLoss(const RayScene& rays) : caster_(rays) {}
+
+  // A frame was shown, of `objects` and nothing else.
+  void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& shown);
+  void forget() { shown_ = direct_ = counted_ = 0; }
+
+  [[nodiscard]] bool known() const { return counted_ >= kEnough; }
+  // dB; negative: they are nearer than direct drawing. 0 where both are the truth.
+  [[nodiscard]] double loss_db() const;
+
+ private:
+  void cast(const Camera& camera, std::span<const FramePixel> pixels,
+            std::span<const std::uint32_t> objects, std::vector<glm::ivec4>& sums);
+
+  PixelCaster caster_;
+  SeenTriangles seen_;
+  std::uint32_t random_ = 1;
+  double shown_ = 0, direct_ = 0, counted_ = 0;
+  std::vector<FramePixel> pixels_, parts_;
+  std::vector<glm::ivec4> direct_sums_, true_sums_;  // of bytes; the number of samples
+};
+
+}  // namespace rilievo
