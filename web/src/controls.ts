@@ -7,12 +7,19 @@ const kTurn = 1.6;  // rad/s, by keys and gamepad
 const kPerPixel = 0.004;  // rad
 const kMostPitch = 1.5;
 const kDeadZone = 0.15;
+const kNone: readonly never[] = [];
 
 const kKeys: Record<string, readonly [axis: string, amount: number]> = {
   KeyW: ["ahead", 1], ArrowUp: ["ahead", 1], KeyS: ["ahead", -1], ArrowDown: ["ahead", -1],
   KeyD: ["aside", 1], KeyA: ["aside", -1], KeyE: ["above", 1], PageUp: ["above", 1],
   KeyQ: ["above", -1], PageDown: ["above", -1], ArrowLeft: ["turn", 1], ArrowRight: ["turn", -1],
 };
+
+/** As WebXR's input sources. */
+export interface Controller {
+  readonly handedness: string;
+  readonly gamepad?: { readonly axes: ArrayLike<number> };
+}
 
 function cross(a: ArrayLike<number>, b: ArrayLike<number>): Vector {
   return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -38,6 +45,7 @@ export class WalkControls {
   private readonly touches = new Map<number, { x: number; y: number }>();
   private readonly removers: (() => void)[] = [];
   private spread = 0;
+  private plugged = false;
 
   /** `moved` is called when something was pressed or dragged. */
   constructor(element: HTMLElement, private readonly moved: () => void) {
@@ -61,6 +69,10 @@ export class WalkControls {
       if (event.key === "Shift") this.held.delete("Shift");
     });
     on(window, "blur", () => this.held.clear());
+    on(window, "gamepadconnected", () => {
+      this.plugged = true;
+      this.moved();
+    });
     on<PointerEvent>(element, "pointerdown", (event) => {
       this.touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
       this.spread = this.fingersApart();
@@ -95,8 +107,8 @@ export class WalkControls {
     this.place();
   }
 
-  /** Moves by what is held, for `seconds`. Did it? */
-  advance(seconds: number): boolean {
+  /** Moves by what is held, and by controllers of a headset, for `seconds`. Did it? */
+  advance(seconds: number, controllers?: Iterable<Controller>): boolean {
     let ahead = 0, aside = 0, above = 0, turn = 0, look = 0;
     for (const code of this.held) {
       const [axis, amount] = kKeys[code] ?? ["", 0];
@@ -105,8 +117,7 @@ export class WalkControls {
       if (axis === "above") above += amount;
       if (axis === "turn") turn += amount;
     }
-    const pads = typeof navigator.getGamepads === "function" ? navigator.getGamepads() : [];
-    for (const pad of pads) {
+    for (const pad of this.pads) {
       if (!pad) continue;
       const axis = (k: number) => {
         const value = pad.axes[k] ?? 0;
@@ -117,6 +128,13 @@ export class WalkControls {
       turn -= axis(2);
       look -= axis(3);
     }
+    for (const { gamepad, handedness } of controllers ?? kNone) {
+      // The left stick walks, the right one turns.
+      const x = gamepad?.axes[2] ?? 0, y = gamepad?.axes[3] ?? 0;
+      if (Math.hypot(x, y) < kDeadZone) continue;
+      if (handedness === "right") turn -= x;
+      else aside += x, ahead -= y;
+    }
     if (!ahead && !aside && !above && !turn && !look) return false;
     const way = seconds * this.speed * (this.held.has("Shift") ? 3 : 1);
     this.turn(turn * kTurn * seconds, look * kTurn * seconds);
@@ -124,16 +142,30 @@ export class WalkControls {
     return true;
   }
 
+  /** Where the eye stands, upright: the space of a headset that begins there, into the world. */
+  standing(out: Float64Array): void {
+    const { pitch } = this;
+    this.pitch = 0;
+    this.place();
+    out.set(this.worldFromEye);
+    this.pitch = pitch;
+    this.place();
+  }
+
   /** Is anything held or a gamepad there, so that frames go on? */
   get active(): boolean {
     if (this.held.size > 0 || this.touches.size > 0) return true;
-    if (typeof navigator.getGamepads !== "function") return false;
-    for (const pad of navigator.getGamepads()) if (pad) return true;
+    for (const pad of this.pads) if (pad) return true;
     return false;
   }
 
   dispose(): void {
     for (const remove of this.removers) remove();
+  }
+
+  // Those that have been told of: asking makes garbage.
+  private get pads(): readonly (Gamepad | null)[] {
+    return this.plugged ? navigator.getGamepads() : kNone;
   }
 
   private drag(event: PointerEvent): void {

@@ -148,18 +148,18 @@ export class Walk {
   }
 
   /**
-   * Draws into a framebuffer (null: the canvas), with depth, as large as the view. With `sky` what
-   * the walk does not show is the library's default sky, at the far plane.
+   * Draws into a framebuffer (null: the canvas), with depth, as large as the view, from (x, y) on.
+   * With `sky` what the walk does not show is the library's default sky, at the far plane.
    */
-  draw(view: View, framebuffer: WebGLFramebuffer | null, sky = false): void {
+  draw(view: View, framebuffer: WebGLFramebuffer | null, sky = false, x = 0, y = 0): void {
     const { gl } = this;
     if (gl.isContextLost()) return;
     const layers = this.drawLayers(view);
     if (layers === 0 && !sky) return;
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.viewport(0, 0, view.width, view.height);
-    if (layers === 0) this.drawer.drawSky(view);
-    else this.drawer.merge(view, sky);
+    gl.viewport(x, y, view.width, view.height);
+    if (layers === 0) this.drawer.drawSky(view, x, y);
+    else this.drawer.merge(view, sky, x, y);
     this.count();
   }
 

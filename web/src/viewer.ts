@@ -3,6 +3,7 @@
 import { Walk, WalkError, type PictureSource, type View, type WalkOptions } from "./core.js";
 import { WalkControls } from "./controls.js";
 import { asWalkError } from "./errors.js";
+import { offerHeadset } from "./headset.js";
 
 export { Walk, WalkError } from "./core.js";
 
@@ -78,7 +79,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
   };
 
   let walk: Walk | null = null;
-  let lost = false, disposed = false, requested = 0, before = 0;
+  let lost = false, disposed = false, presenting = false, requested = 0, before = 0;
   let fixed: View | null = null;
   let missing = "";
 
@@ -138,7 +139,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
   observer.observe(canvas);
 
   const draw = () => {
-    if (!walk || lost || disposed) return;
+    if (!walk || lost || disposed || presenting) return;
     resize();
     const now = fixed ?? view;
     const e = now.worldFromEye;
@@ -156,6 +157,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
   };
   const frame = (now: number) => {
     requested = 0;
+    if (presenting) return;
     const seconds = Math.min(0.1, before ? (now - before) / 1000 : 1 / 60);
     before = now;
     controls.advance(seconds);
@@ -224,6 +226,14 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
   };
   canvas.addEventListener("webglcontextlost", onLost);
   canvas.addEventListener("webglcontextrestored", onRestored);
+  void offerHeadset(parent, {
+    gl, controls, walk: () => walk, sky: options.sky ?? true,
+    changed(on) {
+      presenting = on;
+      request();
+    },
+    failed: (error) => alarm.show(`The headset does not show it. ${asWalkError(error, "WebXR").message}.`),
+  });
   request();
 
   return {

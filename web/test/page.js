@@ -133,6 +133,68 @@ window.shownObjects = async (keys) => {
   return all;
 };
 
+// Two eyes of a headset whose head is turned by `yaw`, as they stand in the space of a session.
+function headsetEyes(yaw) {
+  const c = Math.cos(yaw), s = Math.sin(yaw);
+  return [-0.032, 0.032].map((aside, index) => ({
+    index, transform: { matrix: Float32Array.from(
+      [c, 0, -s, 0, 0, 1, 0, 0, s, 0, c, 0, c * aside + 0.1, 0.2, -s * aside, 1]) },
+    // Wider outwards.
+    projectionMatrix: Float32Array.from([1.1, 0, 0, 0, 0, 1.2, 0, 0, index === 0 ? -0.15 : 0.15, 0.05,
+                                         -1.002, -1, 0, 0, -0.1, 0]),
+  }));
+}
+
+/** Frames of a mocked session (walk.test.js): what both eyes see, and where they stand. */
+window.inHeadset = async () => {
+  const { headset, viewer } = window;
+  let now = 0;
+  const frame = (eyes) => headset.frame((now += 50), { getViewerPose: () => ({ views: eyes }) });
+  const { controls, walk } = viewer;
+  // The controllers' sticks.
+  const eye = Array.from(controls.eye), { yaw } = controls;
+  frame(headsetEyes(0));
+  headset.session.inputSources = [{ handedness: "left", gamepad: { axes: [0, 0, 0, -1] } },
+                                  { handedness: "right", gamepad: { axes: [0, 0, 0.5, 0] } }];
+  for (let k = 0; k < 3; ++k) frame(headsetEyes(0));
+  headset.session.inputSources = [];
+  const walked = Math.hypot(...eye.map((x, k) => x - controls.eye[k])), turned = yaw - controls.yaw;
+  const eyes = headsetEyes(0.3);
+  const end = performance.now() + 30000;
+  do {
+    frame(eyes);
+    await new Promise((resolve) => setTimeout(resolve, 1));
+  } while (!walk.settled && performance.now() < end);
+  frame(eyes);
+  return { walked, turned, pixels: Array.from(pixels()) };
+};
+
+/** Pixels of which these eyes differ from the same ones alone, and from each other. */
+window.outOfHeadset = async ({ pixels: together }) => {
+  const { viewer } = window, { controls, canvas } = viewer, { width, height } = canvas;
+  const { eye, yaw, up, north, east } = controls;
+  const level = [0, 1, 2].map((k) => north[k] * Math.cos(yaw) - east[k] * Math.sin(yaw));
+  const right = [0, 1, 2].map((k) => east[k] * Math.cos(yaw) + north[k] * Math.sin(yaw));
+  const standing = [...right, 0, ...up, 0, ...level.map((x) => -x), 0, ...eye, 1];
+  let different = 0, eyesDiffer = 0;
+  for (const { index, transform: { matrix: m }, projectionMatrix } of headsetEyes(0.3)) {
+    const worldFromEye = Float32Array.from({ length: 16 }, (_, i) => [0, 1, 2, 3].reduce(
+      (sum, k) => sum + standing[4 * k + (i % 4)] * m[4 * Math.floor(i / 4) + k], 0));
+    viewer.setView({ worldFromEye, clipFromEye: projectionMatrix, width: width / 2, height });
+    viewer.draw();
+    const alone = pixels();
+    for (let y = 0; y < height; ++y)
+      for (let x = 0; x < width / 2; ++x)
+        for (let c = 0; c < 3; ++c) {
+          const at = 4 * (y * width + x + (index * width) / 2) + c;
+          const other = 4 * (y * width + x + ((1 - index) * width) / 2) + c;
+          if (alone[4 * (y * width + x) + c] !== together[at]) ++different;
+          if (together[at] !== together[other]) ++eyesDiffer;
+        }
+  }
+  return { different, eyesDiffer };
+};
+
 // Draws a frame as the page does, and asks for no other: milliseconds of update() and of the rest.
 function drawView(view, times) {
   const { walk, canvas } = window.viewer;

@@ -39,8 +39,8 @@ async function open(url, prepare) {
 }
 
 /** A page whose viewer is `viewer` and which has what the tests ask it for. */
-async function openViewer(options = {}, which = "walk") {
-  const opened = await open(`${server.url}/test/viewer.html`);
+async function openViewer(options = {}, which = "walk", prepare = undefined) {
+  const opened = await open(`${server.url}/test/viewer.html`, prepare);
   await opened.page.evaluate(async ({ options, which }) => {
     window.viewer = window.rilievo.show(document.getElementById("walk"), `/${which}/walk.json`,
                                         { pixelRatio: 1, ...options });
@@ -302,6 +302,7 @@ test("a gamepad walks and looks", async () => {
     const { controls } = window.viewer;
     const pad = { axes: [0, 0, 0, 0] };
     navigator.getGamepads = () => [null, pad];
+    window.dispatchEvent(new Event("gamepadconnected"));
     const step = (axes) => {
       pad.axes = axes;
       const before = Array.from(controls.worldFromEye);
@@ -320,6 +321,56 @@ test("a gamepad walks and looks", async () => {
   assert.ok(Math.abs(moved.ahead.ahead - 0.1 * moved.speed) < 1e-9 && Math.abs(moved.ahead.aside) < 1e-9);
   assert.ok(Math.abs(moved.aside.aside - 0.05 * moved.speed) < 1e-9);
   assert.ok(moved.turn.turned > 0.1 && Math.abs(moved.turn.ahead) < 1e-9);
+  await page.close();
+});
+
+// A headset that is not there: two eyes side by side on the canvas.
+function mockHeadset() {
+  WebGL2RenderingContext.prototype.makeXRCompatible = async () => {};
+  window.XRWebGLLayer = class {
+    constructor(_session, gl) {
+      this.canvas = gl.canvas;
+      this.framebuffer = null;
+    }
+    getViewport({ index }) {
+      const width = this.canvas.width / 2;
+      return { x: index * width, y: 0, width, height: this.canvas.height };
+    }
+  };
+  const ended = [];
+  const session = {
+    inputSources: [], addEventListener: (_type, act) => ended.push(act), updateRenderState: async () => {},
+    requestReferenceSpace: async () => ({}),
+    requestAnimationFrame: (act) => (window.headset.frame = act),
+    end: async () => ended.forEach((act) => act()),
+  };
+  window.headset = { session, frame: null };
+  Object.defineProperty(navigator, "xr", { value: {
+    isSessionSupported: async (mode) => mode === "immersive-vr", requestSession: async () => session,
+  } });
+}
+
+for (const which of ["walk", "impostor"])
+  test(`in a headset two eyes see what each sees alone: ${which}`, async () => {
+    const { page, errors } = await openViewer({}, which, mockHeadset);
+    await page.waitForSelector("button");
+    await page.click("button");
+    await page.waitForFunction(() => window.headset.frame);
+    const seen = await page.evaluate(() => window.inHeadset());
+    assert.equal(await page.$eval("button", (of) => of.textContent), "Leave VR");
+    await page.click("button");
+    await page.waitForFunction(() => document.querySelector("button").textContent === "Enter VR");
+    const { different, eyesDiffer } = await page.evaluate((seen) => window.outOfHeadset(seen), seen);
+    assert.equal(different, 0);
+    assert.ok(eyesDiffer > 1000, `${eyesDiffer} pixels differ between the eyes`);
+    assert.ok(seen.walked > 0.1 && Math.abs(seen.turned) > 0.1, JSON.stringify(seen.walked));
+    assert.deepEqual(errors, []);
+    await page.close();
+  });
+
+test("where there is no headset there is no button", async () => {
+  const { page } = await openViewer();
+  assert.equal(await page.$("button"), null);
   await page.close();
 });
 

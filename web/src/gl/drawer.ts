@@ -36,6 +36,7 @@ interface MergeProgram {
   readonly rays: WebGLUniformLocation | null;
   readonly projection: WebGLUniformLocation | null;
   readonly place: WebGLUniformLocation | null;
+  readonly corner: WebGLUniformLocation | null;
 }
 
 export class NodeDrawer {
@@ -128,10 +129,10 @@ export class NodeDrawer {
   }
 
   /**
-   * Merges the layers into the bound framebuffer and viewport, with depth. With `sky` what no node
-   * shows is sky, at the far plane.
+   * Merges the layers into the bound framebuffer and viewport, whose corner is (x, y), with depth.
+   * With `sky` what no node shows is sky, at the far plane.
    */
-  merge(view: View, sky = false): void {
+  merge(view: View, sky = false, x = 0, y = 0): void {
     const { gl } = this;
     if (this.layers === 0) return;
     const of = this.mergeFor(this.layers, sky);
@@ -158,7 +159,8 @@ export class NodeDrawer {
     this.projection[2] = p[11];
     this.projection[3] = p[15];
     gl.uniform4fv(of.projection, this.projection);
-    if (sky) this.setSky(view, of.place);
+    gl.uniform2i(of.corner, x, y);
+    if (sky) this.setSky(view, of.place, x, y);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.depthMask(true);
@@ -172,14 +174,14 @@ export class NodeDrawer {
   }
 
   /** Draws the sky where nothing was drawn, into the bound framebuffer and viewport. */
-  drawSky(view: View): void {
+  drawSky(view: View, x = 0, y = 0): void {
     const { gl } = this;
     if (!this.sky) {
       const program = skyProgram(gl);
       this.sky = { program, place: gl.getUniformLocation(program, "world_from_pixel") };
     }
     gl.useProgram(this.sky.program);
-    this.setSky(view, this.sky.place);
+    this.setSky(view, this.sky.place, x, y);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.bindVertexArray(this.noVertices);
@@ -277,6 +279,7 @@ export class NodeDrawer {
       rays: gl.getUniformLocation(program, "node_rays"),
       projection: gl.getUniformLocation(program, "projection"),
       place: gl.getUniformLocation(program, "world_from_pixel"),
+      corner: gl.getUniformLocation(program, "corner"),
     });
   }
 
@@ -329,11 +332,11 @@ export class NodeDrawer {
     this.end();
   }
 
-  private setSky(view: View, place: WebGLUniformLocation | null): void {
+  private setSky(view: View, place: WebGLUniformLocation | null, left: number, bottom: number): void {
     const { gl, pixels } = this;
     const e = view.worldFromEye, p = view.clipFromEye;
     const sx = 2 / (view.width * p[0]), sy = 2 / (view.height * p[5]);
-    const x = (p[8] - 1) / p[0], y = (p[9] - 1) / p[5];
+    const x = (p[8] - 1) / p[0] - left * sx, y = (p[9] - 1) / p[5] - bottom * sy;
     for (let k = 0; k < 3; ++k) {
       pixels[k] = e[k] * sx;
       pixels[3 + k] = e[4 + k] * sy;

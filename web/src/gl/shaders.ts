@@ -280,11 +280,12 @@ precision highp float;
 precision highp int;
 ${mergeFunction(layers)}${sky ? kSkyColor : ""}
 uniform vec4 projection;  // elements [2][2], [3][2], [2][3], [3][3] of the clip matrix
+uniform ivec2 corner;     // of the viewport
 layout(location = 0) out vec4 out_color;
 void main() {
   vec3 color;
   float eye_z;
-  if (!merge_nodes(ivec2(gl_FragCoord.xy), color, eye_z)) {
+  if (!merge_nodes(ivec2(gl_FragCoord.xy) - corner, color, eye_z)) {
 ${sky ? "    out_color = sky_color();\n    gl_FragDepth = 1.0;\n    return;" : "    discard;"}
   }
   out_color = vec4(color, 1.0);
