@@ -272,8 +272,7 @@ Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
 std::optional<double> KeyframeFrames::sample_loss() {
   State& s = *state_;
   if (!s.loss) s.loss.emplace(s.rays);
-  if (s.warps && s.live.empty() && s.blended_in_view.empty())
-    s.loss->add(s.camera, s.still, s.target.color());
+  if (s.warps) s.loss->add(s.camera, s.still, s.warped.color);
   return s.loss->known() ? std::optional(s.loss->loss_db()) : std::nullopt;
 }
 

@@ -77,9 +77,9 @@ class KeyframeFrames final : public FrameSource {
   // Are there keyframes to begin with?
   [[nodiscard]] bool prepared() const;
 
-  // Looks at some pixels of the last frame, if it was warped and nothing moves or blends in it: by
-  // how many dB warped frames are farther from the truth than direct drawing
-  // (keyframes/software/sampled_loss.h). Some ms. None: not known yet.
+  // Looks at some pixels of the last frame, if it was warped: by how many dB what was warped is
+  // farther from the truth than direct drawing (keyframes/software/sampled_loss.h). Some ms. None:
+  // not known yet.
   std::optional<double> sample_loss();
   // Begins anew.
   void forget_loss();

@@ -62,7 +62,7 @@ void SampledLoss::cast(const Camera& camera, std::span<const FramePixel> pixels,
 }
 
 void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
-                      const Rgba8Image& shown) {
+                      const Image<std::uint32_t>& shown) {
   pixels_.clear();
   const auto next = [&] { return (random_ = random_ * 1664525u + 1013904223u) >> 8; };
   for (int i = 0; i < kPixels; ++i) {
@@ -107,9 +107,12 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const glm::ivec4& few = direct_sums_[i];
       if (all.w < 4 * kSamples || few.w < kSamples) continue;
       const glm::dvec3 truth = glm::dvec3(all) / double(all.w);
-      const glm::u8vec4& seen = shown(pixels_[i].x, pixels_[i].y);
-      shown_ += square(glm::dvec3(seen.r, seen.g, seen.b) - truth);
-      direct_ += square(glm::dvec3(few) / double(few.w) - truth);
+      const double of_direct = square(glm::dvec3(few) / double(few.w) - truth);
+      const std::uint32_t seen = shown(pixels_[i].x, pixels_[i].y);
+      shown_ += seen == 0
+                    ? of_direct
+                    : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth);
+      direct_ += of_direct;
       ++counted_;
     }
     part += 4 * in_row;

@@ -6,9 +6,9 @@
 //
 //   loss = 10 log10( sum (shown - true)^2 / sum (direct - true)^2 )   dB
 //
-// which is PSNR of direct drawing less that of the frames. Pixels of which a sample shows nothing
-// do not count. Frames are forgotten after some dozens of others. The same pixels of the same
-// frames in every run.
+// which is PSNR of direct drawing less that of the frames. Holes are filled as direct drawing
+// would; pixels of which a sample shows nothing do not count. Frames are forgotten after some
+// dozens of others. The same pixels of the same frames in every run.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "rilievo/core/camera.h"
-#include "rilievo/core/color.h"
+#include "rilievo/core/image.h"
 #include "rilievo/render/rays/cast_pixels.h"
 
 namespace rilievo {
@@ -30,8 +30,9 @@ class SampledLoss {
   // `rays`, of the scene, must outlive the object.
   explicit SampledLoss(const RayScene& rays) : caster_(rays) {}
 
-  // A frame was shown, of `objects` and nothing else.
-  void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& shown);
+  // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's.
+  void add(const Camera& camera, std::span<const std::uint32_t> objects,
+           const Image<std::uint32_t>& shown);
   void forget() { shown_ = direct_ = counted_ = 0; }
 
   [[nodiscard]] bool known() const { return counted_ >= kEnough; }

@@ -35,6 +35,15 @@ double mean_square(const Rgba8Image& a, const Rgba8Image& b) {
   return sum / double(a.texels().size());
 }
 
+Image<std::uint32_t> warped_as(const Rgba8Image& frame) {
+  Image<std::uint32_t> colors(frame.width(), frame.height());
+  for (std::size_t i = 0; i < frame.texels().size(); ++i) {
+    const glm::u8vec4& c = frame.texels()[i];
+    colors.texels()[i] = c.r | c.g << 8 | c.b << 16 | 0xff000000u;
+  }
+  return colors;
+}
+
 class SampledLossTest : public ::testing::Test {
  protected:
   static constexpr int kWidth = 128, kHeight = 96;
@@ -78,11 +87,20 @@ TEST_F(SampledLossTest, direct_drawing_loses_nothing) {
   SampledLoss loss(*rays_);
   for (int i = 0; i < 20; ++i) {
     const Camera camera = camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight);
-    loss.add(camera, objects_, draw(camera, 1));
+    loss.add(camera, objects_, warped_as(draw(camera, 1)));
   }
   ASSERT_TRUE(loss.known());
   // Rays and the rasteriser differ at samples on edges, and bytes are rounded once more.
   EXPECT_NEAR(loss.loss_db(), 0, 0.3);
+}
+
+TEST_F(SampledLossTest, holes_are_filled_and_lose_nothing) {
+  SampledLoss loss(*rays_);
+  for (int i = 0; i < 20; ++i)
+    loss.add(camera_at(path_, frame_time(path_, 2 * i), kWidth, kHeight), objects_,
+             Image<std::uint32_t>(kWidth, kHeight, 0u));
+  ASSERT_TRUE(loss.known());
+  EXPECT_EQ(loss.loss_db(), 0);
 }
 
 TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
@@ -96,7 +114,7 @@ TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
     for (int y = 0; y < kHeight; ++y)
       for (int x = 1; x < kWidth; ++x) off(x, y) = of_direct(x - 1, y);
     direct += mean_square(of_direct, truth), shown += mean_square(off, truth);
-    loss.add(camera, objects_, off);
+    loss.add(camera, objects_, warped_as(off));
   }
   ASSERT_TRUE(loss.known());
   // Some 3000 pixels, most of whose errors are at edges: a hundred or two of them count.
