@@ -10,6 +10,7 @@ goes to the standard error. rilievo/capture/shaders/exec_source.h has the protoc
 FILE may also come in RILIEVO_BLENDER_FILE; RILIEVO_BLENDER_SAMPLES replaces the samples that are asked for.
 """
 
+import ctypes
 import json
 import os
 import sys
@@ -17,7 +18,17 @@ import sys
 ANSWERS = "RILIEVO_BLENDER_ANSWERS"  # the descriptor that Rilievo reads
 
 
+def end_with_parent():
+    """A bake that is killed leaves no Blender behind that renders for nobody (Linux)."""
+    SIGKILL, PR_SET_PDEATHSIG = 9, 1
+    try:
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, SIGKILL)
+    except (OSError, AttributeError):
+        pass
+
+
 def start_blender():
+    end_with_parent()
     answers = os.dup(1)
     os.set_inheritable(answers, True)
     os.dup2(2, 1)
@@ -93,7 +104,6 @@ def prepare():
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.seed = 0
     scene.cycles.pixel_filter_type = "BOX"
-    scene.render.film_transparent = True
     scene.render.use_border = False
     scene.render.resolution_percentage = 100
     scene.render.use_persistent_data = True
@@ -144,6 +154,7 @@ def set_camera(scene, view):
 
 def render(scene, request):
     set_camera(scene, request["camera"])
+    scene.render.film_transparent = not request.get("sky", False)
     scene.cycles.samples = int(os.environ.get("RILIEVO_BLENDER_SAMPLES", request["samples"]))
     scene.render.filepath = request["file"]
     scene.render.use_file_extension = False

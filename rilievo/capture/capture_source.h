@@ -64,6 +64,7 @@ struct LayersRequest {
   std::span<const std::uint32_t> objects = {};  // as CaptureRequest's
   double merge = 0;      // surfaces within this distance along a line of sight become one; metres
   int max_layers = 256;  // per line of sight
+  int samples = 1;       // of each surface, for sources whose light is noisy
 };
 
 // A source of pictures.

@@ -76,8 +76,8 @@ Result<Box> box_of(const ExecJson& answer, const glm::dvec3& origin) {
 }
 
 // The picture that a program has written for `camera`, into a larger one at (x, y).
-Result<> read_render(const std::filesystem::path& path, const Camera& camera, int x, int y,
-                     DepthImage& into) {
+Result<> read_render(const std::filesystem::path& path, const Camera& camera, DepthKind kind,
+                     bool sky, int x, int y, DepthImage& into) {
   const std::string names[] = {"R", "G", "B", "Z", "A"};
   Result<std::vector<Image<float>>> planes = load_exr_channels(path, names);
   if (!planes) planes = load_exr_channels(path, std::span(names).first(4));
@@ -90,15 +90,20 @@ Result<> read_render(const std::filesystem::path& path, const Camera& camera, in
     for (int column = 0; column < camera.width; ++column) {
       const float depth = z(column, row);
       if (std::isnan(depth) || depth < 0) return error("has a depth that is not a distance");
+      const double eye_z = std::isfinite(depth)
+                               ? eye_z_from(kind, double(depth), camera, {column + 0.5, row + 0.5})
+                               : camera.z_far;
       // Outside of the planes of the frustum there is nothing for a camera to see.
-      if (double(depth) < camera.z_near || double(depth) >= camera.z_far) continue;
+      const bool shows = eye_z >= camera.z_near && eye_z < camera.z_far;
+      if (!shows && !sky) continue;
       glm::vec4 color(0, 0, 0, 1);
       for (int c = 0; c < 3; ++c) color[c] = (*planes)[std::size_t(c)](column, row);
       if (planes->size() > 4) color.a = (*planes)[4](column, row);
+      if (!shows && planes->size() <= 4) continue;
       for (int c = 0; c < 4; ++c)
         if (!std::isfinite(color[c])) return error("has a colour that is not finite");
       into.color(x + column, y + row) = color;
-      into.depth(x + column, y + row) = depth;
+      if (shows) into.depth(x + column, y + row) = kind == DepthKind::eye_z ? depth : float(eye_z);
     }
   return Done{};
 }
@@ -235,6 +240,7 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
                       {"file", file.string()},
                       {"samples", request.samples},
                       {"time", request.time},
+                      {"sky", request.with_sky},
                       {"camera", json_of_camera(in_world)}};
   const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
   const Result<std::string> line = ask(json.dump(), id, stop);
@@ -244,7 +250,8 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
   if (const auto error = answer.find("error"); error != answer.end())
     return Error{name_,
                  "says " + quoted(error->is_string() ? error->get<std::string>() : error->dump())};
-  const Result<> read = read_render(file, camera, x, y, into);
+  const Result<> read =
+      read_render(file, camera, options_.depth_kind, request.with_sky, x, y, into);
   std::filesystem::remove(file, ignored);
   if (!read) return failed("has not made the picture: " + read.error().message());
   failures_ = 0;
@@ -257,7 +264,6 @@ Result<CapturedPicture> ExecSource::capture(const CaptureRequest& request) {
   if (!request.objects.empty()) return Error{name_, "knows no single objects"};
   if (camera.keeps_farthest() || request.farthest)
     return Error{name_, "knows nearest surfaces only"};
-  if (request.with_sky) return Error{name_, "captures no sky"};
   CapturedPicture captured;
   DepthImage& picture = captured.picture;
   picture.name = name_;
@@ -269,7 +275,7 @@ Result<CapturedPicture> ExecSource::capture(const CaptureRequest& request) {
     for (int x = 0; x < camera.width; x += tile)
       if (Result<> made = render(request, tile_of(camera, x, y, tile), x, y, picture); !made)
         return made.error();
-  unmix_edges(picture);
+  if (options_.unmix) unmix_edges(picture);
   return captured;
 }
 

@@ -6,15 +6,17 @@
 //   -> {"rilievo":1,"id":1,"request":"bounds"}
 //   <- {"id":1,"bounds":[[-1,0,-1],[1,2,1]]}
 //   -> {"rilievo":1,"id":2,"request":"picture","file":"/tmp/.../2.exr","samples":16,"time":0,
-//       "camera":{...}}
+//       "sky":false,"camera":{...}}
 //   <- {"id":2,"done":true}          or, if it cannot:  {"id":2,"error":"why"}
 //
 // `bounds`: two corners in world space (y up, metres). `file`: the OpenEXR file to write: R G B
 // (linear, premultiplied), A if there is one, and Z: eye_z in metres, 0 or at least z_far where
-// there is nothing. `camera`: projection ("perspective" or "parallel"), width, height, window
-// (left, right, bottom, top; tangents or metres), z_near, z_far, and the matrices world_from_eye,
-// eye_from_world, clip_from_eye (16 numbers, column by column). Of a picture in tiles, each is a
-// request of its own with a camera of its own. At the end of its input the program should end.
+// there is nothing. `sky`: whether a background is wanted, too: then texels that show nothing else
+// have its colour with A = 1. `camera`: projection ("perspective" or "parallel"), width, height,
+// window (left, right, bottom, top; tangents or metres), z_near, z_far, and the matrices
+// world_from_eye, eye_from_world, clip_from_eye (16 numbers, column by column). Of a picture in
+// tiles, each is a request of its own with a camera of its own. At the end of its input the program
+// should end.
 //
 // A program that dies is started again; one that answers with rubbish or too late is killed first.
 // Answers to requests that were stopped are read and thrown away. Not safe for several threads at
@@ -41,6 +43,8 @@ struct ExecOptions {
   int nice = 0;                             // how far it gives way to the caller, 0 to 19
   int max_failures = 3;                     // in a row; then it is not started again
   WorldSpace world = {};                    // programs see the world, callers the scene's space
+  DepthKind depth_kind = DepthKind::eye_z;  // of Z; or ray
+  bool unmix = true;  // take what is in front out of the colours beside edges (warp/unmix_edges.h)
   // Gets one line at the first failure, and one when the program is given up.
   std::function<void(const std::string&)> warn = {};
 };
@@ -59,10 +63,12 @@ class ExecSource final : public CaptureSource {
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t>) const override { return bounds_; }
   [[nodiscard]] WorldSpace world() const override { return options_.world; }
-  // Fails for chosen objects, back-perspective cameras, `farthest`, and with_sky; if the program
-  // fails, dies, is late, or writes something else than the picture. Obeys request.control's
-  // `stop`.
+  // Fails for chosen objects, back-perspective cameras, and `farthest`; if the program fails, dies,
+  // is late, or writes something else than the picture. Obeys request.control's `stop`. with_sky:
+  // as far as the program has one.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+  // From now on (find_depth_kind.h).
+  void set_depth_kind(DepthKind kind) { options_.depth_kind = kind; }
 
  private:
   ExecSource(const std::string& program, ExecOptions options);

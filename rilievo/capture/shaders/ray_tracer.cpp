@@ -2,6 +2,7 @@
 
 #include "rilievo/capture/shaders/refine_picture.h"
 #include "rilievo/core/random.h"
+#include "rilievo/render/rays/cast_layers.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/render/rays/stroke_hits.h"
 
@@ -66,6 +67,35 @@ Box RayTracer::bounds(std::span<const std::uint32_t> objects) const {
 
 Result<CapturedPicture> RayTracer::capture(const CaptureRequest& request) {
   return refine_picture(TracedRays(rays_, request, options_), request, name());
+}
+
+Result<LayeredDepthImage> RayTracer::capture_layers(const LayersRequest& request) {
+  const Camera& camera = request.camera;
+  if (Result<> valid = validate(camera); !valid) return valid.error();
+  if (camera.projection == Projection::back_perspective)
+    return Error{std::string(name()), "layers need a perspective or a parallel camera"};
+  if (request.samples < 1 || request.samples > 4096)
+    return Error{std::string(name()), "software shaders take 1 to 4096 samples per texel"};
+  const Scene& scene = rays_.scene();
+  const ObjectSet objects(scene, request.objects);
+  const PictureRays rays = picture_rays(camera);
+  const LightTracer tracer(rays_, rays, camera.position(), objects, options_);
+  const auto light = [&](const RayHit& hit, int x, int y) -> std::optional<glm::vec4> {
+    if (surface_material(rays_, hit).blended) {
+      const int mesh = mesh_of_hit(rays_, hit);
+      if (!scene.materials[std::size_t(scene.meshes[std::size_t(mesh)].material)].refracts)
+        return std::nullopt;
+    }
+    const glm::vec3 way = rays.through(float(x) + 0.5f, float(camera.height - 1 - y) + 0.5f);
+    glm::vec4 sum(0.0f);
+    for (int s = 0; s < request.samples; ++s)
+      sum += tracer.light(hit, way, {combine(std::uint64_t(x), std::uint64_t(y)), s});
+    return sum / float(request.samples);
+  };
+  LayeredDepthImage layers =
+      cast_layers(rays_, camera, {request.merge, request.max_layers, request.objects}, light);
+  layers.name = name();
+  return layers;
 }
 
 }  // namespace rilievo

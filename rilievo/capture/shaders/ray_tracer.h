@@ -23,6 +23,9 @@ class RayTracer final : public CaptureSource {
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override;
   // Takes 1 to 4096 samples. Fails for an invalid camera, and with_sky. Obeys request.control.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+  // By cast_layers(); of blended parts, only those that bend light become samples. Fails for a
+  // back-perspective camera.
+  [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;
   [[nodiscard]] const Scene* scene() const override { return &rays_.scene(); }
 
  private:

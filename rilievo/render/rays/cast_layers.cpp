@@ -11,9 +11,16 @@ namespace rilievo {
 
 LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
                               const CastLayersOptions& options) {
+  const HitShader shader(rays, camera);
+  return cast_layers(rays, camera, options, [&shader](const RayHit& hit, int x, int y) {
+    return std::optional(shader.shade(hit, x, y));
+  });
+}
+
+LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
+                              const CastLayersOptions& options, const LayerShade& shade) {
   RILIEVO_EXPECTS(camera.projection != Projection::back_perspective);
   const int width = camera.width, height = camera.height;
-  const HitShader shader(rays, camera);
   const ObjectSet objects(rays.scene(), options.objects);
   const StrokeHits strokes(rays, camera, objects);
   struct Row {
@@ -37,8 +44,10 @@ LayeredDepthImage cast_layers(const RayScene& rays, const Camera& camera,
         from = std::nextafter(hit->distance, 2.0f);
         const double z = ray.eye_z_start + double(hit->distance) * ray.eye_z_step;
         if (z - kept <= options.merge) continue;
+        const std::optional<glm::vec4> color = shade(*hit, x, y);
+        if (!color) continue;
         LayerSample sample;
-        sample.color = shader.shade(*hit, x, y);
+        sample.color = *color;
         sample.depth = sample.back = float(z);
         sample.object = hit->object;
         row.samples.push_back(sample);

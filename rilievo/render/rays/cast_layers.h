@@ -7,6 +7,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 
 #include "rilievo/core/depth_image.h"
@@ -26,5 +28,13 @@ struct CastLayersOptions {
 // Casts a picture. Requires a valid parallel or perspective camera.
 [[nodiscard]] LayeredDepthImage cast_layers(const RayScene& scene, const Camera& camera,
                                             const CastLayersOptions& options = {});
+
+// The colour of a hit of the ray through the centre of texel (x, y), y from the top; none: the hit
+// becomes no sample. Called by any number of threads at once.
+using LayerShade = std::function<std::optional<glm::vec4>(const RayHit& hit, int x, int y)>;
+// The same surfaces with other colours.
+[[nodiscard]] LayeredDepthImage cast_layers(const RayScene& scene, const Camera& camera,
+                                            const CastLayersOptions& options,
+                                            const LayerShade& shade);
 
 }  // namespace rilievo
