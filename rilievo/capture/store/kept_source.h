@@ -2,12 +2,14 @@
 //
 // A picture is kept for the cell of its eye, a cube with a side of a hundredth of the distance from
 // what it shows, or less: whoever asks from the same cell gets it with its own camera, which a warp
-// makes up for. A store that fails costs renderings, nothing else. As safe for threads as the
-// source that renders; several may share a store.
+// makes up for. Where that is not good enough, as in a bake, eyes are told apart to the bit
+// (`exact`), and the sky and layers are kept, too. A store that fails costs renderings, nothing
+// else. As safe for threads as the source that renders; several may share a store.
 #pragma once
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "rilievo/capture/capture_source.h"
@@ -21,26 +23,37 @@ struct KeptOptions {
   std::string shader;   // with the options that change its pictures
   // Gets the first failure of the store, once.
   std::function<void(const std::string&)> warn = {};
+  bool exact = false;  // only for the very same camera, to the bit
 };
 
 // The key of the picture of a request; `bounds`: of what it shows.
 [[nodiscard]] PictureKey kept_key(const CaptureRequest& request, const Box& bounds,
                                   const KeptOptions& options);
+// The keys under which the layers of a request are kept, as two pictures: how many each texel has,
+// and all of them in a row. Exact.
+struct LayersKeys {
+  PictureKey counts, samples;
+};
+[[nodiscard]] LayersKeys kept_keys(const LayersRequest& request, const KeptOptions& options);
 
 // A source with a store in front of it.
 class KeptSource final : public CaptureSource {
  public:
   // Both must outlive it. Without a store everything is rendered.
-  KeptSource(CaptureSource& source, PictureStore* store, KeptOptions options)
+  KeptSource(CaptureSource& source, PictureKeeper* store, KeptOptions options)
       : source_(source), store_(store), options_(std::move(options)) {}
 
   [[nodiscard]] std::string_view name() const override { return source_.name(); }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
     return source_.bounds(objects);
   }
-  // Pictures with farthest depths or the sky are not kept. Fails where the source does.
+  // Pictures with farthest depths are not kept, and those with the sky only if exact. Fails where
+  // the source does.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+  // Kept if exact. Fails where the source does.
+  [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;
   [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
+  [[nodiscard]] WorldSpace world() const override { return source_.world(); }
 
   // The pictures that the source rendered, and those that the store had. Any thread.
   [[nodiscard]] std::uint64_t rendered() const { return rendered_; }
@@ -48,9 +61,13 @@ class KeptSource final : public CaptureSource {
 
  private:
   void fail(const Error& error);
+  [[nodiscard]] std::optional<DepthImage> find(const PictureKey& key);
+  void insert(const PictureKey& key, const DepthImage& picture);
+  [[nodiscard]] std::optional<LayeredDepthImage> find_layers(const LayersKeys& keys,
+                                                             const Camera& camera);
 
   CaptureSource& source_;
-  PictureStore* store_;
+  PictureKeeper* store_;
   KeptOptions options_;
   std::atomic<std::uint64_t> rendered_{0}, found_{0};
   bool warned_ = false;

@@ -39,6 +39,16 @@ struct PictureKey {
 // is in, and `aim`, an index of the caller's own of where it looks. Requires size > 0.
 [[nodiscard]] std::string camera_cell(const Camera& camera, double size, int aim = 0);
 
+// Where finished pictures are kept: a store, or a folder (picture_folder.h).
+class PictureKeeper {
+ public:
+  virtual ~PictureKeeper() = default;
+  // The picture of a key, if it is there.
+  [[nodiscard]] virtual Result<std::optional<DepthImage>> find(const PictureKey& key) = 0;
+  // Keeps a picture, instead of one of the same key. Requires a valid picture.
+  [[nodiscard]] virtual Result<> insert(const PictureKey& key, const DepthImage& picture) = 0;
+};
+
 // How a store is opened.
 struct StoreOptions {
   std::uint64_t max_bytes = std::uint64_t(4) << 30;  // of the pictures
@@ -52,19 +62,19 @@ struct StoreStats {
 };
 
 // An open store.
-class PictureStore {
+class PictureStore final : public PictureKeeper {
  public:
   // Opens or makes the file. The error names it.
   [[nodiscard]] static Result<PictureStore> open(const std::filesystem::path& path,
                                                  const StoreOptions& options = {});
   PictureStore(PictureStore&&) noexcept;
   PictureStore& operator=(PictureStore&&) noexcept;
-  ~PictureStore();
+  ~PictureStore() override;
 
   // The picture of a key, if it is there; it then counts as used.
-  [[nodiscard]] Result<std::optional<DepthImage>> find(const PictureKey& key);
+  [[nodiscard]] Result<std::optional<DepthImage>> find(const PictureKey& key) override;
   // Keeps a picture, instead of one of the same key, and lets others go. Requires a valid picture.
-  [[nodiscard]] Result<> insert(const PictureKey& key, const DepthImage& picture);
+  [[nodiscard]] Result<> insert(const PictureKey& key, const DepthImage& picture) override;
 
   // The bytes and the number of the pictures.
   [[nodiscard]] Result<std::uint64_t> bytes();
