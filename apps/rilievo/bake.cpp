@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/rilievo/bake_command.h"
+#include "apps/rilievo/bake_pieces.h"
 #include "apps/rilievo/bake_source.h"
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/checks.h"
@@ -24,6 +27,9 @@
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/deep_image_source.h"
 #include "rilievo/capture/pose_origin.h"
+#include "rilievo/capture/store/picture_folder.h"
+#include "rilievo/capture/store/picture_store.h"
+#include "rilievo/capture/watched_source.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/gl/context.h"
@@ -36,15 +42,10 @@
 namespace rilievo::app {
 namespace {
 
-struct BakeCommand {
-  std::string scene, output, json, as{default_kind().name};
-  double fov_degrees = 0;  // of a deep image that does not say; 0: not given
-  bool ray_depth = false;  // of a deep image: Z is along the line of sight
-  KindOptions kinds;
-  FileLimits limits;
-};
-
 using Clock = std::chrono::steady_clock;
+
+// The store of a bake loses none of its pictures.
+constexpr std::uint64_t kMostKept = std::uint64_t(1) << 40;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -82,19 +83,33 @@ struct Times {
   }
 };
 
-// Bakes and saves.
+// Of a program, or of an option: more than the scene's name says.
+bool names_itself(const std::string& where) {
+  return where.starts_with("--") || where.starts_with("exec:");
+}
+
+// Bakes and saves. `found`: how many pictures came from what was kept; may be empty.
 Result<Baked> bake(const BakeCommand& options, const Kind& kind, const OptionValues& values,
-                   CaptureSource& source, const Box& eyes, Times& times) {
-  app::Progress progress("view");
+                   CaptureSource& source, const Box& eyes, Times& times,
+                   const std::function<int()>& found = {}) {
+  app::Progress progress("view", options.json_progress);
   const Clock::time_point start = Clock::now();
-  Result<Baked> baked = kind.bake({source, {}, eyes}, values, [&](int done, int total) {
-    progress.show(done, total);
+  int total = 0;
+  // Slow sources set their own samples.
+  const int samples = is_slow(options.source.source) ? 0 : options.source.samples;
+  WatchedSource watched(source, samples, [&](int done) -> Result<> {
+    if (total > 0) progress.show(done, total, found ? found() : 0);
+    return Done{};
+  });
+  Result<Baked> baked = kind.bake({watched, {}, eyes}, values, [&](int done, int all) {
+    if (total == 0) progress.show(done, all, found ? found() : 0);
+    total = all;
     times.capture_s = seconds_since(start);
-    times.pictures = total;
+    times.pictures = all;
   });
   if (!baked)
-    return baked.error().where.starts_with("--") ? baked.error()
-                                                 : Error{options.scene, baked.error().reason};
+    return names_itself(baked.error().where) ? baked.error()
+                                             : Error{options.scene, baked.error().reason};
   times.build_s = seconds_since(start) - times.capture_s;
   const Clock::time_point saving = Clock::now();
   if (Result<> saved = kind.save(*baked->representation, options.output); !saved)
@@ -181,7 +196,151 @@ Result<DeepImageSource> open_deep(const BakeCommand& options) {
   return DeepImageSource(options.scene, std::move(pictures), world);
 }
 
+// How many pictures a slow source rendered, and how many were there from before.
+void add_pictures(const BakeSource& source, const std::string& where, Baked& baked) {
+  if (source.rendered() + source.found() == 0) return;
+  baked.facts.push_back(
+      {"pictures",
+       nlohmann::json{{"rendered", source.rendered()}, {"kept", source.found()}, {"in", where}}
+           .dump(),
+       "pictures",
+       fmt::format("{} rendered, {} from {}", source.rendered(), source.found(), where)});
+}
+
+// Coarse walks in the place of the output, each finer than the one before, for people to look at
+// meanwhile: faces (or sizes) and samples grow from an eighth to a half of what was asked for.
+Result<> bake_previews(const BakeCommand& options, const Kind& kind, PictureKeeper* keeper) {
+  const OptionValues usual(kind.bake_options);
+  const std::string_view sized = usual.has("face") ? "face" : "size";
+  if (!usual.has(sized)) return Error{"--preview", fmt::format("{} has no sizes", kind.name)};
+  for (const int part : {8, 4, 2}) {
+    BakeCommand coarse = options;
+    const Result<OptionValues> values = bake_values(kind, options.kinds);
+    if (!values) return values.error();
+    coarse.kinds.bake[std::string(sized)] =
+        std::to_string(std::max(16, values->integer(sized) / part));
+    coarse.source.samples =
+        std::max(1, (options.source.samples > 0 ? options.source.samples : 4) / (part * part));
+    coarse.source.keeper = keeper;
+    const Result<OptionValues> fewer = bake_values(kind, coarse.kinds);
+    if (!fewer) return fewer.error();
+    Result<BakeSource> source = BakeSource::open(options.scene, options.limits, coarse.source);
+    if (!source) return source.error();
+    Times times;
+    const Clock::time_point start = Clock::now();
+    const Result<Baked> baked = bake(coarse, kind, *fewer, source->source(), source->eyes(), times,
+                                     [&source] { return int(source->found()); });
+    if (!baked) return baked.error();
+    complain(fmt::format("{}: a preview with {} of {} texels a side, {} samples, after {:.1f} s",
+                         options.output, coarse.kinds.bake[std::string(sized)],
+                         values->integer(sized), coarse.source.samples, seconds_since(start)));
+  }
+  return Done{};
+}
+
+Result<> finish(const BakeCommand& options, const Kind& kind, const OptionValues& values,
+                BakeSource& source, const std::string& kept_in) {
+  Times times;
+  Result<Baked> baked = bake(options, kind, values, source.source(), source.eyes(), times,
+                             [&source] { return int(source.found()); });
+  if (!baked) return baked.error();
+  add_pictures(source, kept_in, *baked);
+  if (options.json.empty()) {
+    print_made(options, kind, *baked, times);
+    return Done{};
+  }
+  nlohmann::json json = report_of(options, kind, values, *baked, times);
+  if (source.renderer())
+    if (Result<> added = add_direct(values, times, *source.renderer(), json); !added) return added;
+  return write_json(options.json, json);
+}
+
+// What the plan's file says and the command line confirms.
+Result<BakePlan> open_plan(const BakeCommand& options) {
+  Result<BakePlan> plan = load_plan(options.plan);
+  if (!plan) return plan;
+  const std::string& program = plan->command.source.source;
+  if (!program.starts_with("exec:")) return plan;
+  if (options.source.source.empty())
+    return Error{"--source", "must name the program again, as no file starts one: " + program};
+  std::error_code failed;
+  const std::string named = options.source.source.substr(
+      std::min(options.source.source.size(), std::string_view("exec:").size()));
+  if (options.source.source != program &&
+      std::filesystem::absolute(named, failed).lexically_normal() != program.substr(5))
+    return Error{"--source", options.source.source + " is not what was planned: " + program};
+  return plan;
+}
+
+// All from the pieces, which must be there.
+Result<> join_pieces(const BakeCommand& options, const BakePlan& plan) {
+  BakeCommand whole = plan.command;
+  whole.json = options.json;
+  whole.json_progress = options.json_progress;
+  if (!options.output.empty()) whole.output = options.output;
+  const Kind& kind = *find_kind(kinds(), whole.as);
+  const Result<OptionValues> values = bake_values(kind, whole.kinds);
+  if (!values) return values.error();
+  if (Result<> good = expect_outputs({whole.output, whole.json}); !good) return good;
+  PictureFolder folder(pictures_of(options.plan));
+  whole.source.keeper = &folder;
+  Result<BakeSource> source = BakeSource::open(whole.scene, whole.limits, whole.source);
+  if (!source) return source.error();
+  if (!source->light() || source->kept().content != plan.content)
+    return Error{whole.scene, "has changed since " + options.plan + " was made: plan it again"};
+  if (const std::vector<int> missing = missing_pieces(plan, options.plan, source->kept());
+      !missing.empty())
+    return Error{options.plan, fmt::format("{} of {} {} missing", list_of_pieces(missing),
+                                           plan.pieces.size(), missing.size() == 1 ? "is" : "are")};
+  if (Result<> made = make_folder(std::filesystem::path(whole.output).parent_path()); !made)
+    return made;
+  return finish(whole, kind, *values, *source, folder.path().string());
+}
+
+Result<> run_step(const BakeCommand& options, BakeStep step) {
+  const Result<BakePlan> plan = open_plan(options);
+  if (!plan) return plan.error();
+  if (step == BakeStep::join) return join_pieces(options, *plan);
+  const Result<bool> made = make_piece(*plan, options.plan, *options.piece);
+  if (!made) return made.error();
+  print("piece {} of {}: {}\n", *options.piece, plan->pieces.size(),
+        *made ? "rendered" : "was there");
+  return Done{};
+}
+
+// Writes the plan; by Slurm, runs it, too.
+Result<> plan_bake(BakeCommand options, BakeStep step, const Kind& kind,
+                   const OptionValues& values) {
+  if (options.plan.empty()) options.plan = options.output + ".pieces.json";
+  if (Result<> good = expect_outputs({options.plan}); !good) return good;
+  Result<BakeSource> source = BakeSource::open(options.scene, options.limits, options.source);
+  if (!source) return source.error();
+  const Result<BakePlan> plan = make_plan(
+      options, *source,
+      [&](CaptureSource& recorder, const std::function<void(int, int)>& progress) {
+        const Result<Baked> baked = kind.bake({recorder, {}, source->eyes()}, values, progress);
+        return baked ? Result<>(Done{}) : Result<>(baked.error());
+      });
+  if (!plan) return plan.error();
+  if (Result<> made = make_folder(std::filesystem::path(options.plan).parent_path()); !made)
+    return made;
+  if (Result<> saved = save_plan(*plan, options.plan); !saved) return saved;
+  if (step == BakeStep::plan) {
+    print("{}: {} pieces\n", options.plan, plan->pieces.size());
+    return Done{};
+  }
+  options.plan = std::filesystem::absolute(options.plan).lexically_normal().string();
+  if (Result<> run = run_by_slurm(*plan, options.plan, *options.at_a_time, source->kept(),
+                                  options.json_progress);
+      !run)
+    return run;
+  return join_pieces(options, *plan);
+}
+
 Result<> run_bake(const BakeCommand& options) {
+  const Result<BakeStep> step = step_of(options);
+  if (!step) return step.error();
+  if (*step == BakeStep::piece || *step == BakeStep::join) return run_step(options, *step);
   if (!is_picture_file(options.output))
     return Error{options.output, "the output is an OpenEXR file: the name must end in .exr"};
   // Before the time is spent.
@@ -189,35 +348,44 @@ Result<> run_bake(const BakeCommand& options) {
   if (Result<> good = expect_options_of(kind, options.kinds); !good) return good;
   const Result<OptionValues> values = bake_values(kind, options.kinds);
   if (!values) return values.error();
-  if (Result<> good = expect_outputs({options.output, options.json}); !good) return good;
+  const bool slow = is_slow(options.source.source);
+  const std::string store =
+      !slow || !options.store.empty() ? options.store : options.output + ".pictures";
+  if (Result<> good = expect_outputs({options.output, options.json, store}); !good) return good;
   const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
   if (holds_pictures(options.scene)) {
     if (Result<> good = expect_no_units(options.scene, options.limits); !good) return good;
+    if (!options.source.source.empty())
+      return Error{"--source", "is for scenes, and " + options.scene + " is a deep image"};
     Result<DeepImageSource> source = open_deep(options);
     if (!source) return source.error();
     if (Result<> made = make_folder(folder); !made) return made;
     return bake_without_scene(options, kind, *values, *source);
   }
-  if (options.fov_degrees > 0 || options.ray_depth)
+  const bool program = options.source.source.starts_with("exec:");
+  if (options.fov_degrees > 0 || (options.ray_depth && !program))
     return Error{options.fov_degrees > 0 ? "--fov" : "--ray-depth",
                  "is for deep images, which " + options.scene + " is not"};
-  Result<BakeSource> source = BakeSource::open(options.scene, options.limits);
-  if (!source) return source.error();
-  if (Result<> made = make_folder(folder); !made) return made;
-  if (is_capture(options.scene))
-    return bake_without_scene(options, kind, *values, source->source());
-  Times times;
-  const Result<Baked> baked = bake(options, kind, *values, source->source(), source->eyes(), times);
-  if (!baked) return baked.error();
-  if (options.json.empty()) {
-    print_made(options, kind, *baked, times);
-    return Done{};
+  if (*step != BakeStep::whole) return plan_bake(options, *step, kind, *values);
+  if (!slow) {
+    Result<BakeSource> source = BakeSource::open(options.scene, options.limits, options.source);
+    if (!source) return source.error();
+    if (Result<> made = make_folder(folder); !made) return made;
+    if (is_capture(options.scene))
+      return bake_without_scene(options, kind, *values, source->source());
+    return finish(options, kind, *values, *source, "");
   }
-  nlohmann::json json = report_of(options, kind, *values, *baked, times);
-  if (source->renderer())
-    if (Result<> added = add_direct(*values, times, *source->renderer(), json); !added)
-      return added;
-  return write_json(options.json, json);
+  for (const std::filesystem::path& place : {folder, std::filesystem::path(store).parent_path()})
+    if (Result<> made = make_folder(place); !made) return made;
+  Result<PictureStore> keeper = PictureStore::open(store, {.max_bytes = kMostKept});
+  if (!keeper) return keeper.error();
+  if (options.preview)
+    if (Result<> shown = bake_previews(options, kind, &*keeper); !shown) return shown;
+  SourceOptions of_source = options.source;
+  of_source.keeper = &*keeper;
+  Result<BakeSource> source = BakeSource::open(options.scene, options.limits, of_source);
+  if (!source) return source.error();
+  return finish(options, kind, *values, *source, store);
 }
 
 }  // namespace
@@ -229,13 +397,11 @@ Command bake_command(CLI::App& app) {
     if (kind->takes_deep_images) deep.push_back(kind->name);
   CLI::App* command = app.add_subcommand(
       "bake", "Bake a representation of a scene or of photographs into one file");
-  command
-      ->add_option(
-          "SCENE", options->scene,
-          fmt::format("{}, or a capture: a folder of photographs with depth and their poses, or a "
-                      "manifest of Google's Seurat; or, for {}, a deep OpenEXR image",
-                      kSceneHelp, fmt::join(deep, ", ")))
-      ->required();
+  command->add_option(
+      "SCENE", options->scene,
+      fmt::format("{}, or a capture: a folder of photographs with depth and their poses, or a "
+                  "manifest of Google's Seurat; or, for {}, a deep OpenEXR image",
+                  kSceneHelp, fmt::join(deep, ", ")));
   command
       ->add_option("--as", options->as,
                    fmt::format("The kind of representation (default {})", options->as))
@@ -246,22 +412,27 @@ Command bake_command(CLI::App& app) {
                    "Of a deep image without a camera: its horizontal field of view")
       ->check(in_range(0.1, 179.0))
       ->type_name("DEGREES");
-  command->add_flag(
-      "--ray-depth", options->ray_depth,
-      "Of a deep image: Z is the distance along the line of sight, not along the axis");
-  command->add_option("-o,--output", options->output, "The file to write")
-      ->required()
-      ->type_name("FILE.exr");
+  command->add_flag("--ray-depth", options->ray_depth,
+                    "Of a deep image or a program: Z is the distance along the line of sight, not "
+                    "along the axis");
+  command->add_option("-o,--output", options->output, "The file to write")->type_name("FILE.exr");
+  add_source_options(*command, *options);
   add_json_option(*command, options->json);
   add_file_limits(*command, options->limits);
   std::string examples =
       "Example: rilievo bake model.glb --views 32 --size 256 -o model.exr\n"
-      "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n";
+      "         rilievo bake capture/ --box -1,-1,0,1,1,2 -o corner.exr\n"
+      "         rilievo bake room.glb --as environment-nodes --source raytrace --samples 64 -o "
+      "room.exr\n";
   for (const std::string_view kind : deep)
     examples +=
         fmt::format("         rilievo bake deep.exr --as {} --fov 54 -o deep-{}.exr\n", kind, kind);
   command->footer(examples + "         rilievo render model.exr --orbit 60 -o frames");
-  return {command, [options](const std::string&) { return run_bake(*options); }};
+  return {command, [options](const std::string&) {
+            if (options->ray_depth) options->source.depth_kind = DepthKind::ray;
+            if (options->axis_depth) options->source.depth_kind = DepthKind::eye_z;
+            return run_bake(*options);
+          }};
 }
 
 }  // namespace rilievo::app

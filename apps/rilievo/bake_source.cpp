@@ -1,23 +1,106 @@
 #include "apps/rilievo/bake_source.h"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <utility>
 
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/frame_options.h"
+#include "apps/rilievo/output.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/raster_ray_source.h"
 #include "rilievo/capture/ray_source.h"
+#include "rilievo/capture/shaders/exec_source.h"
+#include "rilievo/capture/shaders/find_depth_kind.h"
+#include "rilievo/capture/shaders/lit_source.h"
+#include "rilievo/capture/shaders/ray_tracer.h"
+#include "rilievo/capture/store/content_hash.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/scene/builtin/builtin.h"
+#include "rilievo/scene/files/save_glb.h"
 
 namespace rilievo::app {
+namespace {
+
+constexpr std::string_view kProgram = "exec:";
+
+bool runs_program(const std::string& source) { return source.starts_with(kProgram); }
+
+// Is it a scene that we read? Otherwise it may be the program's own.
+bool is_our_scene(const std::string& scene) {
+  if (is_builtin(scene)) return true;
+  std::string extension = std::filesystem::path(scene).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return char(std::tolower(c)); });
+  const std::array<std::string_view, 5> known{".glb", ".gltf", ".obj", ".ply", ".stl"};
+  return std::ranges::find(known, extension) != known.end();
+}
+
+// Adds a file's bytes, of any size.
+Result<> add_file(ContentHash& hash, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{path, "cannot be read"};
+  std::vector<char> bytes(1 << 20);
+  while (file) {
+    file.read(bytes.data(), std::streamsize(bytes.size()));
+    hash.add(std::string_view(bytes.data(), std::size_t(file.gcount())));
+  }
+  return Done{};
+}
+
+// A folder of files for a program, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() = default;
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] Result<std::filesystem::path> path() {
+    if (!path_.empty()) return path_;
+    std::error_code failed;
+    std::string made =
+        (std::filesystem::temp_directory_path(failed) / "rilievo-bake-XXXXXX").string();
+    if (failed || !::mkdtemp(made.data())) return Error{made, "is a folder that cannot be made"};
+    return path_ = made;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+bool blends(const Scene& scene) {
+  return std::ranges::any_of(scene.materials, [](const Material& material) {
+    return material.alpha_mode == AlphaMode::blend;
+  });
+}
+
+}  // namespace
 
 struct BakeSource::State {
   OpenedScene opened;
   std::unique_ptr<gl::Context> context;
   std::optional<SceneRenderer> renderer;
-  std::optional<RayScene> rays;
+  std::optional<PlacedScene> placed;
+  std::optional<RayScene> rays, with_glass;
+  std::unique_ptr<CaptureSource> geometry;  // of slow sources
+  ScratchFolder scratch;
+  std::unique_ptr<CaptureSource> light;
+  KeptOptions kept;
+  std::unique_ptr<KeptSource> keeping;
+  LitOptions lit;
   std::unique_ptr<CaptureSource> source;
+  CaptureSource* bare = nullptr;  // the source, where it is no other object's
 };
 
 BakeSource::BakeSource(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -25,33 +108,132 @@ BakeSource::BakeSource(BakeSource&&) noexcept = default;
 BakeSource& BakeSource::operator=(BakeSource&&) noexcept = default;
 BakeSource::~BakeSource() = default;
 
-Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& limits) {
+bool is_slow(const std::string& source) { return source == "raytrace" || runs_program(source); }
+
+Result<> check_source(std::string_view text) {
+  for (const std::string_view known : {"raster", "rays", "raytrace"})
+    if (text == known) return Done{};
+  if (text.starts_with(kProgram) && text.size() > kProgram.size()) return Done{};
+  return Error{"source '" + std::string(text) + "'",
+               "is unknown; there are raster, rays, raytrace and exec:PROGRAM"};
+}
+
+// The ray tracer, or another program.
+Result<> BakeSource::open_slow(State& state, const std::string& scene, const FileLimits& limits,
+                               const SourceOptions& options) {
+  const bool ours = !state.opened.scene.objects.empty();
+  const Scene& own = state.opened.scene;
+  state.kept.exact = true;
+  state.kept.warn = [](const std::string& text) { complain("warning: " + text); };
+  ContentHash content;
+  if (ours) {
+    content.add(content_hash(own));
+    Result<RayScene> rays = RayScene::create(own);
+    if (!rays) return rays.error();
+    state.geometry = std::make_unique<RaySource>(state.rays.emplace(std::move(*rays)));
+  }
+  state.lit.samples = options.samples;
+  if (options.source == "raytrace") {
+    const RayScene* seen = &*state.rays;
+    if (blends(own)) {
+      Result<RayScene> all = RayScene::create(own, 0, RayParts::all);
+      if (!all) return all.error();
+      seen = &state.with_glass.emplace(std::move(*all));
+    }
+    state.light = std::make_unique<RayTracer>(*seen);
+    state.kept.shader = "raytrace 1";
+  } else {
+    const std::string program = options.source.substr(kProgram.size());
+    ExecOptions exec;
+    exec.world = own.world;
+    exec.unmix = !ours;
+    exec.limit_s = 24 * 3600;
+    exec.warn = [](const std::string& text) { complain("warning: " + text); };
+    std::string opens = options.program_scene.empty() ? scene : options.program_scene;
+    const bool other_axes = limits.up || limits.metres_per_unit;
+    if (options.program_scene.empty() && (is_builtin(scene) || (ours && other_axes))) {
+      // As we have it: metres, y up.
+      const Result<std::filesystem::path> folder = state.scratch.path();
+      if (!folder) return folder.error();
+      opens = (*folder / "scene.glb").string();
+      if (Result<> saved = save_glb(own, opens); !saved) return saved;
+    } else {
+      if (Result<> read = add_file(content, opens); !read) return read;
+    }
+    exec.arguments = {opens};
+    // A script is part of what its pictures depend on.
+    if (program.find('/') != program.npos && std::filesystem::is_regular_file(program))
+      if (Result<> read = add_file(content, program); !read) return read;
+    Result<std::unique_ptr<ExecSource>> started = ExecSource::start(program, exec);
+    if (!started) return started.error();
+    if (!ours) {
+      if (options.depth_kind) {
+        (*started)->set_depth_kind(*options.depth_kind);
+      } else {
+        const Result<DepthKind> kind = find_depth_kind(**started);
+        if (!kind) return kind.error();
+        (*started)->set_depth_kind(*kind);
+      }
+    }
+    state.light = *std::move(started);
+    state.lit.light = LightOf::program;
+    state.kept.shader = options.source;
+    if (options.depth_kind)
+      state.kept.shader += *options.depth_kind == DepthKind::ray ? " r" : " z";
+  }
+  state.kept.content = content.text();
+  state.keeping = std::make_unique<KeptSource>(*state.light, options.keeper, state.kept);
+  if (ours)
+    state.source = std::make_unique<LitSource>(*state.geometry, *state.keeping, state.lit);
+  else
+    state.bare = state.keeping.get();
+  return Done{};
+}
+
+Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& limits,
+                                    const SourceOptions& options) {
   auto state = std::make_unique<State>();
   if (is_capture(scene)) {
+    if (!options.source.empty())
+      return Error{"--source", "is for scenes, and " + scene + " is a capture of photographs"};
     Result<PhotographSource> source = open_photographs(scene, limits);
     if (!source) return source.error();
     state->source = std::make_unique<PhotographSource>(std::move(*source));
     return BakeSource(std::move(state));
   }
+  if (runs_program(options.source) && !is_our_scene(scene)) {
+    if (Result<> none = expect_no_units(scene, limits); !none) return none.error();
+    if (Result<> opened = open_slow(*state, scene, limits, options); !opened) return opened.error();
+    return BakeSource(std::move(state));
+  }
   Result<OpenedScene> opened = open_scene(scene, limits);
   if (!opened) return opened.error();
   state->opened = std::move(*opened);
+  const Scene& own = state->opened.scene;
+  if (is_slow(options.source)) {
+    if (Result<> made = open_slow(*state, scene, limits, options); !made) return made.error();
+    return BakeSource(std::move(state));
+  }
   // Without OpenGL rays take the pictures.
-  auto context = gl::Context::create();
+  auto context = options.source.empty() ? gl::Context::create() : Error{"", ""};
   if (context) {
     state->context = std::move(*context);
-    Result<SceneRenderer> made = SceneRenderer::create(state->opened.scene);
+    Result<SceneRenderer> made = SceneRenderer::create(own);
     if (!made) return made.error();
     state->source = std::make_unique<OpenGLSource>(state->renderer.emplace(std::move(*made)));
-  } else {
-    Result<RayScene> made = RayScene::create(state->opened.scene);
-    if (!made) return made.error();
-    state->source = std::make_unique<RaySource>(state->rays.emplace(std::move(*made)));
+    return BakeSource(std::move(state));
   }
+  Result<RayScene> made = RayScene::create(own);
+  if (!made) return made.error();
+  const RayScene& rays = state->rays.emplace(std::move(*made));
+  if (options.source == "raster")
+    state->source = std::make_unique<RasterRaySource>(state->placed.emplace(own), rays);
+  else
+    state->source = std::make_unique<RaySource>(rays);
   return BakeSource(std::move(state));
 }
 
-CaptureSource& BakeSource::source() { return *state_->source; }
+CaptureSource& BakeSource::source() { return state_->bare ? *state_->bare : *state_->source; }
 
 Box BakeSource::eyes() const {
   const CameraPath* path = walk();
@@ -63,5 +245,20 @@ const CameraPath* BakeSource::walk() const {
 }
 
 SceneRenderer* BakeSource::renderer() { return state_->renderer ? &*state_->renderer : nullptr; }
+
+std::uint64_t BakeSource::rendered() const {
+  return state_->keeping ? state_->keeping->rendered() : 0;
+}
+std::uint64_t BakeSource::found() const { return state_->keeping ? state_->keeping->found() : 0; }
+CaptureSource* BakeSource::light() { return state_->keeping.get(); }
+const KeptOptions& BakeSource::kept() const { return state_->kept; }
+CaptureSource* BakeSource::geometry() { return state_->geometry.get(); }
+
+void BakeSource::replace_light(CaptureSource& light) {
+  if (state_->geometry)
+    state_->source = std::make_unique<LitSource>(*state_->geometry, light, state_->lit);
+  else
+    state_->bare = &light;
+}
 
 }  // namespace rilievo::app

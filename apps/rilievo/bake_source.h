@@ -1,22 +1,45 @@
-// What takes the pictures of a bake? Of a scene OpenGL, or rays where there is none; a capture is
-// its own source.
+// What takes the pictures of a bake? Of a scene the source that is asked for, or OpenGL, or rays
+// where there is none; a capture is its own source.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/capture_source.h"
+#include "rilievo/capture/store/kept_source.h"
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/depth.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::app {
 
+// What --source says, and what that source needs.
+struct SourceOptions {
+  std::string source;                   // raster, rays, raytrace, exec:PROGRAM; empty: left open
+  int samples = 0;                      // of a texel; 0: as many as the kind takes
+  std::string program_scene;            // what a program opens instead of the scene
+  std::optional<DepthKind> depth_kind;  // of a program's pictures; none: found out
+  // Where pictures of slow sources are kept; must outlive the source. Null: nowhere.
+  PictureKeeper* keeper = nullptr;
+};
+
+// Does the source shade for so long that its pictures are worth keeping?
+[[nodiscard]] bool is_slow(const std::string& source);
+// raster, rays, raytrace or exec:PROGRAM.
+[[nodiscard]] Result<> check_source(std::string_view text);
+
 // A source, and what it needs to live.
 class BakeSource {
  public:
-  // `scene` names a file or a built-in scene, or a capture of photographs.
-  [[nodiscard]] static Result<BakeSource> open(const std::string& scene, const FileLimits& limits);
+  // `scene` names a file or a built-in scene, or a capture of photographs; with a program as the
+  // source, any file that the program opens.
+  [[nodiscard]] static Result<BakeSource> open(const std::string& scene, const FileLimits& limits,
+                                               const SourceOptions& options = {});
   BakeSource(BakeSource&&) noexcept;
   BakeSource& operator=(BakeSource&&) noexcept;
   ~BakeSource();
@@ -26,12 +49,26 @@ class BakeSource {
   [[nodiscard]] Box eyes() const;
   // The walk of a built-in scene.
   [[nodiscard]] const CameraPath* walk() const;
-  // Null without OpenGL, and for captures.
+  // Null without OpenGL, and for captures and slow sources.
   [[nodiscard]] SceneRenderer* renderer();
+
+  // Of slow sources: the pictures that were rendered, and those that were kept from before.
+  [[nodiscard]] std::uint64_t rendered() const;
+  [[nodiscard]] std::uint64_t found() const;
+  // The light of a slow source, with what keeps its pictures; null for others.
+  [[nodiscard]] CaptureSource* light();
+  // What its pictures are kept by.
+  [[nodiscard]] const KeptOptions& kept() const;
+  // Takes another light instead, which must outlive this.
+  void replace_light(CaptureSource& light);
+  // A quick source of the same surfaces; null where only the program knows them.
+  [[nodiscard]] CaptureSource* geometry();
 
  private:
   struct State;
   explicit BakeSource(std::unique_ptr<State> state);
+  static Result<> open_slow(State& state, const std::string& scene, const FileLimits& limits,
+                            const SourceOptions& options);
   std::unique_ptr<State> state_;
 };
 

@@ -20,7 +20,8 @@ constexpr std::string_view kUsual[] = {
     "--time",  "--samples",  "--draw",   "--error-px", "--memory-mb", "--outlines",
     "--split", "--up",       "--units",  "--json",     "--psnr",      "--screenshot"};
 // And where something is baked into a file:
-constexpr std::string_view kUsualOfBakes[] = {"--at", "--auto", "--views", "--textures", "--face"};
+constexpr std::string_view kUsualOfBakes[] = {"--at",       "--auto", "--views",
+                                              "--textures", "--face", "--source"};
 
 // The group of options that everybody sees.
 constexpr const char* kOptions = "Options";

@@ -4,17 +4,54 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace rilievo::app {
+namespace {
 
-Progress::Progress(std::string what)
-    : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+// A time left that is shorter is not shown.
+constexpr double kWorthSaying_s = 5;
 
-void Progress::show(int done, int total) {
-  if (!on_terminal_) return;
+}  // namespace
+
+std::string duration_text(double seconds) {
+  const auto whole = (long long)(seconds + 0.5);
+  if (whole < 100) return fmt::format("{} s", whole);
+  const long long minutes = (whole + 30) / 60;
+  if (minutes < 100) return fmt::format("{} min", minutes);
+  return fmt::format("{} h {} min", minutes / 60, minutes % 60);
+}
+
+Progress::Progress(std::string what, bool json)
+    : what_(std::move(what)), json_(json), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+void Progress::show(int done, int total, int quick) {
+  if (!on_terminal_ && !json_) return;
+  const Clock::time_point now = Clock::now();
+  if (!start_) start_ = now, done_at_start_ = done - quick;
+  const double seconds = std::chrono::duration<double>(now - *start_).count();
+  const int slow = done - quick - done_at_start_;
+  std::optional<double> left;
+  if (done >= total)
+    left = 0;
+  else if (slow > 0)
+    left = seconds / slow * (total - done);
+  if (json_) {
+    nlohmann::json line{{"schema", "rilievo-progress-1"},
+                        {"what", what_},
+                        {"done", done},
+                        {"total", total},
+                        {"kept", quick},
+                        {"seconds", seconds}};
+    line["left_s"] = left ? nlohmann::json(*left) : nlohmann::json();
+    std::fputs((line.dump() + "\n").c_str(), stderr);
+    return;
+  }
   shown_ = true;
-  std::fputs(fmt::format("\r{} {}/{}\033[K", what_, done, total).c_str(), stderr);
+  const std::string rest =
+      left && *left >= kWorthSaying_s ? ", " + duration_text(*left) + " left" : "";
+  std::fputs(fmt::format("\r{} {}/{}{}\033[K", what_, done, total, rest).c_str(), stderr);
   std::fflush(stderr);
 }
 

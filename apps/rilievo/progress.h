@@ -1,24 +1,37 @@
-// How is progress shown? In one line that is rewritten, on a terminal only; silent in a pipe.
+// How is progress shown? In one line that is rewritten, on a terminal only, silent in a pipe; or,
+// for programs, as lines of JSON.
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string>
 
 namespace rilievo::app {
 
+// "40 s", "3 min", "2 h 10 min".
+[[nodiscard]] std::string duration_text(double seconds);
+
 class Progress {
  public:
-  explicit Progress(std::string what);
+  // `json`: lines of JSON (rilievo-progress-1) on the error output, wherever it leads.
+  explicit Progress(std::string what, bool json = false);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(int done, int total);
+  // `quick`: of those done, so many took no time. The time left follows from the others.
+  void show(int done, int total, int quick = 0);
   // Before something else is printed.
   void clear();
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   std::string what_;
+  bool json_;
   bool on_terminal_ = false, shown_ = false;
+  std::optional<Clock::time_point> start_;
+  int done_at_start_ = 0;
 };
 
 }  // namespace rilievo::app
