@@ -24,9 +24,8 @@ void SceneCache::hold(const Capture& capture) {
 
 // Their size is a part of the bound (nailboard/error.h).
 void SceneCache::count_strokes(std::span<const std::uint32_t> objects, Capture& capture) const {
-  placed_.count_strokes(objects, capture.geometry);
-  capture.picture.geometry.disc_radius = capture.geometry.disc_radius;
-  capture.picture.geometry.stroke_texels = capture.geometry.stroke_texels;
+  capture.geometry.strokes = placed_.stroke_size(objects);
+  capture.picture.geometry.strokes = capture.geometry.strokes;
 }
 
 void SceneCache::order_captures() {

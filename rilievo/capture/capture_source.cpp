@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "rilievo/render/placed_scene.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -13,6 +14,11 @@ Result<LayeredDepthImage> CaptureSource::capture_layers(const LayersRequest&) {
 WorldSpace CaptureSource::world() const {
   const Scene* from = scene();
   return from ? from->world : WorldSpace{};
+}
+
+StrokeSize CaptureSource::stroke_size(std::span<const std::uint32_t> objects) const {
+  const Scene* from = scene();
+  return from ? PlacedScene(*from).stroke_size(objects) : StrokeSize{};
 }
 
 }  // namespace rilievo

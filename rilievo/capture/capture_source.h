@@ -15,6 +15,7 @@
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/core/result.h"
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/core/world_space.h"
 
 namespace rilievo {
@@ -89,6 +90,8 @@ class CaptureSource {
   [[nodiscard]] virtual const Scene* scene() const { return nullptr; }
   // Where the space of its cameras lies in the world.
   [[nodiscard]] virtual WorldSpace world() const;
+  // The largest points and lines of these objects (empty: all).
+  [[nodiscard]] virtual StrokeSize stroke_size(std::span<const std::uint32_t> objects) const;
   // The photographs that the source consists of, if it does.
   [[nodiscard]] virtual std::span<const DepthImage> photographs() const { return {}; }
 };

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "rilievo/core/camera.h"
+#include "rilievo/core/stroke_size.h"
 
 namespace rilievo {
 
@@ -29,9 +30,7 @@ struct PictureGeometry {
   DepthSlab slab;      // holds the samples; can be tighter than the capture's z_near ... z_far
   int delta_bits = 0;  // 2 ... 16 (see core/depth.h); 0: depth is not quantised
   DepthMode depth_mode = DepthMode::exact;
-  // The largest of the points and lines that it shows: the radius of discs that face the capture's
-  // eye, metres, and the width of what is so many texels wide, which in a frame would be pixels.
-  double disc_radius = 0, stroke_texels = 0;
+  StrokeSize strokes;  // the largest of the points and lines that it shows
 };
 
 // The plane with the least parallax over the slab, at which the nearest and the farthest sample

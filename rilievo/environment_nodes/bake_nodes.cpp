@@ -169,6 +169,7 @@ Result<NodeBake> bake_nodes(CaptureSource& source, const NodeBakeOptions& option
   Result<EnvironmentNodes> nodes = make_environment_nodes(std::move(pictures), options.mesh);
   if (!nodes) return Error{name, nodes.error().message()};
   nodes->name = name;
+  nodes->strokes = source.stroke_size(options.objects);
   return NodeBake{std::move(*nodes), held};
 }
 

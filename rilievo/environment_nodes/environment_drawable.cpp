@@ -103,7 +103,10 @@ struct EnvironmentDrawable::State {
         found = errors.emplace(order[k], std::move(loaded->error)).first;
       }
       const NodeBound px = bound_px(found->second, frame);
-      widest = std::max(widest, px.error);
+      widest = std::max(widest, px.error + px.disc +
+                                    (nodes.strokes.texels > 0
+                                         ? strip_difference_px(nodes.strokes.texels, px.half_texel)
+                                         : 0));
       // A gap shows what no node has seen, unless another node fills it: not counted on.
       if (k == 0) widest = std::max(widest, px.gap);
       // At a node's own place only that one is drawn.

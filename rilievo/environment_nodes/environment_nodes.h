@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/environment_nodes/node_mesh.h"
 
 namespace rilievo {
@@ -38,6 +39,7 @@ struct EnvironmentNodes {
   // Six for each node, in order; or empty if they are in `file`.
   std::vector<DepthImage> pictures;
   std::filesystem::path file;
+  StrokeSize strokes;  // the largest of the points and lines that the pictures show
 
   [[nodiscard]] Box bounds() const;
   [[nodiscard]] std::size_t bytes() const;

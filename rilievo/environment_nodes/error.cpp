@@ -38,6 +38,23 @@ double steepest(double b, double least_angle, double most_angle, double least, d
   return below > 1e-9 ? h / below : std::numeric_limits<double>::infinity();
 }
 
+// Adds the points and lines of a block. A place at distance 1 / r from the node and at the angle a
+// from the eye's direction is sqrt(1 - 2 b r cos a + (b r)^2) / r from the eye, which is `nearer`
+// times as far.
+void add_strokes(const NodeErrorModel& model, const Block& block, double b, double least_angle,
+                 NodeBound& widest) {
+  constexpr double kPi = std::numbers::pi;
+  const double c = std::cos(least_angle);
+  const double at = std::clamp(c, b * double(block.least), b * double(block.most));
+  const double nearer = std::sqrt(std::max(0.0, 1 - 2 * at * c + at * at));
+  const double shift = disc_shift(model.strokes.disc_radius, b * double(block.most), 1) *
+                       double(block.most) / nearer;
+  if (model.strokes.disc_radius > 0)
+    widest.disc = std::max(widest.disc, shift < 1 ? std::asin(shift) : kPi);
+  if (model.strokes.texels > 0)
+    widest.half_texel = std::max(widest.half_texel, std::min(kPi, model.half_texel / nearer));
+}
+
 // A straight line along which surfaces end: along it, all of them lie between disparities that are
 // linear from end to end.
 struct Seam {
@@ -173,7 +190,8 @@ Image<float> seen_disparity(const NodeMesh& mesh, int face) {
   return seen;
 }
 
-NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh) {
+NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh,
+                                const StrokeSize& strokes) {
   const CubeGrid grid(map, {});
   const int n = grid.size(), across = blocks_a_side(n);
   std::array<std::vector<Block>, 6> of_face;
@@ -218,9 +236,12 @@ NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh)
     for (const Seam& seam : seams_of(mesh, skins)) add_seam(seam, n, of_face);
   NodeErrorModel model;
   model.world_from_node = mesh.world_from_node;
+  model.strokes = strokes;
+  model.half_texel = std::sqrt(2.0) / n;  // in the middle of a face, where texels look largest
   for (const std::vector<Block>& blocks : of_face)
     for (const Block& block : blocks)
-      if (block.error > 0 || block.gap > 0) model.blocks.push_back(block);
+      if (block.error > 0 || block.gap > 0 || (strokes.any() && block.most > 0))
+        model.blocks.push_back(block);
   return model;
 }
 
@@ -229,8 +250,8 @@ NodeBound bound(const NodeErrorModel& model, const glm::dvec3& eye) {
                             (eye - glm::dvec3(model.world_from_node[3]));
   const double b = glm::length(offset);
   NodeBound widest;
-  if (b == 0) return widest;
-  const glm::dvec3 away = offset / b;
+  if (b == 0 && !model.strokes.any()) return widest;
+  const glm::dvec3 away = b == 0 ? glm::dvec3(0, 0, 1) : offset / b;
   constexpr double kPi = std::numbers::pi;
   for (const Block& block : model.blocks) {
     const double angle = std::acos(std::clamp(glm::dot(away, glm::dvec3(block.toward)), -1.0, 1.0));
@@ -245,6 +266,7 @@ NodeBound bound(const NodeErrorModel& model, const glm::dvec3& eye) {
     };
     widest.error = std::max(widest.error, angle_of(block.error, block.least, block.most));
     widest.gap = std::max(widest.gap, angle_of(block.gap, block.skin_least, block.skin_most));
+    if (model.strokes.any()) add_strokes(model, block, b, low, widest);
   }
   return widest;
 }
@@ -259,7 +281,7 @@ NodeBound bound_px(const NodeErrorModel& model, const Camera& frame) {
   const double scale =
       std::max(frame.width / (w.right - w.left), frame.height / (w.top - w.bottom)) *
       (1 + x * x + y * y);
-  return {angles.error * scale, angles.gap * scale};
+  return {angles.error * scale, angles.gap * scale, angles.disc * scale, angles.half_texel * scale};
 }
 
 }  // namespace rilievo

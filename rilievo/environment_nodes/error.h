@@ -4,7 +4,8 @@
 // elsewhere because the triangles do not pass through it; and at a silhouette a gap opens between
 // two surfaces (or a skin stretches). Both are parallax: differences of disparity along one line of
 // sight, seen from the side. What lies between samples, within a texel of a silhouette, is unknown
-// and not bounded.
+// and not bounded. Points and lines face the node instead of the eye, and lines are some texels
+// wide: that counts beside.
 //
 // Stored for blocks of 16 x 16 texels. Evaluating the bound for an eye takes about ten microseconds
 // for faces of 256 texels. Node space, metres.
@@ -13,6 +14,7 @@
 #include <array>
 #include <vector>
 
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/environment_nodes/node_mesh.h"
 
 namespace rilievo {
@@ -36,17 +38,25 @@ struct NodeErrorModel {
     float skin_least = 0, skin_most = 0, gap = 0;
   };
   glm::dmat4 world_from_node{1.0};
-  std::vector<Block> blocks;  // without empty ones
+  // Without those that have no error: with strokes, all that show something.
+  std::vector<Block> blocks;
+  // The largest of the points and lines that the environment may show anywhere, and the angle
+  // between a texel's centre and its corner, at most.
+  StrokeSize strokes;
+  double half_texel = 0;
 };
 
 // Computes the model. Requires a mesh of this environment.
-[[nodiscard]] NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh);
+[[nodiscard]] NodeErrorModel make_error_model(const EnvironmentMap& map, const NodeMesh& mesh,
+                                              const StrokeSize& strokes = {});
 
 // Upper bounds, as angles at the eye in radians; pi where there is no bound (an eye at or behind a
 // surface).
 struct NodeBound {
-  double error = 0;  // between a sample's true and drawn positions
-  double gap = 0;    // width of a gap
+  double error = 0;       // between a sample's true and drawn positions
+  double gap = 0;         // width of a gap
+  double disc = 0;        // beside `error`, of points: their discs face the node, not the eye
+  double half_texel = 0;  // from a texel's centre to its corner, where lines look widest
 };
 // The bounds for an eye in world space.
 [[nodiscard]] NodeBound bound(const NodeErrorModel& model, const glm::dvec3& eye);

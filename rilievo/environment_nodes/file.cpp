@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "rilievo/environment_nodes/cube_grid.h"
+#include "rilievo/io/stroke_attributes.h"
 #include "rilievo/io/world_attributes.h"
 
 namespace rilievo {
@@ -45,6 +46,7 @@ Result<> save_environment_nodes(const std::filesystem::path& path, const Environ
                                 const WorldSpace& world) {
   FileAttributes attributes;
   store_world(world, attributes.file);
+  store_strokes(nodes.strokes, attributes.file);
   attributes.file[kRepresentation] = kEnvironmentNodes;
   attributes.file[kMesh] = mesh_text(nodes.mesh);
   if (!nodes.pictures.empty()) return save_pictures(path, nodes.pictures, attributes);
@@ -73,7 +75,11 @@ Result<EnvironmentNodes> open_environment_nodes(const std::filesystem::path& pat
   if (count % 6 != 0)
     return refuse(fmt::format("its {} pictures are not six faces for each node", count));
 
+  const Result<StrokeSize> strokes = strokes_from(file->attributes.file);
+  if (!strokes) return refuse(strokes.error().reason);
+
   EnvironmentNodes nodes;
+  nodes.strokes = *strokes;
   nodes.name = path.stem().string();
   nodes.mesh = *mesh;
   nodes.file = path;

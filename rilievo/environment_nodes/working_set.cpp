@@ -19,7 +19,7 @@ Result<LoadedNode> load_and_triangulate(const EnvironmentNodes& nodes, std::size
   loaded.node = node;
   loaded.map = *std::move(map);
   loaded.mesh = triangulate(loaded.map, nodes.mesh);
-  loaded.error = make_error_model(loaded.map, loaded.mesh);
+  loaded.error = make_error_model(loaded.map, loaded.mesh, nodes.strokes);
   return loaded;
 }
 

@@ -32,6 +32,7 @@ Result<LayeredImpostor> bake_layered(CaptureSource& source, std::span<const std:
   Result<LayeredImpostor> impostor = make_layered_impostor(std::move(pictures), options.slicing);
   if (!impostor) return impostor;
   impostor->name = name;
+  impostor->strokes = source.stroke_size(objects);
   if (options.fills) find_fill_slices(*impostor);
   return impostor;
 }

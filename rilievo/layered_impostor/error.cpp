@@ -63,6 +63,10 @@ LayeredError bound_at(const LayeredErrorStats& stats, double scale, const Camera
   error.sample_px = pixels(error.sample_m / distance);
   // Polygons are off by half a pixel's diagonal too.
   error.total_px = std::max(0.0, pixels(angular_sine) - std::sqrt(0.5));
+  if (stats.strokes.any())
+    error.total_px +=
+        pixels(scale * stats.strokes.disc_radius / distance) +
+        strip_difference_px(stats.strokes.texels, pixels(scale * stats.texel / distance));
   return error;
 }
 
@@ -81,6 +85,7 @@ LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor,
                                       const LayeredOptions& options) {
   LayeredErrorStats stats;
   stats.sliced = options.method == LayeredMethod::slices;
+  stats.strokes = impostor.strokes;
   stats.angular = make_angular_error_table(impostor, options);
   for (std::size_t v = 0; v < impostor.pictures.size(); ++v) {
     const TexelSurface& surface = impostor.surfaces[v];

@@ -15,6 +15,9 @@
 // so the last is the bound to use. The first two hold for every view, the last for those that are
 // drawn.
 //
+// Points and lines count with their size: the nearest pictures may see a disc from any side, and a
+// strip of texels is wider than one of pixels.
+//
 // Not bounded: pixels where no picture has the surface, that is skins and the visual hull
 // (visual_hull.h). Rounding errors of the GPU are not included. Pure, any thread.
 #pragma once
@@ -35,6 +38,7 @@ struct LayeredErrorStats {
   double slice = 0;  // from a slice to an end of its interval, along the line of sight
   double reach = 0;  // from a sample to an end of its patch, along the line of sight
   double texel = 0;  // from the centre of a texel to its corner
+  StrokeSize strokes;
   AngularErrorTable angular;
 };
 // Computes them for what is drawn with these options. Looks at each texel: call it once for an

@@ -10,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "rilievo/io/stroke_attributes.h"
 #include "rilievo/io/world_attributes.h"
 
 namespace rilievo {
@@ -149,6 +150,7 @@ Result<> save_layered_impostor(const std::filesystem::path& path, const LayeredI
                                const WorldSpace& world) {
   FileAttributes attributes;
   store_world(world, attributes.file);
+  store_strokes(impostor.strokes, attributes.file);
   attributes.file[kRepresentation] = kLayeredImpostor;
   attributes.file[kSlicing] = slicing_text(impostor.slicing);
   if (impostor.vantage != Vantage{}) attributes.file[kUp] = text_of(impostor.vantage.up);
@@ -178,10 +180,13 @@ Result<LayeredImpostor> layered_impostor_from(PictureFile file, const std::files
 
   const Result<Vantage> vantage = vantage_from(file.attributes.file);
   if (!vantage) return refuse(vantage.error().reason);
+  const Result<StrokeSize> strokes = strokes_from(file.attributes.file);
+  if (!strokes) return refuse(strokes.error().reason);
 
   Result<LayeredImpostor> impostor = make_layered_impostor(std::move(file.pictures), *slicing);
   if (!impostor) return refuse(impostor.error().message());
   impostor->vantage = *vantage;
+  impostor->strokes = *strokes;
   impostor->name = path.stem().string();
 
   std::size_t with_fills = 0;

@@ -19,6 +19,7 @@
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/depth_image.h"
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/warp/texel_surface.h"
 
 namespace rilievo {
@@ -90,6 +91,7 @@ struct LayeredImpostor {
   std::vector<bool> complete;
   // Empty if not computed; else one for each ordered pair of neighbours, ascending.
   std::vector<FillSlices> fills;
+  StrokeSize strokes;  // the largest of the points and lines that the pictures show
 };
 
 // The interval of eye_z of a texel's patch or sample, and the interval that decides on which slices

@@ -108,7 +108,7 @@ double obliqueness(const Camera& camera, const Box& bounds) {
 }  // namespace
 
 ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
-                         const PrewarpOptions& options, double lacks) {
+                         const PrewarpOptions& options, double lacks, const StrokeSize& strokes) {
   RILIEVO_EXPECTS(!set.reliefs.empty() && set.reliefs.size() <= ReliefStats::kMaxCount);
   ReliefStats stats;
   for (const LayeredRelief& relief : set.reliefs)
@@ -120,6 +120,9 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
   stats.reuse_error = float(options.reuse_error);
   stats.moved = float(moved);
   if (lacks > 0) stats.lacks = std::nextafter(float(lacks), std::numeric_limits<float>::max());
+  stats.disc_radius = std::nextafter(float(strokes.disc_radius), std::numeric_limits<float>::max());
+  if (strokes.disc_radius == 0) stats.disc_radius = 0;
+  stats.stroke_texels = float(strokes.texels);
   double least = kInfinity, largest = 0, depth = 0;
   const double radius = std::max(double(bounds.radius()), 1e-30);
   for (int i = 0; i < stats.count; ++i) {
@@ -216,11 +219,14 @@ double relief_bound_px(const ReliefStats& stats, const Box& bounds, const Camera
                sine = tangent / std::sqrt(1 + tangent * tangent);
   const double diagonal = std::sqrt(2.0) * double(stats.largest_texel);
   const double sample = 0.5 * std::max(1.0, double(stats.splat_size)) * diagonal +
-                        double(stats.depth) * sine + double(stats.moved);
+                        double(stats.depth) * sine + double(stats.moved) +
+                        double(stats.disc_radius);
+  const double oblique = obliqueness(camera, bounds);
   const double px =
-      (focal_of(camera) * sample / sight.nearest + 0.5 * result.texel + result.reused) *
-      obliqueness(camera, bounds);
-  return std::max(0.0, px - std::sqrt(0.5));
+      (focal_of(camera) * sample / sight.nearest + 0.5 * result.texel + result.reused) * oblique;
+  return std::max(0.0, px - std::sqrt(0.5)) +
+         strip_difference_px(double(stats.stroke_texels),
+                             0.5 * focal_of(camera) * diagonal / sight.nearest * oblique);
 }
 
 }  // namespace rilievo

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/layered_relief/prewarp.h"
 #include "rilievo/layered_relief/relief_set.h"
 
@@ -33,12 +34,14 @@ struct ReliefStats {
   float lacks = 0;                           // as ReliefPictures::Picture's; 0: not known
   float splat_size = 1, resolution = 1, reuse_error = 0;
   float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
+  float disc_radius = 0, stroke_texels = 0;  // StrokeSize's
 };
 
 // `moved`, `lacks`: the largest of the pictures'. At most kMaxCount reliefs, all parallel; of
 // perspective ones nothing is known, and stats of none are returned.
 [[nodiscard]] ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
-                                       const PrewarpOptions& options, double lacks = 0);
+                                       const PrewarpOptions& options, double lacks = 0,
+                                       const StrokeSize& strokes = {});
 
 // The relief that faces `eye` most, of those that can surely be warped for it; -1: none. `bounds`
 // as for relief_stats.

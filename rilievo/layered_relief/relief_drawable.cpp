@@ -274,7 +274,7 @@ Result<std::unique_ptr<Drawable>> make_relief_drawable(const ReliefPictures& pic
     known = known && picture.lacks > 0;
   }
   const ReliefStats stats =
-      relief_stats(*colors, pictures.bounds, moved, options, known ? lacks : 0);
+      relief_stats(*colors, pictures.bounds, moved, options, known ? lacks : 0, pictures.strokes);
   return {std::make_unique<ReliefDrawable>(*std::move(colors), std::move(identifiers), only, stats,
                                            pictures.bounds, options, boards)};
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "rilievo/io/deep_exr.h"
+#include "rilievo/io/stroke_attributes.h"
 #include "rilievo/io/world_attributes.h"
 #include "rilievo/layered_relief/relief_bound.h"
 
@@ -38,6 +39,7 @@ Result<> save_relief_pictures(const std::filesystem::path& path, const ReliefPic
                               const WorldSpace& world) {
   FileAttributes attributes;
   store_world(world, attributes.file);
+  store_strokes(pictures.strokes, attributes.file);
   attributes.file[kRepresentation] = kLayeredRelief;
   std::vector<LayeredDepthImage> layers;
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
@@ -81,6 +83,9 @@ Result<ReliefPictures> relief_pictures_from(PictureFile file, const std::filesys
   }
   pictures.bounds = bounds_of(pictures);
   if (pictures.bounds.empty()) return error("its pictures show nothing");
+  const Result<StrokeSize> strokes = strokes_from(file.attributes.file);
+  if (!strokes) return error(strokes.error().reason);
+  pictures.strokes = *strokes;
   return pictures;
 }
 

@@ -87,6 +87,7 @@ Result<ReliefPictures> capture_relief_pictures(CaptureSource& source,
   if (options.share_texels > 0) share_samples(made, options.share_texels);
   made.bounds = bounds_of(made);
   if (made.bounds.empty()) return Error{std::string(source.name()), "shows nothing"};
+  made.strokes = source.stroke_size(objects);
   return made;
 }
 

@@ -12,6 +12,7 @@
 
 #include "rilievo/capture/capture_source.h"
 #include "rilievo/core/bounds.h"
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/layered_relief/relief_set.h"
 
 namespace rilievo {
@@ -29,6 +30,7 @@ struct ReliefPictures {
   };
   std::vector<Picture> pictures;  // at least one
   Box bounds;                     // of all samples
+  StrokeSize strokes;             // the largest of the points and lines that they show
 };
 
 // What is captured, and how finely.

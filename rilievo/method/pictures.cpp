@@ -74,7 +74,7 @@ bool PictureChooser::capture(std::uint32_t object, const Camera& frame) {
   store_->capture(object, *camera, {&object, 1});
   picture = Picture{picture_geometry(*camera), placed_.poses()[object], glm::dvec3(bounds.center()),
                     frame_};
-  placed_.count_strokes({&object, 1}, picture->geometry);
+  picture->geometry.strokes = placed_.stroke_size({&object, 1});
   picture->geometry.delta_bits = options_.delta_bits;
   picture->geometry.depth_mode = options_.mode;
   captured_.push_back(object);

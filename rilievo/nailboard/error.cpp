@@ -90,12 +90,12 @@ double half_texel_px(const RayPolygon& polygon, const ViewOfPicture& view, doubl
 // / 2.
 double stroke_error(const PictureGeometry& picture, const Camera& frame, const RayPolygon& asked,
                     const ViewOfPicture& view, double half_texel_px) {
-  double px = picture.stroke_texels * std::max(0.0, half_texel_px - 0.5);
-  if (picture.disc_radius <= 0) return px;
+  const double px = strip_shift_px(picture.strokes.texels, half_texel_px);
+  if (picture.strokes.disc_radius <= 0) return px;
   const double away = glm::length(view.eye), front = picture.slab.front;
-  const double moved = away < front
-                           ? 2 * picture.disc_radius * std::sin(0.5 * std::asin(away / front))
-                           : 2 * picture.disc_radius;
+  const double moved =
+      away < front ? 2 * picture.strokes.disc_radius * std::sin(0.5 * std::asin(away / front))
+                   : 2 * picture.strokes.disc_radius;
   double least = kInfinity;
   for (int i = 0; i < asked.size; ++i)
     for (const double d : {picture.slab.front, picture.slab.back})
@@ -229,8 +229,7 @@ RayPolygon screen_error(const PictureGeometry& picture, const Camera& frame,
   const RayPolygon drawn = rays_in_frame(picture, frame, view, p, p, half);
   const double texel_px = drawn.size > 0 ? half_texel_px(drawn, view, p, half) : 0;
   error.magnification_px = std::max(0.0, texel_px - std::sqrt(0.5));
-  if (picture.disc_radius > 0 || picture.stroke_texels > 0)
-    error.stroke_px = stroke_error(picture, frame, asked, view, texel_px);
+  if (picture.strokes.any()) error.stroke_px = stroke_error(picture, frame, asked, view, texel_px);
   // What the near plane cuts off the rectangle is not drawn anywhere.
   error.parallax_px = least_weight(asked, view, p) < frame.z_near
                           ? kInfinity

@@ -27,7 +27,7 @@ TEST(StrokesError, discs_that_turn_to_another_eye_stay_within_the_bound) {
     Camera capture = look_at({0, 0, 0}, {number(-1, 1), number(-1, 1), -5}, {0, 1, 0},
                              number(0.3, 1.2), 200, 200, 3, 12);
     PictureGeometry picture = picture_geometry(capture);
-    picture.disc_radius = number(0.01, 0.3);
+    picture.strokes.disc_radius = number(0.01, 0.3);
     const glm::dvec3 eye(number(-1, 1), number(-1, 1), number(-1, 1.5));
     const Camera frame = look_at(number(0, 1) * eye, {number(-1, 1), number(-1, 1), -6},
                                  {0.1, 1, 0}, number(0.5, 1.3), 320, 200, 0.1, 100);
@@ -40,7 +40,7 @@ TEST(StrokesError, discs_that_turn_to_another_eye_stay_within_the_bound) {
       const glm::dvec3 from = glm::normalize(c), to = glm::normalize(to_new);
       glm::dvec3 u = glm::cross(from, glm::dvec3(number(-1, 1), number(-1, 1), number(-1, 1)));
       if (glm::length(u) < 0.1) continue;
-      u *= picture.disc_radius / glm::length(u);
+      u *= picture.strokes.disc_radius / glm::length(u);
       const glm::dvec3 turned = turned_by(from, to, u);
       ASSERT_NEAR(glm::dot(turned, to), 0, 1e-9);
       const glm::dvec3 drawn = raster_from_world(frame, c + u),
@@ -63,7 +63,7 @@ TEST(StrokesError, discs_that_turn_to_another_eye_stay_within_the_bound) {
 TEST(StrokesError, from_the_capture_eye_discs_are_the_same_whatever_the_frame_looks_at) {
   const Camera capture = look_at({1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.8, 256, 256, 1, 10);
   PictureGeometry picture = picture_geometry(capture);
-  picture.disc_radius = 0.5;
+  picture.strokes.disc_radius = 0.5;
   const Camera frame = look_at({1, 2, 3}, {0.5, 0.3, 0}, {0, 1, 0.2}, 0.9, 256, 256, 0.1, 10);
   EXPECT_NEAR(bound_error(picture, frame).stroke_px, 0, 1e-4);
 }
@@ -73,7 +73,7 @@ TEST(StrokesError, lines_that_are_captured_a_texel_wide_count_by_how_large_texel
   PictureGeometry picture = picture_geometry(capture);
   const Camera frame = look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.8, 800, 800, 0.1, 10);
   const double without = bound_total_px(picture, frame);
-  picture.stroke_texels = 1;
+  picture.strokes.texels = 1;
   // A texel is 8 pixels wide: half a strip reaches 4 pixels, and its corner more, instead of half.
   EXPECT_GE(bound_total_px(picture, frame) - without, 3.5);
   EXPECT_LE(bound_total_px(picture, frame) - without, 4 * std::sqrt(2.0) + 0.5);

@@ -60,19 +60,22 @@ Box PlacedScene::opaque_bounds(std::span<const std::uint32_t> objects) const {
   return bounds;
 }
 
-void PlacedScene::count_strokes(std::span<const std::uint32_t> objects,
-                                PictureGeometry& geometry) const {
-  if (!any_strokes_) return;
-  for (const std::uint32_t object : objects)
+StrokeSize PlacedScene::stroke_size(std::span<const std::uint32_t> objects) const {
+  StrokeSize largest;
+  if (!any_strokes_) return largest;
+  const auto add = [&](std::uint32_t object) {
     for (const Part& part : scene_->models[model_of(object)].parts) {
       const Mesh& mesh = scene_->meshes[std::size_t(part.mesh)];
       if (mesh.primitive == Primitive::triangles) continue;
       const double radius =
           0.5 * double(mesh.width) * smallest_stretch(poses_[object] * part.model_from_mesh);
-      geometry.disc_radius = std::max(geometry.disc_radius, radius);
-      if (radius <= 0)
-        geometry.stroke_texels = std::max(geometry.stroke_texels, double(mesh.width_px));
+      largest.add({radius, radius > 0 ? 0.0 : double(mesh.width_px)});
     }
+  };
+  for (const std::uint32_t object : objects) add(object);
+  if (objects.empty())
+    for (std::uint32_t object = 0; object < poses_.size(); ++object) add(object);
+  return largest;
 }
 
 void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {

@@ -13,7 +13,7 @@
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
-#include "rilievo/core/picture_geometry.h"
+#include "rilievo/core/stroke_size.h"
 #include "rilievo/scene/scene.h"
 
 namespace rilievo {
@@ -52,8 +52,8 @@ class PlacedScene {
   // Together, those of `objects` (empty: all) that have opaque parts.
   [[nodiscard]] Box opaque_bounds(std::span<const std::uint32_t> objects) const;
 
-  // Notes in the geometry of a picture of `objects` the largest of their points and lines.
-  void count_strokes(std::span<const std::uint32_t> objects, PictureGeometry& geometry) const;
+  // The largest points and lines of these objects; empty: of all.
+  [[nodiscard]] StrokeSize stroke_size(std::span<const std::uint32_t> objects) const;
 
   // Appends the objects whose bounds intersect the camera's frustum.
   void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const;
