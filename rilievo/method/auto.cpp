@@ -33,7 +33,7 @@ constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"lod", 2, kWarmsUp},
                                          {"keyframes", 3, kWarmsUp}};
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
-constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1e-2;
+constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 3e-2;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
 // two take.
 constexpr double kKeyframeMs = 8;
@@ -219,7 +219,7 @@ void AutoFrames::prepare(int method) {
   const Scene& scene = (*software)->scene();
   background_->run([this, method, &scene] {
     if (method == kRays) made_.rays = RayVisibility::create(scene);
-    if (method == kLevels) made_.levels = make_object_levels(scene);
+    if (method == kLevels) made_.levels = make_bounded_object_levels(scene);
     if (method == kKeyframes) {
       KeyframeFramesOptions keyframes;
       keyframes.samples = backend_.samples();

@@ -109,7 +109,9 @@ bool AutoDecision::better(double ms, int rank, double than_ms, int than_rank) co
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
-  return rank < than_rank ? ms < than_ms : ms < (1 - kGain) * than_ms;
+  // Each step down in quality must gain as much again.
+  return rank < than_rank ? ms < than_ms
+                          : ms < (1 - kGain * std::max(1, rank - than_rank)) * than_ms;
 }
 
 // What a frame may take at no loss.

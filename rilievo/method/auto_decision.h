@@ -11,9 +11,9 @@
 // fails doubles the time to the next one of that method. So a walk on which nothing changes costs
 // next to nothing, and where the costs change the next trial is soon.
 //
-// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality. With a
-// pace, of all that keep it the best in quality is taken. The same input gives the same decisions.
-// Milliseconds a frame; time in frames.
+// A method is changed for one that is cheaper by kGain for each step down in quality, or as cheap
+// and of a better one. With a pace, of all that keep it the best in quality is taken. The same
+// input gives the same decisions. Milliseconds a frame; time in frames.
 #pragma once
 
 #include <cstdint>
