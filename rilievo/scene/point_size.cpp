@@ -63,6 +63,15 @@ std::vector<double> stretch_of_meshes(const Scene& scene) {
   return stretch;
 }
 
+// A mesh's points alone, in the order of the curve.
+Mesh sorted_places(const Mesh& mesh) {
+  Mesh places;
+  places.primitive = Primitive::points;
+  places.positions = mesh.positions, places.indices = mesh.indices;
+  sort_points(places);
+  return places;
+}
+
 // Points and lines show no transparency.
 void use_opaque_materials(Scene& scene) {
   std::map<int, int> opaque;
@@ -146,17 +155,21 @@ float point_diameter(const Mesh& mesh) {
   return std::min(kCloses * found[found.size() / 2], kMostOfCloud * 2 * box_of(mesh).radius());
 }
 
-void finish_points(Scene& scene, const PointSize& size, bool sort) {
+void finish_points(Scene& scene, const PointSize& size, std::span<const int> bent) {
   std::vector<double> stretch;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     Mesh& mesh = scene.meshes[i];
     if (mesh.primitive != Primitive::points) continue;
-    if (sort) sort_points(mesh);
+    const bool sorted = std::find(bent.begin(), bent.end(), int(i)) == bent.end();
+    if (sorted) sort_points(mesh);
     constexpr float kSinglePoint = 4;  // pixels
     mesh.width = 0, mesh.width_px = size.pixels > 0 ? size.pixels : kSinglePoint;
     if (size.pixels > 0) continue;
     if (stretch.empty()) stretch = stretch_of_meshes(scene);
-    mesh.width = size.metres > 0 ? float(double(size.metres) / stretch[i]) : point_diameter(mesh);
+    if (size.metres > 0)
+      mesh.width = float(double(size.metres) / stretch[i]);
+    else
+      mesh.width = sorted ? point_diameter(mesh) : point_diameter(sorted_places(mesh));
     if (!std::isfinite(mesh.width)) mesh.width = 0;
   }
   use_opaque_materials(scene);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "rilievo/scene/scene.h"
@@ -30,7 +31,8 @@ struct PointSize {
 void sort_points(Mesh& mesh);
 
 // Gives all points their size, and what is points or lines opaque materials; for a scene that is
-// neither finished nor validated. `sort`: sorts the points; what bends meshes keeps their order.
-void finish_points(Scene& scene, const PointSize& size, bool sort);
+// neither finished nor validated. Sorts the points, but for those of the meshes of `bent`, indices:
+// what bends a mesh knows its vertices by their numbers.
+void finish_points(Scene& scene, const PointSize& size, std::span<const int> bent = {});
 
 }  // namespace rilievo

@@ -74,6 +74,25 @@ TEST(PointSize, sorted_points_are_near_each_other_and_keep_their_colours) {
   EXPECT_EQ(positions, mesh.positions);
 }
 
+// Whatever reads a file: what does not bend is sorted, and what does has the size that it has
+// sorted.
+TEST(PointSize, is_that_of_sorted_points_whether_a_mesh_bends_or_not) {
+  Random random(5);
+  Scene scene;
+  std::vector<glm::vec3> positions;
+  for (int i = 0; i < 50000; ++i) {
+    const float x = random.unit();
+    positions.push_back({x, 0, random.unit()});
+  }
+  scene.meshes = {cloud_of(positions), cloud_of(positions)};
+  const int bent = 1;
+  finish_points(scene, {}, {&bent, 1});
+  EXPECT_NE(scene.meshes[0].positions, positions);
+  EXPECT_EQ(scene.meshes[1].positions, positions);
+  EXPECT_EQ(scene.meshes[1].width, scene.meshes[0].width);
+  EXPECT_LT(scene.meshes[0].width, 0.014f);  // less than what few points have
+}
+
 TEST(PointSize, the_smallest_stretch_of_a_placement_is_its_smallest_singular_value) {
   glm::mat4 m(1.0f);
   m[0] *= 2.0f, m[1] *= -3.0f, m[2] *= 5.0f;

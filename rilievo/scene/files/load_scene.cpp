@@ -86,7 +86,9 @@ LoadedScene read(Bytes file, const std::string& extension, const LoadOptions& op
               : kind == "obj" ? read_obj(file, context)
               : kind == "ply" ? read_ply(file, context)
                               : read_stl(file, context);
-  finish_points(out.scene, options.point_size, !options.deformations);
+  std::vector<int> bent;
+  for (const Deformation& one : out.deformations.meshes) bent.push_back(one.mesh);
+  finish_points(out.scene, options.point_size, bent);
   take_as(out.scene, options.up.value_or(UpAxis::y), options.metres_per_unit.value_or(1));
   finish(out.scene);
   if (const Result<> valid = validate(out.scene); !valid) refuse(valid.error().reason);
