@@ -33,8 +33,9 @@ def start_blender():
     os.set_inheritable(answers, True)
     os.dup2(2, 1)
     os.environ[ANSWERS] = str(answers)
-    os.execvp("blender", ["blender", "--background", "--factory-startup", "--python-exit-code", "1",
-                          "--python", os.path.abspath(__file__), "--", *sys.argv[1:]])
+    blender = os.environ.get("RILIEVO_BLENDER", "blender")
+    os.execvp(blender, [blender, "--background", "--factory-startup", "--python-exit-code", "1",
+                       "--python", os.path.abspath(__file__), "--", *sys.argv[1:]])
 
 
 if ANSWERS not in os.environ:
