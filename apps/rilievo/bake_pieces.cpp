@@ -222,6 +222,8 @@ Result<bool> make_piece(const BakePlan& plan, const std::string& file, int piece
   PictureFolder folder(pictures_of(file));
   SourceOptions options = plan.command.source;
   options.keeper = &folder;
+  std::string wrong = "its file is damaged as soon as it is written";
+  options.warn = [&wrong](const std::string& text) { wrong = text; };
   Result<BakeSource> source = BakeSource::open(plan.command.scene, plan.command.limits, options);
   if (!source) return source.error();
   if (!source->light() || source->kept().content != plan.content)
@@ -231,7 +233,7 @@ Result<bool> make_piece(const BakePlan& plan, const std::string& file, int piece
   for (const PictureKey& key : keys_of(one, source->kept())) {
     const Result<std::optional<DepthImage>> kept = folder.find(key);
     if (!kept) return kept.error();
-    if (!*kept) return Error{folder.path().string(), fmt::format("piece {} cannot be kept", piece)};
+    if (!*kept) return Error{fmt::format("piece {} cannot be kept", piece), wrong};
   }
   return source->rendered() > 0;
 }

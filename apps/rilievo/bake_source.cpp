@@ -124,7 +124,9 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
   const bool ours = !state.opened.scene.objects.empty();
   const Scene& own = state.opened.scene;
   state.kept.exact = true;
-  state.kept.warn = [](const std::string& text) { complain("warning: " + text); };
+  state.kept.warn = options.warn;
+  if (!options.warn)
+    state.kept.warn = [](const std::string& text) { complain("warning: " + text); };
   ContentHash content;
   if (ours) {
     content.add(content_hash(own));

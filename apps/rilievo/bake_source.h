@@ -26,6 +26,8 @@ struct SourceOptions {
   std::optional<DepthKind> depth_kind;  // of a program's pictures; none: found out
   // Where pictures of slow sources are kept; must outlive the source. Null: nowhere.
   PictureKeeper* keeper = nullptr;
+  // Gets what is wrong with that; otherwise it is a warning.
+  std::function<void(const std::string&)> warn = {};
 };
 
 // Does the source shade for so long that its pictures are worth keeping?
