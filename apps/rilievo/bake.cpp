@@ -92,7 +92,7 @@ bool names_itself(const std::string& where) {
 Result<Baked> bake(const BakeCommand& options, const Kind& kind, const OptionValues& values,
                    CaptureSource& source, const Box& eyes, Times& times,
                    const std::function<int()>& found = {}) {
-  app::Progress progress("view", options.json_progress);
+  app::Progress progress(options.counted, options.json_progress);
   const Clock::time_point start = Clock::now();
   int total = 0;
   // Slow sources set their own samples.
@@ -210,6 +210,7 @@ void add_pictures(const BakeSource& source, const std::string& where, Baked& bak
 // Coarse walks in the place of the output, each finer than the one before, for people to look at
 // meanwhile: faces (or sizes) and samples grow from an eighth to a half of what was asked for.
 Result<> bake_previews(const BakeCommand& options, const Kind& kind, PictureKeeper* keeper) {
+  const Clock::time_point start = Clock::now();
   const OptionValues usual(kind.bake_options);
   const std::string_view sized = usual.has("face") ? "face" : "size";
   if (!usual.has(sized)) return Error{"--preview", fmt::format("{} has no sizes", kind.name)};
@@ -222,18 +223,20 @@ Result<> bake_previews(const BakeCommand& options, const Kind& kind, PictureKeep
     coarse.source.samples =
         std::max(1, (options.source.samples > 0 ? options.source.samples : 4) / (part * part));
     coarse.source.keeper = keeper;
+    coarse.counted = "preview";
     const Result<OptionValues> fewer = bake_values(kind, coarse.kinds);
     if (!fewer) return fewer.error();
     Result<BakeSource> source = BakeSource::open(options.scene, options.limits, coarse.source);
     if (!source) return source.error();
     Times times;
-    const Clock::time_point start = Clock::now();
     const Result<Baked> baked = bake(coarse, kind, *fewer, source->source(), source->eyes(), times,
                                      [&source] { return int(source->found()); });
     if (!baked) return baked.error();
-    complain(fmt::format("{}: a preview with {} of {} texels a side, {} samples, after {:.1f} s",
-                         options.output, coarse.kinds.bake[std::string(sized)],
-                         values->integer(sized), coarse.source.samples, seconds_since(start)));
+    show_written(options.output,
+                 fmt::format("a preview with {} of {} texels a side, {} samples",
+                             coarse.kinds.bake[std::string(sized)], values->integer(sized),
+                             coarse.source.samples),
+                 seconds_since(start), options.json_progress);
   }
   return Done{};
 }

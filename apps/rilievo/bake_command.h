@@ -19,9 +19,10 @@ struct BakeCommand {
   KindOptions kinds;
   FileLimits limits;
   SourceOptions source;
-  std::string store;           // of finished pictures; empty: beside the output
-  bool preview = false;        // coarse walks first
-  bool json_progress = false;  // lines of JSON
+  std::string store;             // of finished pictures; empty: beside the output
+  bool preview = false;          // coarse walks first
+  bool json_progress = false;    // lines of JSON
+  std::string counted = "view";  // what progress counts
   // In pieces:
   std::string plan;              // the file of the plan
   std::optional<int> piece;      // the one to make

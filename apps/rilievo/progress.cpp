@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "apps/rilievo/output.h"
+
 namespace rilievo::app {
 namespace {
 
@@ -53,6 +55,17 @@ void Progress::show(int done, int total, int quick) {
       left && *left >= kWorthSaying_s ? ", " + duration_text(*left) + " left" : "";
   std::fputs(fmt::format("\r{} {}/{}{}\033[K", what_, done, total, rest).c_str(), stderr);
   std::fflush(stderr);
+}
+
+void show_written(const std::string& file, const std::string& what, double seconds, bool json) {
+  if (json) {
+    const nlohmann::json line{
+        {"schema", "rilievo-progress-1"}, {"written", file}, {"what", what}, {"seconds", seconds}};
+    std::fputs((line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n").c_str(),
+               stderr);
+  } else if (isatty(STDERR_FILENO) == 1) {
+    complain(fmt::format("{}: {}, after {}", file, what, duration_text(seconds)));
+  }
 }
 
 void Progress::clear() {

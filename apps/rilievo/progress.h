@@ -34,4 +34,7 @@ class Progress {
   int done_at_start_ = 0;
 };
 
+// That a file was written before the end: a line on a terminal, or of JSON.
+void show_written(const std::string& file, const std::string& what, double seconds, bool json);
+
 }  // namespace rilievo::app

@@ -187,6 +187,7 @@ class Sources(Case):
         self.assertEqual(self.succeeds(*arguments).stderr, "")
         lines = [json.loads(line) for line in
                  self.succeeds(*arguments, "--progress", "json").stderr.splitlines()]
+        self.assertGreater(len(lines), 10)
         self.assertEqual({line["schema"] for line in lines}, {"rilievo-progress-1"})
         self.assertEqual([line["done"] for line in lines], sorted(line["done"] for line in lines))
         self.assertEqual((lines[-1]["done"], lines[-1]["total"], lines[-1]["kept"]), (12, 12, 12))
@@ -195,10 +196,13 @@ class Sources(Case):
         arguments = ("bake", STONES, "--as", "environment-nodes", "--at", "0,1.7,8", "--face", "128",
                      "--source", "raytrace", "--samples", "8", "-o")
         self.succeeds(*arguments, self.folder / "plain.exr")
-        done = self.succeeds(*arguments, self.folder / "seen.exr", "--preview")
+        done = self.succeeds(*arguments, self.folder / "seen.exr", "--preview", "--progress", "json")
         self.assertEqual((self.folder / "plain.exr").read_bytes(),
                          (self.folder / "seen.exr").read_bytes())
-        self.assertEqual(done.stderr.count("a preview"), 3)
+        written = [json.loads(line) for line in done.stderr.splitlines() if "written" in line]
+        self.assertEqual([line["what"] for line in written],
+                         [f"a preview with {n} of 128 texels a side, {s} samples"
+                          for n, s in ((16, 1), (32, 1), (64, 2))])
 
 
 class Resume(Case):
