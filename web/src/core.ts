@@ -10,7 +10,7 @@ import { Decoder } from "./decoder.js";
 import { WalkError, asWalkError } from "./errors.js";
 import { NodeDrawer, kMostDrawn } from "./gl/drawer.js";
 import type { View } from "./gl/program.js";
-import { deleteNode, kObjectBytes, kTexelBytes, storeNode, uploadFace, type StoredNode } from "./gl/node-store.js";
+import { deleteNode, storeNode, textureBytes, uploadFace, type StoredNode } from "./gl/node-store.js";
 import type { FileEntry, LevelEntry, Manifest, SketchesEntry } from "./manifest.js";
 import { kSkinStride, kSurfaceStride } from "./mesh-layout.js";
 import { StaticSource, type PictureSource } from "./source.js";
@@ -356,8 +356,7 @@ export class Walk {
     const entry = this.manifest?.nodes[node].levels[level] as LevelEntry;
     const { mesh } = entry;
     return (
-      6 * (kTexelBytes + (entry.objects && this.options.objects ? kObjectBytes : 0)) *
-        entry.faceSize * entry.faceSize +
+      textureBytes(entry.faceSize, Boolean(entry.objects && this.options.objects)) +
       kSurfaceStride * mesh.surfaceVertices.count + kSkinStride * mesh.skinVertices.count +
       4 * (mesh.surfaceIndices.count + mesh.skinIndices.count)
     );
@@ -481,6 +480,7 @@ export class Walk {
         face.close();
       }
       if (stored.uploaded < 6) return;
+      this.drawer.faceWriter.write(stored);
       this.drawer.seenDrawer.draw(stored);
       this.drop(slot);
       slot.stored = stored;

@@ -219,8 +219,7 @@ export class RilievoWalk extends THREE.Object3D<RilievoWalkEvents> {
         node_merge: { value: new THREE.Vector2() },
         node_nearness: { value: new Array<number>(layers).fill(1) },
         node_steps: { value: new Array<number>(layers).fill(1) },
-        node_from_eye: { value: Array.from({ length: layers }, () => new THREE.Matrix4()) },
-        node_rays: { value: new THREE.Vector4() },
+        node_from_pixel: { value: Array.from({ length: layers }, () => new THREE.Matrix4()) },
         ...Object.fromEntries(
           this.seen.slice(0, layers).map((texture, i) => [`node_seen${i}`, { value: texture }])),
         log_depth: { value: 0 },
@@ -288,11 +287,10 @@ export class RilievoWalk extends THREE.Object3D<RilievoWalkEvents> {
     bind(this.depths, drawer.depths);
     const { uniforms } = material;
     uniforms.node_merge.value.fromArray(drawer.mergeUniform);
-    uniforms.node_rays.value.fromArray(drawer.rays);
     for (let i = 0; i < count; ++i) {
       uniforms.node_nearness.value[i] = drawer.nearness[i];
       uniforms.node_steps.value[i] = drawer.steps[i];
-      uniforms.node_from_eye.value[i].fromArray(drawer.nodeFromEye, 16 * i);
+      uniforms.node_from_pixel.value[i].fromArray(drawer.nodeFromPixel, 16 * i);
       bind(this.seen[i], drawer.seen[i]);
     }
     const { capabilities } = renderer as unknown as { capabilities: Record<string, unknown> };

@@ -3,10 +3,12 @@
 
 import { kFaceAxes } from "../choose.js";
 import { WalkError } from "../errors.js";
-import { mergeProgram, nodeProgram, showObjectsProgram, skyProgram } from "./shaders.js";
+import {
+  kSkyTexels, mergeProgram, nodeProgram, showObjectsProgram, skyProgram, skyTexels,
+} from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
 import type { View } from "./program.js";
-import { SeenDrawer, WeightWriter } from "./seen.js";
+import { FaceWriter, SeenDrawer, WeightWriter } from "./seen.js";
 
 /** The most nodes that are merged. */
 export const kMostDrawn = 4;
@@ -15,6 +17,8 @@ export const kTolerance = 0.03;
 // Gaps of this width, pixels, count as cracks, which are always filled.
 const kCrack = 2;
 const kAnyWidth = 1e30;
+/** Right, up; and the number of each face. */
+const kFaces = kFaceAxes.map((a, f) => Float32Array.of(a[3], a[6], 0, a[4], a[7], 0, a[5], a[8], f));
 const kNoNodes: readonly StoredNode[] = [];
 const kDepthClamp = 0x864f;
 const kLowerLeft = 0x8ca1, kNegativeOneToOne = 0x935e;
@@ -25,6 +29,8 @@ interface NodeProgram {
   readonly scales: WebGLUniformLocation | null;
   readonly widest: WebGLUniformLocation | null;
   readonly unmix: WebGLUniformLocation | null;
+  readonly face: WebGLUniformLocation | null;
+  readonly size: WebGLUniformLocation | null;
 }
 
 interface MergeProgram {
@@ -32,8 +38,7 @@ interface MergeProgram {
   readonly merge: WebGLUniformLocation | null;
   readonly nearness: WebGLUniformLocation | null;
   readonly steps: WebGLUniformLocation | null;
-  readonly nodeFromEye: WebGLUniformLocation | null;
-  readonly rays: WebGLUniformLocation | null;
+  readonly nodeFromPixel: WebGLUniformLocation | null;
   readonly projection: WebGLUniformLocation | null;
   readonly place: WebGLUniformLocation | null;
   readonly corner: WebGLUniformLocation | null;
@@ -49,19 +54,20 @@ export class NodeDrawer {
   readonly mergeUniform = new Float32Array(2);
   readonly nearness = new Float32Array(kMostDrawn);
   readonly steps = new Float32Array(kMostDrawn);
-  readonly nodeFromEye = new Float32Array(16 * kMostDrawn);
-  readonly rays = new Float32Array(4);
+  readonly nodeFromPixel = new Float32Array(16 * kMostDrawn);
   readonly seen: (WebGLTexture | null)[] = new Array<null>(kMostDrawn).fill(null);
 
   /** Draws what a node sees, once when it comes. */
   readonly seenDrawer: SeenDrawer;
   readonly weightWriter: WeightWriter;
+  readonly faceWriter: FaceWriter;
   private readonly surface: NodeProgram;
   private readonly skin: NodeProgram;
   private surfaceObject: NodeProgram | null = null;
   private skinObject: NodeProgram | null = null;
   private showObjects: WebGLProgram | null = null;
   private sky: { program: WebGLProgram; place: WebGLUniformLocation | null } | null = null;
+  private skyTexture: WebGLTexture | null = null;
   private readonly pixels = new Float32Array(9);
   private readonly mergePrograms: (MergeProgram | null)[] = [];
   private readonly noVertices: WebGLVertexArrayObject | null;
@@ -81,10 +87,12 @@ export class NodeDrawer {
   private readonly visible = new Uint8Array(6);
 
   constructor(private readonly gl: WebGL2RenderingContext) {
-    this.surface = this.nodeProgram("UNMIXES");
+    this.surface = this.nodeProgram("SIDE");
     this.skin = this.nodeProgram("SKIN");
-    this.seenDrawer = new SeenDrawer(gl);
+    // Half, so that none is missed that frames would call different.
+    this.seenDrawer = new SeenDrawer(gl, 0.5 * kTolerance);
     this.weightWriter = new WeightWriter(gl);
+    this.faceWriter = new FaceWriter(gl);
     this.noVertices = gl.createVertexArray();
     this.clamps = gl.getExtension("EXT_depth_clamp") !== null;
     this.clipControl = gl.getExtension("EXT_clip_control");
@@ -149,8 +157,7 @@ export class NodeDrawer {
       }
       gl.uniform1fv(of.nearness, this.nearness, 0, this.layers);
       gl.uniform1fv(of.steps, this.steps, 0, this.layers);
-      gl.uniformMatrix4fv(of.nodeFromEye, false, this.nodeFromEye, 0, 16 * this.layers);
-      gl.uniform4fv(of.rays, this.rays);
+      gl.uniformMatrix4fv(of.nodeFromPixel, false, this.nodeFromPixel, 0, 16 * this.layers);
     }
     gl.activeTexture(gl.TEXTURE0);
     const p = view.clipFromEye;
@@ -160,7 +167,7 @@ export class NodeDrawer {
     this.projection[3] = p[15];
     gl.uniform4fv(of.projection, this.projection);
     gl.uniform2i(of.corner, x, y);
-    if (sky) this.setSky(view, of.place, x, y);
+    if (sky) this.setSky(view, of.place, x, y, 2 + this.layers);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.depthMask(true);
@@ -181,7 +188,7 @@ export class NodeDrawer {
       this.sky = { program, place: gl.getUniformLocation(program, "world_from_pixel") };
     }
     gl.useProgram(this.sky.program);
-    this.setSky(view, this.sky.place, x, y);
+    this.setSky(view, this.sky.place, x, y, 0);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.bindVertexArray(this.noVertices);
@@ -234,11 +241,13 @@ export class NodeDrawer {
     this.dropLayers();
     this.seenDrawer.dispose();
     this.weightWriter.dispose();
+    this.faceWriter.dispose();
     for (const of of [this.surface, this.skin, this.surfaceObject, this.skinObject])
       if (of) gl.deleteProgram(of.program);
     for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);
     if (this.showObjects) gl.deleteProgram(this.showObjects);
     if (this.sky) gl.deleteProgram(this.sky.program);
+    gl.deleteTexture(this.skyTexture);
     gl.deleteVertexArray(this.noVertices);
     this.dropObjectTarget();
   }
@@ -256,6 +265,8 @@ export class NodeDrawer {
       scales: gl.getUniformLocation(program, "scales"),
       widest: gl.getUniformLocation(program, "widest_skin"),
       unmix: gl.getUniformLocation(program, "unmix"),
+      face: gl.getUniformLocation(program, "face"),
+      size: gl.getUniformLocation(program, "size"),
     };
   }
 
@@ -270,13 +281,13 @@ export class NodeDrawer {
     gl.uniform1i(gl.getUniformLocation(program, "node_depths"), 1);
     for (let i = 0; i < layers; ++i)
       gl.uniform1i(gl.getUniformLocation(program, `node_seen${i}`), 2 + i);
+    gl.uniform1i(gl.getUniformLocation(program, "sky"), 2 + layers);
     return (this.mergePrograms[index] = {
       program,
       merge: gl.getUniformLocation(program, "node_merge"),
       nearness: gl.getUniformLocation(program, "node_nearness"),
       steps: gl.getUniformLocation(program, "node_steps"),
-      nodeFromEye: gl.getUniformLocation(program, "node_from_eye"),
-      rays: gl.getUniformLocation(program, "node_rays"),
+      nodeFromPixel: gl.getUniformLocation(program, "node_from_pixel"),
       projection: gl.getUniformLocation(program, "projection"),
       place: gl.getUniformLocation(program, "world_from_pixel"),
       corner: gl.getUniformLocation(program, "corner"),
@@ -314,7 +325,7 @@ export class NodeDrawer {
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, null);
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, null);
   }
 
   /** Begins to draw something else into the one layer, whose near plane it returns. */
@@ -332,8 +343,12 @@ export class NodeDrawer {
     this.end();
   }
 
-  private setSky(view: View, place: WebGLUniformLocation | null, left: number, bottom: number): void {
+  private setSky(view: View, place: WebGLUniformLocation | null, left: number, bottom: number,
+                 unit: number): void {
     const { gl, pixels } = this;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, this.skyTexture ??= this.makeSky());
+    gl.activeTexture(gl.TEXTURE0);
     const e = view.worldFromEye, p = view.clipFromEye;
     const sx = 2 / (view.width * p[0]), sy = 2 / (view.height * p[5]);
     const x = (p[8] - 1) / p[0] - left * sx, y = (p[9] - 1) / p[5] - bottom * sy;
@@ -345,6 +360,17 @@ export class NodeDrawer {
     gl.uniformMatrix3fv(place, false, pixels);
   }
 
+  private makeSky(): WebGLTexture {
+    const { gl } = this;
+    const made = gl.createTexture() as WebGLTexture;
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, kSkyTexels, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, skyTexels());
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+    return made;
+  }
+
   private beginLayer(layer: number): void {
     const { gl } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffers[layer]);
@@ -353,12 +379,15 @@ export class NodeDrawer {
 
   // What the merge of `count` nodes asks for.
   private setMerge(view: View, nodes: readonly StoredNode[], count: number, near: number): void {
-    const { nearness, steps, nodeFromEye, rays } = this;
+    const { nearness, steps, nodeFromPixel } = this;
     this.mergeUniform[0] = kTolerance;
     this.mergeUniform[1] = near;
     let sum = 0;
     for (let i = 0; i < count; ++i) sum += 1 / Math.max(1e-9, eyeDistance(view, nodes[i]));
     const e = view.worldFromEye, p = view.clipFromEye;
+    // Of a pixel's (x, y): at z = -1.
+    const sx = 2 / (view.width * p[0]), sy = 2 / (view.height * p[5]);
+    const x = (p[8] - 1) / p[0], y = (p[9] - 1) / p[5];
     for (let i = 0; i < count; ++i) {
       const node = nodes[i], w = node.worldFromNode;
       // Squared: the nearer node's texels are smaller in both directions.
@@ -366,19 +395,16 @@ export class NodeDrawer {
       nearness[i] = Math.max(1e-9, share * share);
       steps[i] = node.level.mesh.disparityStep;
       this.seen[i] = node.seen;
-      for (let column = 0; column < 4; ++column)
-        for (let row = 0; row < 4; ++row) {
-          let dot = row === 3 ? (column === 3 ? 1 : 0) : 0;
-          if (row < 3)
-            for (let k = 0; k < 3; ++k)
-              dot += w[4 * row + k] * (e[4 * column + k] - (column === 3 ? w[12 + k] : 0));
-          nodeFromEye[16 * i + 4 * column + row] = dot;
-        }
+      for (let row = 0; row < 3; ++row) {
+        const right = dotOf(w, row, e, 0), up = dotOf(w, row, e, 1), back = dotOf(w, row, e, 2);
+        const at = 16 * i + row;
+        nodeFromPixel[at] = right * sx;
+        nodeFromPixel[at + 4] = up * sy;
+        nodeFromPixel[at + 8] = right * x + up * y - back;
+        nodeFromPixel[at + 12] = w[4 * row] * (e[12] - w[12]) + w[4 * row + 1] * (e[13] - w[13]) +
+          w[4 * row + 2] * (e[14] - w[14]);
+      }
     }
-    rays[0] = (p[8] - 1) / p[0];
-    rays[1] = (p[9] - 1) / p[5];
-    rays[2] = 2 / (view.width * p[0]);
-    rays[3] = 2 / (view.height * p[5]);
   }
 
   // Before the surfaces and the skins of a node are drawn.
@@ -392,7 +418,7 @@ export class NodeDrawer {
     scales[2] = 0.25 / node.level.faceSize;
     scales[3] = 2 * near;
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, node.faces);
   }
 
   private drawSurfaces(of: NodeProgram, node: StoredNode, first: boolean): void {
@@ -401,30 +427,32 @@ export class NodeDrawer {
     // that node saw around a corner: it must not cover what the first node knows.
     if (first) gl.disable(gl.CULL_FACE);
     else gl.enable(gl.CULL_FACE);
-    this.drawSides(of, node.surfaces, node.surfaceStarts, 0);
+    this.drawSides(of, node, node.surfaces, node.surfaceStarts, 0);
     gl.disable(gl.CULL_FACE);
   }
 
   private drawSkins(of: NodeProgram, node: StoredNode, first: boolean): void {
-    this.drawSides(of, node.skins, node.skinStarts, first ? kAnyWidth : kCrack);
+    this.drawSides(of, node, node.skins, node.skinStarts, first ? kAnyWidth : kCrack);
   }
 
-  private drawSides(of: NodeProgram, array: WebGLVertexArrayObject, starts: Uint32Array,
-                    widest: number): void {
+  private drawSides(of: NodeProgram, node: StoredNode, array: WebGLVertexArrayObject,
+                    starts: Uint32Array, widest: number): void {
     const { gl, visible, stats } = this;
     gl.useProgram(of.program);
     gl.uniformMatrix4fv(of.clip, false, this.clip32);
     gl.uniform4fv(of.scales, this.scales);
     if (of.widest) gl.uniform1f(of.widest, widest);
     if (of.unmix) gl.uniform1f(of.unmix, this.unmix);
+    gl.uniform1f(of.size, node.level.faceSize);
     gl.bindVertexArray(array);
     for (let f = 0; f < 6; ++f) {
       if (!visible[f]) continue;
       const begin = starts[f];
-      // Neighbouring sides in one call.
-      while (f + 1 < 6 && visible[f + 1]) ++f;
+      // Neighbouring sides in one call, where it does not depend on the side.
+      while (!of.face && f + 1 < 6 && visible[f + 1]) ++f;
       const count = starts[f + 1] - begin;
       if (count === 0) continue;
+      if (of.face) gl.uniformMatrix3fv(of.face, false, kFaces[f]);
       gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * begin);
       ++stats.drawCalls;
       stats.triangles += count;
@@ -564,6 +592,11 @@ export class NodeDrawer {
     gl.deleteRenderbuffer(objectTarget.depth);
     this.objectTarget = null;
   }
+}
+
+/** Of two columns. */
+function dotOf(a: ArrayLike<number>, i: number, b: ArrayLike<number>, j: number): number {
+  return a[4 * i] * b[4 * j] + a[4 * i + 1] * b[4 * j + 1] + a[4 * i + 2] * b[4 * j + 2];
 }
 
 function eyeDistance(view: View, node: StoredNode): number {

@@ -1,5 +1,5 @@
-// Nodes on the GPU: a cube map of colours and of what texels count, what the node sees of all sides,
-// and the meshes of surfaces and skins.
+// Nodes on the GPU: colours and what texels count, what the node sees of all sides, and the meshes of
+// surfaces and skins.
 
 import type { LevelEntry } from "../manifest.js";
 import { kSkinStride, kSurfaceStride, type NodeMesh } from "../mesh-layout.js";
@@ -8,9 +8,14 @@ import type { WeightWriter } from "./seen.js";
 export interface StoredNode {
   readonly worldFromNode: Float64Array;
   readonly level: LevelEntry;
-  /** Alpha is what texels count. */
+  /**
+   * Six layers of a face each, with one more texel on all sides: those of the faces beside. Alpha is
+   * what texels count.
+   */
   readonly faces: WebGLTexture;
-  /** 3 x 2 faces of disparities as SeenDrawer (seen.ts) draws them. */
+  /** The same as a cube map, until all are there and FaceWriter (seen.ts) has written `faces`. */
+  cube: WebGLTexture | null;
+  /** 3 x 2 faces of two codes of disparities as SeenDrawer (seen.ts) draws them. */
   readonly seen: WebGLTexture;
   readonly objects: WebGLTexture | null;
   readonly surfaces: WebGLVertexArrayObject;
@@ -28,13 +33,14 @@ export interface StoredNode {
   weightSheet: Uint8Array | null;
 }
 
-/** A texel's bytes: colour and weight, disparity, and the identifier if there is one. */
-export const kTexelBytes = 4 + 2, kObjectBytes = 2;
+/** Bytes of the textures of a node: colours and weights, disparities, identifiers if there are any. */
+export function textureBytes(faceSize: number, objects: boolean): number {
+  return 6 * (4 * (faceSize + 2) ** 2 + (objects ? 6 : 4) * faceSize ** 2);
+}
 
 function storedBytes(level: LevelEntry, mesh: NodeMesh, objects: boolean): number {
-  const texels = 6 * level.faceSize * level.faceSize;
   return (
-    texels * (kTexelBytes + (objects ? kObjectBytes : 0)) +
+    textureBytes(level.faceSize, objects) +
     mesh.surfaceVertices.length + mesh.skinVertices.length +
     mesh.surfaceIndices.byteLength + mesh.skinIndices.byteLength
   );
@@ -51,17 +57,27 @@ function cubeMap(gl: WebGL2RenderingContext, size: number): WebGLTexture {
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, made);
   gl.texStorage2D(gl.TEXTURE_CUBE_MAP, 1, gl.RGBA8, size, size);
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-    gl.texParameteri(gl.TEXTURE_CUBE_MAP, filter, gl.LINEAR);
+    gl.texParameteri(gl.TEXTURE_CUBE_MAP, filter, gl.NEAREST);
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
   return made;
 }
 
-// 3 x 2 faces of 16-bit numbers.
-function sheet16(gl: WebGL2RenderingContext, size: number, texels: Uint16Array | null):
-    WebGLTexture {
+function faceArray(gl: WebGL2RenderingContext, size: number): WebGLTexture {
+  const made = gl.createTexture() as WebGLTexture;
+  gl.bindTexture(gl.TEXTURE_2D_ARRAY, made);
+  gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA8, size + 2, size + 2, 6);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+    gl.texParameteri(gl.TEXTURE_2D_ARRAY, filter, gl.LINEAR);
+  gl.bindTexture(gl.TEXTURE_2D_ARRAY, null);
+  return made;
+}
+
+// 3 x 2 faces of one or two 16-bit numbers.
+function sheet16(gl: WebGL2RenderingContext, format: number, size: number,
+                 texels: Uint16Array | null): WebGLTexture {
   const made = gl.createTexture() as WebGLTexture;
   gl.bindTexture(gl.TEXTURE_2D, made);
-  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, 3 * size, 2 * size);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, format, 3 * size, 2 * size);
   if (texels) {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 3 * size, 2 * size, gl.RED_INTEGER,
@@ -109,9 +125,10 @@ export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Arra
   const skinStarts = starts(level.mesh.skins);
   return {
     worldFromNode, level,
-    faces: cubeMap(gl, level.faceSize),
-    seen: sheet16(gl, level.faceSize, null),
-    objects: objects ? sheet16(gl, level.faceSize, objects) : null,
+    faces: faceArray(gl, level.faceSize),
+    cube: cubeMap(gl, level.faceSize),
+    seen: sheet16(gl, gl.RG16UI, level.faceSize, null),
+    objects: objects ? sheet16(gl, gl.R16UI, level.faceSize, objects) : null,
     surfaces, skins, buffers, surfaceStarts, skinStarts,
     reaches: mesh.reaches,
     triangles: surfaceStarts[6] + skinStarts[6],
@@ -129,17 +146,17 @@ export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: I
   gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
   gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
   gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-  gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.faces);
+  gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.cube);
   gl.texSubImage2D(target, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, face);
   gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.BROWSER_DEFAULT_WEBGL);
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
-  if (node.weightSheet)
-    weights.write(node.weightSheet, node.uploaded, node.level.faceSize, node.faces);
+  if (node.weightSheet && node.cube)
+    weights.write(node.weightSheet, node.uploaded, node.level.faceSize, node.cube);
   if (++node.uploaded === 6) node.weightSheet = null;
 }
 
 export function deleteNode(gl: WebGL2RenderingContext, node: StoredNode): void {
-  for (const texture of [node.faces, node.seen, node.objects]) gl.deleteTexture(texture);
+  for (const texture of [node.faces, node.cube, node.seen, node.objects]) gl.deleteTexture(texture);
   gl.deleteVertexArray(node.surfaces);
   gl.deleteVertexArray(node.skins);
   for (const buffer of node.buffers) gl.deleteBuffer(buffer);

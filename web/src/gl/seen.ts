@@ -1,13 +1,14 @@
-// What is drawn into a node's textures once, when it comes. What it sees in each direction, for those who ask whether it sees through a place (S3.7): its
-// disparities, drawn from its own mesh as its own eye sees it, where surfaces cover each texel once.
-// Nothing of it is in a file.
+// What is drawn into a node's textures once, when it comes. What it sees in each direction, for those
+// who ask whether it sees through a place (S3.7), and beside silhouettes: its disparities, drawn from
+// its own mesh as its own eye sees it, where surfaces cover each texel once. Nothing of it is in a
+// file.
 
 import { kFaceAxes } from "../choose.js";
-import { compile } from "./program.js";
+import { compile, kScreenVertex } from "./program.js";
 import type { StoredNode } from "./node-store.js";
 
 // A side lies on the plane in front of its face, so that disparity is linear in the face. What is
-// stored is the code of a disparity as the bits of a half float, 11 of them exact, plus 1; 0 is
+// drawn is the code of a disparity as the bits of a half float, 11 of them exact, plus 1; 0 is
 // nothing.
 const kVertex = `#version 300 es
 precision highp float;
@@ -31,10 +32,30 @@ void main() {
 }
 `;
 
-const kWeightVertex = `#version 300 es
+// What frames ask: red is the code, of which bit 15 says that the four texels from here to the right
+// and up do not agree, so that colours between them may be those of several surfaces; green is the
+// largest of the four.
+const kAskedFragment = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform usampler2D codes;
+uniform float agree;  // by how much of the lesser one disparities may differ
+layout(location = 0) out uvec4 out_codes;
 void main() {
-  gl_Position = vec4(float((gl_VertexID & 1) * 4) - 1.0, float((gl_VertexID >> 1) * 4) - 1.0, 0.0,
-                     1.0);
+  ivec2 at = ivec2(gl_FragCoord.xy), size = textureSize(codes, 0) / ivec2(3, 2);
+  // On this face.
+  ivec2 last = (at / size + 1) * size - 1;
+  uint own = texelFetch(codes, at, 0).r, least = own, most = own;
+  for (int k = 1; k < 4; ++k) {
+    uint code = texelFetch(codes, min(at + ivec2(k & 1, k >> 1), last), 0).r;
+    least = min(least, code);
+    most = max(most, code);
+  }
+  bool agrees = least == most;
+  if (!agrees && least != 0u)
+    agrees = unpackHalf2x16(most - 1u).x <= (1.0 + agree) * unpackHalf2x16(least - 1u).x;
+  out_codes = uvec4(agrees ? own : own | 0x8000u, most, 0u, 0u);
 }
 `;
 
@@ -63,7 +84,7 @@ export class WeightWriter {
   private readonly vertices: WebGLVertexArrayObject | null;
 
   constructor(private readonly gl: WebGL2RenderingContext) {
-    this.program = compile(gl, "weights", kWeightVertex, kWeightFragment);
+    this.program = compile(gl, "weights", kScreenVertex, kWeightFragment);
     this.framebuffer = gl.createFramebuffer();
     this.vertices = gl.createVertexArray();
   }
@@ -106,28 +127,99 @@ export class WeightWriter {
   }
 }
 
+const kFaceFragment = `#version 300 es
+precision highp float;
+uniform samplerCube cube;
+uniform mat3 face;   // right, up, forward
+uniform float size;  // texels
+layout(location = 0) out vec4 out_color;
+void main() {
+  vec2 st = 2.0 * (gl_FragCoord.xy - 1.0) / size - 1.0;
+  out_color = textureLod(cube, face * vec3(st, 1.0), 0.0);
+}
+`;
+
+/** Writes the layers of a node's faces from its cube map, which goes. */
+export class FaceWriter {
+  private readonly program: WebGLProgram;
+  private readonly face: WebGLUniformLocation | null;
+  private readonly size: WebGLUniformLocation | null;
+  private readonly framebuffer: WebGLFramebuffer | null;
+  private readonly noVertices: WebGLVertexArrayObject | null;
+
+  constructor(private readonly gl: WebGL2RenderingContext) {
+    this.program = compile(gl, "faces", kScreenVertex, kFaceFragment);
+    this.face = gl.getUniformLocation(this.program, "face");
+    this.size = gl.getUniformLocation(this.program, "size");
+    this.framebuffer = gl.createFramebuffer();
+    this.noVertices = gl.createVertexArray();
+  }
+
+  /** Changes framebuffer, viewport and programs. */
+  write(node: StoredNode): void {
+    const { gl } = this;
+    const { faceSize } = node.level;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.cube);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    plainState(gl);
+    gl.colorMask(true, true, true, true);
+    gl.viewport(0, 0, faceSize + 2, faceSize + 2);
+    gl.useProgram(this.program);
+    gl.uniform1f(this.size, faceSize);
+    gl.bindVertexArray(this.noVertices);
+    kFaceAxes.forEach((a, f) => {
+      gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, node.faces, 0, f);
+      gl.uniformMatrix3fv(this.face, false, [...a.slice(3), ...a.slice(0, 3)]);
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+    });
+    gl.bindVertexArray(null);
+    // A texture that is drawn must not be attached.
+    gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, null, 0, 0);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
+    gl.deleteTexture(node.cube);
+    node.cube = null;
+  }
+
+  dispose(): void {
+    this.gl.deleteProgram(this.program);
+    this.gl.deleteFramebuffer(this.framebuffer);
+    this.gl.deleteVertexArray(this.noVertices);
+  }
+}
+
 export class SeenDrawer {
   private readonly program: WebGLProgram;
+  private readonly asked: WebGLProgram;
   private readonly right: WebGLUniformLocation | null;
   private readonly up: WebGLUniformLocation | null;
   private readonly framebuffer: WebGLFramebuffer | null;
+  private readonly noVertices: WebGLVertexArrayObject | null;
 
-  constructor(private readonly gl: WebGL2RenderingContext) {
+  /** Disparities that differ by the share `agree` are those of one surface. */
+  constructor(private readonly gl: WebGL2RenderingContext, agree: number) {
     this.program = compile(gl, "seen", kVertex, kFragment);
     this.right = gl.getUniformLocation(this.program, "right");
     this.up = gl.getUniformLocation(this.program, "up");
+    this.asked = compile(gl, "asked", kScreenVertex, kAskedFragment);
+    gl.useProgram(this.asked);
+    gl.uniform1f(gl.getUniformLocation(this.asked, "agree"), agree);
     this.framebuffer = gl.createFramebuffer();
+    this.noVertices = gl.createVertexArray();
   }
 
   /** Draws what a node sees into its `seen`. Changes framebuffer, viewport and programs. */
   draw(node: StoredNode): void {
     const { gl } = this;
     const size = node.level.faceSize, scale = 1 / size;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, node.seen, 0);
-    plainState(gl);
-    gl.colorMask(true, true, true, true);
-    gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
+    const codes = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, codes);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, 3 * size, 2 * size);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+      gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+    this.drawInto(codes);
     gl.useProgram(this.program);
     gl.bindVertexArray(node.surfaces);
     for (let f = 0; f < 6; ++f) {
@@ -138,14 +230,32 @@ export class SeenDrawer {
       const begin = node.surfaceStarts[f], count = node.surfaceStarts[f + 1] - begin;
       if (count > 0) gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * begin);
     }
+    this.drawInto(node.seen);
+    gl.viewport(0, 0, 3 * size, 2 * size);
+    gl.useProgram(this.asked);
+    gl.bindVertexArray(this.noVertices);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.bindVertexArray(null);
     // A texture that is drawn must not be attached.
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, null, 0);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+    gl.deleteTexture(codes);
   }
 
   dispose(): void {
     this.gl.deleteProgram(this.program);
+    this.gl.deleteProgram(this.asked);
     this.gl.deleteFramebuffer(this.framebuffer);
+    this.gl.deleteVertexArray(this.noVertices);
+  }
+
+  private drawInto(texture: WebGLTexture | null): void {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    plainState(gl);
+    gl.colorMask(true, true, true, true);
+    gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
   }
 }

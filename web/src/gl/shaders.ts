@@ -4,6 +4,8 @@
 
 import { compile, kScreenVertex } from "./program.js";
 
+export const kSkyTexels = 2048;
+
 const kVertex = `#version 300 es
 precision highp float;
 layout(location = 0) in vec3 direction;     // times the scale
@@ -15,9 +17,15 @@ out float v_stretch;
 #endif
 uniform mat4 clip_from_node;
 uniform vec4 scales;  // 1 / N, disparity step, 1 / 4 N, twice the near plane
-out vec3 v_direction;
-#ifdef UNMIXES
+uniform float size;   // N
+#ifdef SIDE
+// Of a side, whose vertices lie on the plane before its face.
+uniform mat3 face;    // rows: right, up, and the face's number times z
+out vec2 v_texel;
 out float v_disparity;  // code
+flat out float v_layer;
+#else
+out vec3 v_direction;
 #endif
 void main() {
   vec4 place = vec4(direction * scales.x, disparity * scales.y);
@@ -28,11 +36,12 @@ void main() {
 #ifdef SKIN
   v_direction = texture_direction * scales.z;
   v_stretch = (stretch - 1.0) * 0.125;
+#elif defined(SIDE)
+  v_texel = (0.5 + 0.5 * (face * place.xyz).xy) * size;
+  v_disparity = disparity;
+  v_layer = face[2][2];
 #else
   v_direction = place.xyz;
-#endif
-#ifdef UNMIXES
-  v_disparity = disparity;
 #endif
 }
 `;
@@ -40,16 +49,12 @@ void main() {
 // A direction's face and its place there, from -1 to 1, of OpenGL's cube maps.
 const kFaceOf = `int face_of(vec3 d, out vec2 st) {
   vec3 a = abs(d);
-  if (a.x >= a.y && a.x >= a.z) {
-    st = vec2(d.x > 0.0 ? -d.z : d.z, -d.y) / a.x;
-    return d.x > 0.0 ? 0 : 1;
-  }
-  if (a.y >= a.z) {
-    st = vec2(d.x, d.y > 0.0 ? d.z : -d.z) / a.y;
-    return d.y > 0.0 ? 2 : 3;
-  }
-  st = vec2(d.z > 0.0 ? d.x : -d.x, -d.y) / a.z;
-  return d.z > 0.0 ? 4 : 5;
+  bool x = a.x >= max(a.y, a.z), y = !x && a.y >= a.z;
+  float along = x ? d.x : y ? d.y : d.z, ahead = abs(along);
+  // Without branches, of which software runs both sides.
+  float turned = along > 0.0 ? 1.0 : -1.0;
+  st = vec2(x ? -turned * d.z : y ? d.x : turned * d.x, y ? turned * d.z : -d.y) / ahead;
+  return (x ? 0 : y ? 2 : 4) + (along > 0.0 ? 0 : 1);
 }
 `;
 
@@ -59,67 +64,59 @@ const kFragment = `#version 300 es
 precision highp float;
 precision highp int;
 precision highp usampler2D;
+precision highp sampler2DArray;
+uniform sampler2DArray faces;
+uniform float size;  // N
+#ifdef SIDE
+in vec2 v_texel;
+in float v_disparity;
+flat in float v_layer;
+uniform usampler2D seen;  // SeenDrawer's (seen.ts)
+uniform float unmix;      // tolerance; negative: all is mixed
+uint code_at(int x, int y) { return texelFetch(seen, ivec2(x, y), 0).r & 0x7fffu; }
+vec3 surface_color(vec3 mixed, ivec2 low, ivec2 p, ivec2 q) {
+  vec2 far = v_texel - 0.5 - vec2(low), near = 1.0 - far;
+  ivec3 at = ivec3(low + 1, v_layer);
+  vec4 c0 = texelFetch(faces, at, 0), c1 = texelFetch(faces, at + ivec3(1, 0, 0), 0);
+  vec4 c2 = texelFetch(faces, at + ivec3(0, 1, 0), 0), c3 = texelFetch(faces, at + ivec3(1, 1, 0), 0);
+  uvec4 codes = uvec4(code_at(p.x, p.y), code_at(q.x, p.y), code_at(p.x, q.y), code_at(q.x, q.y));
+  // Halves, less one; nothing is far from everything.
+  vec4 off = abs(mix(uintBitsToFloat(codes * 8192u + 0x37ffe000u), vec4(-1.0), equal(codes, uvec4(0u))) -
+                 v_disparity);
+  float least = min(min(off.x, off.y), min(off.z, off.w));
+  vec4 weight = vec4(near.x, far.x, near.x, far.x) * vec4(near.y, near.y, far.y, far.y);
+  weight = max(weight, 1e-3) * vec4(lessThanEqual(off, vec4(least + unmix * v_disparity)));
+  vec3 kept = (weight.x * c0.rgb + weight.y * c1.rgb + weight.z * c2.rgb + weight.w * c3.rgb) /
+              (weight.x + weight.y + weight.z + weight.w);
+  return min(min(c0.a, c1.a), min(c2.a, c3.a)) > 0.0 ? mixed : kept;
+}
+vec4 color_at() {
+  vec4 color = textureLod(faces, vec3((v_texel + 1.0) / (size + 2.0), v_layer), 0.0);
+  if (unmix < 0.0 || color.a >= 0.5) return color;
+  // The four texels around, of which the first lies at low.
+  int face = int(v_layer);
+  ivec2 low = ivec2(floor(v_texel - 0.5)), last = ivec2(size) - 1;
+  ivec2 corner = ivec2(face % 3, face / 3) * (last + 1), p = corner + clamp(low, ivec2(0), last);
+  if ((texelFetch(seen, p, 0).r & 0x8000u) != 0u)
+    color.rgb = surface_color(color.rgb, low, p, corner + clamp(low + 1, ivec2(0), last));
+  return color;
+}
+#else
 in vec3 v_direction;
+${kFaceOf}
+#endif
 #ifdef SKIN
 in float v_stretch;
 uniform float widest_skin;  // pixels
 #endif
-uniform samplerCube faces;
-#ifdef UNMIXES
-in float v_disparity;
-uniform usampler2D seen;  // SeenDrawer's (seen.ts)
-uniform float unmix;      // tolerance; negative: all is mixed
-float disparity_at(ivec2 texel) {
-  uint code = texelFetch(seen, texel, 0).r;
-  return code == 0u ? -1.0 : unpackHalf2x16(code - 1u).x;
-}
-vec4 texel_at(vec3 d) { return textureLod(faces, d, 0.0); }
-vec3 surface_color(vec3 mixed) {
-  vec3 a = abs(v_direction);
-  float ahead = max(a.x, max(a.y, a.z));
-  vec3 d = v_direction / ahead, s = vec3(1.0, 0.0, 0.0), t = vec3(0.0, -1.0, 0.0);
-  int face = d.z > 0.0 ? 4 : 5;
-  if (ahead == a.x) {
-    face = d.x > 0.0 ? 0 : 1;
-    s = vec3(0.0, 0.0, -d.x);
-  } else if (ahead == a.y) {
-    face = d.y > 0.0 ? 2 : 3;
-    t = vec3(0.0, 0.0, d.y);
-  } else {
-    s.x = d.z;
-  }
-  // The four texels around, of which the first lies at low.
-  int size = textureSize(faces, 0).x;
-  vec2 at = (0.5 * vec2(dot(d, s), dot(d, t)) + 0.5) * float(size) - 0.5, low = floor(at);
-  vec2 far = at - low, near = 1.0 - far;
-  s *= 2.0 / float(size);
-  t *= 2.0 / float(size);
-  d -= far.x * s + far.y * t;
-  vec4 c0 = texel_at(d), c1 = texel_at(d + s), c2 = texel_at(d + t), c3 = texel_at(d + s + t);
-  if (min(min(c0.a, c1.a), min(c2.a, c3.a)) > 0.0) return mixed;
-  ivec2 corner = ivec2(face % 3, face / 3) * size, last = ivec2(size - 1);
-  ivec2 p = corner + clamp(ivec2(low), ivec2(0), last);
-  ivec2 q = corner + clamp(ivec2(low) + 1, ivec2(0), last);
-  float own = v_disparity / ahead;
-  vec4 off = abs(vec4(disparity_at(p), disparity_at(ivec2(q.x, p.y)),
-                      disparity_at(ivec2(p.x, q.y)), disparity_at(q)) - own);
-  float least = min(min(off.x, off.y), min(off.z, off.w));
-  vec4 weight = vec4(near.x, far.x, near.x, far.x) * vec4(near.y, near.y, far.y, far.y);
-  weight = max(weight, 1e-3) * vec4(lessThanEqual(off, vec4(least + unmix * own)));
-  return (weight.x * c0.rgb + weight.y * c1.rgb + weight.z * c2.rgb + weight.w * c3.rgb) /
-         (weight.x + weight.y + weight.z + weight.w);
-}
-#endif
 #ifdef OBJECT
 uniform usampler2D objects;  // 3 x 2 faces
 layout(location = 0) out uvec4 out_object;
-${kFaceOf}
 uint object_at(vec3 d) {
   vec2 st;
-  int face = face_of(d, st);
-  int size = textureSize(objects, 0).x / 3;
-  ivec2 texel = clamp(ivec2(floor((0.5 * st + 0.5) * float(size))), ivec2(0), ivec2(size - 1));
-  return texelFetch(objects, ivec2(face % 3, face / 3) * size + texel, 0).r;
+  int face = face_of(d, st), last = int(size) - 1;
+  ivec2 texel = clamp(ivec2(floor((0.5 * st + 0.5) * size)), ivec2(0), ivec2(last));
+  return texelFetch(objects, ivec2(face % 3, face / 3) * (last + 1) + texel, 0).r;
 }
 #else
 layout(location = 0) out vec4 out_color;
@@ -132,13 +129,13 @@ void main() {
 #ifdef OBJECT
   out_object = uvec4(object_at(v_direction), 0u, 0u, 1u);
 #elif defined(SKIN)
-  out_color = vec4(texture(faces, v_direction).rgb, 1.0 / 255.0);
+  vec2 st;
+  int face = face_of(v_direction, st);
+  out_color = vec4(textureLod(faces, vec3(((0.5 * st + 0.5) * size + 1.0) / (size + 2.0), face), 0.0).rgb,
+                   1.0 / 255.0);
 #else
   // 0 is nothing, 1 a skin.
-  vec4 color = texture(faces, v_direction);
-#ifdef UNMIXES
-  if (unmix >= 0.0 && color.a < 0.5) color.rgb = surface_color(color.rgb);
-#endif
+  vec4 color = color_at();
   out_color = vec4(color.rgb, (2.0 + 253.0 * color.a) / 255.0);
 #endif
 }
@@ -177,8 +174,7 @@ bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
   return `${head}
 uniform float node_nearness[${layers}];
 uniform float node_steps[${layers}];  // 1/m, of disparities
-uniform mat4 node_from_eye[${layers}];
-uniform vec4 node_rays;  // of a pixel's (x, y): at z = -1, xy + zw (x, y)
+uniform mat4 node_from_pixel[${layers}];  // of (x z, y z, z, 1) at a pixel's (x, y) and eye_z z
 ${kFaceOf}
 ${each(layers, shareFunction)}
 bool merge_nodes(ivec2 pixel, out vec3 color, out float eye_z) {
@@ -190,22 +186,25 @@ ${each(layers, (i) => `
     nearest = min(nearest, d${i});
     farthest = max(farthest, d${i});
   }`)}
-  if (farthest == 0.0) {
+  color = vec3(0.0);
+  eye_z = 0.0;
+  bool shows = farthest > 0.0;
+  if (!shows) {
     vec4 skin = texelFetch(node_colors, ivec3(pixel, ${layers}), 0);
     color = skin.rgb;
     eye_z = layer_z(pixel, ${layers});
-    return skin.a > 0.0;
+    shows = skin.a > 0.0;
   }
   if (farthest > nearest * (1.0 + 0.5 * node_merge.x)) {
     // Surfaces do not agree. Those of the first node, which sees the eye, are there.
-    vec3 ray = vec3(node_rays.xy + node_rays.zw * (vec2(pixel) + 0.5), -1.0);
+    vec2 at = vec2(pixel) + 0.5;
     float accepted = 1e38;
     if (c0.a > 0.0) accepted = d0;
 ${each(layers, (i) => i === 0 ? "" : `
     if (c${i}.a > 0.0) {
       // Nobody sees through the sky.
       if (d${i} < 1e12 * node_merge.y) {
-        vec3 p = d${i} * ray;
+        vec4 p = vec4(d${i} * at, d${i}, 1.0);
 ${each(layers, (j) => j === i ? "" : `        s${i} = min(s${i}, node_share${j}(p));\n`)}
       }
       if (s${i} >= 0.5) accepted = min(accepted, d${i});
@@ -219,8 +218,6 @@ ${each(layers, (i) => `      s${i} = 1.0;\n`)}
   }
   float limit = nearest * (1.0 + node_merge.x);
   float weights = 0.0, most = -1.0;
-  color = vec3(0.0);
-  eye_z = nearest;
 ${each(layers, (i) => `
   if (c${i}.a > 0.0 && d${i} <= limit) {
     float weight = s${i} * (max(c${i}.a * 255.0 - 2.0, 0.0) + 0.25) * node_nearness[${i}];
@@ -231,33 +228,30 @@ ${each(layers, (i) => `
     color += weight * c${i}.rgb;
     weights += weight;
   }`)}
-  color /= max(weights, 1e-20);
-  return true;
+  if (weights > 0.0) color /= weights;
+  return shows;
 }
 `;
 }
 
-// node_share: 1 where the node sees what lies at p (eye space) or before it, 0 where it sees through
-// p by the tolerance.
+// node_share: 1 where the node sees what lies at p (node_from_pixel) or before it, 0 where it sees
+// through p by the tolerance.
 function shareFunction(node: number): string {
   return `
 uniform highp usampler2D node_seen${node};
-float node_share${node}(vec3 p) {
-  vec3 seen = (node_from_eye[${node}] * vec4(p, 1.0)).xyz;
+float node_share${node}(vec4 p) {
+  vec3 seen = (node_from_pixel[${node}] * p).xyz;
   vec2 st;
-  int face = face_of(seen, st);
-  int last = textureSize(node_seen${node}, 0).x / 3 - 1;
-  ivec2 corner = ivec2(face % 3, face / 3) * (last + 1);
-  ivec2 at = ivec2(floor((0.5 * st + 0.5) * float(last + 1) - 0.5));
-  ivec2 a = corner + clamp(at, ivec2(0), ivec2(last)), b = corner + clamp(at + 1, ivec2(0), ivec2(last));
-  uint code = max(max(texelFetch(node_seen${node}, a, 0).r, texelFetch(node_seen${node}, b, 0).r),
-                  max(texelFetch(node_seen${node}, ivec2(a.x, b.y), 0).r,
-                      texelFetch(node_seen${node}, ivec2(b.x, a.y), 0).r));
-  // It says nothing.
-  if (code == 0u) return 1.0;
-  float nearest = unpackHalf2x16(code - 1u).x * node_steps[${node}];
+  int face = face_of(seen, st), size = textureSize(node_seen${node}, 0).x / 3;
+  ivec2 at = clamp(ivec2(floor((0.5 * st + 0.5) * float(size) - 0.5)), ivec2(0), ivec2(size - 1));
+  // The largest of the four around it, of this face.
+  uint code = texelFetch(node_seen${node}, at + ivec2(face % 3, face / 3) * size, 0).g;
+  // A half, less one.
+  float nearest = uintBitsToFloat(code * 8192u + 0x37ffe000u) * node_steps[${node}];
   float ahead = max(max(abs(seen.x), abs(seen.y)), abs(seen.z));
-  return clamp(2.0 - 2.0 * (1.0 / max(nearest * ahead, 1e-9) - 1.0) / node_merge.x, 0.0, 1.0);
+  float share = 2.0 - 2.0 * (1.0 / max(nearest * ahead, 1e-9) - 1.0) / node_merge.x;
+  // It may say nothing.
+  return code == 0u ? 1.0 : clamp(share, 0.0, 1.0);
 }
 `;
 }
@@ -265,14 +259,29 @@ float node_share${node}(vec3 p) {
 // The default sky of the library (rilievo/scene/scene.h), for what no node shows.
 const kSkyColor = `
 uniform mat3 world_from_pixel;  // the line of sight through a pixel's (x, y, 1)
+uniform highp sampler2D sky;    // skyTexels()
 vec4 sky_color() {
   float elevation = normalize(world_from_pixel * vec3(gl_FragCoord.xy, 1.0)).y;
-  vec3 above = mix(vec3(0.75, 0.82, 0.90), vec3(0.25, 0.45, 0.85), sqrt(clamp(elevation, 0.0, 1.0)));
-  vec3 linear = mix(above, vec3(0.20, 0.19, 0.17), smoothstep(0.0, 1.0, -elevation / 0.08));
-  return vec4(mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear,
-                  vec3(lessThanEqual(linear, vec3(0.0031308)))), 1.0);
+  float at = elevation > 0.0 ? 0.5 + 0.5 * sqrt(elevation) : 0.5 + 0.5 * max(elevation / 0.08, -1.0);
+  return textureLod(sky, vec2((at * ${kSkyTexels - 1}.0 + 0.5) / ${kSkyTexels}.0, 0.5), 0.0);
 }
 `;
+
+/** RGBA of the sky: half of it below the horizon, as far as that changes, half by the root of the elevation. */
+export function skyTexels(): Uint8Array {
+  const texels = new Uint8Array(4 * kSkyTexels);
+  for (let i = 0; i < kSkyTexels; ++i) {
+    const at = (2 * i) / (kSkyTexels - 1) - 1, above = Math.max(0, at), below = Math.max(0, -at);
+    const ground = below * below * (3 - 2 * below);
+    for (let c = 0; c < 3; ++c) {
+      const sky = [0.75, 0.82, 0.9][c] * (1 - above) + [0.25, 0.45, 0.85][c] * above;
+      const linear = sky * (1 - ground) + [0.2, 0.19, 0.17][c] * ground;
+      texels[4 * i + c] = Math.round(255 * (1.055 * linear ** (1 / 2.4) - 0.055));
+    }
+    texels[4 * i + 3] = 255;
+  }
+  return texels;
+}
 
 function mergeFragment(layers: number, sky: boolean): string {
   return `#version 300 es
@@ -285,14 +294,13 @@ layout(location = 0) out vec4 out_color;
 void main() {
   vec3 color;
   float eye_z;
-  if (!merge_nodes(ivec2(gl_FragCoord.xy) - corner, color, eye_z)) {
-${sky ? "    out_color = sky_color();\n    gl_FragDepth = 1.0;\n    return;" : "    discard;"}
-  }
+  bool shows = merge_nodes(ivec2(gl_FragCoord.xy) - corner, color, eye_z);
   out_color = vec4(color, 1.0);
   // What lies beyond the far plane, as the sky, is drawn just before it, so that a sky drawn later
   // fills only the gaps.
   float z = (projection.y - projection.x * eye_z) / (projection.w - projection.z * eye_z);
-  gl_FragDepth = min(0.5 * z + 0.5, 1.0 - exp2(-23.0));
+  gl_FragDepth = shows ? min(0.5 * z + 0.5, 1.0 - exp2(-23.0)) : 1.0;
+${sky ? "  if (!shows) out_color = sky_color();" : "  if (!shows) discard;"}
 }
 `;
 }
