@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -91,6 +92,67 @@ TEST(KeyframeFrames, WithALimitOfTimeFramesAreRightWhicheverWayTheyAreDrawn) {
   }
 }
 
+// Objects of which the true frame shows more than so many pixels, and the other one none: of fewer
+// an edge that is a pixel off may leave none.
+int missing_objects(TestSource& truth, KeyframeFrames& shown, const Scene& scene) {
+  EXPECT_TRUE(truth.draw_objects() && shown.draw_objects());
+  const auto a = truth.software_target()->objects().texels();
+  const auto b = shown.software_target()->objects().texels();
+  int missing = 0;
+  for (std::uint32_t object = 1; object <= scene.objects.size(); ++object)
+    missing +=
+        std::count(a.begin(), a.end(), object) > 20 && std::count(b.begin(), b.end(), object) == 0;
+  return missing;
+}
+
+// Every frame after a cut, and while the eye turns by 180 degrees in 0.3 s, shows all that is
+// there; the first ones may be coarse, which they say, and some keyframes later none is.
+TEST(KeyframeFrames, CutsAndSuddenTurnsAreCompleteAndFineSomeKeyframesLater) {
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  KeyframeFramesOptions options;
+  options.keyframes.keyframe_ms = 4;
+  options.polygons_where_cheaper = false;
+  auto frames = KeyframeFrames::create(made.scene, options);
+  ASSERT_TRUE(frames);
+  TestSource direct = software_direct(made.scene, 4);
+  const glm::dvec3 middle(world_bounds(made.scene).center());
+  // Away from the middle at first, so that a turn ends where there is something to see.
+  double angle = 0;
+  const auto eye = [&](double turn) {
+    const Camera first = camera_at(made.path, 0, kWidth, kHeight);
+    const double distance = glm::length(first.position() - middle);
+    const glm::dvec3 at = middle + distance * glm::dvec3(std::cos(angle), 0.2, std::sin(angle));
+    const glm::dvec3 ahead =
+        glm::rotate(glm::dmat4(1), turn, glm::dvec3(0, 1, 0)) * glm::dvec4(middle - at, 0);
+    return look_at(at, at + ahead, {0, 1, 0}, 0.9, kWidth, kHeight, first.z_near, first.z_far);
+  };
+  int coarse = 0;
+  // A keyframe takes at most 32 frames, whatever the time; two of them, and one that was given up.
+  const int settles = 3 * 32 + 3;
+  for (int event = 0; event < 10; ++event) {
+    const bool turns = event % 2 == 1;
+    angle += turns ? 0.0 : 2.2;
+    const double from = turns ? 3.14159265 : 0;
+    for (int i = 0; i < settles + 18; ++i) {
+      const double turn = turns ? std::max(0.0, from * (1 - i / 18.0)) : 0;
+      const Camera camera = eye(turn);
+      ASSERT_TRUE((*frames)->draw(camera, 0));
+      coarse += (*frames)->stats().late > 0;
+      if (i % 6 == 0 && i <= 18) {
+        ASSERT_TRUE(direct.draw(camera, 0));
+        EXPECT_EQ(missing_objects(direct, **frames, made.scene), 0) << event << " " << i;
+      }
+    }
+    EXPECT_EQ((*frames)->stats().late, 0) << event;
+    ASSERT_TRUE(direct.draw(eye(0), 0));
+    // An eye that stands has one keyframe of its own: its 4 samples and those of direct drawing
+    // differ where things are finer than pixels.
+    EXPECT_GT(psnr_of((*frames)->software_target()->color(), direct.software_target()->color()), 25)
+        << event;
+  }
+  EXPECT_GT(coarse, 0);
+}
+
 TEST(KeyframeFrames, HolesAreFilled) {
   // Keyframes without a margin and an eye that turns: a strip at the border is in none of them.
   const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
@@ -106,6 +168,7 @@ TEST(KeyframeFrames, HolesAreFilled) {
   ASSERT_TRUE((*frames)->draw(before, 0));
   ASSERT_TRUE((*frames)->draw(camera, 0));
   EXPECT_GT((*frames)->shares().filled, 0.02);
+  EXPECT_EQ((*frames)->stats().filled_share, (*frames)->shares().filled);
   EXPECT_EQ((*frames)->stats().captures, 0);
   ASSERT_TRUE(direct.draw(camera, 0));
   // The strip, pixel by pixel: rays and triangles differ on edges only.
@@ -138,6 +201,8 @@ TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {
     ASSERT_TRUE((*frames)->draw(camera, time));
     ASSERT_TRUE(direct.draw(camera, time));
     EXPECT_GT((*frames)->shares().live, 0);
+    EXPECT_EQ((*frames)->stats().live_share, (*frames)->live_share());
+    EXPECT_GT((*frames)->stats().live_share, 0);
     EXPECT_GT(psnr_of((*frames)->software_target()->color(), direct.software_target()->color()),
               30);
   }
