@@ -61,7 +61,7 @@ TEST(NodeFiles, WritesFilesNamedByTheirContentsAndAManifestThatNamesAllOfThem) {
   const nlohmann::json json = manifest_of(folder / "walk");
   EXPECT_EQ(json["schema"], "rilievo-walk-1");
   ASSERT_EQ(json["nodes"].size(), 2u);
-  std::set<std::string> named{"walk.json", "index.html", "viewer.js",
+  std::set<std::string> named{"walk.json", "index.html", "viewer.js", "headset.js",
                               json["sketches"]["file"].get<std::string>()};
   const std::map<std::string, std::string> files = contents_of(folder / "walk");
   const auto expect_file = [&](const nlohmann::json& entry) {

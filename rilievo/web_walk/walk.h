@@ -3,8 +3,9 @@
 //   walk.json          the manifest: what there is, where it stands, which files hold it
 //   pictures/NAME.EXT  one file for each picture or mesh; NAME is the beginning of its SHA-256
 //   index.html         a page that walks it, with
-//   viewer.js          its program; of walks of pictures also
-//   pictures.js, or reliefs.js
+//   viewer.js          its program
+//   headset.js         a part of it that browsers with a headset load
+//   pictures.js        a part for walks of pictures; or reliefs.js for those of reliefs
 //
 // All paths are relative. docs/formats.md describes the manifest, and the npm package in web/ reads
 // it. World space, metres; disparities are 1 / eye_z of a node's face, 1/m.

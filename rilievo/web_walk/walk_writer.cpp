@@ -22,6 +22,9 @@ constexpr std::string_view kWalkPage =
 constexpr std::string_view kWalkViewer =
 #include "rilievo/web_walk/page/viewer.js.inc"
     ;
+constexpr std::string_view kWalkHeadset =
+#include "rilievo/web_walk/page/headset.js.inc"
+    ;
 constexpr std::string_view kWalkPictures =
 #include "rilievo/web_walk/page/pictures.js.inc"
     ;
@@ -240,6 +243,7 @@ Result<> WalkWriter::finish(const WalkManifest& manifest) {
   };
   const File files[] = {{"index.html", kWalkPage, true},
                         {"viewer.js", kWalkViewer, true},
+                        {"headset.js", kWalkHeadset, true},
                         {"pictures.js", kWalkPictures, !manifest.pictures.pictures.empty()},
                         {"reliefs.js", kWalkReliefs, !manifest.reliefs.reliefs.empty()},
                         {"walk.json", text, true}};

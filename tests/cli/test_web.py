@@ -28,7 +28,7 @@ class Web(command.Case):
         manifest = json.loads((folder / "walk.json").read_text())
         self.assertEqual(manifest["schema"], "rilievo-walk-1")
         find_files(manifest)
-        self.assertEqual(names | {"index.html", "viewer.js", "walk.json", *parts},
+        self.assertEqual(names | {"index.html", "viewer.js", "headset.js", "walk.json", *parts},
                          {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()})
         return manifest
 

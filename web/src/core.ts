@@ -476,12 +476,11 @@ export class Walk {
       const texels = stored.level.faceSize * stored.level.faceSize;
       for (let left = kTexelsAFrame; left > 0 && stored.uploaded < 6; left -= texels) {
         const face = next.faces[stored.uploaded];
-        uploadFace(this.gl, stored, face, this.drawer.weightWriter);
+        uploadFace(this.gl, stored, face, this.drawer.painter);
         face.close();
       }
       if (stored.uploaded < 6) return;
-      this.drawer.faceWriter.write(stored);
-      this.drawer.seenDrawer.draw(stored);
+      this.drawer.painter.finish(stored);
       this.drop(slot);
       slot.stored = stored;
       slot.level = next.level;

@@ -14,10 +14,8 @@ export interface HeadsetHost {
   failed(error: unknown): void;
 }
 
-/** Adds a button that begins and ends a session, if the browser has a headset. */
-export async function offerHeadset(parent: HTMLElement, host: HeadsetHost): Promise<void> {
-  const { xr } = navigator;
-  if (!(await xr?.isSessionSupported("immersive-vr").catch(() => false))) return;
+/** Adds a button that begins and ends a session. */
+export function offerHeadset(parent: HTMLElement, host: HeadsetHost): void {
   const button = document.createElement("button");
   button.style.cssText =
     "position:absolute;right:1em;bottom:1em;padding:.6em 1em;border:0;border-radius:8px;" +
@@ -34,7 +32,7 @@ export async function offerHeadset(parent: HTMLElement, host: HeadsetHost): Prom
         return;
       }
       button.disabled = true;
-      session = await (xr as XRSystem).requestSession("immersive-vr");
+      session = await (navigator.xr as XRSystem).requestSession("immersive-vr");
       session.addEventListener("end", () => {
         session = null;
         show();

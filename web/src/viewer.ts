@@ -3,7 +3,6 @@
 import { Walk, WalkError, type PictureSource, type View, type WalkOptions } from "./core.js";
 import { WalkControls } from "./controls.js";
 import { asWalkError } from "./errors.js";
-import { offerHeadset } from "./headset.js";
 
 export { Walk, WalkError } from "./core.js";
 
@@ -191,7 +190,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
   }
   const opened = walk?.ready ?? Promise.reject(new WalkError("WebGL", "cannot be used"));
   const ready = opened.catch((error) => {
-    if (!disposed) alarm.show(`This walk cannot be loaded. ${asWalkError(error, "walk").message}.`);
+    if (walk && !disposed) alarm.show(`This walk cannot be loaded. ${asWalkError(error, "walk").message}.`);
     throw error;
   });
   ready.catch(() => {});
@@ -224,16 +223,28 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
     }
     request();
   };
+  // What draws into it is loaded only where there is one.
+  const findHeadset = async () => {
+    try {
+      if (!(await navigator.xr?.isSessionSupported("immersive-vr"))) return;
+      const { offerHeadset } = await import("./headset.js");
+      if (disposed) return;
+      offerHeadset(parent, {
+        gl, controls, walk: () => walk, sky: options.sky ?? true,
+        changed(on) {
+          presenting = on;
+          request();
+        },
+        failed: (error) =>
+          alarm.show(`The headset does not show it. ${asWalkError(error, "WebXR").message}.`),
+      });
+    } catch {
+      // It walks without one.
+    }
+  };
   canvas.addEventListener("webglcontextlost", onLost);
   canvas.addEventListener("webglcontextrestored", onRestored);
-  void offerHeadset(parent, {
-    gl, controls, walk: () => walk, sky: options.sky ?? true,
-    changed(on) {
-      presenting = on;
-      request();
-    },
-    failed: (error) => alarm.show(`The headset does not show it. ${asWalkError(error, "WebXR").message}.`),
-  });
+  void findHeadset();
   request();
 
   return {

@@ -188,7 +188,7 @@ test("no page loads more than 30 kB gzipped, without three.js and the decoder", 
   for (const entry of ["index.js", "core.js", "viewer.js"]) {
     const always = imported(entry);
     const parts = new Set([...always].flatMap((name) => named(name, /import\("\.\/([^"]+)"\)/g)));
-    assert.equal(parts.size, 2);
+    assert.ok(parts.size >= 2);
     const bytes = [always, ...[...parts].map((part) => imported(part, new Set(always)))].map(bytesOf);
     console.log(`${entry} gzipped without the decoder: ${bytes.join(", ")} bytes`);
     assert.ok(Math.max(...bytes) <= 30000, `${bytes} bytes`);

@@ -18,12 +18,14 @@ const common = {
   logLevel: "warning",
 };
 
-// Shaders are text that esbuild does not shorten: without their comments and their indentation.
+// Shaders are text that esbuild does not shorten: without their comments and white space.
 const shaders = {
   name: "shaders",
   setup(build) {
     build.onLoad({ filter: /(shaders|seen)\.ts$/ }, ({ path }) => ({
-      contents: readFileSync(path, "utf8").replace(/^\s+/gm, "").replace(/(^|\s+)\/\/ .*$/gm, ""),
+      contents: readFileSync(path, "utf8").replace(/^\s+/gm, "").replace(/(^|\s+)\/\/ .*$/gm, "")
+        // But not of directives.
+        .replace(/^[^#].*$/gm, (line) => line.replace(/ *([=*/<>,;(){?:&|]) */g, "$1")),
       loader: "ts",
     }));
   },
@@ -46,12 +48,15 @@ const workers = {
   },
 };
 
-// What only some walks need, as modules beside the page's program.
-const parts = { "pictures.js": "src/views/picture-set.ts", "reliefs.js": "src/reliefs/relief-set.ts" };
+// What only some walks or browsers need, as modules beside the page's program.
+const parts = {
+  "pictures.js": "src/views/picture-set.ts", "reliefs.js": "src/reliefs/relief-set.ts",
+  "headset.js": "src/headset.ts",
+};
 const besides = {
   name: "parts",
   setup(build) {
-    build.onResolve({ filter: /-set\.js$/ }, ({ path, kind }) => {
+    build.onResolve({ filter: /\.js$/ }, ({ path, kind }) => {
       if (kind !== "dynamic-import") return undefined;
       const name = basename(path).replace(".js", ".ts");
       return { path: `./${Object.keys(parts).find((of) => basename(parts[of]) === name)}`, external: true };

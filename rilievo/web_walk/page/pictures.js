@@ -1,11 +1,11 @@
 // Generated from web/src by web/tools/build.js: do not edit.
 var w=class extends Error{constructor(i,o){super(`${i}: ${o}`);this.where=i;this.reason=o;this.name="WalkError"}};function z(c,e){return c instanceof w?c:new w(e,c instanceof Error?c.message:String(c))}function S(c,e,i,o){let t=c.createProgram();if(!t)throw new Error(`${e}: the WebGL context is lost`);for(let[r,a]of[[c.VERTEX_SHADER,i],[c.FRAGMENT_SHADER,o]]){let s=c.createShader(r);if(!s)throw new Error(`${e}: the WebGL context is lost`);c.shaderSource(s,a),c.compileShader(s),c.attachShader(t,s),c.deleteShader(s)}if(c.linkProgram(t),!c.getProgramParameter(t,c.LINK_STATUS)&&!c.isContextLost()){let r=(c.getAttachedShaders(t)??[]).map(a=>c.getShaderInfoLog(a));throw new Error(`${e}: ${[c.getProgramInfoLog(t),...r].join(" ").trim()}`)}return t}function B(c,e){let i=c.worldFromEye,o=c.clipFromEye;for(let t=0;t<3;++t)for(let r=0;r<4;++r)e[4*t+r]=o[r]*i[t]+o[4+r]*i[4+t]+o[8+r]*i[8+t];for(let t=0;t<4;++t)e[12+t]=o[12+t]}async function U(c,e,i,o){let t={premultiplyAlpha:"premultiply",colorSpaceConversion:"none"},r=await createImageBitmap(new Blob([c],{type:"image/webp"}),t).catch(()=>{throw new w(e.name,"is no WebP picture that this browser reads")});if(r.width!==i||r.height!==o)throw r.close(),new w(e.name,`is not ${i} x ${o} texels large`);return r}var P=`#version 300 es
 precision highp float;
-layout(location = 0) in vec4 eye_layer;
-layout(location = 1) in vec4 corner_plane;
-layout(location = 2) in vec4 right_width;
-layout(location = 3) in vec4 down_height;
-layout(location = 4) in vec4 depths;
+layout(location=0)in vec4 eye_layer;
+layout(location=1)in vec4 corner_plane;
+layout(location=2)in vec4 right_width;
+layout(location=3)in vec4 down_height;
+layout(location=4)in vec4 depths;
 uniform mat4 clip_from_local;
 uniform vec4 forward_near;
 out vec2 v_uv;
@@ -13,17 +13,17 @@ out float v_towards;
 flat out vec4 v_depths;
 flat out vec4 v_size_layer_eye;
 flat out float v_plane;
-void main() {
-vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-vec3 p = corner_plane.xyz + corner.x * right_width.xyz + corner.y * down_height.xyz;
-gl_Position = clip_from_local * vec4(eye_layer.xyz + p, 1.0);
-gl_Position.z = 0.0;
-v_uv = corner * vec2(right_width.w, down_height.w);
-v_towards = dot(forward_near.xyz, p);
-v_depths = depths;
-v_size_layer_eye = vec4(right_width.w, down_height.w, eye_layer.w,
-dot(forward_near.xyz, eye_layer.xyz));
-v_plane = corner_plane.w;
+void main(){
+vec2 corner=vec2(gl_VertexID&1,gl_VertexID>>1);
+vec3 p=corner_plane.xyz + corner.x*right_width.xyz + corner.y*down_height.xyz;
+gl_Position=clip_from_local*vec4(eye_layer.xyz + p,1.0);
+gl_Position.z=0.0;
+v_uv=corner*vec2(right_width.w,down_height.w);
+v_towards=dot(forward_near.xyz,p);
+v_depths=depths;
+v_size_layer_eye=vec4(right_width.w,down_height.w,eye_layer.w,
+dot(forward_near.xyz,eye_layer.xyz));
+v_plane=corner_plane.w;
 }
 `,I=`#version 300 es
 precision highp float;
@@ -38,29 +38,29 @@ flat in float v_plane;
 uniform vec4 forward_near;
 uniform sampler2DArray color_texture;
 uniform usampler2DArray code_texture;
-layout(location = 0) out vec4 out_color;
-void main() {
-vec2 uv = clamp(v_uv, vec2(0.5), v_size_layer_eye.xy - 0.5);
-uint code = texelFetch(code_texture, ivec3(uv, v_size_layer_eye.z), 0).r;
-vec4 color = texture(color_texture, vec3(uv * v_depths.zw, v_size_layer_eye.z));
-if (code == 0u || color.a < 0.5) discard;
-float q = v_depths.x + float(code - 1u) * v_depths.y;
-float eye_z = v_size_layer_eye.w + v_towards / (q * v_plane);
-if (eye_z <= 0.0) discard;
-gl_FragDepth = clamp(1.0 - forward_near.w / eye_z, 0.0, 1.0);
-out_color = vec4(color.rgb / color.a, 1.0);
+layout(location=0)out vec4 out_color;
+void main(){
+vec2 uv=clamp(v_uv,vec2(0.5),v_size_layer_eye.xy - 0.5);
+uint code=texelFetch(code_texture,ivec3(uv,v_size_layer_eye.z),0).r;
+vec4 color=texture(color_texture,vec3(uv*v_depths.zw,v_size_layer_eye.z));
+if(code==0u||color.a<0.5)discard;
+float q=v_depths.x + float(code - 1u)*v_depths.y;
+float eye_z=v_size_layer_eye.w + v_towards/(q*v_plane);
+if(eye_z<=0.0)discard;
+gl_FragDepth=clamp(1.0 - forward_near.w/eye_z,0.0,1.0);
+out_color=vec4(color.rgb/color.a,1.0);
 }
 `;function A(c,e){let i=[],o=0,t=4;for(let r=0;r<4;++r,t*=4)i.push(o),o+=Math.ceil(c/t);return{columns:o,rows:Math.ceil(e/4),levelAt:i}}var G=new Float32Array(1),j=new Uint32Array(G.buffer);var x=6,k=8,M=`#version 300 es
 precision highp float;
 uniform mat4 clip_from_local;
-uniform vec3 box_min, box_max;
+uniform vec3 box_min,box_max;
 out vec3 v_ray;
-void main() {
-const int kStrip[14] = int[](6, 7, 4, 5, 1, 7, 3, 6, 2, 4, 0, 1, 2, 3);
-int c = kStrip[gl_VertexID];
-v_ray = mix(box_min, box_max, vec3(c >> 2, c >> 1 & 1, c & 1));
-gl_Position = clip_from_local * vec4(v_ray, 1.0);
-gl_Position.z = 0.0;
+void main(){
+const int kStrip[14]=int[](6,7,4,5,1,7,3,6,2,4,0,1,2,3);
+int c=kStrip[gl_VertexID];
+v_ray=mix(box_min,box_max,vec3(c>>2,c>>1&1,c&1));
+gl_Position=clip_from_local*vec4(v_ray,1.0);
+gl_Position.z=0.0;
 }
 `,V=`#version 300 es
 precision highp float;
@@ -73,7 +73,7 @@ precision highp usampler2DArray;
 #define LEVELS ${4}
 #define PATCH_GAP 0.25
 in vec3 v_ray;
-uniform vec3 box_min, box_max;
+uniform vec3 box_min,box_max;
 uniform vec4 view_data[${x*k}];
 uniform float view_weights[${x}];
 uniform float view_complete[${x}];
@@ -85,223 +85,223 @@ uniform usampler2DArray code_texture;
 uniform usampler2DArray slope_texture;
 uniform usampler2DArray links_texture;
 uniform sampler2DArray cell_texture;
-layout(location = 0) out vec4 out_color;
-struct View { vec4 u_row, v_row, w_row, apex, base, du, dv, depths; };
-View view_at(int i) {
-int k = ${k} * i;
-return View(view_data[k], view_data[k + 1], view_data[k + 2], view_data[k + 3], view_data[k + 4],
-view_data[k + 5], view_data[k + 6], view_data[k + 7]);
+layout(location=0)out vec4 out_color;
+struct View{vec4 u_row,v_row,w_row,apex,base,du,dv,depths;};
+View view_at(int i){
+int k=${k}*i;
+return View(view_data[k],view_data[k + 1],view_data[k + 2],view_data[k + 3],view_data[k + 4],
+view_data[k + 5],view_data[k + 6],view_data[k + 7]);
 }
-struct March { bool hit, behind, outline; float s; ivec2 texel; };
-float q_of(vec4 depths, ivec3 texel) {
-uint code = texelFetch(code_texture, texel, 0).r;
-return code == 0u ? 0.0 : depths.z + float(code - 1u) * depths.w;
+struct March{bool hit,behind,outline;float s;ivec2 texel;};
+float q_of(vec4 depths,ivec3 texel){
+uint code=texelFetch(code_texture,texel,0).r;
+return code==0u?0.0:depths.z + float(code - 1u)*depths.w;
 }
-bool frustum_segment(View view, vec3 ray, inout vec2 t, out vec3 from, out vec3 to) {
-vec3 c = vec3(view.u_row.w, view.v_row.w, view.w_row.w);
-vec3 d = vec3(dot(view.u_row.xyz, ray), dot(view.v_row.xyz, ray), dot(view.w_row.xyz, ray));
-vec3 p = c + t.x * d, q = c + t.y * d;
-vec2 size = vec2(view.du.w, view.dv.w);
-float at_p[6] = float[](p.z - view.depths.x, view.depths.y - p.z, p.x, p.y,
-size.x * p.z - p.x, size.y * p.z - p.y);
-float at_q[6] = float[](q.z - view.depths.x, view.depths.y - q.z, q.x, q.y,
-size.x * q.z - q.x, size.y * q.z - q.y);
-float begin = 0.0, end = 1.0;
-for (int i = 0; i < 6; ++i) {
-if (at_p[i] < 0.0 && at_q[i] < 0.0) end = -1.0;
-float s = at_p[i] / (at_p[i] - at_q[i]);
-if (at_p[i] < 0.0) begin = max(begin, s);
-else if (at_q[i] < 0.0) end = min(end, s);
+bool frustum_segment(View view,vec3 ray,inout vec2 t,out vec3 from,out vec3 to){
+vec3 c=vec3(view.u_row.w,view.v_row.w,view.w_row.w);
+vec3 d=vec3(dot(view.u_row.xyz,ray),dot(view.v_row.xyz,ray),dot(view.w_row.xyz,ray));
+vec3 p=c + t.x*d,q=c + t.y*d;
+vec2 size=vec2(view.du.w,view.dv.w);
+float at_p[6]=float[](p.z - view.depths.x,view.depths.y - p.z,p.x,p.y,
+size.x*p.z - p.x,size.y*p.z - p.y);
+float at_q[6]=float[](q.z - view.depths.x,view.depths.y - q.z,q.x,q.y,
+size.x*q.z - q.x,size.y*q.z - q.y);
+float begin=0.0,end=1.0;
+for(int i=0;i<6;++i){
+if(at_p[i]<0.0&&at_q[i]<0.0)end=-1.0;
+float s=at_p[i]/(at_p[i] - at_q[i]);
+if(at_p[i]<0.0)begin=max(begin,s);
+else if(at_q[i]<0.0)end=min(end,s);
 }
-t = mix(t.xx, t.yy, vec2(begin, end));
-vec3 a = mix(p, q, begin), b = mix(p, q, end);
-from = vec3(a.xy, 1.0) / a.z;
-to = vec3(b.xy, 1.0) / b.z;
-return begin < end;
+t=mix(t.xx,t.yy,vec2(begin,end));
+vec3 a=mix(p,q,begin),b=mix(p,q,end);
+from=vec3(a.xy,1.0)/a.z;
+to=vec3(b.xy,1.0)/b.z;
+return begin<end;
 }
-vec4 slope_of(ivec3 texel) {
-uvec2 halves = texelFetch(slope_texture, texel, 0).rg;
-return vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
+vec4 slope_of(ivec3 texel){
+uvec2 halves=texelFetch(slope_texture,texel,0).rg;
+return vec4(unpackHalf2x16(halves.x),unpackHalf2x16(halves.y));
 }
-float side_of(float sigma, vec3 p, ivec2 texel, float q, vec4 slope) {
-if (q == 0.0) return 1.0;
-vec2 d = p.xy - (vec2(texel) + 0.5);
-vec2 s = mix(slope.zw, slope.xy, greaterThanEqual(d, vec2(0.0)));
-return sigma * (p.z - q - dot(abs(d), s));
+float side_of(float sigma,vec3 p,ivec2 texel,float q,vec4 slope){
+if(q==0.0)return 1.0;
+vec2 d=p.xy -(vec2(texel)+ 0.5);
+vec2 s=mix(slope.zw,slope.xy,greaterThanEqual(d,vec2(0.0)));
+return sigma*(p.z - q - dot(abs(d),s));
 }
-vec2 exits(ivec2 low, int side, vec2 from, vec2 inverse, vec2 ahead) {
-return (vec2(low) + ahead * float(side) - from) * inverse;
+vec2 exits(ivec2 low,int side,vec2 from,vec2 inverse,vec2 ahead){
+return(vec2(low)+ ahead*float(side)- from)*inverse;
 }
-March march_view(View view, vec3 from, vec3 to) {
-March march = March(false, false, false, 0.0, ivec2(0));
-float sigma = view.apex.w;
-int layer = int(view.base.w);
-ivec2 size = ivec2(view.du.w, view.dv.w);
-vec3 delta = to - from;
-vec2 inverse = 1.0 / mix(delta.xy, vec2(1e-12), lessThan(abs(delta.xy), vec2(1e-12)));
-vec2 ahead = step(vec2(0.0), inverse);
-ivec2 forward = ivec2(ahead) * 2 - 1;
-ivec2 texel = clamp(ivec2(floor(from.xy)), ivec2(0), size - 1), moved = ivec2(0);
-float t = 0.0, before = 1.0;
-float leave = 0.0, enters = 0.0;
-int level = LEVELS - 1;
-bool done = false;
-int steps = 0;
-do {
-bool near = false;
-do {
-int side = BLOCK << (level * FACTOR_BITS);
-ivec2 at = texel >> (BLOCK_BITS + level * FACTOR_BITS), low = at * side;
-vec2 cell = texelFetch(cell_texture, ivec3(at.x + level_at[level], at.y, layer), 0).rg;
-vec2 ends = exits(low, side, from.xy, inverse, ahead);
-float end = min(min(ends.x, ends.y), 1.0);
-vec2 z = sigma * (from.z + delta.z * vec2(t, end));
-bool in_front = min(z.x, z.y) > cell.x;
-bool behind = before <= 0.0 && max(z.x, z.y) < sigma * abs(cell.y) &&
-(cell.y > 0.0 || march.outline);
-if (in_front || behind) {
-bool across = ends.x <= ends.y;
-ivec2 inside = clamp(ivec2(floor(from.xy + delta.xy * end)), low, low + (side - 1));
-texel = across ? ivec2(low.x + (forward.x > 0 ? side : -1), inside.y)
-: ivec2(inside.x, low.y + (forward.y > 0 ? side : -1));
-moved = across ? ivec2(forward.x, 0) : ivec2(0, forward.y);
-t = end;
-before = in_front ? 1.0 : -1.0;
-done = end >= 1.0 || any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size));
-int coarser = BLOCK_BITS + (level + 1) * FACTOR_BITS;
-if (level + 1 < LEVELS && (texel >> coarser) != (low >> coarser)) ++level;
-} else if (level > 0) {
+March march_view(View view,vec3 from,vec3 to){
+March march=March(false,false,false,0.0,ivec2(0));
+float sigma=view.apex.w;
+int layer=int(view.base.w);
+ivec2 size=ivec2(view.du.w,view.dv.w);
+vec3 delta=to - from;
+vec2 inverse=1.0/mix(delta.xy,vec2(1e-12),lessThan(abs(delta.xy),vec2(1e-12)));
+vec2 ahead=step(vec2(0.0),inverse);
+ivec2 forward=ivec2(ahead)*2 - 1;
+ivec2 texel=clamp(ivec2(floor(from.xy)),ivec2(0),size - 1),moved=ivec2(0);
+float t=0.0,before=1.0;
+float leave=0.0,enters=0.0;
+int level=LEVELS - 1;
+bool done=false;
+int steps=0;
+do{
+bool near=false;
+do{
+int side=BLOCK<<(level*FACTOR_BITS);
+ivec2 at=texel>>(BLOCK_BITS + level*FACTOR_BITS),low=at*side;
+vec2 cell=texelFetch(cell_texture,ivec3(at.x + level_at[level],at.y,layer),0).rg;
+vec2 ends=exits(low,side,from.xy,inverse,ahead);
+float end=min(min(ends.x,ends.y),1.0);
+vec2 z=sigma*(from.z + delta.z*vec2(t,end));
+bool in_front=min(z.x,z.y)>cell.x;
+bool behind=before<=0.0&&max(z.x,z.y)<sigma*abs(cell.y)&&
+(cell.y>0.0||march.outline);
+if(in_front||behind){
+bool across=ends.x<=ends.y;
+ivec2 inside=clamp(ivec2(floor(from.xy + delta.xy*end)),low,low +(side - 1));
+texel=across?ivec2(low.x +(forward.x>0?side:-1),inside.y)
+:ivec2(inside.x,low.y +(forward.y>0?side:-1));
+moved=across?ivec2(forward.x,0):ivec2(0,forward.y);
+t=end;
+before=in_front?1.0:-1.0;
+done=end>=1.0||any(lessThan(texel,ivec2(0)))||any(greaterThanEqual(texel,size));
+int coarser=BLOCK_BITS +(level + 1)*FACTOR_BITS;
+if(level + 1<LEVELS&&(texel>>coarser)!=(low>>coarser))++level;
+} else if(level>0){
 --level;
-} else {
-near = true;
+} else{
+near=true;
 }
-} while (!near && !done);
-if (done) break;
-ivec2 block = texel >> BLOCK_BITS;
-bool edge = false;
-do {
-float q = q_of(view.depths, ivec3(texel, layer));
-vec4 slope = slope_of(ivec3(texel, layer));
-enters = side_of(sigma, from + delta * t, texel, q, slope);
-edge = before > 0.0 && enters <= 0.0;
-vec2 ends = exits(texel, 1, from.xy, inverse, ahead);
-leave = min(min(ends.x, ends.y), 1.0);
-float leaves = side_of(sigma, from + delta * leave, texel, q, slope);
-march.hit = enters > 0.0 && leaves <= 0.0;
-done = march.hit || (!edge && leave >= 1.0);
-if (!edge && !done) {
-moved = ends.x <= ends.y ? ivec2(forward.x, 0) : ivec2(0, forward.y);
-texel += moved;
-t = leave;
-before = leaves;
-done = any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size));
+} while(!near&&!done);
+if(done)break;
+ivec2 block=texel>>BLOCK_BITS;
+bool edge=false;
+do{
+float q=q_of(view.depths,ivec3(texel,layer));
+vec4 slope=slope_of(ivec3(texel,layer));
+enters=side_of(sigma,from + delta*t,texel,q,slope);
+edge=before>0.0&&enters<=0.0;
+vec2 ends=exits(texel,1,from.xy,inverse,ahead);
+leave=min(min(ends.x,ends.y),1.0);
+float leaves=side_of(sigma,from + delta*leave,texel,q,slope);
+march.hit=enters>0.0&&leaves<=0.0;
+done=march.hit||(!edge&&leave>=1.0);
+if(!edge&&!done){
+moved=ends.x<=ends.y?ivec2(forward.x,0):ivec2(0,forward.y);
+texel +=moved;
+t=leave;
+before=leaves;
+done=any(lessThan(texel,ivec2(0)))||any(greaterThanEqual(texel,size));
 }
-} while (!done && !edge && (texel >> BLOCK_BITS) == block);
-if (edge) {
-ivec3 beyond = ivec3(texel - moved, layer);
-int link = moved.x != 0 ? (moved.x > 0 ? 0 : 4) : (moved.y > 0 ? 2 : 6);
-bool hole = moved == ivec2(0) || q_of(view.depths, beyond) == 0.0;
-bool linked = !hole && (texelFetch(links_texture, beyond, 0).r >> link & 1u) != 0u;
-if (linked) {
-float q = q_of(view.depths, beyond);
-float passed = side_of(sigma, from + delta * t, beyond.xy, q, slope_of(beyond));
-linked = passed - enters <= PATCH_GAP * q * min(length(view.du.xyz), length(view.dv.xyz));
+} while(!done&&!edge&&(texel>>BLOCK_BITS)==block);
+if(edge){
+ivec3 beyond=ivec3(texel - moved,layer);
+int link=moved.x !=0?(moved.x>0?0:4):(moved.y>0?2:6);
+bool hole=moved==ivec2(0)||q_of(view.depths,beyond)==0.0;
+bool linked=!hole&&(texelFetch(links_texture,beyond,0).r>>link&1u)!=0u;
+if(linked){
+float q=q_of(view.depths,beyond);
+float passed=side_of(sigma,from + delta*t,beyond.xy,q,slope_of(beyond));
+linked=passed - enters<=PATCH_GAP*q*min(length(view.du.xyz),length(view.dv.xyz));
 }
-march.hit = linked;
-march.s = t;
-march.texel = linked ? texel : beyond.xy;
-march.behind = march.behind || !linked;
-march.outline = march.outline || hole;
-done = linked;
-leave = t;
-before = -1.0;
+march.hit=linked;
+march.s=t;
+march.texel=linked?texel:beyond.xy;
+march.behind=march.behind||!linked;
+march.outline=march.outline||hole;
+done=linked;
+leave=t;
+before=-1.0;
 }
-if ((texel >> (BLOCK_BITS + FACTOR_BITS)) != (block >> FACTOR_BITS)) level = min(1, LEVELS - 1);
-} while (!done && ++steps < 16384);
-if (march.hit && leave > t) {
-float q = q_of(view.depths, ivec3(texel, layer));
-vec4 slope = slope_of(ivec3(texel, layer));
-vec2 middle = clamp((vec2(texel) + 0.5 - from.xy) * inverse, t, leave);
-vec4 at = vec4(t, min(middle.x, middle.y), max(middle.x, middle.y), leave);
-vec4 s = vec4(enters, side_of(sigma, from + delta * at.y, texel, q, slope),
-side_of(sigma, from + delta * at.z, texel, q, slope),
-side_of(sigma, from + delta * at.w, texel, q, slope));
-vec4 piece = s.y <= 0.0 ? vec4(at.xy, s.xy)
-: s.z <= 0.0 ? vec4(at.yz, s.yz) : vec4(at.zw, s.zw);
-march.s = piece.x + (piece.y - piece.x) * clamp(piece.z / (piece.z - piece.w), 0.0, 1.0);
-march.texel = texel;
+if((texel>>(BLOCK_BITS + FACTOR_BITS))!=(block>>FACTOR_BITS))level=min(1,LEVELS - 1);
+} while(!done&&++steps<16384);
+if(march.hit&&leave>t){
+float q=q_of(view.depths,ivec3(texel,layer));
+vec4 slope=slope_of(ivec3(texel,layer));
+vec2 middle=clamp((vec2(texel)+ 0.5 - from.xy)*inverse,t,leave);
+vec4 at=vec4(t,min(middle.x,middle.y),max(middle.x,middle.y),leave);
+vec4 s=vec4(enters,side_of(sigma,from + delta*at.y,texel,q,slope),
+side_of(sigma,from + delta*at.z,texel,q,slope),
+side_of(sigma,from + delta*at.w,texel,q,slope));
+vec4 piece=s.y<=0.0?vec4(at.xy,s.xy)
+:s.z<=0.0?vec4(at.yz,s.yz):vec4(at.zw,s.zw);
+march.s=piece.x +(piece.y - piece.x)*clamp(piece.z/(piece.z - piece.w),0.0,1.0);
+march.texel=texel;
 }
 return march;
 }
-vec4 color_at(int layer, March march, vec2 at) {
-vec2 offset = at - (vec2(march.texel) + 0.5), f = min(abs(offset), 0.5);
-ivec2 s = ivec2(offset.x >= 0.0 ? 1 : -1, offset.y >= 0.0 ? 1 : -1);
-uint links = texelFetch(links_texture, ivec3(march.texel, layer), 0).r;
-int x = s.x > 0 ? 0 : 4, y = s.y > 0 ? 2 : 6;
-int xy = s.x > 0 ? (s.y > 0 ? 1 : 7) : (s.y > 0 ? 3 : 5);
-float wx = (links >> x & 1u) != 0u ? f.x : 0.0;
-float wy = (links >> y & 1u) != 0u ? f.y : 0.0;
-float wxy = (links >> xy & 1u) != 0u ? wx * wy : 0.0;
-wx -= wxy;
-wy -= wxy;
-vec4 sum = (1.0 - wx - wy - wxy) * texelFetch(color_texture, ivec3(march.texel, layer), 0);
-if (wx > 0.0) sum += wx * texelFetch(color_texture, ivec3(march.texel + ivec2(s.x, 0), layer), 0);
-if (wy > 0.0) sum += wy * texelFetch(color_texture, ivec3(march.texel + ivec2(0, s.y), layer), 0);
-if (wxy > 0.0) sum += wxy * texelFetch(color_texture, ivec3(march.texel + s, layer), 0);
+vec4 color_at(int layer,March march,vec2 at){
+vec2 offset=at -(vec2(march.texel)+ 0.5),f=min(abs(offset),0.5);
+ivec2 s=ivec2(offset.x>=0.0?1:-1,offset.y>=0.0?1:-1);
+uint links=texelFetch(links_texture,ivec3(march.texel,layer),0).r;
+int x=s.x>0?0:4,y=s.y>0?2:6;
+int xy=s.x>0?(s.y>0?1:7):(s.y>0?3:5);
+float wx=(links>>x&1u)!=0u?f.x:0.0;
+float wy=(links>>y&1u)!=0u?f.y:0.0;
+float wxy=(links>>xy&1u)!=0u?wx*wy:0.0;
+wx -=wxy;
+wy -=wxy;
+vec4 sum=(1.0 - wx - wy - wxy)*texelFetch(color_texture,ivec3(march.texel,layer),0);
+if(wx>0.0)sum +=wx*texelFetch(color_texture,ivec3(march.texel + ivec2(s.x,0),layer),0);
+if(wy>0.0)sum +=wy*texelFetch(color_texture,ivec3(march.texel + ivec2(0,s.y),layer),0);
+if(wxy>0.0)sum +=wxy*texelFetch(color_texture,ivec3(march.texel + s,layer),0);
 return sum;
 }
-void main() {
-vec3 a = box_min / v_ray, b = box_max / v_ray;
-vec3 lo = min(a, b);
-vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), 1.0);
-float speed = dot(forward_near.xyz, v_ray);
-vec4 blended = vec4(0.0), doubtful_color = vec4(0.0);
-float surface = 0.0, nothing = 0.0, heaviest = 0.0;
-float depth = 1e38, doubtful_depth = 1e38;
-bool skin = false;
-int inside = 0;
-for (int i = 0; i < view_counts.x; ++i) {
-bool weighty = i < view_counts.y;
-if (!weighty && surface + nothing > 0.0) break;
-float weight = weighty ? view_weights[i] : 1.0;
-View view = view_at(i);
-vec3 from, to;
-vec2 stretch = t;
-March march = March(false, false, false, 0.0, ivec2(0));
-if (frustum_segment(view, v_ray, stretch, from, to)) march = march_view(view, from, to);
-if (!march.hit) {
-if (!march.behind) nothing += weight * view_complete[i];
-if (march.behind) inside += march.outline ? -1 : 1;
-if (!march.behind || march.outline) continue;
-if (doubtful_depth < 1e37 || skin) continue;
+void main(){
+vec3 a=box_min/v_ray,b=box_max/v_ray;
+vec3 lo=min(a,b);
+vec2 t=vec2(max(max(max(lo.x,lo.y),lo.z),1e-6),1.0);
+float speed=dot(forward_near.xyz,v_ray);
+vec4 blended=vec4(0.0),doubtful_color=vec4(0.0);
+float surface=0.0,nothing=0.0,heaviest=0.0;
+float depth=1e38,doubtful_depth=1e38;
+bool skin=false;
+int inside=0;
+for(int i=0;i<view_counts.x;++i){
+bool weighty=i<view_counts.y;
+if(!weighty&&surface + nothing>0.0)break;
+float weight=weighty?view_weights[i]:1.0;
+View view=view_at(i);
+vec3 from,to;
+vec2 stretch=t;
+March march=March(false,false,false,0.0,ivec2(0));
+if(frustum_segment(view,v_ray,stretch,from,to))march=march_view(view,from,to);
+if(!march.hit){
+if(!march.behind)nothing +=weight*view_complete[i];
+if(march.behind)inside +=march.outline?-1:1;
+if(!march.behind||march.outline)continue;
+if(doubtful_depth<1e37||skin)continue;
 }
-int layer = int(view.base.w);
-float along = mix(stretch.x * from.z, stretch.y * to.z, march.s) / mix(from.z, to.z, march.s);
-float z = along * speed;
-vec4 c = color_at(layer, march, mix(from.xy, to.xy, march.s));
-if (!march.hit || skin || z < doubtful_depth) {
-doubtful_depth = z;
-doubtful_color = c;
-skin = !march.hit;
+int layer=int(view.base.w);
+float along=mix(stretch.x*from.z,stretch.y*to.z,march.s)/mix(from.z,to.z,march.s);
+float z=along*speed;
+vec4 c=color_at(layer,march,mix(from.xy,to.xy,march.s));
+if(!march.hit||skin||z<doubtful_depth){
+doubtful_depth=z;
+doubtful_color=c;
+skin=!march.hit;
 }
-if (!march.hit || march.behind) continue;
-surface += weight;
-blended += weight * c;
-if (weight > heaviest) {
-heaviest = weight;
-depth = z;
+if(!march.hit||march.behind)continue;
+surface +=weight;
+blended +=weight*c;
+if(weight>heaviest){
+heaviest=weight;
+depth=z;
 }
 }
-if (skin && (inside <= 0 || view_counts.x == 1)) doubtful_depth = 1e38;
-if (nothing > surface) discard;
-if (surface == 0.0) {
-depth = doubtful_depth;
-blended = doubtful_color;
-surface = 1.0;
+if(skin&&(inside<=0||view_counts.x==1))doubtful_depth=1e38;
+if(nothing>surface)discard;
+if(surface==0.0){
+depth=doubtful_depth;
+blended=doubtful_color;
+surface=1.0;
 }
-if (depth > 1e37) discard;
-gl_FragDepth = clamp(1.0 - forward_near.w / depth, 0.0, 1.0);
-blended /= surface;
-out_color = vec4(blended.rgb / max(blended.a, 1e-3), 1.0);
+if(depth>1e37)discard;
+gl_FragDepth=clamp(1.0 - forward_near.w/depth,0.0,1.0);
+blended/=surface;
+out_color=vec4(blended.rgb/max(blended.a,1e-3),1.0);
 }
 `;var N=6,O=N+8+1+1,R=["color","code","slope","links","cell"],W=["clip_from_local","box_min","box_max","view_data","view_weights","view_complete","view_counts","forward_near"],C=class{constructor(e,i,o,t){this.gl=e;this.entry=i;this.decoder=o;this.host=t;this.stats={drawCalls:0,triangles:0,there:0,drawn:0};this.textures={};this.instances=null;this.viewData=new Float32Array(4*k*x);this.weights=new Float32Array(x);this.complete=new Float32Array(x);this.shown=new Int32Array(x);this.clip=new Float32Array(16);this.frame=0;this.disposed=!1;let{list:r}=i;this.surfaces=i.drawn==="surfaces",this.width=Math.max(...r.map(s=>s.width)),this.height=Math.max(...r.map(s=>s.height));let a=this.width*this.height*(this.surfaces?O:N);if(this.layers=Math.min(r.length,e.getParameter(e.MAX_ARRAY_TEXTURE_LAYERS),Math.max(x,Math.floor(t.budget/a))),this.bytes=this.layers*a,this.slots=r.map(()=>({layer:-1,coming:!1,failed:!1,lastUsed:0,key:0,next:null})),this.order=Uint32Array.from(r,(s,n)=>n),this.boardData=new Float32Array(this.surfaces?0:20*this.layers),this.makeTextures(),this.vertices=e.createVertexArray(),this.surfaces){this.program=this.link("views",M,V);let s=A(this.width,this.height).levelAt;e.uniform1iv(e.getUniformLocation(this.program.program,"level_at"),s)}else{this.program=this.link("boards",P,I),this.instances=e.createBuffer(),e.bindVertexArray(this.vertices),e.bindBuffer(e.ARRAY_BUFFER,this.instances),e.bufferData(e.ARRAY_BUFFER,this.boardData.byteLength,e.DYNAMIC_DRAW);for(let s=0;s<20/4;++s)e.enableVertexAttribArray(s),e.vertexAttribPointer(s,4,e.FLOAT,!1,80,16*s),e.vertexAttribDivisor(s,1);e.bindVertexArray(null)}}update(e,i,o){++this.frame,this.sort(e,i,o),this.upload();let t=0;for(let r of this.slots)(r.coming||r.next)&&++t;for(let r=0;r<this.layers&&t<2;++r){let a=this.order[r],s=this.slots[a];s.layer>=0||s.coming||s.failed||s.next||(s.coming=!0,++t,this.load(a))}}get settled(){let e=this.surfaces?Math.min(x,this.slots.length):this.layers;for(let i=0;i<e;++i){let o=this.slots[this.order[i]];if(o.layer<0&&!o.failed)return!1}return!0}get allFailed(){return this.slots.every(e=>e.failed)}prepare(){}draw(e,i){let{gl:o,stats:t}=this;if(t.drawCalls=t.triangles=t.drawn=0,t.there===0)return;B(e,this.clip);let r=e.worldFromEye;o.useProgram(this.program.program);let{at:a}=this.program;o.uniformMatrix4fv(a.clip_from_local,!1,this.clip),o.uniform4f(a.forward_near,-r[8],-r[9],-r[10],i),this.bind(),o.bindVertexArray(this.vertices),this.surfaces?this.drawSurfaces(r):this.drawBoards(r),o.bindVertexArray(null),t.drawCalls=1}dispose(){let{gl:e}=this;this.disposed=!0;for(let i of this.slots)i.next?.colors.close();for(let i of Object.values(this.textures))e.deleteTexture(i);e.deleteProgram(this.program.program),e.deleteVertexArray(this.vertices),e.deleteBuffer(this.instances)}link(e,i,o){let{gl:t}=this,r=S(t,e,i,o);return t.useProgram(r),R.forEach((a,s)=>t.uniform1i(t.getUniformLocation(r,`${a}_texture`),s)),{program:r,at:Object.fromEntries(W.map(a=>[a,t.getUniformLocation(r,a)]))}}makeTextures(){let{gl:e,width:i,height:o}=this,t=(r,a,s=i,n=o,d=e.NEAREST)=>{let h=e.createTexture();e.bindTexture(e.TEXTURE_2D_ARRAY,h),e.texStorage3D(e.TEXTURE_2D_ARRAY,1,a,s,n,this.layers),e.texParameteri(e.TEXTURE_2D_ARRAY,e.TEXTURE_MIN_FILTER,d),e.texParameteri(e.TEXTURE_2D_ARRAY,e.TEXTURE_MAG_FILTER,d),this.textures[r]=h};if(t("color",e.RGBA8,i,o,e.LINEAR),t("code",e.R16UI),this.surfaces){let r=A(i,o);t("slope",e.RG32UI),t("links",e.R8UI),t("cell",e.RG32F,r.columns,r.rows)}e.bindTexture(e.TEXTURE_2D_ARRAY,null)}bind(){let{gl:e,textures:i}=this;for(let o=0;o<R.length;++o)e.activeTexture(e.TEXTURE0+o),e.bindTexture(e.TEXTURE_2D_ARRAY,i[R[o]]??null);e.activeTexture(e.TEXTURE0)}sort(e,i,o){let{entry:t,order:r,slots:a}=this,s=t.center;for(let n=0;n<r.length;++n){let d=t.list[n],h=d.worldFromEye,u=d.direction,m=this.surfaces?-(u[0]*(e-s[0])+u[1]*(i-s[1])+u[2]*(o-s[2])):Math.hypot(h[12]-e,h[13]-i,h[14]-o);a[n].key=m;let l=n;for(;l>0&&a[r[l-1]].key>m;--l)r[l]=r[l-1];r[l]=n}for(let n=0;n<this.layers;++n)a[r[n]].lastUsed=this.frame}async load(e){let i=this.slots[e],o=this.entry.list[e],t=null;try{let r=this.host.fetch(o.depths).then(n=>this.decoder.view(n,o.depths,{width:o.width,height:o.height,du:o.du,dv:o.dv,least:o.depths.least,step:o.depths.step,sigma:o.backPerspective?-1:1,links:this.surfaces?this.entry.links:null})),a=this.host.fetch(o.colors).then(async n=>{t=await U(await this.decoder.check(n,o.colors),o.colors,o.width,o.height)}),[s]=await Promise.all([r,a]);if(this.disposed)throw new w("walk","was disposed of");i.next={surface:s,colors:t},this.host.arrived()}catch(r){if(t?.close(),this.disposed)return;i.failed=!0,this.host.failed(z(r,`picture ${e}`))}finally{i.coming=!1}}freeLayer(){let e=new Set(this.slots.map(t=>t.layer));for(let t=0;t<this.layers;++t)if(!e.has(t))return t;let i=this.slots.filter(t=>t.layer>=0).reduce((t,r)=>r.lastUsed<t.lastUsed?r:t),{layer:o}=i;return i.layer=-1,--this.stats.there,o}upload(){let{gl:e,textures:i}=this,o=0;for(;o<this.slots.length&&!this.slots[o].next;)++o;if(o===this.slots.length)return;let t=this.slots[o],r=this.entry.list[o],{surface:a,colors:s}=t.next;t.next=null;let n=this.freeLayer(),{width:d,height:h}=r,u=(m,l,p,y,v=d,f=h)=>{e.bindTexture(e.TEXTURE_2D_ARRAY,i[m]??null),e.texSubImage3D(e.TEXTURE_2D_ARRAY,0,0,0,n,v,f,1,l,p,y)};e.pixelStorei(e.UNPACK_FLIP_Y_WEBGL,!1),e.pixelStorei(e.UNPACK_PREMULTIPLY_ALPHA_WEBGL,!1),e.pixelStorei(e.UNPACK_COLORSPACE_CONVERSION_WEBGL,e.NONE),e.bindTexture(e.TEXTURE_2D_ARRAY,i.color??null),e.texSubImage3D(e.TEXTURE_2D_ARRAY,0,0,0,n,d,h,1,e.RGBA,e.UNSIGNED_BYTE,s),e.pixelStorei(e.UNPACK_COLORSPACE_CONVERSION_WEBGL,e.BROWSER_DEFAULT_WEBGL),s.close(),e.pixelStorei(e.UNPACK_ALIGNMENT,1),u("code",e.RED_INTEGER,e.UNSIGNED_SHORT,a.codes),this.surfaces&&(u("slope",e.RG_INTEGER,e.UNSIGNED_INT,a.slopes),u("links",e.RED_INTEGER,e.UNSIGNED_BYTE,a.links),this.storeCells(n,d,h,a.cells)),e.pixelStorei(e.UNPACK_ALIGNMENT,4),e.bindTexture(e.TEXTURE_2D_ARRAY,null),t.layer=n,++this.stats.there,this.host.loaded(o)}storeCells(e,i,o,t){let{gl:r}=this,a=A(i,o),s=A(this.width,this.height);r.bindTexture(r.TEXTURE_2D_ARRAY,this.textures.cell??null),r.pixelStorei(r.UNPACK_ROW_LENGTH,a.columns);for(let n=0;n<4;++n){let d=(a.levelAt[n+1]??a.columns)-a.levelAt[n];r.pixelStorei(r.UNPACK_SKIP_PIXELS,a.levelAt[n]),r.texSubImage3D(r.TEXTURE_2D_ARRAY,0,s.levelAt[n],0,e,d,a.rows,1,r.RG,r.FLOAT,t)}r.pixelStorei(r.UNPACK_SKIP_PIXELS,0),r.pixelStorei(r.UNPACK_ROW_LENGTH,0)}drawSurfaces(e){let{gl:i,entry:o,slots:t,stats:r}=this,{at:a}=this.program,s=0,n=0,d=0,h=o.center,u=Math.hypot(e[12]-h[0],e[13]-h[1],e[14]-h[2])||1,m=0;for(let v=0;v<this.order.length&&s<x;++v){let f=this.order[v];if(t[f].layer<0)continue;let b=Math.acos(Math.max(-1,Math.min(1,-t[f].key/u)));s===0&&(m=b);let _=s===0?1:o.handover>0?Math.max(0,1-(b-m)/o.handover):0;_>0&&++n,this.weights[s]=_,this.complete[s]=o.list[f].complete?1:0,this.shown[s++]=f,d+=_}for(let v=0;v<s;++v)this.weights[v]/=d,this.setView(v,e);r.drawn=s;let{low:l,high:p}=o,y=o.slack;i.uniform3f(a.box_min,l[0]-y-e[12],l[1]-y-e[13],l[2]-y-e[14]),i.uniform3f(a.box_max,p[0]+y-e[12],p[1]+y-e[13],p[2]+y-e[14]),i.uniform4fv(a.view_data,this.viewData),i.uniform1fv(a.view_weights,this.weights),i.uniform1fv(a.view_complete,this.complete),i.uniform2i(a.view_counts,s,n),i.enable(i.CULL_FACE),i.cullFace(i.FRONT),i.drawArrays(i.TRIANGLE_STRIP,0,14),i.cullFace(i.BACK),i.disable(i.CULL_FACE),r.triangles=12}setView(e,i){let o=this.shown[e],t=this.entry.list[o],r=t.worldFromEye,a=this.viewData,{left:s,right:n,bottom:d,top:h}=t,u=t.width,m=t.height,l=4*k*e,p=0,y=0,v=0;for(let f=0;f<3;++f){let b=r[f],_=r[4+f],g=-r[8+f],T=r[12+f]-i[12+f],L=(b-s*g)*u/(n-s),F=(h*g-_)*m/(h-d);a[l+f]=L,a[l+4+f]=F,a[l+8+f]=g,a[l+12+f]=T,a[l+16+f]=g+s*b+h*_,a[l+20+f]=b*(n-s)/u,a[l+24+f]=-_*(h-d)/m,p-=L*T,y-=F*T,v-=g*T}a[l+3]=p,a[l+7]=y,a[l+11]=v,a[l+15]=t.backPerspective?-1:1,a[l+19]=this.slots[o].layer,a[l+23]=u,a[l+27]=m,a[l+28]=t.zNear,a[l+29]=t.zFar,a[l+30]=t.depths.least,a[l+31]=t.depths.step}drawBoards(e){let{gl:i,entry:o,slots:t,stats:r,boardData:a}=this,s=0;for(let n=0;n<t.length;++n){if(t[n].layer<0)continue;let d=o.list[n],h=d.worldFromEye,u=d.planeZ,m=20*s++;for(let l=0;l<3;++l){let p=h[l],y=h[4+l],v=-h[8+l];a[m+l]=h[12+l]-e[12+l],a[m+4+l]=u*(v+d.left*p+d.top*y),a[m+8+l]=u*(d.right-d.left)*p,a[m+12+l]=-u*(d.top-d.bottom)*y}a[m+3]=t[n].layer,a[m+7]=u,a[m+11]=d.width,a[m+15]=d.height,a[m+16]=d.depths.least,a[m+17]=d.depths.step,a[m+18]=1/this.width,a[m+19]=1/this.height}i.bindBuffer(i.ARRAY_BUFFER,this.instances),i.bufferSubData(i.ARRAY_BUFFER,0,a,0,20*s),i.disable(i.CULL_FACE),i.drawArraysInstanced(i.TRIANGLE_STRIP,0,4,s),r.drawn=s,r.triangles=2*s}};export{C as PictureSet};

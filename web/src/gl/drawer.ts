@@ -8,7 +8,7 @@ import {
 } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
 import type { View } from "./program.js";
-import { FaceWriter, SeenDrawer, WeightWriter } from "./seen.js";
+import { NodePainter } from "./seen.js";
 
 /** The most nodes that are merged. */
 export const kMostDrawn = 4;
@@ -57,10 +57,8 @@ export class NodeDrawer {
   readonly nodeFromPixel = new Float32Array(16 * kMostDrawn);
   readonly seen: (WebGLTexture | null)[] = new Array<null>(kMostDrawn).fill(null);
 
-  /** Draws what a node sees, once when it comes. */
-  readonly seenDrawer: SeenDrawer;
-  readonly weightWriter: WeightWriter;
-  readonly faceWriter: FaceWriter;
+  /** Of nodes when they come. */
+  readonly painter: NodePainter;
   private readonly surface: NodeProgram;
   private readonly skin: NodeProgram;
   private surfaceObject: NodeProgram | null = null;
@@ -90,9 +88,7 @@ export class NodeDrawer {
     this.surface = this.nodeProgram("SIDE");
     this.skin = this.nodeProgram("SKIN");
     // Half, so that none is missed that frames would call different.
-    this.seenDrawer = new SeenDrawer(gl, 0.5 * kTolerance);
-    this.weightWriter = new WeightWriter(gl);
-    this.faceWriter = new FaceWriter(gl);
+    this.painter = new NodePainter(gl, 0.5 * kTolerance);
     this.noVertices = gl.createVertexArray();
     this.clamps = gl.getExtension("EXT_depth_clamp") !== null;
     this.clipControl = gl.getExtension("EXT_clip_control");
@@ -239,9 +235,7 @@ export class NodeDrawer {
   dispose(): void {
     const { gl } = this;
     this.dropLayers();
-    this.seenDrawer.dispose();
-    this.weightWriter.dispose();
-    this.faceWriter.dispose();
+    this.painter.dispose();
     for (const of of [this.surface, this.skin, this.surfaceObject, this.skinObject])
       if (of) gl.deleteProgram(of.program);
     for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);

@@ -3,7 +3,7 @@
 
 import type { LevelEntry } from "../manifest.js";
 import { kSkinStride, kSurfaceStride, type NodeMesh } from "../mesh-layout.js";
-import type { WeightWriter } from "./seen.js";
+import type { NodePainter } from "./seen.js";
 
 export interface StoredNode {
   readonly worldFromNode: Float64Array;
@@ -13,9 +13,9 @@ export interface StoredNode {
    * what texels count.
    */
   readonly faces: WebGLTexture;
-  /** The same as a cube map, until all are there and FaceWriter (seen.ts) has written `faces`. */
+  /** The same as a cube map, until all are there and NodePainter (seen.ts) has written `faces`. */
   cube: WebGLTexture | null;
-  /** 3 x 2 faces of two codes of disparities as SeenDrawer (seen.ts) draws them. */
+  /** 3 x 2 faces of two codes of disparities as NodePainter (seen.ts) draws them. */
   readonly seen: WebGLTexture;
   readonly objects: WebGLTexture | null;
   readonly surfaces: WebGLVertexArrayObject;
@@ -140,7 +140,7 @@ export function storeNode(gl: WebGL2RenderingContext, worldFromNode: Float64Arra
 
 /** Uploads the next face, whose first row is the bottom one. */
 export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: ImageBitmap,
-                           weights: WeightWriter): void {
+                           painter: NodePainter): void {
   const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + node.uploaded;
   // As the bitmap is: whatever was set by others.
   gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
@@ -151,7 +151,7 @@ export function uploadFace(gl: WebGL2RenderingContext, node: StoredNode, face: I
   gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.BROWSER_DEFAULT_WEBGL);
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
   if (node.weightSheet && node.cube)
-    weights.write(node.weightSheet, node.uploaded, node.level.faceSize, node.cube);
+    painter.writeWeights(node.weightSheet, node.uploaded, node.level.faceSize, node.cube);
   if (++node.uploaded === 6) node.weightSheet = null;
 }
 

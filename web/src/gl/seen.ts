@@ -68,65 +68,7 @@ void main() {
 }
 `;
 
-// Before something is drawn into a texture.
-function plainState(gl: WebGL2RenderingContext): void {
-  for (const of of [gl.SCISSOR_TEST, gl.BLEND, gl.STENCIL_TEST, gl.DEPTH_TEST, gl.CULL_FACE])
-    gl.disable(of);
-}
-
-/**
- * Writes what texels count into the alpha of their colours. Not in the colours' file: browsers that
- * multiply bitmaps by alpha would lose colours where nothing counts.
- */
-export class WeightWriter {
-  private readonly program: WebGLProgram;
-  private readonly framebuffer: WebGLFramebuffer | null;
-  private readonly vertices: WebGLVertexArrayObject | null;
-
-  constructor(private readonly gl: WebGL2RenderingContext) {
-    this.program = compile(gl, "weights", kScreenVertex, kWeightFragment);
-    this.framebuffer = gl.createFramebuffer();
-    this.vertices = gl.createVertexArray();
-  }
-
-  /** Of a face of a sheet of 3 x 2. Changes framebuffer, viewport and programs. */
-  write(sheet: Uint8Array, face: number, size: number, faces: WebGLTexture): void {
-    const { gl } = this;
-    const texture = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 3 * size);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, size, size, 0, gl.RED, gl.UNSIGNED_BYTE, sheet,
-                  size * ((face % 3) + 3 * size * Math.floor(face / 3)));
-    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0,
-                            gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, faces, 0);
-    plainState(gl);
-    gl.colorMask(false, false, false, true);
-    gl.viewport(0, 0, size, size);
-    gl.useProgram(this.program);
-    gl.bindVertexArray(this.vertices);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
-    gl.bindVertexArray(null);
-    gl.colorMask(true, true, true, true);
-    // A texture that is drawn must not be attached.
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0,
-                            gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, null, 0);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.deleteTexture(texture);
-  }
-
-  dispose(): void {
-    this.gl.deleteProgram(this.program);
-    this.gl.deleteFramebuffer(this.framebuffer);
-    this.gl.deleteVertexArray(this.vertices);
-  }
-}
-
+// A layer of faces from the cube map: a face, and around it one texel of those beside.
 const kFaceFragment = `#version 300 es
 precision highp float;
 uniform samplerCube cube;
@@ -139,123 +81,132 @@ void main() {
 }
 `;
 
-/** Writes the layers of a node's faces from its cube map, which goes. */
-export class FaceWriter {
-  private readonly program: WebGLProgram;
-  private readonly face: WebGLUniformLocation | null;
-  private readonly size: WebGLUniformLocation | null;
+/** Draws into a node's textures. Changes framebuffer, viewport and programs. */
+export class NodePainter {
   private readonly framebuffer: WebGLFramebuffer | null;
   private readonly noVertices: WebGLVertexArrayObject | null;
+  private readonly weights: WebGLProgram;
+  private readonly faces: WebGLProgram;
+  private readonly seen: WebGLProgram;
+  private readonly asked: WebGLProgram;
 
-  constructor(private readonly gl: WebGL2RenderingContext) {
-    this.program = compile(gl, "faces", kScreenVertex, kFaceFragment);
-    this.face = gl.getUniformLocation(this.program, "face");
-    this.size = gl.getUniformLocation(this.program, "size");
+  /** Disparities that differ by the share `agree` are those of one surface. */
+  constructor(private readonly gl: WebGL2RenderingContext, private readonly agree: number) {
     this.framebuffer = gl.createFramebuffer();
     this.noVertices = gl.createVertexArray();
+    this.weights = compile(gl, "weights", kScreenVertex, kWeightFragment);
+    this.faces = compile(gl, "faces", kScreenVertex, kFaceFragment);
+    this.seen = compile(gl, "seen", kVertex, kFragment);
+    this.asked = compile(gl, "asked", kScreenVertex, kAskedFragment);
   }
 
-  /** Changes framebuffer, viewport and programs. */
-  write(node: StoredNode): void {
+  /**
+   * Writes what texels count into the alpha of their colours, of a face of a sheet of 3 x 2. Not in
+   * the colours' file: browsers that multiply bitmaps by alpha would lose colours where nothing counts.
+   */
+  writeWeights(sheet: Uint8Array, face: number, size: number, cube: WebGLTexture): void {
+    const { gl } = this;
+    const texture = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 3 * size);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, size, size, 0, gl.RED, gl.UNSIGNED_BYTE, sheet,
+                  size * ((face % 3) + 3 * size * Math.floor(face / 3)));
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+    this.begin(this.weights, size, size);
+    this.attach(gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, cube);
+    gl.colorMask(false, false, false, true);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.colorMask(true, true, true, true);
+    this.end(gl.TEXTURE_CUBE_MAP_POSITIVE_X + face);
+    gl.deleteTexture(texture);
+  }
+
+  /** Of a node of which all faces are there: their layers, and what it sees. Its cube map goes. */
+  finish(node: StoredNode): void {
+    this.writeFaces(node);
+    this.drawSeen(node);
+  }
+
+  dispose(): void {
+    const { gl } = this;
+    for (const of of [this.weights, this.faces, this.seen, this.asked]) gl.deleteProgram(of);
+    gl.deleteFramebuffer(this.framebuffer);
+    gl.deleteVertexArray(this.noVertices);
+  }
+
+  private writeFaces(node: StoredNode): void {
     const { gl } = this;
     const { faceSize } = node.level;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, node.cube);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
-    plainState(gl);
-    gl.colorMask(true, true, true, true);
-    gl.viewport(0, 0, faceSize + 2, faceSize + 2);
-    gl.useProgram(this.program);
-    gl.uniform1f(this.size, faceSize);
-    gl.bindVertexArray(this.noVertices);
+    this.begin(this.faces, faceSize + 2, faceSize + 2);
+    gl.uniform1f(gl.getUniformLocation(this.faces, "size"), faceSize);
+    const face = gl.getUniformLocation(this.faces, "face");
     kFaceAxes.forEach((a, f) => {
       gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, node.faces, 0, f);
-      gl.uniformMatrix3fv(this.face, false, [...a.slice(3), ...a.slice(0, 3)]);
+      gl.uniformMatrix3fv(face, false, [...a.slice(3), ...a.slice(0, 3)]);
       gl.drawArrays(gl.TRIANGLES, 0, 3);
     });
-    gl.bindVertexArray(null);
-    // A texture that is drawn must not be attached.
-    gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, null, 0, 0);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.bindTexture(gl.TEXTURE_CUBE_MAP, null);
     gl.deleteTexture(node.cube);
     node.cube = null;
   }
 
-  dispose(): void {
-    this.gl.deleteProgram(this.program);
-    this.gl.deleteFramebuffer(this.framebuffer);
-    this.gl.deleteVertexArray(this.noVertices);
-  }
-}
-
-export class SeenDrawer {
-  private readonly program: WebGLProgram;
-  private readonly asked: WebGLProgram;
-  private readonly right: WebGLUniformLocation | null;
-  private readonly up: WebGLUniformLocation | null;
-  private readonly framebuffer: WebGLFramebuffer | null;
-  private readonly noVertices: WebGLVertexArrayObject | null;
-
-  /** Disparities that differ by the share `agree` are those of one surface. */
-  constructor(private readonly gl: WebGL2RenderingContext, agree: number) {
-    this.program = compile(gl, "seen", kVertex, kFragment);
-    this.right = gl.getUniformLocation(this.program, "right");
-    this.up = gl.getUniformLocation(this.program, "up");
-    this.asked = compile(gl, "asked", kScreenVertex, kAskedFragment);
-    gl.useProgram(this.asked);
-    gl.uniform1f(gl.getUniformLocation(this.asked, "agree"), agree);
-    this.framebuffer = gl.createFramebuffer();
-    this.noVertices = gl.createVertexArray();
-  }
-
-  /** Draws what a node sees into its `seen`. Changes framebuffer, viewport and programs. */
-  draw(node: StoredNode): void {
+  private drawSeen(node: StoredNode): void {
     const { gl } = this;
     const size = node.level.faceSize, scale = 1 / size;
     const codes = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, codes);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, 3 * size, 2 * size);
     for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
       gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
-    this.drawInto(codes);
-    gl.useProgram(this.program);
+    this.begin(this.seen, size, size);
+    this.attach(gl.TEXTURE_2D, codes);
+    gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
     gl.bindVertexArray(node.surfaces);
+    const right = gl.getUniformLocation(this.seen, "right"), up = gl.getUniformLocation(this.seen, "up");
     for (let f = 0; f < 6; ++f) {
       const a = kFaceAxes[f];
       gl.viewport((f % 3) * size, Math.floor(f / 3) * size, size, size);
-      gl.uniform3f(this.right, a[3] * scale, a[4] * scale, a[5] * scale);
-      gl.uniform3f(this.up, a[6] * scale, a[7] * scale, a[8] * scale);
+      gl.uniform3f(right, a[3] * scale, a[4] * scale, a[5] * scale);
+      gl.uniform3f(up, a[6] * scale, a[7] * scale, a[8] * scale);
       const begin = node.surfaceStarts[f], count = node.surfaceStarts[f + 1] - begin;
       if (count > 0) gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * begin);
     }
-    this.drawInto(node.seen);
-    gl.viewport(0, 0, 3 * size, 2 * size);
-    gl.useProgram(this.asked);
-    gl.bindVertexArray(this.noVertices);
+    this.begin(this.asked, 3 * size, 2 * size);
+    this.attach(gl.TEXTURE_2D, node.seen);
+    gl.uniform1f(gl.getUniformLocation(this.asked, "agree"), this.agree);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    gl.bindVertexArray(null);
-    // A texture that is drawn must not be attached.
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, null, 0);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    this.end(gl.TEXTURE_2D);
     gl.bindTexture(gl.TEXTURE_2D, null);
     gl.deleteTexture(codes);
   }
 
-  dispose(): void {
-    this.gl.deleteProgram(this.program);
-    this.gl.deleteProgram(this.asked);
-    this.gl.deleteFramebuffer(this.framebuffer);
-    this.gl.deleteVertexArray(this.noVertices);
-  }
-
-  private drawInto(texture: WebGLTexture | null): void {
+  private begin(program: WebGLProgram, width: number, height: number): void {
     const { gl } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-    plainState(gl);
+    for (const of of [gl.SCISSOR_TEST, gl.BLEND, gl.STENCIL_TEST, gl.DEPTH_TEST, gl.CULL_FACE])
+      gl.disable(of);
     gl.colorMask(true, true, true, true);
-    gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(program);
+    gl.bindVertexArray(this.noVertices);
+  }
+
+  private attach(target: number, texture: WebGLTexture | null): void {
+    const { gl } = this;
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, 0);
+  }
+
+  // A texture that is drawn must not be attached.
+  private end(target: number): void {
+    const { gl } = this;
+    gl.bindVertexArray(null);
+    this.attach(target, null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
 }

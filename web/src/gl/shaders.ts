@@ -71,7 +71,7 @@ uniform float size;  // N
 in vec2 v_texel;
 in float v_disparity;
 flat in float v_layer;
-uniform usampler2D seen;  // SeenDrawer's (seen.ts)
+uniform usampler2D seen;  // NodePainter's (seen.ts)
 uniform float unmix;      // tolerance; negative: all is mixed
 uint code_at(int x, int y) { return texelFetch(seen, ivec2(x, y), 0).r & 0x7fffu; }
 vec3 surface_color(vec3 mixed, ivec2 low, ivec2 p, ivec2 q) {
