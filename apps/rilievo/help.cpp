@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/rilievo/kinds.h"
+
 namespace rilievo::app {
 namespace {
 
@@ -15,10 +17,10 @@ constexpr std::size_t kFew = 24;
 
 // What those with more show: what a user of a scene of one's own needs.
 constexpr std::string_view kUsual[] = {
-    "--help",  "--help-all", "--output", "--method",   "--methods",   "--scene",
-    "--as",    "--size",     "--frames", "--path",     "--orbit",     "--walk",
-    "--time",  "--samples",  "--draw",   "--error-px", "--memory-mb", "--outlines",
-    "--split", "--up",       "--units",  "--json",     "--psnr",      "--screenshot"};
+    "--help",  "--help-all", "--output",    "--method",    "--methods", "--scene", "--as",
+    "--size",  "--frames",   "--path",      "--orbit",     "--walk",    "--time",  "--samples",
+    "--draw",  "--error-px", "--memory-mb", "--outlines",  "--split",   "--set",   "--up",
+    "--units", "--json",     "--psnr",      "--screenshot"};
 // And where something is baked into a file:
 constexpr std::string_view kUsualOfBakes[] = {"--at",       "--auto", "--views",
                                               "--textures", "--face", "--source"};
@@ -51,6 +53,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app) {
 
 // What an option takes, if that is one of some words: "{a,b,c}" of its type.
 std::vector<std::string> words_of(const CLI::Option& option) {
+  if (flag_of(option) == "--set") return set_names();
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{'), end = type.find('}');
   if (open == type.npos || end == type.npos) return {};

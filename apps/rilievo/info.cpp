@@ -1,4 +1,5 @@
-// rilievo info FILE: what is in it? rilievo info --machine: how fast is this machine?
+// rilievo info FILE: what is in it? rilievo info --machine: how fast is this machine? rilievo info
+// --kinds: which kinds of representation are there, and what are their options?
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 
 #include "apps/rilievo/capture.h"
 #include "apps/rilievo/command.h"
+#include "apps/rilievo/kinds.h"
 #include "apps/rilievo/machine.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/picture_file.h"
@@ -23,7 +25,7 @@ namespace {
 
 struct InfoCommand {
   std::string file, json, valid_eyes;
-  bool machine = false;
+  bool machine = false, kinds = false;
   FileLimits limits;
 };
 
@@ -248,6 +250,11 @@ Command info_command(CLI::App& app) {
                  "two; the file of --json is what --machine of other commands reads")
       ->excludes(file);
   command
+      ->add_flag("--kinds", options->kinds,
+                 "List the kinds of representation and their options instead, which --set of other "
+                 "commands takes")
+      ->excludes(file);
+  command
       ->add_option("--valid-eyes", options->valid_eyes,
                    "Of pictures: a map, from above, of the eyes for which a relief impostor of the "
                    "first one stays valid, as PNG")
@@ -262,7 +269,9 @@ Command info_command(CLI::App& app) {
               return good;
             if (!options->valid_eyes.empty()) return save_valid_eyes(*options);
             if (options->machine) return describe_machine(options->json);
-            if (options->file.empty()) return Error{"info", "FILE or --machine is required"};
+            if (options->kinds) return list_kinds(options->json);
+            if (options->file.empty())
+              return Error{"info", "FILE, --machine or --kinds is required"};
             if (is_capture(options->file))
               return describe_capture(options->file, options->json, options->limits);
             return holds_pictures(options->file) ? describe_pictures(*options)

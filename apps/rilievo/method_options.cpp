@@ -169,8 +169,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       "auto: decide by the time that frames take, which makes no two runs alike (view, "
       "and compare --real-time, do), and not by counts of work");
   add_impostor_options(command, options.impostors);
-  add_kind_options(command, KindOptionsOf::draw, options.kinds);
-  add_kind_options(command, KindOptionsOf::bake, options.kinds);
+  add_set_option(command, options.kinds);
 }
 
 }  // namespace rilievo::app

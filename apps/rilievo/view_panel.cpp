@@ -64,15 +64,16 @@ void cache_panel(ViewState& state) {
 }
 
 // The options of a kind, as its row of the list says. Is the source another one after a change?
-bool option_controls(std::span<const Option> options, GivenOptions& values) {
+bool option_controls(const Kind& kind, KindOptionsOf which, KindOptions& kinds) {
+  GivenOptions& values = given_of(kinds, which);
   bool changed = false;
-  for (const Option& option : options) {
-    const std::string name(option.name);
-    const auto given = values.find(option.name);
+  for (const Option& option : options_of(kind, which)) {
+    const std::string name(option.name), key = given_name(kind, option.name);
+    const auto given = values.find(key);
     const std::string now =
         given == values.end() ? std::string(option.default_value) : given->second;
     const auto set = [&](const std::string& value) {
-      values[name] = value;
+      values[key] = value;
       changed = true;
     };
     if (option.type == OptionType::flag) {
@@ -112,9 +113,9 @@ void method_panel(ViewState& state) {
     ImGui::EndCombo();
   }
   if (const Kind* kind = kind_method(state.method).kind) {
-    state.new_source |= option_controls(kind->draw_options, state.methods.kinds.draw);
+    state.new_source |= option_controls(*kind, KindOptionsOf::draw, state.methods.kinds);
     if (state.can_split)
-      state.new_source |= option_controls(kind->bake_options, state.methods.kinds.bake);
+      state.new_source |= option_controls(*kind, KindOptionsOf::bake, state.methods.kinds);
   }
   if (!state.can_split) return;
   // A cache keeps its pictures.

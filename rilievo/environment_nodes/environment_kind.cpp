@@ -89,7 +89,7 @@ const std::array kDrawOptions{
     Option{.name = "resident",
            .type = OptionType::integer,
            .default_value = "4",
-           .help = "So many nodes are in memory at a time, at most, or --nodes if that is more",
+           .help = "So many nodes are in memory at a time, at most, or `nodes` if that is more",
            .unit = "N",
            .min = 1,
            .max = 256},

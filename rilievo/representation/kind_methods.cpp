@@ -10,16 +10,25 @@
 namespace rilievo {
 namespace {
 
-Result<OptionValues> values_of(std::span<const Option> options, const GivenOptions& given) {
-  OptionValues values(options);
-  for (const auto& [name, value] : given) {
-    if (!values.has(name)) continue;
-    if (Result<> set = values.set(name, value); !set) return set.error();
-  }
+Result<OptionValues> values_of(const Kind& kind, KindOptionsOf which, const GivenOptions& given) {
+  OptionValues values(options_of(kind, which));
+  const std::string own = given_name(kind, "");
+  // Those of this kind alone come last: they win.
+  for (const bool last : {false, true})
+    for (const auto& [name, value] : given) {
+      if (name.starts_with(own) != last) continue;
+      const std::string_view option = std::string_view(name).substr(last ? own.size() : 0);
+      if (!values.has(option)) continue;
+      if (Result<> set = values.set(option, value); !set) return set.error();
+    }
   return values;
 }
 
 }  // namespace
+
+std::string given_name(const Kind& kind, std::string_view option) {
+  return fmt::format("{}.{}", kind.name, option);
+}
 
 std::span<const Option> options_of(const Kind& kind, KindOptionsOf which) {
   return which == KindOptionsOf::bake ? kind.bake_options : kind.draw_options;
@@ -36,14 +45,14 @@ const Option* find_option(std::span<const Option> options, std::string_view name
 }
 
 Result<OptionValues> bake_values(const Kind& kind, const KindOptions& options) {
-  Result<OptionValues> values = values_of(kind.bake_options, options.bake);
+  Result<OptionValues> values = values_of(kind, KindOptionsOf::bake, options.bake);
   if (!values || !kind.check_options) return values;
   if (Result<> good = kind.check_options(*values); !good) return good.error();
   return values;
 }
 
 Result<OptionValues> draw_values(const Kind& kind, const KindOptions& options) {
-  return values_of(kind.draw_options, options.draw);
+  return values_of(kind, KindOptionsOf::draw, options.draw);
 }
 
 Result<> expect_options_of(const Kind& kind, const KindOptions& options) {
@@ -68,7 +77,7 @@ void apply(const KindMethod& method, KindOptions& options) {
   const std::string name(method.variant->option);
   for (const KindOptionsOf which : {KindOptionsOf::bake, KindOptionsOf::draw})
     if (find_option(options_of(*method.kind, which), name))
-      given_of(options, which)[name] = method.variant->value;
+      given_of(options, which)[given_name(*method.kind, name)] = method.variant->value;
 }
 
 std::vector<std::string> kind_names() {

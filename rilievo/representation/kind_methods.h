@@ -13,13 +13,16 @@
 
 namespace rilievo {
 
-// By Option::name, of all kinds that have it.
+// By Option::name, for all kinds that have it; or by given_name(), for one kind, which wins.
 using GivenOptions = std::map<std::string, std::string, std::less<>>;
 
 // What was given for kinds. An option for baking and one for drawing can have the same name.
 struct KindOptions {
   GivenOptions bake, draw;
 };
+
+// The name under which an option is given for one kind: "layered-impostor.views".
+[[nodiscard]] std::string given_name(const Kind& kind, std::string_view option);
 
 // Which of a kind's options.
 enum class KindOptionsOf { bake, draw };

@@ -33,6 +33,12 @@ def files_below(folder):
             for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
+def settings(kind, **options):
+    """--set for options of a kind; `_` stands for `-`."""
+    return tuple(word for name, value in options.items()
+                 for word in ("--set", f"{kind}.{name.replace('_', '-')}={value}"))
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="rilievo-cli-"))

@@ -81,7 +81,7 @@ class Help(command.Case):
             self.assertIn(f"{len(all_of_them) - len(few)} more options: rilievo {name} --help-all",
                           self.succeeds(name, "--help").stdout)
         text = self.succeeds("render", "--help-all").stdout
-        for group in ("Of cache:", "Of keyframes:", "Of environment-nodes:"):
+        for group in ("Of cache:", "Of keyframes:", "Of auto:"):
             self.assertIn(group, text)
 
     def test_bash_completes_commands_options_and_values(self):
@@ -270,11 +270,49 @@ class Results(Folder):
         for frame in own:
             self.assertNotEqual(own[frame], walk[frame])
 
-    def test_an_option_to_bake_and_one_to_draw_can_have_the_same_name(self):
+    def test_options_of_several_kinds_can_have_the_same_name(self):
         small = ("--size", "48x32", "--frames", "1", "-o", self.folder / "out")
         self.succeeds("compare", "builtin:teapot?triangles=2000", *small, "--methods",
-                      "layered-relief,environment-nodes", "--merge", "first", "--view-merge", "0.2",
-                      "--view-size", "32", "--draw", "software")
+                      "layered-relief,environment-nodes", "--draw", "software",
+                      *command.settings("environment-nodes", merge="first"),
+                      *command.settings("layered-relief", merge=0.2, size=32))
+
+
+class Settings(Folder):
+    def test_what_info_lists_is_what_set_takes(self):
+        listed = json.loads(self.succeeds("info", "--kinds", "--json", "-").stdout)
+        self.assertEqual([one["kind"] for one in listed],
+                         ["layered-impostor", "environment-nodes", "layered-relief"])
+        text = self.succeeds("info", "--kinds").stdout
+        words = self.succeeds("completion", "bash").stdout
+        for kind in listed:
+            self.assertGreater(len(kind["options"]), 5)
+            for option in kind["options"]:
+                self.assertIn(option["name"], text)
+                self.assertIn(option["name"], words)
+                # Known, so that the value is what is refused.
+                self.refused(["render", "missing.glb", "--set", option["name"] + "=", "-o",
+                              self.folder / "out"], option["name"], "is not")
+
+    def test_what_is_no_setting_is_refused_by_name(self):
+        out = ("-o", self.folder / "out")
+        for text, *named in (("views=12", "KIND.NAME"), ("statue.views=12", "statue", "layered-relief"),
+                             ("layered-impostor.face=12", "layered-impostor.face"),
+                             ("layered-impostor.views=13", "13", "12, 20, 32"),
+                             ("layered-impostor.views", "12, 20, 32"), ("", "KIND.NAME")):
+            with self.subTest(text):
+                self.refused(["render", TEAPOTS, "--set", text, *out], "--set", *named)
+
+    def test_a_setting_is_of_its_kind_alone_and_the_last_one_counts(self):
+        report = json.loads(self.succeeds(
+            "compare", "builtin:teapot?triangles=2000", "--methods",
+            "layered-relief,layered-impostor", "--size", "48x32", "--frames", "1", "--draw",
+            "software", *command.settings("layered-impostor", views=20, size=32),
+            *command.settings("layered-impostor", views=12),
+            *command.settings("layered-relief", size=32, textures=1), "-o", self.folder / "out",
+            "--json", "-").stdout)
+        self.assertEqual(report["methods"]["layered-impostor"]["captures"], 12)
+        self.assertEqual(report["methods"]["layered-relief"]["captures"], 1)
 
 
 class Benches(Folder):

@@ -102,8 +102,9 @@ class Baked(command.Case):
 
     def test_it_is_drawn_from_new_eyes_by_either_warp(self):
         made = {}
-        for name, arguments in {"default": (), "surfaces": ("--warp", "surfaces"),
-                                "slices": ("--warp", "slices"),
+        for name, arguments in {"default": (),
+                                "surfaces": command.settings("layered-impostor", warp="surfaces"),
+                                "slices": command.settings("layered-impostor", warp="slices"),
                                 "method": ("--method", "layered-slices")}.items():
             self.succeeds("render", self.file, *arguments, "--orbit", "3", "--size", "96x64", "-o",
                           self.folder / name, "--json", self.folder / f"{name}.json")
@@ -259,11 +260,13 @@ class Foreign(command.Case):
 class Method(command.Case):
     """Drawn of any scene, baked before the first frame."""
 
-    BAKE = ("--views", "12", "--layers", "16")
+    BAKE = command.settings("layered-impostor", views=12, layers=16)
+    LARGE = command.settings("layered-impostor", size=256)
 
     def test_compare_reports_them_like_any_other_method(self):
         # 12 * 32^2 texels of 17 bytes: memory for four of the fifteen, for ten by slices.
-        done = self.succeeds("compare", TEAPOTS, *self.BAKE, "--view-size", "32", "--memory-mb", "1",
+        done = self.succeeds("compare", TEAPOTS, *self.BAKE,
+                             *command.settings("layered-impostor", size=32), "--memory-mb", "1",
                              "--methods", "layered,layered-slices", "--frames", "2", "--size", "96x64",
                              "-o", self.folder / "report", "--json", "-")
         methods = json.loads(done.stdout)["methods"]
@@ -281,8 +284,8 @@ class Method(command.Case):
             return json.loads(done.stdout)["captures"]
 
         # 12 * 256^2 texels of 17 bytes: 13 MB an object.
-        self.assertEqual(captures("--view-size", "256", "--memory-mb", "14"), 12)
-        self.assertEqual(captures("--view-size", "256", "--memory-mb", "12"), 0)
+        self.assertEqual(captures(*self.LARGE, "--memory-mb", "14"), 12)
+        self.assertEqual(captures(*self.LARGE, "--memory-mb", "12"), 0)
 
     def spinning_ring(self):
         """38 400 triangles that turn by a right angle and more in each of many short spans."""
@@ -335,7 +338,7 @@ class Method(command.Case):
             self.assertLess(cache["wrong_visibility"]["mean"], 0.01)
             return cache["drawn_as"]
 
-        slices = ("--warp", "slices", "--views", "12", "--layers", "32", "--view-size", "128")
+        slices = command.settings("layered-impostor", warp="slices", views=12, layers=32, size=128)
         self.assertNotIn("layered-impostor", drawn_as())
         # Without OpenGL polygons cost less than that.
         self.assertGreater(drawn_as("--bake-mb", "8", "--draw", "opengl", *slices)["layered-impostor"], 1)

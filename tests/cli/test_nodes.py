@@ -15,6 +15,7 @@ from command import files_below
 
 STONES = "builtin:stonehenge?triangles=10000"
 SMALL_BAKE = ("--as", "environment-nodes", "--face", "24")
+SMALL_METHOD = command.settings("environment-nodes", face=32, auto=2)
 AT = ("--at", "0,1.7,8", "-3,1.7,8")
 FRAME = ("--size", "64x48", "--frames", "2")
 
@@ -51,33 +52,32 @@ class Nodes(command.Case):
     def test_every_merge_is_drawn_and_frames_repeat(self):
         out, _ = self.bake("--at", "0,1.7,8", "-3,1.7,8", "-1,1.7,6", "--triangles", "800")
         pictures = {}
-        for arguments in (("--merge", "layering"), ("--merge", "binary"), ("--merge", "weighted"),
-                          ("--merge", "positional"), ("--merge", "first"), ("--gaps",), ("--skin",),
-                          ("--resident", "1"), ()):
-            for attempt in range(2 if not arguments else 1):
-                folder = self.folder / f"frames{attempt}{'-'.join(arguments)}"
+        for setting in ("merge=layering", "merge=binary", "merge=weighted", "merge=positional",
+                        "merge=first", "gaps", "skin", "resident=1", ""):
+            arguments = ("--set", "environment-nodes." + setting) if setting else ()
+            for attempt in range(1 if setting else 2):
+                folder = self.folder / f"frames{attempt}{setting}"
                 self.succeeds("render", out, *arguments, *FRAME, "-o", folder)
-                pictures[arguments, attempt] = files_below(folder)
-                self.assertEqual(len(pictures[arguments, attempt]), 2)
-        self.assertEqual(pictures[(), 0], pictures[(), 1])
-        self.assertEqual(pictures[(), 0], pictures[("--skin",), 0])  # the defaults
-        self.assertEqual(pictures[(), 0], pictures[("--merge", "positional"), 0])
+                pictures[setting, attempt] = files_below(folder)
+                self.assertEqual(len(pictures[setting, attempt]), 2)
+        self.assertEqual(pictures["", 0], pictures["", 1])
+        self.assertEqual(pictures["", 0], pictures["skin", 0])  # the defaults
+        self.assertEqual(pictures["", 0], pictures["merge=positional", 0])
 
     def test_compared_with_its_scene_and_as_a_method(self):
         out, _ = self.bake(*AT)
         report = self.folder / "report"
         self.succeeds("compare", out, "--scene", STONES, *FRAME, "-o", report)
         for name, methods in (("r", ["direct", "environment-nodes"]),):
-            done = self.succeeds("compare", STONES, "--methods", "environment-nodes", "--face", "32",
-                                 "--auto", "2", *FRAME, "-o", self.folder / name, "--json", "-")
+            done = self.succeeds("compare", STONES, "--methods", "environment-nodes", *SMALL_METHOD,
+                                 *FRAME, "-o", self.folder / name, "--json", "-")
             self.assertEqual(list(json.loads(done.stdout)["methods"]), methods)
 
     def test_a_scene_is_baked_and_drawn_without_opengl(self):
-        self.succeeds("render", STONES, "--method", "environment-nodes", "--face", "32", "--auto", "2",
-                      "--draw", "software", *FRAME, "-o", self.folder / "frames")
+        self.succeeds("render", STONES, "--method", "environment-nodes", *SMALL_METHOD, "--draw", "software", *FRAME, "-o", self.folder / "frames")
         self.assertEqual(len(files_below(self.folder / "frames")), 2)
         self.succeeds("render", STONES, "--method", "cache", "--bake-as", "environment-nodes",
-                      "--bake-mb", "64", "--face", "32", "--draw", "software", *FRAME, "-o",
+                      "--bake-mb", "64", *SMALL_METHOD, "--draw", "software", *FRAME, "-o",
                       self.folder / "cached")
         self.assertEqual(len(files_below(self.folder / "cached")), 2)
 
@@ -91,7 +91,8 @@ class Nodes(command.Case):
         nodes = ("--bake-mb", "8", "--bake-as", "environment-nodes")
         self.assertNotIn("environment-nodes", cache()["drawn_as"])
         # Whether they are drawn is a matter of cost; pictures are cheaper where there are few.
-        drawn = cache(*nodes, "--bake-beyond", "8", "--face", "64", "--auto", "2")
+        drawn = cache(*nodes, "--bake-beyond", "8",
+                      *command.settings("environment-nodes", face=64, auto=2))
         self.assertIn("environment-nodes", drawn["drawn_as"])
         self.assertLess(drawn["wrong_visibility"]["mean"], 0.01)
         for wrong, named in ((("--bake-beyond", "1e6"), "environment-nodes"),
@@ -113,8 +114,10 @@ class Nodes(command.Case):
 
     def test_options_that_do_not_go_together_are_refused(self):
         out, _ = self.bake(*AT)
-        self.refused(["render", out, "--skin", "--gaps", *FRAME, "-o", self.folder / "f"], "--gaps")
-        self.refused(["render", out, "--merge", "glue", *FRAME, "-o", self.folder / "f"], "--merge")
+        self.refused(["render", out, "--set", "environment-nodes.skin", "--set", "environment-nodes.gaps",
+                      *FRAME, "-o", self.folder / "f"], "--gaps")
+        self.refused(["render", out, "--set", "environment-nodes.merge=glue", *FRAME, "-o", self.folder / "f"],
+                     "environment-nodes.merge", "glue")
         self.refused(["render", out, "--method", "layered-impostor", *FRAME,
                       "-o", self.folder / "f"], "--method")
 

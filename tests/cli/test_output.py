@@ -298,8 +298,8 @@ class Signals(command.Case):
 
 class Values(command.Case):
     NUMBERS = {
-        "render": ("--angle", "--error-px", "--capture-ms", "--late", "--texel-px", "--overlap",
-                   "--memory-mb", "--bake-mb", "--ring", "--view-size", "--layers", "--views", "--delta-bits",
+        "render": ("--angle", "--error-px", "--capture-ms", "--late", "--texel-px",
+                   "--memory-mb", "--bake-mb", "--delta-bits",
                    "--frames", "--orbit", "--walk", "--samples", "--size", "--loop-seconds"),
         "bake": ("--overlap", "--ring", "--size", "--layers", "--views", "--box"),
     }

@@ -52,8 +52,8 @@ class Relief(command.Case):
         report = self.folder / "report"
         done = self.succeeds("compare", "builtin:teapots?triangles=20000", "--methods",
                              "layered-relief,cache", "--bake-as", "layered-relief", "--bake-mb",
-                             "64", "--relief-resolution", "0.5", "--view-size", "64", "--textures",
-                             "6", "--size", "96x64", "--frames", "2", "-o", report, "--json", "-")
+                             "64", *command.settings("layered-relief", relief_resolution=0.5, size=64,
+                                                     textures=6), "--size", "96x64", "--frames", "2", "-o", report, "--json", "-")
         methods = json.loads(done.stdout)["methods"]
         self.assertEqual(set(methods), {"direct", "layered-relief", "cache"})
 
@@ -62,7 +62,7 @@ class Relief(command.Case):
         for draw in ("opengl", "software"):
             done = self.succeeds("compare", "builtin:fern?triangles=200000", "--methods", "cache",
                                  "--draw", draw, "--bake-as", "layered-relief", "--bake-mb", "64",
-                                 "--view-size", "128", "--error-px", "4", "--size", "192x128",
+                                 *command.settings("layered-relief", size=128), "--error-px", "4", "--size", "192x128",
                                  "--frames", "3", "--orbit", "30", "-o", self.folder / draw,
                                  "--json", "-")
             cache = json.loads(done.stdout)["methods"]["cache"]
@@ -75,8 +75,9 @@ class Relief(command.Case):
         one = ("--method", "cache", "--bake-together", "--bake-mb", "8", "--bake-as",
                "layered-relief")
         out = ("-o", self.folder / "out")
-        self.succeeds("render", command.TEAPOTS, *one, "--view-size", "64", "--size", "96x64", "--frames",
-                      "1", *out)
+        self.succeeds("render", command.TEAPOTS, *one,
+                      *command.settings("layered-relief", size=64), "--size", "96x64", "--frames", "1",
+                      *out)
         self.refused(("render", command.TEAPOTS, *one, *out), "memory")
         self.refused(("render", command.TEAPOTS, *one, "--bake-as", "layered-impostor", *out),
                      "--bake-together")

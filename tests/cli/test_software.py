@@ -34,7 +34,7 @@ class NoOpenGL(command.Case):
     def test_every_method_draws_a_scene(self):
         methods = ["direct", "direct-raster", "direct-rays", "lod", "flat", "nailboard", "cache", "keyframes", "auto",
                    "layered-slices"]
-        baked = ("--views", "12", "--view-size", "32")
+        baked = command.settings("layered-impostor", views=12, size=32)
         for method in methods:
             # Baking takes a sanitized build seconds an object.
             scene = "builtin:teapot?triangles=2000" if method == "layered-slices" else TEAPOTS
