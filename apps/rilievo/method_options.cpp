@@ -154,8 +154,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->check(CLI::IsMember({1, 4, 16}));
   command
       .add_option("--fps", options.fps,
-                  "auto: frames a second that are enough: of all methods that keep it the best in "
-                  "quality draws (0: as many as can be; default 0)")
+                  fmt::format("auto: frames a second that are enough: of all methods that keep it "
+                              "the best in quality draws (0: as many as can be; default {:g})",
+                              options.fps))
       ->check(in_range(0.0, 1000.0))
       ->type_name("N");
   command

@@ -372,6 +372,7 @@ Command view_command(CLI::App& app) {
   add_frame_options(*command, options->frames);
   options->methods.max_spike = kInteractiveSpike;
   options->methods.by_clock = true;
+  options->methods.fps = 60;
   add_method_options(*command, options->methods);
   add_file_limits(*command, options->limits);
   command->footer("Example: rilievo view builtin:bridge --split");

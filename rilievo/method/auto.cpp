@@ -184,7 +184,9 @@ void AutoFrames::look(const Camera& camera) {
       kLevelsOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
   outlook_[kLevels].prepare_ms = slowness_ * kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
-  keyframes.guess_ms = slowness_ * load.keyframes_ms();
+  keyframes.guess_ms =
+      slowness_ * load.keyframes_ms() +
+      FrameLoad::kKeyframesOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
   keyframes.prepare_ms =
       slowness_ * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
   keyframes.good_enough = good_enough();

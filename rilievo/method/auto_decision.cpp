@@ -37,7 +37,7 @@ constexpr double kMostMore = 5;
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
-constexpr double kRaysPixelMs = 50e-6, kKeyframesPixelMs = 30e-6;
+constexpr double kRaysPixelMs = 50e-6, kKeyframesPixelMs = 24e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
@@ -156,7 +156,8 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook) const {
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
     const int frames = candidate.warm_up + kTrial;
     if (!affordable(std::max(0.0, likely - free_ms()) * frames)) continue;
-    if (!one.ready && one.prepare_ms > kPaysWithin * (now - hope)) continue;
+    if (!one.ready && (hope > kWorthPreparing * now || one.prepare_ms > kPaysWithin * (now - hope)))
+      continue;
     if (best >= 0 && hope >= best_ms) continue;
     best = i, best_ms = hope;
   }

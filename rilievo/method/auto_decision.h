@@ -7,9 +7,9 @@
 // A trial must be able to pay. What a method took, or what a model says that it would, is taken for
 // the less certain the older it is; only what may then be cheaper is tried, not if it would take
 // over kMaySpike times the frame, and only while all that trials have cost stays below kTrialShare
-// of all time. What must be prepared first must gain as much in kPaysWithin frames. Each trial that
-// fails doubles the time to the next one of that method. So a walk on which nothing changes costs
-// next to nothing, and where the costs change the next trial is soon.
+// of all time. What must be prepared first must gain as much in kPaysWithin frames, and a good
+// deal. Each trial that fails doubles the time to the next one of that method. So a walk on which
+// nothing changes costs next to nothing, and where the costs change the next trial is soon.
 //
 // A method is changed for one that is cheaper by kGain for each step down in quality, or as cheap
 // and of a better one. With a pace, of all that keep it the best in quality is taken. The same
@@ -42,7 +42,9 @@ struct FrameLoad {
   [[nodiscard]] bool heavy() const { return triangles > pixels; }
   [[nodiscard]] double direct_ms() const;
   [[nodiscard]] double rays_ms() const;
+  // Of keyframes beside their share of direct drawing, which captures them and fills their holes.
   [[nodiscard]] double keyframes_ms() const;
+  static constexpr double kKeyframesOfDirect = 0.17;
 };
 
 // A method before a frame.
@@ -79,6 +81,8 @@ class AutoDecision {
  public:
   static constexpr double kGain = 0.05, kMaySpike = 1.5, kTrialShare = 0.015;
   static constexpr int kPaysWithin = 60;
+  // And must be expected to take at most this share of what draws.
+  static constexpr double kWorthPreparing = 0.7;
   // The share of the pace that a method may take to be said to keep it.
   static constexpr double kKeepsPace = 0.85;
 

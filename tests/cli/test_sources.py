@@ -120,6 +120,20 @@ class Sources(Case):
             # Of shadows, and of another world.
             self.assertEqual(len({made["rays"], made["raytrace"], made[self.exec]}), 3)
 
+    def test_keyframes_are_made_by_every_source(self):
+        made = {}
+        for source in ("raster", "rays", "raytrace", self.exec):
+            with self.subTest(source=source):
+                out = self.folder / f"frames-{len(made)}"
+                self.succeeds("render", STONES, "--method", "keyframes", "--source", source, "--size", "64x48",
+                              "--frames", "6", "--draw", "software", "-o", out)
+                made[source] = files_below(out)
+                self.assertEqual(len(made[source]), 6)
+        # Nobody waits for the slow ones: frames begin with a coarse keyframe by rays.
+        first = sorted(made["raytrace"])[0]
+        self.assertEqual(made["raytrace"][first], made[self.exec][first])
+        self.assertNotEqual(made["raytrace"][first], made["rays"][first])
+
     def test_a_program_gets_the_scene_and_may_have_one_of_its_own(self):
         glb = self.folder / "stones.glb"
         self.succeeds("scene", STONES, "-o", glb)
