@@ -177,18 +177,20 @@ void AutoFrames::look(const Camera& camera) {
     one.ready = frames_[method] != nullptr;
     one.preparable = options_.by_clock && !one.ready && !failed_[method];
   }
-  outlook_[kRays].guess_ms = slowness_ * load.rays_ms();
-  outlook_[kRays].prepare_ms = slowness_ * kRaysTriangleMs * double(meshes_triangles_);
+  // OpenGL's time says nothing of what processors take.
+  const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness_;
+  outlook_[kRays].guess_ms = slow * load.rays_ms();
+  outlook_[kRays].prepare_ms = slow * kRaysTriangleMs * double(meshes_triangles_);
   const double direct_ms = decision_->mean_ms(kDirect);
   outlook_[kLevels].guess_ms =
       kLevelsOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
-  outlook_[kLevels].prepare_ms = slowness_ * kLevelsTriangleMs * double(meshes_triangles_);
+  outlook_[kLevels].prepare_ms = slow * kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
   keyframes.guess_ms =
-      slowness_ * load.keyframes_ms() +
+      slow * load.keyframes_ms() +
       FrameLoad::kKeyframesOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
   keyframes.prepare_ms =
-      slowness_ * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
+      slow * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
   keyframes.good_enough = good_enough();
   if (keyframes_) {
     keyframes.ready = keyframes_follow_ && keyframes_->prepared();

@@ -281,6 +281,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped)
   choice.expected_ms = costs_[std::size_t(choice.draws)].mean_ms;
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const double ms = expected(i, outlook[std::size_t(i)]);
+    if (!outlook[std::size_t(i)].ready || !outlook[std::size_t(i)].good_enough) continue;
     if (i == choice.draws || ms == 0 || (choice.rival >= 0 && ms >= choice.rival_ms)) continue;
     choice.rival = i, choice.rival_ms = ms;
   }
