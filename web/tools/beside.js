@@ -1,6 +1,7 @@
-// A walk beside the same scene as plain glTF by three.js' GLTFLoader, in one browser, in turn: bytes,
-// time to the first view, time and processor time of a frame, memory.
-//   node tools/beside.js SCENE.glb WALK [--size WxH] [--frames N] [--rounds N]
+// A walk beside the same scene as plain glTF by three.js' GLTFLoader, in one browser, in turn, and
+// beside one of its nodes as glTF (`rilievo export`): bytes, time to the first view, time and processor
+// time of a frame, memory.
+//   node tools/beside.js SCENE.glb WALK [--node NODE.glb] [--size WxH] [--frames N] [--rounds N]
 // WALK is a folder of `rilievo web`. The machine's other work moves times: compare what stands beside
 // each other; the processor time of all of the browser's processes is moved less.
 import { readdirSync, statSync } from "node:fs";
@@ -21,7 +22,9 @@ const bytesBelow = (path) => statSync(path).isDirectory()
   : statSync(path).size;
 
 // The page of this checkout, whatever lies in the folder.
-const server = await serve({ walk: [pageFolder, folder], scene: dirname(scene), test: join(root, "test"), web: root });
+const files = { glTF: scene, node: option("--node") };
+const server = await serve({ walk: [pageFolder, folder], glTF: dirname(scene),
+                             node: dirname(files.node ?? scene), test: join(root, "test"), web: root });
 let keys;
 
 async function measured(kind) {
@@ -52,7 +55,7 @@ async function measured(kind) {
       await page.waitForFunction(() => window.openScene);
       first = await page.evaluate(
         ({ url, key, width, height }) => window.openScene(url, key, width, height),
-        { url: `/scene/${basename(scene)}`, key: keys[0], width, height });
+        { url: `/${kind}/${basename(files[kind])}`, key: keys[0], width, height });
       for (const key of keys) await page.evaluate((key) => window.drawKey(key), key);
     }
     const before = costOf(browser.process().pid), begin = performance.now();
@@ -72,16 +75,16 @@ async function measured(kind) {
 }
 
 const middle = (numbers) => numbers.sort((a, b) => a - b)[numbers.length >> 1];
-const all = { walk: [], glTF: [] };
+const kinds = ["walk", "glTF", ...(files.node ? ["node"] : [])];
+const all = Object.fromEntries(kinds.map((kind) => [kind, []]));
 for (let round = 0; round < rounds; ++round)
-  for (const kind of ["walk", "glTF"]) all[kind].push(await measured(kind));
+  for (const kind of kinds) all[kind].push(await measured(kind));
 await server.close();
 const table = Object.fromEntries(Object.entries(all).map(([kind, list]) => [kind, {
-  bytes: bytesBelow(kind === "walk" ? folder : scene),
+  bytes: bytesBelow(kind === "walk" ? folder : files[kind]),
   ...Object.fromEntries(Object.keys(list[0]).map((of) => [of, middle(list.map((one) => one[of]))])),
 }]));
-for (const of of Object.keys(table.walk)) {
-  const [walk, glTF] = [table.walk[of], table.glTF[of]];
-  console.log(of.padEnd(14), walk.toFixed(1).padStart(12), glTF.toFixed(1).padStart(12),
-              `walk : glTF ${(walk / glTF).toFixed(2)}`);
-}
+console.log("".padEnd(14), ...kinds.map((kind) => kind.padStart(12)));
+for (const of of Object.keys(table.walk))
+  console.log(of.padEnd(14), ...kinds.map((kind) => table[kind][of].toFixed(1).padStart(12)),
+              ...kinds.slice(1).map((kind) => `walk : ${kind} ${(table.walk[of] / table[kind][of]).toFixed(2)}`));

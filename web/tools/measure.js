@@ -6,7 +6,7 @@
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { launch, root, serve } from "../test/browser.js";
+import { launch, page as pageFolder, root, serve } from "../test/browser.js";
 
 const [scene, folder, ...rest] = process.argv.slice(2);
 if (!folder) throw new Error("usage: node tools/measure.js SCENE FOLDER [options]");
@@ -39,7 +39,8 @@ if (!existsSync(inside("identified")))
   rilievo("web", inside("baked.exr"), "--psnr", threshold, "--objects", "-o", inside("identified"));
 
 const size = `${width}x${height}`;
-const server = await serve({ walk: inside("identified"), out: folder, test: join(root, "test") });
+// The page of this checkout, whatever lies in the folder.
+const server = await serve({ walk: [pageFolder, inside("identified")], out: folder, test: join(root, "test") });
 const browser = await launch();
 let toLibrary;
 try {

@@ -1,6 +1,6 @@
-// The page in WebKitGTK, as Debian has it (webkit2gtk-driver, xvfb): draws the tests' walk from the
+// The page in WebKitGTK, as Debian has it (webkit2gtk-driver, xvfb): draws the tests' walks from the
 // tests' eyes and compares the frames with those of the C++ drawer.
-//   node tools/webkit.js [SCREENSHOT.png]
+//   node tools/webkit.js [FOLDER FOR SCREENSHOTS]
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
@@ -75,9 +75,12 @@ try {
         "${which === "walk" ? "/test/frames" : `/${which}/frames`}");`);
     console.log(`${which}:`, psnrs.map((psnr) => `${psnr.toFixed(1)} dB`).join(", "));
     for (const psnr of psnrs) assert.ok(psnr > least, `${which}: ${psnr} dB`);
+    if (!process.argv[2]) continue;
+    // From the second eye.
+    await run(`await window.settle(${JSON.stringify({ z_near, z_far, ...keys[2] })});`);
+    writeFileSync(join(process.argv[2], `${which}.png`),
+                  Buffer.from(await ask("GET", `${at}/screenshot`), "base64"));
   }
-  if (process.argv[2])
-    writeFileSync(process.argv[2], Buffer.from(await ask("GET", `${at}/screenshot`), "base64"));
   await ask("DELETE", at);
 } finally {
   for (const child of children.reverse()) child.kill();

@@ -114,13 +114,16 @@ export class ReliefSet implements Pictures {
       return;
     }
     const margin = Math.min(64, Math.ceil(0.5 * warp.widest) + 1);
-    const [x0, y0, x1, y1] = warp.shown;
-    this.wide = x1 - x0;
-    this.high = y1 - y0;
+    const x = warp.shown[0], y = warp.shown[1];
+    this.wide = warp.shown[2] - x;
+    this.high = warp.shown[3] - y;
     this.makeTargets(this.wide + 2 * margin, this.high + 2 * margin);
-    for (const of of [gl.SCISSOR_TEST, gl.BLEND, gl.STENCIL_TEST, gl.CULL_FACE]) gl.disable(of);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.disable(gl.BLEND);
+    gl.disable(gl.STENCIL_TEST);
+    gl.disable(gl.CULL_FACE);
     gl.colorMask(true, true, true, true);
-    this.drawSplats(warp, stored, x0 - margin, y0 - margin, this.wide + 2 * margin,
+    this.drawSplats(warp, stored, x - margin, y - margin, this.wide + 2 * margin,
                     this.high + 2 * margin);
     gl.disable(gl.DEPTH_TEST);
     gl.bindVertexArray(this.noVertices);
@@ -265,8 +268,9 @@ export class ReliefSet implements Pictures {
 
   private upload(): void {
     const { gl } = this;
-    const i = this.slots.findIndex((slot) => slot.next);
-    if (i < 0) return;
+    let i = 0;
+    while (i < this.slots.length && !this.slots[i].next) ++i;
+    if (i === this.slots.length) return;
     const slot = this.slots[i], { samples, colors } = slot.next as NonNullable<Slot["next"]>;
     slot.next = null;
     const sheet = texture(gl, gl.RGBA8, colors.width, colors.height);

@@ -12,6 +12,7 @@ const kViewStep = 64;
 const kTexelPx = 0.75;
 const kPinholeTexels = 3;
 
+const down = (n: number) => Math.floor(n / kViewStep) * kViewStep;
 const dot = (a: ArrayLike<number>, b: ArrayLike<number>) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 export class ReliefWarp {
@@ -173,7 +174,6 @@ export class ReliefWarp {
         y1 = Math.max(y1, y);
       }
     }
-    const down = (n: number) => Math.floor(n / kViewStep) * kViewStep;
     shown[0] = Math.max(all[0], down(Math.max(x0, all[0])));
     shown[1] = Math.max(all[1], down(Math.max(y0, all[1])));
     shown[2] = Math.min(all[2], down(Math.min(x1, all[2])) + kViewStep);
