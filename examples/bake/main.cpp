@@ -13,7 +13,7 @@ Result<> bake(const char* model, const char* file) {
   SoftwareBackend backend(loaded->scene, 4);  // captures by rays, without OpenGL
   const auto source = backend.make_capture_source();
   if (!source) return source.error();
-  const Kind& kind = *find_kind(kinds(), "layered-impostor");  // or any of `rilievo info`
+  const Kind& kind = *find_kind(kinds(), "layered-impostor");  // or any of `rilievo info --kinds`
   OptionValues options(kind.bake_options);
   if (auto set = options.set("views", "12"); !set) return set;
   if (auto set = options.set("size", "128"); !set) return set;
