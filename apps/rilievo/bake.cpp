@@ -314,6 +314,8 @@ Result<> run_step(const BakeCommand& options, BakeStep step) {
 // Writes the plan; by Slurm, runs it, too.
 Result<> plan_bake(BakeCommand options, BakeStep step, const Kind& kind,
                    const OptionValues& values) {
+  if (step == BakeStep::slurm)
+    if (Result<> there = expect_slurm(); !there) return there;
   if (options.plan.empty()) options.plan = options.output + ".pieces.json";
   if (Result<> good = expect_outputs({options.plan}); !good) return good;
   Result<BakeSource> source = BakeSource::open(options.scene, options.limits, options.source);

@@ -254,6 +254,13 @@ std::string list_of_pieces(const std::vector<int>& pieces) {
       all ? std::to_string(pieces.back()) : fmt::format("{} more", pieces.size() - shown));
 }
 
+Result<> expect_slurm() {
+  for (const char* tool : {"sbatch", "squeue"})
+    if (hear(std::string("command -v ") + tool).status != 0)
+      return Error{"--slurm", std::string("needs Slurm: ") + tool + " is not on the PATH"};
+  return Done{};
+}
+
 Result<> run_by_slurm(const BakePlan& plan, const std::string& file, int at_a_time,
                       const KeptOptions& kept, bool json_progress) {
   const std::filesystem::path folder = pictures_of(file);

@@ -40,6 +40,8 @@ struct BakePlan {
 // "pieces 3, 7 and 12".
 [[nodiscard]] std::string list_of_pieces(const std::vector<int>& pieces);
 
+// Fails if there is no Slurm here.
+[[nodiscard]] Result<> expect_slurm();
 // Lets Slurm make what is missing, at most so many pieces at a time, and waits. A piece that fails
 // is tried once more. The error names those that fail again.
 [[nodiscard]] Result<> run_by_slurm(const BakePlan& plan, const std::string& file, int at_a_time,

@@ -355,6 +355,12 @@ class Pieces(Case):
         self.refused([*piece, "0", "--source", "exec:/bin/true"], "--source", self.exec)
         self.assertFalse(self.log.exists())
 
+    def test_without_slurm_nothing_is_planned(self):
+        self.refused(["bake", STONES, "--as", "environment-nodes", *KINDS["environment-nodes"], "--source",
+                      "raytrace", "--slurm", "2", "-o", self.folder / "o.exr"], "--slurm", "sbatch",
+                     env={**os.environ, "PATH": str(self.folder)})
+        self.assertEqual(files_below(self.folder).keys(), {"renderer"})
+
     def test_a_full_disk_is_an_error_of_the_piece_and_leaves_nothing(self):
         plan, _ = self.plan("environment-nodes", "raytrace")
         small = subprocess.run(
