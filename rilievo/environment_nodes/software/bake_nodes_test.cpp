@@ -5,6 +5,8 @@
 
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/capture/ray_source.h"
+#include "rilievo/capture/shaders/lit_source.h"
+#include "rilievo/capture/shaders/ray_tracer.h"
 #include "rilievo/environment_nodes/bake_nodes_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -37,6 +39,39 @@ TEST(BakedNodes, show_the_scene_and_its_sky_without_OpenGL) {
     ASSERT_TRUE(truth);
     EXPECT_GT(psnr_db(srgb8_from_linear(truth->picture.color), drawn[i]), 24) << i;
   }
+}
+
+// A walk by the ray tracer, between its nodes, is nearer to what the tracer sees there than one by
+// rays: it has the shadows. Both are drawn with the same few texels.
+TEST(BakedNodes, of_the_ray_tracer_have_its_shadows_from_eyes_between_them) {
+  const auto built = make_builtin("builtin:stonehenge?triangles=20000");
+  ASSERT_TRUE(built);
+  const auto rays = RayScene::create(built->scene);
+  ASSERT_TRUE(rays);
+  RaySource by_rays(*rays);
+  RayTracer tracer(*rays);
+  LitSource traced(by_rays, tracer, {.samples = 4}), truth_source(by_rays, tracer, {.samples = 16});
+  const EnvironmentNodes plain = test_baked_nodes::bake(by_rays),
+                         lit = test_baked_nodes::bake(traced);
+  const std::vector<glm::dvec3> places = test_baked_nodes::places(by_rays);
+  std::vector<Camera> between;
+  for (int step = 0; step < 5; ++step)
+    between.push_back(
+        test_baked_nodes::camera_at(glm::mix(places[0], places[1], 0.1 + 0.2 * step), step));
+  const std::vector<Rgba8Image> without = test_baked_nodes::draw(plain, built->scene, between),
+                                with = test_baked_nodes::draw(lit, built->scene, between);
+  double gained = 0;
+  for (std::size_t i = 0; i < between.size(); ++i) {
+    const Result<CapturedPicture> truth =
+        truth_source.capture({.camera = between[i], .with_sky = true});
+    ASSERT_TRUE(truth);
+    const Rgba8Image frame = srgb8_from_linear(truth->picture.color);
+    const double psnr = psnr_db(frame, with[i]);
+    EXPECT_GT(psnr, 20) << i;  // a texel is 2.5 pixels wide
+    gained += psnr - psnr_db(frame, without[i]);
+  }
+  // Half a decibel in the mean: blur is the larger part of what is wrong.
+  EXPECT_GT(gained / double(between.size()), 0.3);
 }
 
 }  // namespace
