@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <glm/glm.hpp>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -33,13 +34,16 @@ constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"lod", 2, kWarmsUp},
                                          {"keyframes", 3, kWarmsUp}};
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
-constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 3e-2;
+constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 2.5e-3;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
 // two take.
 constexpr double kKeyframeMs = 8;
 constexpr int kFirstKeyframes = 64;
-// What levels of detail take of direct drawing, before anyone knows.
-constexpr double kLevelsOfDirect = 0.6;
+// Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
+// an object at least.
+constexpr double kLevelTriangles = 2, kLeastLevel = 300;
+// The error of a level is an estimate: half of what is asked for keeps to it.
+constexpr double kLevelError = 0.5;
 // One frame in so many of keyframes is looked at, once it is known how good they are; and what was
 // not good enough is looked at again after so many frames.
 constexpr int kLossFrames = 8, kLooksAgain = 600;
@@ -52,6 +56,17 @@ std::uint64_t triangles_of_meshes(const Scene& scene) {
   std::uint64_t count = 0;
   for (const Mesh& mesh : scene.meshes) count += mesh.indices.size() / 3;
   return count;
+}
+
+// An object of so many triangles in view.
+void add_object(const Camera& camera, const Box& bounds, double triangles, FrameLoad& load) {
+  load.triangles += triangles;
+  const double radius = double(bounds.radius());
+  const double way = glm::length(glm::dvec3(bounds.center()) - camera.position());
+  const double f = camera.width / (camera.window.right - camera.window.left);
+  const double across = f * radius / std::max(way - radius, camera.z_near);
+  const double pixels = std::min(3 * across * across, load.pixels);
+  load.level_triangles += std::min(triangles, std::max(kLevelTriangles * pixels, kLeastLevel));
 }
 
 // What is made on another thread, while frames are drawn.
@@ -145,7 +160,7 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
 // Before the first frame, and when the frame's size changes.
 void AutoFrames::begin(const Camera& camera) {
   width_ = camera.width, height_ = camera.height;
-  FrameLoad load{double(triangles_), double(camera.width) * camera.height, threads_};
+  FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
   only_direct_ = bends_ || load.fits();
   if (only_direct_) {
     decision_.reset();
@@ -165,10 +180,11 @@ void AutoFrames::begin(const Camera& camera) {
 void AutoFrames::look(const Camera& camera) {
   in_view_.clear();
   backend_.placed().cull(camera, in_view_);
-  FrameLoad load{0, double(camera.width) * camera.height, threads_};
+  FrameLoad load{0, double(camera.width) * camera.height, 0, threads_};
   const Scene& scene = backend_.scene();
   for (const std::uint32_t object : in_view_)
-    load.triangles += double(scene.models[std::size_t(scene.objects[object].model)].triangles);
+    add_object(camera, backend_.placed().bounds()[object],
+               double(scene.models[std::size_t(scene.objects[object].model)].triangles), load);
   outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
   outlook_[kCache] = {!shared_chooser_->cache_failed(), false, true, 0, 0};
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -182,8 +198,7 @@ void AutoFrames::look(const Camera& camera) {
   outlook_[kRays].guess_ms = slow * load.rays_ms();
   outlook_[kRays].prepare_ms = slow * kRaysTriangleMs * double(meshes_triangles_);
   const double direct_ms = decision_->mean_ms(kDirect);
-  outlook_[kLevels].guess_ms =
-      kLevelsOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
+  outlook_[kLevels].guess_ms = slowness_ * load.levels_ms();
   outlook_[kLevels].prepare_ms = slow * kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
   keyframes.guess_ms =
@@ -223,7 +238,7 @@ void AutoFrames::prepare(int method) {
   const Scene& scene = (*software)->scene();
   background_->run([this, method, &scene] {
     if (method == kRays) made_.rays = RayVisibility::create(scene);
-    if (method == kLevels) made_.levels = make_bounded_object_levels(scene);
+    if (method == kLevels) made_.levels = make_object_levels(scene);
     if (method == kKeyframes) {
       KeyframeFramesOptions keyframes;
       keyframes.samples = backend_.samples();
@@ -249,7 +264,7 @@ Result<> AutoFrames::adopt() {
     frames = backend_.present(std::make_unique<SoftwareFrames>(
         **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
   if (method == kLevels && made_.levels)
-    frames = make_level_frames(backend_, std::move(*made_.levels), options_.error_px);
+    frames = make_level_frames(backend_, std::move(*made_.levels), kLevelError * options_.error_px);
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes->get();
     frames = backend_.present(std::move(*made_.keyframes));
@@ -283,8 +298,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (Result<> adopted = adopt(); !adopted) return adopted;
   eye_.follow(camera);
   look(camera);
-  const AutoChoice choice = decision_->next(outlook_, eye_.jumped());
   const bool disturbed = preparing_ >= 0;
+  const AutoChoice choice = decision_->next(outlook_, eye_.jumped(), disturbed);
   const bool opengl = backend_.drawn_by() == DrawnBy::opengl;
   // Warm-ups and trials are short: all of their frames count.
   const bool timed = !opengl || choice.reason == AutoReason::trial || frame_ % kTimedFrames == 0;

@@ -3,7 +3,7 @@
 //   direct      polygons, by the backend                                           exact
 //   rays        polygons, found by rays: their time hardly depends on the scene    exact
 //   cache       pictures of groups, within error_px                                a bound
-//   lod         levels of detail, whose errors are bounded by error_px             a bound
+//   lod         levels of detail, within half of error_px as they state it         estimated
 //   keyframes   whole frames from keyframes, of at most loss_db                    measured
 //
 // method/auto_decision.h decides. What a frame takes is measured by the clock, or counted

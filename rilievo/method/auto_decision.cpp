@@ -53,6 +53,9 @@ double trial_mean(std::span<const double> ms) {
 double FrameLoad::direct_ms() const {
   return (kDirectPixelMs * pixels + kDirectTriangleMs * triangles) * kThreads / threads;
 }
+double FrameLoad::levels_ms() const {
+  return (kDirectPixelMs * pixels + kDirectTriangleMs * level_triangles) * kThreads / threads;
+}
 double FrameLoad::rays_ms() const { return kRaysPixelMs * pixels * kThreads / threads; }
 double FrameLoad::keyframes_ms() const { return kKeyframesPixelMs * pixels * kThreads / threads; }
 
@@ -140,14 +143,15 @@ int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
   return best;
 }
 
-int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook) const {
+// Of those that can draw, or of those that can be prepared.
+int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready) const {
   const double now = costs_[std::size_t(draws_)].mean_ms;
   int best = -1;
   double best_ms = 0;
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const Cost& cost = costs_[std::size_t(i)];
     const AutoOutlook& one = outlook[std::size_t(i)];
-    if (i == draws_ || !(one.ready || one.preparable) || !one.good_enough) continue;
+    if (i == draws_ || !(ready ? one.ready : one.preparable) || !one.good_enough) continue;
     if (cost.fails > 0 && cost.age < cost.gap) continue;
     const double hope = hoped(i, one), likely = std::max(expected(i, one), hope);
     const AutoCandidate& candidate = candidates_[std::size_t(i)];
@@ -221,7 +225,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   reason_ = AutoReason::cheapest;
 }
 
-AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped) {
+AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped, bool disturbed) {
   RILIEVO_EXPECTS(outlook.size() == candidates_.size());
   for (int i = 0; i < int(candidates_.size()); ++i) {
     guesses_[std::size_t(i)] = outlook[std::size_t(i)].guess_ms;
@@ -262,19 +266,16 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped)
                       ? AutoReason::best
                       : AutoReason::cheapest;
       } else if (since_change_ > candidates_[std::size_t(draws_)].warm_up) {
-        const int tries = worth_trying(outlook);
-        prepares_ = -1;
-        if (tries >= 0 && outlook[std::size_t(tries)].ready)
-          trial_ = tries, trial_ms_.clear();
-        else
-          prepares_ = tries;
+        prepares_ = worth_trying(outlook, false);
+        const int tries = disturbed ? -1 : worth_trying(outlook, true);
+        if (tries >= 0) trial_ = tries, trial_ms_.clear();
       }
     }
   }
 
   AutoChoice choice;
   choice.draws = drawn_ = trial_ >= 0 ? trial_ : draws_;
-  choice.prepares = trial_ >= 0 ? -1 : prepares_;
+  choice.prepares = prepares_;
   choice.reason = candidates_.size() == 1 ? AutoReason::only
                   : trial_ >= 0           ? AutoReason::trial
                                           : reason_;
@@ -293,8 +294,8 @@ void AutoDecision::add(double ms, double beside_ms, bool disturbed) {
   all_ms_ += ms;
   if (disturbed) return;
   if (trial_ >= 0) {
-    trial_ms_.push_back(ms);
-    trials_ms_ += std::max(0.0, ms - free_ms());
+    trial_ms_.push_back(std::max(0.0, ms - beside_ms));
+    trials_ms_ += std::max(0.0, trial_ms_.back() - free_ms());
     return;
   }
   Cost& cost = costs_[std::size_t(draws_)];

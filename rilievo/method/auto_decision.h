@@ -34,6 +34,7 @@ struct AutoCandidate {
 // many threads. Rays take 4 samples a pixel.
 struct FrameLoad {
   double triangles = 0, pixels = 1;
+  double level_triangles = 0;  // that levels of detail leave, about
   int threads = 1;
 
   // The polygons are so few that no picture can cost less: it has as many texels.
@@ -41,6 +42,7 @@ struct FrameLoad {
   // There are more of them than pixels: pictures may cost less.
   [[nodiscard]] bool heavy() const { return triangles > pixels; }
   [[nodiscard]] double direct_ms() const;
+  [[nodiscard]] double levels_ms() const;
   [[nodiscard]] double rays_ms() const;
   // Of keyframes beside their share of direct drawing, which captures them and fills their holes.
   [[nodiscard]] double keyframes_ms() const;
@@ -91,7 +93,9 @@ class AutoDecision {
 
   // The next frame's, for an outlook of each candidate. `jumped`: the eye has, so that what was
   // measured says less. Requires that some candidate can draw.
-  [[nodiscard]] AutoChoice next(std::span<const AutoOutlook> outlook, bool jumped = false);
+  // `disturbed`: something else takes time meanwhile, so that no trial begins.
+  [[nodiscard]] AutoChoice next(std::span<const AutoOutlook> outlook, bool jumped = false,
+                                bool disturbed = false);
   // That frame took `ms`, of which `beside_ms` went into preparing another. `disturbed`: something
   // else took time meanwhile, so that it says little.
   void add(double ms, double beside_ms = 0, bool disturbed = false);
@@ -117,7 +121,7 @@ class AutoDecision {
   [[nodiscard]] double free_ms() const;
   [[nodiscard]] bool affordable(double ms) const;
   [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;
-  [[nodiscard]] int worth_trying(std::span<const AutoOutlook> outlook) const;
+  [[nodiscard]] int worth_trying(std::span<const AutoOutlook> outlook, bool ready) const;
   void change(int to);
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] bool trial_over() const;
