@@ -15,6 +15,7 @@
 #include "apps/rilievo/frame_options.h"
 #include "apps/rilievo/output.h"
 #include "rilievo/capture/gl/opengl_source.h"
+#include "rilievo/capture/late_source.h"
 #include "rilievo/capture/raster_ray_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shaders/exec_source.h"
@@ -166,9 +167,18 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     // A script is part of what its pictures depend on.
     if (program.find('/') != program.npos && std::filesystem::is_regular_file(program))
       if (Result<> read = add_file(content, program); !read) return read;
-    Result<std::unique_ptr<ExecSource>> started = ExecSource::start(program, exec);
-    if (!started) return started.error();
-    if (!ours) {
+    if (ours) {
+      // Where all pictures are kept, the program need not even be there.
+      state.light = std::make_unique<LateSource>(
+          options.source, state.geometry->bounds({}), own.world,
+          [program, exec]() -> Result<std::unique_ptr<CaptureSource>> {
+            Result<std::unique_ptr<ExecSource>> started = ExecSource::start(program, exec);
+            if (!started) return started.error();
+            return std::unique_ptr<CaptureSource>(*std::move(started));
+          });
+    } else {
+      Result<std::unique_ptr<ExecSource>> started = ExecSource::start(program, exec);
+      if (!started) return started.error();
       if (options.depth_kind) {
         (*started)->set_depth_kind(*options.depth_kind);
       } else {
@@ -176,8 +186,8 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
         if (!kind) return kind.error();
         (*started)->set_depth_kind(*kind);
       }
+      state.light = *std::move(started);
     }
-    state.light = *std::move(started);
     state.lit.light = LightOf::program;
     state.kept.shader = options.source;
     if (options.depth_kind)

@@ -316,7 +316,9 @@ class Pieces(Case):
                         self.assertEqual(len(self.asked()), count)
                     again = self.succeeds("bake", "--plan", plan, "--piece", "0", *named)
                     self.assertIn("was there", again.stdout)
+                    self.log.unlink(missing_ok=True)
                     joined = self.succeeds("bake", "--plan", plan, "--join", *named, "--json", "-")
+                    self.assertFalse(self.log.exists())  # the program is not even started
                     self.assertEqual(json.loads(joined.stdout)["pictures"]["rendered"], 0)
                     self.assertEqual((self.folder / "joined.exr").read_bytes(), whole.read_bytes())
                     for file in self.folder.rglob("*.picture*"):
@@ -350,7 +352,6 @@ class Pieces(Case):
         self.refused([*piece, "0"], "has changed since", "pieces.json")
         # No file starts a program.
         plan, _ = self.plan("environment-nodes", self.exec)
-        self.log.unlink()
         self.refused([*piece, "0"], "--source", self.exec)
         self.refused([*piece, "0", "--source", "exec:/bin/true"], "--source", self.exec)
         self.assertFalse(self.log.exists())
