@@ -35,6 +35,8 @@ constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"keyframes", 3, kWarmsUp}};
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
 constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 2.5e-3;
+// The share of it that frames lose, which have another thread meanwhile.
+constexpr double kOfFrames = 0.5;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
 // two take.
 constexpr double kKeyframeMs = 8;
@@ -49,6 +51,8 @@ constexpr double kLevelError = 0.5;
 constexpr int kLossFrames = 8, kLooksAgain = 600;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
+// And between which it is taken to lie: a frame that shows next to nothing says little.
+constexpr double kFastest = 0.1, kSlowest = 10;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -196,10 +200,10 @@ void AutoFrames::look(const Camera& camera) {
   // OpenGL's time says nothing of what processors take.
   const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness_;
   outlook_[kRays].guess_ms = slow * load.rays_ms();
-  outlook_[kRays].prepare_ms = slow * kRaysTriangleMs * double(meshes_triangles_);
+  outlook_[kRays].prepare_ms = kOfFrames * slow * kRaysTriangleMs * double(meshes_triangles_);
   const double direct_ms = decision_->mean_ms(kDirect);
   outlook_[kLevels].guess_ms = slowness_ * load.levels_ms();
-  outlook_[kLevels].prepare_ms = slow * kLevelsTriangleMs * double(meshes_triangles_);
+  outlook_[kLevels].prepare_ms = kOfFrames * slow * kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
   keyframes.guess_ms =
       slow * load.keyframes_ms() +
@@ -327,7 +331,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (!options_.by_clock) {
     ms = counted_ms, beside_ms = 0;
   } else if (timed && !disturbed && active_ == frames_[kDirect].get() && counted_ms > 0) {
-    const double slowness = (ms - beside_ms) / counted_ms;
+    const double slowness = std::clamp((ms - beside_ms) / counted_ms, kFastest, kSlowest);
     slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
   }
   if (timed) decision_->add(ms, beside_ms, disturbed);

@@ -292,14 +292,15 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
 void AutoDecision::add(double ms, double beside_ms, bool disturbed) {
   RILIEVO_EXPECTS(drawn_ >= 0);
   all_ms_ += ms;
-  if (disturbed) return;
   if (trial_ >= 0) {
     trial_ms_.push_back(std::max(0.0, ms - beside_ms));
     trials_ms_ += std::max(0.0, trial_ms_.back() - free_ms());
     return;
   }
   Cost& cost = costs_[std::size_t(draws_)];
-  const double own = std::max(0.0, ms - beside_ms);
+  double own = std::max(0.0, ms - beside_ms);
+  // What a frame takes beside other work is no more than it takes.
+  if (disturbed && cost.frames >= kTrial) own = std::min(own, cost.mean_ms);
   // The first frames of a method that warms up are not what it takes: they are forgotten soon.
   ++cost.frames;
   const bool warms_up = since_change_ <= candidates_[std::size_t(draws_)].warm_up;

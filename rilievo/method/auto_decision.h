@@ -82,7 +82,7 @@ struct AutoChoice {
 class AutoDecision {
  public:
   static constexpr double kGain = 0.05, kMaySpike = 1.5, kTrialShare = 0.015;
-  static constexpr int kPaysWithin = 60;
+  static constexpr int kPaysWithin = 200;
   // And must be expected to take at most this share of what draws.
   static constexpr double kWorthPreparing = 0.7;
   // The share of the pace that a method may take to be said to keep it.

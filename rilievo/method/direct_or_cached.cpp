@@ -7,6 +7,8 @@ namespace {
 
 // A triangle of CostModel, ms, on the machine of FrameLoad: fitted to frames of the cache.
 constexpr double kCountedTriangleMs = 35e-6;
+// A pixel of a frame, whatever it shows, in triangles.
+constexpr double kFramePixel = 0.06;
 // The pixels of a picture, in the mean.
 constexpr double kPicturePixels = 64 * 64;
 
@@ -35,7 +37,7 @@ Result<> DirectOrCached::choose(const Camera& camera, const PlacedScene& placed,
   Result<> chosen = chose_cache() ? cache_->choose(camera, placed, content, stats)
                                   : direct_.choose(camera, placed, content, stats);
   counted_ms_ = 0;
-  beside_polygons_ = beside_polygons(content, stats);
+  beside_polygons_ = beside_polygons(content, stats) + kFramePixel * camera.width * camera.height;
   // OpenGL does not count what it draws.
   for (const std::uint32_t object : content.polygons)
     counted_ms_ +=
