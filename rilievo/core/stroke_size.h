@@ -8,11 +8,11 @@
 #include <cmath>
 
 namespace rilievo {
-
+// The largest of the points and lines of a picture.
 struct StrokeSize {
   double disc_radius = 0;  // of the largest disc, metres
   double texels = 0;       // the width of what is so many texels wide, at most
-
+  // Are there points or lines?
   [[nodiscard]] bool any() const { return disc_radius > 0 || texels > 0; }
   void add(const StrokeSize& other) {
     disc_radius = std::max(disc_radius, other.disc_radius);
