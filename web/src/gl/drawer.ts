@@ -7,7 +7,7 @@ import {
   kSkyTexels, mergeProgram, nodeProgram, showObjectsProgram, skyProgram, skyTexels,
 } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
-import type { View } from "./program.js";
+import { checkProgram, type View } from "./program.js";
 import { NodePainter } from "./seen.js";
 
 /** The most nodes that are merged. */
@@ -59,8 +59,9 @@ export class NodeDrawer {
 
   /** Of nodes when they come. */
   readonly painter: NodePainter;
-  private readonly surface: NodeProgram;
-  private readonly skin: NodeProgram;
+  private readonly begun: { readonly surface: WebGLProgram; readonly skin: WebGLProgram };
+  private surface: NodeProgram | null = null;
+  private skin: NodeProgram | null = null;
   private surfaceObject: NodeProgram | null = null;
   private skinObject: NodeProgram | null = null;
   private showObjects: WebGLProgram | null = null;
@@ -85,8 +86,7 @@ export class NodeDrawer {
   private readonly visible = new Uint8Array(6);
 
   constructor(private readonly gl: WebGL2RenderingContext) {
-    this.surface = this.nodeProgram("SIDE");
-    this.skin = this.nodeProgram("SKIN");
+    this.begun = { surface: nodeProgram(gl, "SIDE"), skin: nodeProgram(gl, "SKIN") };
     // Half, so that none is missed that frames would call different.
     this.painter = new NodePainter(gl, 0.5 * kTolerance);
     this.noVertices = gl.createVertexArray();
@@ -100,6 +100,8 @@ export class NodeDrawer {
    */
   drawLayers(view: View, nodes: readonly StoredNode[], count: number): void {
     const { gl, stats } = this;
+    const surface = (this.surface ??= this.located(this.begun.surface));
+    const skin = (this.skin ??= this.located(this.begun.skin));
     stats.drawCalls = 0;
     stats.triangles = 0;
     // The first node shows everything that is seen from its own place, and mixes it: what is beside
@@ -119,14 +121,14 @@ export class NodeDrawer {
       this.beginNode(view, nodes[i], near);
       gl.activeTexture(gl.TEXTURE1);
       gl.bindTexture(gl.TEXTURE_2D, nodes[i].seen);
-      this.drawSurfaces(this.surface, nodes[i], i === 0);
-      if (count === 1) this.drawSkins(this.skin, nodes[i], true);
+      this.drawSurfaces(surface, nodes[i], i === 0);
+      if (count === 1) this.drawSkins(skin, nodes[i], true);
     }
     if (count > 1) {
       this.beginLayer(count);
       for (let i = 0; i < count; ++i) {
         this.beginNode(view, nodes[i], near);
-        this.drawSkins(this.skin, nodes[i], i === 0);
+        this.drawSkins(skin, nodes[i], i === 0);
       }
     }
     this.end();
@@ -200,8 +202,8 @@ export class NodeDrawer {
   drawObjects(view: View, nodes: readonly StoredNode[], count: number,
               target: WebGLFramebuffer | null): void {
     const { gl } = this;
-    this.surfaceObject ??= this.nodeProgram("OBJECT");
-    this.skinObject ??= this.nodeProgram("SKIN", "OBJECT");
+    this.surfaceObject ??= this.located(nodeProgram(gl, "OBJECT"));
+    this.skinObject ??= this.located(nodeProgram(gl, "SKIN", "OBJECT"));
     this.showObjects ??= showObjectsProgram(gl);
     const into = this.makeObjectTarget(view.width, view.height);
     const near = this.begin(view);
@@ -236,8 +238,8 @@ export class NodeDrawer {
     const { gl } = this;
     this.dropLayers();
     this.painter.dispose();
-    for (const of of [this.surface, this.skin, this.surfaceObject, this.skinObject])
-      if (of) gl.deleteProgram(of.program);
+    for (const of of [this.begun.surface, this.begun.skin]) gl.deleteProgram(of);
+    for (const of of [this.surfaceObject, this.skinObject]) if (of) gl.deleteProgram(of.program);
     for (const of of this.mergePrograms) if (of) gl.deleteProgram(of.program);
     if (this.showObjects) gl.deleteProgram(this.showObjects);
     if (this.sky) gl.deleteProgram(this.sky.program);
@@ -246,9 +248,9 @@ export class NodeDrawer {
     this.dropObjectTarget();
   }
 
-  private nodeProgram(...defines: string[]): NodeProgram {
+  private located(program: WebGLProgram): NodeProgram {
     const { gl } = this;
-    const program = nodeProgram(gl, ...defines);
+    checkProgram(gl, "node", program);
     gl.useProgram(program);
     gl.uniform1i(gl.getUniformLocation(program, "faces"), 0);
     gl.uniform1i(gl.getUniformLocation(program, "objects"), 1);

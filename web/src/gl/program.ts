@@ -19,8 +19,9 @@ void main() {
 }
 `;
 
-export function compile(gl: WebGL2RenderingContext, name: string, vertex: string,
-                        fragment: string): WebGLProgram {
+/** Begins to make a program, which a browser does beside the page until checkProgram() asks for it. */
+export function beginProgram(gl: WebGL2RenderingContext, name: string, vertex: string,
+                             fragment: string): WebGLProgram {
   const program = gl.createProgram();
   if (!program) throw new Error(`${name}: the WebGL context is lost`);
   for (const [type, source] of [
@@ -35,10 +36,19 @@ export function compile(gl: WebGL2RenderingContext, name: string, vertex: string
     gl.deleteShader(shader);
   }
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-    const logs = (gl.getAttachedShaders(program) ?? []).map((s) => gl.getShaderInfoLog(s));
-    throw new Error(`${name}: ${[gl.getProgramInfoLog(program), ...logs].join(" ").trim()}`);
-  }
+  return program;
+}
+
+export function checkProgram(gl: WebGL2RenderingContext, name: string, program: WebGLProgram): void {
+  if (gl.getProgramParameter(program, gl.LINK_STATUS) || gl.isContextLost()) return;
+  const logs = (gl.getAttachedShaders(program) ?? []).map((s) => gl.getShaderInfoLog(s));
+  throw new Error(`${name}: ${[gl.getProgramInfoLog(program), ...logs].join(" ").trim()}`);
+}
+
+export function compile(gl: WebGL2RenderingContext, name: string, vertex: string,
+                        fragment: string): WebGLProgram {
+  const program = beginProgram(gl, name, vertex, fragment);
+  checkProgram(gl, name, program);
   return program;
 }
 

@@ -4,7 +4,7 @@
 // file.
 
 import { kFaceAxes } from "../choose.js";
-import { compile, kScreenVertex } from "./program.js";
+import { beginProgram, checkProgram, kScreenVertex } from "./program.js";
 import type { StoredNode } from "./node-store.js";
 
 // A side lies on the plane in front of its face, so that disparity is linear in the face. What is
@@ -89,15 +89,16 @@ export class NodePainter {
   private readonly faces: WebGLProgram;
   private readonly seen: WebGLProgram;
   private readonly asked: WebGLProgram;
+  private readonly checked = new Set<WebGLProgram>();
 
   /** Disparities that differ by the share `agree` are those of one surface. */
   constructor(private readonly gl: WebGL2RenderingContext, private readonly agree: number) {
     this.framebuffer = gl.createFramebuffer();
     this.noVertices = gl.createVertexArray();
-    this.weights = compile(gl, "weights", kScreenVertex, kWeightFragment);
-    this.faces = compile(gl, "faces", kScreenVertex, kFaceFragment);
-    this.seen = compile(gl, "seen", kVertex, kFragment);
-    this.asked = compile(gl, "asked", kScreenVertex, kAskedFragment);
+    this.weights = beginProgram(gl, "weights", kScreenVertex, kWeightFragment);
+    this.faces = beginProgram(gl, "faces", kScreenVertex, kFaceFragment);
+    this.seen = beginProgram(gl, "seen", kVertex, kFragment);
+    this.asked = beginProgram(gl, "asked", kScreenVertex, kAskedFragment);
   }
 
   /**
@@ -193,6 +194,8 @@ export class NodePainter {
       gl.disable(of);
     gl.colorMask(true, true, true, true);
     gl.viewport(0, 0, width, height);
+    if (!this.checked.has(program)) checkProgram(gl, "a node's textures", program);
+    this.checked.add(program);
     gl.useProgram(program);
     gl.bindVertexArray(this.noVertices);
   }

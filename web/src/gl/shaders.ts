@@ -2,7 +2,7 @@
 // direction / disparity from the node and is sent homogeneous, so that the rasteriser's own
 // division corrects texture coordinates and the sky lies at infinity (S3.3).
 
-import { compile, kScreenVertex } from "./program.js";
+import { beginProgram, compile, kScreenVertex } from "./program.js";
 
 export const kSkyTexels = 2048;
 
@@ -310,8 +310,9 @@ function withDefines(source: string, defines: readonly string[]): string {
   return source.slice(0, end) + defines.map((d) => `#define ${d} 1\n`).join("") + source.slice(end);
 }
 
+/** Begun; NodeDrawer checks it. */
 export function nodeProgram(gl: WebGL2RenderingContext, ...defines: string[]): WebGLProgram {
-  return compile(gl, "node", withDefines(kVertex, defines), withDefines(kFragment, defines));
+  return beginProgram(gl, "node", withDefines(kVertex, defines), withDefines(kFragment, defines));
 }
 
 /** With a sky it is drawn where no node shows anything. */
