@@ -114,7 +114,7 @@ class AutoFrames final : public FrameSource {
   Backend& backend_;
   int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
   std::uint64_t triangles_, meshes_triangles_;
-  bool only_direct_ = true, bends_ = false;
+  bool only_direct_ = true, bends_ = false, masked_ = false;
   int width_ = 0, height_ = 0;
   std::optional<AutoDecision> decision_;
   EyePrediction eye_;
@@ -145,6 +145,8 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
   auto chooser =
       std::make_unique<DirectOrCached>(backend, cache_options(options, backend.samples()));
   made->shared_chooser_ = chooser.get();
+  for (const Material& material : backend.scene().materials)
+    made->masked_ = made->masked_ || material.alpha_mode == AlphaMode::mask;
   made->bends_ = backend.deformations() && !backend.deformations()->meshes.empty();
   Result<std::unique_ptr<FrameSource>> frames{Error{}};
   if (made->bends_) {
@@ -184,7 +186,7 @@ void AutoFrames::begin(const Camera& camera) {
 void AutoFrames::look(const Camera& camera) {
   in_view_.clear();
   backend_.placed().cull(camera, in_view_);
-  FrameLoad load{0, double(camera.width) * camera.height, 0, threads_};
+  FrameLoad load{0, double(camera.width) * camera.height, 0, threads_, masked_};
   const Scene& scene = backend_.scene();
   for (const std::uint32_t object : in_view_)
     add_object(camera, backend_.placed().bounds()[object],

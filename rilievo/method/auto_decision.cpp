@@ -37,7 +37,7 @@ constexpr double kMostMore = 5;
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
-constexpr double kRaysPixelMs = 50e-6, kKeyframesPixelMs = 24e-6;
+constexpr double kRaysPixelMs = 75e-6, kMaskedTimes = 4, kKeyframesPixelMs = 24e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
@@ -56,7 +56,9 @@ double FrameLoad::direct_ms() const {
 double FrameLoad::levels_ms() const {
   return (kDirectPixelMs * pixels + kDirectTriangleMs * level_triangles) * kThreads / threads;
 }
-double FrameLoad::rays_ms() const { return kRaysPixelMs * pixels * kThreads / threads; }
+double FrameLoad::rays_ms() const {
+  return (masked ? kMaskedTimes : 1) * kRaysPixelMs * pixels * kThreads / threads;
+}
 double FrameLoad::keyframes_ms() const { return kKeyframesPixelMs * pixels * kThreads / threads; }
 
 std::string_view describe(AutoReason reason) {

@@ -36,6 +36,7 @@ struct FrameLoad {
   double triangles = 0, pixels = 1;
   double level_triangles = 0;  // that levels of detail leave, about
   int threads = 1;
+  bool masked = false;  // textures cut surfaces out, as leaves': rays go on through them
 
   // The polygons are so few that no picture can cost less: it has as many texels.
   [[nodiscard]] bool fits() const { return triangles <= pixels / 4; }
