@@ -51,8 +51,9 @@ constexpr double kLevelError = 0.5;
 constexpr int kLossFrames = 8, kLooksAgain = 600;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
-// And between which it is taken to lie: a frame that shows next to nothing says little.
-constexpr double kFastest = 0.1, kSlowest = 10;
+// And between which it is taken to lie: a frame that shows next to nothing, or
+// triangles behind others, says little.
+constexpr double kFastest = 0.6, kSlowest = 10;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
