@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -112,6 +113,19 @@ WalkManifest manifest_of(const WebCommand& options, const WebInput& input) {
   return manifest;
 }
 
+// A walk begins where a node stands, the one nearest to where its path begins: between nodes, what
+// none of them saw is missing.
+void begin_at_node(WalkManifest& manifest) {
+  if (manifest.nodes.empty()) return;
+  const auto away = [&](const WalkNode& node) {
+    return glm::distance(glm::dvec3(node.world_from_node[3]), manifest.eye);
+  };
+  const WalkNode& nearest = *std::ranges::min_element(manifest.nodes, {}, away);
+  const glm::dvec3 gaze = manifest.target - manifest.eye;
+  manifest.eye = glm::dvec3(nearest.world_from_node[3]);
+  manifest.target = manifest.eye + gaze;
+}
+
 Result<> run_web(const WebCommand& options) {
   // Before the time is spent.
   if (Result<> good =
@@ -137,6 +151,7 @@ Result<> run_web(const WebCommand& options) {
       return Error{options.input,
                    added.error().where.empty() ? added.error().reason : added.error().message()};
   }
+  begin_at_node(manifest);
   if (Result<> done = writer->finish(manifest); !done) return done;
   const double seconds = 1e-3 * watch.ms();
   const std::size_t first = writer->first_view_bytes(manifest);

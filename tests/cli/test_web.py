@@ -36,6 +36,9 @@ class Web(command.Case):
         manifest = self.written(TEAPOTS, "--at", "0,2,6", "--face", "32", "--coarse", "16")
         self.assertEqual([level["face_size"] for level in manifest["nodes"][0]["levels"]], [16, 32])
         self.assertNotIn("pictures", manifest)
+        # Where its node stands nothing is missing.
+        for place, at in zip(manifest["start"]["eye"], (0, 2, 6)):
+            self.assertAlmostEqual(place, at, places=5)
 
     def test_an_impostor_becomes_pictures_that_are_marched_through(self):
         baked = self.folder / "teapots.exr"
