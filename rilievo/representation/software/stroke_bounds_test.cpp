@@ -130,7 +130,7 @@ TEST_P(StrokeBounds, what_is_drawn_is_as_near_to_the_truth_as_the_bound_says) {
     if (primitive == Primitive::lines && method.kind->name == "layered-impostor") continue;
     SCOPED_TRACE(primitive == Primitive::points ? "points" : "lines");
     const Scene scene = apart(primitive, around);
-    const Result<RayScene> rays = RayScene::create(scene, 0, RayParts::strokes);
+    const Result<RayScene> rays = RayScene::create(scene);
     ASSERT_TRUE(rays.ok());
     RaySource source(*rays);
     Sizeless sizeless(source);
@@ -175,9 +175,10 @@ TEST_P(StrokeBounds, what_is_drawn_is_as_near_to_the_truth_as_the_bound_says) {
     }
     EXPECT_GT(counted.pixels, 2000);
     EXPECT_EQ(counted.beyond, 0);
-    // Wide lines alone show that this can fail: what turns of a disc hides in what a kind's other
-    // errors are allowed.
-    if (primitive == Primitive::lines && !around) {
+    // Without the sizes some are beyond: this can fail. But for discs of reliefs and lines of
+    // nodes, which hide in what their other errors are allowed.
+    const bool relief = method.kind->name == "layered-relief";
+    if (primitive == Primitive::points ? !relief : !around) {
       EXPECT_GT(counted.beyond_sizeless, 0);
     }
     EXPECT_GT(widened, 12);
