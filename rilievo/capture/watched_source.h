@@ -7,12 +7,12 @@
 #include <functional>
 #include <utility>
 
-#include "rilievo/capture/capture_source.h"
+#include "rilievo/capture/forwarding_source.h"
 
 namespace rilievo {
 
 // Another source, watched.
-class WatchedSource final : public CaptureSource {
+class WatchedSource final : public ForwardingSource {
  public:
   // Called before the first picture and after each, with the number of those that are done. An
   // error becomes that of the capture.
@@ -20,12 +20,8 @@ class WatchedSource final : public CaptureSource {
 
   // `source` must outlive it. `samples`: of each texel; 0: as many as are asked for.
   WatchedSource(CaptureSource& source, int samples, Watch watch)
-      : source_(source), samples_(samples), watch_(std::move(watch)) {}
+      : ForwardingSource(source), samples_(samples), watch_(std::move(watch)) {}
 
-  [[nodiscard]] std::string_view name() const override { return source_.name(); }
-  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
-    return source_.bounds(objects);
-  }
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
     CaptureRequest asked = request;
     if (samples_ > 0) asked.samples = samples_;
@@ -35,14 +31,6 @@ class WatchedSource final : public CaptureSource {
     LayersRequest asked = request;
     if (samples_ > 0) asked.samples = samples_;
     return watched([&] { return source_.capture_layers(asked); });
-  }
-  [[nodiscard]] std::span<const LayeredDepthImage> deep_images() const override {
-    return source_.deep_images();
-  }
-  [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
-  [[nodiscard]] WorldSpace world() const override { return source_.world(); }
-  [[nodiscard]] std::span<const DepthImage> photographs() const override {
-    return source_.photographs();
   }
 
  private:
@@ -57,7 +45,6 @@ class WatchedSource final : public CaptureSource {
     return captured;
   }
 
-  CaptureSource& source_;
   int samples_;
   Watch watch_;
   int done_ = 0;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rilievo/capture/capture_source.h"
+#include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/store/kept_source.h"
 
 namespace rilievo {
@@ -34,26 +34,20 @@ struct CapturePiece {
 [[nodiscard]] Result<> capture_piece(const CapturePiece& piece, CaptureSource& source);
 
 // Notes what is asked of a source.
-class PieceRecorder final : public CaptureSource {
+class PieceRecorder final : public ForwardingSource {
  public:
   // `source`: what is asked, as far as names and bounds go. `quick` answers with pictures of the
   // same surfaces; null: the pictures are empty. Both must outlive it.
-  PieceRecorder(CaptureSource& source, CaptureSource* quick) : source_(source), quick_(quick) {}
+  PieceRecorder(CaptureSource& source, CaptureSource* quick)
+      : ForwardingSource(source), quick_(quick) {}
 
-  [[nodiscard]] std::string_view name() const override { return source_.name(); }
-  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
-    return source_.bounds(objects);
-  }
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;
-  [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
-  [[nodiscard]] WorldSpace world() const override { return source_.world(); }
 
   // In the order in which they were asked for.
   [[nodiscard]] const std::vector<CapturePiece>& pieces() const { return pieces_; }
 
  private:
-  CaptureSource& source_;
   CaptureSource* quick_;
   std::vector<CapturePiece> pieces_;
 };

@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "rilievo/capture/capture_source.h"
+#include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/store/picture_store.h"
 
 namespace rilievo {
@@ -37,23 +37,17 @@ struct LayersKeys {
 [[nodiscard]] LayersKeys kept_keys(const LayersRequest& request, const KeptOptions& options);
 
 // A source with a store in front of it.
-class KeptSource final : public CaptureSource {
+class KeptSource final : public ForwardingSource {
  public:
   // Both must outlive it. Without a store everything is rendered.
   KeptSource(CaptureSource& source, PictureKeeper* store, KeptOptions options)
-      : source_(source), store_(store), options_(std::move(options)) {}
+      : ForwardingSource(source), store_(store), options_(std::move(options)) {}
 
-  [[nodiscard]] std::string_view name() const override { return source_.name(); }
-  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
-    return source_.bounds(objects);
-  }
   // Pictures with farthest depths are not kept, and those with the sky only if exact. Fails where
   // the source does.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   // Kept if exact. Fails where the source does.
   [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override;
-  [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
-  [[nodiscard]] WorldSpace world() const override { return source_.world(); }
 
   // The pictures that the source rendered, and those that the store had. Any thread.
   [[nodiscard]] std::uint64_t rendered() const { return rendered_; }
@@ -66,7 +60,6 @@ class KeptSource final : public CaptureSource {
   [[nodiscard]] std::optional<LayeredDepthImage> find_layers(const LayersKeys& keys,
                                                              const Camera& camera);
 
-  CaptureSource& source_;
   PictureKeeper* store_;
   KeptOptions options_;
   std::atomic<std::uint64_t> rendered_{0}, found_{0};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
 #include "rilievo/render/software/software_target.h"
@@ -48,22 +49,10 @@ Scene apart(Primitive primitive, bool around) {
 }
 
 // Another source that says nothing of sizes.
-class Sizeless final : public CaptureSource {
+class Sizeless final : public ForwardingSource {
  public:
-  explicit Sizeless(CaptureSource& of) : of_(of) {}
-  std::string_view name() const override { return of_.name(); }
-  Box bounds(std::span<const std::uint32_t> objects) const override { return of_.bounds(objects); }
-  Result<CapturedPicture> capture(const CaptureRequest& request) override {
-    return of_.capture(request);
-  }
-  Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override {
-    return of_.capture_layers(request);
-  }
-  const Scene* scene() const override { return of_.scene(); }
+  using ForwardingSource::ForwardingSource;
   StrokeSize stroke_size(std::span<const std::uint32_t>) const override { return {}; }
-
- private:
-  CaptureSource& of_;
 };
 
 // The distance in pixels, if it is not beyond `within`, to the nearest pixel of `picture` that
