@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "bench/clock_walk.h"
+#include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
@@ -28,7 +29,7 @@ Result<Shown> show(const std::string& shader) {
   if (!place) return place.error();
   ImpostorContentOptions options;
   options.shader = shader;
-  const bool runs = shader.starts_with("exec:");
+  const bool runs = !program_named(shader).empty();
   if (!runs) options.objects = {fmt::format("#{}", place->object)};
   Result<ImpostorContent> content = make_impostor_content(*place->scene, 0.0, options);
   if (!content) return content.error();

@@ -27,6 +27,7 @@
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/deep_image_source.h"
 #include "rilievo/capture/pose_origin.h"
+#include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/capture/store/picture_folder.h"
 #include "rilievo/capture/store/picture_store.h"
 #include "rilievo/capture/watched_source.h"
@@ -262,16 +263,15 @@ Result<> finish(const BakeCommand& options, const Kind& kind, const OptionValues
 Result<BakePlan> open_plan(const BakeCommand& options) {
   Result<BakePlan> plan = load_plan(options.plan);
   if (!plan) return plan;
-  const std::string& program = plan->command.source.source;
-  if (!program.starts_with("exec:")) return plan;
+  const std::string& source = plan->command.source.source;
+  const std::string_view program = program_named(source);
+  if (program.empty()) return plan;
   if (options.source.source.empty())
-    return Error{"--source", "must name the program again, as no file starts one: " + program};
+    return Error{"--source", "must name the program again, as no file starts one: " + source};
   std::error_code failed;
-  const std::string named = options.source.source.substr(
-      std::min(options.source.source.size(), std::string_view("exec:").size()));
-  if (options.source.source != program &&
-      std::filesystem::absolute(named, failed).lexically_normal() != program.substr(5))
-    return Error{"--source", options.source.source + " is not what was planned: " + program};
+  const std::string_view named = program_named(options.source.source);
+  if (named != program && std::filesystem::absolute(named, failed).lexically_normal() != program)
+    return Error{"--source", options.source.source + " is not what was planned: " + source};
   return plan;
 }
 
@@ -367,7 +367,7 @@ Result<> run_bake(const BakeCommand& options) {
     if (Result<> made = make_folder(folder); !made) return made;
     return bake_without_scene(options, kind, *values, *source);
   }
-  const bool program = options.source.source.starts_with("exec:");
+  const bool program = !program_named(options.source.source).empty();
   if (options.fov_degrees > 0 || (options.ray_depth && !program))
     return Error{options.fov_degrees > 0 ? "--fov" : "--ray-depth",
                  "is for deep images, which " + options.scene + " is not"};

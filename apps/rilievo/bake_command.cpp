@@ -1,6 +1,7 @@
 #include "apps/rilievo/bake_command.h"
 
 #include "apps/rilievo/checks.h"
+#include "rilievo/capture/shaders/software_shader.h"
 
 namespace rilievo::app {
 
@@ -80,7 +81,7 @@ Result<BakeStep> step_of(const BakeCommand& command) {
        {only(!command.plan.empty(), "--plan"), only(command.at_a_time.has_value(), "--slurm"),
         only(!command.store.empty(), "--store"), only(command.preview, "--preview")})
     if (!good) return good.error();
-  const bool program = command.source.source.starts_with("exec:");
+  const bool program = !program_named(command.source.source).empty();
   if (!program && !command.source.program_scene.empty())
     return Error{"--program-scene", "is for --source exec:PROGRAM"};
   if (!program && command.axis_depth) return Error{"--axis-depth", "is for --source exec:PROGRAM"};

@@ -17,6 +17,7 @@
 
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
+#include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/capture/store/picture_folder.h"
 #include "rilievo/capture/watched_source.h"
 #include "rilievo/core/file.h"
@@ -43,8 +44,8 @@ std::string absolute_path(const std::string& path) {
 
 // The same from any folder.
 std::string absolute_source(const std::string& source) {
-  const bool path = source.starts_with("exec:") && source.find('/') != source.npos;
-  return path ? "exec:" + absolute_path(source.substr(5)) : source;
+  const std::string program(program_named(source));
+  return program.find('/') != program.npos ? "exec:" + absolute_path(program) : source;
 }
 
 json json_of(const BakeCommand& command) {
@@ -133,7 +134,7 @@ std::string batch_script(const BakePlan& plan, const std::string& file) {
   std::string line = fmt::format("exec {} bake --plan {} --piece \"$SLURM_ARRAY_TASK_ID\"",
                                  shell_word(self), shell_word(file));
   // No file starts a program by itself: the plan's has to be named.
-  if (plan.command.source.source.starts_with("exec:"))
+  if (!program_named(plan.command.source.source).empty())
     line += " --source " + shell_word(plan.command.source.source);
   return fmt::format(
       "#!/bin/sh\n#SBATCH --job-name=rilievo-bake\n#SBATCH --requeue\n#SBATCH --open-mode=append\n"

@@ -22,6 +22,7 @@
 #include "rilievo/capture/shaders/find_depth_kind.h"
 #include "rilievo/capture/shaders/lit_source.h"
 #include "rilievo/capture/shaders/ray_tracer.h"
+#include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/capture/store/content_hash.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/rays/ray_scene.h"
@@ -31,9 +32,7 @@
 namespace rilievo::app {
 namespace {
 
-constexpr std::string_view kProgram = "exec:";
-
-bool runs_program(const std::string& source) { return source.starts_with(kProgram); }
+bool runs_program(std::string_view source) { return !program_named(source).empty(); }
 
 // Is it a scene that we read? Otherwise it may be the program's own.
 bool is_our_scene(const std::string& scene) {
@@ -114,7 +113,7 @@ bool is_slow(const std::string& source) { return source == "raytrace" || runs_pr
 Result<> check_source(std::string_view text) {
   for (const std::string_view known : {"raster", "rays", "raytrace"})
     if (text == known) return Done{};
-  if (text.starts_with(kProgram) && text.size() > kProgram.size()) return Done{};
+  if (runs_program(text)) return Done{};
   return Error{"source '" + std::string(text) + "'",
                "is unknown; there are raster, rays, raytrace and exec:PROGRAM"};
 }
@@ -146,7 +145,7 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     state.light = std::make_unique<RayTracer>(*seen);
     state.kept.shader = "raytrace 1";
   } else {
-    const std::string program = options.source.substr(kProgram.size());
+    const std::string program(program_named(options.source));
     ExecOptions exec;
     exec.world = own.world;
     exec.unmix = !ours;

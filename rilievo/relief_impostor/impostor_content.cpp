@@ -143,8 +143,7 @@ Result<std::string> content_of(const Scene& scene, double time,
   }
   // The program's own bytes, and those of the files that it is given: another version of one of
   // them is another content.
-  const Result<std::filesystem::path> program =
-      find_program(std::string(shader.substr(std::string_view("exec:").size())));
+  const Result<std::filesystem::path> program = find_program(std::string(program_named(shader)));
   if (!program) return program.error();
   const Result<std::string> bytes = read_file(*program, kMaxFileBytes);
   if (!bytes) return bytes.error();
@@ -225,7 +224,7 @@ Result<ImpostorContent> make_impostor_content(const Scene& scene, double time,
   if (Result<> known = check_shader(options.shader); !known) return known.error();
   const Result<std::vector<std::uint32_t>> objects = find_objects(scene, options.objects);
   if (!objects) return objects.error();
-  const bool traces = options.shader == "raytrace", runs = options.shader.starts_with("exec:");
+  const bool traces = options.shader == "raytrace", runs = !program_named(options.shader).empty();
 
   ImpostorContent content;
   Result<RayScene> rays = RayScene::create(scene, time, RayParts::all);

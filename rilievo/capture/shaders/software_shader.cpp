@@ -19,11 +19,15 @@ Error unknown_shader(std::string_view text) {
 
 }  // namespace
 
+std::string_view program_named(std::string_view text) {
+  return text.starts_with(kProgram) ? text.substr(kProgram.size()) : std::string_view();
+}
+
 Result<> check_shader(std::string_view text) {
   const bool known =
       text == "raytrace" ||
       (text.starts_with(kField) && find_distance_field(text.substr(kField.size()))) ||
-      (text.starts_with(kProgram) && text.size() > kProgram.size());
+      !program_named(text).empty();
   if (!known) return unknown_shader(text);
   return Done{};
 }
@@ -35,9 +39,9 @@ Result<std::unique_ptr<CaptureSource>> make_shader(std::string_view text,
   if (text.starts_with(kField))
     return Made(std::make_unique<FieldShader>(*find_distance_field(text.substr(kField.size())),
                                               input.look));
-  if (text.starts_with(kProgram)) {
+  if (const std::string_view program = program_named(text); !program.empty()) {
     Result<std::unique_ptr<ExecSource>> started =
-        ExecSource::start(std::string(text.substr(kProgram.size())), input.exec);
+        ExecSource::start(std::string(program), input.exec);
     if (!started) return started.error();
     return Made(*std::move(started));
   }

@@ -1,10 +1,9 @@
-// Which software shader does a text name?
+// Software shaders by name.
 //
 //   raytrace      the scene, ray-traced (ray_tracer.h)
 //   sdf:NAME      a field of signed distances (field_shader.h): torus, gyroid, menger
 //   exec:PROGRAM  a renderer in another process (exec_source.h): only for a user who names it,
-//   never
-//                 for a file that does
+//                 never for a file that does
 #pragma once
 
 #include <memory>
@@ -24,6 +23,9 @@ struct ShaderInput {
   FieldLook look = {};
   ExecOptions exec = {};
 };
+
+// The program of exec:PROGRAM; empty: the text names none.
+[[nodiscard]] std::string_view program_named(std::string_view text);
 
 // Does the text name a shader, as far as that can be said before it is made?
 [[nodiscard]] Result<> check_shader(std::string_view text);
