@@ -8,6 +8,7 @@
 #include <cmath>
 
 namespace rilievo {
+
 // The largest of the points and lines of a picture.
 struct StrokeSize {
   double disc_radius = 0;  // of the largest disc, metres
