@@ -9,28 +9,13 @@
 #include <utility>
 
 #include "rilievo/core/file.h"
+#include "rilievo/web_walk/page_files.h"
 #include "rilievo/web_walk/sha256.h"
 
 namespace rilievo {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view kWalkPage =
-#include "rilievo/web_walk/page/index.html.inc"
-    ;
-constexpr std::string_view kWalkViewer =
-#include "rilievo/web_walk/page/viewer.js.inc"
-    ;
-constexpr std::string_view kWalkHeadset =
-#include "rilievo/web_walk/page/headset.js.inc"
-    ;
-constexpr std::string_view kWalkPictures =
-#include "rilievo/web_walk/page/pictures.js.inc"
-    ;
-constexpr std::string_view kWalkReliefs =
-#include "rilievo/web_walk/page/reliefs.js.inc"
-    ;
 
 // Half of a digest: no two contents meet by chance.
 constexpr int kDigits = 32;
@@ -237,16 +222,16 @@ Result<> WalkWriter::finish(const WalkManifest& manifest) {
   const std::string text =
       json_of(manifest).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   struct File {
-    const char* name;
-    std::string_view content;
+    std::string_view name, content;
     bool needed;
   };
-  const File files[] = {{"index.html", kWalkPage, true},
-                        {"viewer.js", kWalkViewer, true},
-                        {"headset.js", kWalkHeadset, true},
-                        {"pictures.js", kWalkPictures, !manifest.pictures.pictures.empty()},
-                        {"reliefs.js", kWalkReliefs, !manifest.reliefs.reliefs.empty()},
-                        {"walk.json", text, true}};
+  std::vector<File> files;
+  for (const PageFile& file : page_files()) {
+    const bool needed = (file.name != "pictures.js" || !manifest.pictures.pictures.empty()) &&
+                        (file.name != "reliefs.js" || !manifest.reliefs.reliefs.empty());
+    files.push_back({file.name, file.content, needed});
+  }
+  files.push_back({"walk.json", text, true});
   std::error_code failed;
   for (const auto& [name, content, needed] : files) {
     if (!needed) {
@@ -254,7 +239,7 @@ Result<> WalkWriter::finish(const WalkManifest& manifest) {
       continue;
     }
     if (Result<> written = write_file(state_->folder / name, content); !written) return written;
-    state_->files[name] = content.size();
+    state_->files[std::string(name)] = content.size();
     state_->page_bytes += content.size();
   }
   // What an earlier walk left.
