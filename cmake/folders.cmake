@@ -5,14 +5,14 @@
 # In the order in which they may include each other; tools/check_layers has the exact table.
 set(RILIEVO_FOLDERS core measure gl io warp scene render capture kind nailboard layered_impostor
     environment_nodes layered_relief relief_impostor representation frame keyframes cache method web_walk
-    compare)
+    serve compare)
 set(RILIEVO_GL_FOLDERS gl compare)
 
 set(RILIEVO_CORE_LINKS glm::glm Threads::Threads OpenEXR::OpenEXR TBB::tbb fmt::fmt draco::draco
     meshoptimizer::meshoptimizer JPEG::JPEG PNG::PNG embree PkgConfig::webp hwy SQLite::SQLite3
     ZLIB::ZLIB)
 # Only headers, and none of them in ours: who uses the installed library does not need them.
-set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json)
+set(RILIEVO_CORE_HEADERS nlohmann_json::nlohmann_json Boost::headers)
 
 # rilievo_sources(OUT FOLDER WITH_GL): the folder's .cpp files that need OpenGL, or those that do not.
 function(rilievo_sources out folder with_gl)
@@ -43,10 +43,11 @@ function(rilievo_library name with_gl)
     list(FILTER found EXCLUDE REGEX "_test\\.cpp$")
     list(APPEND sources ${found})
     # A new file changes the batches of its own folder alone. Highway compiles some files once for
-    # each instruction set: each of them must be the file that is compiled.
+    # each instruction set: each of them must be the file that is compiled. Beast takes so long
+    # that an edit beside it should not compile it again.
     set(batched 0)
     foreach(source ${found})
-      file(STRINGS ${source} several REGEX "foreach_target" LIMIT_COUNT 1)
+      file(STRINGS ${source} several REGEX "foreach_target|boost/beast" LIMIT_COUNT 1)
       if(NOT several)
         math(EXPR batch "${batched} / ${CMAKE_UNITY_BUILD_BATCH_SIZE}")
         math(EXPR batched "${batched} + 1")
