@@ -18,8 +18,8 @@ namespace rilievo {
 namespace {
 
 // Of what is seen from a path its nodes hold so much, if so many can.
-constexpr double kEnoughForPath = 0.99;
-constexpr int kMostForPath = 8;
+constexpr double kEnoughForPath = 0.9999;
+constexpr int kMostForPath = 16;
 
 const std::array kBakeOptions{
     Option{.name = "at",
@@ -31,7 +31,7 @@ const std::array kBakeOptions{
            .type = OptionType::integer,
            .default_value = "4",
            .help = "Place so many nodes where they hold most of what is seen from --region "
-                   "(default, where a path is known: as many as hold 99 % of it, at most 8)",
+                   "(default, where a path is known: as many as hold 99.99 % of it, at most 16)",
            .unit = "N",
            .min = 1,
            .max = 256},

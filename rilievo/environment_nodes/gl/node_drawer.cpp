@@ -16,6 +16,12 @@ constexpr float kAnyWidth = 1e30f;
 // must not cover the node's.
 constexpr double kFarthest = 1 - 0x1p-23;
 
+Result<> keep(Result<gl::Program> made, gl::Program& program) {
+  if (!made) return made.error();
+  program = std::move(*made);
+  return Done{};
+}
+
 }  // namespace
 
 StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
@@ -94,30 +100,36 @@ StoredNode StoredNode::create(const EnvironmentMap& map, const NodeMesh& mesh) {
   return node;
 }
 
+Result<NodeDrawer::Output> NodeDrawer::make_output(bool objects) {
+  using shader::NodeOutput;
+  Output output;
+  output.objects = objects;
+  const NodeOutput alone = objects ? NodeOutput::object : NodeOutput::color,
+                   layer = objects ? NodeOutput::object_layer : NodeOutput::layer;
+  for (Result<> made : {keep(shader::make_node_program(alone), output.alone),
+                        keep(shader::make_node_skin_program(alone), output.alone_skin),
+                        keep(shader::make_node_program(layer), output.layer),
+                        keep(shader::make_node_skin_program(layer), output.layer_skin)})
+    if (!made) return made.error();
+  return output;
+}
+
 Result<NodeDrawer> NodeDrawer::create() {
   NodeDrawer drawer;
   using shader::NodeOutput;
-  const auto make = [](Result<gl::Program> made, gl::Program& program) -> Result<> {
+  for (const bool objects : {false, true}) {
+    Result<Output> made = make_output(objects);
     if (!made) return made.error();
-    program = std::move(*made);
-    return Done{};
-  };
-  using shader::make_node_program;
-  using shader::make_node_skin_program;
-  for (Result<> made : {make(make_node_program(NodeOutput::color), drawer.color_),
-                        make(make_node_skin_program(NodeOutput::color), drawer.color_skin_),
-                        make(make_node_program(NodeOutput::layer), drawer.layer_),
-                        make(make_node_skin_program(NodeOutput::layer), drawer.layer_skin_),
-                        make(make_node_program(NodeOutput::object), drawer.objects_),
-                        make(make_node_skin_program(NodeOutput::object), drawer.objects_skin_),
-                        make(make_node_program(NodeOutput::direction), drawer.direction_),
-                        make(make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
-                        make(make_node_program(NodeOutput::color_twice_corrected), drawer.twice_)})
+    (objects ? drawer.objects_ : drawer.color_) = std::move(*made);
+  }
+  for (Result<> made :
+       {keep(shader::make_node_program(NodeOutput::direction), drawer.direction_),
+        keep(shader::make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
+        keep(shader::make_node_program(NodeOutput::color_twice_corrected), drawer.twice_),
+        keep(shader::make_cube_map_program(), drawer.cube_map_)})
     if (!made) return made.error();
   for (int merge = 1; merge <= 4; ++merge)
-    if (Result<> made = drawer.use_merge(merge, 2); !made) return made.error();
-  if (Result<> made = make(shader::make_cube_map_program(), drawer.cube_map_); !made)
-    return made.error();
+    if (Result<> made = use_merge(drawer.color_, merge, 2); !made) return made.error();
   drawer.no_vertices_ = gl::make_vertex_array();
   return drawer;
 }
@@ -139,7 +151,8 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glCullFace(GL_BACK);
   glBindVertexArray(node.vertex_array_);
   glBindTextureUnit(0, node.faces_);
-  if (surfaces == &layer_ || surfaces == &color_) glBindTextureUnit(1, node.disparities_);
+  glBindTextureUnit(1, node.disparities_);
+  glBindTextureUnit(2, node.objects_);
   const auto draw_ranges = [&](const gl::Program& program,
                                const std::array<TriangleRange, 6>& ranges) {
     glUseProgram(program);
@@ -167,16 +180,26 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
   glDepthRange(0, 1);
 }
 
-Result<> NodeDrawer::make_layers(int width, int height, int count) {
-  if (width == width_ && height == height_ && count <= count_) return Done{};
+Result<> NodeDrawer::make_layers(int width, int height, int count, bool objects) {
+  const bool enough = width == width_ && height == height_ && count <= count_;
+  if (enough && (!objects || layer_objects_)) return Done{};
+  count = enough ? count_ : count;
   layer_framebuffers_.clear();
-  layer_colors_ = gl::make_texture_2d_array(GL_RGBA8, width, height, count);
-  layer_depths_ = gl::make_texture_2d_array(GL_DEPTH_COMPONENT32F, width, height, count);
+  if (!enough) {
+    layer_colors_ = gl::make_texture_2d_array(GL_RGBA8, width, height, count);
+    layer_depths_ = gl::make_texture_2d_array(GL_DEPTH_COMPONENT32F, width, height, count);
+  }
+  layer_objects_ =
+      objects ? gl::make_texture_2d_array(GL_R32UI, width, height, count) : gl::Texture();
+  // Identifiers are not filtered: with a linear filter the texture would be incomplete.
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    if (objects) glTextureParameteri(layer_objects_, filter, GL_NEAREST);
   for (int i = 0; i < count; ++i) {
     layer_framebuffers_.push_back(gl::make_framebuffer());
     const GLuint name = layer_framebuffers_.back();
     glNamedFramebufferTextureLayer(name, GL_COLOR_ATTACHMENT0, layer_colors_, 0, i);
     glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, layer_depths_, 0, i);
+    if (objects) glNamedFramebufferTextureLayer(name, GL_COLOR_ATTACHMENT1, layer_objects_, 0, i);
     if (glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
       count_ = 0;
       return Error{"nodes", "the driver refuses a framebuffer of " + std::to_string(width) + " x " +
@@ -187,45 +210,42 @@ Result<> NodeDrawer::make_layers(int width, int height, int count) {
   return Done{};
 }
 
-Result<> NodeDrawer::use_merge(int merge, std::size_t nodes) {
-  gl::Program& program = merge_[std::size_t(merge) - 1][nodes];
-  if (!program) {
-    Result<gl::Program> made = shader::make_node_merge_program(merge, int(nodes));
-    if (!made) return made.error();
-    program = std::move(*made);
-  }
+Result<> NodeDrawer::use_merge(Output& output, int merge, std::size_t nodes) {
+  gl::Program& program = output.merge[std::size_t(merge) - 1][nodes];
+  if (!program)
+    if (Result<> made =
+            keep(shader::make_node_merge_program(merge, int(nodes), output.objects), program);
+        !made)
+      return made;
   glUseProgram(program);
   return Done{};
 }
 
-void NodeDrawer::begin_layer(std::size_t layer) const {
+void NodeDrawer::begin_layer(std::size_t layer, bool objects) const {
   const GLuint name = layer_framebuffers_[layer];
   const GLfloat nothing[] = {0, 0, 0, 0}, far = 1;
+  const GLuint no_object[] = {0, 0, 0, 0};
+  const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, name);
+  glNamedFramebufferDrawBuffers(name, objects ? 2 : 1, buffers);
   glClearNamedFramebufferfv(name, GL_COLOR, 0, nothing);
+  if (objects) glClearNamedFramebufferuiv(name, GL_COLOR, 1, no_object);
   glClearNamedFramebufferfv(name, GL_DEPTH, 0, &far);
 }
 
-void NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
-                              std::uint32_t object, const NodeDrawOptions& options) {
-  RILIEVO_EXPECTS(!nodes.empty());
-  for (const gl::Program* program : {&objects_, &objects_skin_})
-    glProgramUniform1ui(*program, 3, object);
-  for (const StoredNode* node : nodes) {
-    // Without identifiers of its own it shows one object.
-    if (object == kNoObject && !node->objects_)
-      for (const gl::Program* program : {&objects_, &objects_skin_})
-        glProgramUniform1ui(*program, 3, 1);
-    glBindTextureUnit(1, node->objects_);
-    draw_node(frame, *node, &objects_, &objects_skin_,
-              options.skin && node == nodes[0] ? kAnyWidth : kCrack, sides_of(node == nodes[0]));
-    for (const gl::Program* program : {&objects_, &objects_skin_})
-      glProgramUniform1ui(*program, 3, object);
-  }
+Result<> NodeDrawer::draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
+                                  std::uint32_t object, const NodeDrawOptions& options) {
+  return draw_output(objects_, frame, nodes, object, options);
 }
 
 Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const> nodes,
                           const NodeDrawOptions& options) {
+  return draw_output(color_, frame, nodes, kNoObject, options);
+}
+
+Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
+                                 std::span<const StoredNode* const> nodes, std::uint32_t object,
+                                 const NodeDrawOptions& options) {
   RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMaxNodes);
   triangles_drawn_ = 0;
   const glm::dvec3 eye = frame.position();
@@ -233,18 +253,28 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
   const bool from_own =
       glm::distance(eye, nodes[0]->eye()) < 1e-6 * std::max(1.0, glm::length(eye));
   if (from_own) nodes = nodes.first(1);
-  glProgramUniform1f(color_, 4, from_own ? -1.0f : options.tolerance);
+  glProgramUniform1f(output.alone, 4, from_own ? -1.0f : options.tolerance);
+  // Without identifiers of its own a node shows one object.
+  const auto set_object = [&](const StoredNode& node, const gl::Program& surfaces,
+                              const gl::Program& skins) {
+    if (!output.objects) return;
+    const std::uint32_t shown = object != kNoObject || node.objects_ ? object : 1;
+    for (const gl::Program* program : {&surfaces, &skins}) glProgramUniform1ui(*program, 3, shown);
+  };
   const float widest = options.skin ? kAnyWidth : kCrack;
   if (nodes.size() == 1 || options.merge == NodeMerge::layering) {
-    for (const StoredNode* node : nodes)
-      draw_node(frame, *node, &color_, &color_skin_, node == nodes[0] ? widest : kCrack,
+    for (const StoredNode* node : nodes) {
+      set_object(*node, output.alone, output.alone_skin);
+      draw_node(frame, *node, &output.alone, &output.alone_skin, node == nodes[0] ? widest : kCrack,
                 sides_of(node == nodes[0]));
+    }
     return Done{};
   }
 
-  glProgramUniform1f(layer_, 4, options.tolerance);
+  glProgramUniform1f(output.layer, 4, options.tolerance);
   // One for each node's surfaces, and one for all skins.
-  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size()) + 1); !made)
+  if (Result<> made = make_layers(frame.width, frame.height, int(nodes.size()) + 1, output.objects);
+      !made)
     return made;
   GLint framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
@@ -256,21 +286,25 @@ Result<> NodeDrawer::draw(const Camera& frame, std::span<const StoredNode* const
     // Squared: the nearer node's texels are smaller in both directions.
     const double share = 1 / std::max(1e-9, glm::distance(eye, nodes[i]->eye())) / sum;
     nearness[i] = float(std::max(1e-9, share * share));
-    begin_layer(i);
-    draw_node(frame, *nodes[i], &layer_, nullptr, 0, sides_of(i == 0));
+    begin_layer(i, output.objects);
+    set_object(*nodes[i], output.layer, output.layer_skin);
+    draw_node(frame, *nodes[i], &output.layer, nullptr, 0, sides_of(i == 0));
     node_from_eye[i] =
         glm::mat4(glm::inverse(nodes[i]->shape_.world_from_node) * frame.world_from_eye);
   }
-  begin_layer(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    draw_node(frame, *nodes[i], nullptr, &layer_skin_, i == 0 ? widest : kCrack, Sides::both);
+  begin_layer(nodes.size(), output.objects);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    set_object(*nodes[i], output.layer, output.layer_skin);
+    draw_node(frame, *nodes[i], nullptr, &output.layer_skin, i == 0 ? widest : kCrack, Sides::both);
+  }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(framebuffer));
-  if (Result<> made = use_merge(int(options.merge), nodes.size()); !made) return made;
+  if (Result<> made = use_merge(output, int(options.merge), nodes.size()); !made) return made;
   glBindVertexArray(no_vertices_);
   glBindTextureUnit(0, layer_colors_);
   glBindTextureUnit(1, layer_depths_);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     glBindTextureUnit(GLuint(2 + i), nodes[i]->disparities_);
+  if (output.objects) glBindTextureUnit(10, layer_objects_);
   glUniform2f(2, float(frame.z_near), float(frame.z_far));
   // Not all of the merges have all of these.
   if (options.merge == NodeMerge::positional) glUniform1fv(3, GLsizei(nodes.size()), nearness);

@@ -57,9 +57,9 @@ class NodeDrawer {
                 const NodeDrawOptions& options);
 
   // Draws object identifiers into a ProbeTarget: those of the pictures, or `object` unless it is
-  // kNoObject. One z-buffer for all nodes.
-  void draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
-                    std::uint32_t object, const NodeDrawOptions& options);
+  // kNoObject. Of merged nodes those of the node that counts most in draw()'s colour.
+  Result<> draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
+                        std::uint32_t object, const NodeDrawOptions& options);
 
   // For tests and measures: draws the direction in node space that each pixel shows, into a
   // framebuffer of floats.
@@ -82,18 +82,28 @@ class NodeDrawer {
   // Draws surfaces or skins, where they are given.
   void draw_node(const Camera& frame, const StoredNode& node, const gl::Program* surfaces,
                  const gl::Program* skins, float widest_skin, Sides sides);
-  void begin_layer(std::size_t layer) const;
+  // What draws colours, or identifiers.
+  struct Output {
+    bool objects = false;
+    gl::Program alone, alone_skin, layer, layer_skin;
+    // By merge - 1 and number of nodes; made when first needed, of colours those of two at once.
+    std::array<std::array<gl::Program, kMaxNodes + 1>, 4> merge;
+  };
+  [[nodiscard]] static Result<Output> make_output(bool objects);
+  // `object`: of identifiers.
+  Result<> draw_output(Output& output, const Camera& frame,
+                       std::span<const StoredNode* const> nodes, std::uint32_t object,
+                       const NodeDrawOptions& options);
+  void begin_layer(std::size_t layer, bool objects) const;
   // Makes the program the current one.
-  Result<> use_merge(int merge, std::size_t nodes);
-  Result<> make_layers(int width, int height, int count);
+  static Result<> use_merge(Output& output, int merge, std::size_t nodes);
+  Result<> make_layers(int width, int height, int count, bool objects);
 
-  gl::Program color_, color_skin_, layer_, layer_skin_, direction_, direction_skin_, twice_,
-      cube_map_, objects_, objects_skin_;
-  // By merge - 1 and number of nodes; made when first needed, those of two at once.
-  std::array<std::array<gl::Program, kMaxNodes + 1>, 4> merge_;
+  Output color_, objects_;
+  gl::Program direction_, direction_skin_, twice_, cube_map_;
   gl::VertexArray no_vertices_;
   int width_ = 0, height_ = 0, count_ = 0;
-  gl::Texture layer_colors_, layer_depths_;
+  gl::Texture layer_colors_, layer_depths_, layer_objects_;
   std::vector<gl::Framebuffer> layer_framebuffers_;
   std::size_t triangles_drawn_ = 0;
 };

@@ -33,43 +33,47 @@ void main() {
 }
 )";
 
-// Beside silhouettes, where weights are 0, surfaces have the colours of those texels
-// alone that lie about as deep as what is drawn: of four texels, two may show what is in front, and
-// would stay on what is behind as an outline.
+// Beside silhouettes, where weights are 0, surfaces have the colours and identifiers of those
+// texels alone that lie about as deep as what is drawn: of four texels, two may show what is in
+// front, and would stay on what is behind as an outline.
 const char* const kFragment = R"(#version 450
 in vec3 v_direction;
 in float v_stretch, v_disparity;
 layout(location = 1) uniform float widest_skin;  // pixels
+layout(binding = 0) uniform samplerCube faces;
 #ifdef OBJECT
 layout(location = 3) uniform uint object;  // 0: those of the pictures
-layout(binding = 1) uniform usamplerCube objects;
-layout(location = 0) out uint out_object;
+layout(binding = 2) uniform usamplerCube objects;
+#ifdef LAYER
+layout(location = 1) out uint out_object;
 #else
-layout(binding = 0) uniform samplerCube faces;
+layout(location = 0) out uint out_object;
+#endif
+#endif
+#if !defined(OBJECT) || defined(LAYER)
 layout(location = 0) out vec4 out_color;
 #endif
 #ifdef UNMIXES
 layout(binding = 1) uniform samplerCube disparities;
 layout(location = 4) uniform float tolerance;  // negative: all is mixed
-vec3 surface_color(vec3 mixed) {
+// What four texels count, in textureGather's order: lower left, lower right, upper right, upper left,
+// with t downwards. 0 of other surfaces; all 0 where there is no silhouette.
+vec4 surface_weights() {
   vec3 d = v_direction, a = abs(d);
   vec4 weights = textureGather(faces, d, 3);
-  if (min(min(weights.x, weights.y), min(weights.z, weights.w)) > 0.0) return mixed;
+  if (tolerance < 0.0 || min(min(weights.x, weights.y), min(weights.z, weights.w)) > 0.0)
+    return vec4(0.0);
   float ahead = max(a.x, max(a.y, a.z));
   vec2 at = ahead == a.x ? vec2(d.x > 0.0 ? -d.z : d.z, -d.y)
           : ahead == a.y ? vec2(d.x, d.y > 0.0 ? d.z : -d.z)
           : vec2(d.z > 0.0 ? d.x : -d.x, -d.y);
   vec2 share = fract((0.5 * at / ahead + 0.5) * float(textureSize(faces, 0).x) - 0.5);
-  // As textureGather has them: lower left, lower right, upper right, upper left, with t downwards.
   vec4 weight = vec4(1.0 - share.x, share.x, share.x, 1.0 - share.x) *
                 vec4(share.y, share.y, 1.0 - share.y, 1.0 - share.y);
   float own = v_disparity / ahead;
   vec4 off = abs(textureGather(disparities, d) - own);
   float least = min(min(off.x, off.y), min(off.z, off.w));
-  weight = max(weight, 1e-3) * vec4(lessThanEqual(off, vec4(least + tolerance * own)));
-  weight /= weight.x + weight.y + weight.z + weight.w;
-  return vec3(dot(weight, textureGather(faces, d, 0)), dot(weight, textureGather(faces, d, 1)),
-              dot(weight, textureGather(faces, d, 2)));
+  return max(weight, 1e-3) * vec4(lessThanEqual(off, vec4(least + tolerance * own)));
 }
 #endif
 void main() {
@@ -77,25 +81,46 @@ void main() {
   // From 0 to 1 over its width.
   if (v_stretch >= 0.0 && fwidth(v_stretch) * widest_skin < 1.0) discard;
 #endif
-#if defined(OBJECT)
+#ifdef OBJECT
   out_object = object != 0u ? object : texture(objects, v_direction).r;
-#elif defined(DIRECTION)
-  out_color = vec4(v_direction, 1.0);
-#else
-  vec4 color = texture(faces, v_direction);
-#ifdef UNMIXES
-  if (tolerance >= 0.0 && color.a < 0.5) color.rgb = surface_color(color.rgb);
 #endif
-#ifdef LAYER
+#if defined(DIRECTION)
+  out_color = vec4(v_direction, 1.0);
+#elif !defined(OBJECT) || defined(LAYER)
+  vec4 color = texture(faces, v_direction);
+#endif
+#ifdef UNMIXES
+  vec4 weight = surface_weights();
+  float sum = weight.x + weight.y + weight.z + weight.w;
+  if (sum > 0.0) {
+#ifdef OBJECT
+    if (object == 0u) {
+      uvec4 around = textureGather(objects, v_direction);
+      float most = 0.0;
+      for (int i = 0; i < 4; ++i)
+        if (weight[i] > most) {
+          most = weight[i];
+          out_object = around[i];
+        }
+    }
+#endif
+#if !defined(OBJECT) || defined(LAYER)
+    weight /= sum;
+    color.rgb = vec3(dot(weight, textureGather(faces, v_direction, 0)),
+                     dot(weight, textureGather(faces, v_direction, 1)),
+                     dot(weight, textureGather(faces, v_direction, 2)));
+#endif
+  }
+#endif
+#if defined(LAYER)
   // 0 is nothing, 1 a skin.
 #ifdef SKIN
   out_color = vec4(color.rgb, 1.0 / 255.0);
 #else
   out_color = vec4(color.rgb, (2.0 + 253.0 * color.a) / 255.0);
 #endif
-#else
+#elif !defined(OBJECT) && !defined(DIRECTION)
   out_color = vec4(color.rgb, 1.0);
-#endif
 #endif
 }
 )";
@@ -116,7 +141,7 @@ void main() {
 // unless it looks at the back of a wall that has one side only. The first node's surfaces are
 // there. The nearest surface of a share of at least a half, and what lies in front of `tolerance`
 // behind it: of these the best one (binary), or their mean by texels' weights (weighted) and by
-// nearness of the node (positional).
+// nearness of the node (positional). With OBJECT the identifier of the one that counts most.
 const char* const kMergeFragment = R"(#version 450
 layout(binding = 0) uniform sampler2DArray colors;
 layout(binding = 1) uniform sampler2DArray depths;
@@ -126,7 +151,13 @@ layout(location = 2) uniform vec2 planes;       // z_near, z_far
 layout(location = 3) uniform float nearness[LAYERS];
 layout(location = 11) uniform mat4 node_from_eye[LAYERS];
 layout(location = 19) uniform vec4 rays;        // of a pixel's (x, y): at z = -1, xy + zw (x, y)
+#ifdef OBJECT
+layout(binding = 10) uniform usampler2DArray objects;
+layout(location = 0) out uint out_object;
+vec4 out_color;
+#else
 layout(location = 0) out vec4 out_color;
+#endif
 float eye_z(float window_z) {
   return planes.x * planes.y / (planes.y - window_z * (planes.y - planes.x));
 }
@@ -159,14 +190,19 @@ void main() {
     if (out_color.a == 0.0) discard;
     out_color.a = 1.0;
     gl_FragDepth = texelFetch(depths, ivec3(pixel, LAYERS), 0).r;
+#ifdef OBJECT
+    out_object = texelFetch(objects, ivec3(pixel, LAYERS), 0).r;
+#endif
     return;
   }
+  int best = 0;
 #if MERGE == 4
   // Others only in the gaps of the first.
   nearest = 1e30;
   for (int i = 0; i < LAYERS; ++i) {
     if (color[i].a == 0.0 || z[i] >= nearest) continue;
     nearest = z[i];
+    best = i;
     out_color = vec4(color[i].rgb, 1.0);
     gl_FragDepth = depth[i];
     if (i == 0) break;
@@ -201,6 +237,7 @@ void main() {
 #endif
     if (weight > most) {
       most = weight;
+      best = i;
       out_depth = depth[i];
 #if MERGE == 1
       sum = color[i].rgb;
@@ -216,6 +253,9 @@ void main() {
 #endif
   out_color = vec4(sum, 1.0);
   gl_FragDepth = out_depth;
+#endif
+#ifdef OBJECT
+  out_object = texelFetch(objects, ivec3(pixel, best), 0).r;
 #endif
 }
 )";
@@ -237,6 +277,19 @@ layout(location = 0) out vec4 out_color;
 void main() { out_color = vec4(texture(faces, v_direction).rgb, 1.0); }
 )";
 
+// Skins have no silhouettes of their own.
+std::string defines_of(NodeOutput output, bool skin) {
+  std::string defines = skin ? "#define SKIN 1\n" : "";
+  const bool layer = output == NodeOutput::layer || output == NodeOutput::object_layer;
+  const bool object = output == NodeOutput::object || output == NodeOutput::object_layer;
+  if (layer) defines += "#define LAYER 1\n";
+  if (object) defines += "#define OBJECT 1\n";
+  if (!skin && (layer || object || output == NodeOutput::color)) defines += "#define UNMIXES 1\n";
+  if (output == NodeOutput::direction) defines += "#define DIRECTION 1\n";
+  if (output == NodeOutput::color_twice_corrected) defines += "#define TWICE 1\n";
+  return defines;
+}
+
 }  // namespace
 
 Result<gl::Program> make_cube_map_program() {
@@ -244,27 +297,18 @@ Result<gl::Program> make_cube_map_program() {
 }
 
 Result<gl::Program> make_node_program(NodeOutput output) {
-  std::string defines;
-  if (output == NodeOutput::layer) defines = "#define LAYER 1\n";
-  if (output == NodeOutput::layer || output == NodeOutput::color) defines += "#define UNMIXES 1\n";
-  if (output == NodeOutput::object) defines = "#define OBJECT 1\n";
-  if (output == NodeOutput::direction) defines = "#define DIRECTION 1\n";
-  if (output == NodeOutput::color_twice_corrected) defines = "#define TWICE 1\n";
-  return gl::make_program("environment node", kVertex, kFragment, defines);
+  return gl::make_program("environment node", kVertex, kFragment, defines_of(output, false));
 }
 
 Result<gl::Program> make_node_skin_program(NodeOutput output) {
-  std::string defines = "#define SKIN 1\n";
-  if (output == NodeOutput::layer) defines += "#define LAYER 1\n";
-  if (output == NodeOutput::object) defines += "#define OBJECT 1\n";
-  if (output == NodeOutput::direction) defines += "#define DIRECTION 1\n";
-  return gl::make_program("node skin", kVertex, kFragment, defines);
+  return gl::make_program("node skin", kVertex, kFragment, defines_of(output, true));
 }
 
-Result<gl::Program> make_node_merge_program(int merge, int layers) {
+Result<gl::Program> make_node_merge_program(int merge, int layers, bool objects) {
   return gl::make_program("node merge", kMergeVertex, kMergeFragment,
                           "#define MERGE " + std::to_string(merge) + "\n#define LAYERS " +
-                              std::to_string(layers) + "\n");
+                              std::to_string(layers) + "\n" +
+                              (objects ? "#define OBJECT 1\n" : ""));
 }
 
 }  // namespace rilievo::shader

@@ -7,10 +7,11 @@ namespace rilievo::shader {
 
 // What a program writes.
 enum class NodeOutput {
-  color,      // the node's colours
-  layer,      // colours, in alpha the texel's weight, or 1 / 255 for a skin: for merging
-  object,     // identifiers
-  direction,  // the direction in node space that a pixel shows, for tests
+  color,         // the node's colours
+  layer,         // colours, in alpha the texel's weight, or 1 / 255 for a skin: for merging
+  object,        // identifiers
+  object_layer,  // as layer, and identifiers: for merging
+  direction,     // the direction in node space that a pixel shows, for tests
   // As color, but with the second perspective correction that S3.3 removes (figure 10a).
   color_twice_corrected,
 };
@@ -24,7 +25,8 @@ enum class NodeOutput {
 [[nodiscard]] Result<gl::Program> make_node_skin_program(NodeOutput output);
 
 // The program that merges layers, one for the surfaces of each node, and one for the skins of all:
-// binary 1, weighted 2, positional 3, first 4 (the values of NodeMerge).
-[[nodiscard]] Result<gl::Program> make_node_merge_program(int merge, int layers);
+// binary 1, weighted 2, positional 3, first 4 (the values of NodeMerge). Writes colours, or with
+// `objects` the identifier of the node that counts most.
+[[nodiscard]] Result<gl::Program> make_node_merge_program(int merge, int layers, bool objects);
 
 }  // namespace rilievo::shader

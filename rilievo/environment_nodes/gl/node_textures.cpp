@@ -26,11 +26,9 @@ void NodeTextures::draw(const Camera& frame, double /*scale*/, std::span<const s
   std::array<const StoredNode*, kMaxDrawnNodes> drawn{};
   for (std::size_t i = 0; i < nodes.size(); ++i) drawn[i] = &stored_.at(nodes[i]);
   const std::span<const StoredNode* const> list(drawn.data(), nodes.size());
-  if (output == Output::object_id)
-    drawer_.draw_objects(frame, list, object, options);
-  else
-    // Fails only if the driver has no memory for the layers: then nothing is drawn.
-    (void)drawer_.draw(frame, list, options);
+  // Fails only if the driver has no memory for the layers: then nothing is drawn.
+  (void)(output == Output::object_id ? drawer_.draw_objects(frame, list, object, options)
+                                     : drawer_.draw(frame, list, options));
 }
 
 Result<std::unique_ptr<DrawableFactory>> make_environment_drawable_factory() {

@@ -69,10 +69,9 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
   // At the first node's own place only that one, which shows everything visible from there.
   const glm::dvec3 first = s.nodes.at(nodes[0])->eye();
   const bool from_own = glm::distance(eye, first) < 1e-6 * std::max(1.0, glm::length(eye));
-  if (output == Output::color && from_own) nodes = nodes.first(1);
+  if (from_own) nodes = nodes.first(1);
   placed.unmixes = !from_own;
-  placed.merged =
-      output == Output::color && nodes.size() > 1 && options.merge != NodeMerge::layering;
+  placed.merged = nodes.size() > 1 && options.merge != NodeMerge::layering;
   s.drawn.clear();
   double sum = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {

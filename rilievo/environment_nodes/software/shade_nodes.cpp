@@ -165,19 +165,27 @@ HWY_INLINE VF ahead_of(const Directions& seen) {
   return hn::Max(hn::Abs(seen.x), hn::Max(hn::Abs(seen.y), hn::Abs(seen.z)));
 }
 
-// Beside silhouettes, where weights are 0, the colours of those texels alone that lie about as
-// deep as what pixels show of surfaces of a layer's node; `k` is its number among all. See
-// gl/node_shaders.cpp.
-HWY_INLINE void keep_to_surface(const PlacedNodes& placed, const NodeLayer& layer,
-                                const SoftwareNode& node, std::size_t k, VU triangle, MF wanted,
-                                VF px, VF py, VF inverse_z, float nothing, Colors& colors) {
+// The four texels around what pixels show of a surface, of which those alone count that lie about
+// as deep: the others show what is beside a silhouette.
+struct SurfaceTexels {
+  MF beside;     // a silhouette
+  VI color[4];   // where, in the node's colours
+  VI object[4];  // in its identifiers and disparities
+  VF weight[4];  // 0: of another surface
+};
+
+// Beside silhouettes, where the least weight of colours is 0, what pixels show of surfaces of a
+// layer's node; `k` is its number among all. See gl/node_shaders.cpp.
+HWY_INLINE SurfaceTexels find_surface_texels(const PlacedNodes& placed, const NodeLayer& layer,
+                                             const SoftwareNode& node, std::size_t k, VU triangle,
+                                             MF wanted, VF px, VF py, VF inverse_z, float nothing,
+                                             VF least_weight) {
   const F f;
   const I i32;
-  const U u32;
   const VF zero = hn::Zero(f), one = hn::Set(f, 1.0f);
-  const MF beside =
-      hn::And(wanted, hn::AndNot(are_skins(layer, triangle), hn::Eq(colors.least, zero)));
-  if (hn::AllFalse(f, beside)) return;
+  SurfaceTexels out;
+  out.beside = hn::And(wanted, hn::AndNot(are_skins(layer, triangle), hn::Eq(least_weight, zero)));
+  if (hn::AllFalse(f, out.beside)) return out;
   const glm::vec4& rays = placed.rays;
   const VF ahead = hn::Div(
       one, hn::Max(hn::Mul(inverse_z, hn::Set(f, float(placed.scale))), hn::Set(f, 1e-30f)));
@@ -187,8 +195,8 @@ HWY_INLINE void keep_to_surface(const PlacedNodes& placed, const NodeLayer& laye
       hn::Div(one, hn::Max(ahead_of(seen_by(placed, k, x, y, hn::Neg(ahead))), hn::Set(f, 1e-9f)));
   own = hn::IfThenZeroElse(hn::Le(inverse_z, hn::Set(f, nothing * (2 * kBeforeFar - 1))), own);
 
-  const FacePoints at =
-      find_face_points(find_directions(layer.triangles().data(), triangle, beside, px, py), beside);
+  const FacePoints at = find_face_points(
+      find_directions(layer.triangles().data(), triangle, out.beside, px, py), out.beside);
   const int face = node.mesh.face_size, wide = node.wide();
   const VF size = hn::Set(f, float(face)), half = hn::Set(f, 0.5f);
   const VF u = hn::Add(hn::Mul(at.u, size), half), v = hn::Add(hn::Mul(at.v, size), half);
@@ -196,66 +204,104 @@ HWY_INLINE void keep_to_surface(const PlacedNodes& placed, const NodeLayer& laye
   const VF fx = limited(hn::Sub(u, hn::ConvertTo(f, left)), one),
            fy = limited(hn::Sub(v, hn::ConvertTo(f, top)), one);
   const VI last = hn::Set(i32, face - 1), none = hn::Zero(i32);
-  VU texel[4];
-  VF weight[4], off[4];
+  VF off[4];
   VF least = hn::Set(f, 1e30f);
   for (int c = 0; c < 4; ++c) {
     const VI column = hn::Add(left, hn::Set(i32, c & 1)), row = hn::Add(top, hn::Set(i32, c >> 1));
     const VI first =
         hn::Mul(hn::Add(hn::Mul(at.face, hn::Set(i32, wide)), row), hn::Set(i32, wide));
-    texel[c] = hn::GatherIndex(u32, node.color.data(), hn::Add(first, column));
-    // Disparities have no border.
+    out.color[c] = hn::Add(first, column);
+    // Disparities and identifiers have no border.
     const auto inside = [&](VI index) {
       return hn::Min(hn::Max(hn::Sub(index, hn::Set(i32, 1)), none), last);
     };
     const VI of_row =
         hn::Mul(hn::Add(hn::Mul(at.face, hn::Set(i32, face)), inside(row)), hn::Set(i32, face));
-    const VF disparity = hn::GatherIndex(f, node.disparity.data(), hn::Add(of_row, inside(column)));
-    weight[c] = hn::Max(hn::Mul(c & 1 ? fx : hn::Sub(one, fx), c >> 1 ? fy : hn::Sub(one, fy)),
-                        hn::Set(f, 1e-3f));
+    out.object[c] = hn::Add(of_row, inside(column));
+    const VF disparity = hn::GatherIndex(f, node.disparity.data(), out.object[c]);
+    out.weight[c] = hn::Max(hn::Mul(c & 1 ? fx : hn::Sub(one, fx), c >> 1 ? fy : hn::Sub(one, fy)),
+                            hn::Set(f, 1e-3f));
     off[c] = hn::Abs(hn::Sub(disparity, own));
     least = hn::Min(least, off[c]);
   }
   const VF most = hn::Add(least, hn::Mul(hn::Set(f, placed.options.tolerance), own));
-  VF sum = zero;
+  for (int c = 0; c < 4; ++c)
+    out.weight[c] = hn::IfThenElseZero(hn::Le(off[c], most), out.weight[c]);
+  return out;
+}
+
+// Beside silhouettes surfaces keep their own colours.
+HWY_INLINE void keep_colors(const SoftwareNode& node, const SurfaceTexels& of, Colors& colors) {
+  const F f;
+  const I i32;
+  const U u32;
+  if (hn::AllFalse(f, of.beside)) return;
+  VU texel[4];
+  VF sum = hn::Zero(f);
   for (int c = 0; c < 4; ++c) {
-    weight[c] = hn::IfThenElseZero(hn::Le(off[c], most), weight[c]);
-    sum = hn::Add(sum, weight[c]);
+    texel[c] = hn::GatherIndex(u32, node.color.data(), of.color[c]);
+    sum = hn::Add(sum, of.weight[c]);
   }
   const auto mean = [&]<int shift>(VF& channel) {
-    VF total = zero;
+    VF total = hn::Zero(f);
     for (int c = 0; c < 4; ++c) {
       const VF value = hn::ConvertTo(
           f, hn::BitCast(i32, hn::And(hn::ShiftRight<shift>(texel[c]), hn::Set(u32, 0xffu))));
-      total = hn::Add(total, hn::Mul(weight[c], value));
+      total = hn::Add(total, hn::Mul(of.weight[c], value));
     }
-    channel = hn::IfThenElse(beside, hn::Div(total, sum), channel);
+    channel = hn::IfThenElse(of.beside, hn::Div(total, sum), channel);
   };
   mean.template operator()<0>(colors.r);
   mean.template operator()<8>(colors.g);
   mean.template operator()<16>(colors.b);
 }
 
-// The same of all nodes of a layer, which are numbers `first`, first + 1, ... among all.
-HWY_INLINE void keep_to_surfaces(const PlacedNodes& placed, const NodeLayer& layer,
-                                 std::size_t first, VU triangle, MF wanted, VF px, VF py,
-                                 VF inverse_z, float nothing, Colors& colors) {
+// Beside silhouettes surfaces have the identifier of the nearest of their own texels.
+HWY_INLINE VU keep_object(const SoftwareNode& node, const SurfaceTexels& of, VU object) {
+  const F f;
+  const U u32;
+  if (hn::AllFalse(f, of.beside)) return object;
+  VF most = hn::Zero(f);
+  for (int c = 0; c < 4; ++c) {
+    const MF nearer = hn::And(of.beside, hn::Gt(of.weight[c], most));
+    most = hn::IfThenElse(nearer, of.weight[c], most);
+    object = hn::IfThenElse(hn::RebindMask(u32, nearer),
+                            hn::GatherIndex(u32, node.object.data(), of.object[c]), object);
+  }
+  return object;
+}
+
+// What a layer's nodes, which are numbers `first`, first + 1, ... among all, show at depths
+// 1 / inverse_z: colours or identifiers, as the tile holds. `colors`: shade<true>()'s.
+HWY_INLINE VU keep_to_surfaces(const PlacedNodes& placed, const NodeLayer& layer,
+                               const FrameTile& tile, std::size_t first, VU triangle, MF wanted,
+                               VF px, VF py, VF inverse_z, Colors& colors) {
+  const U u32;
+  const bool of_objects = tile.of != TileContent::color && placed.object == kNoObject;
+  VU object = of_objects ? find_content(placed, layer, tile.of, triangle, wanted, px, py)
+                         : hn::Set(u32, placed.object);
   std::size_t n = 0;
   for_nodes(layer, triangle, wanted, [&](const SoftwareNode& node, MF its) {
     while (layer.drawn(n).node != &node) ++n;
-    keep_to_surface(placed, layer, node, first + n, triangle, its, px, py, inverse_z, nothing,
-                    colors);
+    if (tile.of != TileContent::color && (!of_objects || node.object.empty())) return;
+    const SurfaceTexels texels = find_surface_texels(placed, layer, node, first + n, triangle, its,
+                                                     px, py, inverse_z, tile.nothing, colors.least);
+    if (of_objects)
+      object = keep_object(node, texels, object);
+    else
+      keep_colors(node, texels, colors);
   });
+  return object;
 }
 
 // What a tile holds of one layer's triangles, of which all nodes are, at depths 1 / inverse_z.
 HWY_INLINE VU find_unmixed(const PlacedNodes& placed, const NodeLayer& layer, const FrameTile& tile,
                            VU triangle, MF wanted, VF px, VF py, VF inverse_z) {
-  if (tile.of != TileContent::color || !placed.unmixes)
-    return find_content(placed, layer, tile.of, triangle, wanted, px, py);
+  if (!placed.unmixes) return find_content(placed, layer, tile.of, triangle, wanted, px, py);
   Colors colors = shade<true>(layer, triangle, wanted, px, py);
-  keep_to_surfaces(placed, layer, 0, triangle, wanted, px, py, inverse_z, tile.nothing, colors);
-  return bytes_of(colors);
+  const VU object =
+      keep_to_surfaces(placed, layer, tile, 0, triangle, wanted, px, py, inverse_z, colors);
+  return tile.of == TileContent::color ? bytes_of(colors) : object;
 }
 
 // Draws a layer over what the block shows.
@@ -494,24 +540,23 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
     const VF px = center_x(x, i), py = center_y(y, i);
     Merged merged;
     Colors colors[kMaxDrawnNodes];
-    const auto shade_layer = [&](std::size_t k, MF wanted) {
+    VU objects[kMaxDrawnNodes];
+    const auto shade_layer = [&](std::size_t k, MF wanted, VF inverse_z) {
       colors[k] = Colors{zero, zero, zero, zero, zero};
+      objects[k] = hn::Zero(u32);
       if (hn::AllFalse(f, wanted)) return;
-      colors[k] =
-          shade<true>(placed.layers[k], hn::Load(u32, shown[k][0].triangle + i), wanted, px, py);
+      const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
+      colors[k] = shade<true>(placed.layers[k], triangle, wanted, px, py);
+      objects[k] = keep_to_surfaces(placed, placed.layers[k], tile, k, triangle, wanted, px, py,
+                                    inverse_z, colors[k]);
     };
     MF seen;
     if (first_alone) {
       merge_first(placed, shown, i, merged);
       seen = hn::Gt(merged.inverse_z, farthest);
       if (hn::AllFalse(f, seen)) continue;
-      for (std::size_t k = 0; k < placed.count; ++k) {
-        const MF shares = hn::And(seen, hn::Gt(merged.share[k], zero));
-        shade_layer(k, shares);
-        if (!hn::AllFalse(f, shares))
-          keep_to_surfaces(placed, placed.layers[k], k, hn::Load(u32, shown[k][0].triangle + i),
-                           shares, px, py, merged.inverse_z, tile.nothing, colors[k]);
-      }
+      for (std::size_t k = 0; k < placed.count; ++k)
+        shade_layer(k, hn::And(seen, hn::Gt(merged.share[k], zero)), merged.inverse_z);
     } else {
       Candidates candidates;
       find_candidates(placed, shown, i, px, py, tile.nothing, candidates);
@@ -520,27 +565,29 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
       VF weights[kMaxDrawnNodes];
       for (std::size_t k = 0; k < placed.count; ++k) {
         const MF counts = hn::And(seen, candidates.counts[k]);
-        shade_layer(k, counts);
-        if (!hn::AllFalse(f, counts))
-          keep_to_surface(placed, placed.layers[k], *placed.layers[k].drawn(0).node, k,
-                          hn::Load(u32, shown[k][0].triangle + i), counts, px, py, candidates.z[k],
-                          tile.nothing, colors[k]);
+        shade_layer(k, counts, candidates.z[k]);
         weights[k] = colors[k].weight;
       }
       merge(placed, candidates, weights, merged);
       seen = hn::Gt(merged.inverse_z, farthest);
     }
     Colors sum{zero, zero, zero, zero, zero};
+    // The identifier of the layer that shows most of the colour.
+    VF most = zero;
+    VU object = hn::Zero(u32);
     for (std::size_t k = 0; k < placed.count; ++k) {
       const MF has_share = hn::And(seen, hn::Gt(merged.share[k], zero));
       if (hn::AllFalse(f, has_share)) continue;
+      const MF more = hn::And(has_share, hn::Gt(merged.share[k], most));
+      most = hn::IfThenElse(more, merged.share[k], most);
+      object = hn::IfThenElse(hn::RebindMask(u32, more), objects[k], object);
       const auto add = [&](VF& to, VF value) {
         value = hn::Mul(merged.share[k], hn::Floor(hn::Add(value, half)));
         to = hn::Add(to, hn::IfThenElseZero(has_share, value));
       };
       add(sum.r, colors[k].r), add(sum.g, colors[k].g), add(sum.b, colors[k].b);
     }
-    const VU content = bytes_of(sum);
+    const VU content = tile.of == TileContent::color ? bytes_of(sum) : object;
     for (int s = 0; s < planes; ++s) {
       FrameTile::Plane& plane = tile.plane(block, s);
       const VF before = hn::Load(f, plane.inverse_z + i);
