@@ -227,6 +227,8 @@ Result<> WalkWriter::finish(const WalkManifest& manifest) {
   };
   std::vector<File> files;
   for (const PageFile& file : page_files()) {
+    // A folder holds no live walk.
+    if (file.name == "live.js") continue;
     const bool needed = (file.name != "pictures.js" || !manifest.pictures.pictures.empty()) &&
                         (file.name != "reliefs.js" || !manifest.reliefs.reliefs.empty());
     files.push_back({file.name, file.content, needed});

@@ -150,11 +150,16 @@ bool may_connect(const AccessRules& rules, const AccessRequest& request) {
   const std::optional<Origin> origin = parse_origin(*request.origin);
   const std::optional<HostName> host = parse_host(request.host);
   if (!origin || !host) return false;
-  if (same_place(*origin, *host)) return true;
-  return std::ranges::any_of(rules.origins, [&](const std::string& text) {
+  // Under a name that is told, TLS counts, too: a page of the same name without it may be
+  // anybody's.
+  bool told_name = false;
+  for (const std::string& text : rules.origins) {
     const std::optional<Origin> told = parse_origin(text);
-    return told && same_origin(*origin, *told);
-  });
+    if (!told) continue;
+    if (same_origin(*origin, *told)) return true;
+    told_name = told_name || same_place(*told, *host);
+  }
+  return !told_name && same_place(*origin, *host);
 }
 
 }  // namespace rilievo

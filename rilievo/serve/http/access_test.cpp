@@ -60,6 +60,9 @@ TEST(Access, AnOriginThatIsToldIsLetIn) {
   EXPECT_FALSE(opens(rules, "walk.example:8443", "https://walk.example:8443"));
   // TLS is part of it.
   EXPECT_FALSE(opens(rules, "127.0.0.1:8080", "http://walk.example"));
+  EXPECT_FALSE(opens(rules, "walk.example", "http://walk.example"));
+  // Under its own name it is as before.
+  EXPECT_TRUE(opens(rules, "127.0.0.1:8080", "http://127.0.0.1:8080"));
 }
 
 TEST(Access, TheTokenIsAskedFor) {

@@ -1,8 +1,8 @@
 // Serves a walk that is drawn while it is watched: the page by HTTP, and a WebSocket a client.
 //
-// The server pulls: a client's next message is asked for only when the last one has been written,
-// so that newer pictures replace older ones by themselves, and one message is all that waits. What
-// a kernel would keep unsent besides is limited, too.
+// The server pulls (session.h): a client's next message is asked for only when the last one has
+// been written, so that newer pictures replace older ones by themselves, and one message is all
+// that waits. What a kernel would keep unsent besides is limited, too.
 //
 // What a stranger can do is bounded: only the page's files and the socket are served, and read only
 // (GET and HEAD); nothing of a request is repeated in an answer; headers, messages, bytes a second,
@@ -15,34 +15,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "rilievo/core/result.h"
 #include "rilievo/serve/http/access.h"
+#include "rilievo/serve/session.h"
 
 namespace rilievo {
-
-// A message, whole.
-using LiveMessage = std::shared_ptr<const std::vector<std::byte>>;
-
-// Why the server ends a client, as a last message may say it.
-enum class LiveEnd { server_ends, bad_message, idle, too_slow };
-
-// What a client gets; made when it connects, destroyed when it has gone. Times are in seconds since
-// the server began.
-class LiveSession {
- public:
-  virtual ~LiveSession() = default;
-  // A message of the client. An error ends this client.
-  [[nodiscard]] virtual Result<> receive(std::span<const std::byte> message, double now) = 0;
-  // What is to be sent next; null: nothing yet. LiveServer::wake() asks again.
-  [[nodiscard]] virtual LiveMessage next(double now) = 0;
-  // The last message; null: none.
-  [[nodiscard]] virtual LiveMessage last(LiveEnd why) = 0;
-};
 
 // What a client may cost.
 struct LiveLimits {

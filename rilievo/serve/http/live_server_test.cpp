@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -50,14 +51,24 @@ class Echo : public LiveSession {
   bool much_ = false;
 };
 
+// Bytes are allowed a second in advance, from the begin of each second.
+constexpr double kRateStep_s = 2;
+
 class Watcher : public LiveObserver {
  public:
   void joined(std::uint64_t, int) override { ++joined_; }
-  void left(const LiveClientFigures&, std::string_view why, int) override {
+  void left(const LiveClientFigures& client, std::string_view why, int) override {
     const std::lock_guard lock(mutex_);
     left_.emplace_back(why);
+    most_bytes_a_second_ = std::max(most_bytes_a_second_,
+                                    double(client.received_bytes) / (client.seconds + kRateStep_s));
   }
   [[nodiscard]] int joined_count() const { return joined_; }
+  // Of the clients that left.
+  [[nodiscard]] double most_bytes_a_second() {
+    const std::lock_guard lock(mutex_);
+    return most_bytes_a_second_;
+  }
   [[nodiscard]] std::vector<std::string> left_because() {
     const std::lock_guard lock(mutex_);
     return left_;
@@ -67,6 +78,7 @@ class Watcher : public LiveObserver {
   std::atomic<int> joined_{0};
   std::mutex mutex_;
   std::vector<std::string> left_;
+  double most_bytes_a_second_ = 0;
 };
 
 // A server on a thread of its own.
@@ -302,10 +314,13 @@ TEST(LiveServer, WhoFloodsIsReadSlowlyAndDisturbsNobody) {
     client.shut();
     reader.join();
   });
-  for (int i = 0; i < 20; ++i) expect_served(served);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(1500);
+  while (std::chrono::steady_clock::now() < until) expect_served(served);
   ends = true;
   served.end();
   flood.join();
+  EXPECT_LE(served.watcher.most_bytes_a_second(), double(limits.bytes_a_second));
+  EXPECT_GT(served.watcher.most_bytes_a_second(), 0);
 }
 
 TEST(LiveServer, AFloodOfPingsEndsItsClient) {
