@@ -22,6 +22,11 @@ constexpr PageFile kPageFiles[] = {
 #include "rilievo/web_walk/page/headset.js.inc"
     },
     {
+        "live.js",
+        kScript,
+#include "rilievo/web_walk/page/live.js.inc"
+    },
+    {
         "pictures.js",
         kScript,
 #include "rilievo/web_walk/page/pictures.js.inc"

@@ -14,6 +14,7 @@ import { deleteNode, storeNode, textureBytes, uploadFace, type StoredNode } from
 import type { FileEntry, LevelEntry, Manifest, SketchesEntry } from "./manifest.js";
 import { kSkinStride, kSurfaceStride } from "./mesh-layout.js";
 import { StaticSource, type PictureSource } from "./source.js";
+import type { LiveWalk } from "./live/live-set.js";
 import type { Pictures, PicturesHost } from "./views/pictures.js";
 
 export { WalkError } from "./errors.js";
@@ -32,6 +33,8 @@ export interface WalkOptions {
   connections?: number;
   /** Identifiers of objects as well, for drawObjects(). */
   objects?: boolean;
+  /** The element in which a live walk tells of its connection. */
+  parent?: HTMLElement;
   /** A frame drawn now would differ from the last one. */
   onNeedsDraw?: () => void;
   /** A node came, in one of its levels (0 is the coarsest). */
@@ -82,6 +85,8 @@ export class Walk {
     drawCalls: 0, triangles: 0, bytes: 0, nodes: 0, drawn: 0, loading: 0, loaded: 0,
   };
   manifest: Manifest | null = null;
+  /** Of a live walk: its connection. */
+  live: LiveWalk | null = null;
   /** Layers of the last drawLayers(), for those who merge them themselves. */
   drawer: NodeDrawer;
 
@@ -230,16 +235,17 @@ export class Walk {
     }
     this.drawn.length = 0;
     this.pictures?.dispose();
+    this.live?.dispose();
     this.drawer.dispose();
   }
 
   private async open(): Promise<void> {
     try {
       const { signal } = this.abort;
-      const manifest = await this.source.manifest(signal);
+      let manifest = await this.source.manifest(signal);
       const first = new Promise<void>((resolve) => (this.firstPicture = resolve));
       const { sketches } = manifest;
-      await this.openPictures(manifest);
+      manifest = await this.openPictures(manifest);
       if (sketches) await this.openNodes(manifest, sketches);
       this.manifest = manifest;
       this.update(...manifest.start.eye);
@@ -266,9 +272,11 @@ export class Walk {
     }));
   }
 
-  private async openPictures({ pictures, reliefs }: Manifest): Promise<void> {
+  // The manifest again; a live walk's has what its server says.
+  private async openPictures(manifest: Manifest): Promise<Manifest> {
+    const { pictures, reliefs, live } = manifest;
     const host: PicturesHost = {
-      budget: this.budget,
+      budget: this.budget, parent: this.options.parent,
       fetch: (file) => this.fetch(file),
       arrived: () => this.options.onNeedsDraw?.(),
       loaded: (picture) => {
@@ -293,9 +301,18 @@ export class Walk {
     } else if (reliefs) {
       const { ReliefSet } = await part(import("./reliefs/relief-set.js"));
       this.makePictures = (gl) => new ReliefSet(gl, reliefs, this.decoder, host);
+    } else if (live) {
+      const { LiveWalk } = await part(import("./live/live-set.js"));
+      this.abort.signal.throwIfAborted();
+      const walk = (this.live = new LiveWalk(this.gl, live.socket, this.source.base ?? document.baseURI, host));
+      this.makePictures = (gl) => walk.makeSet(gl);
+      this.pictures = this.makePictures(this.gl);
+      const { up, eye, target, verticalFov, zNear, zFar, unit, name } = await walk.welcome;
+      return { ...manifest, name, up, start: { eye, target, verticalFov, zNear, zFar }, live: { ...live, unit } };
     }
     this.abort.signal.throwIfAborted();
     if (this.makePictures) this.pictures = this.makePictures(this.gl);
+    return manifest;
   }
 
   private async fetch(entry: FileEntry): Promise<ArrayBuffer> {

@@ -1,7 +1,7 @@
 // Checks and decodes files beside the main thread, in a worker.
 
 import workerText from "worker:decode-worker";
-import { WalkError } from "./errors.js";
+import { JobWorker } from "./job-worker.js";
 import type { FileEntry, MeshEntry } from "./manifest.js";
 import type { Job, JobResult } from "./jobs.js";
 import type { NodeMesh } from "./mesh-layout.js";
@@ -9,36 +9,7 @@ import type { SheetEntry } from "./reliefs/samples.js";
 import type { ViewDepths, ViewSurface } from "./views/surface.js";
 
 export class Decoder {
-  private readonly worker: Worker;
-  private readonly waiting = new Map<
-    number,
-    { resolve: (result: JobResult) => void; reject: (error: unknown) => void }
-  >();
-  private next = 1;
-  private failed: WalkError | null = null;
-
-  constructor() {
-    const url = URL.createObjectURL(new Blob([workerText], { type: "text/javascript" }));
-    this.worker = new Worker(url);
-    this.worker.onmessage = (event) => {
-      URL.revokeObjectURL(url);
-      const { id, result, error } = event.data;
-      const job = this.waiting.get(id);
-      this.waiting.delete(id);
-      if (error) job?.reject(new WalkError(error.where, error.reason));
-      else job?.resolve(result);
-    };
-    this.worker.onerror = (event) => {
-      event.preventDefault();
-      this.fail(
-        new WalkError(
-          "browser",
-          "does not start the worker that decodes pictures: the page's Content-Security-Policy " +
-            "must allow worker-src blob:",
-        ),
-      );
-    };
-  }
+  private readonly worker = new JobWorker(workerText);
 
   /** The bytes again, if they are those that the name says. */
   async check(bytes: ArrayBuffer, entry: FileEntry): Promise<ArrayBuffer> {
@@ -76,25 +47,10 @@ export class Decoder {
   }
 
   dispose(): void {
-    this.worker.terminate();
-    this.fail(new WalkError("walk", "was disposed of"));
+    this.worker.dispose();
   }
 
-  private fail(error: WalkError): void {
-    this.failed = error;
-    for (const job of this.waiting.values()) job.reject(error);
-    this.waiting.clear();
-  }
-
-  private run(job: Job): Promise<JobResult> {
-    return new Promise((resolve, reject) => {
-      if (this.failed) {
-        reject(this.failed);
-        return;
-      }
-      const id = this.next++;
-      this.waiting.set(id, { resolve, reject });
-      this.worker.postMessage({ id, job }, [job.bytes]);
-    });
+  private async run(job: Job): Promise<JobResult> {
+    return (await this.worker.run(job, [job.bytes])) as JobResult;
   }
 }

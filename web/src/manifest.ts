@@ -4,6 +4,9 @@ import { WalkError } from "./errors.js";
 import { kReliefBlock, type SheetEntry } from "./reliefs/samples.js";
 import type { LinkLimits } from "./views/surface.js";
 
+/** The version of a live walk's messages (docs/protocol.md). */
+export const kProtocol = 1;
+
 export type Vector = readonly [number, number, number];
 
 /** A file of a walk; `name` is relative to the manifest. */
@@ -129,6 +132,14 @@ export interface ReliefsEntry {
   readonly list: readonly ReliefEntry[];
 }
 
+/** A walk whose pictures a server makes while an eye walks. */
+export interface LiveEntry {
+  /** The address of its WebSocket, relative to the manifest. */
+  readonly socket: string;
+  /** Metres of a unit of length; of a manifest that a server's welcome has completed. */
+  readonly unit: number;
+}
+
 export interface Manifest {
   readonly name: string;
   readonly up: Vector;
@@ -145,6 +156,8 @@ export interface Manifest {
   readonly sketches: SketchesEntry | null;
   readonly pictures: PicturesEntry | null;
   readonly reliefs: ReliefsEntry | null;
+  /** Where a walk begins the server says. */
+  readonly live: LiveEntry | null;
 }
 
 type Json = Record<string, unknown>;
@@ -319,6 +332,15 @@ export function parseManifest(text: string, where: string): Manifest {
     };
   };
 
+  const liveOf = (of: Json): LiveEntry => {
+    if (of.protocol !== kProtocol)
+      fail(`its server speaks version ${JSON.stringify(of.protocol)} of the protocol, this page ${kProtocol}: load it again`);
+    // Nothing outside the walk's own folder.
+    if (typeof of.socket !== "string" || !/^[\w-]+(\/[\w-]+)*$/.test(of.socket))
+      return fail("live.socket is no address beside the manifest");
+    return { socket: of.socket, unit: 1 };
+  };
+
   let parsed: unknown;
   try {
     parsed = JSON.parse(text);
@@ -328,10 +350,11 @@ export function parseManifest(text: string, where: string): Manifest {
   const root = object(parsed, "the manifest");
   if (root.schema !== "rilievo-walk-1")
     fail(`its schema is ${JSON.stringify(root.schema) ?? "missing"}, not "rilievo-walk-1"`);
-  const start = object(root.start, "start");
+  const live = root.live === undefined ? null : liveOf(object(root.live, "live"));
+  const start = live ? {} : object(root.start, "start");
   const pictures = root.pictures === undefined ? null : picturesOf(object(root.pictures, "pictures"));
   const reliefs = root.reliefs === undefined ? null : reliefsOf(object(root.reliefs, "reliefs"));
-  const others = pictures ?? reliefs;
+  const others = pictures ?? reliefs ?? live;
   const sketches = others ? null : object(root.sketches, "sketches");
   const nodes = (others ? [] : list(root.nodes, "nodes")).map((value, i): NodeEntry => {
     const name = `nodes[${i}]`;
@@ -359,8 +382,8 @@ export function parseManifest(text: string, where: string): Manifest {
   if (!others && nodes.length === 0) fail("it has no node");
   return {
     name: typeof root.name === "string" ? root.name : "",
-    up: vector(root.up, "up"),
-    start: {
+    up: live ? [0, 1, 0] : vector(root.up, "up"),
+    start: live ? { eye: [0, 0, 0], target: [0, 0, -1], verticalFov: 0.9, zNear: 0.1, zFar: 1000 } : {
       eye: vector(start.eye, "start.eye"),
       target: vector(start.target, "start.target"),
       verticalFov: number(start.vertical_fov, "start.vertical_fov", 0.01, 3),
@@ -370,6 +393,7 @@ export function parseManifest(text: string, where: string): Manifest {
     nodes,
     pictures,
     reliefs,
+    live,
     sketches: sketches && {
       ...file(sketches, "sketches"),
       size: Math.max(1, count(sketches.size, "sketches.size", 256)),

@@ -26,20 +26,41 @@ export async function decodePlane16(
   const count = width * height;
   if (raw.length !== 1 + 2 * count || raw[0] > 2)
     throw new WalkError(where, "is damaged or has another size");
-  const predictor = raw[0];
+  return unfold(raw, width, height);
+}
+
+// Most planes have predictor 2 and nearly all texels neighbours, which are read without questions.
+function unfold(raw: Uint8Array, width: number, height: number): Uint16Array {
+  const predictor = raw[0], count = width * height;
   const plane = new Uint16Array(count);
-  for (let y = 0, i = 0; y < height; ++y)
-    for (let x = 0; x < width; ++x, ++i) {
-      const folded = raw[1 + i] | (raw[1 + count + i] << 8);
-      let value = (folded >> 1) ^ -(folded & 1);
-      if (predictor > 0) {
-        const w = x > 0 ? plane[i - 1] : 0;
-        const n = y > 0 ? plane[i - width] : 0;
-        const affine = w + n - (x > 0 && y > 0 ? plane[i - width - 1] : 0);
-        value +=
-          predictor === 1 ? affine : Math.min(Math.max(affine, Math.min(w, n)), Math.max(w, n));
-      }
-      plane[i] = value;
+  const texel = (x: number, y: number, i: number) => {
+    const folded = raw[1 + i] | (raw[1 + count + i] << 8);
+    let value = (folded >> 1) ^ -(folded & 1);
+    if (predictor > 0) {
+      const w = x > 0 ? plane[i - 1] : 0;
+      const n = y > 0 ? plane[i - width] : 0;
+      const affine = w + n - (x > 0 && y > 0 ? plane[i - width - 1] : 0);
+      value +=
+        predictor === 1 ? affine : Math.min(Math.max(affine, Math.min(w, n)), Math.max(w, n));
     }
+    plane[i] = value;
+  };
+  for (let y = 0, i = 0; y < height; ++y) {
+    const end = i + width;
+    if (y === 0 || predictor !== 2) {
+      for (let x = 0; i < end; ++x, ++i) texel(x, y, i);
+      continue;
+    }
+    texel(0, y, i++);
+    let w = plane[i - 1], nw = plane[i - 1 - width];
+    for (; i < end; ++i) {
+      const n = plane[i - width], affine = w + n - nw;
+      const low = w < n ? w : n, high = w < n ? n : w;
+      const folded = raw[1 + i] | (raw[1 + count + i] << 8);
+      w = (((folded >> 1) ^ -(folded & 1)) + (affine < low ? low : affine > high ? high : affine)) & 0xffff;
+      plane[i] = w;
+      nw = n;
+    }
+  }
   return plane;
 }

@@ -12,6 +12,8 @@ export interface EyePose {
 
 /** Delivers a walk. Methods may be called again after an error. */
 export interface PictureSource {
+  /** What addresses in the manifest are relative to; else the page's own. */
+  readonly base?: string;
   /** What there is. */
   manifest(signal: AbortSignal): Promise<Manifest>;
   /** The bytes of a file; as many as its entry says. */
@@ -25,7 +27,7 @@ export interface PictureSource {
 
 /** Files beside each other on any web host. */
 export class StaticSource implements PictureSource {
-  private readonly base: string;
+  readonly base: string;
 
   /** `url` of the manifest, or of the folder that holds it, relative to the page. */
   constructor(url: string | URL) {

@@ -167,20 +167,21 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
       return;
     }
     const loading = walk ? !walk.settled : false;
-    tell(missing || (loading ? "Loading…" : ""));
+    // A live walk is never complete, and tells of its connection itself.
+    tell(missing || (loading && !(walk?.live && walk.stats.drawn) ? "Loading…" : ""));
     if (controls.active || loading) request();
     else before = 0;
   };
 
   try {
     walk = new Walk(gl, source, {
-      ...options,
+      parent, ...options,
       onNeedsDraw() {
         request();
         options.onNeedsDraw?.();
       },
       onError(error) {
-        if (walk?.manifest) missing = `Something is missing: ${error.message}.`;
+        if (walk?.manifest && !walk.live) missing = `Something is missing: ${error.message}.`;
         request();
         options.onError?.(error);
       },
@@ -201,6 +202,7 @@ export function show(parent: HTMLElement, source: string | URL | PictureSource,
     const manifest = walk?.manifest;
     if (!manifest) return;
     controls.stand(manifest.start.eye, manifest.start.target, manifest.up);
+    if (manifest.live) controls.speed /= manifest.live.unit;
     document.title = manifest.name || document.title;
   };
   ready.then(() => {

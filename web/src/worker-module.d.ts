@@ -1,4 +1,4 @@
-declare module "worker:decode-worker" {
+declare module "worker:*" {
   const text: string;
   export default text;
 }

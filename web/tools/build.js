@@ -51,7 +51,7 @@ const workers = {
 // What only some walks or browsers need, as modules beside the page's program.
 const parts = {
   "pictures.js": "src/views/picture-set.ts", "reliefs.js": "src/reliefs/relief-set.ts",
-  "headset.js": "src/headset.ts",
+  "headset.js": "src/headset.ts", "live.js": "src/live/live-set.ts",
 };
 const besides = {
   name: "parts",

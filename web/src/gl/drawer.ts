@@ -2,7 +2,7 @@
 // depth, the skins of all into the last, and then one pass that merges the layers. Allocates nothing in a frame of the size of the last one.
 
 import { kFaceAxes } from "../choose.js";
-import { WalkError } from "../errors.js";
+import { Layers } from "./layers.js";
 import {
   kSkyTexels, mergeProgram, nodeProgram, showObjectsProgram, skyProgram, skyTexels,
 } from "./shaders.js";
@@ -46,9 +46,7 @@ interface MergeProgram {
 
 export class NodeDrawer {
   readonly stats = { drawCalls: 0, triangles: 0 };
-  /** The layers of the last drawLayers(): texture arrays of sRGB-encoded colours and of depths. */
-  colors: WebGLTexture | null = null;
-  depths: WebGLTexture | null = null;
+  /** How many layers the last drawLayers() drew. */
   layers = 0;
   /** Of the last drawLayers(), what mergeFunction() names likewise. */
   readonly mergeUniform = new Float32Array(2);
@@ -72,10 +70,8 @@ export class NodeDrawer {
   private readonly noVertices: WebGLVertexArrayObject | null;
   private readonly clamps: boolean;
   private readonly clipControl: { clipControlEXT(origin: number, depth: number): void } | null;
-  private framebuffers: WebGLFramebuffer[] = [];
+  private readonly targets: Layers;
   private objectTarget: { framebuffer: WebGLFramebuffer; texture: WebGLTexture; depth: WebGLRenderbuffer } | null = null;
-  private width = 0;
-  private height = 0;
   private unmix = -1;
   private readonly clip = new Float64Array(16);
   private readonly clip32 = new Float32Array(16);
@@ -86,6 +82,7 @@ export class NodeDrawer {
   private readonly visible = new Uint8Array(6);
 
   constructor(private readonly gl: WebGL2RenderingContext) {
+    this.targets = new Layers(gl);
     this.begun = { surface: nodeProgram(gl, "SIDE"), skin: nodeProgram(gl, "SKIN") };
     // Half, so that none is missed that frames would call different.
     this.painter = new NodePainter(gl, 0.5 * kTolerance);
@@ -112,12 +109,12 @@ export class NodeDrawer {
     if (fromOwn) count = 1;
     this.unmix = fromOwn ? -1 : kTolerance;
     // One for each node's surfaces, and one for all skins.
-    this.makeLayers(view.width, view.height, Math.max(2, count) + 1);
+    this.targets.make(view.width, view.height, Math.max(2, count) + 1);
     this.layers = count;
     const near = this.begin(view);
     this.setMerge(view, nodes, count, near);
     for (let i = 0; i < count; ++i) {
-      this.beginLayer(i);
+      this.targets.begin(i);
       this.beginNode(view, nodes[i], near);
       gl.activeTexture(gl.TEXTURE1);
       gl.bindTexture(gl.TEXTURE_2D, nodes[i].seen);
@@ -125,7 +122,7 @@ export class NodeDrawer {
       if (count === 1) this.drawSkins(skin, nodes[i], true);
     }
     if (count > 1) {
-      this.beginLayer(count);
+      this.targets.begin(count);
       for (let i = 0; i < count; ++i) {
         this.beginNode(view, nodes[i], near);
         this.drawSkins(skin, nodes[i], i === 0);
@@ -229,14 +226,22 @@ export class NodeDrawer {
     gl.bindTexture(gl.TEXTURE_2D, null);
   }
 
+  /** The layers of the last drawLayers(): texture arrays of sRGB-encoded colours and of depths. */
+  get colors(): WebGLTexture | null {
+    return this.targets.colors;
+  }
+  get depths(): WebGLTexture | null {
+    return this.targets.depths;
+  }
+
   /** Bytes of the layers. */
   get bytes(): number {
-    return 8 * this.width * this.height * this.framebuffers.length;
+    return this.targets.bytes;
   }
 
   dispose(): void {
     const { gl } = this;
-    this.dropLayers();
+    this.targets.drop();
     this.painter.dispose();
     for (const of of [this.begun.surface, this.begun.skin]) gl.deleteProgram(of);
     for (const of of [this.surfaceObject, this.skinObject]) if (of) gl.deleteProgram(of.program);
@@ -327,11 +332,11 @@ export class NodeDrawer {
   /** Begins to draw something else into the one layer, whose near plane it returns. */
   beginOther(view: View): number {
     this.stats.drawCalls = this.stats.triangles = 0;
-    this.makeLayers(view.width, view.height, 1);
+    this.targets.make(view.width, view.height, 1);
     this.layers = 1;
     const near = this.begin(view);
     this.setMerge(view, kNoNodes, 0, near);
-    this.beginLayer(0);
+    this.targets.begin(0);
     return near;
   }
 
@@ -365,12 +370,6 @@ export class NodeDrawer {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, kSkyTexels, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, skyTexels());
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
     return made;
-  }
-
-  private beginLayer(layer: number): void {
-    const { gl } = this;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffers[layer]);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
   // What the merge of `count` nodes asks for.
@@ -519,47 +518,6 @@ export class NodeDrawer {
       }
       if (!apart) visible[f] = 1;
     }
-  }
-
-  private makeLayers(width: number, height: number, count: number): void {
-    if (width === this.width && height === this.height && count <= this.framebuffers.length) return;
-    const { gl } = this;
-    this.dropLayers();
-    const texture = (format: number) => {
-      const made = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D_ARRAY, made);
-      gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, format, width, height, count);
-      for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-        gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, gl.NEAREST);
-      gl.bindTexture(gl.TEXTURE_2D_ARRAY, null);
-      return made;
-    };
-    this.colors = texture(gl.RGBA8);
-    this.depths = texture(gl.DEPTH_COMPONENT32F);
-    for (let i = 0; i < count; ++i) {
-      const framebuffer = gl.createFramebuffer();
-      gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-      gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, this.colors, 0, i);
-      gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, this.depths, 0, i);
-      if (framebuffer) this.framebuffers.push(framebuffer);
-    }
-    const status = gl.checkFramebufferStatus(gl.FRAMEBUFFER);
-    if (status !== gl.FRAMEBUFFER_COMPLETE && !gl.isContextLost()) {
-      this.dropLayers();
-      throw new WalkError("WebGL", `there is no memory for frames of ${width} x ${height}`);
-    }
-    this.width = width;
-    this.height = height;
-  }
-
-  private dropLayers(): void {
-    const { gl } = this;
-    for (const framebuffer of this.framebuffers) gl.deleteFramebuffer(framebuffer);
-    this.framebuffers = [];
-    gl.deleteTexture(this.colors);
-    gl.deleteTexture(this.depths);
-    this.colors = this.depths = null;
-    this.width = this.height = this.layers = 0;
   }
 
   private makeObjectTarget(width: number, height: number) {

@@ -13,6 +13,8 @@ export interface PicturesHost {
   loaded(picture: number): void;
   failed(error: WalkError): void;
   readonly budget: number;
+  /** Where a live walk tells of its connection. */
+  readonly parent?: HTMLElement;
 }
 
 export interface Pictures {
