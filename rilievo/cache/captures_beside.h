@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "rilievo/cache/plan/policy.h"
-#include "rilievo/capture/raster_source.h"
+#include "rilievo/capture/placed_raster.h"
 #include "rilievo/core/background.h"
 
 namespace rilievo {
@@ -35,8 +35,8 @@ struct OrderedCapture {
 class CapturesBeside {
  public:
   // `source` must outlive the object. Until all ordered captures are done, others may call nothing
-  // but RasterSource::place() of it.
-  CapturesBeside(RasterSource& source, int samples) : source_(source), samples_(samples) {}
+  // but PlacedRaster::place() of it.
+  CapturesBeside(PlacedRaster& source, int samples) : source_(source), samples_(samples) {}
 
   // Orders a picture of `objects` as they are now.
   void order(const Capture& capture, std::span<const std::uint32_t> objects, bool with_gaps);
@@ -47,7 +47,7 @@ class CapturesBeside {
   void finish() { background_.wait(); }
 
  private:
-  RasterSource& source_;
+  PlacedRaster& source_;
   int samples_;
   std::deque<std::unique_ptr<OrderedCapture>> ordered_;  // the oldest first
   std::vector<std::unique_ptr<OrderedCapture>> unused_;  // their buffers serve the next ones

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rilievo/capture/bound_thin_texels.h"
+#include "rilievo/capture/placed_raster.h"
 #include "rilievo/render/raster/sample_raster.h"
 
 namespace rilievo {
@@ -33,7 +34,7 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
     return Error{std::string(name()), "the rasteriser captures at most " +
                                           std::to_string(SampleRaster::kMaxSize) +
                                           " texels a side"};
-  if (!can_sample(request.samples))
+  if (!PlacedRaster::can_sample(request.samples))
     return refuse("the rasteriser captures 1 or 4 samples per texel");
   std::span<const std::uint32_t> objects = request.objects;
   if (objects.empty()) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "rilievo/capture/placed_raster.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/source_test_helpers.h"
 #include "rilievo/core/color.h"
@@ -70,6 +71,7 @@ TEST(RasterSource, draws_what_it_captures) {
   ASSERT_TRUE(built);
   const PlacedScene placed(built->scene);
   RasterSource source(placed);
+  PlacedRaster raster(placed);
   Random random(6);
   int covered = 0;
   for (int round = 0; round < 6; ++round) {
@@ -78,11 +80,11 @@ TEST(RasterSource, draws_what_it_captures) {
     placed.cull(camera, objects);
     const auto captured = source.capture({.camera = camera, .samples = 1, .farthest = true});
     ASSERT_TRUE(captured) << captured.error().message();
-    const RasterPicture& drawn = source.draw(camera, objects, 1);
+    const RasterPicture& drawn = raster.draw(camera, objects, 1);
     EXPECT_EQ(eye_z_from_window_z(drawn.depth, camera), captured->picture.depth);
-    EXPECT_EQ(eye_z_from_window_z(source.draw_farthest(camera, objects), camera),
+    EXPECT_EQ(eye_z_from_window_z(raster.draw_farthest(camera, objects), camera),
               captured->farthest);
-    const ObjectPicture& shown = source.draw_objects(camera, objects);
+    const ObjectPicture& shown = raster.draw_objects(camera, objects);
     std::size_t i = 0;
     for (int y = camera.height - 1; y >= 0; --y)
       for (int x = 0; x < camera.width; ++x, ++i) {
@@ -93,7 +95,7 @@ TEST(RasterSource, draws_what_it_captures) {
         // Two ways of rounding to a byte.
         for (int k = 0; k < 3; ++k)
           ASSERT_NEAR(255 * srgb_from_linear(std::min(linear[k], 1.0f)),
-                      float(source.picture().color[i][k]), 1);
+                      float(raster.picture().color[i][k]), 1);
       }
   }
   EXPECT_GT(covered, 3000);

@@ -30,7 +30,7 @@ class CountedPictures final : public NailboardStore {
   [[nodiscard]] std::uint64_t max_texels() const override { return 1 << 30; }
   [[nodiscard]] std::size_t bytes() const override { return 0; }
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::software; }
-  [[nodiscard]] RasterSource* rasterizer() override { return nullptr; }
+  [[nodiscard]] PlacedRaster* rasterizer() override { return nullptr; }
   [[nodiscard]] bool allocate(std::uint32_t slot, int, int) override {
     return poses.size() < most_ && poses.emplace(slot, 1.0).second;
   }

@@ -20,7 +20,7 @@
 
 namespace rilievo {
 
-class RasterSource;
+class PlacedRaster;
 struct RasterPicture;
 
 // Who draws frames.
@@ -51,7 +51,7 @@ class NailboardStore {
   // Who draws frames from the pictures?
   [[nodiscard]] virtual DrawnBy drawn_by() const = 0;
   // The rasteriser that captures pictures; null: OpenGL does, whose captures cost other things.
-  [[nodiscard]] virtual RasterSource* rasterizer() = 0;
+  [[nodiscard]] virtual PlacedRaster* rasterizer() = 0;
 
   // Makes room for a picture; false if there is none.
   [[nodiscard]] virtual bool allocate(std::uint32_t slot, int width, int height) = 0;

@@ -20,7 +20,7 @@ TEST(CapturesBeside, make_what_a_capture_at_once_would) {
   const auto made = make_builtin("builtin:bridge?triangles=100000");
   ASSERT_TRUE(made.ok());
   PlacedScene placed(made->scene), then(made->scene);
-  RasterSource source(placed), twin(then);
+  PlacedRaster source(placed), twin(then);
   std::mt19937 rng(2);
   CapturesBeside beside(source, 4);
   struct Expected {

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "rilievo/cache/software/blended_scene_test_helpers.h"
-#include "rilievo/capture/raster_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/environment_nodes/environment_kind.h"

@@ -28,7 +28,7 @@ class AtlasStore final : public NailboardStore {
   }
   [[nodiscard]] std::size_t bytes() const override { return pictures_.set().bytes(); }
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::opengl; }
-  [[nodiscard]] RasterSource* rasterizer() override { return pictures_.rasterizer(); }
+  [[nodiscard]] PlacedRaster* rasterizer() override { return pictures_.rasterizer(); }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
     if (slot >= slots_.size()) slots_.resize(slot + 1);

@@ -109,9 +109,9 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
       for (const int samples : {1, 4}) {
         AtlasOptions options{64u << 20, bits, samples};
         auto by_opengl = NailboardAtlas::create(options);
-        options.capture_bytes = &RasterSource::bytes;
+        options.capture_bytes = &PlacedRaster::bytes;
         auto by_rasterizer = NailboardAtlas::create(options);
-        RasterSource source(renderer->placed());
+        PlacedRaster source(renderer->placed());
         ASSERT_TRUE(by_opengl.ok() && by_rasterizer.ok());
         EXPECT_LE(by_rasterizer->bytes(), 64u << 20);
         int texels = 0, covered = 0, other_coverage = 0, other_color = 0, other_depth = 0,
@@ -181,9 +181,9 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
   auto renderer = SceneRenderer::create(made->scene);
   ASSERT_TRUE(renderer.ok());
   AtlasOptions options{64u << 20, 8, 4};
-  options.capture_bytes = &RasterSource::bytes;
+  options.capture_bytes = &PlacedRaster::bytes;
   auto atlas = NailboardAtlas::create(options);
-  RasterSource source(renderer->placed());
+  PlacedRaster source(renderer->placed());
   ASSERT_TRUE(atlas.ok());
   std::mt19937 rng(2);
   const Nailboard noise = random_board(rng, 8);

@@ -7,16 +7,16 @@
 namespace rilievo {
 
 bool rasterizes(CaptureBy by, int samples) {
-  if (by == CaptureBy::opengl || !RasterSource::can_sample(samples)) return false;
+  if (by == CaptureBy::opengl || !PlacedRaster::can_sample(samples)) return false;
   return by == CaptureBy::rasterizer || gl::is_software();
 }
 
 Result<NailboardCapture> NailboardCapture::create(SceneRenderer& renderer, CaptureBy by,
                                                   AtlasOptions options, DepthMode mode) {
-  std::unique_ptr<RasterSource> rasterizer;
+  std::unique_ptr<PlacedRaster> rasterizer;
   if (rilievo::rasterizes(by, options.samples)) {
-    rasterizer = std::make_unique<RasterSource>(renderer.placed());
-    options.capture_bytes = &RasterSource::bytes;
+    rasterizer = std::make_unique<PlacedRaster>(renderer.placed());
+    options.capture_bytes = &PlacedRaster::bytes;
   }
   Result<std::unique_ptr<NailboardSet>> set = NailboardSet::create(options, mode);
   if (!set) return set.error();

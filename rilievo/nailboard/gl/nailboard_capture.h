@@ -9,7 +9,7 @@
 #include <span>
 
 #include "rilievo/capture/capture_by.h"
-#include "rilievo/capture/raster_source.h"
+#include "rilievo/capture/placed_raster.h"
 #include "rilievo/nailboard/gap_table.h"
 #include "rilievo/nailboard/gl/nailboard_set.h"
 #include "rilievo/render/opengl/scene_renderer.h"
@@ -31,7 +31,7 @@ class NailboardCapture {
   [[nodiscard]] const NailboardSet& set() const { return *set_; }
   [[nodiscard]] NailboardAtlas& atlas() { return set_->atlas(); }
   // What captures; null: OpenGL does.
-  [[nodiscard]] RasterSource* rasterizer() { return rasterizer_.get(); }
+  [[nodiscard]] PlacedRaster* rasterizer() { return rasterizer_.get(); }
 
   // Captures `objects` (opaque parts) as the renderer has placed them into the slot, whose size is
   // the camera's. Changes the bound framebuffer and viewport.
@@ -41,7 +41,7 @@ class NailboardCapture {
   [[nodiscard]] GapTable gaps(const Camera& camera, std::span<const std::uint32_t> objects);
 
  private:
-  NailboardCapture(SceneRenderer& renderer, int samples, std::unique_ptr<RasterSource> rasterizer,
+  NailboardCapture(SceneRenderer& renderer, int samples, std::unique_ptr<PlacedRaster> rasterizer,
                    std::unique_ptr<NailboardSet> set)
       : renderer_(&renderer),
         samples_(samples),
@@ -50,7 +50,7 @@ class NailboardCapture {
 
   SceneRenderer* renderer_;
   int samples_;
-  std::unique_ptr<RasterSource> rasterizer_;  // null: OpenGL captures
+  std::unique_ptr<PlacedRaster> rasterizer_;  // null: OpenGL captures
   std::unique_ptr<NailboardSet> set_;
 };
 

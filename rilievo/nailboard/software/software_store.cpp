@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "rilievo/capture/raster_source.h"
+#include "rilievo/capture/placed_raster.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/nailboard/encode_picture.h"
 #include "rilievo/nailboard/raster_gaps.h"
@@ -20,7 +20,7 @@ namespace {
 constexpr int kLargestPicture = 1024, kLargestOfLittle = kLargestPicture * 7 / 16;
 
 std::size_t capture_bytes(int size, const NailboardStoreOptions& options) {
-  return RasterSource::bytes(size, options.samples);
+  return PlacedRaster::bytes(size, options.samples);
 }
 // At least as much again is for pictures.
 std::size_t least_bytes(int size, const NailboardStoreOptions& options) {
@@ -54,7 +54,7 @@ class SoftwareStore final : public NailboardStore {
   [[nodiscard]] std::uint64_t max_texels() const override { return max_bytes_ / kTexelBytes; }
   [[nodiscard]] std::size_t bytes() const override { return bytes_; }
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::software; }
-  [[nodiscard]] RasterSource* rasterizer() override { return &source_; }
+  [[nodiscard]] PlacedRaster* rasterizer() override { return &source_; }
 
   [[nodiscard]] bool allocate(std::uint32_t slot, int width, int height) override {
     const std::size_t needed = SoftwareNailboard::bytes_of(width, height);
@@ -127,7 +127,7 @@ class SoftwareStore final : public NailboardStore {
   }
 
   int samples_;
-  RasterSource source_;
+  PlacedRaster source_;
   int delta_bits_, largest_;
   std::size_t max_bytes_, bytes_ = 0, pooled_ = 0;
   SoftwareNailboardSet pictures_;
@@ -140,7 +140,7 @@ class SoftwareStore final : public NailboardStore {
 }  // namespace
 
 Result<> check_software_store(const NailboardStoreOptions& options) {
-  if (!RasterSource::can_sample(options.samples))
+  if (!PlacedRaster::can_sample(options.samples))
     return Error{"pictures", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
   if (options.capture_by == CaptureBy::opengl)
     return Error{"pictures", "OpenGL's captures need frames drawn by OpenGL"};
