@@ -33,7 +33,7 @@ struct BenchOptions {
   // (0: a budget of triangles instead).
   int width = 0, height = 0;
   double capture_ms = 0;
-  double late = CacheOptions{}.late;     // as ImageCacheOptions::late
+  double late = SpikePolicy{}.late;      // as ImageCacheOptions::late
   double max_spike = kInteractiveSpike;  // as ImageCacheOptions::max_spike
   bool levels = false;                   // as ImageCacheOptions::levels
   // For `keyframes`: time that a frame spends on the next keyframe, ms (0: a sixteenth of one), and

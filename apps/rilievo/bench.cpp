@@ -28,7 +28,7 @@ struct BenchCommand {
   std::string draw = "automatic";
   bool quick = false, full = false;
   int width = 0, height = 0;
-  double capture_ms = 0, late = CacheOptions{}.late, max_spike = kInteractiveSpike;
+  double capture_ms = 0, late = SpikePolicy{}.late, max_spike = kInteractiveSpike;
   bool levels = false;
   bool each_frame = false;
   std::string reference_folder;

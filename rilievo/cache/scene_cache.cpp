@@ -271,21 +271,15 @@ glm::dmat4 SceneCache::motion_since_capture(const Picture& picture) const {
 void SceneCache::follow_options() {
   policy_.error_px = options_.error_px;
   policy_.gap_px = options_.gap_px;
-  policy_.late = std::max(1.0, options_.late);
+  policy_.spikes.late = std::max(1.0, options_.late);
   policy_.fade_frames = options_.fade_frames;
   set_budget();
-}
-
-void SceneCache::plan(const Camera& camera) {
-  const FrameView view = follow(motion_, camera);
-  plan_frame(hierarchy_, moving_, state_, view, policy_, scratch_, plan_, alternatives_,
-             level_table_);
 }
 
 // Can a frame cost more than its floor? By polygons, if it shows all of the scene.
 bool SceneCache::may_spike() const {
   return options_.max_spike > 0 && !hierarchy_.nodes.empty() &&
-         double(hierarchy_.nodes[0].triangles) > policy_.spike_floor;
+         double(hierarchy_.nodes[0].triangles) > policy_.spikes.floor;
 }
 
 // Of time where it is given; of triangles that take as long where rays lack memory or OpenGL
@@ -303,7 +297,7 @@ void SceneCache::set_budget() {
       if (auto coarse = CoarseCapture::create(finest_)) coarse_ = std::move(*coarse);
     casts_ = true;
   }
-  policy_.max_spike = coarse_ ? options_.max_spike : 0;
+  policy_.spikes.max_spike = coarse_ ? options_.max_spike : 0;
   if (!(options_.capture_ms > 0)) return;
   if (coarse_) {
     clock_.set_budget(options_.capture_ms, unlimited_, policy_);
@@ -367,13 +361,12 @@ Result<> SceneCache::choose(const Camera& camera, [[maybe_unused]] const PlacedS
   update_moving();
   follow_options();
   adopt_captures(camera, stats);
-  plan(camera);
-  for (const std::uint32_t slot : plan_.evictions) release(slot);
-  if (captures_beside(policy_))
-    order_captures();
-  else
-    carry_out_captures(camera, stats);
-  capture_fallback(stats);
+  if (fallback_.held) store_->free(kFallbackSlot);
+  fallback_.held = false;
+  stats_ = &stats;
+  plan_frame(hierarchy_, moving_, state_, follow(motion_, camera), policy_, *this, scratch_, plan_,
+             alternatives_, level_table_);
+  if (captures_beside(policy_)) order_captures();
   commit(plan_, state_);
   collect(content);
   show_polygon_levels();

@@ -43,7 +43,7 @@ struct ImageCacheOptions {
   double capture_ms = 0;
   // With capture_ms and the rasteriser, a picture whose successor is not done stays until its
   // bounds reach their limits times this factor. 1, the least: no picture exceeds its limits.
-  double late = CacheOptions{}.late;
+  double late = SpikePolicy{}.late;
   // A frame that would cost more than so many times what the last ones did, and more than 100 ms,
   // by the costs that the planner compares, shows what costs most, after a cut for instance, in a
   // coarse picture by rays; bounds say so. Where the rasteriser captures. 0: no such limit.
@@ -71,7 +71,7 @@ struct ImageCacheOptions {
 [[nodiscard]] NailboardStoreOptions store_options(const ImageCacheOptions& options);
 
 // Chooses a scene's frames, and captures for them.
-class SceneCache final : public FrameChooser {
+class SceneCache final : public FrameChooser, private CaptureMaker {
  public:
   // A cache of `backend`'s scene. make_cached_frames() makes its frames, too. Fails where the store
   // cannot be made, and where options.machine was measured without this backend.
@@ -156,16 +156,16 @@ class SceneCache final : public FrameChooser {
   void retire_drawables();
   void update_moving();
   void follow_options();
-  void plan(const Camera& camera);
   void set_budget();
   [[nodiscard]] bool may_spike() const;
-  void capture(std::size_t index, const std::vector<std::uint32_t>& objects);
+  // CaptureMaker: what a plan asks for.
+  void make(std::span<const std::uint32_t> evictions, std::span<const Capture> captures,
+            std::span<MadeCapture> made) override;
+  void drop(std::uint32_t slot) override { release(slot); }
+  MadeCapture make(const Fallback& fallback) override;
   void order_captures();
   void adopt_captures(const Camera& camera, FrameStats& stats);
   void hold(const Capture& capture);
-  void count_strokes(std::span<const std::uint32_t> objects, Capture& capture) const;
-  void carry_out_captures(const Camera& camera, FrameStats& stats);
-  void capture_fallback(FrameStats& stats);
   void collect(FrameContent& content);
   void objects_of(Entity entity, std::vector<std::uint32_t>& objects) const;
   [[nodiscard]] Entity entity_of(std::uint32_t object) const;
@@ -199,8 +199,8 @@ class SceneCache final : public FrameChooser {
   CacheState state_;
   PlanScratch scratch_;
   Plan plan_;
-  std::vector<Held> held_;      // by slot of the state
-  std::vector<GapTable> gaps_;  // by capture of the plan
+  std::vector<Held> held_;       // by slot of the state
+  FrameStats* stats_ = nullptr;  // of the frame that is being planned
 
   EyeMotion motion_;
   double cost_per_ms_ = 0;  // of captures: Capture::cost, measured

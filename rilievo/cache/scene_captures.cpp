@@ -22,18 +22,15 @@ void SceneCache::hold(const Capture& capture) {
   objects_of(capture.entity, held.objects);
 }
 
-// Their size is a part of the bound (nailboard/error.h).
-void SceneCache::count_strokes(std::span<const std::uint32_t> objects, Capture& capture) const {
-  capture.geometry.strokes = placed_.stroke_size(objects);
-  capture.picture.geometry.strokes = capture.geometry.strokes;
-}
-
 void SceneCache::order_captures() {
+  for (const std::uint32_t slot : plan_.evictions) release(slot);
   if (plan_.captures.empty()) return;
   if (!beside_) beside_ = std::make_unique<CapturesBeside>(*store_->rasterizer(), options_.samples);
-  for (Capture& capture : plan_.captures) {
+  for (const Capture& planned : plan_.captures) {
+    Capture capture = planned;
     objects_of(capture.entity, ordered_objects_);
-    count_strokes(ordered_objects_, capture);
+    capture.geometry.strokes = capture.picture.geometry.strokes =
+        placed_.stroke_size(ordered_objects_);
     if (capture.entity < hierarchy_.nodes.size())
       show_levels(ordered_objects_, capture.picture.level_error);
     beside_->order(capture, ordered_objects_, std::isfinite(gap_limit_px(policy_)));
@@ -67,60 +64,46 @@ void SceneCache::adopt_captures(const Camera& camera, FrameStats& stats) {
   if (stats.captures > 0) stats.capture_ms = watch.ms();
 }
 
-void SceneCache::capture(std::size_t index, const std::vector<std::uint32_t>& objects) {
-  const Capture& capture = plan_.captures[index];
-  const Camera& eye = capture.geometry.capture;
-  if (capture.entity < hierarchy_.nodes.size()) show_levels(objects, capture.picture.level_error);
-  store_->capture(stored(capture.slot), eye, objects);
-  if (!std::isfinite(gap_limit_px(policy_))) return;
-  gaps_[index] = capture.once ? unknown_gaps(eye) : store_->gaps(eye, objects);
-}
-
-void SceneCache::carry_out_captures(const Camera& camera, FrameStats& stats) {
-  if (plan_.captures.empty()) return;
+void SceneCache::make(std::span<const std::uint32_t> evictions, std::span<const Capture> captures,
+                      std::span<MadeCapture> made) {
+  for (const std::uint32_t slot : evictions) release(slot);
+  if (captures.empty()) return;
   finish_captures();  // of a budget that is over: they use the rasteriser
   const Stopwatch watch;
   double cost = 0, priced = 0, priced_ms = 0;
-  gaps_.assign(plan_.captures.size(), {});
-  for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
-    Capture& capture = plan_.captures[i];
+  for (std::size_t i = 0; i < captures.size(); ++i) {
+    const Capture& capture = captures[i];
     const Camera& eye = capture.geometry.capture;
-    if (!store_->allocate(stored(capture.slot), eye.width, eye.height)) {
-      refuse_capture(plan_, i, hierarchy_, moving_);
-      continue;
-    }
+    const std::uint32_t slot = stored(capture.slot);
+    if (!store_->allocate(slot, eye.width, eye.height)) continue;
+    made[i].made = true;
     hold(capture);
-    count_strokes(held_[capture.slot].objects, capture);
-    ++stats.captures;
+    const std::vector<std::uint32_t>& objects = held_[capture.slot].objects;
+    made[i].strokes = placed_.stroke_size(objects);
+    ++stats_->captures;
     const double before_ms = watch.ms();
-    this->capture(i, held_[capture.slot].objects);
+    if (capture.entity < hierarchy_.nodes.size()) show_levels(objects, capture.picture.level_error);
+    store_->capture(slot, eye, objects);
+    if (std::isfinite(gap_limit_px(policy_)))
+      made[i].gaps = capture.once ? unknown_gaps(eye) : store_->gaps(eye, objects);
     cost += capture.cost;
     if (capture.once) continue;  // without gaps it costs less
     priced_ms += watch.ms() - before_ms;
     priced += capture.cost;
   }
   clock_.capture.learn(priced, priced_ms);
-  for (std::size_t i = 0; i < plan_.captures.size(); ++i)
-    if (const Capture& capture = plan_.captures[i]; capture.picture.held)
-      if (const auto range = store_->delta_range(stored(capture.slot)))
-        if (!narrow_capture(plan_, i, camera, *range, policy_, gaps_[i])) {
-          refuse_capture(plan_, i, hierarchy_, moving_);
-          release(capture.slot);
-        }
+  for (std::size_t i = 0; i < captures.size(); ++i)
+    if (made[i].made) made[i].range = store_->delta_range(stored(captures[i].slot));
   store_->finish();
-  stats.capture_ms = watch.ms();
-  if (cost > 0 && stats.capture_ms > 0) {
-    const double now = cost / stats.capture_ms;
+  stats_->capture_ms = watch.ms();
+  if (cost > 0 && stats_->capture_ms > 0) {
+    const double now = cost / stats_->capture_ms;
     // The first measurement includes the driver's warm-up; later ones smooth it away.
     cost_per_ms_ = cost_per_ms_ > 0 ? 0.8 * cost_per_ms_ + 0.2 * now : now;
   }
 }
 
-void SceneCache::capture_fallback(FrameStats& stats) {
-  if (fallback_.held) store_->free(kFallbackSlot);
-  fallback_.held = false;
-  Fallback& fallback = plan_.fallback;
-  if (fallback.objects.empty()) return;
+MadeCapture SceneCache::make(const Fallback& fallback) {
   const Stopwatch watch;
   fallback_.camera = fallback.geometry.capture;
   const Camera& eye = fallback_.camera;
@@ -129,18 +112,14 @@ void SceneCache::capture_fallback(FrameStats& stats) {
     fallback_.objects.push_back(static_objects_[object]);
   const RasterPicture* picture =
       coarse_->capture(eye, float(1 / fallback.texel_px), fallback_.objects);
-  if (!picture || !store_->allocate(kFallbackSlot, eye.width, eye.height)) {
-    for (const std::uint32_t object : fallback.objects) plan_.polygons.push_back({object, 0, 1});
-    fallback.objects.clear();
-    return;
-  }
+  if (!picture || !store_->allocate(kFallbackSlot, eye.width, eye.height)) return {};
   fallback_.held = true;
   fallback_.objects_captured = false;
   store_->write(kFallbackSlot, *picture, store_->written_bits());
-  if (const auto range = store_->delta_range(kFallbackSlot)) narrow_slab(fallback.geometry, *range);
   clock_.fallback.learn(unlimited_.cost.fallback_texel * eye.width * eye.height, watch.ms());
-  ++stats.captures;
-  stats.capture_ms += watch.ms();
+  ++stats_->captures;
+  stats_->capture_ms += watch.ms();
+  return {.made = true, .range = store_->delta_range(kFallbackSlot), .gaps = {}, .strokes = {}};
 }
 
 void SceneCache::finish_captures() {

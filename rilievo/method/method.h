@@ -50,14 +50,14 @@ struct MethodOptions {
   bool sky = true;             // draw the sky of the backend's scene behind what a file holds
   double angle_degrees = 0.7;  // flat, nailboard
   int memory_mb = 256;
-  double error_px = 1;                // cache, lod
-  double gap_px = 0;                  // cache; 0: twice error_px
-  bool levels = false;                // cache, without OpenGL: levels of detail
-  double capture_ms = 0;              // cache; 0: a budget by triangles
-  double late = CacheOptions{}.late;  // cache, with capture_ms
-  double max_spike = 0;               // cache; 0: no limit
-  bool fade = true;                   // cache
-  int bake_mb = 0;                    // cache; 0: bakes nothing
+  double error_px = 1;               // cache, lod
+  double gap_px = 0;                 // cache; 0: twice error_px
+  bool levels = false;               // cache, without OpenGL: levels of detail
+  double capture_ms = 0;             // cache; 0: a budget by triangles
+  double late = SpikePolicy{}.late;  // cache, with capture_ms
+  double max_spike = 0;              // cache; 0: no limit
+  bool fade = true;                  // cache
+  int bake_mb = 0;                   // cache; 0: bakes nothing
   std::vector<std::string> bake_as{
       std::string(default_kind().name)};  // cache: kinds that are baked
   std::optional<double> bake_beyond;      // cache: metres

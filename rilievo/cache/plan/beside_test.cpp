@@ -96,7 +96,7 @@ TEST(Beside, whatever_comes_late_each_object_is_drawn_once_within_the_bound) {
        {std::pair(1.0, 2.0), {1.0, 1.0}, {3'000.0, 3.0}, {40'000.0, 2.0}}) {
     CacheOptions options = rasterized_cache_options();
     options.capture_cost = budget;
-    options.late = allowed;
+    options.spikes.late = allowed;
     BesideLoop loop;
     std::mt19937 rng(6);
     int late = 0;
@@ -128,7 +128,7 @@ TEST(Beside, whatever_comes_late_each_object_is_drawn_once_within_the_bound) {
         const Picture& picture = loop.run.state.slots[drawn.slot];
         const RigidMotion motion{motion_since(picture, forest.tree, moving)};
         const double bound_px = bound_total_px(picture.geometry, view.camera, motion);
-        ASSERT_LE(bound_px, options.late * limit_px(picture, options));
+        ASSERT_LE(bound_px, options.spikes.late * limit_px(picture, options));
         ASSERT_LE(bound_px, loop.run.plan.bound_px * (1 + 1e-6));
         late += bound_px > limit_px(picture, options);
       }

@@ -138,7 +138,7 @@ TEST(BudgetTest, a_budget_that_suffices_for_nothing_still_shows_everything) {
     const FrameView view = standing(frame, 0.02);
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
     expect_complete(run, blocks, view);
-    EXPECT_LE(run.plan.bound_px, options.late * options.error_px + 1e-9);
+    EXPECT_LE(run.plan.bound_px, options.spikes.late * options.error_px + 1e-9);
     EXPECT_LE(run.plan.captures.size(), 1u);
   }
 }
@@ -187,7 +187,7 @@ TEST(BudgetTest, a_picture_is_late_rather_than_missing_and_the_latest_is_capture
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));
     expect_complete(run, blocks, view);
     const bool limited = frame >= 60;
-    EXPECT_LE(run.plan.bound_px, (limited ? options.late : 1) * options.error_px + 1e-9);
+    EXPECT_LE(run.plan.bound_px, (limited ? options.spikes.late : 1) * options.error_px + 1e-9);
     if (!limited) continue;
     EXPECT_TRUE(run.plan.polygons.empty());
     double latest = 0;
@@ -342,7 +342,7 @@ TEST(CostClockTest, turns_milliseconds_into_costs) {
   // A texel takes as many milliseconds as before, by the fallback's own price.
   EXPECT_NEAR(options.cost.fallback_texel * 5e-4, original.cost.fallback_texel * 3e-3, 1e-12);
   // The first frame after a jump takes what it took where drawing took 2e-4.
-  EXPECT_NEAR(options.jump_share * 5e-4, original.jump_share * 2e-4, 1e-12);
+  EXPECT_NEAR(options.spikes.jump_share * 5e-4, original.spikes.jump_share * 2e-4, 1e-12);
   // Half of the budget for the triangles of a picture of several objects.
   EXPECT_NEAR(double(options.picture_triangles) * options.cost.capture_triangle, 4000, 1);
   clock.set_budget(1e9, original, options);
@@ -350,7 +350,7 @@ TEST(CostClockTest, turns_milliseconds_into_costs) {
   // A machine that draws faster than the model says does not do more.
   clock.drawing = {1e-4};
   clock.set_budget(8, original, options);
-  EXPECT_EQ(options.jump_share, original.jump_share);
+  EXPECT_EQ(options.spikes.jump_share, original.spikes.jump_share);
 }
 
 }  // namespace

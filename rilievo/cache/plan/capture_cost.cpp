@@ -210,17 +210,17 @@ CaptureCost estimate_capture_cost(const ViewAxes& view, const Box& box, std::uin
       flow = std::max(flow, std::hypot(view.px * (x * d.z - d.x), view.py * (y * d.z - d.y)));
   const DepthSlab slab = part_of({seen.front, seen.back}, range);
   const double per_frame = 0.5 * (1 / slab.front - 1 / slab.back) * flow;
-  e.life = options.longest_life;
+  e.life = kLongestLife;
   const double allowed_px = (options.error_px - level_px) * life_share;
   if (per_frame * e.life > allowed_px) e.life = allowed_px / per_frame;
   // The eye comes nearer twice as long: before the capture's eye and after.
-  const double approach = std::max(0.0, d.z) * (1 + options.anticipation);
+  const double approach = std::max(0.0, d.z) * (1 + kAnticipation);
   if (approach * e.life > kApproach * seen.front) e.life = kApproach * seen.front / approach;
-  const double recede = std::max(0.0, -d.z) * (1 + options.anticipation);
+  const double recede = std::max(0.0, -d.z) * (1 + kAnticipation);
   if (recede * e.life > kRecede * seen.front) e.life = kRecede * seen.front / recede;
-  e.once = e.life * (1 + options.anticipation) < kShortestLife;
-  if (e.once) e.life = 1 / (1 + options.anticipation);
-  e.ahead = e.once ? 0 : options.anticipation * e.life;
+  e.once = e.life * (1 + kAnticipation) < kShortestLife;
+  if (e.once) e.life = 1 / (1 + kAnticipation);
+  e.ahead = e.once ? 0 : kAnticipation * e.life;
 
   // The plane's distance now, from the capture's eye, and at the end.
   const double plane = best_plane(slab);

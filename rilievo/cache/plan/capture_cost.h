@@ -59,8 +59,8 @@ struct CaptureCost {
                                                 double level_px = 0);
 
 // The cost per frame of a picture that is captured again and again, in triangles.
-[[nodiscard]] inline double picture_rate(const CaptureCost& e, const CacheOptions& options) {
-  return e.draw + e.capture / ((1 + options.anticipation) * e.life);
+[[nodiscard]] inline double picture_rate(const CaptureCost& e) {
+  return e.draw + e.capture / ((1 + kAnticipation) * e.life);
 }
 
 // How far off can a surface appear in the frame, in pixels, that is drawn `error` metres off within

@@ -28,7 +28,7 @@ TEST(CaptureRoom, captures_do_not_make_a_frame_of_a_walk_cost_much_more_than_tho
   // Captures are dear, and polygons are within what any frame may cost.
   options.cost.capture_triangle = 3;
   options.capture_triangles = 1'500'000;
-  options.spike_floor = 10'000'000;
+  options.spikes.floor = 10'000'000;
   const auto most_beyond = [&](bool second) {
     Loop run;
     EyeMotion motion;
@@ -38,8 +38,8 @@ TEST(CaptureRoom, captures_do_not_make_a_frame_of_a_walk_cost_much_more_than_tho
       run.frame(blocks.tree, {}, follow(motion, walking(frame, 0.05)), options);
       if (frame == 0 || (frame == 1) != second) continue;
       const double allowed =
-          second ? 0.2 * options.spike_floor : std::max(0.4 * options.spike_floor, 2 * usual);
-      if (options.max_spike > 0) {
+          second ? 0.2 * options.spikes.floor : std::max(0.4 * options.spikes.floor, 2 * usual);
+      if (options.spikes.max_spike > 0) {
         EXPECT_LE(captured_beyond(run), allowed * (1 + 1e-6)) << frame;
       }
       most = std::max(most, captured_beyond(run));
@@ -47,7 +47,7 @@ TEST(CaptureRoom, captures_do_not_make_a_frame_of_a_walk_cost_much_more_than_tho
     return most;
   };
   const double second = most_beyond(true), later = most_beyond(false);
-  options.max_spike = 0;  // without the limit
+  options.spikes.max_spike = 0;  // without the limit
   EXPECT_GT(most_beyond(true), 1.5 * second);
   EXPECT_GT(second + later, 0);
 }
@@ -57,7 +57,7 @@ TEST(CaptureRoom, the_first_frame_captures_nothing_before_it_is_known_how_the_ey
   const PlanObjects blocks = blocks_of_all_sizes(rng);
   for (const bool limited : {true, false}) {
     CacheOptions options = limited_options();
-    if (!limited) options.max_spike = 0;
+    if (!limited) options.spikes.max_spike = 0;
     Loop run;
     EyeMotion motion;
     run.frame(blocks.tree, {}, follow(motion, walking(0, 0.05)), options);
@@ -74,11 +74,11 @@ TEST(CaptureRoom, the_first_frame_captures_nothing_before_it_is_known_how_the_ey
 // not be limited. The last frames cost `usual`, and the last one's limit was `limit`, if it had
 // one.
 double room_for_captures(const CacheOptions& options, double usual, double limit, double at_hand) {
-  const double spike = std::max(options.spike_floor, options.max_spike * usual);
-  const double last = std::max(limit, options.spike_floor);
+  const double spike = std::max(options.spikes.floor, options.spikes.max_spike * usual);
+  const double last = std::max(limit, options.spikes.floor);
   const double allowed =
       limit > 0 ? std::max({last, std::min(1.3 * last, spike), 0.5 * at_hand}) : spike;
-  const double walk = std::max(0.4 * options.spike_floor, options.max_spike * usual);
+  const double walk = std::max(0.4 * options.spikes.floor, options.spikes.max_spike * usual);
   return at_hand <= allowed ? std::max(0.0, std::min(allowed, walk) - at_hand) : -1;
 }
 
@@ -101,7 +101,7 @@ TEST(CaptureRoom, captures_find_room_within_what_a_frame_may_cost_and_free_ones_
     invalidate(run.state, evictions);  // polygons alone are at hand, as in that frame
     run.textures.clear();
     const auto about = [&] { return double(run.scratch.now_cost[0]) * std::pow(10, u(rng)); };
-    options.spike_floor = (round % 3 ? 1 : 5) * about();
+    options.spikes.floor = (round % 3 ? 1 : 5) * about();
     const double usual = run.state.usual_cost = about();
     const double limit = run.state.limit = round % 2 ? about() : 0;
     ASSERT_NO_FATAL_FAILURE(run.frame(blocks.tree, {}, view, options));

@@ -73,18 +73,15 @@ TEST(LevelPlan, bounds_have_the_levels_errors_and_stay_within_the_limits) {
     for (int f = 0; f < 260; ++f) {
       SCOPED_TRACE(f);
       const FrameView view = stroll(f);
-      plan_frame(forest.tree, {}, run.state, view, options, run.scratch, run.plan, {}, levels);
-      for (std::uint32_t slot : run.plan.evictions) run.textures.erase(slot);
+      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, view, options, {}, levels));
       for (const Capture& capture : run.plan.captures) {
-        run.textures.insert(capture.slot);
         captured += capture.triangles;
         all_triangles += forest.tree.nodes[capture.entity].triangles;
-        ASSERT_LE(capture.level_px, options.level_share * options.error_px);
+        ASSERT_LE(capture.level_px, kLevelShare * options.error_px);
         if (capture.level_px > 0) {
           ASSERT_LE(2 * capture.triangles, forest.tree.nodes[capture.entity].triangles);
         }
       }
-      commit(run.plan, run.state);
       double largest = 0;
       for (const DrawnPicture& drawn : run.plan.pictures) {
         const Picture& picture = run.state.slots[drawn.slot];
@@ -102,7 +99,7 @@ TEST(LevelPlan, bounds_have_the_levels_errors_and_stay_within_the_limits) {
       for (const DrawnObject& drawn : run.plan.polygons) {
         const double off_px =
             level_px(view.camera, forest.boxes[drawn.object], double(drawn.level_error));
-        ASSERT_LE(off_px, options.polygon_level_share * options.error_px + 1e-6);
+        ASSERT_LE(off_px, kPolygonLevelShare * options.error_px + 1e-6);
         largest = std::max(largest, off_px);
         polygons_by_level += drawn.level_error > 0;
       }

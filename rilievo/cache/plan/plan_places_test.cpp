@@ -226,22 +226,14 @@ void walk_through(const World& world, const CacheOptions& options, bool narrow, 
     SCOPED_TRACE(f);
     const FrameView view = follow(motion, walker.next());
     const std::vector<MovingObject> moving = moving_in(world, f);
-    plan_frame(world.tree, moving, run.state, view, options, run.scratch, run.plan);
-    for (std::uint32_t slot : run.plan.evictions) run.textures.erase(slot);
-    for (std::size_t i = 0; i < run.plan.captures.size(); ++i) {
-      const Capture& capture = run.plan.captures[i];
-      Seen now = look(world, capture, f);
-      if (narrow && !now.empty() &&
-          !narrow_capture(run.plan, i, view.camera, range_of(now, capture.geometry.capture),
-                          options)) {
-        refuse_capture(run.plan, i, world.tree, moving);
-        continue;
-      }
-      run.textures.insert(capture.slot);
+    run.maker.shows = [&](const Capture& capture) {
       if (seen.size() <= capture.slot) seen.resize(capture.slot + 1);
-      seen[capture.slot] = std::move(now);
-    }
-    commit(run.plan, run.state);
+      Seen& now = seen[capture.slot] = look(world, capture, f);
+      MadeCapture made{.made = true};
+      if (narrow && !now.empty()) made.range = range_of(now, capture.geometry.capture);
+      return made;
+    };
+    ASSERT_NO_FATAL_FAILURE(run.frame(world.tree, moving, view, options));
     ASSERT_NO_FATAL_FAILURE(check_objects(world, run, view.camera, f));
     for (const DrawnPicture& drawn : run.plan.pictures) {
       const Picture& picture = run.state.slots[drawn.slot];

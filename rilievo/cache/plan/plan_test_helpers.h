@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <set>
 #include <span>
@@ -27,12 +29,42 @@ struct PlanObjects {
   void build() { tree = build_hierarchy(boxes, triangles); }
 };
 
+// Makes whatever a plan asks for, in no time.
+class PlanMaker : public CaptureMaker {
+ public:
+  std::set<std::uint32_t> textures;                            // slots whose pictures exist
+  std::size_t room = std::numeric_limits<std::size_t>::max();  // captures that a frame has room for
+  // What a capture shows; empty: nobody asks.
+  std::function<MadeCapture(const Capture&)> shows;
+  std::size_t asked = 0, refused = 0;
+
+  void make(std::span<const std::uint32_t> evictions, std::span<const Capture> captures,
+            std::span<MadeCapture> made) override {
+    for (const std::uint32_t slot : evictions) EXPECT_EQ(textures.erase(slot), 1u);
+    for (std::size_t i = 0; i < captures.size(); ++i) {
+      made[i] = shows ? shows(captures[i]) : MadeCapture{.made = i < room};
+      ++asked, refused += !made[i].made;
+      if (made[i].made) {
+        EXPECT_TRUE(textures.insert(captures[i].slot).second);
+      }
+    }
+  }
+  void drop(std::uint32_t slot) override {
+    ++refused;
+    EXPECT_EQ(textures.erase(slot), 1u);
+  }
+  MadeCapture make(const Fallback&) override { return {.made = coarse}; }
+
+  bool coarse = true;  // is there room for coarse pictures?
+};
+
 struct Loop {
+  PlanMaker maker;
+  std::set<std::uint32_t>& textures = maker.textures;
   CacheState state;
   PlanScratch scratch;
   Plan plan;
-  std::set<std::uint32_t> textures;  // slots whose pictures exist
-  std::vector<Capture> orders;       // made beside the last frame
+  std::vector<Capture> orders;  // made beside the last frame
 
   // Enters one that is done. Is it good?
   bool adopt(Capture capture, const Hierarchy& tree, std::span<const MovingObject> moving,
@@ -56,13 +88,10 @@ struct Loop {
     for (const Capture& capture : orders)
       (void)adopt(capture, tree, moving, view, options, DeltaRange{});
     orders.clear();
-    plan_frame(tree, moving, state, view, options, scratch, plan, alternatives, levels);
-    for (std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
-    for (const Capture& capture : plan.captures) {
-      if (capture.order != 0)
-        orders.push_back(capture);
-      else
-        ASSERT_TRUE(textures.insert(capture.slot).second);
+    plan_frame(tree, moving, state, view, options, maker, scratch, plan, alternatives, levels);
+    if (captures_beside(options)) {
+      for (const std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
+      orders = plan.captures;
     }
     commit(plan, state);
   }

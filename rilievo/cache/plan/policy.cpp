@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "rilievo/cache/plan/schedule.h"
+#include "rilievo/cache/plan/frame_planner.h"
 #include "rilievo/core/expects.h"
 
 namespace rilievo {
@@ -131,8 +131,8 @@ glm::dmat4 motion_since(const Picture& picture, const Hierarchy& hierarchy,
 
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives,
-                const LevelTable& levels) {
+                CaptureMaker& maker, PlanScratch& scratch, Plan& plan,
+                const Alternatives& alternatives, const LevelTable& levels) {
   RILIEVO_EXPECTS(view.camera.projection == Projection::perspective);
   const std::size_t entities = hierarchy.nodes.size() + moving.size();
   RILIEVO_EXPECTS(state.current.empty() || state.current.size() == entities);
@@ -155,56 +155,34 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.requests.clear(), scratch.idle.clear(), scratch.boxes.clear();
   scratch.polygons.clear();
 
-  FramePlanner planner(hierarchy, moving, alternatives, levels, state, view, options, scratch,
-                       plan);
-  planner.evict_finished();
-  planner.choose();
-  schedule_captures(planner);
-  planner.draw();
+  FramePlanner(hierarchy, moving, alternatives, levels, state, view, options, scratch, plan)
+      .run(maker);
   find_bound(plan);
   for (const Capture& capture : plan.captures) scratch.captured[capture.entity] = 0;
 }
 
-void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
-                    [[maybe_unused]] std::span<const MovingObject> moving) {
-  RILIEVO_EXPECTS_LT(index, plan.captures.size());
-  const Capture& capture = plan.captures[index];
-  // Its share of the pixels, if it is in the frame at all.
-  for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
-    const DrawnPicture drawn = plan.pictures[i];
-    if (drawn.slot != capture.slot) continue;
-    plan.pictures.erase(plan.pictures.begin() + std::ptrdiff_t(i));
-    if (capture.entity >= hierarchy.nodes.size()) {
-      plan.polygon_triangles += capture.triangles;
-      const auto object = std::uint32_t(capture.entity - hierarchy.nodes.size());
-      RILIEVO_EXPECTS_LT(object, moving.size());
-      plan.moving_polygons.push_back({object, drawn.from, drawn.to});
-      --plan.single;
-    } else {
-      const HierarchyNode& node = hierarchy.nodes[capture.entity];
-      plan.polygon_triangles += node.triangles;  // by no level
-      for (std::uint32_t k = node.first; k < node.first + node.count; ++k)
-        plan.polygons.push_back({hierarchy.order[k], drawn.from, drawn.to});
-      --(node.leaf() ? plan.single : plan.hierarchy);
+// What could not be made, and what is not good enough, is drawn as if nobody had asked for it.
+void FramePlanner::make_captures(CaptureMaker& maker) {
+  if (captures_beside(options_)) return;
+  scratch_.made.assign(plan_.captures.size(), {});
+  maker.make(plan_.evictions, plan_.captures, scratch_.made);
+  for (std::size_t i = 0; i < plan_.captures.size(); ++i) {
+    Capture& capture = plan_.captures[i];
+    const MadeCapture& made = scratch_.made[i];
+    capture.geometry.strokes = capture.picture.geometry.strokes = made.strokes;
+    if (made.made && !made.range) continue;  // empty
+    if (made.made) {
+      const Narrowed narrowed =
+          narrow(capture, frame_.camera, {}, *made.range, options_, made.gaps);
+      capture.bound_px = narrowed.bound_px, capture.gap_px = narrowed.gap_px;
+      if (narrowed.good) continue;
+      maker.drop(capture.slot);
     }
-    break;
+    plan_.captured_triangles -= capture.triangles;
+    plan_.bytes -= capture.picture.bytes;
+    capture.picture.held = false;
+    scratch_.captured[capture.entity] = 0;
   }
-  find_bound(plan);
-  plan.captured_triangles -= capture.triangles;
-  plan.bytes -= capture.picture.bytes;
-  plan.captures[index].picture.held = false;
-}
-
-bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame, const DeltaRange& range,
-                    const CacheOptions& options, const GapTable& gaps) {
-  RILIEVO_EXPECTS_LT(index, plan.captures.size());
-  Capture& capture = plan.captures[index];
-  const Narrowed narrowed = narrow(capture, frame, {}, range, options, gaps);
-  for (DrawnPicture& drawn : plan.pictures)
-    if (drawn.slot == capture.slot)
-      drawn.bound_px = float(narrowed.bound_px), drawn.gap_px = float(narrowed.gap_px);
-  find_bound(plan);
-  return narrowed.good;
 }
 
 bool is_wanted(const Capture& capture, const CacheState& state) {

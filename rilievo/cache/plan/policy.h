@@ -4,9 +4,9 @@
 // in the cache and the camera. The output is a Plan: which pictures to capture, to evict and to
 // draw, and what to draw as polygons. No OpenGL. For each frame:
 //
-//   plan_frame(hierarchy, moving, state, view, options, scratch, plan);
-//   free the textures of plan.evictions; make those of plan.captures, in this order, and report
-//   their results: refuse_capture, narrow_capture
+//   plan_frame(hierarchy, moving, state, view, options, maker, scratch, plan);
+//       asks `maker` for the pictures of plan.captures, and for the coarse one of plan.fallback,
+//       and plans with what came of them; nothing changes the plan afterwards
 //   draw plan.pictures, plan.polygons, plan.moving_polygons, plan.alternatives in any order
 //   commit(plan, state);
 //
@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "rilievo/cache/plan/hierarchy.h"
+#include "rilievo/cache/plan/spike_policy.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/kind/drawable.h"
 #include "rilievo/nailboard/error.h"
@@ -51,8 +52,18 @@ struct CostModel {
   double fallback_texel = 0.8;  // a texel of Plan::fallback, by rays: triangles cost nothing
 };
 
-// CacheOptions::max_spike where someone looks on.
-inline constexpr double kInteractiveSpike = 2;
+// A picture is captured for an eye ahead on the predicted motion, by this share of its life, so
+// that it is good on the way to it and beyond: it lives 1 + kAnticipation times as long as one of
+// the frame's own eye. Must be below 1: the frame's own eye needs it, too.
+inline constexpr double kAnticipation = 0.8;
+// Captures that will be needed are distributed over this many frames, and pictures that come into
+// view are looked for so far ahead: longer, and predictions err.
+inline constexpr int kSpreadFrames = 8;
+// The largest life that is predicted for a picture, frames: nobody walks straight on for ever.
+inline constexpr double kLongestLife = 600;
+// Levels of detail (LevelTable) may take this share of error_px, for which a picture has less of it
+// left; and polygons, which have no other error, all of it.
+inline constexpr double kLevelShare = 0.5, kPolygonLevelShare = 1;
 
 // Limits and preferences of the planner.
 struct CacheOptions {
@@ -69,9 +80,9 @@ struct CacheOptions {
   // allowed, of any size.
   std::uint64_t capture_triangles = 500'000;
   int captures = 1000;
-  // Or, where that is more and there is no max_spike, this share of what drawing the frame would
-  // cost without captures, by the CostModel. A frame that takes long for want of pictures then
-  // takes twice as long at most, and those after it need not.
+  // Or, where that is more and there is no spikes.max_spike, this share of what drawing the frame
+  // would cost without captures, by the CostModel. A frame that takes long for want of pictures
+  // then takes twice as long at most, and those after it need not.
   double capture_share = 0;
   // A budget of time instead, by the CostModel. A plan then orders captures, which are made beside
   // the frames and enter the cache when they are done (adopt_capture). All orders that are not done
@@ -82,42 +93,18 @@ struct CacheOptions {
   double capture_cost = std::numeric_limits<double>::infinity();
   // With such a budget, what the frame's fallback may cost.
   double fallback_cost = std::numeric_limits<double>::infinity();
-  // Where a frame would cost more than max_spike times what the last ones did, by the CostModel,
-  // its dearest polygons go into Plan::fallback, until it costs no more than they did, or
-  // spike_floor (in triangles), which any frame may cost. The first frame after a jump of the eye
-  // may cost jump_share of spike_floor, so that it takes no longer than spike_floor where drawing
-  // takes half as long again as the CostModel says; the fallback's texels are then up to four
-  // pixels wide, elsewhere two. From frame to frame the limit grows by a third, from spike_floor
-  // on, up to max_spike times what the last frames cost, and is at least half of what the frame
-  // would cost without it. 0: no limit.
-  double max_spike = 0;
-  double spike_floor = 360'000;
-  double jump_share = 0.65;
-  // The bounds of a picture that is late may exceed their limits by this factor, at least 1. Beyond
-  // it, something else stands for the picture's objects, mostly Plan::fallback.
-  double late = 2;
+  // What a frame may cost, and how late its pictures may be.
+  SpikePolicy spikes;
   // The largest number of triangles in a picture of several objects, which one frame must capture.
   std::uint64_t picture_triangles = 100'000;
   int max_texels = 1024;  // limit on a picture's side
   int texel_cell = 32;    // pictures occupy multiples of this
   int bytes_per_texel = 5;
-  // Levels of detail (LevelTable) may take this share of error_px, for which a picture has less of
-  // it left; and polygons, which have no other error.
-  double level_share = 0.5, polygon_level_share = 1;
   int delta_bits = 8;
   int fallback_bits = 8;  // of Delta in Plan::fallback, whose range of depths is large
   DepthMode depth_mode = DepthMode::linear;
-  // A valid picture is replaced only by something that is cheaper by this share.
-  double hysteresis = 0.2;
-  // Pictures are captured for an eye ahead on the predicted motion, by this share of their life, so
-  // that they are good on the way to it and beyond. 0: for the frame's own eye. Must be below 1.
-  double anticipation = 0.8;
   // The number of frames over which a new picture replaces the old one; 1: at once.
   int fade_frames = 10;
-  // Captures that will be needed are distributed over this many frames.
-  int spread_frames = 8;
-  // The largest life that is predicted for a picture, frames: nobody walks straight on for ever.
-  double longest_life = 600;
   CostModel cost;
 };
 
@@ -135,7 +122,7 @@ struct CacheOptions {
 }
 // The factor by which bounds may exceed their limits.
 [[nodiscard]] inline double late_factor(const CacheOptions& options) {
-  return captures_beside(options) ? options.late : 1;
+  return captures_beside(options) ? options.spikes.late : 1;
 }
 
 // Options for captures by the SIMD rasteriser (render/raster/raster_picture.h), with the pass over
@@ -281,6 +268,7 @@ struct Capture {
   std::uint64_t triangles = 0;
   double cost = 0;                  // by CostModel, in triangles
   double level_px = 0;              // the error of its levels in this frame
+  double bound_px = 0, gap_px = 0;  // in this frame; its gaps are known only when it is made
   Picture picture;                  // as it will be committed
   bool several = false;             // shows several objects
   bool once = false;                // for this frame's eye alone: its gaps need not be known
@@ -345,6 +333,14 @@ struct Plan {
   double usual_cost = 0;     // CacheState's after it
 };
 
+// What became of a picture that a plan wants captured.
+struct MadeCapture {
+  bool made = false;                // false: there was no room for it
+  std::optional<DeltaRange> range;  // the Deltas that it shows; none: it is empty
+  GapTable gaps;                    // all zero if nobody asked for them
+  StrokeSize strokes;               // of the points and lines in it
+};
+
 // Buffers of plan_frame; their contents are not used between frames.
 struct PlanScratch {
   // A slot's error bound now and its remaining life, as of `frame`.
@@ -379,6 +375,7 @@ struct PlanScratch {
   std::vector<Box> boxes;              // of Plan::fallback's objects
   std::vector<std::uint32_t> idle;
   std::vector<std::uint8_t> dropped;  // by slot
+  std::vector<MadeCapture> made;      // by capture
 };
 
 // The box of an entity now, world space.
@@ -388,24 +385,28 @@ struct PlanScratch {
 [[nodiscard]] glm::dmat4 motion_since(const Picture& picture, const Hierarchy& hierarchy,
                                       std::span<const MovingObject> moving);
 
-// Plans a frame. Requires a perspective camera that passes validate(), and a state to which the
-// last plan was committed, for the same hierarchy and number of moving objects.
+// Makes the pictures that a plan asks for, while it is made.
+class CaptureMaker {
+ public:
+  virtual ~CaptureMaker() = default;
+  // Frees the textures of `evictions`, and makes the captures, in this order; `made` has an entry
+  // for each. Of captures that are ordered (Capture::order) there are none.
+  virtual void make(std::span<const std::uint32_t> evictions, std::span<const Capture> captures,
+                    std::span<MadeCapture> made) = 0;
+  // Frees the texture of a picture that was made and is not good enough for this frame: it was
+  // expected to be flatter, or to hide less.
+  virtual void drop(std::uint32_t slot) = 0;
+  // Makes the coarse picture. If there is no room for it, its objects are drawn as polygons.
+  virtual MadeCapture make(const Fallback& fallback) = 0;
+};
+
+// Plans a frame, and has `maker` make its pictures. Requires a perspective camera that passes
+// validate(), and a state to which the last plan was committed, for the same hierarchy and number
+// of moving objects.
 void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
                 const CacheState& state, const FrameView& view, const CacheOptions& options,
-                PlanScratch& scratch, Plan& plan, const Alternatives& alternatives = {},
-                const LevelTable& levels = {});
-
-// Reports that capture `index` shows only these Deltas, and has these gaps. Returns whether the
-// picture is good enough for this frame; if not (it was expected to be flatter, or to hide less),
-// refuse the capture. Call it before commit().
-[[nodiscard]] bool narrow_capture(Plan& plan, std::size_t index, const Camera& frame,
-                                  const DeltaRange& range, const CacheOptions& options,
-                                  const GapTable& gaps = {});
-
-// Reports that capture `index` could not be made: its objects are drawn as polygons instead. Call
-// it before commit().
-void refuse_capture(Plan& plan, std::size_t index, const Hierarchy& hierarchy,
-                    std::span<const MovingObject> moving);
+                CaptureMaker& maker, PlanScratch& scratch, Plan& plan,
+                const Alternatives& alternatives = {}, const LevelTable& levels = {});
 
 // Enters into the state a capture that an earlier plan ordered (Capture::order) and that is done.
 // Call it before the frame of camera `frame` is planned. `range`: the Deltas that the picture

@@ -55,12 +55,13 @@ FrameView eye_at(double distance) {
 }
 
 struct AlternativesLoop {
+  PlanMaker maker;
   CacheState state;
   PlanScratch scratch;
   Plan plan;
   void frame(const MovingObject& object, const Alternatives& alternatives, const FrameView& view,
              const CacheOptions& options = {}) {
-    plan_frame({}, {&object, 1}, state, view, options, scratch, plan, alternatives);
+    plan_frame({}, {&object, 1}, state, view, options, maker, scratch, plan, alternatives);
     commit(plan, state);
   }
 };
@@ -170,12 +171,13 @@ TEST(PolicyAlternatives, an_inner_node_is_drawn_from_one_alternative_for_all_its
     Alternatives alternatives = alternative_of({}, {1e-6, 0}, {dear ? 1e9 : 1000, 0});
     alternatives.of_entity.assign(tree.nodes.size(), {});
     alternatives.of_entity[0] = {0};  // the root
+    PlanMaker maker;
     CacheState state;
     PlanScratch scratch;
     Plan plan;
     for (int f = 0; f < 3; ++f) {
       const FrameView view{look_at({4, 3, 20}, {4, 0, 0}, {0, 1, 0}, 1.0, 640, 480, 0.1, 100)};
-      plan_frame(tree, {}, state, view, options, scratch, plan, alternatives);
+      plan_frame(tree, {}, state, view, options, maker, scratch, plan, alternatives);
       commit(plan, state);
       EXPECT_EQ(plan.alternatives.size(), dear ? 0u : 1u);
       EXPECT_EQ(plan.polygons.size(), dear ? 4u : 0u);

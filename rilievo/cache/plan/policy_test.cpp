@@ -196,22 +196,15 @@ TEST(Policy, a_refresh_is_faded_and_need_not_be) {
   }
 }
 
-TEST(Policy, what_is_refused_is_drawn_as_polygons) {
+TEST(Policy, what_is_refused_is_drawn_by_other_means) {
   const PlanObjects forest = plant(300);
   Loop run;
   std::mt19937 rng(1);
+  run.maker.shows = [&](const Capture&) { return MadeCapture{.made = rng() % 2 > 0}; };
   for (int f = 0; f < 100; ++f) {
     const std::vector<MovingObject> moving = cars(f);
     const FrameView view = walk(1, f);
-    plan_frame(forest.tree, moving, run.state, view, {}, run.scratch, run.plan);
-    for (std::uint32_t slot : run.plan.evictions) run.textures.erase(slot);
-    for (std::size_t i = 0; i < run.plan.captures.size(); ++i) {
-      if (rng() % 2)
-        run.textures.insert(run.plan.captures[i].slot);
-      else
-        refuse_capture(run.plan, i, forest.tree, moving);
-    }
-    commit(run.plan, run.state);
+    ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, moving, view, {}));
     std::vector<Shares> still_shares(forest.boxes.size()), moving_shares(moving.size());
     ASSERT_NO_FATAL_FAILURE(add_shares(run, forest.tree, still_shares, moving_shares));
     for (std::size_t i = 0; i < forest.boxes.size(); ++i)
@@ -228,52 +221,49 @@ TEST(Policy, a_capture_is_good_only_if_the_frame_sees_no_wider_gap_than_is_allow
   CacheOptions options;
   options.gap_px = 0.2;  // far below what pictures from an eye ahead may have
   Loop run;
-  int asked = 0, ahead = 0;
+  // Each shows its whole box and, in half of the cases, hides whatever it can.
+  FrameView view;
+  std::size_t wide = 0;
+  bool hides = false;
+  run.maker.shows = [&](const Capture& capture) {
+    MadeCapture made{.made = true, .range = DeltaRange{}};
+    hides = !hides;
+    if (!hides) return made;
+    made.gaps = unknown_gaps(capture.geometry.capture);
+    wide += bound_gap_px(capture.geometry, made.gaps, view.camera) > gap_limit_px(options);
+    return made;
+  };
   for (int f = 0; f < 40; ++f) {
-    const FrameView view = walk(1, f);
-    plan_frame(forest.tree, {}, run.state, view, options, run.scratch, run.plan);
-    for (std::size_t i = 0; i < run.plan.captures.size(); ++i) {
-      const PictureGeometry geometry = run.plan.captures[i].geometry;
-      const GapTable none, unknown = unknown_gaps(geometry.capture);
-      const double gap_px = bound_gap_px(geometry, unknown, view.camera);
-      EXPECT_EQ(narrow_capture(run.plan, i, view.camera, {}, options, unknown),
-                gap_px <= gap_limit_px(options));
-      EXPECT_TRUE(narrow_capture(run.plan, i, view.camera, {}, options, none));
-      ++asked, ahead += gap_px > gap_limit_px(options);
-    }
-    commit(run.plan, run.state);
+    view = walk(1, f);
+    ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, view, options));
+    EXPECT_EQ(run.maker.refused, wide);
+    EXPECT_LE(run.plan.gap_px, gap_limit_px(options));
   }
-  EXPECT_GT(asked, 20);
-  EXPECT_GT(ahead, 5);
+  EXPECT_GT(run.maker.asked, 20u);
+  EXPECT_GT(wide, 5u);
 }
 
 TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_bound) {
   const PlanObjects forest = plant(500);
   const CacheOptions options;
-  int captures[2] = {0, 0}, refused = 0;
+  std::size_t captures[2] = {0, 0}, refused = 0;
   for (const bool narrow : {false, true}) {
     Loop run;
     std::mt19937 rng(3);
+    run.maker.shows = [&](const Capture&) {
+      const double nearest = 0.1 + 0.1 * double(rng() % 3);
+      // Now and then one is deeper than those before.
+      const double farthest = rng() % 20 ? nearest + 0.3 : 1.0;
+      MadeCapture made{.made = true};
+      if (narrow) made.range = {nearest, farthest};
+      return made;
+    };
     for (int f = 0; f < 200; ++f) {
       const FrameView view = walk(1, f);
-      plan_frame(forest.tree, {}, run.state, view, options, run.scratch, run.plan);
-      for (std::uint32_t slot : run.plan.evictions) run.textures.erase(slot);
-      for (std::size_t i = 0; i < run.plan.captures.size(); ++i) {
-        const double nearest = 0.1 + 0.1 * double(rng() % 3);
-        // Now and then one is deeper than those before.
-        const double farthest = rng() % 20 ? nearest + 0.3 : 1.0;
-        captures[narrow] += 1;
-        if (narrow && !narrow_capture(run.plan, i, view.camera, {nearest, farthest}, options)) {
-          refuse_capture(run.plan, i, forest.tree, {});
-          ++refused;
-          continue;
-        }
-        run.textures.insert(run.plan.captures[i].slot);
-      }
+      ASSERT_NO_FATAL_FAILURE(run.frame(forest.tree, {}, view, options));
       ASSERT_LE(run.plan.bound_px, options.error_px) << f;
       for (const DrawnPicture& drawn : run.plan.pictures)
         ASSERT_LE(drawn.bound_px, run.plan.bound_px);
-      commit(run.plan, run.state);
       for (const DrawnPicture& drawn : run.plan.pictures) {
         const Picture& picture = run.state.slots[drawn.slot];
         ASSERT_LE(bound_total_px(picture.geometry, view.camera), options.error_px) << f;
@@ -285,9 +275,10 @@ TEST(Policy, pictures_that_show_less_than_their_box_live_longer_within_the_same_
           ASSERT_TRUE(complete(shares[i])) << f << " " << i;
         }
     }
+    captures[narrow] = run.maker.asked, refused = run.maker.refused;
   }
   EXPECT_LT(captures[1], captures[0] * 3 / 4);
-  EXPECT_GT(refused, 0);
+  EXPECT_GT(refused, 0u);
   EXPECT_LT(refused, captures[1] / 10);
 }
 

@@ -65,8 +65,8 @@ inline double cost_of(const Loop& run, const PlanObjects& blocks, const FrameVie
 
 inline CacheOptions limited_options() {
   CacheOptions options = rasterized_cache_options();
-  options.max_spike = 2;
-  options.spike_floor = 180'000;
+  options.spikes.max_spike = 2;
+  options.spikes.floor = 180'000;
   options.picture_triangles = 200'000;
   options.capture_triangles = 2'000'000;
   return options;

@@ -25,8 +25,8 @@ void CostClock::set_budget(double ms, const CacheOptions& original, CacheOptions
   options.picture_triangles = std::clamp(
       std::uint64_t(std::min(1e15, 0.5 * options.capture_cost / options.cost.capture_triangle)),
       std::min(kLeastTriangles, original.picture_triangles), original.picture_triangles);
-  options.jump_share =
-      original.jump_share * std::min(1.0, modelled_ms_per_cost_ / drawing.ms_per_cost);
+  options.spikes.jump_share =
+      original.spikes.jump_share * std::min(1.0, modelled_ms_per_cost_ / drawing.ms_per_cost);
 }
 
 }  // namespace rilievo

@@ -16,7 +16,7 @@ const double kPictureNs = kBuiltinTriangleNs * double(CacheOptions{}.picture_tri
 // By software polygons are cheap: with fewer captures in a frame the slowest frames take less time,
 // and the others no more.
 constexpr double kSoftwareCapturesNs = 40e6;
-// A frame after a cut may take so long (CacheOptions::spike_floor).
+// A frame after a cut may take so long (SpikePolicy::floor).
 constexpr double kSpikeFloorNs = 100e6;
 
 }  // namespace
@@ -52,7 +52,7 @@ void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
   options.capture_triangles =
       in_time(drawn_by == DrawnBy::software ? kSoftwareCapturesNs : kCapturesNs);
   options.picture_triangles = in_time(kPictureNs);
-  options.spike_floor = kSpikeFloorNs / triangle;
+  options.spikes.floor = kSpikeFloorNs / triangle;
 }
 
 CostTerms terms_for(const CostTerms& terms, const CostModel& model) {

@@ -142,7 +142,7 @@ TEST(SoftwareCacheBeside, captures_go_on_while_things_change) {
       const FrameStats& stats = frames.draw(frame_time(made->path, frame));
       captures += stats.captures;
       // Pictures that are late, with the errors of levels; the coarse one has texels of two pixels.
-      EXPECT_LE(stats.bound_px, CacheOptions{}.late * options.error_px * (1 + 1e-6));
+      EXPECT_LE(stats.bound_px, SpikePolicy{}.late * options.error_px * (1 + 1e-6));
       EXPECT_LE(stats.picture_bytes, options.max_bytes);
       if (frame % 9 == 8) {
         EXPECT_TRUE(frames.cache->draw_objects().ok());
