@@ -43,6 +43,7 @@ set(RILIEVO_PUBLIC_HEADERS
     representation/gl/factories.h
     # Backends, choosers, frames; a host's matrices and framebuffer.
     frame/backend.h
+    frame/backend_target.h
     frame/camera_from.h
     frame/frame_chooser.h
     frame/frame_content.h

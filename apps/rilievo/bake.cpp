@@ -31,6 +31,7 @@
 #include "rilievo/capture/store/picture_folder.h"
 #include "rilievo/capture/store/picture_store.h"
 #include "rilievo/capture/watched_source.h"
+#include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/gl/context.h"
@@ -63,12 +64,9 @@ Result<double> direct_ms(SceneRenderer& renderer, int width, int height) {
   // One more to warm up.
   for (int frame = 0; frame <= kFrames; ++frame) {
     const Camera camera = camera_at(path, frame_time(path, frame), width, height);
-    const Clock::time_point start = Clock::now();
-    target->begin();
-    if (Result<> drawn = direct.draw(camera, 0); !drawn) return drawn.error();
-    target->resolve();
-    gl::finish();
-    if (frame > 0) ms.push_back(1e3 * seconds_since(start));
+    const Result<double> took = time_frame(direct, *target, {camera, 0});
+    if (!took) return took.error();
+    if (frame > 0) ms.push_back(*took);
   }
   return summarize(ms).p50;
 }

@@ -171,12 +171,12 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
       state.light = std::make_unique<LateSource>(
           options.source, state.geometry->bounds({}), own.world,
           [program, exec]() -> Result<std::unique_ptr<CaptureSource>> {
-            Result<std::unique_ptr<ExecSource>> started = ExecSource::start(program, exec);
+            Result<std::unique_ptr<ExecSource>> started = ExecSource::create(program, exec);
             if (!started) return started.error();
             return std::unique_ptr<CaptureSource>(*std::move(started));
           });
     } else {
-      Result<std::unique_ptr<ExecSource>> started = ExecSource::start(program, exec);
+      Result<std::unique_ptr<ExecSource>> started = ExecSource::create(program, exec);
       if (!started) return started.error();
       if (options.depth_kind) {
         (*started)->set_depth_kind(*options.depth_kind);

@@ -146,6 +146,12 @@ Result<Method> Stage::make(const std::string& method, const MethodOptions& optio
   return make_stored_method(pictures, delta_bits, options, **backend);
 }
 
+Result<std::unique_ptr<BackendTarget>> Stage::make_target(const FrameSource& frames, int width,
+                                                          int height) const {
+  const std::unique_ptr<Backend>(&made)[2] = frames.software_target() ? software_ : opengl_;
+  return (made[0] ? made[0] : made[1])->make_target(width, height);
+}
+
 Result<Method> Stage::make_direct() {
   const Result<Backend*> backend = this->backend(false, false);
   if (!backend) return backend.error();

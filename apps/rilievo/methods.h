@@ -56,6 +56,9 @@ class Stage {
                                     std::unique_ptr<Representation> representation);
   [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options,
                                     std::span<const DepthImage> pictures, int delta_bits);
+  // Where frames of one of these are drawn and read.
+  [[nodiscard]] Result<std::unique_ptr<BackendTarget>> make_target(const FrameSource& frames,
+                                                                   int width, int height) const;
   // Direct drawing by OpenGL.
   [[nodiscard]] Result<Method> make_direct();
 

@@ -1,5 +1,5 @@
-// rilievo render SCENE -o DIR: draws the frames of a path into PNG files; and the pictures with
-// depth that they were drawn from, which it also draws, as it does what was baked.
+// rilievo render SCENE -o DIR: draws the frames of a path into PNG or OpenEXR files; and the
+// pictures with depth that they were drawn from, which it also draws, as it does what was baked.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -20,11 +20,8 @@
 #include "apps/rilievo/progress.h"
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/gl/context.h"
 #include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/render/opengl/frame_target.h"
-#include "rilievo/render/software/software_target.h"
 
 namespace rilievo::app {
 namespace {
@@ -32,7 +29,7 @@ namespace {
 constexpr char kPicturesMethod[] = "nailboard";
 
 struct RenderCommand {
-  std::string scene, output, pictures, json, method;
+  std::string scene, output, pictures, json, method, format = "png";
   FileLimits limits;
   double loop_seconds = 0;
   std::optional<double> time;  // at which the scene stands still; else it moves with the path
@@ -57,7 +54,7 @@ struct Walk {
 };
 
 std::string numbered(const std::string& folder, const char* stem, int frame,
-                     const char* extension) {
+                     const std::string& extension) {
   return (std::filesystem::path(folder) / fmt::format("{}_{:05}{}", stem, frame, extension))
       .string();
 }
@@ -73,34 +70,23 @@ Result<> save_pictures_of(const FrameSource& source, const RenderCommand& option
 // Before the time is spent.
 Result<> expect_places(const RenderCommand& options) {
   std::filesystem::path frames, pictures;
-  if (!options.output.empty()) frames = numbered(options.output, "frame", 0, ".png");
+  if (!options.output.empty()) frames = numbered(options.output, "frame", 0, "." + options.format);
   if (!options.pictures.empty()) pictures = numbered(options.pictures, "pictures", 0, ".exr");
   return expect_outputs({frames, pictures, options.json});
 }
 
-// What OpenGL draws into; none for a source that draws without.
-Result<std::optional<FrameTarget>> make_target(const FrameSource& source, int width, int height,
-                                               int samples) {
-  if (source.software_target()) return std::optional<FrameTarget>();
-  Result<FrameTarget> target = FrameTarget::create(width, height, samples);
-  if (!target) return target.error();
-  return std::optional<FrameTarget>(std::move(*target));
-}
-
-Result<> draw_frame(FrameSource& source, std::optional<FrameTarget>& target, const Camera& camera,
-                    double time) {
-  if (!target) return source.draw(camera, time);
-  target->begin();
-  if (Result<> drawn = source.draw(camera, time); !drawn) return drawn;
-  target->resolve();
-  gl::finish();
-  return Done{};
+Result<> save_frame(const RenderCommand& options, const BackendTarget& target, const Camera& camera,
+                    const WorldSpace& world, int frame) {
+  if (options.format == "png")
+    return save_png(numbered(options.output, "frame", frame, ".png"), target.color());
+  return save_frame_pictures(
+      numbered(options.output, "frame", frame, ".exr"),
+      {{read_picture(target, camera)}, {}, options.methods.delta_bits, world});
 }
 
 Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, int height,
-                     FrameSource& source) {
-  Result<std::optional<FrameTarget>> target =
-      make_target(source, width, height, options.frames.samples);
+                     const Stage& stage, FrameSource& source) {
+  const Result<std::unique_ptr<BackendTarget>> target = stage.make_target(source, width, height);
   if (!target) return target.error();
   for (const std::string& folder : {options.output, options.pictures})
     if (Result<> made = make_folder(folder); !made) return made;
@@ -112,16 +98,12 @@ Result<> draw_frames(const RenderCommand& options, const Walk& walk, int width, 
     progress.show(frame, walk.frames());
     const Camera camera = walk.camera(frame, width, height);
     const Stopwatch watch;
-    if (Result<> drawn = draw_frame(source, *target, camera, walk.time(frame)); !drawn)
-      return drawn;
+    if (Result<> drawn = (*target)->draw(source, camera, walk.time(frame)); !drawn) return drawn;
     frame_ms.push_back(watch.ms());
     captures += source.stats().captures;
     if (!source.stats().decision.method.empty())
       drawn_by.push_back(source.stats().decision.sentence());
-    const std::string file = numbered(options.output, "frame", frame, ".png");
-    if (Result<> saved =
-            save_png(file, *target ? (*target)->read() : source.software_target()->color());
-        !saved)
+    if (Result<> saved = save_frame(options, **target, camera, walk.world, frame); !saved)
       return saved;
     if (options.pictures.empty()) continue;
     if (Result<> saved = save_pictures_of(source, options, walk.world, camera, frame); !saved)
@@ -151,9 +133,10 @@ double resident_mb() {
 }
 
 // Draws the path over and over, writes no frames, and watches the memory: a cache must not grow.
-Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& source) {
-  Result<std::optional<FrameTarget>> target =
-      make_target(source, options.frames.width, options.frames.height, options.frames.samples);
+Result<> loop(const RenderCommand& options, const Walk& walk, const Stage& stage,
+              FrameSource& source) {
+  const Result<std::unique_ptr<BackendTarget>> target =
+      stage.make_target(source, options.frames.width, options.frames.height);
   if (!target) return target.error();
   const Stopwatch watch;
   double after_warm_up_mb = 0, most_mb = 0;
@@ -164,8 +147,7 @@ Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& sourc
   for (double now = 0; now < options.loop_seconds; now = 1e-3 * watch.ms(), ++frames) {
     const int frame = int(frames % walk.frames());
     const Camera camera = walk.camera(frame, options.frames.width, options.frames.height);
-    if (Result<> drawn = draw_frame(source, *target, camera, walk.time(frame)); !drawn)
-      return drawn;
+    if (Result<> drawn = (*target)->draw(source, camera, walk.time(frame)); !drawn) return drawn;
     captures += source.stats().captures;
     if (frames % 16 == 0) progress.show(int(now), int(options.loop_seconds));
     const double mb = resident_mb();
@@ -190,10 +172,11 @@ Result<> loop(const RenderCommand& options, const Walk& walk, FrameSource& sourc
 }
 
 // Frames have the size asked for, or that of the only camera.
-Result<> draw_or_loop(const RenderCommand& options, const Walk& walk, FrameSource& source) {
-  if (options.loop_seconds > 0) return loop(options, walk, source);
+Result<> draw_or_loop(const RenderCommand& options, const Walk& walk, const Stage& stage,
+                      FrameSource& source) {
+  if (options.loop_seconds > 0) return loop(options, walk, stage, source);
   return draw_frames(options, walk, walk.only ? walk.only->width : options.frames.width,
-                     walk.only ? walk.only->height : options.frames.height, source);
+                     walk.only ? walk.only->height : options.frames.height, stage, source);
 }
 
 Result<> render_scene(const RenderCommand& options) {
@@ -216,7 +199,8 @@ Result<> render_scene(const RenderCommand& options) {
   Stage stage(opened->scene, options.frames.samples, &opened->deformations);
   Result<Method> method = stage.make(options.method, methods);
   if (!method) return method.error();
-  return draw_or_loop(options, {*plan, {}, options.time, opened->scene.world}, *method->frames);
+  return draw_or_loop(options, {*plan, {}, options.time, opened->scene.world}, stage,
+                      *method->frames);
 }
 
 // The eye of the frame that the pictures were saved from; else that of the first picture.
@@ -253,7 +237,7 @@ Result<> render_pictures(const RenderCommand& options, const FramePictures& stor
       stage.make(options.method, options.methods, stored.pictures, stored.delta_bits);
   if (!method && method.error().where.starts_with("--")) return method.error();
   if (!method) return Error{options.scene, method.error().where + ": " + method.error().reason};
-  return draw_or_loop(options, *walk, *method->frames);
+  return draw_or_loop(options, *walk, stage, *method->frames);
 }
 
 Result<> render_representation(const RenderCommand& options, PictureFileContent content) {
@@ -266,7 +250,7 @@ Result<> render_representation(const RenderCommand& options, PictureFileContent 
   if (!method)
     return method.error().where.starts_with("--") ? method.error()
                                                   : Error{options.scene, method.error().reason};
-  return draw_or_loop(options, {*plan, {}}, *method->frames);
+  return draw_or_loop(options, {*plan, {}}, stage, *method->frames);
 }
 
 Result<> render_file(RenderCommand options) {
@@ -328,6 +312,13 @@ Command render_command(CLI::App& app) {
       ->add_option("--save-pictures", options->pictures,
                    "Folder for the pictures from which each frame is drawn, pictures_00000.exr ...")
       ->type_name("DIR")
+      ->excludes(loop_seconds);
+  command
+      ->add_option(
+          "--format", options->format,
+          "What frames are written as: png, sRGB, or exr, linear light with depths (Z), for "
+          "programs that composite (default png)")
+      ->check(CLI::IsMember({"png", "exr"}))
       ->excludes(loop_seconds);
   add_frame_options(*command, options->frames);
   add_method_options(*command, options->methods);

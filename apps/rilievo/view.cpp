@@ -18,7 +18,7 @@
 #include "apps/rilievo/scene_file.h"
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
-#include "rilievo/core/stopwatch.h"
+#include "rilievo/compare/drawn_frame.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/io/png.h"
@@ -35,22 +35,6 @@ struct ViewCommand {
   FrameOptions frames;
   MethodOptions methods;
 };
-
-// Draws a frame into `target`, or into the memory of a source that draws without OpenGL;
-// milliseconds.
-Result<double> draw(FrameSource& source, FrameTarget& target, const Camera& camera, double time) {
-  gl::finish();
-  const Stopwatch watch;
-  if (source.software_target()) {
-    if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
-    return watch.ms();
-  }
-  target.begin();
-  if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
-  target.resolve();
-  gl::finish();
-  return watch.ms();
-}
 
 // Columns [left, right) of the resolved frame onto the window.
 void show_columns(const FrameTarget& target, int left, int right) {
@@ -202,7 +186,7 @@ class Viewer {
     const Camera camera = state_.mode == ViewMode::play
                               ? camera_at(state_.path, state_.time, width_, height_)
                               : camera_of(state_, width_, height_);
-    const Result<double> ms = draw(*method_.frames, *left_, camera, state_.time);
+    const Result<double> ms = time_frame(*method_.frames, *left_, {camera, state_.time});
     if (!ms) return ms.error();
     measure(state_, method_.frames->stats(), *ms);
     state_.impostors.clear();
@@ -215,7 +199,7 @@ class Viewer {
     else
       show_columns(*left_, 0, width_);
     if (state_.split) {
-      const Result<double> direct_ms = draw(*subject_.direct, *right_, camera, state_.time);
+      const Result<double> direct_ms = time_frame(*subject_.direct, *right_, {camera, state_.time});
       if (!direct_ms) return direct_ms.error();
       state_.direct_ms.add(float(*direct_ms));
       show_columns(*right_, int(state_.split_at * float(width_)), width_);

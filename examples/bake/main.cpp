@@ -10,8 +10,9 @@ using namespace rilievo;
 Result<> bake(const char* model, const char* file) {
   const auto loaded = load_scene(model);
   if (!loaded) return loaded.error();
-  SoftwareBackend backend(loaded->scene, 4);  // captures by rays, without OpenGL
-  const auto source = backend.make_capture_source();
+  const auto backend = SoftwareBackend::create(loaded->scene, 4);  // captures without OpenGL
+  if (!backend) return backend.error();
+  const auto source = (*backend)->make_capture_source();
   if (!source) return source.error();
   const Kind& kind = *find_kind(kinds(), "layered-impostor");  // or any of `rilievo info --kinds`
   OptionValues options(kind.bake_options);

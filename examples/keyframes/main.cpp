@@ -3,7 +3,6 @@
 #include <rilievo/frame/software/software_backend.h>
 #include <rilievo/io/png.h>
 #include <rilievo/method/method.h>
-#include <rilievo/render/software/software_target.h>
 #include <rilievo/scene/builtin/builtin.h>
 
 #include <cstdio>
@@ -14,20 +13,23 @@ using namespace rilievo;
 Result<> walk(const char* file, const char* spec, int frames, const char* source) {
   const auto made = make_builtin(spec);  // or load_scene("house.glb")
   if (!made) return made.error();
-  SoftwareBackend backend(made->scene, 4);  // samples a pixel
+  const auto backend = SoftwareBackend::create(made->scene, 4);  // samples a pixel
+  if (!backend) return backend.error();
   MethodOptions options;
   options.source = source;  // or exec:PROGRAM
-  const auto keyframes = make_method("keyframes", options, backend);
+  const auto keyframes = make_method("keyframes", options, **backend);
   if (!keyframes) return keyframes.error();
+  const auto target = (*backend)->make_target(640, 360);
+  if (!target) return target.error();
   for (int frame = 0; frame < frames; ++frame) {
     const double time = frame_time(made->path, frame);
     const Camera camera = camera_at(made->path, time, 640, 360);
-    if (auto drawn = keyframes->frames->draw(camera, time); !drawn) return drawn;
+    if (auto drawn = (*target)->draw(*keyframes->frames, camera, time); !drawn) return drawn;
   }
   const FrameStats& stats = keyframes->frames->stats();
   std::printf("the last frame: from %d keyframes, %d of them coarse; %.1f %% filled by rays\n",
               stats.count("keyframe"), stats.late, 100 * stats.filled_share);
-  return save_png(file, keyframes->frames->software_target()->color());
+  return save_png(file, (*target)->color());
 }
 
 int main(int argc, char** argv) {

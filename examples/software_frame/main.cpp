@@ -3,7 +3,6 @@
 #include <rilievo/frame/software/software_backend.h>
 #include <rilievo/io/png.h>
 #include <rilievo/method/method.h>
-#include <rilievo/render/software/software_target.h>
 #include <rilievo/scene/builtin/builtin.h>
 
 #include <cstdio>
@@ -14,19 +13,21 @@ using namespace rilievo;
 Result<> walk(const char* file, const char* spec, int frames) {
   const auto made = make_builtin(spec);  // or load_scene("house.glb")
   if (!made) return made.error();
-  SoftwareBackend backend(made->scene, 4);  // samples a pixel
-  const auto cache = make_method("cache", {.error_px = 1}, backend);
+  const auto backend = SoftwareBackend::create(made->scene, 4);  // samples a pixel
+  if (!backend) return backend.error();
+  const auto cache = make_method("cache", {.error_px = 1}, **backend);
   if (!cache) return cache.error();
+  const auto target = (*backend)->make_target(1280, 720);
+  if (!target) return target.error();
   for (int frame = 0; frame < frames; ++frame) {
     const double time = frame_time(made->path, frame);
     const Camera camera = camera_at(made->path, time, 1280, 720);
-    if (auto drawn = cache->frames->draw(camera, time); !drawn) return drawn;
+    if (auto drawn = (*target)->draw(*cache->frames, camera, time); !drawn) return drawn;
   }
   const FrameStats& stats = cache->frames->stats();
-  std::printf("the last frame: %d pictures, %d of %d objects as polygons\n",
-              stats.groups + stats.count("nailboard"), stats.polygons,
-              int(made->scene.objects.size()));
-  return save_png(file, cache->frames->software_target()->color());
+  std::printf("the last frame: %d pictures, %d objects as polygons\n",
+              stats.groups + stats.count("nailboard"), stats.polygons);
+  return save_png(file, (*target)->color());  // or save_pictures(): linear light, with depths
 }
 
 int main(int argc, char** argv) {

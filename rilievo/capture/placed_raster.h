@@ -27,8 +27,8 @@ class PlacedRaster {
   // `placed` must outlive the object.
   explicit PlacedRaster(const PlacedScene& placed) : placed_(placed), rasterizer_(placed.scene()) {}
 
-  // Bytes of sRGB and window_z, of `objects` that lie in front of the eye (not empty). Valid until the next call; does not
-  // allocate once its buffers are large enough.
+  // Bytes of sRGB and window_z, of `objects` that lie in front of the eye (not empty). Valid until
+  // the next call; does not allocate once its buffers are large enough.
   [[nodiscard]] const RasterPicture& draw(const Camera& camera,
                                           std::span<const std::uint32_t> objects, int samples) {
     rasterizer_.draw(camera, objects, placed_.poses(), samples, picture_);

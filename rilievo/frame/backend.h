@@ -11,6 +11,7 @@
 #include <span>
 
 #include "rilievo/capture/capture_source.h"
+#include "rilievo/frame/backend_target.h"
 #include "rilievo/frame/frame_chooser.h"
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/nailboard/nailboard_store.h"
@@ -60,6 +61,11 @@ class Backend {
   // Draws what `chooser`, of this backend's scene, chooses.
   [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> make_frames(
       std::unique_ptr<FrameChooser> chooser) = 0;
+
+  // A target of this size, with the backend's samples, for frames that are read. Fails where the
+  // driver does, and for sizes that are too large.
+  [[nodiscard]] virtual Result<std::unique_ptr<BackendTarget>> make_target(int width,
+                                                                           int height) const = 0;
 
   // Waits until what was drawn is done, so that its time can be taken.
   virtual void finish() {}

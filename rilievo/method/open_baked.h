@@ -1,11 +1,23 @@
 // The door: a baked file in one's own program.
 //
 //   const Scene nothing;
-//   auto backend = OpenGLBackend::create(nothing, 4);        // or SoftwareBackend(nothing, 4)
+//   auto backend = OpenGLBackend::create(nothing, 4);  // or SoftwareBackend::create(nothing, 4)
 //   auto baked = open_baked("house.exr", **backend);
-//   baked->frames->draw(camera, 0);                          // into the host's frame
+//   auto path = orbit_path(baked->bounds, 120, baked->vantage);  // core/camera_path.h, or your own
 //
-// What is drawn shares the z-buffer with everything else in the frame.
+// OpenGL draws into the bound framebuffer, and shares its z-buffer with everything else in the
+// frame:
+//
+//   baked->frames->draw(camera, 0);      // a camera of ours; HostFrames (frame/gl/host_frames.h)
+//   takes
+//                                        // a host's matrices, reversed depths and linear
+//                                        framebuffers
+//
+// Frames in memory, with OpenGL or without, are drawn into a target of the backend's:
+//
+//   auto target = (*backend)->make_target(1280, 720);
+//   (*target)->draw(*baked->frames, camera_at(path, time, 1280, 720), time);
+//   save_png("frame.png", (*target)->color());
 #pragma once
 
 #include <filesystem>

@@ -133,6 +133,17 @@ class Paths(Folder):
         self.succeeds("render", TEAPOTS, "--path", file, "--size", "64x36", "-o", self.folder / "a" / "b")
         self.assertEqual(list(files_below(self.folder / "a" / "b")), ["frame_00000.png"])
 
+    def test_frames_in_linear_light_are_pictures_that_draw_again(self):
+        frame = ("render", TEAPOTS, "--method", "direct-raster", "--draw", "software", "--frames", "1", "--size", "64x36")
+        self.succeeds(*frame, "--format", "exr", "-o", self.folder / "linear")
+        self.succeeds(*frame, "-o", self.folder / "screen")
+        linear = self.folder / "linear" / "frame_00000.exr"
+        self.assertEqual(list(files_below(self.folder / "linear")), ["frame_00000.exr"])
+        info = json.loads(self.succeeds("info", linear, "--json", "-").stdout)
+        self.assertIn("64", str(info))
+        self.succeeds("render", linear, "--draw", "software", "-o", self.folder / "again")
+        self.assertEqual(list(files_below(self.folder / "again")), ["frame_00000.png"])
+
 
 class Results(Folder):
     def test_info_in_json_counts_the_scene(self):

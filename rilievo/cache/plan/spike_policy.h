@@ -1,8 +1,10 @@
-// What a frame may cost, and how late its pictures may be: what keeps an eye that jumps from waiting.
+// What a frame may cost, and how late its pictures may be: what keeps an eye that jumps from
+// waiting.
 //
-// After a cut nothing at hand shows what is seen, and drawing all of it takes long. The dearest objects
-// of a limited frame are in one coarse picture by rays (Plan::fallback), whose cost does not depend on
-// how many it shows; frames then become fine one after the other. With, by the CostModel,
+// After a cut nothing at hand shows what is seen, and drawing all of it takes long. The dearest
+// objects of a limited frame are in one coarse picture by rays (Plan::fallback), whose cost does
+// not depend on how many it shows; frames then become fine one after the other. With, by the
+// CostModel,
 //
 //   floor    what any frame may cost                usual   what the last frames cost
 //   spike    max(floor, max_spike * usual)          now     this frame without captures
@@ -11,7 +13,8 @@
 //
 //   a jump of the eye      allowed = limit = jump_share * floor
 //   after a limited frame  allowed = limit = max(last, min(1.3 last, spike), now / 2),
-//                          where last = max(the last limit, floor): from the floor on it grows by a third
+//                          where last = max(the last limit, floor): from the floor on it grows by a
+//                          third
 //   otherwise              allowed = spike, limit = max(floor, usual)
 //
 // A frame that is not limited has room for captures: up to `allowed`, and no more than
@@ -25,7 +28,8 @@ namespace rilievo {
 // SpikePolicy::max_spike where someone looks on.
 inline constexpr double kInteractiveSpike = 2;
 
-// How much more than others a frame may cost, and how much later than it should a picture is replaced.
+// How much more than others a frame may cost, and how much later than it should a picture is
+// replaced.
 struct SpikePolicy {
   // 0: no limit on what a frame costs.
   double max_spike = 0;

@@ -39,8 +39,7 @@ TEST(SpikePolicy, limits_are_those_of_the_table) {
       EXPECT_EQ(limit.capture_room, 0.2 * policy.floor);
       continue;
     }
-    const bool jump =
-        costs.jumped || (costs.started && (costs.now > spike || costs.shift > 0.25));
+    const bool jump = costs.jumped || (costs.started && (costs.now > spike || costs.shift > 0.25));
     EXPECT_EQ(limit.jumped, jump);
     const double most = allowed(policy, costs, jump);
     EXPECT_EQ(limit.limit > 0, costs.now > most) << i;

@@ -204,8 +204,8 @@ Result<std::string> ExecSource::ask(const std::string& request, std::uint64_t id
   }
 }
 
-Result<std::unique_ptr<ExecSource>> ExecSource::start(const std::string& program,
-                                                      ExecOptions options) {
+Result<std::unique_ptr<ExecSource>> ExecSource::create(const std::string& program,
+                                                       ExecOptions options) {
   std::unique_ptr<ExecSource> source(new ExecSource(program, std::move(options)));
   std::error_code failed;
   std::string folder =

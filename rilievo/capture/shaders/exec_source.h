@@ -56,8 +56,8 @@ struct ExecOptions {
 class ExecSource final : public CaptureSource {
  public:
   // Starts the program and asks for its bounds.
-  [[nodiscard]] static Result<std::unique_ptr<ExecSource>> start(const std::string& program,
-                                                                 ExecOptions options = {});
+  [[nodiscard]] static Result<std::unique_ptr<ExecSource>> create(const std::string& program,
+                                                                  ExecOptions options = {});
   ~ExecSource() override;
 
   [[nodiscard]] std::string_view name() const override { return name_; }

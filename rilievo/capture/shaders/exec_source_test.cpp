@@ -88,7 +88,7 @@ class ExecSourceTest : public testing::Test {
   }
   Result<std::unique_ptr<ExecSource>> start(const std::string& fault, int at) {
     options_.arguments = {fault, std::to_string(at), folder_ / "mark"};
-    return ExecSource::start(path_, options_);
+    return ExecSource::create(path_, options_);
   }
 
   TemporaryFolder folder_;

@@ -41,7 +41,7 @@ Result<std::unique_ptr<CaptureSource>> make_shader(std::string_view text,
                                               input.look));
   if (const std::string_view program = program_named(text); !program.empty()) {
     Result<std::unique_ptr<ExecSource>> started =
-        ExecSource::start(std::string(program), input.exec);
+        ExecSource::create(std::string(program), input.exec);
     if (!started) return started.error();
     return Made(*std::move(started));
   }

@@ -1,5 +1,6 @@
 #include "rilievo/frame/software/software_backend.h"
 
+#include <string>
 #include <utility>
 
 #include "rilievo/capture/ray_source.h"
@@ -35,7 +36,34 @@ class BakingRays final : public CaptureSource {
   RaySource source_;
 };
 
+// Frames that are drawn without OpenGL are in memory anyway.
+class MemoryTarget final : public BackendTarget {
+ public:
+  MemoryTarget(int width, int height) : width_(width), height_(height) {}
+
+  Result<> draw(FrameSource& source, const Camera& camera, double time) override {
+    RILIEVO_EXPECTS(source.software_target() && camera.width == width_ && camera.height == height_);
+    frame_ = source.software_target();
+    return source.draw(camera, time);
+  }
+  [[nodiscard]] Rgba8Image color() const override { return frame_->color(); }
+  [[nodiscard]] Image<float> eye_z() const override { return frame_->eye_z(); }
+
+ private:
+  int width_, height_;
+  const SoftwareTarget* frame_ = nullptr;  // the last source's
+};
+
+constexpr int kMostPixels = 16384;  // of a side, as SoftwareTarget's
+
 }  // namespace
+
+Result<std::unique_ptr<SoftwareBackend>> SoftwareBackend::create(const Scene& scene, int samples,
+                                                                 const Deformations* deformations) {
+  if (samples != 1 && samples != 4)
+    return Error{"samples", "frames drawn without OpenGL have 1 or 4 samples a pixel"};
+  return {std::make_unique<SoftwareBackend>(scene, samples, deformations)};
+}
 
 SoftwareBackend::SoftwareBackend(const Scene& scene, int samples, const Deformations* deformations)
     : given_(scene),
@@ -84,6 +112,13 @@ Result<std::unique_ptr<Backend>> SoftwareBackend::make_backend(const Scene& scen
 Result<std::unique_ptr<FrameSource>> SoftwareBackend::make_frames(
     std::unique_ptr<FrameChooser> chooser) {
   return {std::make_unique<SoftwareFrames>(*this, std::move(chooser))};
+}
+
+Result<std::unique_ptr<BackendTarget>> SoftwareBackend::make_target(int width, int height) const {
+  if (width < 1 || height < 1 || width > kMostPixels || height > kMostPixels)
+    return Error{"frame", "size " + std::to_string(width) + "x" + std::to_string(height) +
+                              " is not between 1 and " + std::to_string(kMostPixels)};
+  return {std::make_unique<MemoryTarget>(width, height)};
 }
 
 }  // namespace rilievo

@@ -11,8 +11,12 @@ namespace rilievo {
 // Draws a scene's frames into memory.
 class SoftwareBackend final : public Backend {
  public:
-  // `scene` must be valid and outlive the backend. `samples` of a pixel: 1 or 4. `deformations`, if
-  // there are any, bend a copy of the scene to each frame's time, and must outlive the backend.
+  // `scene` must be valid and outlive the backend. `deformations`, if there are any, bend a copy of
+  // the scene to each frame's time, and must outlive the backend. Fails for other samples of a
+  // pixel than 1 and 4.
+  [[nodiscard]] static Result<std::unique_ptr<SoftwareBackend>> create(
+      const Scene& scene, int samples, const Deformations* deformations = nullptr);
+  // The same for who knows the number of samples: requires 1 or 4.
   SoftwareBackend(const Scene& scene, int samples, const Deformations* deformations = nullptr);
 
   [[nodiscard]] DrawnBy drawn_by() const override { return DrawnBy::software; }
@@ -33,6 +37,8 @@ class SoftwareBackend final : public Backend {
   [[nodiscard]] Result<std::unique_ptr<Backend>> make_backend(const Scene& scene) const override;
   [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_frames(
       std::unique_ptr<FrameChooser> chooser) override;
+  [[nodiscard]] Result<std::unique_ptr<BackendTarget>> make_target(int width,
+                                                                   int height) const override;
   [[nodiscard]] Result<SoftwareBackend*> software() override { return this; }
   [[nodiscard]] Result<std::unique_ptr<FrameSource>> present(
       std::unique_ptr<FrameSource> software_frames) override {

@@ -32,6 +32,19 @@ gl::Renderbuffer make_renderbuffer(GLenum format, int width, int height, int sam
   return gl::Renderbuffer(name);
 }
 
+// As eye_z; `empty` is what the depths were cleared to.
+Image<float> read_depths(GLuint framebuffer, int width, int height, const Camera& camera,
+                         float empty) {
+  Image<float> depth(width, height);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depth.texels().data());
+  gl::flip_rows(depth);
+  for (float& z : depth.texels())
+    z = z == empty ? kNoDepth : float(eye_z_from(DepthKind::window_z, z, camera, {0, 0}));
+  return depth;
+}
+
 }  // namespace
 
 Result<FrameTarget> FrameTarget::create(int width, int height, int samples) {
@@ -82,6 +95,15 @@ Rgba8Image FrameTarget::read() const {
   return image;
 }
 
+Image<float> FrameTarget::read_eye_z(const Camera& camera) const {
+  const gl::Texture depth = gl::make_texture_2d(GL_DEPTH_COMPONENT32F, width_, height_);
+  const gl::Framebuffer framebuffer = gl::make_framebuffer();
+  glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, depth, 0);
+  glBlitNamedFramebuffer(framebuffer_, framebuffer, 0, 0, width_, height_, 0, 0, width_, height_,
+                         GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  return read_depths(framebuffer, width_, height_, camera, 1);
+}
+
 Result<ProbeTarget> ProbeTarget::create(int width, int height) {
   if (Result<> ok = check_size(width, height); !ok) return ok.error();
   ProbeTarget t;
@@ -118,15 +140,7 @@ Image<std::uint32_t> ProbeTarget::read_objects() const {
 }
 
 Image<float> ProbeTarget::read_eye_z(const Camera& camera) const {
-  Image<float> depth(width_, height_);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width_, height_, GL_DEPTH_COMPONENT, GL_FLOAT, depth.texels().data());
-  gl::flip_rows(depth);
-  const float empty = keeps_farthest_ ? 0.0f : 1.0f;
-  for (float& z : depth.texels())
-    z = z == empty ? kNoDepth : float(eye_z_from(DepthKind::window_z, z, camera, {0, 0}));
-  return depth;
+  return read_depths(framebuffer_, width_, height_, camera, keeps_farthest_ ? 0 : 1);
 }
 
 }  // namespace rilievo

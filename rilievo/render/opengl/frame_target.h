@@ -26,6 +26,8 @@ class FrameTarget {
   void resolve();
   // Reads the resolved frame; row 0 on top.
   [[nodiscard]] Rgba8Image read() const;
+  // Reads eye_z of a sample of each pixel, as `camera` drew it; kNoDepth where nothing is.
+  [[nodiscard]] Image<float> read_eye_z(const Camera& camera) const;
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }
   [[nodiscard]] GLuint resolved_framebuffer() const { return resolved_framebuffer_; }
