@@ -245,9 +245,9 @@ std::vector<int> missing_pieces(const BakePlan& plan, const std::string& file,
 }
 
 std::string list_of_pieces(const std::vector<int>& pieces) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMaxShown = 8;
   if (pieces.size() == 1) return fmt::format("piece {}", pieces[0]);
-  const std::size_t shown = std::min(pieces.size(), kMost);
+  const std::size_t shown = std::min(pieces.size(), kMaxShown);
   const bool all = shown == pieces.size();
   const auto end = pieces.begin() + std::ptrdiff_t(all ? shown - 1 : shown);
   return fmt::format(

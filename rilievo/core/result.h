@@ -1,5 +1,5 @@
-// What an operation on the outside world (files, OpenGL) returns: a value, or an error that
-// says where it failed and why.
+// The result of an operation on the outside world (files, OpenGL): a value, or an error that says
+// where it failed and why.
 //
 //   Result<Scene> scene = load_scene(path);
 //   if (!scene) return scene.error();

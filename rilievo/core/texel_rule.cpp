@@ -15,7 +15,7 @@ namespace {
 // Surfaces closer than this to the plane are one with it, in widths of a texel: half of the step up
 // to which warps link two texels in any case (LinkOptions::gentle) and draw what lies between them.
 // On ferns and palms less cost 0.6 dB, as leaves beside each other lost their antialiasing.
-constexpr float kRoom = 3.0f;
+constexpr float kSlack = 3.0f;
 // Along a thin thing that leads away from the eye depth changes by up to this, in widths of a texel
 // from one texel to the next.
 constexpr float kThinStep = 4.0f;
@@ -245,7 +245,7 @@ TexelPlane texel_plane(const Nearness& nearness, const Image<float>& center,
   };
   plane.per_x = slope({1, 0});
   plane.per_y = slope({0, 1});
-  plane.room = nearness.noise + kRoom * nearness.texel(plane.nearness);
+  plane.room = nearness.noise + kSlack * nearness.texel(plane.nearness);
   return plane;
 }
 

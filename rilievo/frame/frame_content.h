@@ -1,4 +1,4 @@
-// What a frame is drawn from.
+// The content of a frame: all that it is drawn from.
 //
 // The choice for each frame: which objects are drawn as polygons, and which instances of which
 // drawables stand for the others. Buffers are kept between frames, so that choosing does not

@@ -1,4 +1,4 @@
-// What draws a representation, in many instances, and tells the cache its error and its cost.
+// A drawable draws a representation, in many instances, and tells the cache its error and its cost.
 //
 // A drawable is one representation, or a set of many of one kind (an atlas of nailboards, the nodes
 // of an environment), ready to be drawn by one backend. Its instances stand for objects of the

@@ -99,7 +99,7 @@ Judged judge_slices(const LayeredImpostor& impostor, const LayeredErrorStats& st
   const ServingViews serving =
       views_for_eye(impostor, camera.position(), {.method = LayeredMethod::slices});
   std::vector<SliceDraw> draws;
-  slices_of_view(impostor, serving.views[choice % serving.weighty], camera.position(),
+  slices_of_view(impostor, serving.views[choice % serving.weighted], camera.position(),
                  choice % 4 > 0, draws);
   Image<int> drawn;
   const DepthImage frame = warp_slices(impostor, draws, camera, &drawn);

@@ -63,7 +63,7 @@ TEST(EyeCells, no_view_is_drawn_that_the_cell_lacks) {
           const glm::dvec3 eye = glm::dvec3(impostor->bounds.center()) + 5.0 * direction;
           const ServingViews serving = views_for_eye(*impostor, eye, options);
           const bool sliced = method == LayeredMethod::slices;
-          for (int k = 0; k < (sliced ? serving.weighty : serving.count); ++k) {
+          for (int k = 0; k < (sliced ? serving.weighted : serving.count); ++k) {
             EXPECT_TRUE(of_cell[std::size_t(serving.views[k])]);
             if (!sliced || max_views == 1) continue;
             for (const int view :

@@ -46,12 +46,13 @@ ServingViews views_for_eye(const LayeredImpostor& impostor, const glm::dvec3& ey
   const glm::dvec3 towards = eye - glm::dvec3(impostor.bounds.center());
   const auto room = std::span(serving.views)
                         .first(std::clamp<std::size_t>(std::size_t(std::max(options.max_views, 1)),
-                                                       1, ServingViews::kMost));
+                                                       1, ServingViews::kMaxCount));
   serving.count = nearest_views(impostor.views, towards, room);
   const std::span<const int> views(serving.views, std::size_t(serving.count));
   handover_weights(impostor.views, towards, options.handover * mean_spacing(impostor.views), views,
                    serving.weights);
-  while (serving.weighty < serving.count && serving.weights[serving.weighty] > 0) ++serving.weighty;
+  while (serving.weighted < serving.count && serving.weights[serving.weighted] > 0)
+    ++serving.weighted;
   return serving;
 }
 
@@ -66,9 +67,9 @@ void SliceChooser::choose(const LayeredImpostor& impostor, const glm::dvec3& eye
   quads_.clear();
   const ServingViews serving = views_for_eye(impostor, eye, options);
   float from = 0;
-  for (int i = 0; i < serving.weighty; ++i) {
+  for (int i = 0; i < serving.weighted; ++i) {
     // This view's share of the pixels, and the slices that fill its holes there.
-    const float to = i + 1 == serving.weighty ? 1.0f : from + serving.weights[i];
+    const float to = i + 1 == serving.weighted ? 1.0f : from + serving.weights[i];
     std::size_t next = slices_.size();
     slices_of_view(impostor, serving.views[i], eye, options.max_views > 1, slices_);
     for (; next < slices_.size(); ++next) {

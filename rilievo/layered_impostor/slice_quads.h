@@ -41,10 +41,10 @@ struct SliceQuad {
 
 // The views that serve an eye.
 struct ServingViews {
-  static constexpr std::size_t kMost = 6;
-  int views[kMost] = {};       // nearest first
-  float weights[kMost] = {};   // those of views without weight follow, 0
-  int count = 0, weighty = 0;  // all of them, and those with weight
+  static constexpr std::size_t kMaxCount = 6;
+  int views[kMaxCount] = {};      // nearest first
+  float weights[kMaxCount] = {};  // those of views without weight follow, 0
+  int count = 0, weighted = 0;    // all of them, and those with weight
 };
 [[nodiscard]] ServingViews views_for_eye(const LayeredImpostor& impostor, const glm::dvec3& eye,
                                          const LayeredOptions& options);

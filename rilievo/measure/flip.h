@@ -1,4 +1,4 @@
-// How different two frames look to an observer who flips between them.
+// FLIP: the difference that an observer sees who flips between two frames.
 //
 // LDR-FLIP of [Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild 2020], "FLIP: A
 // difference evaluator for alternating images": colour differences filtered by the eye's contrast

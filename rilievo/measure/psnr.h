@@ -1,4 +1,4 @@
-// How far apart two frames are, pixel by pixel.
+// PSNR: the difference between two frames, pixel by pixel.
 //
 // The peak signal-to-noise ratio of 8-bit sRGB frames over R, G and B together; alpha is ignored.
 // Sums are exact integers: the result does not depend on the number of threads.

@@ -1,4 +1,4 @@
-// How similar the structure of two frames is.
+// SSIM: the similarity of the structure of two frames.
 //
 // [Wang, Bovik, Sheikh, Simoncelli 2004], "Image quality assessment: from error visibility to
 // structural similarity": a Gaussian window of 11 x 11 pixels with sigma 1.5, K1 = 0.01,

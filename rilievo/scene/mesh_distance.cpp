@@ -50,13 +50,13 @@ glm::dvec3 nearest_point(const glm::dvec3& p, const glm::dvec3& a, const glm::dv
 double square(const glm::dvec3& v) { return glm::dot(v, v); }
 
 // A triangle, or a part of one.
-struct Piece {
+struct TrianglePart {
   std::array<glm::dvec3, 3> corner;
   std::array<std::uint32_t, 3> nearest;  // a triangle of the other surface, for each corner
   double upper = 0;                      // the square of its largest distance is at most this
 };
 
-void find_upper(const TriangleTree& other, Piece& piece) {
+void find_upper(const TriangleTree& other, TrianglePart& piece) {
   piece.upper = INFINITY;
   for (int i = 0; i < 3; ++i) {
     const std::uint32_t t = piece.nearest[std::size_t(i)];
@@ -168,9 +168,9 @@ DistanceBounds farthest_from(const TriangleTree& other, std::span<const glm::vec
     return above * above;
   };
   double upper = lower;
-  std::vector<Piece> pending, next;
+  std::vector<TrianglePart> pending, next;
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
-    Piece piece;
+    TrianglePart piece;
     for (std::size_t k = 0; k < 3; ++k) {
       piece.corner[k] = glm::dvec3(positions[indices[t + k]]);
       piece.nearest[k] = nearest[indices[t + k]];
@@ -185,10 +185,10 @@ DistanceBounds farthest_from(const TriangleTree& other, std::span<const glm::vec
   while (!pending.empty() && work > 0 && lower <= options.too_far * options.too_far) {
     // The farther half of the distances first: if work ends, what is left is not much too large.
     double most = 0;
-    for (const Piece& piece : pending) most = std::max(most, piece.upper);
+    for (const TrianglePart& piece : pending) most = std::max(most, piece.upper);
     const double from = std::max(decided(), most / 4);
     next.clear();
-    for (const Piece& piece : pending) {
+    for (const TrianglePart& piece : pending) {
       if (piece.upper <= from || work <= 0) {
         if (piece.upper > decided())
           next.push_back(piece);
@@ -208,7 +208,7 @@ DistanceBounds farthest_from(const TriangleTree& other, std::span<const glm::vec
       const TriangleTree::Nearest found = other.nearest(middle, piece.nearest[k]);
       lower = std::max(lower, found.square);
       for (const std::size_t replaced : {k, l}) {
-        Piece half = piece;
+        TrianglePart half = piece;
         half.corner[replaced] = middle;
         half.nearest[replaced] = found.triangle;
         find_upper(other, half);
@@ -221,7 +221,7 @@ DistanceBounds farthest_from(const TriangleTree& other, std::span<const glm::vec
     }
     pending.swap(next);
   }
-  for (const Piece& piece : pending) upper = std::max(upper, piece.upper);
+  for (const TrianglePart& piece : pending) upper = std::max(upper, piece.upper);
   return {std::sqrt(lower), std::sqrt(std::max(lower, upper))};
 }
 

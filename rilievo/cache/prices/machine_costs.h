@@ -1,4 +1,4 @@
-// What pictures, polygons and captures take on one machine.
+// The costs of pictures, polygons and captures on one machine.
 //
 // The planner compares costs; policy.h has those of the machine that it was written on. These are
 // of any other: measured in a second or two (cache/software/measure_software.h, cache/gl/

@@ -11,7 +11,7 @@ namespace rilievo {
 namespace {
 
 constexpr int kMaxViews = shader::kMaxWalkedViews;
-static_assert(kMaxViews == int(ServingViews::kMost));
+static_assert(kMaxViews == int(ServingViews::kMaxCount));
 constexpr std::size_t kInstances = shader::kMaxInstances;
 
 // The frame as seen from an instance: its own axes, with the eye at the origin.
@@ -163,7 +163,7 @@ void LayeredDrawer::draw_surfaces(LayeredPictures& pictures, const Camera& frame
       block.box_min = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.min) - slack - local.eye), 0);
       block.box_max = glm::vec4(glm::vec3(glm::dvec3(impostor.bounds.max) + slack - local.eye), 0);
       for (int i = 0; i < kMaxViews; ++i) block.weights[i / 4][i % 4] = served.weights[i];
-      block.views = {int(views_.size()), served.count, served.weighty, int(instance.object)};
+      block.views = {int(views_.size()), served.count, served.weighted, int(instance.object)};
       blocks_.push_back(block);
       for (int i = 0; i < served.count; ++i)
         views_.push_back(view_block(impostor, served.views[i], local.eye));

@@ -252,9 +252,9 @@ void main() {
   bool skin = false;
   int inside = 0;
   for (int i = 0; i < list.y; ++i) {
-    bool weighty = i < list.z;
-    if (!weighty && surface + nothing > 0.0) break;
-    float weight = weighty ? instances[instance].weights[i >> 2][i & 3] : 1.0;
+    bool weighted = i < list.z;
+    if (!weighted && surface + nothing > 0.0) break;
+    float weight = weighted ? instances[instance].weights[i >> 2][i & 3] : 1.0;
     View view = views[list.x + i];
     vec3 from, to;
     vec2 stretch = t;

@@ -48,7 +48,7 @@ struct PlacedLayered {
   glm::dmat3 ray_from_raster{0.0};
   double scale = 1;
   std::uint32_t object = kNoObject;
-  std::array<MarchedView, ServingViews::kMost> views;
+  std::array<MarchedView, ServingViews::kMaxCount> views;
   int count = 0;
   double distance = 0;
   float nearest = 0;  // 1 / eye_z, which nothing exceeds

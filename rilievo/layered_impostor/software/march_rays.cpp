@@ -125,7 +125,7 @@ class March {
     return hn::RebindMask(F(), hn::Ne(hn::Shr(a, shift), hn::Shr(b, shift)));
   }
 
-  struct Piece {
+  struct Patch {
     VF q, slope[4];
   };
   HWY_INLINE VI index_of(VI x, VI y) const {
@@ -133,24 +133,24 @@ class March {
     const VI texel = hn::Add(hn::Mul(y, hn::Set(i32, surface_.width)), x);
     return hn::Mul(texel, hn::Set(i32, kFields));
   }
-  HWY_INLINE Piece piece_at(VI index) const {
+  HWY_INLINE Patch patch_at(VI index) const {
     const MarchSurface::Texel& first = surface_.texels[0];
-    Piece piece;
-    piece.q = hn::GatherIndex(f, &first.q, index);
-    for (int k = 0; k < 4; ++k) piece.slope[k] = hn::GatherIndex(f, &first.slope[k], index);
-    return piece;
+    Patch patch;
+    patch.q = hn::GatherIndex(f, &first.q, index);
+    for (int k = 0; k < 4; ++k) patch.slope[k] = hn::GatherIndex(f, &first.slope[k], index);
+    return patch;
   }
-  // > 0 in front of the piece of surface over a texel.
-  HWY_INLINE VF side_of(const Piece& piece, VI x, VI y, VF t) const {
+  // > 0 in front of the patch of surface over a texel.
+  HWY_INLINE VF side_of(const Patch& patch, VI x, VI y, VF t) const {
     const VF half = hn::Set(f, 0.5f), zero = hn::Zero(f);
     const VF dx = hn::Sub(at(0, t), hn::Add(of(x), half)),
              dy = hn::Sub(at(1, t), hn::Add(of(y), half));
-    const VF sx = select(hn::Ge(dx, zero), piece.slope[0], piece.slope[2]),
-             sy = select(hn::Ge(dy, zero), piece.slope[1], piece.slope[3]);
+    const VF sx = select(hn::Ge(dx, zero), patch.slope[0], patch.slope[2]),
+             sy = select(hn::Ge(dy, zero), patch.slope[1], patch.slope[3]);
     const VF surface =
-        hn::Add(piece.q, hn::Add(hn::Mul(hn::Abs(dx), sx), hn::Mul(hn::Abs(dy), sy)));
+        hn::Add(patch.q, hn::Add(hn::Mul(hn::Abs(dx), sx), hn::Mul(hn::Abs(dy), sy)));
     const VF side = hn::Mul(hn::Set(f, surface_.sigma), hn::Sub(at(2, t), surface));
-    return select(hn::Eq(piece.q, zero), hn::Set(f, 1.0f), side);
+    return select(hn::Eq(patch.q, zero), hn::Set(f, 1.0f), side);
   }
 
   // Steps over cells, down to one of the finest level that cannot be stepped over.
@@ -221,11 +221,11 @@ class March {
     for (MF walks = hn::Not(done_); !hn::AllFalse(f, walks); ++rays.texel_steps) {
       VI inside[2];
       for (int a = 0; a < 2; ++a) inside[a] = hn::Min(hn::Max(texel_[a], hn::Zero(i32)), last_[a]);
-      const Piece piece = piece_at(index_of(inside[0], inside[1]));
-      const VF enters = side_of(piece, texel_[0], texel_[1], t_);
+      const Patch patch = patch_at(index_of(inside[0], inside[1]));
+      const VF enters = side_of(patch, texel_[0], texel_[1], t_);
       const VF exits[] = {exit(0, texel_[0], one_i), exit(1, texel_[1], one_i)};
       const VF leave = hn::Min(hn::Min(exits[0], exits[1]), one);
-      const VF leaves = side_of(piece, texel_[0], texel_[1], leave);
+      const VF leaves = side_of(patch, texel_[0], texel_[1], leave);
       enters_ = select(walks, enters, enters_), leave_ = select(walks, leave, leave_);
       const MF at_edge = hn::And(walks, hn::And(hn::Gt(before_, zero), hn::Le(enters, zero)));
       const MF meets = hn::And(walks, hn::And(hn::Gt(enters, zero), hn::Le(leaves, zero)));
@@ -262,7 +262,7 @@ class March {
       inside[a] = hn::Min(hn::Max(last[a], hn::Zero(i32)), last_[a]);
     }
     const VI index = index_of(inside[0], inside[1]);
-    const Piece piece = piece_at(index);
+    const Patch patch = patch_at(index);
     const auto* links = reinterpret_cast<const std::int32_t*>(&surface_.texels[0].links);
     const VI linked_to = hn::GatherIndex(i32, links, index);
     // Bits of kLinkSteps: right 0, down 2, left 4, up 6.
@@ -271,11 +271,11 @@ class March {
     const VI bit = hn::Add(select(in_u, hn::Zero(i32), hn::Set(i32, 2)),
                            select(on, hn::Zero(i32), hn::Set(i32, 4)));
     const MF stands = hn::RebindMask(f, hn::Eq(hn::Or(moved_[0], moved_[1]), hn::Zero(i32)));
-    const MF hole = hn::Or(stands, hn::Eq(piece.q, zero));
+    const MF hole = hn::Or(stands, hn::Eq(patch.q, zero));
     const MF has_link =
         hn::RebindMask(f, hn::Ne(hn::And(hn::Shr(linked_to, bit), hn::Set(i32, 1)), hn::Zero(i32)));
-    const VF ahead = side_of(piece, last[0], last[1], t_);
-    const VF gap = hn::Mul(hn::Set(f, surface_.gap_per_q), piece.q);
+    const VF ahead = side_of(patch, last[0], last[1], t_);
+    const VF gap = hn::Mul(hn::Set(f, surface_.gap_per_q), patch.q);
     const MF meets = hn::And(hn::AndNot(hole, has_link), hn::Le(hn::Sub(ahead, enters_), gap));
     const MF joined = hn::And(edge, meets), ends = hn::AndNot(meets, edge);
     hit_ = hn::Or(hit_, joined), done_ = hn::Or(done_, joined);
@@ -286,7 +286,7 @@ class March {
     before_ = select(edge, hn::Set(f, -1.0f), before_);
   }
 
-  // Between t (in front) and leave (not) a piece is met: a line meets a plane in each of the
+  // Between t (in front) and leave (not) a patch is met: a line meets a plane in each of the
   // stretches between the texel's middle lines.
   HWY_INLINE void meet() {
     const MF inside = hn::And(hit_, hn::Gt(leave_, t_));
@@ -300,8 +300,8 @@ class March {
       const VF crossed = hn::Add(hn::Mul(hn::Sub(center, from_[a]), per_step_[a]), never_[a]);
       middle[a] = hn::Min(hn::Max(crossed, t_), leave_);
     }
-    const Piece piece = piece_at(index_of(texel[0], texel[1]));
-    const auto side = [&](VF t) { return side_of(piece, texel[0], texel[1], t); };
+    const Patch patch = patch_at(index_of(texel[0], texel[1]));
+    const auto side = [&](VF t) { return side_of(patch, texel[0], texel[1], t); };
     const VF t1 = hn::Min(middle[0], middle[1]), t2 = hn::Max(middle[0], middle[1]);
     const VF s1 = side(t1), s2 = side(t2), s3 = side(leave_);
     const MF first = hn::Le(s1, zero), second = hn::AndNot(first, hn::Le(s2, zero));

@@ -1,4 +1,4 @@
-// How OpenGL draws each kind of representation.
+// The factories that draw each kind of representation with OpenGL.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// How each kind of representation is drawn without OpenGL.
+// The factories that draw each kind of representation without OpenGL.
 #pragma once
 
 #include <span>
