@@ -20,7 +20,60 @@ std::uint16_t predicted(const Image<std::uint16_t>& plane, int x, int y, std::ui
   return std::uint16_t(std::clamp(affine, std::min(w, n), std::max(w, n)));
 }
 
+// A row's differences from the median, folded, as low and high bytes. `above` is the row before,
+// and both rows have a 0 before their first texel.
+void fold_row(const std::uint16_t* row, const std::uint16_t* above, int width, std::uint8_t* low,
+              std::uint8_t* high) {
+  for (int x = 0; x < width; ++x) {
+    const int w = row[x], n = above[x + 1], affine = w + n - above[x];
+    const int predicted = std::max(std::min(w, n), std::min(affine, std::max(w, n)));
+    const std::int16_t off = std::int16_t(row[x + 1] - predicted);
+    const std::uint16_t folded = std::uint16_t((off * 2) ^ (off >> 15));
+    low[x] = std::uint8_t(folded & 0xFF), high[x] = std::uint8_t(folded >> 8);
+  }
+}
+
+// And back.
+void unfold_row(std::uint8_t predictor, const std::uint16_t* above, const std::uint8_t* low,
+                const std::uint8_t* high, std::span<std::uint16_t> row) {
+  int w = 0, nw = 0;
+  for (std::size_t x = 0; x < row.size(); ++x) {
+    const int folded = low[x] | high[x] << 8, n = above[x], affine = w + n - nw;
+    const int median = std::max(std::min(w, n), std::min(affine, std::max(w, n)));
+    const int from = predictor == kMedian ? median : predictor == kPlane ? affine : 0;
+    row[x] = std::uint16_t(from + ((folded >> 1) ^ -(folded & 1)));
+    w = row[x], nw = n;
+  }
+}
+
 }  // namespace
+
+std::vector<std::uint8_t> encode_plane16_quickly(const Image<std::uint16_t>& plane) {
+  const int width = plane.width(), height = plane.height();
+  const std::size_t count = plane.texels().size();
+  std::vector<std::uint8_t> raw(1 + 2 * count);
+  raw[0] = kMedian;
+  std::vector<std::uint16_t> above(std::size_t(width) + 1), row(std::size_t(width) + 1);
+  for (int y = 0; y < height; ++y) {
+    std::ranges::copy(plane.row(y), row.begin() + 1);
+    std::uint8_t* const low = raw.data() + 1 + std::size_t(y) * std::size_t(width);
+    fold_row(row.data(), above.data(), width, low, low + count);
+    std::swap(row, above);
+  }
+  z_stream stream{};
+  // Runs and Huffman codes: what is left after the prediction repeats in no other way.
+  int done = deflateInit2(&stream, 1, Z_DEFLATED, 15, 9, Z_RLE);
+  RILIEVO_EXPECTS(done == Z_OK);
+  std::vector<std::uint8_t> packed(deflateBound(&stream, uLong(raw.size())));
+  stream.next_in = raw.data(), stream.avail_in = uInt(raw.size());
+  stream.next_out = packed.data(), stream.avail_out = uInt(packed.size());
+  done = deflate(&stream, Z_FINISH);
+  RILIEVO_EXPECTS(done == Z_STREAM_END);
+  (void)done;
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
 
 std::vector<std::uint8_t> encode_plane16(const Image<std::uint16_t>& plane) {
   const std::size_t count = plane.texels().size();
@@ -57,13 +110,12 @@ Result<Image<std::uint16_t>> decode_plane16(std::span<const std::uint8_t> bytes,
   if (uncompress(raw.data(), &size, bytes.data(), uLong(bytes.size())) != Z_OK ||
       size != raw.size() || raw[0] >= kPredictors)
     return Error{"plane", "is damaged or has another size"};
-  std::size_t i = 0;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x, ++i) {
-      const std::uint16_t folded = std::uint16_t(raw[1 + i] | raw[1 + count + i] << 8);
-      const std::uint16_t off = std::uint16_t((folded >> 1) ^ ((folded & 1) ? 0xFFFF : 0));
-      plane(x, y) = std::uint16_t(predicted(plane, x, y, raw[0]) + off);
-    }
+  const std::vector<std::uint16_t> zeros(std::size_t(width), std::uint16_t(0));
+  for (int y = 0; y < height; ++y) {
+    const std::size_t at = 1 + std::size_t(y) * std::size_t(width);
+    unfold_row(raw[0], y > 0 ? plane.row(y - 1).data() : zeros.data(), &raw[at], &raw[at + count],
+               plane.row(y));
+  }
   return plane;
 }
 

@@ -22,6 +22,10 @@ TEST(Plane16, ReturnsWhatWasStored) {
     const Result<Image<std::uint16_t>> back = decode_plane16(encode_plane16(plane), width, height);
     ASSERT_TRUE(back);
     EXPECT_EQ(*back, plane);
+    const Result<Image<std::uint16_t>> quick =
+        decode_plane16(encode_plane16_quickly(plane), width, height);
+    ASSERT_TRUE(quick);
+    EXPECT_EQ(*quick, plane);
   }
 }
 
