@@ -1,0 +1,181 @@
+#include "rilievo/serve/live_world.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rilievo/capture/raster_ray_source.h"
+#include "rilievo/measure/psnr.h"
+#include "rilievo/scene/builtin/builtin.h"
+#include "rilievo/serve/live_picture.h"
+#include "rilievo/serve/live_simulation.h"
+#include "rilievo/serve/view_need.h"
+
+namespace rilievo {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 180;
+
+// A small scene and its sources.
+struct Walkable {
+  BuiltinScene built = *make_builtin("builtin:stonehenge?triangles=20000");
+  PlacedScene placed{built.scene};
+  RayScene rays = *RayScene::create(built.scene);
+  RasterRaySource source{placed, rays};
+
+  [[nodiscard]] Camera camera(double seconds) const {
+    return camera_at(built.path, seconds, kWidth, kHeight);
+  }
+  [[nodiscard]] LiveScene scene() {
+    LiveScene shown;
+    shown.name = "stonehenge";
+    shown.bounds = source.bounds({});
+    shown.start = camera(0);
+    return shown;
+  }
+  [[nodiscard]] Rgba8Image truth(const Camera& camera) {
+    CaptureRequest request;
+    request.camera = camera;
+    request.with_sky = true;
+    return srgb8_from_linear(source.capture(request)->picture.color);
+  }
+};
+
+// Fine pictures hold what direct drawing shows, but for JPEG and a texel's shift at edges.
+TEST(LiveWorld, AWalkIsCompleteAndLooksLikeDirectDrawing) {
+  Walkable walkable;
+  LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
+  const SimulatedClient client{[&](double s) { return walkable.camera(s); },
+                               {.latency_ms = 20, .jitter_ms = 10}};
+  int frames = 0, compared = 0;
+  double sum_db = 0, holes = 0;
+  const auto traffic = simulate_walk(
+      world, std::span(&client, 1), {.seconds = 4}, [&](int, double now, const LiveClient& seen) {
+        if (now < 1 || ++frames % 30 != 0) return;
+        LiveFrame frame;
+        seen.draw(walkable.camera(now), frame);
+        sum_db += psnr_db(walkable.truth(walkable.camera(now)), frame.color);
+        holes += double(frame.holes) / (kWidth * kHeight);
+        ++compared;
+        // Depths are as exact as was asked for.
+        EXPECT_LE(frame.error_px, 0.25);
+      });
+  ASSERT_TRUE(traffic.ok()) << traffic.error().message();
+  ASSERT_GE(compared, 5);
+  // JPEG of quality 85 alone is some 34 dB here, and edges lie up to half a texel off.
+  EXPECT_GT(sum_db / compared, 27);
+  // Strips that both views hide, until the next one.
+  EXPECT_LT(holes / compared, 0.005);
+  EXPECT_GE((*traffic)[0].first_view, 0.04);  // there and back
+  EXPECT_LT((*traffic)[0].first_view, 1);
+  EXPECT_EQ(world.stats().failed, 0u);
+}
+
+// An eye that stands gets one picture of its own place and direction, then the surround, and then
+// nothing more.
+TEST(LiveWorld, WhoStandsGetsItsOwnViewAndThenNothing) {
+  Walkable walkable;
+  LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
+  const Camera stands = walkable.camera(1);
+  const SimulatedClient client{[&](double) { return stands; }, {}};
+  double db = 0;
+  const auto traffic = simulate_walk(world, std::span(&client, 1), {.seconds = 3},
+                                     [&](int, double, const LiveClient& seen) {
+                                       if (db == 0 && seen.newest()->surround_face < 0) return;
+                                       LiveFrame frame;
+                                       if (db != 0) return;
+                                       seen.draw(stands, frame);
+                                       db = psnr_db(walkable.truth(stands), frame.color);
+                                     });
+  ASSERT_TRUE(traffic.ok());
+  // Its texels are the frame's pixels: only JPEG differs, of quality 92.
+  EXPECT_GT(db, 30);
+  const LiveWorldStats stats = world.stats();
+  EXPECT_EQ(stats.surround, 6u);
+  EXPECT_LE(stats.made, 10u);
+  EXPECT_EQ(world.work(3.1), 0);
+}
+
+// A turn at once shows what the surround has, and a cut what is made for it.
+TEST(LiveWorld, ASuddenTurnAndACutAreNeverEmpty) {
+  Walkable walkable;
+  LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
+  const Camera before = walkable.camera(1);
+  Camera behind = before;
+  behind.world_from_eye[0] = -before.world_from_eye[0];
+  behind.world_from_eye[2] = -before.world_from_eye[2];
+  const Camera elsewhere = walkable.camera(12);
+  const auto camera = [&](double s) { return s < 2 ? before : s < 3 ? behind : elsewhere; };
+  const SimulatedClient client{camera, {.latency_ms = 50}};
+  double shown_at_once = -1, shown_later = -1;
+  const auto traffic = simulate_walk(
+      world, std::span(&client, 1), {.seconds = 4}, [&](int, double now, const LiveClient& seen) {
+        LiveFrame frame;
+        const bool first = shown_at_once < 0 && now >= 2;
+        if (!first && !(now > 3.6 && shown_later < 0)) return;
+        seen.draw(camera(now), frame);
+        (first ? shown_at_once : shown_later) = 1 - double(frame.holes) / (kWidth * kHeight);
+      });
+  ASSERT_TRUE(traffic.ok());
+  EXPECT_GT(shown_at_once, 0.99);
+  EXPECT_GT(shown_later, 0.99);
+}
+
+TEST(LiveWorld, ClientsThatWalkTogetherSharePictures) {
+  Walkable walkable;
+  LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
+  std::vector<SimulatedClient> clients;
+  for (int i = 0; i < 4; ++i)
+    clients.push_back({[&](double s) { return walkable.camera(s); }, {}, 0, 0.1 * i});
+  const auto traffic =
+      simulate_walk(world, clients, {.seconds = 2}, [](int, double, const LiveClient&) {});
+  ASSERT_TRUE(traffic.ok());
+  // Four clients see what one does: a few more pictures are made, as they joined one by one.
+  EXPECT_GT(world.stats().shared, world.stats().made / 2);
+  EXPECT_LT(world.stats().shared, 200u);
+  for (const SimulatedTraffic& one : *traffic) EXPECT_GE(one.first_fine, 0);
+}
+
+TEST(LiveWorld, WhatAClientSaysWrongIsRefused) {
+  Walkable walkable;
+  LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
+  const auto session = world.connect(0);
+  EXPECT_FALSE(session->receive(encode_message(ClientMessage(LivePose{})), 0).ok());
+  EXPECT_FALSE(session->receive({}, 0).ok());
+  EXPECT_TRUE(session->receive(encode_message(ClientMessage(LiveHello{})), 0).ok());
+  // Identifiers that nobody gave.
+  EXPECT_TRUE(session->receive(encode_message(ClientMessage(LiveHave{{1, 2, 99}})), 0).ok());
+  ASSERT_TRUE(session->next(0));  // the welcome
+  EXPECT_FALSE(session->next(0));
+}
+
+// A pose goes on as it moves, for a second, and a turn slows down.
+TEST(ViewNeed, AnEyeIsPredictedToGoOn) {
+  LivePose pose;
+  pose.velocity = {2, 0, 0}, pose.turn_rate = {0, 1, 0};
+  EXPECT_NEAR(predicted(pose, 0.5).eye.x, 1, 1e-12);
+  EXPECT_NEAR(predicted(pose, 9).eye.x, 2, 1e-12);
+  const double turned = 2 * std::acos(std::min(predicted(pose, 0.1).orientation.w, 1.0));
+  // 0.4 (1 - exp(-0.25)) rad.
+  EXPECT_NEAR(turned, 0.0885, 1e-3);
+}
+
+TEST(ViewNeed, AFrameIsCoveredByAWiderViewAndNotByOneElsewhere) {
+  const Camera frame = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.9, 320, 180, 0.1, 100);
+  Camera wide = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1.1, 320, 180, 0.1, 100);
+  const Camera* views[] = {&wide};
+  EXPECT_EQ(covered_share(frame, views), 1);
+  wide = look_at({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 1.1, 320, 180, 0.1, 100);
+  EXPECT_EQ(covered_share(frame, views), 0);
+  // The six faces of a cube show everything.
+  std::vector<Camera> cube;
+  for (int face = 0; face < 6; ++face)
+    cube.push_back(surround_camera({0, 0, 0}, face, 8, 0.1, 100));
+  std::vector<const Camera*> faces;
+  for (const Camera& face : cube) faces.push_back(&face);
+  const Camera oblique = look_at({0, 0, 0}, {1, 2, 3}, {0, 1, 0}, 1.5, 320, 180, 0.1, 100);
+  EXPECT_EQ(covered_share(oblique, faces), 1);
+}
+
+}  // namespace
+}  // namespace rilievo
