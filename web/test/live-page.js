@@ -81,3 +81,16 @@ window.walked = async ({ center, radius, vertical_fov }, frames, paceMs, step = 
   }
   return times;
 };
+
+/** Follows keys, ten a second, of which `passed` ms are over, at 30 frames a second at most: what each frame took, ms. */
+window.followed = async (keys, passed, seconds) => {
+  const times = [], start = performance.now() - passed;
+  for (;;) {
+    const begin = performance.now(), at = (begin - start) / 100, k = Math.floor(at), s = at - k;
+    if (at >= 10 * seconds - 1) return times;
+    const mix = (a, b) => a.map((x, c) => x + s * (b[c] - x));
+    window.look({ ...keys[k], eye: mix(keys[k].eye, keys[k + 1].eye), target: mix(keys[k].target, keys[k + 1].target) });
+    times.push(performance.now() - begin);
+    await window.sleep(Math.max(0, 33 - (performance.now() - begin)));
+  }
+};

@@ -304,3 +304,19 @@ test("the socket lies beside the manifest and has the page's token", async () =>
   assert.deepEqual([1, 2, 3, 20].map((failures) => waitAfter(failures, 0.5)), [250, 500, 1000, 8000]);
   assert.equal(waitAfter(1, 0), 187.5);
 });
+
+test("a steady eye's speed and turn rate are measured, and a leap has none", async () => {
+  const { Motion } = await load("live/motion");
+  const at = (yaw, eye) => [Math.cos(yaw), 0, -Math.sin(yaw), 0, 0, 1, 0, 0, Math.sin(yaw), 0, Math.cos(yaw), 0, ...eye, 1];
+  const motion = new Motion();
+  // 1.4 m/s along x, and 0.5 rad/s to the left, at 50 frames a second.
+  for (let k = 0; k < 60; ++k) motion.see(at(0.01 * k, [0.028 * k, 1, 2]), 0.02);
+  // What is left of the beginning is 0.8 to the power of 59; of a turn of 0.01 the sine is 1.7e-5 of it less.
+  assert.ok(Math.abs(motion.velocity[0] - 1.4) < 1e-4 && Math.abs(motion.velocity[1]) < 1e-9);
+  assert.ok(Math.abs(motion.turnRate[1] - 0.5) < 1e-4 && Math.abs(motion.turnRate[0]) < 1e-9);
+  motion.see(at(0, [9, 1, 2]), 0.1);
+  assert.deepEqual([...motion.velocity, ...motion.turnRate], [0, 0, 0, 0, 0, 0]);
+  // 8 mm in no time are no more than in a 250th of a second.
+  motion.see(at(0, [9.008, 1, 2]), 0);
+  assert.ok(motion.velocity[0] > 0 && motion.velocity[0] <= 2);
+});

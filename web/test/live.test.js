@@ -116,10 +116,6 @@ test("a walk is sharp where it ends", async () => {
   const at = await compared(page, end);
   console.log(JSON.stringify(at));
   assert.ok(at.psnr > 28 && at.wrong < 0.006, JSON.stringify(at));
-  // Poses say how fast the eye was: 8 mm in about 30 ms, on a busy machine in 4 at least. Leaps have no speed.
-  const fastest = Math.max(...server.poses.map((pose) => Math.hypot(...pose.velocity)));
-  assert.ok(fastest > 0.05 && fastest <= 2, `${fastest} m/s`);
-  assert.ok(server.poses.some((pose) => Math.abs(pose.turnRate[1]) > 0.05));
   assert.ok(server.poses.every((pose) => Math.abs(Math.hypot(...pose.orientation) - 1) < 1e-5));
   assert.deepEqual(errors, []);
   await page.close();

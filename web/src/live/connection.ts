@@ -6,6 +6,7 @@ import { quaternionOf } from "./camera.js";
 import {
   encodeDropped, encodePing, encodePose, parseMessage, type KeyframePart, type PoseMessage, type Welcome,
 } from "./messages.js";
+import { Motion } from "./motion.js";
 
 export interface ConnectionEvents {
   /** The first one, and after each lost connection another: what the server sent before means nothing to it. */
@@ -33,8 +34,6 @@ const kPoseMs = 33, kStopMs = 150, kPingMs = 1000;
 const kSilenceMs = 15000;
 const kFirstWaitMs = 250, kLongestWaitMs = 8000;
 const kWindowMs = 2000;
-/** Metres a frame that nobody walks, and the shortest time, seconds, that a speed is measured over. */
-const kLeap = 0.5, kShortest = 1 / 250;
 
 /** The address of a live walk's socket, beside its manifest, with the token of the page's address. */
 export function socketAddress(socket: string, base: string, page: string): string {
@@ -63,14 +62,14 @@ export class LiveConnection {
   private clockAhead = NaN;
   private seenAt = 0;
   private began = false;
-  private unit = 1;
   private width = 0;
   private height = 0;
   private readonly arrivals: { at: number; bytes: number }[] = [];
   private readonly before = new Float64Array(16);
+  private readonly motion = new Motion();
   private readonly message: PoseMessage = {
     sequence: 0, time: 0, eye: new Float64Array(3), orientation: new Float64Array(4), verticalFov: 1, aspect: 1,
-    velocity: new Float64Array(3), turnRate: new Float64Array(3), latency: 0, cell: 0,
+    velocity: this.motion.velocity, turnRate: this.motion.turnRate, latency: 0, cell: 0,
   };
 
   constructor(private readonly url: string, private readonly hello: () => ArrayBuffer,
@@ -83,6 +82,8 @@ export class LiveConnection {
   look(view: View): void {
     const { before, message } = this, e = view.worldFromEye, p = view.clipFromEye;
     const now = performance.now(), seconds = (now - this.seenAt) / 1000;
+    // Controls that do not stand anywhere yet have no axes.
+    if (!(Math.abs(Math.hypot(e[0], e[1], e[2]) - 1) < 1e-3) || !Number.isFinite(e[12] + e[13] + e[14])) return;
     let moved = !this.began;
     for (let k = 0; k < 16; ++k) if (e[k] !== before[k]) moved = true;
     const fov = 2 * Math.atan(1 / p[5]), aspect = p[5] / p[0];
@@ -93,7 +94,7 @@ export class LiveConnection {
       if (this.figures.connected) this.send(this.hello());
     }
     if (!moved) return;
-    if (this.began) this.measure(e, Math.max(kShortest, seconds));
+    this.motion.see(e, seconds);
     for (let k = 0; k < 16; ++k) before[k] = e[k];
     this.seenAt = now;
     this.began = true;
@@ -105,8 +106,7 @@ export class LiveConnection {
     // Frames end where nothing moves: then it stands.
     clearTimeout(this.timers.stop);
     this.timers.stop = window.setTimeout(() => {
-      message.velocity.fill(0);
-      message.turnRate.fill(0);
+      this.motion.stop();
       this.poseSoon();
     }, kStopMs);
   }
@@ -142,24 +142,6 @@ export class LiveConnection {
     clearTimeout(this.timers.pose);
     clearTimeout(this.timers.stop);
     this.socket?.close();
-  }
-
-  // Means over a tenth of a second, so that one late frame is no leap. A jump has no speed.
-  private measure(e: ArrayLike<number>, seconds: number): void {
-    const { before, message } = this, share = Math.min(1, seconds / 0.1);
-    const speeds = [0, 1, 2].map((k) => (e[12 + k] - before[12 + k]) / seconds);
-    const jump = this.unit * seconds * Math.hypot(...speeds) > kLeap || seconds > 0.5;
-    // Of a small turn the axis times the angle is half the sum of the axes' cross products.
-    const turn = [0, 0, 0];
-    for (let a = 0; a < 12; a += 4)
-      for (let k = 0; k < 3; ++k) {
-        const i = (k + 1) % 3, j = (k + 2) % 3;
-        turn[k] += (0.5 * (before[a + i] * e[a + j] - before[a + j] * e[a + i])) / seconds;
-      }
-    for (let k = 0; k < 3; ++k) {
-      message.velocity[k] = jump ? 0 : message.velocity[k] + share * (speeds[k] - message.velocity[k]);
-      message.turnRate[k] = jump ? 0 : message.turnRate[k] + share * (turn[k] - message.turnRate[k]);
-    }
   }
 
   private open(): void {
@@ -207,7 +189,7 @@ export class LiveConnection {
           this.figures.connected = true;
           this.figures.failures = 0;
           this.figures.reason = "";
-          this.unit = message.unit;
+          this.motion.unit = message.unit;
           this.events.welcome(message);
           if (!this.began) this.stand(message);
           this.sendPose();

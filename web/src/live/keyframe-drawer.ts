@@ -1,5 +1,5 @@
-// Draws keyframes: the surfaces of each into a layer of its own, what fills gaps into one more, and one pass that
-// merges them.
+// Draws keyframes: the surfaces of each that is mixed into a layer of its own, what fills gaps behind those of the
+// best, and one pass that merges the layers.
 
 import { Layers } from "../gl/layers.js";
 import type { View } from "../gl/program.js";
@@ -46,6 +46,8 @@ export class KeyframeDrawer {
   private readonly size = new Float32Array(4);
   private readonly counts = new Float32Array(kMostKeyframes);
   private drawn = 0;
+  /** By how much farther than it is what is drawn seems. */
+  private farther = 1;
   private near = 1;
 
   constructor(private readonly gl: WebGL2RenderingContext) {
@@ -70,16 +72,17 @@ export class KeyframeDrawer {
   }
 
   /**
-   * Draws keyframes, the best first, and what fills gaps: `fills` are pictures whose surfaces do so,
-   * before skins. Changes framebuffer, viewport and programs.
+   * Draws keyframes, the best first, into a layer each; `spares` into that of the best, which they do not mix with; and
+   * there what fills gaps: `fills`, whose surfaces do so before skins. Changes framebuffer, viewport and programs.
    */
-  drawLayers(view: View, keyframes: readonly DrawnKeyframe[], fills: readonly StoredPart[]): void {
+  drawLayers(view: View, keyframes: readonly DrawnKeyframe[], spares: readonly DrawnKeyframe[],
+             fills: readonly StoredPart[]): void {
     const { gl, layers, stats } = this, p = view.clipFromEye;
     stats.drawCalls = stats.triangles = 0;
     this.drawn = Math.min(kMostKeyframes, keyframes.length);
     // So near that nothing is cut off where depths cannot be clamped.
     this.near = (view.near ?? Math.abs(p[14] / (p[10] - 1))) / 4;
-    layers.make(view.width, view.height, kMostKeyframes + 1);
+    layers.make(view.width, view.height, Math.max(1, this.drawn));
     gl.viewport(0, 0, view.width, view.height);
     for (const of of [gl.SCISSOR_TEST, gl.BLEND, gl.STENCIL_TEST]) gl.disable(of);
     gl.enable(gl.DEPTH_TEST);
@@ -91,22 +94,35 @@ export class KeyframeDrawer {
     gl.clearColor(0, 0, 0, 0);
     gl.clearDepth(1);
     for (let i = 0; i < this.drawn; ++i) {
-      this.counts[i] = keyframes[i].count;
+      const { parts, count } = keyframes[i];
+      this.counts[i] = count;
       layers.begin(i);
+      gl.depthRange(0, kFillDepth);
       // What the eye would see from behind another keyframe's surfaces must not cover what the best one shows.
       if (i > 0) gl.enable(gl.CULL_FACE);
-      for (const part of keyframes[i].parts) this.drawSurfaces(view, part);
+      for (const part of parts) this.drawSurfaces(view, part);
+      if (i > 0) continue;
+      // From here on the nearest first, so that little is drawn twice.
+      gl.enable(gl.CULL_FACE);
+      this.farther = 1 + kTolerance;
+      for (const spare of spares) for (const part of spare.parts) this.drawSurfaces(view, part);
+      this.farther = 1;
       gl.disable(gl.CULL_FACE);
+      gl.depthRange(1 / kFills, 1 / kFills + kFillDepth);
+      for (const part of fills) this.drawSurfaces(view, part);
+      // Skins of the first layer alone: what lies behind it is known.
+      gl.depthRange(2 / kFills, 2 / kFills + kFillDepth);
+      for (const of of [...keyframes, ...spares]) this.drawRange(view, of.parts[0], this.skin, Range.skins);
+      for (const part of fills) this.drawRange(view, part, this.skin, Range.skins);
+      gl.depthRange(3 / kFills, 3 / kFills + kFillDepth);
+      this.drawRange(view, parts[0], this.skin, Range.apron);
     }
-    layers.begin(this.drawn);
-    gl.depthRange(0, kFillDepth);
-    for (const part of fills) this.drawSurfaces(view, part);
-    // Skins of the first layer alone: what lies behind it is known.
-    gl.depthRange(1 / kFills, 1 / kFills + kFillDepth);
-    for (const { parts } of keyframes) this.drawRange(view, parts[0], this.skin, Range.skins);
-    for (const part of fills) this.drawRange(view, part, this.skin, Range.skins);
-    gl.depthRange(2 / kFills, 2 / kFills + kFillDepth);
-    if (keyframes.length) this.drawRange(view, keyframes[0].parts[0], this.skin, Range.apron);
+    if (this.drawn === 0) {
+      layers.begin(0);
+      gl.depthRange(1 / kFills, 1 / kFills + kFillDepth);
+      for (const part of fills) this.drawSurfaces(view, part);
+    }
+    gl.disable(gl.CULL_FACE);
     gl.depthRange(0, 1);
     gl.bindVertexArray(null);
     this.unbind();
@@ -114,7 +130,7 @@ export class KeyframeDrawer {
 
   /** Merges them into the bound framebuffer, whose depths are 1 - `near` / distance. */
   merge(near: number): void {
-    const { gl, layers } = this, of = this.mergeOf(this.drawn);
+    const { gl, layers } = this, of = this.mergeOf(Math.max(1, this.drawn));
     gl.useProgram(of.program);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, layers.depths);
@@ -159,7 +175,7 @@ export class KeyframeDrawer {
     scales[0] = of.scale;
     scales[1] = part.step;
     scales[2] = part.offset;
-    scales[3] = 2 * this.near;
+    scales[3] = (2 * this.near) / this.farther;
     size[0] = 1 / part.width;
     size[1] = 1 / part.height;
     size[2] = part.offset;

@@ -7,6 +7,7 @@ import { chooseKeyframes, costOf, eyeDistance, type Candidate } from "./choose-k
 import { LiveConnection, socketAddress } from "./connection.js";
 import { PartDecoder } from "./decoder.js";
 import { Figures } from "./figures.js";
+import { kSpare } from "./live-shaders.js";
 import { KeyframeDrawer, kMostKeyframes, type DrawnKeyframe } from "./keyframe-drawer.js";
 import { encodeHello, type KeyframePart, type Welcome } from "./messages.js";
 import { StoredPart } from "./store.js";
@@ -189,7 +190,9 @@ export class LiveSet implements Pictures {
     const shown = chosen.length ? chosen : chooseKeyframes(view, all, kMostMerged);
     this.fade(view, shown, passed);
     const fills = this.fills(view, all);
-    this.drawer.drawLayers(view, this.drawn, fills);
+    const spare = this.drawn.findIndex((of) => of.count < kSpare * this.drawn[0].count);
+    const mixed = spare < 0 ? this.drawn.length : spare;
+    this.drawer.drawLayers(view, this.drawn.slice(0, mixed), this.drawn.slice(mixed), fills);
     this.makeRoom(view, all);
   }
 
@@ -252,7 +255,10 @@ export class LiveSet implements Pictures {
     for (const of of this.drawn) {
       const distance = eyeDistance(view, of.camera), { cell, left, right, width } = of.camera;
       const texel = (right - left) / width, least = 0.02 * (cell || 1);
-      of.count = Math.max(1e-6, of.shown) / (distance * distance + least * least) / (texel * texel) * 1e-9;
+      const near = distance * distance + least * least;
+      // Nearness counts twice, so that few pixels of few frames are mixed: where frames are drawn without a GPU
+      // each layer costs.
+      of.count = Math.max(1e-6, of.shown) / (near * near) / (texel * texel);
     }
     this.drawn.sort((a, b) => b.count - a.count);
   }

@@ -61,10 +61,12 @@ void main() {
 }
 `;
 
-/** What fills the gaps lies in one layer: coarse pictures, behind them skins, behind them aprons. */
-export const kFills = 3;
+/** Keyframes that count less than this share of the best are not mixed with it. */
+export const kSpare = 0.2;
+/** In the first layer's depths lie surfaces, behind them coarse pictures, skins, aprons. */
+export const kFills = 4;
 /** A part of the depths from 0 to 1 is that of one of them. */
-export const kFillDepth = 0.3;
+export const kFillDepth = 0.2;
 
 // The nearest surface is shown; keyframes that show it, too, are mixed by what they count, but those
 // that count little beside the best. w is the near plane by the distance; 0 is the sky.
@@ -75,40 +77,43 @@ precision highp float;
 precision highp int;
 uniform highp sampler2DArray colors;
 uniform highp sampler2DArray depths;
-uniform float counts[${Math.max(1, layers)}];
+uniform float counts[${layers}];
 uniform float tolerance;
 uniform float near_ratio;  // of the near plane of the frame by that of the layers
 layout(location = 0) out vec4 out_color;
+float w_of(float depth) {
+  float w = 1.0 - (depth - floor(depth * ${kFills}.0) / ${kFills}.0) / ${kFillDepth};
+  // What is as far as this is the sky.
+  return w < 4e-6 ? 0.0 : near_ratio * w;
+}
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  float nearest = -1.0, most = 0.0;
 ${each((i) => `
   vec4 c${i} = texelFetch(colors, ivec3(pixel, ${i}), 0);
-  float w${i} = c${i}.a > 0.0 ? 1.0 - texelFetch(depths, ivec3(pixel, ${i}), 0).r : -1.0;
-  nearest = max(nearest, w${i});`)}
+  float z${i} = texelFetch(depths, ivec3(pixel, ${i}), 0).r, w${i} = z${i} < 1.0 / ${kFills}.0 ? w_of(z${i}) : -1.0;`)}
+  float nearest = ${each((i) => `max(w${i}, `)}-1.0${")".repeat(layers)};
   if (nearest < 0.0) {
-    out_color = texelFetch(colors, ivec3(pixel, ${layers}), 0);
-    if (out_color.a == 0.0) discard;
-    float depth = texelFetch(depths, ivec3(pixel, ${layers}), 0).r;
-    depth = (depth - floor(depth * ${kFills}.0) / ${kFills}.0) / ${kFillDepth};
-    // What is as far as this is the sky.
-    gl_FragDepth = depth > 1.0 - 2e-6 ? 1.0 : max(0.0, 1.0 - near_ratio * (1.0 - depth));
+    if (c0.a == 0.0) discard;
+    out_color = c0;
+    gl_FragDepth = max(0.0, 1.0 - w_of(z0));
     return;
   }
-  float limit = nearest / (1.0 + tolerance);
+${layers === 1 ? `
+  out_color = c0;
+  gl_FragDepth = max(0.0, 1.0 - w0);` : `
+  float limit = nearest / (1.0 + tolerance), most = 0.0, w = 0.0, sum = 0.0;
+  vec3 color = vec3(0.0);
 ${each((i) => `
   float k${i} = w${i} >= limit ? counts[${i}] : 0.0;
   most = max(most, k${i});`)}
-  float w = 0.0, sum = 0.0;
-  vec3 color = vec3(0.0);
 ${each((i) => `
   if (k${i} == most) w = w${i};
-  if (k${i} >= 0.2 * most) {
+  if (k${i} >= ${kSpare} * most) {
     color += k${i} * c${i}.rgb;
     sum += k${i};
   }`)}
   out_color = vec4(color / sum, 1.0);
-  gl_FragDepth = max(0.0, 1.0 - near_ratio * w);
+  gl_FragDepth = max(0.0, 1.0 - w);`}
 }
 `;
 }

@@ -204,38 +204,84 @@ class Mesher {
 
   private findErrors(): void {
     const { errors, stride, values, edges, width, height, across, down } = this;
+    // By triangle and relative to its square's first corner: the ends and the middle of its hypotenuse, and the
+    // middles of its halves' hypotenuses.
+    const places = new Int32Array(5 * (kTriangles.length / 4));
+    for (let i = 0; i < kTriangles.length / 4; ++i) {
+      const [ax, ay, bx, by] = kTriangles.subarray(4 * i, 4 * i + 4);
+      const mx = (ax + bx) >> 1, my = (ay + by) >> 1, cx = mx + my - ay, cy = my + ax - mx;
+      places.set([ay * stride + ax, by * stride + bx, my * stride + mx, ((ay + cy) >> 1) * stride + ((ax + cx) >> 1),
+                  ((by + cy) >> 1) * stride + ((bx + cx) >> 1)], 5 * i);
+    }
+    const active = this.findActive();
     const parents = kSide * kSide - 2;
-    for (let first = kSide * kSide - 2; first >= 0; first = (first >> 1) - 1)
-      for (let ty = 0; ty < down; ++ty)
-        for (let tx = 0; tx < across; ++tx) {
-          const ox = kSide * tx, oy = kSide * ty;
-          for (let i = first; i < 2 * first + 2; ++i) {
-            const ax = ox + kTriangles[4 * i], ay = oy + kTriangles[4 * i + 1];
-            const bx = ox + kTriangles[4 * i + 2], by = oy + kTriangles[4 * i + 3];
-            const mx = (ax + bx) >> 1, my = (ay + by) >> 1, m = my * stride + mx;
+    for (let first = parents; first >= 0; first = (first >> 1) - 1)
+      for (let ty = 0, square = 0; ty < down; ++ty)
+        for (let tx = 0; tx < across; ++tx, ++square) {
+          if (!active[square]) continue;
+          const bent = active[square] > 1;
+          const ox = kSide * tx, oy = kSide * ty, base = oy * stride + ox;
+          const inside = ox + kSide <= width && oy + kSide <= height;
+          for (let i = first, p = 5 * first; i < 2 * first + 2; ++i, p += 5) {
+            const m = base + places[p + 2];
             let error = errors[m];
-            if (mx <= width && my <= height && error < kCut) {
-              const a = ay * stride + ax, b = by * stride + bx;
-              if (ax <= width && ay <= height && bx <= width && by <= height) {
-                const va = edges[a] ? this.code(ax, ay, mx - ax, my - ay) : values[a];
-                const vb = edges[b] ? this.code(bx, by, mx - bx, my - by) : values[b];
-                // A sky beside a surface: what is one at the corner is not so in between.
-                const off = (va === 0) !== (vb === 0) ? kCut : Math.abs(0.5 * (va + vb) - values[m]);
-                if (off > error) error = off;
-              } else {
-                error = kCut;
-              }
+            if (bent && error < kCut) {
+              const a = base + places[p], b = base + places[p + 1];
+              const off = (edges[a] | edges[b]) || !inside ? this.offset(ox, oy, i, values[m])
+                : Math.abs(0.5 * (values[a] + values[b]) - values[m]);
+              if (off > error) error = off;
             }
             if (i < parents) {
-              const cx = mx + my - ay, cy = my + ax - mx;
-              const l = errors[((ay + cy) >> 1) * stride + ((ax + cx) >> 1)];
-              const r = errors[((by + cy) >> 1) * stride + ((bx + cx) >> 1)];
+              const l = errors[base + places[p + 3]], r = errors[base + places[p + 4]];
               if (l > error) error = l;
               if (r > error) error = r;
             }
             errors[m] = error;
           }
         }
+  }
+
+  // By how much the middle of a hypotenuse is off, of whose ends one may be at a cut or outside.
+  private offset(ox: number, oy: number, triangle: number, value: number): number {
+    const { width, height } = this;
+    const ax = ox + kTriangles[4 * triangle], ay = oy + kTriangles[4 * triangle + 1];
+    const bx = ox + kTriangles[4 * triangle + 2], by = oy + kTriangles[4 * triangle + 3];
+    const mx = (ax + bx) >> 1, my = (ay + by) >> 1;
+    if (mx > width || my > height) return 0;
+    if (ax > width || ay > height || bx > width || by > height) return kCut;
+    const a = this.code(ax, ay, mx - ax, my - ay), b = this.code(bx, by, mx - bx, my - by);
+    // A sky beside a surface: what is one at the corner is not so in between.
+    return (a === 0) !== (b === 0) ? kCut : Math.abs(0.5 * (a + b) - value);
+  }
+
+  // 2: squares of which two triangles are not exact enough. 1: those beside them, whose borders may be split.
+  private findActive(): Uint8Array {
+    const { errors, values, stride, across, down, tolerance } = this;
+    const bent = new Uint8Array(across * down), active = new Uint8Array(across * down);
+    for (let ty = 0; ty < down; ++ty)
+      for (let tx = 0; tx < across; ++tx) {
+        const base = kSide * (ty * stride + tx), c = values[base];
+        const right = values[base + kSide], low = values[base + kSide * stride], last = values[base + kSide * (stride + 1)];
+        let flat = true;
+        for (let y = 0; y <= kSide && flat; ++y) {
+          // To the diagonal the lower triangle, from there on the upper one.
+          let wanted = c + (y * (low - c)) / kSide, step = (last - low) / kSide;
+          for (let x = 0, at = base + y * stride; x <= kSide; ++x, ++at, wanted += step) {
+            if (x === y) step = (right - c) / kSide;
+            const off = values[at] - wanted;
+            if (errors[at] > 0 || off > tolerance || off < -tolerance) {
+              flat = false;
+              break;
+            }
+          }
+        }
+        bent[ty * across + tx] = flat ? 0 : 1;
+      }
+    for (let ty = 0, k = 0; ty < down; ++ty)
+      for (let tx = 0; tx < across; ++tx, ++k)
+        active[k] = 2 * bent[k] | (tx > 0 ? bent[k - 1] : 0) | (tx + 1 < across ? bent[k + 1] : 0) |
+          (ty > 0 ? bent[k - across] : 0) | (ty + 1 < down ? bent[k + across] : 0);
+    return active;
   }
 
   private split(ax: number, ay: number, bx: number, by: number, cx: number, cy: number): void {
