@@ -54,7 +54,7 @@ out_color=vec4(sum/(weight.x + weight.y + weight.z + weight.w),1.0);
 out_color=vec4(textureLod(colors,v_place.xy*size.xy,0.0).rgb,1.0);
 #endif
 }
-`,j=.2,b=4,w=.2;function Be(n){let e=t=>Array.from({length:n},(r,s)=>t(s)).join("");return`#version 300 es
+`,j=.4,b=4,w=.2;function Be(n){let e=t=>Array.from({length:n},(r,s)=>t(s)).join("");return`#version 300 es
 precision highp float;
 precision highp int;
 uniform highp sampler2DArray colors;

@@ -62,7 +62,7 @@ void main() {
 `;
 
 /** Keyframes that count less than this share of the best are not mixed with it. */
-export const kSpare = 0.2;
+export const kSpare = 0.4;
 /** In the first layer's depths lie surfaces, behind them coarse pictures, skins, aprons. */
 export const kFills = 4;
 /** A part of the depths from 0 to 1 is that of one of them. */
