@@ -3,7 +3,7 @@
     blender -b SCENE.blend --python blender/cycles_frames.py -- PATH.json FOLDER WIDTH HEIGHT SAMPLES
 
 PATH.json is a path of Rilievo's (rilievo-path-1): a frame for each of its keys. Frames are PNG, as Rilievo's
-are: linear light, cut off at 1, as sRGB.
+are: linear light, cut off at 1, as sRGB. Frames that are there are kept: started again, it goes on.
 """
 
 import json
@@ -21,8 +21,8 @@ def main():
     scene.cycles.device = "CPU"
     scene.cycles.samples = int(samples)
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
-    # Other noise than that of the pictures.
-    scene.cycles.seed = 1000
+    # Other noise than that of the pictures, and of frames with other samples.
+    scene.cycles.seed = 1000 + int(samples)
     scene.render.resolution_x, scene.render.resolution_y = int(width), int(height)
     scene.render.resolution_percentage = 100
     scene.render.use_persistent_data = True
@@ -42,8 +42,12 @@ def main():
         camera.location = in_blender[0]
         camera.rotation_euler = (in_blender[1] - in_blender[0]).to_track_quat("-Z", "Y").to_euler()
         camera.data.angle = key["vertical_fov"]
-        scene.render.filepath = os.path.join(folder, f"frame_{i:05}.png")
+        frame, part = (os.path.join(folder, f"{name}frame_{i:05}.png") for name in ("", "part_"))
+        if os.path.exists(frame):
+            continue
+        scene.render.filepath = part
         bpy.ops.render.render(write_still=True)
+        os.rename(part, frame)
 
 
 main()
