@@ -19,7 +19,7 @@ class StateGuard {
   void bind_frame() const;
 
  private:
-  static constexpr int kCaps = 13, kUnits = 8, kTargets = 4, kBlocks = 2, kBindings = 6,
+  static constexpr int kCaps = 14, kUnits = 8, kTargets = 4, kBlocks = 2, kBindings = 6,
                        kPixelModes = 16;
   // An indexed binding of a buffer, or of a part of it.
   struct Binding {

@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "rilievo/capture/shapes_test_helpers.h"
+#include "rilievo/core/color.h"
+#include "rilievo/frame/gl/opengl_backend.h"
 #include "rilievo/frame/gl/opengl_sources_test_helpers.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/gl/object.h"
+#include "rilievo/method/method.h"
 
 namespace rilievo {
 namespace {
@@ -144,6 +147,36 @@ TEST_F(HostFramesTest, linear_colours_are_those_of_the_bytes) {
       const double wanted = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
       ASSERT_NEAR(read[i][k], 255 * wanted, 1.01) << i;
     }
+}
+
+// Drawn apart, pictures look as when they are drawn into the host's frame, at silhouettes too,
+// where they cover a part of a pixel.
+TEST_F(HostFramesTest, linear_colours_of_pictures_are_those_of_the_bytes) {
+  const auto backend = OpenGLBackend::create(scene_, 1);
+  ASSERT_TRUE(backend.ok());
+  const Result<Method> pictures = make_method("nailboard", {.sky = false}, **backend);
+  ASSERT_TRUE(pictures.ok());
+  const auto plain = HostFrames::create(*pictures->frames, {1}),
+             linear = HostFrames::create(*pictures->frames, {1, true});
+  const Result<HostCamera> host =
+      camera_from(eye_from_world(camera_), clip_from_eye(camera_), kHostSize, kHostSize);
+  ASSERT_TRUE(plain.ok() && linear.ok() && host.ok());
+  const HostBuffer buffer;
+  buffer.begin(1);
+  ASSERT_TRUE((*plain)->draw(*host, 0).ok());
+  EXPECT_GT(pictures->frames->stats().count("nailboard"), 0);
+  const std::vector<glm::u8vec4> bytes = buffer.colors();
+  buffer.begin(1);
+  ASSERT_TRUE((*linear)->draw(*host, 0).ok());
+  const std::vector<glm::u8vec4> read = buffer.colors();
+  int shown = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      shown += bytes[i][k] > 0;
+      // Rounded once more.
+      ASSERT_NEAR(read[i][k], 255 * linear_from_srgb(float(bytes[i][k]) / 255), 1.01) << i;
+    }
+  EXPECT_GT(shown, kHostSize * kHostSize / 8);
 }
 
 }  // namespace

@@ -153,12 +153,12 @@ void NailboardDrawer::draw_cells(const NailboardAtlas& atlas, DepthMode mode,
   if (objects || nearest)
     glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   else
-    glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+    glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE), glEnable(GL_SAMPLE_ALPHA_TO_ONE);
   for (GLenum side = 0; side < 4; ++side) glEnable(GL_CLIP_DISTANCE0 + side);
   glDrawElements(GL_TRIANGLES, GLsizei(6 * count), GL_UNSIGNED_INT,
                  reinterpret_cast<const void*>(6 * first * sizeof(std::uint32_t)));
   for (GLenum side = 0; side < 4; ++side) glDisable(GL_CLIP_DISTANCE0 + side);
-  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE), glDisable(GL_SAMPLE_ALPHA_TO_ONE);
 }
 
 void NailboardDrawer::draw(NailboardAtlas& atlas, const Camera& frame, DepthMode mode,

@@ -177,7 +177,9 @@ void main() {
   if (out_object == 0u) discard;
 #else
   if (color.a < (gl_NumSamples > 1 ? 0.125 : 0.5)) discard;
-  out_color = vec4(color.rgb / color.a, color.a);
+  // What is drawn is opaque: alpha says how many samples, and then becomes 1 (ALPHA_TO_ONE).
+  out_color = vec4(color.rgb / color.a,
+                   gl_NumSamples > 1 && !nearest_coverage ? color.a : 1.0);
   int samples = int(float(gl_NumSamples) * color.a + 0.5);
   gl_SampleMask[0] = nearest_coverage ? (1 << samples) - 1 : -1;
 #endif
