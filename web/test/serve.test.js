@@ -1,13 +1,14 @@
 // The page of `rilievo serve` in Chromium, from the program itself: it walks, and comes back after the program was killed.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
 import { after, test } from "node:test";
 import { launch, root } from "./browser.js";
 
 const program = process.env.RILIEVO_PROGRAM ?? join(root, "../build/release/bin/rilievo");
-const skip = existsSync(program) ? false : `${program} is not built: tools/test builds it, or RILIEVO_PROGRAM names another`;
+const skip = !existsSync(program) ? `${program} is not built: tools/test builds it, or RILIEVO_PROGRAM names another`
+  : spawnSync(program, ["serve", "--help"]).status !== 0 ? `${program} has no serve: it is older than this test` : false;
 const started = [];
 
 after(() => started.forEach((child) => child.kill("SIGKILL")));
