@@ -23,6 +23,7 @@
 #include "bench/relief.h"
 #include "bench/relief_run.h"
 #include "bench/rgbd.h"
+#include "bench/serve.h"
 #include "bench/spinning.h"
 #include "bench/splats.h"
 #include "bench/tradeoff.h"
@@ -51,6 +52,8 @@ std::span<const Bench> benches() {
       Bench{"keyframes",
             "What do whole frames from keyframes cost and look like, beside direct drawing?",
             Needs::nothing, keyframes},
+      Bench{"serve", "What does a client of a live walk see, over networks of all kinds?",
+            Needs::nothing, serve},
       Bench{"auto", "Does the method auto take as little time as the best of all methods?",
             Needs::nothing, automatic},
       Bench{"scaling", "What does a cached frame cost as the scene grows?", Needs::nothing,
