@@ -41,6 +41,9 @@ constexpr std::size_t kHeaderBytes = 8 << 10;
 constexpr int kUnsentBytes = 64 << 10;
 // How often times are looked at.
 constexpr auto kTick = std::chrono::milliseconds(250);
+// A longer time between two looks is the server's own: it was stopped, or the machine is
+// overloaded.
+constexpr double kStall_s = 2;
 // How long clients have to close when the server ends, or one of them is ended.
 constexpr double kFarewell_s = 1;
 
@@ -80,7 +83,7 @@ struct LiveServer::State {
   Clock::time_point began = Clock::now();
   std::atomic<bool> woken{false};
   bool accepting = false, ending = false;
-  double ends_at = 0, figures_at = 0;
+  double ends_at = 0, figures_at = 0, ticked_at = 0;
   std::uint64_t connections = 0;
   std::map<std::uint64_t, std::weak_ptr<LiveConnection>> alive;
   int clients = 0;
@@ -130,9 +133,12 @@ class LiveConnection : public std::enable_shared_from_this<LiveConnection> {
     write([self = shared_from_this()] { self->pump(); });
   }
 
-  void tick() {
+  // `stalled`: for so long the server itself did not run; what clients did then is not read yet.
+  void tick(double stalled) {
     if (!session_) return;
     const double now = server_.now();
+    heard_at_ += stalled;
+    writing_since_ += stalled;
     const LiveLimits& limits = server_.options.limits;
     pings_ = 0;
     if (closing_) {
@@ -425,7 +431,10 @@ void LiveServer::State::tick() {
   timer.expires_after(kTick);
   timer.async_wait([this](Failed failed) {
     if (failed) return;
-    for (const auto& connection : held()) connection->tick();
+    const double time = now();
+    const double gap = time - std::exchange(ticked_at, time);
+    const double stalled = gap > kStall_s ? gap : 0;
+    for (const auto& connection : held()) connection->tick(stalled);
     if (now() >= figures_at + 1) {
       figures_at = all.seconds = now();
       if (clients > 0) observer->figures(clients, all);
@@ -505,6 +514,7 @@ void LiveServer::run(const std::function<std::unique_ptr<LiveSession>()>& join,
       if (!failed) state.end();
     });
   }
+  state.ticked_at = state.now();
   state.accept();
   state.tick();
   state.io.run();
@@ -515,6 +525,8 @@ void LiveServer::run(const std::function<std::unique_ptr<LiveSession>()>& join,
   state.io.restart();
   state.io.run();
 }
+
+double LiveServer::now() const { return state_->now(); }
 
 void LiveServer::wake() {
   State& state = *state_;

@@ -87,6 +87,8 @@ class LiveServer {
   // session of a client.
   void run(const std::function<std::unique_ptr<LiveSession>()>& join, LiveObserver& observer);
 
+  // The time that sessions are told: seconds since create(). Any thread.
+  [[nodiscard]] double now() const;
   // Any thread, before or during run(): sessions may have something to send.
   void wake();
   // Any thread: ends run().
