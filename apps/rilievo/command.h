@@ -23,6 +23,7 @@ struct Command {
 [[nodiscard]] Command bake_command(CLI::App& app);
 [[nodiscard]] Command export_command(CLI::App& app);
 [[nodiscard]] Command web_command(CLI::App& app);
+[[nodiscard]] Command serve_command(CLI::App& app);
 [[nodiscard]] Command render_command(CLI::App& app);
 [[nodiscard]] Command compare_command(CLI::App& app);
 [[nodiscard]] Command bench_command(CLI::App& app);

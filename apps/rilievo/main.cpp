@@ -56,8 +56,9 @@ int run(int argc, char** argv) {
       "report\nrilievo COMMAND --help shows the options of a command.");
   using namespace rilievo::app;
   const std::vector<Command> commands{
-      info_command(app), scene_command(app),  bake_command(app),    export_command(app),
-      web_command(app),  render_command(app), compare_command(app), bench_command(app),
+      info_command(app),   scene_command(app),   bake_command(app),
+      export_command(app), web_command(app),     serve_command(app),
+      render_command(app), compare_command(app), bench_command(app),
 #ifdef RILIEVO_VIEWER
       view_command(app),
 #endif
