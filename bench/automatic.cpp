@@ -58,7 +58,7 @@ struct AutoWalk {
 };
 
 struct AutoRun {
-  int width = 1280, height = 720, frames = 96;
+  int width = 1280, height = 720, frames = 240;
   MethodOptions method;
 };
 

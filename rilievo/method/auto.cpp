@@ -28,13 +28,15 @@ enum Methods { kDirect, kCache, kRays, kLevels, kKeyframes, kMethods };
 constexpr int kCacheWarmsUp = 12;
 // The first frames of what has its own memory are slower.
 constexpr int kWarmsUp = 1;
+// Of the walks through big scenes that were measured, keyframes were good enough in one of three.
+constexpr double kKeyframesChance = 0.33;
 constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"cache", 1, kCacheWarmsUp},
                                          {"rays", 0, kWarmsUp},
                                          {"lod", 2, kWarmsUp},
-                                         {"keyframes", 3, kWarmsUp}};
+                                         {"keyframes", 3, kWarmsUp, kKeyframesChance}};
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
-constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 2.5e-3;
+constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1.5e-3;
 // The share of it that frames lose, which have another thread meanwhile.
 constexpr double kOfFrames = 0.5;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first

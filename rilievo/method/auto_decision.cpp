@@ -162,10 +162,27 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
     const int frames = candidate.warm_up + kTrial;
     if (!affordable(std::max(0.0, likely - free_ms()) * frames)) continue;
-    if (!one.ready && (hope > kWorthPreparing * now || one.prepare_ms > kPaysWithin * (now - hope)))
-      continue;
+    const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
+    if (!one.ready && (hope > kWorthPreparing * now || one.prepare_ms > pays)) continue;
     if (best >= 0 && hope >= best_ms) continue;
     best = i, best_ms = hope;
+  }
+  return best;
+}
+
+// While what draws warms up, so that its time says little yet.
+int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) const {
+  double least = 0;  // of what can draw
+  for (const AutoOutlook& one : outlook)
+    if (one.ready && one.guess_ms > 0 && (least == 0 || one.guess_ms < least)) least = one.guess_ms;
+  int best = -1;
+  for (int i = 0; i < int(candidates_.size()); ++i) {
+    const AutoOutlook& one = outlook[std::size_t(i)];
+    if (!one.preparable || !one.good_enough || one.guess_ms == 0) continue;
+    if (one.guess_ms > kPlainlyWorth * least) continue;
+    const double pays = kPaysWithin * candidates_[std::size_t(i)].chance * (least - one.guess_ms);
+    if (one.prepare_ms > pays) continue;
+    if (best < 0 || one.guess_ms < outlook[std::size_t(best)].guess_ms) best = i;
   }
   return best;
 }
@@ -273,6 +290,9 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
         if (tries >= 0) trial_ = tries, trial_ms_.clear();
       }
     }
+    if (since_change_ <= candidates_[std::size_t(draws_)].warm_up &&
+        costs_[std::size_t(draws_)].fails == 0)
+      prepares_ = plainly_worth_preparing(outlook);
   }
 
   AutoChoice choice;

@@ -7,8 +7,9 @@
 // A trial must be able to pay. What a method took, or what a model says that it would, is taken for
 // the less certain the older it is; only what may then be cheaper is tried, not if it would take
 // over kMaySpike times the frame, and only while all that trials have cost stays below kTrialShare
-// of all time. What must be prepared first must gain as much in kPaysWithin frames, and a good
-// deal. Each trial that fails doubles the time to the next one of that method. So a walk on which
+// of all time. What must be prepared first must gain as much in kPaysWithin frames, times its chance
+// to be good enough, and a good deal; where a model says that it takes less than half of what any
+// other does, it is prepared from the first frame on. Each trial that fails doubles the time to the next one of that method. So a walk on which
 // nothing changes costs next to nothing, and where the costs change the next trial is soon.
 //
 // A method is changed for one that is cheaper by kGain for each step down in quality, or as cheap
@@ -26,8 +27,9 @@ namespace rilievo {
 // A method that may draw.
 struct AutoCandidate {
   std::string_view name;
-  int rank = 0;     // of its quality; 0 is the best
-  int warm_up = 0;  // frames that it draws until it takes what it will take from then on
+  int rank = 0;       // of its quality; 0 is the best
+  int warm_up = 0;    // frames that it draws until it takes what it will take from then on
+  double chance = 1;  // that its frames will be good enough, before that is known
 };
 
 // The guesses before any frame was drawn, for frames of so many pixels and triangles in view on so
@@ -82,10 +84,12 @@ struct AutoChoice {
 // Decides for one sequence of frames.
 class AutoDecision {
  public:
-  static constexpr double kGain = 0.05, kMaySpike = 1.5, kTrialShare = 0.015;
+  static constexpr double kGain = 0.05, kMaySpike = 1.25, kTrialShare = 0.015;
   static constexpr int kPaysWithin = 200;
   // And must be expected to take at most this share of what draws.
   static constexpr double kWorthPreparing = 0.7;
+  // Or, before anything was measured, of what models say of all that can draw.
+  static constexpr double kPlainlyWorth = 0.5;
   // The share of the pace that a method may take to be said to keep it.
   static constexpr double kKeepsPace = 0.85;
 
@@ -123,6 +127,7 @@ class AutoDecision {
   [[nodiscard]] bool affordable(double ms) const;
   [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;
   [[nodiscard]] int worth_trying(std::span<const AutoOutlook> outlook, bool ready) const;
+  [[nodiscard]] int plainly_worth_preparing(std::span<const AutoOutlook> outlook) const;
   void change(int to);
   void end_trial(std::span<const AutoOutlook> outlook);
   [[nodiscard]] bool trial_over() const;

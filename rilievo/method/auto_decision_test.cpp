@@ -46,6 +46,7 @@ Walk walk(const std::vector<Simulated>& methods, int first, int frames, double n
     for (std::size_t i = 0; i < methods.size(); ++i) {
       outlook[i].ready = prepared[i] >= methods[i].prepared_after;
       outlook[i].preparable = !outlook[i].ready;
+      outlook[i].prepare_ms = 2.0 * std::max(0, methods[i].prepared_after - prepared[i]);
       outlook[i].good_enough = methods[i].good;
       outlook[i].guess_ms = methods[i].guess * methods[i].ms(frame);
       walk.each_ms[i] += methods[i].ms(frame);
@@ -202,6 +203,34 @@ TEST(AutoDecision, what_must_be_prepared_is_prepared_where_it_may_pay) {
       {{{"direct", 0}, always(20)}, {{"keyframes", 2, 2}, always(30), 1, 1, 30}}, 0, 1000, 0.1, 1);
   EXPECT_EQ(loses.drawn[1], 0);
   EXPECT_LT(loses.auto_ms, 20 * 1000 + 10);  // next to nothing was prepared
+}
+
+TEST(AutoDecision, what_will_hardly_be_good_enough_must_gain_more) {
+  const auto prepared = [](double chance) {
+    return walk({{{"direct", 0}, always(30)}, {{"keyframes", 2, 2, chance}, always(18), 1, 1, 64}},
+                0, 300, 0.1, 1)
+        .drawn[1];
+  };
+  EXPECT_GT(prepared(1), 150);
+  EXPECT_EQ(prepared(0.02), 0);
+}
+
+// What is plainly the cheapest by the models is begun while the first method warms up.
+TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) {
+  const auto first_prepared = [](double guess) {
+    const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}, {"lod", 2}};
+    AutoDecision decision(candidates, 1);
+    for (int frame = 0; frame < 40; ++frame) {
+      const AutoOutlook outlook[] = {
+          {true, false, true, 70, 0}, {true, false, true, 0, 0}, {false, true, true, guess, 500}};
+      const AutoChoice choice = decision.next(outlook);
+      if (choice.prepares == 2) return frame;
+      decision.add(frame < 12 ? 200 : 60);
+    }
+    return 40;
+  };
+  EXPECT_EQ(first_prepared(20), 0);
+  EXPECT_GE(first_prepared(42), 12);
 }
 
 TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {

@@ -22,10 +22,34 @@ struct MeshLevel {
 // Of what is asked for, a level has at most this share more.
 constexpr double kReached = 1.2;
 
-MeshLevel simplify_mesh(const Mesh& mesh, const std::vector<std::uint32_t>& indices,
+// The vertices that a level uses, in the order in which it does: each of meshoptimizer's passes
+// looks at all that it is given, and a coarse level uses few of the mesh's.
+struct UsedVertices {
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> vertices;  // the mesh's
+  std::vector<std::uint32_t> indices;   // of `positions`
+
+  UsedVertices(const std::vector<glm::vec3>& all, const std::vector<std::uint32_t>& of) {
+    constexpr std::uint32_t kUnused = 0xFFFFFFFFu;
+    std::vector<std::uint32_t> place(all.size(), kUnused);
+    indices.reserve(of.size());
+    for (const std::uint32_t vertex : of) {
+      if (place[vertex] == kUnused) {
+        place[vertex] = std::uint32_t(vertices.size());
+        vertices.push_back(vertex);
+        positions.push_back(all[vertex]);
+      }
+      indices.push_back(place[vertex]);
+    }
+  }
+};
+
+MeshLevel simplify_mesh(const Mesh& mesh, const std::vector<std::uint32_t>& of,
                         std::size_t target) {
-  const float* positions = &mesh.positions[0].x;
-  const std::size_t count = mesh.positions.size(), stride = sizeof(glm::vec3);
+  const UsedVertices used(mesh.positions, of);
+  const std::vector<std::uint32_t>& indices = used.indices;
+  const float* positions = &used.positions[0].x;
+  const std::size_t count = used.positions.size(), stride = sizeof(glm::vec3);
   const double scale = double(meshopt_simplifyScale(positions, count, stride));
   MeshLevel level;
   level.indices.resize(indices.size());
@@ -45,6 +69,7 @@ MeshLevel simplify_mesh(const Mesh& mesh, const std::vector<std::uint32_t>& indi
     made = run(true);
   }
   level.indices.resize(made);
+  for (std::uint32_t& index : level.indices) index = used.vertices[index];
   return level;
 }
 
