@@ -2,21 +2,24 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <optional>
 #include <thread>
 #include <utility>
 
-#include "rilievo/core/background.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/core/idle_thread.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
+#include "rilievo/keyframes/software/sampled_loss.h"
 #include "rilievo/method/auto_decision.h"
 #include "rilievo/method/cached.h"
 #include "rilievo/method/direct_or_cached.h"
 #include "rilievo/method/levels.h"
+#include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo {
@@ -28,8 +31,8 @@ enum Methods { kDirect, kCache, kRays, kLevels, kKeyframes, kMethods };
 constexpr int kCacheWarmsUp = 12;
 // The first frames of what has its own memory are slower.
 constexpr int kWarmsUp = 1;
-// Of the walks through big scenes that were measured, keyframes were good enough in one of three.
-constexpr double kKeyframesChance = 0.33;
+// Of thirteen walks that were measured (bench/results/auto.md) keyframes were good enough in two.
+constexpr double kKeyframesChance = 0.12;
 constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"cache", 1, kCacheWarmsUp},
                                          {"rays", 0, kWarmsUp},
@@ -37,8 +40,8 @@ constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"keyframes", 3, kWarmsUp, kKeyframesChance}};
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
 constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1.5e-3;
-// The share of it that frames lose, which have another thread meanwhile.
-constexpr double kOfFrames = 0.5;
+// The share of it that frames lose, which leave the thread that prepares what they do not use.
+constexpr double kOfFrames = 0.2;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
 // two take.
 constexpr double kKeyframeMs = 8;
@@ -48,9 +51,13 @@ constexpr int kFirstKeyframes = 64;
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
 // The error of a level is an estimate: half of what is asked for keeps to it.
 constexpr double kLevelError = 0.5;
-// One frame in so many of keyframes is looked at, once it is known how good they are; and what was
-// not good enough is looked at again after so many frames.
+// One frame in so many of keyframes or levels is looked at, once it is known how good they are; and
+// what was not good enough is looked at again after so many frames.
 constexpr int kLossFrames = 8, kLooksAgain = 600;
+// So many times as many pixels of each frame are looked at until the loss is known: a trial is a
+// few frames. Of larger meshes the rays' tree takes too much memory.
+constexpr int kLossesOfTrial = 4;
+constexpr std::uint64_t kMostForLoss = 2'000'000;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
 // And between which it is taken to lie: a frame that shows next to nothing, or
@@ -76,10 +83,27 @@ void add_object(const Camera& camera, const Box& bounds, double triangles, Frame
   load.level_triangles += std::min(triangles, std::max(kLevelTriangles * pixels, kLeastLevel));
 }
 
+// How much less like the truth levels of detail are than direct drawing, as rays measure it.
+struct LevelsLoss {
+  RayScene rays;
+  SampledLoss loss;
+  Image<std::uint32_t> shown;
+
+  explicit LevelsLoss(RayScene made) : rays(std::move(made)), loss(rays) {}
+  void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& color,
+           int times) {
+    if (shown.width() != color.width() || shown.height() != color.height())
+      shown = Image<std::uint32_t>(color.width(), color.height());
+    std::memcpy(shown.texels().data(), color.texels().data(), color.texels().size_bytes());
+    for (int i = 0; i < times; ++i) loss.add(camera, objects, shown);
+  }
+};
+
 // What is made on another thread, while frames are drawn.
 struct Prepared {
   Result<std::unique_ptr<RayVisibility>> rays{Error{}};
   std::optional<ObjectLevels> levels;
+  std::unique_ptr<LevelsLoss> levels_loss;  // none: unknown
   Result<std::unique_ptr<KeyframeFrames>> keyframes{Error{}};
 };
 
@@ -108,7 +132,8 @@ class AutoFrames final : public FrameSource {
 
   void begin(const Camera& camera);
   void look(const Camera& camera);
-  [[nodiscard]] bool good_enough();
+  [[nodiscard]] bool good_enough(int method);
+  void measure_loss(const Camera& camera, const AutoChoice& choice);
   void prepare(int method);
   Result<> adopt();
   Result<> prepare_keyframes(const Camera& camera, double time);
@@ -117,7 +142,7 @@ class AutoFrames final : public FrameSource {
   Backend& backend_;
   int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
   std::uint64_t triangles_, meshes_triangles_;
-  bool only_direct_ = true, bends_ = false, masked_ = false;
+  bool only_direct_ = true, bends_ = false, masked_ = false, moves_ = false;
   int width_ = 0, height_ = 0;
   std::optional<AutoDecision> decision_;
   EyePrediction eye_;
@@ -132,14 +157,17 @@ class AutoFrames final : public FrameSource {
   bool failed_[kMethods] = {};
 
   int preparing_ = -1;
-  std::optional<double> loss_db_;  // of keyframes; none: not known
-  int lost_in_ = 0;                // the last frame of keyframes
+  struct Loss {
+    std::optional<double> db;  // none: not known
+    int seen_in = 0;           // the last frame that the method drew
+  } loss_[kMethods];
+  std::unique_ptr<LevelsLoss> levels_loss_;
   bool keyframes_follow_ = false;  // keyframes were drawn, or prepared, in the last frame
   std::atomic<bool> prepared_{false};
   Prepared made_;
   int frame_ = 0, counted_frames_ = 0;
-  double slowness_ = 1;                   // times as slow as the machine of FrameLoad
-  std::optional<Background> background_;  // last: it ends first
+  double slowness_ = 1;               // times as slow as the machine of FrameLoad
+  std::optional<IdleThread> beside_;  // last: it ends first
 };
 
 Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& options,
@@ -150,6 +178,7 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
   made->shared_chooser_ = chooser.get();
   for (const Material& material : backend.scene().materials)
     made->masked_ = made->masked_ || material.alpha_mode == AlphaMode::mask;
+  for (const Object& object : backend.scene().objects) made->moves_ = made->moves_ || object.moving;
   made->bends_ = backend.deformations() && !backend.deformations()->meshes.empty();
   Result<std::unique_ptr<FrameSource>> frames{Error{}};
   if (made->bends_) {
@@ -215,7 +244,8 @@ void AutoFrames::look(const Camera& camera) {
       FrameLoad::kKeyframesOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
   keyframes.prepare_ms =
       slow * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
-  keyframes.good_enough = good_enough();
+  keyframes.good_enough = good_enough(kKeyframes);
+  outlook_[kLevels].good_enough = good_enough(kLevels);
   if (keyframes_) {
     keyframes.ready = keyframes_follow_ && keyframes_->prepared();
     keyframes.preparable = !keyframes.ready;
@@ -225,13 +255,28 @@ void AutoFrames::look(const Camera& camera) {
   if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
 }
 
-// Are keyframes? What was not may be, some time later.
-bool AutoFrames::good_enough() {
-  if (loss_db_ && *loss_db_ > options_.loss_db && frame_ - lost_in_ > kLooksAgain) {
-    loss_db_.reset();
-    keyframes_->forget_loss();
+// Is a method whose loss is measured? What was not may be, some time later.
+bool AutoFrames::good_enough(int method) {
+  Loss& of = loss_[method];
+  if (of.db && *of.db > options_.loss_db && frame_ - of.seen_in > kLooksAgain) {
+    of.db.reset();
+    if (method == kKeyframes) keyframes_->forget_loss();
+    if (method == kLevels) levels_loss_->loss.forget();
   }
-  return !loss_db_ || *loss_db_ <= options_.loss_db;
+  return !of.db || *of.db <= options_.loss_db;
+}
+
+// Of the frame that was drawn last.
+void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
+  Loss& of = loss_[choice.draws];
+  of.seen_in = frame_;
+  if (of.db && frame_ % kLossFrames != 0) return;
+  if (choice.draws == kKeyframes) of.db = keyframes_->sample_loss();
+  if (choice.draws != kLevels || !levels_loss_) return;
+  const SoftwareTarget* target = active_->software_target();
+  if (!target) return;
+  levels_loss_->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
+  if (levels_loss_->loss.known()) of.db = levels_loss_->loss.loss_db();
 }
 
 void AutoFrames::prepare(int method) {
@@ -243,11 +288,17 @@ void AutoFrames::prepare(int method) {
   }
   preparing_ = method;
   prepared_ = false;
-  if (!background_) background_.emplace();
+  if (!beside_) beside_.emplace();
   const Scene& scene = (*software)->scene();
-  background_->run([this, method, &scene] {
+  beside_->run([this, method, &scene] {
     if (method == kRays) made_.rays = RayVisibility::create(scene);
-    if (method == kLevels) made_.levels = make_object_levels(scene);
+    if (method == kLevels) {
+      made_.levels = make_object_levels(scene);
+      // What moves is not where the rays' scene has it.
+      if (meshes_triangles_ <= kMostForLoss && !moves_)
+        if (Result<RayScene> rays = RayScene::create(scene))
+          made_.levels_loss = std::make_unique<LevelsLoss>(std::move(*rays));
+    }
     if (method == kKeyframes) {
       KeyframeFramesOptions keyframes;
       keyframes.samples = backend_.samples();
@@ -264,7 +315,7 @@ void AutoFrames::prepare(int method) {
 // Takes what was prepared.
 Result<> AutoFrames::adopt() {
   if (preparing_ < 0 || !prepared_) return Done{};
-  background_->wait();
+  beside_->wait();
   const int method = std::exchange(preparing_, -1);
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) return software.error();
@@ -274,6 +325,7 @@ Result<> AutoFrames::adopt() {
         **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
   if (method == kLevels && made_.levels)
     frames = make_level_frames(backend_, std::move(*made_.levels), kLevelError * options_.error_px);
+  if (method == kLevels) levels_loss_ = std::move(made_.levels_loss);
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes->get();
     frames = backend_.present(std::move(*made_.keyframes));
@@ -322,8 +374,6 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   double ms = watch.ms(), beside_ms = 0;
   if (choice.draws == kKeyframes) {
     keyframes_follow_ = true;
-    if (!loss_db_ || frame_ % kLossFrames == 0) loss_db_ = keyframes_->sample_loss();
-    lost_in_ = frame_;
   } else if (choice.prepares == kKeyframes && keyframes_) {
     if (Result<> done = prepare_keyframes(camera, time); !done) return done;
     beside_ms = watch.ms() - ms;
@@ -332,6 +382,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     keyframes_follow_ = false;
     if (choice.prepares >= 0) prepare(choice.prepares);
   }
+  if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
+    measure_loss(camera, choice);
   const double counted_ms = shared_chooser_->counted_ms();
   if (!options_.by_clock) {
     ms = counted_ms, beside_ms = 0;

@@ -29,8 +29,15 @@ constexpr double kMuchMore = 1.3;
 // The frames of a trial after the warm-up; and of one that ends within kClose of the other's time.
 constexpr int kTrial = 3, kCloseTrial = 10;
 constexpr double kClose = 0.15;
-// A trial whose frames take this much more ends at once; after a warm-up.
-constexpr double kHopeless = 1.6;
+// A trial of which a frame takes this much more ends at once; after a warm-up. So one that fails is
+// two frames, and not more than a hundredth of a walk of some seconds.
+constexpr double kHopeless = 1.25;
+// Of what warms up for longer.
+constexpr double kHopelessWarmingUp = 1.6;
+// What warms up for so many frames is dear to return to: who leaves it must gain kGainOfLeaving
+// more.
+constexpr int kWarmsUpLong = 5;
+constexpr double kGainOfLeaving = 0.15;
 // And one whose frames together take so many frames' time more.
 constexpr double kMostMore = 5;
 
@@ -109,14 +116,18 @@ double AutoDecision::hoped(int i, const AutoOutlook& outlook) const {
   return ms * (1 - (cost.mean_ms == 0 ? kGuessDoubt : doubt(cost.age)));
 }
 
-bool AutoDecision::better(double ms, int rank, double than_ms, int than_rank) const {
+bool AutoDecision::better(double ms, int candidate, double than_ms, int than) const {
+  const int rank = candidates_[std::size_t(candidate)].rank,
+            than_rank = candidates_[std::size_t(than)].rank;
   if (pace_ms_ > 0) {
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
   // Each step down in quality must gain as much again.
-  return rank < than_rank ? ms < than_ms
-                          : ms < (1 - kGain * std::max(1, rank - than_rank)) * than_ms;
+  const double leaving =
+      candidates_[std::size_t(than)].warm_up >= kWarmsUpLong ? kGainOfLeaving : 0;
+  const double gain = rank < than_rank ? 0 : kGain * std::max(1, rank - than_rank);
+  return ms < (1 - gain - leaving) * than_ms;
 }
 
 // What a frame may take at no loss.
@@ -138,8 +149,7 @@ int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
     if (i == draws_ || !one.ready || !one.good_enough || cost.mean_ms == 0 || cost.age > kKnown)
       continue;
     const double ms = expected(i, one);
-    if (!better(ms, candidates_[std::size_t(i)].rank, best_ms, candidates_[std::size_t(best)].rank))
-      continue;
+    if (!better(ms, i, best_ms, best)) continue;
     best = i, best_ms = ms;
   }
   return best;
@@ -157,7 +167,7 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (cost.fails > 0 && cost.age < cost.gap) continue;
     const double hope = hoped(i, one), likely = std::max(expected(i, one), hope);
     const AutoCandidate& candidate = candidates_[std::size_t(i)];
-    if (!better(hope, candidate.rank, now, candidates_[std::size_t(draws_)].rank)) continue;
+    if (!better(hope, i, now, draws_)) continue;
     // A model knows what has changed since; without one the method may have become cheaper.
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
     const int frames = candidate.warm_up + kTrial;
@@ -201,12 +211,14 @@ void AutoDecision::change(int to) {
 bool AutoDecision::trial_over() const {
   const int warm_up = candidates_[std::size_t(trial_)].warm_up;
   const int drawn = int(trial_ms_.size()) - warm_up;
-  const double now = costs_[std::size_t(draws_)].mean_ms, hopeless = kHopeless * free_ms();
+  const bool long_warm_up = warm_up >= kWarmsUpLong;
+  const double now = costs_[std::size_t(draws_)].mean_ms;
+  const double hopeless = (long_warm_up ? kHopelessWarmingUp : kHopeless) * free_ms();
   if (trial_ms_.empty()) return false;
   // The first frames of what must warm up say little; of what need not, enough.
-  if (trial_ms_.back() > hopeless &&
-      (warm_up == 0 || (2 * int(trial_ms_.size()) >= warm_up && trial_ms_.size() >= 2 &&
-                        trial_ms_[trial_ms_.size() - 2] > hopeless)))
+  const int measured = int(trial_ms_.size()) - (long_warm_up ? warm_up / 2 : warm_up);
+  if (trial_ms_.back() > hopeless && measured > 0 &&
+      (!long_warm_up || trial_ms_[trial_ms_.size() - 2] > hopeless))
     return true;
   double more = 0;
   for (const double ms : trial_ms_) more += ms - free_ms();
@@ -231,7 +243,7 @@ void AutoDecision::end_trial(std::span<const AutoOutlook> outlook) {
   const double now = costs_[std::size_t(draws_)].mean_ms;
   const bool wins = outlook[std::size_t(trial_)].ready &&
                     outlook[std::size_t(trial_)].good_enough &&
-                    better(cost.mean_ms, tried.rank, now, candidates_[std::size_t(draws_)].rank);
+                    better(cost.mean_ms, trial_, now, draws_);
   const int to = trial_;
   trial_ = -1;
   trial_ms_.clear();

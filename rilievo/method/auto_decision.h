@@ -7,10 +7,11 @@
 // A trial must be able to pay. What a method took, or what a model says that it would, is taken for
 // the less certain the older it is; only what may then be cheaper is tried, not if it would take
 // over kMaySpike times the frame, and only while all that trials have cost stays below kTrialShare
-// of all time. What must be prepared first must gain as much in kPaysWithin frames, times its chance
-// to be good enough, and a good deal; where a model says that it takes less than half of what any
-// other does, it is prepared from the first frame on. Each trial that fails doubles the time to the next one of that method. So a walk on which
-// nothing changes costs next to nothing, and where the costs change the next trial is soon.
+// of all time. What must be prepared first must gain as much in kPaysWithin frames, times its
+// chance to be good enough, and a good deal; where a model says that it takes less than half of
+// what any other does, it is prepared from the first frame on. Each trial that fails doubles the
+// time to the next one of that method. So a walk on which nothing changes costs next to nothing,
+// and where the costs change the next trial is soon.
 //
 // A method is changed for one that is cheaper by kGain for each step down in quality, or as cheap
 // and of a better one. With a pace, of all that keep it the best in quality is taken. The same
@@ -122,7 +123,7 @@ class AutoDecision {
 
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double hoped(int i, const AutoOutlook& outlook) const;
-  [[nodiscard]] bool better(double ms, int rank, double than_ms, int than_rank) const;
+  [[nodiscard]] bool better(double ms, int candidate, double than_ms, int than) const;
   [[nodiscard]] double free_ms() const;
   [[nodiscard]] bool affordable(double ms) const;
   [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;

@@ -112,8 +112,9 @@ TEST(AutoDecision, finds_the_cheapest_of_random_costs) {
     // change a hundred.
     EXPECT_LT(drawn.changes, 60);
   }
-  // What it loses is the beginning, trials, and methods within kGain of the best.
-  EXPECT_LT(worst, 1.15);
+  // What it loses is the beginning, trials, and methods within kGain of the best, or of what is
+  // dear to return to within kGain and 15 %.
+  EXPECT_LT(worst, 1.2);
   EXPECT_LT(sum / kCases, 1.03);
 }
 

@@ -135,7 +135,9 @@ TEST(MakeBoundedLevels, no_sampled_point_is_farther_away_than_the_error) {
                  back = sampled_distance(leveled.scene, model(levels[i]), model(levels[0]), random);
     // Single precision of coordinates up to 8.
     EXPECT_LE(std::max(there, back), levels[i].error + 1e-6) << i;
-    EXPECT_GE(std::max(there, back), 0.3 * levels[i].error) << i;  // it is no mere guess
+    // It is no mere guess: errors that do not lie along the part's longest axis, three times as
+    // long as the others, are a third of the bound, and samples seldom meet the largest.
+    EXPECT_GE(std::max(there, back), 0.25 * levels[i].error) << i;
   }
 }
 

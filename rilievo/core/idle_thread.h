@@ -1,0 +1,41 @@
+// How does work run beside frames without slowing them?
+//
+// Background takes one of the workers of parallel_for, so that frames have one core less. This is a
+// thread of its own with the lowest priority of the system: it gets what frames leave, which is a
+// good part of a core where they do not fill all of them, and takes longer.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace rilievo {
+
+// Runs tasks one after the other, in their order.
+class IdleThread {
+ public:
+  IdleThread();
+  // Waits for all tasks.
+  ~IdleThread();
+  IdleThread(const IdleThread&) = delete;
+  IdleThread& operator=(const IdleThread&) = delete;
+
+  // Queues a task, and returns at once. The task can read what was written before, may use
+  // parallel_for, which then runs on this thread alone, and must not throw.
+  void run(std::function<void()> task);
+  // Returns when all tasks are done. Later code can read what they wrote.
+  void wait();
+
+ private:
+  void work();
+
+  std::mutex mutex_;  // held for the queue alone
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> tasks_;
+  bool busy_ = false, ends_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace rilievo
