@@ -15,6 +15,7 @@
 #include "rilievo/measure/report.h"
 #include "rilievo/measure/visibility.h"
 #include "rilievo/method/method.h"
+#include "rilievo/render/software/software_target.h"
 
 namespace rilievo::bench {
 namespace {
