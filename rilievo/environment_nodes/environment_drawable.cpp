@@ -69,6 +69,7 @@ struct EnvironmentDrawable::State {
   mutable std::mutex errors_mutex;
   NodeWorkingSet working;
   std::vector<std::size_t> drawn;
+  std::optional<Sky> sky = nodes.sky();
 
   void take_all() {
     while (std::optional<LoadedNode> loaded = working.take()) {
@@ -167,6 +168,8 @@ CostTerms EnvironmentDrawable::cost_terms(std::uint32_t) const {
 std::size_t EnvironmentDrawable::bytes() const {
   return state_->nodes.bytes() + state_->store->bytes();
 }
+
+const Sky* EnvironmentDrawable::sky() const { return state_->sky ? &*state_->sky : nullptr; }
 
 std::size_t EnvironmentDrawable::most_in_memory() const { return state_->working.most_in_memory(); }
 

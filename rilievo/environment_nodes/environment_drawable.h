@@ -43,6 +43,7 @@ class EnvironmentDrawable final : public Drawable {
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;
   [[nodiscard]] std::size_t bytes() const override;
+  [[nodiscard]] const Sky* sky() const override;
 
   // The largest number of nodes that were in memory or being loaded at a time; and the first error,
   // if there was one.

@@ -42,6 +42,12 @@ std::size_t EnvironmentNodes::bytes() const {
   return sum;
 }
 
+std::optional<Sky> EnvironmentNodes::sky() const {
+  SkySums sums;
+  for (const NodeSketch& node : nodes) sums += node.sky;
+  return fit_sky(sums);
+}
+
 NodeSketch make_sketch(const EnvironmentMap& map) {
   NodeSketch sketch;
   sketch.world_from_node = world_from_node(map);
@@ -77,6 +83,7 @@ NodeSketch make_sketch(const EnvironmentMap& map) {
                                        : 0.0f;
       }
   }
+  sketch.sky = sky_sums(map);
   sketch.covered = double(covered) / (6.0 * n * n);
   return sketch;
 }

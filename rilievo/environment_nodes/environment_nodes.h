@@ -7,11 +7,13 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/stroke_size.h"
+#include "rilievo/environment_nodes/fit_sky.h"
 #include "rilievo/environment_nodes/node_mesh.h"
 
 namespace rilievo {
@@ -27,6 +29,7 @@ struct NodeSketch {
   // The distance along the line of sight of what a direction shows, kSize x kSize for each face;
   // infinite for the sky, 0 where nothing is shown.
   std::array<Image<float>, 6> distance;
+  SkySums sky;
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(world_from_node[3]); }
 };
@@ -43,6 +46,8 @@ struct EnvironmentNodes {
 
   [[nodiscard]] Box bounds() const;
   [[nodiscard]] std::size_t bytes() const;
+  // The sky that they saw; none if they saw none.
+  [[nodiscard]] std::optional<Sky> sky() const;
 };
 
 // The sketch of a node. Requires a valid environment.

@@ -6,6 +6,14 @@
 
 namespace rilievo {
 
+const Sky& FrameContent::sky_over(const Scene& scene) const {
+  if (scene.objects.empty())
+    for (const Set& set : sets)
+      if (!set.instances.empty())
+        if (const Sky* own = set.drawable->sky()) return *own;
+  return scene.sky;
+}
+
 std::string FrameDecision::sentence() const {
   if (method.empty()) return {};
   std::string text = fmt::format("{} ({}", method, reason);

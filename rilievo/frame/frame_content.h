@@ -14,6 +14,7 @@
 
 #include "rilievo/kind/drawable.h"
 #include "rilievo/render/cross_fade.h"
+#include "rilievo/scene/scene.h"
 
 namespace rilievo {
 
@@ -28,7 +29,11 @@ struct FrameContent {
   std::vector<std::uint32_t> polygons;  // indices into Scene::objects
   std::vector<CrossFade> fading;  // polygons with a cross-fade range; an object can have several
   bool outlines = false;          // draw outlines around pictures (S1.8)
-  bool sky = true;                // draw the scene's sky behind everything
+  bool sky = true;                // draw the sky behind everything
+
+  // The sky of a frame: of the first drawn set that knows one if the scene is empty, so that a
+  // baked file is seen under its own; else the scene's.
+  [[nodiscard]] const Sky& sky_over(const Scene& scene) const;
 
   // Removes all instances and polygons but keeps the sets.
   void clear() {

@@ -25,6 +25,7 @@
 namespace rilievo {
 
 class TileDrawer;
+struct Sky;
 
 // What drawing writes besides depth.
 enum class Output {
@@ -130,6 +131,10 @@ class Drawable {
   [[nodiscard]] virtual CostTerms cost_terms(std::uint32_t item) const = 0;
   // The memory that it takes to draw, bytes.
   [[nodiscard]] virtual std::size_t bytes() const = 0;
+
+  // The sky around what it shows, for directions in which its pictures show nothing; null: it knows
+  // none. Lives as long as the drawable.
+  [[nodiscard]] virtual const Sky* sky() const { return nullptr; }
 
   // The pictures from which an instance is drawn, if the kind keeps them.
   [[nodiscard]] virtual std::vector<DepthImage> read_pictures(const Instance& /*instance*/) const {

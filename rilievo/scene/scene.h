@@ -167,6 +167,8 @@ struct Sky {
   glm::vec3 zenith{0.25f, 0.45f, 0.85f};
   glm::vec3 horizon{0.75f, 0.82f, 0.90f};
   glm::vec3 ground{0.20f, 0.19f, 0.17f};
+
+  bool operator==(const Sky&) const = default;
 };
 
 // A scene with everything that it owns.

@@ -206,6 +206,7 @@ Result<> add_nodes(const EnvironmentNodes& nodes, WalkWriter& writer, WalkManife
   Result<WalkSketches> sketches = write_sketches(nodes, writer);
   if (!sketches) return sketches.error();
   manifest.sketches = std::move(*sketches);
+  manifest.sky = nodes.sky();
   return Done{};
 }
 

@@ -16,11 +16,13 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
+#include "rilievo/scene/scene.h"
 #include "rilievo/warp/texel_links.h"
 
 namespace rilievo {
@@ -143,6 +145,7 @@ struct WalkManifest {
   double z_near = 0.1, z_far = 1000;
   std::vector<WalkNode> nodes;  // with their sketches, or none
   WalkSketches sketches;
+  std::optional<Sky> sky;  // behind what the nodes show; none: the viewer's own
   WalkPictures pictures;
   WalkReliefs reliefs;
 };

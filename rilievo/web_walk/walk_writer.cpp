@@ -163,6 +163,11 @@ nlohmann::json json_of(const WalkManifest& walk) {
   if (walk.origin != glm::dvec3(0)) json["origin"] = json_of(walk.origin);
   if (!walk.pictures.pictures.empty()) json["pictures"] = json_of(walk.pictures);
   if (!walk.reliefs.reliefs.empty()) json["reliefs"] = json_of(walk.reliefs);
+  const auto color = [](const glm::vec3& c) { return json_of(glm::dvec3(c)); };
+  if (walk.sky)
+    json["sky"] = {{"zenith", color(walk.sky->zenith)},
+                   {"horizon", color(walk.sky->horizon)},
+                   {"ground", color(walk.sky->ground)}};
   if (!walk.nodes.empty()) {
     json["nodes"] = nodes;
     json["sketches"] = json_of(walk.sketches.file);

@@ -10,6 +10,7 @@
 #include "rilievo/environment_nodes/bake_nodes_test_helpers.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/scene/builtin/builtin.h"
+#include "rilievo/scene/mesh_tools.h"
 
 namespace rilievo {
 namespace {
@@ -72,6 +73,51 @@ TEST(BakedNodes, of_the_ray_tracer_have_its_shadows_from_eyes_between_them) {
   }
   // Half a decibel in the mean: blur is the larger part of what is wrong.
   EXPECT_GT(gained / double(between.size()), 0.3);
+}
+
+// Teapots of glass that bends light, on a floor: what is behind them is seen through them, which no
+// polygons without the tracer show.
+TEST(BakedNodes, show_teapots_of_glass_as_the_ray_tracer_does_between_them) {
+  const auto built = make_builtin("builtin:teapots?triangles=10000");
+  ASSERT_TRUE(built);
+  Scene scene = built->scene;
+  int of_glass = 0;
+  for (Material& material : scene.materials) {
+    // The floor, and every other teapot, stay as they are.
+    if (++of_glass % 2 != 0) continue;
+    material.alpha_mode = AlphaMode::blend;
+    material.transmission = 1, material.ior = 1.4f, material.refracts = true;
+    material.roughness = 0, material.base_color = glm::vec4(0.95f, 0.98f, 1.0f, 1.0f);
+  }
+  finish(scene);
+  const auto opaque = RayScene::create(scene), all = RayScene::create(scene, 0, RayParts::all);
+  ASSERT_TRUE(opaque && all);
+  RaySource by_rays(*opaque);
+  RayTracer tracer(*all);
+  LitSource traced(by_rays, tracer, {.samples = 4}), truth_source(by_rays, tracer, {.samples = 16});
+  const EnvironmentNodes plain = test_baked_nodes::bake(by_rays),
+                         lit = test_baked_nodes::bake(traced);
+  const std::vector<glm::dvec3> places = test_baked_nodes::places(by_rays);
+  std::vector<Camera> between;
+  for (int step = 0; step < 5; ++step)
+    between.push_back(
+        test_baked_nodes::camera_at(glm::mix(places[0], places[1], 0.1 + 0.2 * step), step));
+  const std::vector<Rgba8Image> without = test_baked_nodes::draw(plain, scene, between),
+                                with = test_baked_nodes::draw(lit, scene, between);
+  double lit_db = 0, gained = 0;
+  for (std::size_t i = 0; i < between.size(); ++i) {
+    const Result<CapturedPicture> truth =
+        truth_source.capture({.camera = between[i], .with_sky = true});
+    ASSERT_TRUE(truth);
+    const Rgba8Image frame = srgb8_from_linear(truth->picture.color);
+    const double psnr = psnr_db(frame, with[i]);
+    lit_db += psnr / double(between.size());
+    gained += (psnr - psnr_db(frame, without[i])) / double(between.size());
+  }
+  testing::Test::RecordProperty("lit_db", std::to_string(lit_db));
+  testing::Test::RecordProperty("gained_db", std::to_string(gained));
+  EXPECT_GT(lit_db, 20);
+  EXPECT_GT(gained, 0.3);
 }
 
 }  // namespace

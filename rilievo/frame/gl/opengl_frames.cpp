@@ -38,7 +38,8 @@ Result<> OpenGLFrames::draw_chosen() {
 
   guard.bind_frame();
   draw_opaque(Output::color);
-  if (content_.sky) renderer_.draw_sky(camera_, OutputEncoding::srgb);
+  if (content_.sky)
+    renderer_.draw_sky(content_.sky_over(renderer_.scene()), camera_, OutputEncoding::srgb);
   scratch_.clear();
   const Frustum frustum = frustum_of(camera_);
   for (const std::uint32_t object : blended_)

@@ -64,6 +64,7 @@ Result<> SoftwareFrames::draw_chosen() {
   place_sets(Output::color);
   drawers_.push_back(&polygons_.shading());
   if (content_.sky) {
+    sky_tiles_.set(content_.sky_over(placed_.scene()));
     sky_tiles_.place(camera_);
     drawers_.push_back(&sky_tiles_);
   }

@@ -30,7 +30,7 @@ bool lit_by_one_sun(const Scene& scene) {
          (scene.lights.size() == 1 && scene.lights[0].kind == Light::Kind::directional);
 }
 
-shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
+shader::ViewBlock view_block(const Camera& camera, const Scene& scene, const Sky& sky) {
   shader::ViewBlock view;
   const glm::dmat4 clip = clip_from_relative(camera);
   view.clip_from_relative = glm::mat4(clip);
@@ -38,9 +38,9 @@ shader::ViewBlock view_block(const Camera& camera, const Scene& scene) {
   const bool parallel = camera.projection == Projection::parallel;
   view.eye_direction = glm::vec4(
       glm::vec3((camera.keeps_farthest() ? 1.0 : -1.0) * camera.forward()), parallel ? 0.0f : 1.0f);
-  view.zenith = glm::vec4(scene.sky.zenith, 0);
-  view.horizon = glm::vec4(scene.sky.horizon, 0);
-  view.ground = glm::vec4(scene.sky.ground, 0);
+  view.zenith = glm::vec4(sky.zenith, 0);
+  view.horizon = glm::vec4(sky.horizon, 0);
+  view.ground = glm::vec4(sky.ground, 0);
   const Light first = scene.lights.empty() ? default_sun() : scene.lights[0];
   view.sun_direction_count = glm::vec4(first.direction, float(scene.lights.size()));
   view.sun_intensity = glm::vec4(first.intensity, 0);
@@ -74,7 +74,8 @@ struct SceneRenderer::State {
   explicit State(const Scene& scene) : scene(&scene), placed(scene) {}
   Result<> compile();
   Result<const gl::Program*> program(unsigned features);
-  void upload_view(const Camera& camera);
+  void upload_view(const Camera& camera) { upload_view(camera, scene->sky); }
+  void upload_view(const Camera& camera, const Sky& sky);
   void upload_lights(const Camera& camera);
   void upload_instances();
   void draw_list(const Camera& camera, unsigned extra_features, bool farthest = false);
@@ -114,8 +115,8 @@ Result<> SceneRenderer::State::compile() {
   return Done{};
 }
 
-void SceneRenderer::State::upload_view(const Camera& camera) {
-  const shader::ViewBlock view = view_block(camera, *scene);
+void SceneRenderer::State::upload_view(const Camera& camera, const Sky& sky) {
+  const shader::ViewBlock view = view_block(camera, *scene, sky);
   view_buffer.upload_and_bind(GL_UNIFORM_BUFFER, 0, std::as_bytes(std::span(&view, 1)));
 }
 
@@ -353,8 +354,12 @@ void SceneRenderer::draw_at_depth(const Camera& camera, std::span<const std::uin
 }
 
 void SceneRenderer::draw_sky(const Camera& camera, OutputEncoding encoding) {
+  draw_sky(state_->scene->sky, camera, encoding);
+}
+
+void SceneRenderer::draw_sky(const Sky& sky, const Camera& camera, OutputEncoding encoding) {
   State& s = *state_;
-  s.upload_view(camera);
+  s.upload_view(camera, sky);
   glUseProgram(s.sky[encoding == OutputEncoding::linear]);
   glBindVertexArray(s.no_vertices);
   glDisable(GL_BLEND);

@@ -81,7 +81,8 @@ class SceneRenderer {
   // Second step: draws the linear colours of these surfaces over their own depths. The back of a
   // single-sided surface looks like its front.
   void draw_at_depth(const Camera& camera, std::span<const std::uint32_t> objects);
-  // Draws the sky where nothing has been drawn yet.
+  // Draws a sky where nothing has been drawn yet: the scene's, or another.
+  void draw_sky(const Sky& sky, const Camera& camera, OutputEncoding encoding);
   void draw_sky(const Camera& camera, OutputEncoding encoding);
 
   // The program called `name`, which lives as long as the renderer. The first call for a name makes

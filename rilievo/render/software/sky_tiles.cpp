@@ -74,7 +74,10 @@ namespace rilievo {
 
 HWY_EXPORT(draw_sky);
 
-SkyTiles::SkyTiles(const Sky& sky) {
+void SkyTiles::set(const Sky& sky) {
+  if (!table_.empty() && sky == sky_) return;
+  sky_ = sky;
+  table_.clear();
   for (const bool below : {false, true})
     for (int i = 0; i < kEntries; ++i) {
       const float root = float(i) / float(kEntries - 1);

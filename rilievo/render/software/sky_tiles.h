@@ -17,8 +17,10 @@ namespace rilievo {
 // Draws the sky into the tiles of a SoftwareTarget. Must be the last to draw: the sky has no depth.
 class SkyTiles final : public TileDrawer {
  public:
-  explicit SkyTiles(const Sky& sky);
+  explicit SkyTiles(const Sky& sky) { set(sky); }
 
+  // Shows another sky from now on; costs nothing if it is the same.
+  void set(const Sky& sky);
   // Prepares a frame. Requires a perspective camera.
   void place(const Camera& camera);
 
@@ -34,6 +36,7 @@ class SkyTiles final : public TileDrawer {
   };
 
  private:
+  Sky sky_;
   std::vector<std::uint32_t> table_;
   glm::vec3 first_{0, 0, -1}, per_x_{0}, per_y_{0};
 };
