@@ -97,7 +97,7 @@ export class Walk {
   private readonly mostDrawn: number;
   private readonly mostLoading: number;
   private chooser: NodeChooser | null = null;
-  /** Instead of nodes. */
+  /** Of an object, alone or among nodes. */
   private pictures: Pictures | null = null;
   private makePictures: ((gl: WebGL2RenderingContext) => Pictures) | null = null;
   private slots: Slot[] = [];
@@ -154,36 +154,54 @@ export class Walk {
 
   /**
    * Draws into a framebuffer (null: the canvas), with depth, as large as the view, from (x, y) on.
-   * With `sky` what the walk does not show is the library's default sky, at the far plane.
+   * With `sky` what the walk does not show is its own sky or, if it has none, the library's default, at the far plane.
    */
   draw(view: View, framebuffer: WebGLFramebuffer | null, sky = false, x = 0, y = 0): void {
     const { gl } = this;
     if (gl.isContextLost()) return;
-    const layers = this.drawLayers(view);
-    if (layers === 0 && !sky) return;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.viewport(x, y, view.width, view.height);
-    if (layers === 0) this.drawer.drawSky(view, x, y);
-    else this.drawer.merge(view, sky, x, y);
+    let calls = 0, triangles = 0, drawn = false;
+    // The nodes and, by depth, what stands among them.
+    for (const some of [this.drawNodes, this.drawObject]) {
+      if (!some.call(this, view)) continue;
+      const { stats } = this.drawer;
+      stats.drawCalls += calls;
+      stats.triangles += triangles;
+      gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+      gl.viewport(x, y, view.width, view.height);
+      this.drawer.merge(view, sky && !drawn, x, y);
+      ({ drawCalls: calls, triangles } = stats);
+      drawn = true;
+    }
+    if (!drawn && sky) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+      gl.viewport(x, y, view.width, view.height);
+      this.drawer.drawSky(view, x, y);
+    }
     this.count();
   }
 
-  /** Draws nodes into the layers of `drawer` alone: how many? */
+  /** Draws nodes, or an object that is alone, into the layers of `drawer` alone: how many? */
   drawLayers(view: View): number {
-    const { pictures } = this;
-    if (pictures && pictures.stats.there > 0) {
-      pictures.prepare(view);
-      pictures.draw(view, this.drawer.beginOther(view));
-      this.drawer.endOther();
-      this.drawer.stats.drawCalls = pictures.stats.drawCalls;
-      this.drawer.stats.triangles = pictures.stats.triangles;
-      this.count();
-      return 1;
-    }
-    if (this.drawn.length === 0) return 0;
+    return this.drawNodes(view) || this.drawObject(view) ? this.drawer.layers : 0;
+  }
+
+  private drawNodes(view: View): boolean {
+    if (this.drawn.length === 0) return false;
     this.drawer.drawLayers(view, this.drawn, this.drawn.length);
     this.count();
-    return this.drawer.layers;
+    return true;
+  }
+
+  private drawObject(view: View): boolean {
+    const { pictures } = this;
+    if (!pictures || pictures.stats.there === 0) return false;
+    pictures.prepare(view);
+    pictures.draw(view, this.drawer.beginOther(view));
+    this.drawer.endOther();
+    this.drawer.stats.drawCalls = pictures.stats.drawCalls;
+    this.drawer.stats.triangles = pictures.stats.triangles;
+    this.count();
+    return true;
   }
 
   /** Draws identifiers of objects as colours (red + 256 green), if the walk and the options have them. */
@@ -195,8 +213,8 @@ export class Walk {
   /** Is everything there that an eye needs which is where update() was told last? */
   get settled(): boolean {
     const { chooser } = this;
-    if (this.pictures) return this.pictures.settled;
-    if (!chooser) return this.failed !== null;
+    if (this.pictures && !this.pictures.settled) return false;
+    if (!chooser) return this.pictures !== null || this.failed !== null;
     for (let k = 0; k < Math.min(this.mostDrawn, this.slots.length); ++k) {
       const slot = this.slots[chooser.best[k]];
       if (slot.level < slot.most - 1 || slot.next) return false;
@@ -209,6 +227,7 @@ export class Walk {
     this.gl = gl;
     ++this.generation;
     this.drawer = new NodeDrawer(gl);
+    if (this.manifest?.sky) this.drawer.useSky(this.manifest.sky);
     this.nodeBytes = 0;
     this.drawn.length = 0;
     this.pictures?.dispose();
@@ -248,6 +267,7 @@ export class Walk {
       manifest = await this.openPictures(manifest);
       if (sketches) await this.openNodes(manifest, sketches);
       this.manifest = manifest;
+      if (manifest.sky) this.drawer.useSky(manifest.sky);
       this.update(...manifest.start.eye);
       this.options.onNeedsDraw?.();
       await first;

@@ -140,6 +140,13 @@ export interface LiveEntry {
   readonly unit: number;
 }
 
+/** A sky of two colours, blended by elevation; linear. */
+export interface SkyEntry {
+  readonly zenith: Vector;
+  readonly horizon: Vector;
+  readonly ground: Vector;
+}
+
 export interface Manifest {
   readonly name: string;
   readonly up: Vector;
@@ -152,8 +159,11 @@ export interface Manifest {
     readonly zFar: number;
   };
   readonly nodes: readonly NodeEntry[];
-  /** Of the nodes; null: there are none, but pictures or reliefs. */
+  /** Of the nodes; null: there are none, but an object alone. */
   readonly sketches: SketchesEntry | null;
+  /** Behind what nodes show; null: the viewer's own. */
+  readonly sky: SkyEntry | null;
+  /** Of an object, alone or among the nodes. */
   readonly pictures: PicturesEntry | null;
   readonly reliefs: ReliefsEntry | null;
   /** Where a walk begins the server says. */
@@ -236,6 +246,10 @@ export function parseManifest(text: string, where: string): Manifest {
     steps: Math.max(1, count(object(value, name).steps, `${name}.steps`, 65535)),
   });
 
+  const skyOf = (of: Json): SkyEntry => {
+    const color = (name: string): Vector => vector(of[name], `sky.${name}`);
+    return { zenith: color("zenith"), horizon: color("horizon"), ground: color("ground") };
+  };
   const matrix = (value: unknown, name: string): Float64Array => {
     const numbers = list(value, name).map((n) => number(n, name));
     if (numbers.length !== 16) fail(`${name} has not 16 numbers`);
@@ -354,9 +368,10 @@ export function parseManifest(text: string, where: string): Manifest {
   const start = live ? {} : object(root.start, "start");
   const pictures = root.pictures === undefined ? null : picturesOf(object(root.pictures, "pictures"));
   const reliefs = root.reliefs === undefined ? null : reliefsOf(object(root.reliefs, "reliefs"));
-  const others = pictures ?? reliefs ?? live;
-  const sketches = others ? null : object(root.sketches, "sketches");
-  const nodes = (others ? [] : list(root.nodes, "nodes")).map((value, i): NodeEntry => {
+  // Nodes, an object, or an object among nodes.
+  const others = pictures ?? reliefs ?? live, alone = others !== null && root.nodes === undefined;
+  const sketches = alone ? null : object(root.sketches, "sketches");
+  const nodes = (alone ? [] : list(root.nodes, "nodes")).map((value, i): NodeEntry => {
     const name = `nodes[${i}]`;
     const node = object(value, name);
     const worldFromNode = matrix(node.world_from_node, `${name}.world_from_node`);
@@ -379,7 +394,7 @@ export function parseManifest(text: string, where: string): Manifest {
       levels,
     };
   });
-  if (!others && nodes.length === 0) fail("it has no node");
+  if (!alone && nodes.length === 0) fail("it has no node");
   return {
     name: typeof root.name === "string" ? root.name : "",
     up: live ? [0, 1, 0] : vector(root.up, "up"),
@@ -391,6 +406,7 @@ export function parseManifest(text: string, where: string): Manifest {
       zFar: number(start.z_far, "start.z_far", 1e-9, 1e12),
     },
     nodes,
+    sky: root.sky === undefined ? null : skyOf(object(root.sky, "sky")),
     pictures,
     reliefs,
     live,

@@ -85,7 +85,11 @@ test("a manifest is read, and each fault in it named", async () => {
     [(m) => (m.start.eye = [0, 0]), /start.eye/],
     [(m) => (m.sketches.bytes = -1), /sketches.bytes/],
     [(m) => delete m.up, /up/],
+    [(m) => (m.sky = { zenith: [0, 0, 1], horizon: [1, 1, 1] }), /sky.ground/],
   ];
+  assert.equal(manifest.sky, null);
+  const sky = { zenith: [0, 0.25, 1], horizon: [1, 1, 1], ground: [0, 0, 0] };
+  assert.deepEqual(parseManifest(JSON.stringify({ ...goodManifest(), sky }), "walk.json").sky, sky);
   for (const [damage, expected] of faults) {
     const bad = structuredClone(goodManifest());
     damage(bad);
@@ -132,6 +136,15 @@ test("a manifest of reliefs is read, and each fault in it named", async () => {
     damage(bad);
     assert.throws(() => parseManifest(JSON.stringify(bad), "walk.json"), expected);
   }
+});
+
+test("an object may stand among nodes", async () => {
+  const { parseManifest } = await load("manifest");
+  const { nodes, reliefs, sketches } = parseManifest(
+    JSON.stringify({ ...goodReliefs(), ...goodManifest() }), "walk.json");
+  assert.equal(nodes.length, 1);
+  assert.equal(reliefs.list.length, 1);
+  assert.equal(sketches.size, 24);
 });
 
 test("nodes that see the eye come first, and of them the nearest", async () => {

@@ -3,8 +3,9 @@
 
 import { kFaceAxes } from "../choose.js";
 import { Layers } from "./layers.js";
+import type { SkyEntry } from "../manifest.js";
 import {
-  kSkyTexels, mergeProgram, nodeProgram, showObjectsProgram, skyProgram, skyTexels,
+  kDefaultSky, kSkyTexels, mergeProgram, nodeProgram, showObjectsProgram, skyProgram, skyTexels,
 } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
 import { checkProgram, type View } from "./program.js";
@@ -65,6 +66,7 @@ export class NodeDrawer {
   private showObjects: WebGLProgram | null = null;
   private sky: { program: WebGLProgram; place: WebGLUniformLocation | null } | null = null;
   private skyTexture: WebGLTexture | null = null;
+  private skyColors: SkyEntry = kDefaultSky;
   private readonly pixels = new Float32Array(9);
   private readonly mergePrograms: (MergeProgram | null)[] = [];
   private readonly noVertices: WebGLVertexArrayObject | null;
@@ -173,6 +175,13 @@ export class NodeDrawer {
     gl.bindVertexArray(null);
     ++this.stats.drawCalls;
     ++this.stats.triangles;
+  }
+
+  /** The sky that is drawn from now on. */
+  useSky(sky: SkyEntry): void {
+    this.gl.deleteTexture(this.skyTexture);
+    this.skyTexture = null;
+    this.skyColors = sky;
   }
 
   /** Draws the sky where nothing was drawn, into the bound framebuffer and viewport. */
@@ -367,7 +376,8 @@ export class NodeDrawer {
     gl.bindTexture(gl.TEXTURE_2D, made);
     gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, kSkyTexels, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, skyTexels());
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, kSkyTexels, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE,
+                  skyTexels(this.skyColors));
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
     return made;
   }

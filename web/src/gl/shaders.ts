@@ -2,6 +2,7 @@
 // direction / disparity from the node and is sent homogeneous, so that the rasteriser's own
 // division corrects texture coordinates and the sky lies at infinity (S3.3).
 
+import type { SkyEntry } from "../manifest.js";
 import { beginProgram, compile, kScreenVertex } from "./program.js";
 
 export const kSkyTexels = 2048;
@@ -256,7 +257,7 @@ float node_share${node}(vec4 p) {
 `;
 }
 
-// The default sky of the library (rilievo/scene/scene.h), for what no node shows.
+// The sky of the walk or, if it has none, the default of the library, for what no node shows.
 const kSkyColor = `
 uniform mat3 world_from_pixel;  // the line of sight through a pixel's (x, y, 1)
 uniform highp sampler2D sky;    // skyTexels()
@@ -267,16 +268,22 @@ vec4 sky_color() {
 }
 `;
 
-/** RGBA of the sky: half of it below the horizon, as far as that changes, half by the root of the elevation. */
-export function skyTexels(): Uint8Array {
-  const texels = new Uint8Array(4 * kSkyTexels);
+/** As rilievo/scene/scene.h has it. */
+export const kDefaultSky: SkyEntry = {
+  zenith: [0.25, 0.45, 0.85], horizon: [0.75, 0.82, 0.9], ground: [0.2, 0.19, 0.17],
+};
+
+/** RGBA of a sky: half of it below the horizon, as far as that changes, half by the root of the elevation. */
+export function skyTexels(of: SkyEntry): Uint8ClampedArray {
+  const texels = new Uint8ClampedArray(4 * kSkyTexels);
   for (let i = 0; i < kSkyTexels; ++i) {
     const at = (2 * i) / (kSkyTexels - 1) - 1, above = Math.max(0, at), below = Math.max(0, -at);
     const ground = below * below * (3 - 2 * below);
     for (let c = 0; c < 3; ++c) {
-      const sky = [0.75, 0.82, 0.9][c] * (1 - above) + [0.25, 0.45, 0.85][c] * above;
-      const linear = sky * (1 - ground) + [0.2, 0.19, 0.17][c] * ground;
-      texels[4 * i + c] = Math.round(255 * (1.055 * linear ** (1 / 2.4) - 0.055));
+      const sky = of.horizon[c] * (1 - above) + of.zenith[c] * above;
+      const linear = sky * (1 - ground) + of.ground[c] * ground;
+      // Below 0.003 this is 2 of 255 too dark, at most.
+      texels[4 * i + c] = 255 * (1.055 * linear ** (1 / 2.4) - 0.055);
     }
     texels[4 * i + 3] = 255;
   }
