@@ -21,6 +21,31 @@ void add_source_options(CLI::App& command, BakeCommand& options) {
   command.add_option("--samples", options.source.samples, "Samples of a texel (default 4)")
       ->check(in_range(1, 4096))
       ->type_name("N");
+  auto* only = command
+                   .add_option("--only", options.source.only,
+                               "Take pictures of this object alone, by its name in the scene, in "
+                               "the light of all; may be repeated")
+                   ->type_name("NAME")
+                   ->allow_extra_args(false);
+  command
+      .add_option("--without", options.source.without,
+                  "Leave this object out of the pictures, but not its shadow and its reflections, "
+                  "if the source makes such; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->excludes(only);
+  command
+      .add_option("--noise", options.source.noise,
+                  "exec:PROGRAM: a texel gets no more samples once its noise is below this, by the "
+                  "program's own measure (Cycles': 0.1 is coarse, 0.01 fine)")
+      ->check(in_range(1e-4, 1.0))
+      ->type_name("E");
+  command
+      .add_option("--around-samples", options.source.around_samples,
+                  "exec:PROGRAM, layered impostors and reliefs: samples of the pictures from all "
+                  "around, which show what a view's own picture does not (default --samples)")
+      ->check(in_range(1, 4096))
+      ->type_name("N");
   command
       .add_option("--program-scene", options.source.program_scene,
                   "exec:PROGRAM: the file that the program opens instead of SCENE, whose surfaces "
@@ -48,6 +73,12 @@ void add_source_options(CLI::App& command, BakeCommand& options) {
                   "raytrace, exec:PROGRAM: write the bake's plan in pieces, and bake nothing; or "
                   "the plan of --piece and --join")
       ->type_name("FILE.json");
+  command
+      .add_option("--pieces", options.pieces,
+                  "--plan, --slurm: so many pieces, at most one for each picture (default: as many "
+                  "as take equally long to 20 %, by coarse pictures)")
+      ->check(in_range(1, 1'000'000))
+      ->type_name("N");
   command.add_option("--piece", options.piece, "Make this piece of --plan, from 0")
       ->check(in_range(0, 1'000'000))
       ->type_name("I");
@@ -84,8 +115,14 @@ Result<BakeStep> step_of(const BakeCommand& command) {
   const bool program = !program_named(command.source.source).empty();
   if (!program && !command.source.program_scene.empty())
     return Error{"--program-scene", "is for --source exec:PROGRAM"};
+  if (!program && command.source.noise > 0)
+    return Error{"--noise", "is for --source exec:PROGRAM: others give all texels all samples"};
+  if (!program && command.source.around_samples > 0)
+    return Error{"--around-samples", "is for --source exec:PROGRAM"};
   if (!program && command.axis_depth) return Error{"--axis-depth", "is for --source exec:PROGRAM"};
   if (command.axis_depth && command.ray_depth) return Error{"--axis-depth", "excludes --ray-depth"};
+  if (command.pieces && !command.at_a_time && command.plan.empty())
+    return Error{"--pieces", "is for --plan and --slurm"};
   if (command.at_a_time) return BakeStep::slurm;
   return command.plan.empty() ? BakeStep::whole : BakeStep::plan;
 }

@@ -25,6 +25,7 @@ struct BakeCommand {
   std::string counted = "view";  // what progress counts
   // In pieces:
   std::string plan;              // the file of the plan
+  std::optional<int> pieces;     // how many, at most; none: as many as are even
   std::optional<int> piece;      // the one to make
   bool join = false;             // finish, from the pieces
   std::optional<int> at_a_time;  // by Slurm, so many pieces

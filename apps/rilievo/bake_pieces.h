@@ -1,6 +1,9 @@
 // A bake in pieces: its plan as a file, each piece by a process of its own, and their end.
 //
-//   PLAN            JSON, rilievo-pieces-1: what is baked, and each piece
+// A piece is one or several pictures. Unless their number is given, pieces are as many as can be
+// when all take equally long to a fifth, as far as small pictures with few samples tell.
+//
+//   PLAN            JSON, rilievo-pieces-2: what is baked, each picture, and each piece
 //   PLAN.pictures/  what is finished, a file each, complete or absent
 #pragma once
 
@@ -11,6 +14,7 @@
 
 #include "apps/rilievo/bake_command.h"
 #include "rilievo/capture/store/capture_pieces.h"
+#include "rilievo/capture/store/group_pieces.h"
 #include "rilievo/core/result.h"
 
 namespace rilievo::app {
@@ -19,13 +23,14 @@ namespace rilievo::app {
 struct BakePlan {
   BakeCommand command;  // what is baked; paths are absolute
   std::string content;  // of the scene, as pictures are kept by it
-  std::vector<CapturePiece> pieces;
+  std::vector<CapturePiece> pictures;
+  PieceGroups pieces;  // of these pictures; seconds are 0 if nobody measured them
 };
 
 // Where a plan's pictures are.
 [[nodiscard]] std::filesystem::path pictures_of(const std::string& plan);
 
-// The plan of a bake; `bake` runs it with a source that records.
+// The plan of a bake, and how long it took to measure; `bake` runs it with a source that records.
 [[nodiscard]] Result<BakePlan> make_plan(
     const BakeCommand& command, BakeSource& source,
     const std::function<Result<>(CaptureSource&, const std::function<void(int, int)>&)>& bake);

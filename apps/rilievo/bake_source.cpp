@@ -1,11 +1,10 @@
 #include "apps/rilievo/bake_source.h"
 
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "rilievo/capture/shaders/ray_tracer.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/capture/store/content_hash.h"
+#include "rilievo/core/scratch_folder.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -56,28 +56,28 @@ Result<> add_file(ContentHash& hash, const std::string& path) {
   return Done{};
 }
 
-// A folder of files for a program, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() = default;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] Result<std::filesystem::path> path() {
-    if (!path_.empty()) return path_;
-    std::error_code failed;
-    std::string made =
-        (std::filesystem::temp_directory_path(failed) / "rilievo-bake-XXXXXX").string();
-    if (failed || !::mkdtemp(made.data())) return Error{made, "is a folder that cannot be made"};
-    return path_ = made;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+// The objects that the options leave.
+Result<std::vector<std::uint32_t>> chosen_objects(const Scene& scene,
+                                                  const SourceOptions& options) {
+  const bool only = !options.only.empty();
+  const std::vector<std::string>& named = only ? options.only : options.without;
+  const char* const option = only ? "--only" : "--without";
+  std::vector<std::uint32_t> chosen;
+  if (named.empty()) return chosen;
+  for (const std::string& name : named)
+    if (std::ranges::none_of(scene.objects, [&](const Object& of) { return of.name == name; })) {
+      std::string known;
+      for (std::size_t i = 0; i < std::min<std::size_t>(scene.objects.size(), 8); ++i)
+        known += (i > 0 ? ", " : "") + scene.objects[i].name;
+      return Error{option, "there is no object \"" + name + "\"; there are " + known +
+                               (scene.objects.size() > 8 ? ", ..." : "")};
+    }
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+    if ((std::ranges::find(named, scene.objects[i].name) != named.end()) == only)
+      chosen.push_back(i);
+  if (chosen.empty()) return Error{option, "leaves no object"};
+  return chosen;
+}
 
 bool blends(const Scene& scene) {
   return std::ranges::any_of(scene.materials, [](const Material& material) {
@@ -89,6 +89,7 @@ bool blends(const Scene& scene) {
 
 struct BakeSource::State {
   OpenedScene opened;
+  std::vector<std::uint32_t> objects;
   std::unique_ptr<gl::Context> context;
   std::optional<SceneRenderer> renderer;
   std::optional<PlacedScene> placed;
@@ -135,6 +136,7 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     state.geometry = std::make_unique<RaySource>(state.rays.emplace(std::move(*rays)));
   }
   state.lit.samples = options.samples;
+  state.lit.around_samples = options.around_samples;
   if (options.source == "raytrace") {
     const RayScene* seen = &*state.rays;
     if (blends(own)) {
@@ -150,14 +152,17 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     exec.world = own.world;
     exec.unmix = !ours;
     exec.limit_s = 24 * 3600;
+    exec.noise = options.noise;
+    for (const Object& object : own.objects) exec.object_names.push_back(object.name);
     exec.warn = [](const std::string& text) { complain("warning: " + text); };
     std::string opens = options.program_scene.empty() ? scene : options.program_scene;
     const bool other_axes = limits.up || limits.metres_per_unit;
     if (options.program_scene.empty() && (is_builtin(scene) || (ours && other_axes))) {
       // As we have it: metres, y up.
-      const Result<std::filesystem::path> folder = state.scratch.path();
+      Result<ScratchFolder> folder = ScratchFolder::create("rilievo-bake");
       if (!folder) return folder.error();
-      opens = (*folder / "scene.glb").string();
+      state.scratch = *std::move(folder);
+      opens = (state.scratch.path() / "scene.glb").string();
       if (Result<> saved = save_glb(own, opens); !saved) return saved;
     } else {
       if (Result<> read = add_file(content, opens); !read) return read;
@@ -189,6 +194,7 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
     }
     state.lit.light = LightOf::program;
     state.kept.shader = options.source;
+    if (options.noise > 0) state.kept.shader += fmt::format(" noise {}", options.noise);
     if (options.depth_kind)
       state.kept.shader += *options.depth_kind == DepthKind::ray ? " r" : " z";
   }
@@ -204,6 +210,11 @@ Result<> BakeSource::open_slow(State& state, const std::string& scene, const Fil
 Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& limits,
                                     const SourceOptions& options) {
   auto state = std::make_unique<State>();
+  const bool our_scene =
+      !is_capture(scene) && !(runs_program(options.source) && !is_our_scene(scene));
+  if (!our_scene && !(options.only.empty() && options.without.empty()))
+    return Error{options.only.empty() ? "--without" : "--only",
+                 "is for scenes whose objects are known, and " + scene + " is none"};
   if (is_capture(scene)) {
     if (!options.source.empty())
       return Error{"--source", "is for scenes, and " + scene + " is a capture of photographs"};
@@ -221,6 +232,9 @@ Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& 
   if (!opened) return opened.error();
   state->opened = std::move(*opened);
   const Scene& own = state->opened.scene;
+  Result<std::vector<std::uint32_t>> chosen = chosen_objects(own, options);
+  if (!chosen) return chosen.error();
+  state->objects = *std::move(chosen);
   if (is_slow(options.source)) {
     if (Result<> made = open_slow(*state, scene, limits, options); !made) return made.error();
     return BakeSource(std::move(state));
@@ -245,6 +259,8 @@ Result<BakeSource> BakeSource::open(const std::string& scene, const FileLimits& 
 }
 
 CaptureSource& BakeSource::source() { return state_->bare ? *state_->bare : *state_->source; }
+
+const std::vector<std::uint32_t>& BakeSource::objects() const { return state_->objects; }
 
 Box BakeSource::eyes() const {
   const CameraPath* path = walk();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apps/rilievo/scene_file.h"
 #include "rilievo/capture/capture_source.h"
@@ -20,10 +21,13 @@ namespace rilievo::app {
 
 // What --source says, and what that source needs.
 struct SourceOptions {
-  std::string source;                   // raster, rays, raytrace, exec:PROGRAM; empty: left open
-  int samples = 0;                      // of a texel; 0: as many as the kind takes
-  std::string program_scene;            // what a program opens instead of the scene
-  std::optional<DepthKind> depth_kind;  // of a program's pictures; none: found out
+  std::string source;                      // raster, rays, raytrace, exec:PROGRAM; empty: left open
+  int samples = 0;                         // of a texel; 0: as many as the kind takes
+  double noise = 0;                        // of a program's texels that is low enough; 0: none
+  int around_samples = 0;                  // of what a picture does not see itself; 0: as many
+  std::vector<std::string> only, without;  // names of objects; both empty: all
+  std::string program_scene;               // what a program opens instead of the scene
+  std::optional<DepthKind> depth_kind;     // of a program's pictures; none: found out
   // Where pictures of slow sources are kept; must outlive the source. Null: nowhere.
   PictureKeeper* keeper = nullptr;
   // Gets what is wrong with that; otherwise it is a warning.
@@ -47,6 +51,8 @@ class BakeSource {
   ~BakeSource();
 
   [[nodiscard]] CaptureSource& source();
+  // The objects to take pictures of, as indices; empty: all.
+  [[nodiscard]] const std::vector<std::uint32_t>& objects() const;
   // Where eyes will be, if a built-in scene is walked through; else empty.
   [[nodiscard]] Box eyes() const;
   // The walk of a built-in scene.

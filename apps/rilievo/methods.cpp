@@ -133,10 +133,12 @@ Result<Backend*> Stage::backend_of_file(const std::string& method, const MethodO
 }
 
 Result<Method> Stage::make(const std::string& method, const MethodOptions& options,
-                           std::unique_ptr<Representation> representation) {
+                           std::unique_ptr<Representation> representation,
+                           std::vector<StoredBeside> beside) {
   const Result<Backend*> backend = backend_of_file(method, options);
   if (!backend) return backend.error();
-  return make_stored_method(method, options, **backend, std::move(representation));
+  return make_stored_method(method, options, **backend, std::move(representation),
+                            std::move(beside));
 }
 
 Result<Method> Stage::make(const std::string& method, const MethodOptions& options,

@@ -53,7 +53,8 @@ class Stage {
   [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options);
   // Draws what a file holds, under the scene's sky.
   [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options,
-                                    std::unique_ptr<Representation> representation);
+                                    std::unique_ptr<Representation> representation,
+                                    std::vector<StoredBeside> beside = {});
   [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options,
                                     std::span<const DepthImage> pictures, int delta_bits);
   // Where frames of one of these are drawn and read.

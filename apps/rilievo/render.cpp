@@ -30,6 +30,7 @@ constexpr char kPicturesMethod[] = "nailboard";
 
 struct RenderCommand {
   std::string scene, output, pictures, json, method, format = "png";
+  std::vector<std::string> beside;  // other files, in the same frames
   FileLimits limits;
   double loop_seconds = 0;
   std::optional<double> time;  // at which the scene stands still; else it moves with the path
@@ -243,10 +244,16 @@ Result<> render_pictures(const RenderCommand& options, const FramePictures& stor
 Result<> render_representation(const RenderCommand& options, PictureFileContent content) {
   const Result<FramePlan> plan = plan_frames(options.frames, *content.representation);
   if (!plan) return plan.error();
+  std::vector<StoredBeside> beside;
+  for (const std::string& file : options.beside) {
+    Result<PictureFileContent> other = open_representation(file);
+    if (!other) return other.error();
+    beside.push_back({other->kind, std::move(other->representation)});
+  }
   const Scene nothing;
   Stage stage(nothing, options.frames.samples);
-  Result<Method> method =
-      stage.make(options.method, options.methods, std::move(content.representation));
+  Result<Method> method = stage.make(options.method, options.methods,
+                                     std::move(content.representation), std::move(beside));
   if (!method)
     return method.error().where.starts_with("--") ? method.error()
                                                   : Error{options.scene, method.error().reason};
@@ -265,6 +272,8 @@ Result<> render_file(RenderCommand options) {
     return Error{"--method",
                  fmt::format("the pictures of {} are drawn as {}", options.scene, kPicturesMethod)};
   }
+  if (!content->kind && !options.beside.empty())
+    return Error{"--with", "is for baked files, and " + options.scene + " holds plain pictures"};
   if (!options.pictures.empty())
     return Error{"--save-pictures", "these pictures are in a file already"};
   const Result<std::unique_ptr<gl::Context>> context =
@@ -284,6 +293,12 @@ Command render_command(CLI::App& app) {
                    std::string(kSceneHelp) +
                        "; or an OpenEXR file of pictures with depth or of a baked representation")
       ->required();
+  command
+      ->add_option("--with", options->beside,
+                   "Of a baked file: another one in the same frames, such as an object among nodes "
+                   "(bake --only, --without); may be repeated")
+      ->type_name("FILE.exr")
+      ->allow_extra_args(false);
   auto* output =
       command->add_option("-o,--output", options->output, "Folder for frame_00000.png ...")
           ->type_name("DIR");
@@ -333,6 +348,8 @@ Command render_command(CLI::App& app) {
               if (options->time) return Error{"--time", "pictures of a file do not move"};
               return render_file(*options);
             }
+            if (!options->beside.empty())
+              return Error{"--with", "is for baked files, and " + options->scene + " is a scene"};
             if (options->method.empty())
               options->method =
                   options->pictures.empty() ? default_method(options->methods) : kPicturesMethod;

@@ -30,6 +30,7 @@ namespace {
 
 struct WebCommand {
   std::string input, output, json, as;
+  std::vector<std::string> beside;  // other baked files
   KindOptions kinds;
   FileLimits limits;
   WalkOptions walk;
@@ -126,6 +127,20 @@ void begin_at_node(WalkManifest& manifest) {
   manifest.target = manifest.eye + gaze;
 }
 
+// A page draws nodes, and one object among them.
+Result<> expect_beside(const WalkManifest& walk, const PictureFileContent& other,
+                       const std::string& file) {
+  if (walk.nodes.empty())
+    return Error{"--with", "is for environment nodes, among which objects stand"};
+  if (other.kind->stands_for != StandsFor::objects)
+    return Error{"--with", file + " holds no object but " + std::string(other.kind->name)};
+  if (!walk.pictures.pictures.empty() || !walk.reliefs.reliefs.empty())
+    return Error{"--with", "a page draws one object among nodes, and " + file + " is another"};
+  if (other.representation->world.origin != walk.origin)
+    return Error{"--with", file + " lies in another space than the nodes: bake both of one scene"};
+  return Done{};
+}
+
 Result<> run_web(const WebCommand& options) {
   // Before the time is spent.
   if (Result<> good =
@@ -150,6 +165,15 @@ Result<> run_web(const WebCommand& options) {
     if (!added)
       return Error{options.input,
                    added.error().where.empty() ? added.error().reason : added.error().message()};
+  }
+  for (const std::string& file : options.beside) {
+    const Result<PictureFileContent> other = open_representation(file);
+    if (!other) return other.error();
+    if (Result<> good = expect_beside(manifest, *other, file); !good) return good;
+    if (Result<> added =
+            add_to_walk(*other->kind, *other->representation, *writer, manifest, options.walk);
+        !added)
+      return Error{file, added.error().reason};
   }
   begin_at_node(manifest);
   if (Result<> done = writer->finish(manifest); !done) return done;
@@ -185,6 +209,12 @@ Command web_command(CLI::App& app) {
                                "capture of photographs",
                                kSceneHelp))
       ->required();
+  command
+      ->add_option("--with", options->beside,
+                   "Beside nodes: the baked file of an object that stands among them (bake --only, "
+                   "--without)")
+      ->type_name("FILE.exr")
+      ->allow_extra_args(false);
   command
       ->add_option("--as", options->as,
                    fmt::format("The kind that a scene is baked as (default {})", names.front()))

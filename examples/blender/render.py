@@ -102,7 +102,6 @@ def prepare():
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.use_denoising = False
-    scene.cycles.use_adaptive_sampling = False
     scene.cycles.seed = 0
     scene.cycles.pixel_filter_type = "BOX"
     scene.render.use_border = False
@@ -127,6 +126,19 @@ def bounds():
     if not corners:
         raise RuntimeError("the scene has no meshes")
     return [[min(c[i] for c in corners) for i in range(3)], [max(c[i] for c in corners) for i in range(3)]]
+
+
+def show_only(scene, names):
+    """These objects alone are seen by the camera; None: as the file has it. Shadows and reflections are all there."""
+    for thing in scene.objects:
+        if thing.type in {"CAMERA", "LIGHT"}:
+            continue
+        if "rilievo_seen" not in thing:
+            thing["rilievo_seen"] = thing.visible_camera
+        thing.visible_camera = bool(thing["rilievo_seen"]) and (names is None or thing.name in names)
+    missing = set(names or ()) - {thing.name for thing in scene.objects}
+    if missing:
+        raise RuntimeError("there is no object named " + ", ".join(sorted(missing)))
 
 
 def set_camera(scene, view):
@@ -155,7 +167,10 @@ def set_camera(scene, view):
 
 def render(scene, request):
     set_camera(scene, request["camera"])
+    show_only(scene, request.get("objects"))
     scene.render.film_transparent = not request.get("sky", False)
+    scene.cycles.use_adaptive_sampling = "noise" in request
+    scene.cycles.adaptive_threshold = request.get("noise", 0)
     scene.cycles.samples = int(os.environ.get("RILIEVO_BLENDER_SAMPLES", request["samples"]))
     scene.render.filepath = request["file"]
     scene.render.use_file_extension = False

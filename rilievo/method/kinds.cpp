@@ -43,6 +43,33 @@ Result<Method> make_stored(Backend& backend, std::unique_ptr<StoredChooser> choo
   return made;
 }
 
+// A drawable with what made it.
+struct ReadyContent {
+  std::unique_ptr<DrawableFactory> factory;
+  PictureSet set;
+};
+
+// Placed in the space of `origin`.
+Result<ReadyContent> make_ready(std::string_view name, const MethodOptions& options,
+                                Backend& backend, std::unique_ptr<Representation> representation,
+                                const glm::dvec3& origin) {
+  const KindMethod named = kind_method(name);
+  if (!named.kind) return Error{std::string(name), "is no method of a kind"};
+  KindOptions values = options.kinds;
+  apply(named, values);
+  const Result<OptionValues> draw = draw_values(*named.kind, values);
+  if (!draw) return draw.error();
+  Result<std::unique_ptr<DrawableFactory>> factory =
+      make_factory(backend.drawables(), named.kind->name);
+  if (!factory) return factory.error();
+  Instance instance{glm::dmat4(1.0), 0, representation->only_object()};
+  instance.world_from_capture[3] += glm::dvec4(representation->world.origin - origin, 0);
+  Result<std::unique_ptr<Drawable>> drawable =
+      (*factory)->make_drawable(std::move(representation), *draw);
+  if (!drawable) return drawable.error();
+  return ReadyContent{std::move(*factory), PictureSet{std::move(*drawable), {instance}}};
+}
+
 }  // namespace
 
 ObjectDrawablesOptions object_options(const PreparedKind& kind, std::size_t max_bytes,
@@ -65,25 +92,22 @@ Result<Method> make_kind_method(const KindMethod& method, const MethodOptions& o
 }
 
 Result<Method> make_stored_method(std::string_view name, const MethodOptions& options,
-                                  Backend& backend,
-                                  std::unique_ptr<Representation> representation) {
-  const KindMethod named = kind_method(name);
-  if (!named.kind) return Error{std::string(name), "is no method of a kind"};
-  KindOptions values = options.kinds;
-  apply(named, values);
-  const Result<OptionValues> draw = draw_values(*named.kind, values);
-  if (!draw) return draw.error();
-  Result<std::unique_ptr<DrawableFactory>> factory =
-      make_factory(backend.drawables(), named.kind->name);
-  if (!factory) return factory.error();
-  const Instance instance{glm::dmat4(1.0), 0, representation->only_object()};
-  Result<std::unique_ptr<Drawable>> drawable =
-      (*factory)->make_drawable(std::move(representation), *draw);
-  if (!drawable) return drawable.error();
-  return make_stored(backend,
-                     std::make_unique<StoredChooser>(PictureSet{std::move(*drawable), {instance}},
-                                                     StoredOptions{options.outlines, options.sky},
-                                                     std::move(*factory)));
+                                  Backend& backend, std::unique_ptr<Representation> representation,
+                                  std::vector<StoredBeside> beside) {
+  const glm::dvec3 origin = representation->world.origin;
+  Result<ReadyContent> first =
+      make_ready(name, options, backend, std::move(representation), origin);
+  if (!first) return first.error();
+  auto chooser = std::make_unique<StoredChooser>(std::move(first->set),
+                                                 StoredOptions{options.outlines, options.sky},
+                                                 std::move(first->factory));
+  for (StoredBeside& other : beside) {
+    Result<ReadyContent> made =
+        make_ready(other.kind->name, options, backend, std::move(other.representation), origin);
+    if (!made) return made.error();
+    chooser->add(std::move(made->set), std::move(made->factory));
+  }
+  return make_stored(backend, std::move(chooser));
 }
 
 Result<Method> make_stored_method(std::span<const DepthImage> pictures, int delta_bits,

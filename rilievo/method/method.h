@@ -113,11 +113,19 @@ struct MethodRow {
 [[nodiscard]] Result<Method> make_method(std::span<const MethodRow> rows, std::string_view name,
                                          const MethodOptions& options, Backend& backend);
 
-// Frames of what a file holds, drawn by a method of its kind, under the sky of the backend's scene.
-// A drawable takes the representation for itself: one load for each.
+// What another file holds.
+struct StoredBeside {
+  const Kind* kind = nullptr;
+  std::unique_ptr<Representation> representation;
+};
+// Frames of what a file holds, drawn by a method of its kind, under its own sky, or that of the
+// backend's scene. What lies `beside` it, such as an object that stands between nodes, is drawn by
+// its own kind into the same z-buffer. A drawable takes the representation for itself: one load for
+// each.
 [[nodiscard]] Result<Method> make_stored_method(std::string_view name, const MethodOptions& options,
                                                 Backend& backend,
-                                                std::unique_ptr<Representation> representation);
+                                                std::unique_ptr<Representation> representation,
+                                                std::vector<StoredBeside> beside = {});
 // Frames of pictures with depth, drawn as nailboards.
 [[nodiscard]] Result<Method> make_stored_method(std::span<const DepthImage> pictures,
                                                 int delta_bits, const MethodOptions& options,

@@ -25,8 +25,14 @@ Result<BakedFrames> open_baked(const std::filesystem::path& file, Backend& backe
   methods.kinds = options.kind;
   methods.outlines = options.outlines;
   methods.sky = options.sky;
-  Result<Method> method =
-      make_stored_method(name, methods, backend, std::move(loaded->representation));
+  std::vector<StoredBeside> beside;
+  for (const std::filesystem::path& other : options.beside) {
+    Result<LoadedRepresentation> more = load_representation(other);
+    if (!more) return more.error();
+    beside.push_back({more->kind, std::move(more->representation)});
+  }
+  Result<Method> method = make_stored_method(name, methods, backend,
+                                             std::move(loaded->representation), std::move(beside));
   if (!method) return Error{file.string(), method.error().message()};
   baked.frames = std::move(method->frames);
   return baked;

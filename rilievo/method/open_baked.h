@@ -24,6 +24,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera_path.h"
@@ -37,7 +38,9 @@ struct BakedOptions {
   std::string method;     // a name of kind_method_names(); empty: the file's kind
   KindOptions kind;       // options of drawing
   bool outlines = false;  // of pictures (S1.8)
-  bool sky = false;       // draw the sky of the backend's scene behind
+  bool sky = false;       // draw a sky behind: the file's own, or that of the backend's scene
+  // Other files, drawn by their own kinds into the same z-buffer: objects beside nodes.
+  std::vector<std::filesystem::path> beside;
 };
 
 // A file's content, ready to be drawn.

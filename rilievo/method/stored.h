@@ -16,29 +16,42 @@ struct StoredOptions {
   bool sky = true;  // draw the sky of the backend's scene, which can be empty
 };
 
-// Chooses instances of one drawable.
+// Chooses all instances of some drawables.
 class StoredChooser final : public FrameChooser {
  public:
   // `factory`, if the drawable has one, is kept with it.
   StoredChooser(PictureSet content, const StoredOptions& options,
                 std::unique_ptr<DrawableFactory> factory = nullptr)
-      : factory_(std::move(factory)), stored_(std::move(content)), options_(options) {}
+      : options_(options) {
+    add(std::move(content), std::move(factory));
+  }
+
+  // Draws this as well, with one z-buffer for all. Before frames are made of the chooser.
+  void add(PictureSet content, std::unique_ptr<DrawableFactory> factory) {
+    stored_.push_back({std::move(factory), std::move(content)});
+  }
 
   void add_sets(FrameContent& content) override {
-    content.sets.push_back({stored_.drawable.get(), {}});
+    for (const Stored& stored : stored_) content.sets.push_back({stored.set.drawable.get(), {}});
   }
   Result<> choose(const Camera&, const PlacedScene&, FrameContent& content,
                   FrameStats& stats) override {
     content.outlines = options_.outlines;
     content.sky = options_.sky;
-    content.sets[0].instances = stored_.instances;
-    stats.picture_bytes = stored_.drawable->bytes();
+    stats.picture_bytes = 0;
+    for (std::size_t i = 0; i < stored_.size(); ++i) {
+      content.sets[i].instances = stored_[i].set.instances;
+      stats.picture_bytes += stored_[i].set.drawable->bytes();
+    }
     return Done{};
   }
 
  private:
-  std::unique_ptr<DrawableFactory> factory_;
-  PictureSet stored_;
+  struct Stored {
+    std::unique_ptr<DrawableFactory> factory;  // outlives the drawable
+    PictureSet set;
+  };
+  std::vector<Stored> stored_;
   StoredOptions options_;
 };
 

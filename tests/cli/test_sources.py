@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -68,7 +69,8 @@ for line in sys.stdin:
     if ask["request"] == "bounds":
         print(json.dumps({"id": ask["id"], "bounds": [[-3, -3, -3], [3, 3, 3]]}), flush=True)
         continue
-    log.write("picture %s\\n" % json.dumps(ask["camera"], sort_keys=True)); log.flush()
+    log.write("picture %s\\n" % json.dumps(ask["camera"], sort_keys=True))
+    log.write("samples %d noise %s\\n" % (ask["samples"], ask.get("noise"))); log.flush()
     if fault[0] == "dies": os._exit(3)
     if fault[0] == "garbage": print("Fra:1 Mem:23M", flush=True); continue
     if fault[0] == "says": print(json.dumps({"id": ask["id"], "error": "out of paint"}), flush=True); continue
@@ -177,6 +179,21 @@ class Sources(Case):
                               "--source", self.exec, "-o", self.folder / "o.exr"], self.exec, reason)
                 self.assertFalse((self.folder / "o.exr").exists())
 
+    def test_a_program_hears_of_samples_and_of_noise(self):
+        def heard():
+            lines = self.log.read_text().splitlines()
+            self.log.unlink()
+            return [line for line in lines if line.startswith("samples")]
+        self.bake("environment-nodes", self.exec, "--samples", "9")
+        self.assertEqual(heard(), ["samples 9 noise None"] * 12)
+        # Other noise, other pictures.
+        self.bake("environment-nodes", self.exec, "--samples", "9", "--noise", "0.125")
+        self.assertEqual(heard(), ["samples 9 noise 0.125"] * 12)
+        # A relief of each of two sides, and what is seen from all around.
+        self.bake("layered-relief", self.exec, "--samples", "9", "--around-samples", "2", out="relief.exr")
+        said = heard()
+        self.assertEqual((said.count("samples 9 noise None"), said.count("samples 2 noise None")), (2, 12))
+
     def test_options_that_do_not_go_together_are_refused(self):
         nodes = ["--as", "environment-nodes", *KINDS["environment-nodes"], "-o", self.folder / "o.exr"]
         for arguments, named in (
@@ -187,6 +204,9 @@ class Sources(Case):
                 (["--preview"], "--preview"), (["--samples", "0"], "--samples"),
                 (["--source", "rays", "--samples", "9"], "samples"),
                 (["--axis-depth"], "--axis-depth"), (["--program-scene", "x"], "--program-scene"),
+                (["--source", "raytrace", "--pieces", "3"], "--pieces"),
+                (["--source", "raytrace", "--noise", "0.1"], "--noise"),
+                (["--source", "raytrace", "--around-samples", "3"], "--around-samples"),
                 (["--piece", "1"], "--plan"), (["--join"], "--plan"),
                 (["--plan", "p.json", "--piece", "1"], "SCENE")):
             with self.subTest(arguments):
@@ -290,10 +310,10 @@ class Resume(Case):
 
 
 class Pieces(Case):
-    def plan(self, kind, source, *arguments, scene=STONES):
+    def plan(self, kind, source, *arguments, scene=STONES, pieces=1000):
         plan = self.folder / "pieces.json"
         self.succeeds("bake", scene, "--as", kind, *KINDS[kind], "--source", source, *arguments, "-o",
-                      self.folder / "joined.exr", "--plan", plan)
+                      self.folder / "joined.exr", "--plan", plan, *(["--pieces", pieces] if pieces else []))
         return plan, len(json.loads(plan.read_text())["pieces"])
 
     def test_pieces_made_in_any_order_join_to_the_same_bytes(self):
@@ -325,6 +345,23 @@ class Pieces(Case):
                         if file.is_file():
                             file.unlink()
 
+    def test_pieces_of_several_pictures_join_to_the_same_bytes(self):
+        whole, _ = self.bake("environment-nodes", "raytrace", out="whole.exr")
+        # Three, and as many as are even by their time on this machine now.
+        for pieces in (3, None):
+            plan, count = self.plan("environment-nodes", "raytrace", pieces=pieces)
+            listed = json.loads(plan.read_text())
+            self.assertEqual(count, pieces or count)
+            self.assertEqual(sorted(i for piece in listed["pieces"] for i in piece["pictures"]), list(range(12)))
+            self.assertEqual(len(listed["pictures"]), 12)
+            self.assertTrue(all(piece["seconds"] > 0 for piece in listed["pieces"]))
+            for piece in range(count):
+                self.assertIn("rendered", self.succeeds("bake", "--plan", plan, "--piece", piece).stdout)
+            joined = json.loads(self.succeeds("bake", "--plan", plan, "--join", "--json", "-").stdout)
+            self.assertEqual(joined["pictures"]["rendered"], 0)
+            self.assertEqual((self.folder / "joined.exr").read_bytes(), whole.read_bytes())
+            shutil.rmtree(self.folder / "pieces.json.pictures")
+
     def test_what_is_missing_or_damaged_is_named_or_made_again(self):
         plan, count = self.plan("environment-nodes", "raytrace")
         for piece in set(range(count)) - {3, 7}:
@@ -344,7 +381,7 @@ class Pieces(Case):
         self.refused([*piece, count], "--piece", f"has {count}, from 0")
         self.refused([*piece, "-1"], "--piece")
         whole = plan.read_text()
-        for text in ("", "{}", whole[:len(whole) // 2], whole.replace("rilievo-pieces-1", "other"),
+        for text in ("", "{}", whole[:len(whole) // 2], whole.replace("rilievo-pieces-2", "other"),
                      whole.replace('"world_from_eye"', '"world"', 1)):
             plan.write_text(text)
             self.refused([*piece, "0"], "pieces.json")

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -115,14 +114,11 @@ std::string camera_json(const Camera& camera) { return json_of_camera(camera).du
 ExecSource::ExecSource(const std::string& program, ExecOptions options)
     : name_("exec:" + program), options_(std::move(options)) {}
 
-ExecSource::~ExecSource() {
-  process_.reset();
-  std::error_code ignored;
-  if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-}
+// Before its folder goes.
+ExecSource::~ExecSource() { process_.reset(); }
 
 std::filesystem::path ExecSource::file_of(std::uint64_t id) const {
-  return folder_ / (std::to_string(id) + ".exr");
+  return folder_.path() / (std::to_string(id) + ".exr");
 }
 
 // The program is of no more use; warns once.
@@ -207,11 +203,9 @@ Result<std::string> ExecSource::ask(const std::string& request, std::uint64_t id
 Result<std::unique_ptr<ExecSource>> ExecSource::create(const std::string& program,
                                                        ExecOptions options) {
   std::unique_ptr<ExecSource> source(new ExecSource(program, std::move(options)));
-  std::error_code failed;
-  std::string folder =
-      (std::filesystem::temp_directory_path(failed) / "rilievo-exec-XXXXXX").string();
-  if (failed || !::mkdtemp(folder.data())) return Error{folder, "is a folder that cannot be made"};
-  source->folder_ = folder;
+  Result<ScratchFolder> folder = ScratchFolder::create("rilievo-exec");
+  if (!folder) return folder.error();
+  source->folder_ = *std::move(folder);
   // What fails here is the caller's to say.
   const auto warn = std::exchange(source->options_.warn, {});
   const std::uint64_t id = ++source->last_id_;
@@ -234,14 +228,17 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
   const std::filesystem::path file = file_of(id);
   Camera in_world = camera;
   in_world.world_from_eye[3] += glm::dvec4(options_.world.origin, 0);
-  const ExecJson json{{"rilievo", 1},
-                      {"id", id},
-                      {"request", "picture"},
-                      {"file", file.string()},
-                      {"samples", request.samples},
-                      {"time", request.time},
-                      {"sky", request.with_sky},
-                      {"camera", json_of_camera(in_world)}};
+  ExecJson json{{"rilievo", 1},
+                {"id", id},
+                {"request", "picture"},
+                {"file", file.string()},
+                {"samples", request.samples},
+                {"time", request.time},
+                {"sky", request.with_sky},
+                {"camera", json_of_camera(in_world)}};
+  for (const std::uint32_t object : request.objects)
+    json["objects"].push_back(options_.object_names.at(object));
+  if (options_.noise > 0) json["noise"] = options_.noise;
   const std::stop_token stop = request.control ? request.control->stop : std::stop_token();
   const Result<std::string> line = ask(json.dump(), id, stop);
   std::error_code ignored;
@@ -261,7 +258,8 @@ Result<> ExecSource::render(const CaptureRequest& request, const Camera& camera,
 Result<CapturedPicture> ExecSource::capture(const CaptureRequest& request) {
   const Camera& camera = request.camera;
   if (Result<> valid = validate(camera); !valid) return valid.error();
-  if (!request.objects.empty()) return Error{name_, "knows no single objects"};
+  if (!request.objects.empty() && options_.object_names.empty())
+    return Error{name_, "knows no single objects"};
   if (camera.keeps_farthest() || request.farthest)
     return Error{name_, "knows nearest surfaces only"};
   CapturedPicture captured;

@@ -11,12 +11,14 @@
 //
 // `bounds`: two corners in world space (y up, metres). `file`: the OpenEXR file to write: R G B
 // (linear, premultiplied), A if there is one, and Z: eye_z in metres, 0 or at least z_far where
-// there is nothing. `sky`: whether a background is wanted, too: then texels that show nothing else
-// have its colour with A = 1. `camera`: projection ("perspective" or "parallel"), width, height,
-// window (left, right, bottom, top; tangents or metres), z_near, z_far, and the matrices
-// world_from_eye, eye_from_world, clip_from_eye (16 numbers, column by column). Of a picture in
-// tiles, each is a request of its own with a camera of its own. At the end of its input the program
-// should end.
+// there is nothing. With "objects":["a","b"] the picture shows these alone, under the light and the
+// shadows of all. `samples`: of a texel; with "noise":E, if that is given, at most so many, and no
+// more once a texel's error is below E by the program's own measure. `sky`: whether a background is
+// wanted, too: then texels that show nothing else have its colour with A = 1. `camera`: projection
+// ("perspective" or "parallel"), width, height, window (left, right, bottom, top; tangents or
+// metres), z_near, z_far, and the matrices world_from_eye, eye_from_world, clip_from_eye (16
+// numbers, column by column). Of a picture in tiles, each is a request of its own with a camera of
+// its own. At the end of its input the program should end.
 //
 // A program that dies is started again; one that answers with rubbish or too late is killed first.
 // Answers to requests that were stopped are read and thrown away. Not safe for several threads at
@@ -30,6 +32,7 @@
 #include <vector>
 
 #include "rilievo/capture/capture_source.h"
+#include "rilievo/core/scratch_folder.h"
 
 namespace rilievo {
 
@@ -44,6 +47,9 @@ struct ExecOptions {
   int max_failures = 3;                     // in a row; then it is not started again
   WorldSpace world = {};                    // programs see the world, callers the scene's space
   DepthKind depth_kind = DepthKind::eye_z;  // of Z; or ray
+  double noise = 0;  // below which a texel needs no more samples; 0: all get all
+  // Of the scene's objects, by which the program knows them. None: it shows all objects or nothing.
+  std::vector<std::string> object_names = {};
   bool unmix = true;  // take what is in front out of the colours beside edges (warp/unmix_edges.h)
   // Gets one line at the first failure, and one when the program is given up.
   std::function<void(const std::string&)> warn = {};
@@ -63,9 +69,9 @@ class ExecSource final : public CaptureSource {
   [[nodiscard]] std::string_view name() const override { return name_; }
   [[nodiscard]] Box bounds(std::span<const std::uint32_t>) const override { return bounds_; }
   [[nodiscard]] WorldSpace world() const override { return options_.world; }
-  // Fails for chosen objects, back-perspective cameras, and `farthest`; if the program fails, dies,
-  // is late, or writes something else than the picture. Obeys request.control's `stop`. with_sky:
-  // as far as the program has one.
+  // Fails for chosen objects without names, back-perspective cameras, and `farthest`; if the
+  // program fails, dies, is late, or writes something else than the picture. Obeys
+  // request.control's `stop`. with_sky: as far as the program has one.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   // From now on (find_depth_kind.h).
   void set_depth_kind(DepthKind kind) { options_.depth_kind = kind; }
@@ -84,7 +90,7 @@ class ExecSource final : public CaptureSource {
 
   std::string name_;
   ExecOptions options_;
-  std::filesystem::path folder_;  // of its pictures
+  ScratchFolder folder_;  // of its pictures
   std::unique_ptr<LineProcess> process_;
   Box bounds_;
   std::uint64_t last_id_ = 0;

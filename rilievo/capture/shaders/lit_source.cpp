@@ -20,6 +20,9 @@
 namespace rilievo {
 namespace {
 
+// Rays and the rasteriser take one or four.
+int geometry_samples(int samples) { return samples >= 4 ? 4 : 1; }
+
 // Depths that differ by a smaller share are one surface's.
 constexpr float kOneSurface = 0.03f;
 // A light that shows nothing at more of the surfaces, of at least so many texels, is another
@@ -165,13 +168,13 @@ Box LitSource::bounds(std::span<const std::uint32_t> objects) const {
   return bends_.empty() ? geometry_.bounds(objects) : light_.bounds(objects);
 }
 
-// A picture that both sources can take.
-Result<CapturedPicture> LitSource::lit(const CaptureRequest& request) {
+// A picture that both sources can take; `samples` of the light.
+Result<CapturedPicture> LitSource::lit(const CaptureRequest& request, int samples) {
   CaptureRequest of_geometry = request, of_light = request;
-  of_geometry.samples = std::min(request.samples, 4);
+  of_geometry.samples = geometry_samples(request.samples);
   of_geometry.with_sky = false;
   of_geometry.identifiers = true;
-  if (options_.samples > 0) of_light.samples = options_.samples;
+  of_light.samples = samples;
   of_light.farthest = false;
   of_light.identifiers = true;
   if (options_.light == LightOf::scene) of_light.with_sky = false;
@@ -220,30 +223,36 @@ Result<CapturedPicture> LitSource::lit(const CaptureRequest& request) {
 }
 
 // The picture from a direction, taken once.
-Result<const DepthImage*> LitSource::around(const glm::dvec3& direction, const Box& bounds,
-                                            int size, int samples) {
+Result<const DepthImage*> LitSource::around(const glm::dvec3& direction,
+                                            std::span<const std::uint32_t> objects, int size,
+                                            int samples) {
   for (const Around& known : around_)
-    if (glm::dot(known.direction, direction) > kSameDirection && known.bounds.min == bounds.min &&
-        known.bounds.max == bounds.max && known.size == size && known.samples == samples)
+    if (glm::dot(known.direction, direction) > kSameDirection && known.size == size &&
+        known.samples == samples && std::ranges::equal(known.objects, objects))
       return known.picture.get();
-  const Result<Camera> camera =
-      view_camera(bounds, direction, {.projection = Projection::perspective, .size = size});
+  const Result<Camera> camera = view_camera(geometry_.bounds(objects), direction,
+                                            {.projection = Projection::perspective, .size = size});
   if (!camera) return camera.error();
-  Result<CapturedPicture> captured = lit({.camera = *camera, .samples = samples});
+  Result<CapturedPicture> captured =
+      lit({.camera = *camera, .objects = objects, .samples = samples}, samples);
   if (!captured) return captured.error();
-  around_.push_back({direction, bounds, size, samples,
+  around_.push_back({direction,
+                     {objects.begin(), objects.end()},
+                     size,
+                     samples,
                      std::make_unique<DepthImage>(std::move(captured->picture))});
   return around_.back().picture.get();
 }
 
 Result<std::vector<const DepthImage*>> LitSource::all_around(const glm::dvec3& direction,
-                                                             const Box& bounds, int size,
-                                                             int samples) {
+                                                             std::span<const std::uint32_t> objects,
+                                                             int size, int samples) {
   std::vector<glm::dvec3> directions = make_view_set({.spread = ViewSpread::faces_12}).directions;
   directions.insert(directions.begin(), direction);
   std::vector<const DepthImage*> pictures;
-  for (const glm::dvec3& from : directions) {
-    const Result<const DepthImage*> picture = around(from, bounds, size, samples);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const int of_it = i > 0 && options_.around_samples > 0 ? options_.around_samples : samples;
+    const Result<const DepthImage*> picture = around(directions[i], objects, size, of_it);
     if (!picture) return picture.error();
     pictures.push_back(*picture);
   }
@@ -252,17 +261,17 @@ Result<std::vector<const DepthImage*>> LitSource::all_around(const glm::dvec3& d
 
 Result<CapturedPicture> LitSource::capture(const CaptureRequest& request) {
   const Camera& camera = request.camera;
-  if (options_.light == LightOf::scene || !camera.keeps_farthest()) return lit(request);
-  if (!request.objects.empty()) return Error{std::string(light_.name()), "knows no single objects"};
+  if (options_.light == LightOf::scene || !camera.keeps_farthest())
+    return lit(request, light_samples(request.samples));
   CaptureRequest of_geometry = request;
-  of_geometry.samples = std::min(request.samples, 4);
+  of_geometry.samples = geometry_samples(request.samples);
   Result<CapturedPicture> captured = geometry_.capture(of_geometry);
   if (!captured) return captured;
   DepthImage& picture = captured->picture;
   // It looks towards the viewers whom it serves.
   const Result<std::vector<const DepthImage*>> pictures =
-      all_around(camera.forward(), geometry_.bounds({}), std::max(camera.width, camera.height),
-                 request.samples);
+      all_around(camera.forward(), request.objects, std::max(camera.width, camera.height),
+                 light_samples(request.samples));
   if (!pictures) return pictures.error();
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -278,16 +287,15 @@ Result<CapturedPicture> LitSource::capture(const CaptureRequest& request) {
 
 Result<LayeredDepthImage> LitSource::capture_layers(const LayersRequest& request) {
   LayersRequest of_light = request;
-  if (options_.samples > 0) of_light.samples = options_.samples;
+  of_light.samples = light_samples(request.samples);
   if (options_.light == LightOf::scene) return light_.capture_layers(of_light);
-  if (!request.objects.empty()) return Error{std::string(light_.name()), "knows no single objects"};
   Result<LayeredDepthImage> layers = geometry_.capture_layers(request);
   if (!layers) return layers;
   const Camera& camera = request.camera;
   const bool parallel = camera.projection == Projection::parallel;
   const glm::dvec3 back = -camera.forward();
-  const Result<std::vector<const DepthImage*>> pictures = all_around(
-      back, geometry_.bounds({}), std::max(camera.width, camera.height), of_light.samples);
+  const Result<std::vector<const DepthImage*>> pictures =
+      all_around(back, request.objects, std::max(camera.width, camera.height), of_light.samples);
   if (!pictures) return pictures.error();
   parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {

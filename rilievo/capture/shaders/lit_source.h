@@ -36,6 +36,9 @@ enum class LightOf {
 struct LitOptions {
   LightOf light = LightOf::scene;
   int samples = 0;  // of the light, a texel; 0: as many as are asked for
+  // Of a program's pictures from all around, which show what a picture's own side does not see; 0:
+  // as many as of that.
+  int around_samples = 0;
 };
 
 // Two sources as one.
@@ -53,12 +56,17 @@ class LitSource final : public CaptureSource {
   [[nodiscard]] const Scene* scene() const override { return geometry_.scene(); }
 
  private:
-  [[nodiscard]] Result<CapturedPicture> lit(const CaptureRequest& request);
-  [[nodiscard]] Result<const DepthImage*> around(const glm::dvec3& direction, const Box& bounds,
-                                                 int size, int samples);
-  [[nodiscard]] Result<std::vector<const DepthImage*>> all_around(const glm::dvec3& direction,
-                                                                  const Box& bounds, int size,
-                                                                  int samples);
+  // The samples of the light where so many are asked for.
+  [[nodiscard]] int light_samples(int asked) const {
+    return options_.samples > 0 ? options_.samples : asked;
+  }
+  [[nodiscard]] Result<CapturedPicture> lit(const CaptureRequest& request, int samples);
+  // Of these objects (empty: all), by as many texels and samples.
+  [[nodiscard]] Result<const DepthImage*> around(const glm::dvec3& direction,
+                                                 std::span<const std::uint32_t> objects, int size,
+                                                 int samples);
+  [[nodiscard]] Result<std::vector<const DepthImage*>> all_around(
+      const glm::dvec3& direction, std::span<const std::uint32_t> objects, int size, int samples);
 
   CaptureSource& geometry_;
   CaptureSource& light_;
@@ -67,7 +75,7 @@ class LitSource final : public CaptureSource {
   // What was taken around the bounds, to be found again.
   struct Around {
     glm::dvec3 direction;
-    Box bounds;
+    std::vector<std::uint32_t> objects;
     int size, samples;
     std::unique_ptr<DepthImage> picture;
   };
