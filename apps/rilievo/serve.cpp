@@ -201,7 +201,7 @@ Result<> run_serve(ServeCommand options) {
   const std::string address = page_address(*server, options);
   observer.say("listening",
                {{"address", address}, {"port", server->port()}, {"seconds", 1e-3 * watch.ms()}});
-  complain(fmt::format("{}: open this address; Ctrl-C ends", address));
+  complain(fmt::format("open {} in a browser; Ctrl-C ends", address));
   observer.watch(world);
   world.start([&] { return server->now(); }, [&] { server->wake(); });
   server->run([&] { return world.connect(server->now()); }, observer);
