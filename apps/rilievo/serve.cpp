@@ -204,7 +204,7 @@ Result<> run_serve(ServeCommand options) {
   complain(fmt::format("open {} in a browser; Ctrl-C ends", address));
   observer.watch(world);
   world.start([&] { return server->now(); }, [&] { server->wake(); });
-  server->run([&] { return world.connect(server->now()); }, observer);
+  server->run([&] { return world.connect(); }, observer);
   observer.say("ended", nlohmann::json::object());
   return Done{};
 }

@@ -76,7 +76,7 @@ void send_up(Walker& walker, const ClientMessage& message, double now, std::mt19
 
 void join(Walker& walker, LiveWorld& world, double now, std::mt19937& random) {
   const Camera camera = walker.of->camera(now);
-  walker.session = world.connect(now);
+  walker.session = world.connect();
   walker.free_at = now;
   send_up(walker, LiveHello{camera.width, camera.height, 8192, std::uint64_t(1) << 30}, now,
           random);

@@ -98,7 +98,7 @@ struct LiveWorld::State {
   std::map<std::uint64_t, std::shared_ptr<const MadePicture>> kept;  // the oldest first
   std::uint64_t next_id = 1, surround_id = 0;
   glm::dvec3 surround_eye{0.0};
-  double view_s = 0.1, coarse_s = 0.03;  // that pictures take, means
+  double view_s = 0.1;  // that a fine picture takes, a mean
   LiveWorldStats stats;
   bool running = false, stopping = false;
 
@@ -172,9 +172,7 @@ class WorldSession final : public LiveSession {
     return std::make_shared<const std::vector<std::byte>>(encode_picture(*sent.picture, sent.head));
   }
 
-  LiveMessage last(LiveEnd why) override {
-    return message_of(LiveBye{ByeReason(int(ByeReason::server_ends) + int(why))});
-  }
+  LiveMessage last(LiveEnd why) override { return message_of(LiveBye{why}); }
 
  private:
   std::shared_ptr<LiveWorld::State> state_;
@@ -403,8 +401,7 @@ double LiveWorld::State::step(double now, bool timed) {
   ++stats.made;
   stats.coarse += coarse && choice->order.surround_face < 0;
   stats.surround += choice->order.surround_face >= 0;
-  double& mean = coarse ? coarse_s : view_s;
-  mean += kNewest * (took - mean);
+  if (!coarse) view_s += kNewest * (took - view_s);
   if (!options.keep_objects) made->objects = {};
   const auto picture = std::make_shared<const MadePicture>(std::move(*made));
   const std::uint64_t id = next_id++;
@@ -428,7 +425,7 @@ LiveWorld::~LiveWorld() {
   state_->background.reset();
 }
 
-std::unique_ptr<LiveSession> LiveWorld::connect(double /*now*/) {
+std::unique_ptr<LiveSession> LiveWorld::connect() {
   auto client = std::make_shared<Client>();
   LiveWelcome welcome;
   const LiveScene& scene = state_->scene;

@@ -71,7 +71,7 @@ class LiveWorld {
   ~LiveWorld();
 
   // A new client. Its first message is a welcome.
-  [[nodiscard]] std::unique_ptr<LiveSession> connect(double now);
+  [[nodiscard]] std::unique_ptr<LiveSession> connect();
 
   // Makes pictures in the background from now on, whenever a client needs one. `clock` gives the
   // time that sessions get, too; `ready` is called on any thread when next() may have something.

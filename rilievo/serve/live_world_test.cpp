@@ -139,7 +139,7 @@ TEST(LiveWorld, ClientsThatWalkTogetherSharePictures) {
 TEST(LiveWorld, WhatAClientSaysWrongIsRefused) {
   Walkable walkable;
   LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
-  const auto session = world.connect(0);
+  const auto session = world.connect();
   EXPECT_FALSE(session->receive(encode_message(ClientMessage(LivePose{})), 0).ok());
   EXPECT_FALSE(session->receive({}, 0).ok());
   EXPECT_TRUE(session->receive(encode_message(ClientMessage(LiveHello{})), 0).ok());

@@ -167,7 +167,10 @@ void fields(IO& io, LivePong& pong) {
 
 template <class IO>
 void fields(IO& io, LiveBye& bye) {
-  io.template whole<std::uint16_t>(4, bye.reason, 1, 4, "reason");
+  // Numbered from 1.
+  int number = int(bye.reason) + 1;
+  io.template whole<std::uint16_t>(4, number, 1, 4, "reason");
+  bye.reason = LiveEnd(number - 1);
 }
 
 template <class IO>

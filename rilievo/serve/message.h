@@ -19,6 +19,7 @@
 #include "rilievo/core/bounds.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/result.h"
+#include "rilievo/serve/session.h"
 
 namespace rilievo {
 
@@ -107,10 +108,9 @@ struct LivePong {
   double client_ms = 0, server_ms = 0;
 };
 
-// Why a server ends a client.
-enum class ByeReason : std::uint16_t { server_ends = 1, bad_message, idle, too_slow };
+// The last message of a server.
 struct LiveBye {
-  ByeReason reason = ByeReason::server_ends;
+  LiveEnd reason = LiveEnd::server_ends;
 };
 
 using ServerMessage = std::variant<LiveWelcome, LivePicture, LivePong, LiveBye>;

@@ -109,9 +109,9 @@ TEST(Message, ServerMessagesComeBackAsTheyWere) {
   EXPECT_EQ(std::get<LiveWelcome>(*greeted).unit, 0.25);
   EXPECT_TRUE(std::get<LiveWelcome>(*greeted).without_sky);
   const auto bye =
-      parse_server_message(encode_message(ServerMessage(LiveBye{ByeReason::too_slow})));
+      parse_server_message(encode_message(ServerMessage(LiveBye{LiveEnd::too_slow})));
   ASSERT_TRUE(bye.ok());
-  EXPECT_EQ(std::get<LiveBye>(*bye).reason, ByeReason::too_slow);
+  EXPECT_EQ(std::get<LiveBye>(*bye).reason, LiveEnd::too_slow);
 }
 
 // docs/protocol.md and clients of others count bytes.
