@@ -1,7 +1,8 @@
 #include "rilievo/environment_nodes/fit_sky.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "rilievo/render/shading/shading_model.h"
 
 namespace rilievo {
 namespace {
@@ -13,11 +14,10 @@ constexpr double kPrior = 1e-3;
 }  // namespace
 
 glm::dvec3 sky_shares(double elevation) {
-  // As render/software/sky_tiles.cpp has it.
-  const double up = std::sqrt(std::clamp(elevation, 0.0, 1.0));
-  const double t = std::clamp(elevation / -0.08, 0.0, 1.0);
-  const double down = t * t * (3 - 2 * t);
-  return {(1 - down) * up, (1 - down) * (1 - up), down};
+  // What a sky shows whose colours are one each.
+  constexpr Sky kShares{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const auto shares = shading_model::sky_radiance(kShares, float(elevation));
+  return {shares.x, shares.y, shares.z};
 }
 
 void SkySums::add(const glm::dvec3& direction, const glm::vec3& color_seen, double steradians) {
