@@ -140,23 +140,14 @@ Rgba8Image jpeg_and_back(const MadePicture& made, double z_far, Keyframe& keyfra
   const std::vector<std::byte> message = encode_picture(made, made.head);
   const Result<ServerMessage> read = parse_server_message(message);
   keyframe = *decode_live_picture(std::get<LivePicture>(*read), z_far);
-  Rgba8Image color(keyframe.camera.width, keyframe.camera.height);
-  for (std::size_t i = 0; i < color.texels().size(); ++i) {
-    const std::uint32_t c = keyframe.color.texels()[i];
-    color.texels()[i] = {c & 0xFF, c >> 8 & 0xFF, c >> 16 & 0xFF, 255};
-  }
-  return color;
+  return opaque_colors(keyframe.color);
 }
 
 Rgba8Image warped_alone(const Keyframe& keyframe, const Camera& camera, double& holes) {
   const WarpedKeyframe one{&keyframe};
   WarpedFrame warped;
   warp_keyframes(std::span(&one, 1), camera, warped);
-  Rgba8Image color(camera.width, camera.height, glm::u8vec4(0));
-  for (std::size_t i = 0; i < color.texels().size(); ++i) {
-    const std::uint32_t c = warped.color.texels()[i];
-    if (c != 0) color.texels()[i] = {c & 0xFF, c >> 8 & 0xFF, c >> 16 & 0xFF, 255};
-  }
+  Rgba8Image color = opaque_colors(warped.color);
   holes += double(warped.holes()) / double(color.texels().size());
   if (warped.holes() > 0) dilate_colors(color);
   return color;

@@ -60,6 +60,15 @@ void find_ranges(Keyframe& keyframe, int from, int to) {
   });
 }
 
+Rgba8Image opaque_colors(const Image<std::uint32_t>& color) {
+  Rgba8Image colors(color.width(), color.height(), glm::u8vec4(0));
+  for (std::size_t i = 0; i < colors.texels().size(); ++i) {
+    const std::uint32_t c = color.texels()[i];
+    if (c != 0) colors.texels()[i] = {c & 0xFF, c >> 8 & 0xFF, c >> 16 & 0xFF, 255};
+  }
+  return colors;
+}
+
 Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels) {
   RILIEVO_EXPECTS(margin.x >= 1 && margin.y >= 1 && texels > 0);
   Camera camera = frame;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/core/color.h"
 #include "rilievo/core/depth_image.h"
 #include "rilievo/core/image.h"
 
@@ -59,6 +60,9 @@ struct Keyframe {
 void resize(Keyframe& keyframe, const Camera& camera, bool quarters = false);
 // Finds the ranges of depth of columns [from, to), which begin and end at segments, or at the end.
 void find_ranges(Keyframe& keyframe, int from, int to);
+
+// The bytes R, G, B of colours as a keyframe or a warped frame has them, opaque; of a hole, 0.
+[[nodiscard]] Rgba8Image opaque_colors(const Image<std::uint32_t>& color);
 
 // How many times as wide and high as a frame a keyframe is; 1: as the frame.
 struct KeyframeMargin {

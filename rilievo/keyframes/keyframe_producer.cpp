@@ -7,6 +7,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/keyframes/weigh_keyframes.h"
 
 namespace rilievo {
 namespace {
@@ -15,10 +16,6 @@ namespace {
 constexpr std::size_t kKept = 2;
 // A coarse keyframe's texels for each pixel of the frame, in each direction; and its margin.
 constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
-// How much less a coarse keyframe counts.
-constexpr float kCoarseWeight = 1e-4f;
-// A keyframe whose weight is a smaller share of the largest is spare.
-constexpr float kSpareWeight = 0.2f;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
 // An eye that turns by so many radians a frame, or more, gets a margin that is wider by so much
@@ -75,22 +72,10 @@ KeyframeWork KeyframeProducer::take_work() { return std::exchange(done_, {}); }
 
 void KeyframeProducer::choose() {
   chosen_.clear();
-  const auto distance = [&](const Keyframe& key) {
-    return glm::length(key.camera.position() - frame_.position());
-  };
-  double sum = 0, most = 0;
-  for (const Keyframe& key : ready_) sum += distance(key);
-  for (const Keyframe& key : ready_) {
-    const double near = 1 / (distance(key) / std::max(sum, 1e-12) + 1e-3);
-    chosen_.push_back({&key, float(near * near) * (key.coarse ? kCoarseWeight : 1.0f)});
-    most = std::max(most, double(chosen_.back().weight));
-  }
-  // One that counts little is spare; others lose as much, so that none comes or goes at once.
-  for (WarpedKeyframe& one : chosen_) {
-    const float less = one.weight - kSpareWeight * float(most);
-    one.spare = less <= 0;
-    if (!one.spare) one.weight = less;
-  }
+  double sum = 0;
+  for (const Keyframe& key : ready_) sum += eye_distance(key, frame_);
+  for (const Keyframe& key : ready_) chosen_.push_back({&key, keyframe_weight(key, frame_, sum)});
+  spare_weak(chosen_);
 }
 
 std::span<const WarpedKeyframe> KeyframeProducer::follow(const Camera& frame, double time) {

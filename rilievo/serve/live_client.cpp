@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/keyframes/weigh_keyframes.h"
 #include "rilievo/serve/live_picture.h"
 #include "rilievo/web_walk/dilate.h"
 
@@ -15,8 +16,6 @@ namespace {
 constexpr std::size_t kViews = 3, kViewsWithCoarse = 1;
 // What warp_keyframes() takes at most.
 constexpr std::size_t kMostWarped = 4;
-// As KeyframeProducer's.
-constexpr float kCoarseWeight = 1e-4f, kSpareWeight = 0.2f;
 // With more holes coarse pictures are asked, too.
 constexpr double kFewHoles = 0.0005;
 
@@ -32,12 +31,6 @@ bool may_show(const Camera& picture, const Camera& frame) {
       std::acos(std::clamp(glm::dot(picture.forward(), frame.forward()), -1.0, 1.0));
   // 0.3 rad more: the eye moved.
   return between < half(picture) + half(frame) + 0.3;
-}
-
-void add(std::vector<WarpedKeyframe>& list, const LiveView& view, const Camera& frame, double sum) {
-  const double d = glm::length(view.keyframe.camera.position() - frame.position());
-  const double near = 1 / (d / std::max(sum, 1e-12) + 1e-3);
-  list.push_back({&view.keyframe, float(near * near) * (view.head.fine ? 1.0f : kCoarseWeight)});
 }
 
 }  // namespace
@@ -89,21 +82,14 @@ void LiveClient::draw(const Camera& frame, LiveFrame& out, bool with_objects) co
   RILIEVO_EXPECTS(any());
   std::vector<WarpedKeyframe> list;
   double sum = 0;
-  for (const LiveView& view : views_)
-    sum += glm::length(view.keyframe.camera.position() - frame.position());
+  for (const LiveView& view : views_) sum += eye_distance(view.keyframe, frame);
   out.error_px = 0;
   for (const LiveView& view : views_)
     if (may_show(view.keyframe.camera, frame)) {
-      add(list, view, frame, sum);
+      list.push_back({&view.keyframe, keyframe_weight(view.keyframe, frame, sum)});
       out.error_px = std::max(out.error_px, view.head.error_px);
     }
-  float most = 0;
-  for (const WarpedKeyframe& one : list) most = std::max(most, one.weight);
-  for (WarpedKeyframe& one : list) {
-    const float less = one.weight - kSpareWeight * most;
-    one.spare = less <= 0;
-    if (!one.spare) one.weight = less;
-  }
+  spare_weak(list);
   WarpedFrame warped;
   const double pixels = double(frame.width) * frame.height;
   std::size_t alone = std::size_t(pixels);
@@ -126,28 +112,22 @@ void LiveClient::draw(const Camera& frame, LiveFrame& out, bool with_objects) co
                              [&](const auto* x, const auto* y) { return facing(x) > facing(y); });
     for (const LiveView* view : coarse) {
       if (all.size() == kMostWarped || !may_show(view->keyframe.camera, frame)) continue;
-      add(all, *view, frame, sum);
-      all.back().spare = !list.empty();
+      all.push_back({&view->keyframe, keyframe_weight(view->keyframe, frame, sum), !list.empty()});
     }
     if (!all.empty()) {
       list = std::move(all);
       warp_keyframes(list, frame, warped);
     }
   }
-  out.color = Rgba8Image(frame.width, frame.height, glm::u8vec4(0));
   if (list.empty()) {
+    out.color = Rgba8Image(frame.width, frame.height, glm::u8vec4(0));
     out.holes = std::size_t(pixels), out.coarse = 0;
     out.objects = Image<std::uint32_t>(frame.width, frame.height, kNoObject);
     return;
   }
   out.holes = warped.holes();
   out.coarse = alone - std::min(alone, out.holes);
-  for (int y = 0; y < frame.height; ++y)
-    for (int x = 0; x < frame.width; ++x) {
-      if (warped.hole(x, y)) continue;
-      const std::uint32_t c = warped.color(x, y);
-      out.color(x, y) = {c & 0xFF, c >> 8 & 0xFF, c >> 16 & 0xFF, 255};
-    }
+  out.color = opaque_colors(warped.color);
   if (out.holes > 0) dilate_colors(out.color);
   if (with_objects) warp_objects(list, frame, warped, out.objects);
 }

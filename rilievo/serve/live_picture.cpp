@@ -31,15 +31,6 @@ double typical_of(const Image<float>& inverse_z) {
   return double(*at);
 }
 
-Rgba8Image opaque_colors(const Keyframe& keyframe) {
-  Rgba8Image colors(keyframe.camera.width, keyframe.camera.height);
-  for (std::size_t i = 0; i < colors.texels().size(); ++i) {
-    const std::uint32_t c = keyframe.color.texels()[i];
-    colors.texels()[i] = {c & 0xFF, c >> 8 & 0xFF, c >> 16 & 0xFF, 255};
-  }
-  return colors;
-}
-
 // A picture's head with a camera as a client will know it.
 LivePictureHead rounded_head(const Camera& camera) {
   LivePictureHead head;
@@ -73,7 +64,7 @@ Result<MadePicture> make_live_picture(CaptureSource& source, const LivePictureOr
   // Two files at a time.
   parallel_for(0, 2, [&](int file) {
     if (file == 0)
-      made.colors = encode_jpeg(opaque_colors(*keyframe), order.quality);
+      made.colors = encode_jpeg(opaque_colors(keyframe->color), order.quality);
     else
       made.depths = encode_plane16_quickly(depth_codes(keyframe->inverse_z, step.step));
   });
