@@ -11,26 +11,39 @@ namespace {
 
 enum Predictor : std::uint8_t { kNone, kPlane, kMedian, kPredictors };
 
-std::uint16_t predicted(const Image<std::uint16_t>& plane, int x, int y, std::uint8_t predictor) {
-  if (predictor == kNone) return 0;
-  const int w = x > 0 ? plane(x - 1, y) : 0, n = y > 0 ? plane(x, y - 1) : 0;
-  const int nw = x > 0 && y > 0 ? plane(x - 1, y - 1) : 0;
-  const int affine = w + n - nw;
-  if (predictor == kPlane) return std::uint16_t(affine);
-  return std::uint16_t(std::clamp(affine, std::min(w, n), std::max(w, n)));
+// From the west and the north, and from the plane through these and the north-west.
+int predicted(std::uint8_t predictor, int w, int n, int affine) {
+  if (predictor == kMedian) return std::max(std::min(w, n), std::min(affine, std::max(w, n)));
+  return predictor == kPlane ? affine : 0;
 }
 
-// A row's differences from the median, folded, as low and high bytes. `above` is the row before,
-// and both rows have a 0 before their first texel.
+// A row's differences from what a predictor says, folded, as low and high bytes. `above` is the row
+// before, and both rows have a 0 before their first texel.
+template <Predictor predictor>
 void fold_row(const std::uint16_t* row, const std::uint16_t* above, int width, std::uint8_t* low,
               std::uint8_t* high) {
   for (int x = 0; x < width; ++x) {
     const int w = row[x], n = above[x + 1], affine = w + n - above[x];
-    const int predicted = std::max(std::min(w, n), std::min(affine, std::max(w, n)));
-    const std::int16_t off = std::int16_t(row[x + 1] - predicted);
+    const std::int16_t off = std::int16_t(row[x + 1] - predicted(predictor, w, n, affine));
     const std::uint16_t folded = std::uint16_t((off * 2) ^ (off >> 15));
     low[x] = std::uint8_t(folded & 0xFF), high[x] = std::uint8_t(folded >> 8);
   }
+}
+
+// All rows, behind the predictor's number: the low bytes of all, and then the high ones.
+template <Predictor predictor>
+std::vector<std::uint8_t> fold(const Image<std::uint16_t>& plane) {
+  const std::size_t count = plane.texels().size(), width = std::size_t(plane.width());
+  std::vector<std::uint8_t> raw(1 + 2 * count);
+  raw[0] = predictor;
+  std::vector<std::uint16_t> above(width + 1), row(width + 1);
+  for (int y = 0; y < plane.height(); ++y) {
+    std::ranges::copy(plane.row(y), row.begin() + 1);
+    std::uint8_t* const low = raw.data() + 1 + std::size_t(y) * width;
+    fold_row<predictor>(row.data(), above.data(), plane.width(), low, low + count);
+    std::swap(row, above);
+  }
+  return raw;
 }
 
 // And back.
@@ -39,9 +52,7 @@ void unfold_row(std::uint8_t predictor, const std::uint16_t* above, const std::u
   int w = 0, nw = 0;
   for (std::size_t x = 0; x < row.size(); ++x) {
     const int folded = low[x] | high[x] << 8, n = above[x], affine = w + n - nw;
-    const int median = std::max(std::min(w, n), std::min(affine, std::max(w, n)));
-    const int from = predictor == kMedian ? median : predictor == kPlane ? affine : 0;
-    row[x] = std::uint16_t(from + ((folded >> 1) ^ -(folded & 1)));
+    row[x] = std::uint16_t(predicted(predictor, w, n, affine) + ((folded >> 1) ^ -(folded & 1)));
     w = row[x], nw = n;
   }
 }
@@ -49,17 +60,7 @@ void unfold_row(std::uint8_t predictor, const std::uint16_t* above, const std::u
 }  // namespace
 
 std::vector<std::uint8_t> encode_plane16_quickly(const Image<std::uint16_t>& plane) {
-  const int width = plane.width(), height = plane.height();
-  const std::size_t count = plane.texels().size();
-  std::vector<std::uint8_t> raw(1 + 2 * count);
-  raw[0] = kMedian;
-  std::vector<std::uint16_t> above(std::size_t(width) + 1), row(std::size_t(width) + 1);
-  for (int y = 0; y < height; ++y) {
-    std::ranges::copy(plane.row(y), row.begin() + 1);
-    std::uint8_t* const low = raw.data() + 1 + std::size_t(y) * std::size_t(width);
-    fold_row(row.data(), above.data(), width, low, low + count);
-    std::swap(row, above);
-  }
+  std::vector<std::uint8_t> raw = fold<kMedian>(plane);
   z_stream stream{};
   // Runs and Huffman codes: what is left after the prediction repeats in no other way.
   int done = deflateInit2(&stream, 1, Z_DEFLATED, 15, 9, Z_RLE);
@@ -76,19 +77,8 @@ std::vector<std::uint8_t> encode_plane16_quickly(const Image<std::uint16_t>& pla
 }
 
 std::vector<std::uint8_t> encode_plane16(const Image<std::uint16_t>& plane) {
-  const std::size_t count = plane.texels().size();
   std::vector<std::uint8_t> best;
-  for (std::uint8_t predictor = kNone; predictor < kPredictors; ++predictor) {
-    std::vector<std::uint8_t> raw(1 + 2 * count);
-    raw[0] = predictor;
-    std::size_t i = 0;
-    for (int y = 0; y < plane.height(); ++y)
-      for (int x = 0; x < plane.width(); ++x, ++i) {
-        const std::uint16_t off = std::uint16_t(plane(x, y) - predicted(plane, x, y, predictor));
-        const std::uint16_t folded = std::uint16_t((off << 1) ^ ((off & 0x8000) ? 0xFFFF : 0));
-        raw[1 + i] = std::uint8_t(folded & 0xFF);
-        raw[1 + count + i] = std::uint8_t(folded >> 8);
-      }
+  for (const auto& raw : {fold<kNone>(plane), fold<kPlane>(plane), fold<kMedian>(plane)}) {
     uLongf size = compressBound(uLong(raw.size()));
     std::vector<std::uint8_t> packed(size);
     // Fails only without memory.
