@@ -24,8 +24,7 @@ namespace rilievo::bench {
 namespace {
 
 constexpr int kSamples = 4, kReference = 36, kPlaces = 3;
-constexpr double kRefresh = 30;       // frames a second of the eye, however long they take
-constexpr double kLongestWalk = 120;  // seconds
+constexpr double kRefresh = 30;  // frames a second of the eye, however long they take
 constexpr const char* kMethods[] = {"auto", "direct-raster", "direct-rays",
                                     "lod",  "cache",         "keyframes"};
 

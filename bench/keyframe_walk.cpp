@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "bench/real_scenes.h"
 #include "rilievo/compare/real_time.h"
 #include "rilievo/compare/reference_frames.h"
 #include "rilievo/measure/artifacts.h"
@@ -20,7 +21,6 @@
 namespace rilievo::bench {
 namespace {
 
-constexpr double kLongestWalk = 120;  // seconds; slow methods draw on until all frames are kept
 // Neighbours whose depths differ by a larger share lie on two surfaces.
 constexpr double kSilhouette = 0.03;
 

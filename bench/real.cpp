@@ -34,7 +34,6 @@ int margin_of(const FrameStats& stats) {
 }
 // A baseline that takes longer draws fewer of the frames, but at least three.
 constexpr double kBaselineMs = 15000;
-constexpr double kLongestWalk = 120;  // seconds; slow methods draw on until all frames are kept
 
 struct Baseline {
   const char* name;

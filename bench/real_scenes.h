@@ -14,6 +14,9 @@
 
 namespace rilievo::bench {
 
+// Walks go there and back for so long: slow methods draw on until all frames are kept.
+inline constexpr double kLongestWalk = 120;  // seconds
+
 struct RealWalk {
   std::string name;
   CameraPath path;  // its times are those of the clock

@@ -28,8 +28,6 @@
 namespace rilievo::bench {
 namespace {
 
-constexpr double kLongestLiveWalk = 120;  // seconds
-
 struct Sizes {
   int width = 1280, height = 720;
   double seconds = 8;
@@ -399,8 +397,7 @@ Result<BenchReport> serve(const BenchOptions& options) {
     if (!rays) return rays.error();
     const RealWalk& walk = walks.front();
     // A path that ends would leave an eye that stands, which any baseline serves well.
-    LiveBenchScene shown(*scene, there_and_back(walk.path, kLongestLiveWalk), std::move(*rays),
-                         sizes);
+    LiveBenchScene shown(*scene, there_and_back(walk.path, kLongestWalk), std::move(*rays), sizes);
     const std::string name = real.name + "-" + walk.name;
     add_codec(name, shown, codec, report);
     for (const NetworkCase& network : network_cases(options.quick)) {

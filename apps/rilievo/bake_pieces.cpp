@@ -21,6 +21,7 @@
 #include "rilievo/capture/store/picture_folder.h"
 #include "rilievo/capture/watched_source.h"
 #include "rilievo/core/file.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/representation/kinds.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -121,9 +122,9 @@ std::vector<int> all_missing(const BakePlan& plan, const PictureFolder& folder,
 
 // The seconds that a picture takes.
 Result<double> seconds_of(const CapturePiece& picture, CaptureSource& light) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (Result<> made = capture_piece(picture, light); !made) return made.error();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return 1e-3 * watch.ms();
 }
 
 // A picture of the same with fewer texels and samples.
