@@ -3,18 +3,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { encodeKeyframe, encodeWelcome, parsePose } from "./live-mock.js";
 import { axesAt, codesOf, encodePlane16, picture } from "./live-scene.js";
+import { randomNumbers } from "./random-numbers.js";
 import { load } from "./sources.js";
-
-/** Numbers from 0 to 1, the same ones for the same seed. */
-function randomNumbers(seed) {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let t = Math.imul(state ^ (state >>> 15), 1 | state);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
-  };
-}
 
 /** A plane in the back, or the sky, and rectangles of planes before it: codes, and who each texel is of. */
 function rectangles(random, width, height, count) {

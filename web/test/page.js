@@ -1,5 +1,7 @@
 // What the tests ask a page for. `viewer` is the page's viewer.
 
+import { randomNumbers } from "./random-numbers.js";
+
 function normalized(v) {
   const length = Math.hypot(...v);
   return v.map((x) => x / length);
@@ -257,17 +259,6 @@ window.walked = async (keys, frames, seconds = 0) => {
     heap_grown: heap() - before,
   };
 };
-
-/** Numbers from 0 to 1, the same ones for the same seed. */
-function randomNumbers(seed) {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let t = Math.imul(state ^ (state >>> 15), 1 | state);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
-  };
-}
 
 /** Keys between nodes that see each other, or around a node that is alone; they look anywhere. */
 window.eyesBetweenNodes = (count) => {

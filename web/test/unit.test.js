@@ -6,6 +6,7 @@ import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { root } from "./browser.js";
+import { numbersBetween } from "./random-numbers.js";
 import { load } from "./sources.js";
 
 test("the digest is SHA-256 at every length", async () => {
@@ -200,17 +201,6 @@ test("no page loads more than 31 kB gzipped, a live one 38, without three.js and
   }
 });
 
-/** Numbers from `low` to `high`, the same ones for the same seed. */
-function randomNumbers(seed) {
-  let state = seed;
-  return (low, high) => {
-    state = (state + 0x6d2b79f5) | 0;
-    let t = Math.imul(state ^ (state >>> 15), 1 | state);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return low + ((high - low) * ((t ^ (t >>> 14)) >>> 0)) / 4294967296;
-  };
-}
-
 // A picture of lines of sight with up to three samples, and the sheet that holds them.
 function sheetOfLines(of, random) {
   const side = 16, across = Math.ceil(of.width / side), down = Math.ceil(of.height / side);
@@ -242,7 +232,7 @@ function sheetOfLines(of, random) {
 test("samples come back from their sheet, and one that is damaged is named", async () => {
   const { unpackSamples } = await load("reliefs/samples");
   const size = { width: 37, height: 20, sheetWidth: 48, sheetHeight: 96 };
-  const { layers, codes, samples } = sheetOfLines(size, randomNumbers(1));
+  const { layers, codes, samples } = sheetOfLines(size, numbersBetween(1));
   const of = { ...size, samples: samples.length };
   const made = unpackSamples(codes, layers, of, "codes");
   const found = samples.map((_, i) => made.slice(6 * i, 6 * i + 6).join(" "));
@@ -285,7 +275,7 @@ function slantingRelief(perspective) {
 
 test("samples are warped to where their places are seen, with their depths", async () => {
   const { ReliefWarp } = await load("reliefs/warp");
-  const random = randomNumbers(2);
+  const random = numbersBetween(2);
   for (const perspective of [false, true]) {
     const { of, set, world, forward } = slantingRelief(perspective);
     const warp = new ReliefWarp(of, set), out = new Float32Array(12);
@@ -322,7 +312,7 @@ test("what a frame shows of a relief is all that its pixels see", async () => {
   const { ReliefWarp } = await load("reliefs/warp");
   const { of, set, world, forward } = slantingRelief(false);
   const warp = new ReliefWarp(of, set);
-  const random = randomNumbers(3);
+  const random = numbersBetween(3);
   let seen = 0;
   for (let tried = 0; tried < 60; ++tried) {
     const middle = world(55, 45, 30000);

@@ -8,7 +8,7 @@ import {
   kDefaultSky, kSkyTexels, mergeProgram, nodeProgram, showObjectsProgram, skyProgram, skyTexels,
 } from "./shaders.js";
 import type { StoredNode } from "./node-store.js";
-import { checkProgram, type View } from "./program.js";
+import { checkProgram, nearOf, type View } from "./program.js";
 import { NodePainter } from "./seen.js";
 
 /** The most nodes that are merged. */
@@ -307,20 +307,8 @@ export class NodeDrawer {
   // The near plane of the layers. Where depths cannot be clamped, nearer than the frame's.
   private begin(view: View): number {
     const { gl } = this;
-    const p = view.clipFromEye;
-    const near = view.near ?? Math.abs(p[14] / (p[10] - 1));
-    gl.viewport(0, 0, view.width, view.height);
-    gl.disable(gl.SCISSOR_TEST);
-    gl.disable(gl.BLEND);
-    gl.disable(gl.STENCIL_TEST);
-    gl.enable(gl.DEPTH_TEST);
-    gl.depthFunc(gl.LEQUAL);
-    gl.depthMask(true);
-    gl.colorMask(true, true, true, true);
-    gl.frontFace(gl.CCW);
-    gl.cullFace(gl.BACK);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clearDepth(1);
+    const near = nearOf(view);
+    this.targets.prepare(view.width, view.height);
     if (this.clamps) gl.enable(kDepthClamp);
     // A host whose depth is reversed may have left it otherwise.
     this.clipControl?.clipControlEXT(kLowerLeft, kNegativeOneToOne);

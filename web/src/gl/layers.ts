@@ -43,6 +43,23 @@ export class Layers {
     this.height = height;
   }
 
+  /** The state in which surfaces are drawn into layers, whatever a host has left. */
+  prepare(width: number, height: number): void {
+    const { gl } = this;
+    gl.viewport(0, 0, width, height);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.disable(gl.BLEND);
+    gl.disable(gl.STENCIL_TEST);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(true);
+    gl.colorMask(true, true, true, true);
+    gl.frontFace(gl.CCW);
+    gl.cullFace(gl.BACK);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clearDepth(1);
+  }
+
   /** Binds a layer and clears it. */
   begin(layer: number): void {
     const { gl } = this;

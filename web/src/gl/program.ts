@@ -11,6 +11,12 @@ export interface View {
   readonly near?: number;
 }
 
+/** A view's near plane, metres. */
+export function nearOf(view: View): number {
+  const p = view.clipFromEye;
+  return view.near ?? Math.abs(p[14] / (p[10] - 1));
+}
+
 /** A triangle that covers the viewport. */
 export const kScreenVertex = `#version 300 es
 void main() {

@@ -2,7 +2,7 @@
 // best, and one pass that merges the layers.
 
 import { Layers } from "../gl/layers.js";
-import type { View } from "../gl/program.js";
+import { nearOf, type View } from "../gl/program.js";
 import { clipFromRaster } from "./camera.js";
 import { keyframeProgram, kFillDepth, kFills, mergeProgram } from "./live-shaders.js";
 import type { StoredPart } from "./store.js";
@@ -77,22 +77,13 @@ export class KeyframeDrawer {
    */
   drawLayers(view: View, keyframes: readonly DrawnKeyframe[], spares: readonly DrawnKeyframe[],
              fills: readonly StoredPart[]): void {
-    const { gl, layers, stats } = this, p = view.clipFromEye;
+    const { gl, layers, stats } = this;
     stats.drawCalls = stats.triangles = 0;
     this.drawn = Math.min(kMostKeyframes, keyframes.length);
     // So near that nothing is cut off where depths cannot be clamped.
-    this.near = (view.near ?? Math.abs(p[14] / (p[10] - 1))) / 4;
+    this.near = nearOf(view) / 4;
     layers.make(view.width, view.height, Math.max(1, this.drawn));
-    gl.viewport(0, 0, view.width, view.height);
-    for (const of of [gl.SCISSOR_TEST, gl.BLEND, gl.STENCIL_TEST]) gl.disable(of);
-    gl.enable(gl.DEPTH_TEST);
-    gl.depthFunc(gl.LEQUAL);
-    gl.depthMask(true);
-    gl.colorMask(true, true, true, true);
-    gl.frontFace(gl.CCW);
-    gl.cullFace(gl.BACK);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clearDepth(1);
+    layers.prepare(view.width, view.height);
     for (let i = 0; i < this.drawn; ++i) {
       const { parts, count } = keyframes[i];
       this.counts[i] = count;

@@ -1,14 +1,10 @@
 // The program of the worker (decoder.ts), a bundle of its own: from a keyframe's bytes to what the GPU draws.
 
-import { WalkError, asWalkError } from "../errors.js";
+import { WalkError } from "../errors.js";
+import { answerJobs } from "../job-port.js";
 import { decodePlane16 } from "../plane16.js";
 import { makeMesh } from "./mesh.js";
 import type { DecodedPart, PartJob } from "./decoder.js";
-
-const port = self as unknown as {
-  onmessage: (event: MessageEvent) => void;
-  postMessage(message: unknown, transfer?: Transferable[]): void;
-};
 
 // As numbers, so that a frame uploads a few rows of them: a bitmap would be converted whole.
 async function colorsOf(bytes: Uint8Array<ArrayBuffer>, type: string, width: number, height: number):
@@ -46,14 +42,4 @@ async function decode({ bytes, part, tolerance, triangles }: PartJob): Promise<D
   };
 }
 
-port.onmessage = async (event) => {
-  const { id, job } = event.data;
-  try {
-    const result = await decode(job);
-    port.postMessage({ id, result },
-                     [result.colors, result.codes, result.mesh.vertices, result.mesh.indices.buffer]);
-  } catch (error) {
-    const { where, reason } = asWalkError(error, "worker");
-    port.postMessage({ id, error: { where, reason } });
-  }
-};
+answerJobs(decode, ({ colors, codes, mesh }) => [colors, codes, mesh.vertices, mesh.indices.buffer]);
