@@ -1,4 +1,4 @@
-// What does a client of a live walk see, and what does it cost, over networks of all kinds?
+// What a client of a live walk sees, and what it costs, over networks of all kinds.
 //
 // One server and its clients in simulated time (rilievo/serve/live_simulation.h), beside JPEG
 // video, the warp of one plane and the warp of one keyframe. And the depth codec beside others.

@@ -1,4 +1,4 @@
-// How does work run beside frames without slowing them?
+// A thread for work beside frames that must not slow them.
 //
 // Background takes one of the workers of parallel_for, so that frames have one core less. This is a
 // thread of its own with the lowest priority of the system: it gets what frames leave, which is a

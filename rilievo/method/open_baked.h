@@ -1,4 +1,4 @@
-// The door: a baked file in one's own program.
+// Opens a baked file and draws it in one's own program.
 //
 //   const Scene nothing;
 //   auto backend = OpenGLBackend::create(nothing, 4);  // or SoftwareBackend::create(nothing, 4)
@@ -8,10 +8,10 @@
 // OpenGL draws into the bound framebuffer, and shares its z-buffer with everything else in the
 // frame:
 //
-//   baked->frames->draw(camera, 0);      // a camera of ours; HostFrames (frame/gl/host_frames.h)
-//   takes
-//                                        // a host's matrices, reversed depths and linear
-//                                        framebuffers
+//   baked->frames->draw(camera, 0);
+//
+// HostFrames (frame/gl/host_frames.h) draw them by a host's matrices, with reversed depths, and
+// into linear framebuffers.
 //
 // Frames in memory, with OpenGL or without, are drawn into a target of the backend's:
 //

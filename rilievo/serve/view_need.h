@@ -1,4 +1,4 @@
-// How badly does a client need a picture, and which one?
+// The picture that a client needs next, and how urgently.
 //
 // Plain functions of what it holds and of where its eye will be. A ray of the frame is *covered* by
 // a view whose window it passes through; a view is *near* if the eye has moved so little that what
