@@ -108,8 +108,7 @@ TEST(Message, ServerMessagesComeBackAsTheyWere) {
   EXPECT_EQ(std::get<LiveWelcome>(*greeted).bounds.max, welcome.bounds.max);
   EXPECT_EQ(std::get<LiveWelcome>(*greeted).unit, 0.25);
   EXPECT_TRUE(std::get<LiveWelcome>(*greeted).without_sky);
-  const auto bye =
-      parse_server_message(encode_message(ServerMessage(LiveBye{LiveEnd::too_slow})));
+  const auto bye = parse_server_message(encode_message(ServerMessage(LiveBye{LiveEnd::too_slow})));
   ASSERT_TRUE(bye.ok());
   EXPECT_EQ(std::get<LiveBye>(*bye).reason, LiveEnd::too_slow);
 }
