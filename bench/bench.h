@@ -23,7 +23,8 @@ struct BenchOptions {
   // A capture of photographs with depth (io/rgbd.h), for benches that take one; may be empty.
   std::string capture;
   // What draws frames, where a bench leaves it open (of `real`, the cache's): opengl, software, or
-  // automatic, which is software where OpenGL runs on processors; never automatic without OpenGL.
+  // automatic, which is software where OpenGL runs on processors (the command line says which is
+  // faster, instead); never automatic without OpenGL.
   std::string draw = "automatic";
   // For `program-walk`: who shades, raytrace, sdf:NAME or exec:PROGRAM; empty: raytrace.
   std::string shader;

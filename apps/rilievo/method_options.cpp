@@ -65,9 +65,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option(
           "--draw", options.draw,
-          "What draws the frames: opengl, software (without OpenGL), or automatic: software where "
-          "OpenGL runs on processors or is missing; where it runs on processors, it still draws "
-          "direct, and kinds, which it bakes of a scene (default)")
+          "What draws the frames: opengl, software (without OpenGL), or automatic: whichever is "
+          "faster at polygons here, by --machine or measured first; OpenGL still draws direct, and "
+          "kinds, which it bakes of a scene (default)")
       ->check(CLI::IsMember({"opengl", "software", "automatic"}));
   command
       .add_option(

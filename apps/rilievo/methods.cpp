@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "apps/rilievo/draw_speed.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/frame/software/software_backend.h"
@@ -13,6 +14,9 @@
 
 namespace rilievo::app {
 namespace {
+
+// The pixels of a frame, about: who is faster hardly depends on it.
+constexpr double kFramePixels = 1280 * 720;
 
 // Why software does not draw a kind; none for what is no kind.
 std::optional<std::string> refused(const std::string& method) {
@@ -91,6 +95,11 @@ Result<std::unique_ptr<gl::Context>> open_opengl(std::span<const std::string> me
   return none;
 }
 
+Result<bool> Stage::draws_by_software(const MethodOptions& options) const {
+  if (options.draw != "automatic") return options.draw == "software";
+  return software_is_faster(double(count_triangles(scene_)), kFramePixels, options.machine);
+}
+
 // A presented frame's samples, deformations and pictures are the backend's.
 Result<Backend*> Stage::backend(bool software, bool bends) {
   std::unique_ptr<Backend>& made = (software ? software_ : opengl_)[bends];
@@ -114,10 +123,10 @@ Result<Method> Stage::make(const std::string& method, const MethodOptions& optio
   const std::optional<std::string> reason = needs_opengl(method, options, samples_);
   if (options.draw == "software" && reason) return Error{"--draw", *reason};
   // Kinds are baked by OpenGL where there is one.
-  const bool software =
-      options.draw == "software" ||
-      (options.draw == "automatic" && row && row->software_first && !reason && gl::is_software());
-  const Result<Backend*> backend = this->backend(software, row && row->bends);
+  const Result<bool> software = row && row->software_first && !reason ? draws_by_software(options)
+                                                                      : options.draw == "software";
+  if (!software) return software.error();
+  const Result<Backend*> backend = this->backend(*software, row && row->bends);
   if (!backend) return backend.error();
   return with_reports(options, [&](const rilievo::MethodOptions& with) {
     return make_method(method, with, **backend);
@@ -127,9 +136,9 @@ Result<Method> Stage::make(const std::string& method, const MethodOptions& optio
 Result<Backend*> Stage::backend_of_file(const std::string& method, const MethodOptions& options) {
   const std::optional<std::string> reason = needs_opengl(method, options, samples_);
   if (options.draw == "software" && reason) return Error{"--draw", *reason};
-  return backend(
-      options.draw == "software" || (options.draw == "automatic" && !reason && gl::is_software()),
-      false);
+  const Result<bool> software = reason ? Result<bool>(false) : draws_by_software(options);
+  if (!software) return software.error();
+  return backend(*software, false);
 }
 
 Result<Method> Stage::make(const std::string& method, const MethodOptions& options,

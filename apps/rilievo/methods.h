@@ -1,8 +1,8 @@
 // Methods on the command line, and who draws them: OpenGL, or software.
 //
-// MethodOptions::draw decides. `automatic` is software where OpenGL runs on processors or is
-// missing; but `direct` is OpenGL's where there is one, as is a kind of representation that is
-// baked of a scene.
+// MethodOptions::draw decides. `automatic` is software where OpenGL is missing, or slower at
+// polygons as measured; but `direct` is OpenGL's where there is one, as is a kind of
+// representation that is baked of a scene.
 #pragma once
 
 #include <memory>
@@ -65,6 +65,7 @@ class Stage {
 
  private:
   [[nodiscard]] Result<Backend*> backend(bool software, bool bends);
+  [[nodiscard]] Result<bool> draws_by_software(const MethodOptions& options) const;
   [[nodiscard]] Result<Backend*> backend_of_file(const std::string& method,
                                                  const MethodOptions& options);
 

@@ -26,7 +26,7 @@
 namespace rilievo {
 namespace {
 
-constexpr int kRuns = 4;
+constexpr int kRuns = 4, kFewRuns = 2;
 constexpr double kTurnMs = 6;  // at least, so that what is short is measured often
 constexpr int kWidth = 640, kHeight = 320;
 constexpr double kFov = 0.2, kDistance = 100;  // radians, metres; all balls look alike
@@ -124,12 +124,14 @@ DepthImage ball_picture(const Object& object, const Camera& frame, int texels) {
   return picture;
 }
 
+double triangles(const MeasuredRun& run) { return double(run.count) * double(run.triangles); }
+
 // The least milliseconds of each of several pieces of work, which take turns.
 template <std::size_t N, typename Work>
-Result<std::array<double, N>> least_ms(const Work& work) {
+Result<std::array<double, N>> least_ms(const Work& work, int runs = kRuns) {
   std::array<double, N> least;
   least.fill(std::numeric_limits<double>::infinity());
-  for (int run = 0; run <= kRuns; ++run)
+  for (int run = 0; run <= runs; ++run)
     for (std::size_t i = 0; i < N; ++i) {
       const Stopwatch turn;
       do {
@@ -183,9 +185,6 @@ Result<DrawTimes> measure_drawing(const MeasuredScene& scene, MeasuredFrames& fr
     return 1e6 * ((*ms)[std::size_t(more)] - (*ms)[std::size_t(less)]);
   };
   const double many = scene.small.count, few = scene.light.count, pixels = double(kWidth) * kHeight;
-  const auto triangles = [](const MeasuredRun& run) {
-    return double(run.count) * double(run.triangles);
-  };
   DrawTimes times;
   const double triangle =
       std::max(kLeastOfPart, ns(1, 2) / (triangles(scene.heavy) - triangles(scene.light)));
@@ -199,6 +198,18 @@ Result<DrawTimes> measure_drawing(const MeasuredScene& scene, MeasuredFrames& fr
       kLeastOfPart, (ns(2, 0) - few * object - triangles(scene.light) * triangle) / pixels));
   times.picture_ns = rounded_ns(picture);
   times.picture_pixel_ns = rounded_ns(std::max(kLeastOfPart, (ns(4, 0) - few * picture) / pixels));
+  return times;
+}
+
+Result<PolygonTimes> measure_polygons(const MeasuredScene& scene, MeasuredFrames& frames) {
+  const auto ms = least_ms<2>(
+      [&](std::size_t i) { return frames.draw(i == 0 ? scene.light : scene.heavy, {}); }, kFewRuns);
+  if (!ms) return ms.error();
+  const double few = triangles(scene.light), many = triangles(scene.heavy);
+  PolygonTimes times;
+  times.triangle_ns = std::max(kLeastOfPart, 1e6 * ((*ms)[1] - (*ms)[0]) / (many - few));
+  times.pixel_ns = std::max(
+      kLeastOfPart, (1e6 * (*ms)[0] - few * times.triangle_ns) / (double(kWidth) * kHeight));
   return times;
 }
 

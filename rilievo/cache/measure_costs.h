@@ -66,6 +66,9 @@ class MeasuredFrames {
 [[nodiscard]] double rounded_ns(double ns);
 // What drawing takes.
 [[nodiscard]] Result<DrawTimes> measure_drawing(const MeasuredScene& scene, MeasuredFrames& frames);
+// Polygons alone, in a fifth of the time.
+[[nodiscard]] Result<PolygonTimes> measure_polygons(const MeasuredScene& scene,
+                                                    MeasuredFrames& frames);
 // What captures take, into empty slots of `pictures`.
 [[nodiscard]] CaptureTimes measure_captures(const MeasuredScene& scene, NailboardStore& pictures);
 

@@ -92,7 +92,7 @@ struct MethodRow {
   std::string_view name;
   // Errors about an option name it as the command line does.
   Result<Method> (*make)(const MethodOptions& options, Backend& backend) = nullptr;
-  // Is it drawn without OpenGL where OpenGL runs on processors, if it may be?
+  // Is it drawn without OpenGL where that is faster, if it may be?
   bool software_first = true;
   // Does it show skins and morph targets by time (Backend::deformations)?
   bool bends = false;

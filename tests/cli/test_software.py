@@ -78,7 +78,36 @@ class NoOpenGL(command.Case):
 
 
 class Software(command.Case):
-    """Asked for where OpenGL may be there as well."""
+    """Asked for, or chosen, where OpenGL may be there as well."""
+
+    def drawn_by(self, kept):
+        """Who draws by default, as draw_speed.json under `kept` says, or as is measured."""
+        done = self.succeeds("render", TEAPOTS, *SMALL, "-o", self.folder / "frames", "--json", "-",
+                             env={**os.environ, "XDG_CACHE_HOME": str(kept)})
+        return json.loads(done.stdout)["draw"]
+
+    def test_whoever_is_faster_draws(self):
+        kept = self.folder / "cache"
+        measured = self.drawn_by(kept)
+        file = kept / "rilievo" / "draw_speed.json"
+        if not file.exists():
+            self.skipTest("there is no OpenGL to compare with")
+        speed = json.loads(file.read_text())
+        for faster, slower in (("opengl", "software"), ("software", "opengl")):
+            for part in "triangle_ns", "pixel_ns":
+                speed[faster][part], speed[slower][part] = 1, 100
+            file.write_text(json.dumps(speed))
+            self.assertEqual(self.drawn_by(kept), faster)
+        # Damaged, or another machine's: it is measured again.
+        for text in "{", json.dumps({**speed, "gl_renderer": "another"}):
+            file.write_text(text)
+            self.assertEqual(self.drawn_by(kept), measured)
+            again = json.loads(file.read_text())
+            self.assertEqual(set(again), set(speed))
+            self.assertNotEqual(again["gl_renderer"], "another")
+
+    def test_no_place_to_keep_what_was_measured_is_no_error(self):
+        self.assertIn(self.drawn_by("/dev/null"), ("opengl", "software"))
 
     def test_a_file_looks_the_same_by_both(self):
         file = self.folder / "relief.exr"

@@ -36,18 +36,35 @@ class GlMeasured final : public MeasuredFrames {
   FrameTarget target_;
 };
 
+// Draws the scene with these of its pictures.
+Result<std::unique_ptr<GlMeasured>> make_frames(const MeasuredScene& scene, SceneRenderer& renderer,
+                                                std::span<const DepthImage> shown) {
+  Result<FrameTarget> target = FrameTarget::create(scene.frame.width, scene.frame.height, 4);
+  if (!target) return target.error();
+  Result<PictureSet> pictures = make_atlas_pictures(shown);
+  if (!pictures) return pictures.error();
+  return std::make_unique<GlMeasured>(scene.frame, renderer, std::move(*pictures),
+                                      std::move(*target));
+}
+
 }  // namespace
+
+Result<PolygonTimes> measure_polygons_by_opengl() {
+  const MeasuredScene scene = measured_scene();
+  Result<SceneRenderer> renderer = SceneRenderer::create(scene.scene);
+  if (!renderer) return renderer.error();
+  const auto frames = make_frames(scene, *renderer, std::span(scene.pictures).first(1));
+  if (!frames) return frames.error();
+  return measure_polygons(scene, **frames);
+}
 
 Result<> measure_opengl(MachineCosts& costs) {
   const MeasuredScene scene = measured_scene();
   Result<SceneRenderer> renderer = SceneRenderer::create(scene.scene);
   if (!renderer) return renderer.error();
-  Result<FrameTarget> target = FrameTarget::create(scene.frame.width, scene.frame.height, 4);
-  if (!target) return target.error();
-  Result<PictureSet> pictures = make_atlas_pictures(scene.pictures);
-  if (!pictures) return pictures.error();
-  GlMeasured frames(scene.frame, *renderer, std::move(*pictures), std::move(*target));
-  const Result<DrawTimes> drawing = measure_drawing(scene, frames);
+  const auto frames = make_frames(scene, *renderer, scene.pictures);
+  if (!frames) return frames.error();
+  const Result<DrawTimes> drawing = measure_drawing(scene, **frames);
   if (!drawing) return drawing.error();
 
   NailboardStoreOptions options;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "rilievo/cache/gl/scene_test_helpers.h"
+#include "rilievo/cache/software/measure_software.h"
 
 namespace rilievo {
 namespace {
@@ -44,6 +45,17 @@ TEST_F(MeasureOpenGLTest, its_costs_can_be_stored_and_a_cache_uses_them) {
     return sum;
   };
   EXPECT_GT(captures(1e5), captures(1));
+}
+
+TEST_F(MeasureOpenGLTest, polygons_alone_take_time_for_triangles_and_for_pixels) {
+  for (const Result<PolygonTimes>& times :
+       {measure_polygons_by_opengl(), measure_polygons_by_software()}) {
+    ASSERT_TRUE(times.ok()) << times.error().message();
+    EXPECT_GT(times->triangle_ns, 0);
+    EXPECT_GT(times->pixel_ns, 0);
+    EXPECT_DOUBLE_EQ(times->frame_ms(2e6, 3e6), 2 * times->triangle_ns + 3 * times->pixel_ns);
+  }
+  EXPECT_TRUE(gl::check_errors("measuring").ok());
 }
 
 TEST_F(MeasureOpenGLTest, a_cache_refuses_costs_that_were_measured_without_opengl) {

@@ -55,6 +55,14 @@ double measure_rays(const MeasuredScene& scene, CoarseCapture& coarse, Nailboard
 
 }  // namespace
 
+Result<PolygonTimes> measure_polygons_by_software() {
+  const MeasuredScene scene = measured_scene();
+  Result<PictureSet> pictures = make_software_pictures(std::span(scene.pictures).first(1));
+  if (!pictures) return pictures.error();
+  SoftwareMeasured frames(scene, std::move(*pictures));
+  return measure_polygons(scene, frames);
+}
+
 Result<MachineCosts> measure_software() {
   const MeasuredScene scene = measured_scene();
   Result<PictureSet> pictures = make_software_pictures(scene.pictures);
