@@ -7,6 +7,8 @@
 #include <ctime>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <random>
 
 #include "bench/real_scenes.h"
 #include "bench/timing.h"
@@ -87,13 +89,17 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
   const CameraPath endless = there_and_back(path, kLongestWalk);
   const double start = endless.keys.front().time;
   std::string last;
+  std::vector<std::size_t> order(walk.methods.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 rng(1);
   for (int i = 0; i < run.frames; ++i) {
     const double seconds = i / kRefresh;
     const WalkFrame frame{camera_at(endless, start + seconds, run.width, run.height), seconds};
-    // Another one begins each time: what one leaves in the processor's caches is no gain of
-    // another.
-    for (std::size_t k = 0; k < walk.methods.size(); ++k) {
-      Timed& one = walk.methods[(k + std::size_t(i)) % walk.methods.size()];
+    // In another order each time: what one leaves in the processor's caches, and what it still does
+    // on other threads when its frame is drawn, must not always meet the same one.
+    std::shuffle(order.begin(), order.end(), rng);
+    for (const std::size_t k : order) {
+      Timed& one = walk.methods[k];
       const std::clock_t before = std::clock();
       const Result<double> ms = time_frame(*one.frames, {}, frame);
       if (!ms) return ms.error();

@@ -1,6 +1,7 @@
 #include "rilievo/method/auto.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <glm/glm.hpp>
@@ -31,8 +32,9 @@ enum Methods { kDirect, kCache, kRays, kLevels, kKeyframes, kMethods };
 constexpr int kCacheWarmsUp = 12;
 // The first frames of what has its own memory are slower.
 constexpr int kWarmsUp = 1;
-// Of thirteen walks that were measured (bench/results/auto.md) keyframes were good enough in two.
-constexpr double kKeyframesChance = 0.12;
+// Keyframes are good enough where direct drawing is little better, among leaves; elsewhere in one
+// of eleven walks that were measured (bench/results/auto.md), and then no faster.
+constexpr double kKeyframesChance = 0.03, kKeyframesChanceOfMasked = 0.5;
 constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"cache", 1, kCacheWarmsUp},
                                          {"rays", 0, kWarmsUp},
@@ -152,6 +154,7 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
+  LeveledBackend* levels_ = nullptr;               // of frames_[kLevels]
   FrameSource* active_ = nullptr;
   FrameStats stats_;
   bool failed_[kMethods] = {};
@@ -211,7 +214,9 @@ void AutoFrames::begin(const Camera& camera) {
     load.triangles += double(
         backend_.scene().models[std::size_t(backend_.scene().objects[object].model)].triangles);
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
-  decision_.emplace(kCandidates, load.heavy() ? kCache : kDirect, pace_ms);
+  std::array<AutoCandidate, kMethods> candidates = std::to_array(kCandidates);
+  if (masked_) candidates[kKeyframes].chance = kKeyframesChanceOfMasked;
+  decision_.emplace(candidates, load.heavy() ? kCache : kDirect, pace_ms);
   outlook_.assign(kMethods, {});
 }
 
@@ -223,6 +228,10 @@ void AutoFrames::look(const Camera& camera) {
   for (const std::uint32_t object : in_view_)
     add_object(camera, backend_.placed().bounds()[object],
                double(scene.models[std::size_t(scene.objects[object].model)].triangles), load);
+  // Until there are levels it is a guess.
+  if (levels_)
+    load.level_triangles = count_level_triangles(camera, in_view_, backend_.placed(),
+                                                 kLevelError * options_.error_px, *levels_);
   outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
   outlook_[kCache] = {!shared_chooser_->cache_failed(), false, true, 0, 0};
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -280,7 +289,7 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
 }
 
 void AutoFrames::prepare(int method) {
-  if (preparing_ >= 0 || failed_[method]) return;
+  if (preparing_ >= 0 || failed_[method] || frames_[method]) return;
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) {
     failed_[method] = true;
@@ -323,8 +332,15 @@ Result<> AutoFrames::adopt() {
   if (method == kRays && made_.rays)
     frames = backend_.present(std::make_unique<SoftwareFrames>(
         **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
-  if (method == kLevels && made_.levels)
-    frames = make_level_frames(backend_, std::move(*made_.levels), kLevelError * options_.error_px);
+  if (method == kLevels && made_.levels) {
+    Result<std::unique_ptr<LeveledBackend>> levels =
+        LeveledBackend::create(backend_, std::move(*made_.levels));
+    if (levels) {
+      levels_ = levels->get();
+      frames = levels_->backend().make_frames(
+          std::make_unique<LevelChooser>(std::move(*levels), kLevelError * options_.error_px));
+    }
+  }
   if (method == kLevels) levels_loss_ = std::move(made_.levels_loss);
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes->get();

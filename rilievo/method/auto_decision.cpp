@@ -34,6 +34,8 @@ constexpr double kClose = 0.15;
 constexpr double kHopeless = 1.25;
 // Of what warms up for longer.
 constexpr double kHopelessWarmingUp = 1.6;
+// What is prepared before anything was measured must be as likely as this to be good enough.
+constexpr double kLikely = 0.5;
 // What warms up for so many frames is dear to return to: who leaves it must gain kGainOfLeaving
 // more.
 constexpr int kWarmsUpLong = 5;
@@ -189,9 +191,9 @@ int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) 
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (!one.preparable || !one.good_enough || one.guess_ms == 0) continue;
-    if (one.guess_ms > kPlainlyWorth * least) continue;
-    const double pays = kPaysWithin * candidates_[std::size_t(i)].chance * (least - one.guess_ms);
-    if (one.prepare_ms > pays) continue;
+    if (candidates_[std::size_t(i)].chance < kLikely || one.guess_ms > kPlainlyWorth * least)
+      continue;
+    if (one.prepare_ms > kPaysWithin * (least - one.guess_ms)) continue;
     if (best < 0 || one.guess_ms < outlook[std::size_t(best)].guess_ms) best = i;
   }
   return best;
@@ -269,6 +271,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   }
   ++since_change_;
 
+  if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;
   if (trial_ >= 0) {
     const AutoOutlook& tried = outlook[std::size_t(trial_)];
     if (jumped || !tried.ready || !tried.good_enough || trial_over()) end_trial(outlook);

@@ -218,8 +218,8 @@ TEST(AutoDecision, what_will_hardly_be_good_enough_must_gain_more) {
 
 // What is plainly the cheapest by the models is begun while the first method warms up.
 TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) {
-  const auto first_prepared = [](double guess) {
-    const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}, {"lod", 2}};
+  const auto first_prepared = [](double guess, double chance = 1) {
+    const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}, {"lod", 2, 0, chance}};
     AutoDecision decision(candidates, 1);
     for (int frame = 0; frame < 40; ++frame) {
       const AutoOutlook outlook[] = {
@@ -232,6 +232,22 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) 
   };
   EXPECT_EQ(first_prepared(20), 0);
   EXPECT_GE(first_prepared(42), 12);
+  // Not what will hardly be good enough.
+  EXPECT_GE(first_prepared(20, 0.3), 12);
+}
+
+TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
+  const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}};
+  AutoDecision decision(candidates, 0);
+  int prepared = 0;
+  for (int frame = 0; frame < 100; ++frame) {
+    const bool ready = prepared > 0;
+    const AutoOutlook outlook[] = {{true, false, true, 70, 0}, {ready, !ready, true, 20, 10}};
+    const AutoChoice choice = decision.next(outlook);
+    prepared += choice.prepares == 1;
+    decision.add(choice.draws == 0 ? 70 : 20);
+  }
+  EXPECT_EQ(prepared, 1);
 }
 
 TEST(AutoDecision, with_a_pace_the_best_that_keeps_it_draws) {

@@ -12,6 +12,16 @@ Result<> LevelChooser::choose(const Camera& camera, const PlacedScene& placed,
   return Done{};
 }
 
+double count_level_triangles(const Camera& camera, std::span<const std::uint32_t> objects,
+                             const PlacedScene& placed, double error_px, LeveledBackend& levels) {
+  choose_levels(camera, objects, placed.poses(), placed.bounds(), error_px, levels.levels());
+  const Scene& scene = levels.backend().scene();
+  double triangles = 0;
+  for (const std::uint32_t object : objects)
+    triangles += double(scene.models[std::size_t(scene.objects[object].model)].triangles);
+  return triangles;
+}
+
 Result<std::unique_ptr<FrameSource>> make_level_frames(const Backend& backend, ObjectLevels levels,
                                                        double error_px) {
   Result<std::unique_ptr<LeveledBackend>> made = LeveledBackend::create(backend, std::move(levels));

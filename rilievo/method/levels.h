@@ -22,6 +22,12 @@ class LevelChooser final : public FrameChooser {
   double error_px_;
 };
 
+// How many triangles `objects`, as `placed`, have for the camera at such an error.
+[[nodiscard]] double count_level_triangles(const Camera& camera,
+                                           std::span<const std::uint32_t> objects,
+                                           const PlacedScene& placed, double error_px,
+                                           LeveledBackend& levels);
+
 // Frames of `levels`. Fails where the backend of their scene cannot be made.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> make_level_frames(const Backend& backend,
                                                                      ObjectLevels levels,
