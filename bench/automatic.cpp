@@ -15,6 +15,8 @@
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/compare/reference_frames.h"
 #include "rilievo/frame/software/software_backend.h"
+#include "rilievo/measure/flip.h"
+#include "rilievo/measure/popping.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/report.h"
 #include "rilievo/measure/stats.h"
@@ -25,8 +27,9 @@
 namespace rilievo::bench {
 namespace {
 
-constexpr int kSamples = 4, kReference = 36, kPlaces = 3;
-constexpr double kRefresh = 30;  // frames a second of the eye, however long they take
+constexpr int kSamples = 4, kReference = 36, kPlaces = 3, kUsualFrames = 8;
+constexpr std::size_t kAround = 8;  // frames
+constexpr double kRefresh = 30;     // frames a second of the eye, however long they take
 constexpr const char* kMethods[] = {"auto", "direct-raster", "direct-rays",
                                     "lod",  "cache",         "keyframes"};
 
@@ -44,10 +47,29 @@ struct Timed {
   Summary summary, busy;
 };
 
+// After so many frames a method whose median is so many times the least one's is drawn in one frame
+// of so many: it is not the best.
+constexpr int kFramesOfAll = 24, kSeldom = 8;
+constexpr double kFarFromBest = 3;
+
+std::vector<bool> drawn_seldom(const std::vector<Timed>& methods) {
+  std::vector<double> medians;
+  for (const Timed& one : methods) medians.push_back(summarize(one.ms).p50);
+  const double least = *std::min_element(medians.begin(), medians.end());
+  std::vector<bool> seldom;
+  for (std::size_t k = 0; k < methods.size(); ++k)
+    seldom.push_back(k > 0 && medians[k] > kFarFromBest * least);
+  return seldom;
+}
+
 struct AutoWalk {
   std::vector<Timed> methods;  // auto first
   std::map<std::string, int> drawn_by;
   int changes = 0;
+  // Over the median of the frames around, the worst first frame of a method that another one drew
+  // before; and its excess of change over the true frames' (measure/popping.h), beside that of
+  // frames without a change.
+  double change_ms = 0, change_pop = 0, usual_pop = 0;
   std::size_t best = 0;  // by p50, of those that are good
   double best_p99 = 0, best_busy_p50 = 0;
 
@@ -77,6 +99,16 @@ Result<std::vector<Timed>> make_all(const Scene& scene, const AutoRun& run) {
   return {std::move(all)};
 }
 
+// How much more the frame changed than the true frames did, where it did most.
+Result<double> pop_of(const Rgba8Image& last, const Rgba8Image& now, const WalkFrame& last_frame,
+                      const WalkFrame& frame, ReferenceFrames& reference) {
+  const Result<Rgba8Image> true_last = reference.frame(last_frame);
+  if (!true_last) return true_last.error();
+  const Result<Rgba8Image> true_now = reference.frame(frame);
+  if (!true_now) return true_now.error();
+  return largest_pop(flip_map(*true_last, *true_now), flip_map(last, now)).tile;
+}
+
 Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const AutoRun& run) {
   Result<std::vector<Timed>> made = make_all(scene, run);
   if (!made) return made.error();
@@ -89,16 +121,25 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
   const CameraPath endless = there_and_back(path, kLongestWalk);
   const double start = endless.keys.front().time;
   std::string last;
+  Rgba8Image last_color;
+  std::vector<std::size_t> change_frames;  // of Timed::ms
   std::vector<std::size_t> order(walk.methods.size());
   std::iota(order.begin(), order.end(), 0);
   std::mt19937 rng(1);
-  for (int i = 0; i < run.frames; ++i) {
+  std::vector<bool> seldom(walk.methods.size(), false);
+  const auto frame_at = [&](int i) {
     const double seconds = i / kRefresh;
-    const WalkFrame frame{camera_at(endless, start + seconds, run.width, run.height), seconds};
+    return WalkFrame{camera_at(endless, start + seconds, run.width, run.height), seconds};
+  };
+  for (int i = 0; i < run.frames; ++i) {
+    const WalkFrame frame = frame_at(i);
     // In another order each time: what one leaves in the processor's caches, and what it still does
     // on other threads when its frame is drawn, must not always meet the same one.
     std::shuffle(order.begin(), order.end(), rng);
+    if (i == kFramesOfAll) seldom = drawn_seldom(walk.methods);
+    const bool judged = (i + 1) % (run.frames / kPlaces) == 0;
     for (const std::size_t k : order) {
+      if (seldom[k] && !judged && i % kSeldom != 0) continue;
       Timed& one = walk.methods[k];
       const std::clock_t before = std::clock();
       const Result<double> ms = time_frame(*one.frames, {}, frame);
@@ -108,14 +149,31 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
     }
     const FrameDecision& decision = walk.methods[0].frames->stats().decision;
     ++walk.drawn_by[std::string(decision.method)];
-    walk.changes += i > 0 && decision.method != last;
-    last = decision.method;
-    if ((i + 1) % (run.frames / kPlaces) != 0) continue;
+    const bool changed = i > 0 && decision.method != last;
+    const bool usual = i > 0 && !changed && i % (run.frames / kUsualFrames + 1) == 0;
+    walk.changes += changed;
+    if (changed) change_frames.push_back(walk.methods[0].ms.size() - 1);
+    const Rgba8Image& drawn = walk.methods[0].frames->software_target()->color();
+    if (changed || usual) {
+      const Result<double> pop = pop_of(last_color, drawn, frame_at(i - 1), frame, reference);
+      if (!pop) return pop.error();
+      double& most = changed ? walk.change_pop : walk.usual_pop;
+      most = std::max(most, *pop);
+    }
+    last = decision.method, last_color = drawn;
+    if (!judged) continue;
     Result<Rgba8Image> color = reference.frame(frame);
     if (!color) return color.error();
     for (Timed& one : walk.methods)
       one.psnr_db +=
           std::min(psnr_db(*color, one.frames->software_target()->color()), kMaxPsnrDb) / kPlaces;
+  }
+  for (const std::size_t changed : change_frames) {
+    const std::vector<double>& ms = walk.methods[0].ms;
+    const std::size_t first = changed - std::min(changed, kAround);
+    const std::size_t end = std::min(changed + kAround + 1, ms.size());
+    const double around = summarize(std::span(ms).subspan(first, end - first)).p50;
+    walk.change_ms = std::max(walk.change_ms, ms[changed] / around);
   }
   const double direct_db = walk.methods[1].psnr_db, cache_db = walk.methods[kCacheAt].psnr_db;
   for (std::size_t k = 0; k < walk.methods.size(); ++k) {
@@ -141,7 +199,8 @@ void add_walk(const std::string& name, const AutoWalk& walk, Table& table, Bench
   };
   figure("regret_p50", walk.regret_p50()), figure("regret_p99", walk.regret_p99());
   figure("regret_busy_p50", walk.regret_busy());
-  figure("changes", walk.changes);
+  figure("changes", walk.changes), figure("change_over_p50", walk.change_ms);
+  figure("change_pop", walk.change_pop), figure("usual_pop", walk.usual_pop);
   std::vector<std::string> row{name};
   for (const Timed& one : walk.methods) {
     std::string field = one.name;
@@ -156,7 +215,8 @@ void add_walk(const std::string& name, const AutoWalk& walk, Table& table, Bench
   row.push_back(fmt::format("{:.3f}", walk.regret_p50()));
   row.push_back(fmt::format("{:.2f}", walk.regret_p99()));
   row.push_back(fmt::format("{:.3f}", walk.regret_busy()));
-  row.push_back(std::to_string(walk.changes));
+  row.push_back(fmt::format("{}: {:.2f}, {:.3f} ({:.3f})", walk.changes, walk.change_ms,
+                            walk.change_pop, walk.usual_pop));
   std::string drawn;
   for (const auto& [method, frames] : walk.drawn_by)
     drawn += fmt::format("{}{} {}", drawn.empty() ? "" : ", ", method, frames);
@@ -235,9 +295,13 @@ Result<BenchReport> automatic(const BenchOptions& options) {
       "frame; times are of all frames after the first. PSNR against true frames of {} samples at "
       "{} places. Regret is auto's p50 over the least of the others', and its p99 over their "
       "least; busy is the processor time of all threads, which other programs disturb less. "
+      "Changes: their number, the worst first frame after one over the median of those around, and "
+      "the most that "
+      "such a frame changed beyond the true frames, FLIP in a tile (of {} frames without a "
+      "change). "
       "Keyframes and lod count where they are at most {:g} dB below direct-raster, or "
       "no worse than the cache, whose error is at most 1 px; ! says that they are not.",
-      run.frames, kReference, kPlaces, run.method.loss_db));
+      run.frames, kReference, kPlaces, kUsualFrames, run.method.loss_db));
   return {std::move(report)};
 }
 

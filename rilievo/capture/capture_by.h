@@ -1,4 +1,4 @@
-// The renderer that captures pictures for an atlas of nailboards.
+// Which renderer captures pictures for an atlas of nailboards?
 #pragma once
 
 namespace rilievo {

@@ -8,8 +8,14 @@
 #include "rilievo/core/on_this_thread.h"
 
 namespace rilievo {
+namespace {
 
-IdleThread::IdleThread() : thread_([this] { work(); }) {}
+// Nice values: a weight of 15 beside a frame's worker of 1024; and as much as a worker.
+constexpr int kIdle = 19, kHurry = 0;
+
+}  // namespace
+
+IdleThread::IdleThread(bool hurry) : thread_([this, hurry] { work(hurry); }) {}
 
 IdleThread::~IdleThread() {
   {
@@ -20,9 +26,9 @@ IdleThread::~IdleThread() {
   thread_.join();
 }
 
-void IdleThread::work() {
+void IdleThread::work(bool hurry) {
   // Of this thread alone, as Linux has it. If it is refused, work is as fast as frames' work.
-  (void)setpriority(PRIO_PROCESS, 0, 19);
+  (void)setpriority(PRIO_PROCESS, 0, hurry ? kHurry : kIdle);
   const OnThisThread alone;
   // Libraries that use TBB themselves, as Embree does, get no other thread either.
   tbb::task_arena one(1);

@@ -2,7 +2,8 @@
 //
 // Background takes one of the workers of parallel_for, so that frames have one core less. This is a
 // thread of its own with the lowest priority of the system: it gets what frames leave, which is a
-// good part of a core where they do not fill all of them, and takes longer.
+// good part of a core where they do not fill all of them, and next to nothing where they do. One in
+// a hurry has the priority of all others.
 #pragma once
 
 #include <condition_variable>
@@ -16,7 +17,7 @@ namespace rilievo {
 // Runs tasks one after the other, in their order.
 class IdleThread {
  public:
-  IdleThread();
+  explicit IdleThread(bool hurry = false);
   // Waits for all tasks.
   ~IdleThread();
   IdleThread(const IdleThread&) = delete;
@@ -29,7 +30,7 @@ class IdleThread {
   void wait();
 
  private:
-  void work();
+  void work(bool hurry);
 
   std::mutex mutex_;  // held for the queue alone
   std::condition_variable changed_;

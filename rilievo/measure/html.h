@@ -1,4 +1,4 @@
-// The parts of a page that needs no other file.
+// How is a page made that needs no other file? From these parts.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The machine on which something was measured.
+// On which machine was this measured?
 #pragma once
 
 #include <string>

@@ -44,6 +44,11 @@ constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
 constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1.5e-3;
 // The share of it that frames lose, which leave the thread that prepares what they do not use.
 constexpr double kOfFrames = 0.2;
+// What is expected to take less than this share of what draws is prepared in a hurry: frames lose
+// all the time that preparing takes, for a short time.
+constexpr double kHurry = 0.35;
+// One frame in so many looks at the scene's load, unless the eye jumps.
+constexpr int kLookFrames = 8;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
 // two take.
 constexpr double kKeyframeMs = 8;
@@ -51,14 +56,19 @@ constexpr int kFirstKeyframes = 64;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
-// The error of a level is an estimate: half of what is asked for keeps to it.
+// The error of a level is an estimate. What is asked for is taken where frames are known to be good
+// enough with it, else half of it.
 constexpr double kLevelError = 0.5;
 // One frame in so many of keyframes or levels is looked at, once it is known how good they are; and
 // what was not good enough is looked at again after so many frames.
 constexpr int kLossFrames = 8, kLooksAgain = 600;
+// Levels are as good, or as bad, in most places.
+constexpr int kLooksAgainAtLevels = 3600;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
 // few frames. Of larger meshes the rays' tree takes too much memory.
-constexpr int kLossesOfTrial = 4;
+constexpr int kLossesOfTrial = 4, kFirstLosses = 16;
+// What is lost in one frame is certainly not too much, if it is this share of that.
+constexpr double kCertainly = 0.7;
 constexpr std::uint64_t kMostForLoss = 2'000'000;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
@@ -101,10 +111,30 @@ struct LevelsLoss {
   }
 };
 
+struct LevelFrames {
+  LeveledBackend* levels = nullptr;
+  LevelChooser* chooser = nullptr;
+  std::unique_ptr<FrameSource> frames;  // has both
+  double error_px = 0;
+};
+
+Result<LevelFrames> make_frames_of_levels(const Backend& backend, ObjectLevels levels,
+                                          double error_px) {
+  Result<std::unique_ptr<LeveledBackend>> made = LeveledBackend::create(backend, std::move(levels));
+  if (!made) return made.error();
+  LeveledBackend* kept = made->get();
+  auto chooser = std::make_unique<LevelChooser>(std::move(*made), error_px);
+  LevelChooser* chosen = chooser.get();
+  Result<std::unique_ptr<FrameSource>> frames = kept->backend().make_frames(std::move(chooser));
+  if (!frames) return frames.error();
+  return LevelFrames{kept, chosen, std::move(*frames), error_px};
+}
+
 // What is made on another thread, while frames are drawn.
 struct Prepared {
   Result<std::unique_ptr<RayVisibility>> rays{Error{}};
   std::optional<ObjectLevels> levels;
+  LevelFrames level_frames;                 // without OpenGL
   std::unique_ptr<LevelsLoss> levels_loss;  // none: unknown
   Result<std::unique_ptr<KeyframeFrames>> keyframes{Error{}};
 };
@@ -134,9 +164,18 @@ class AutoFrames final : public FrameSource {
 
   void begin(const Camera& camera);
   void look(const Camera& camera);
+  void measure_load(const Camera& camera);
+  [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
   void measure_loss(const Camera& camera, const AutoChoice& choice);
-  void prepare(int method);
+  // What the next method is prepared for.
+  struct Begun {
+    Camera camera;
+    double time = 0, error_px = 1;
+    std::vector<std::uint32_t> in_view;
+  };
+  void make_levels(const Scene& scene, const Begun& begun);
+  void prepare(int method, const Camera& camera, double time);
   Result<> adopt();
   Result<> prepare_keyframes(const Camera& camera, double time);
 
@@ -150,11 +189,13 @@ class AutoFrames final : public FrameSource {
   EyePrediction eye_;
   std::vector<AutoOutlook> outlook_;
   std::vector<std::uint32_t> in_view_;
+  FrameLoad load_;  // of the last look
 
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
   LeveledBackend* levels_ = nullptr;               // of frames_[kLevels]
+  double level_error_px_ = 0;
   FrameSource* active_ = nullptr;
   FrameStats stats_;
   bool failed_[kMethods] = {};
@@ -169,7 +210,8 @@ class AutoFrames final : public FrameSource {
   std::atomic<bool> prepared_{false};
   Prepared made_;
   int frame_ = 0, counted_frames_ = 0;
-  double slowness_ = 1;               // times as slow as the machine of FrameLoad
+  double slowness_ = 1;  // times as slow as the machine of FrameLoad
+  bool hurries_ = false;
   std::optional<IdleThread> beside_;  // last: it ends first
 };
 
@@ -201,37 +243,46 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
 // Before the first frame, and when the frame's size changes.
 void AutoFrames::begin(const Camera& camera) {
   width_ = camera.width, height_ = camera.height;
-  FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
+  const FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
   only_direct_ = bends_ || load.fits();
   if (only_direct_) {
     decision_.reset();
     return;
   }
-  in_view_.clear();
-  backend_.placed().cull(camera, in_view_);
-  load.triangles = 0;
-  for (const std::uint32_t object : in_view_)
-    load.triangles += double(
-        backend_.scene().models[std::size_t(backend_.scene().objects[object].model)].triangles);
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
   std::array<AutoCandidate, kMethods> candidates = std::to_array(kCandidates);
   if (masked_) candidates[kKeyframes].chance = kKeyframesChanceOfMasked;
-  decision_.emplace(candidates, load.heavy() ? kCache : kDirect, pace_ms);
+  // To try it later is dear: it captures for several frames. Direct drawing is tried at any time.
+  decision_.emplace(candidates, kCache, pace_ms);
   outlook_.assign(kMethods, {});
+  measure_load(camera);
 }
 
-void AutoFrames::look(const Camera& camera) {
+void AutoFrames::measure_load(const Camera& camera) {
   in_view_.clear();
   backend_.placed().cull(camera, in_view_);
-  FrameLoad load{0, double(camera.width) * camera.height, 0, threads_, masked_};
+  load_ = {0, double(camera.width) * camera.height, 0, threads_, masked_};
   const Scene& scene = backend_.scene();
   for (const std::uint32_t object : in_view_)
     add_object(camera, backend_.placed().bounds()[object],
-               double(scene.models[std::size_t(scene.objects[object].model)].triangles), load);
+               double(scene.models[std::size_t(scene.objects[object].model)].triangles), load_);
   // Until there are levels it is a guess.
   if (levels_)
-    load.level_triangles = count_level_triangles(camera, in_view_, backend_.placed(),
-                                                 kLevelError * options_.error_px, *levels_);
+    load_.level_triangles =
+        count_level_triangles(camera, in_view_, backend_.placed(), level_error_px_, *levels_);
+}
+
+// What takes that time, beside what draws, or beside direct drawing until that is known?
+bool AutoFrames::in_a_hurry(double guess_ms) const {
+  const double least = decision_->drawn_ms() > 0
+                           ? std::min(decision_->drawn_ms(), slowness_ * load_.direct_ms())
+                           : slowness_ * load_.direct_ms();
+  return guess_ms < kHurry * least;
+}
+
+void AutoFrames::look(const Camera& camera) {
+  if (frame_ % kLookFrames == 0 || eye_.jumped()) measure_load(camera);
+  const FrameLoad& load = load_;
   outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
   outlook_[kCache] = {!shared_chooser_->cache_failed(), false, true, 0, 0};
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -246,7 +297,8 @@ void AutoFrames::look(const Camera& camera) {
   outlook_[kRays].prepare_ms = kOfFrames * slow * kRaysTriangleMs * double(meshes_triangles_);
   const double direct_ms = decision_->mean_ms(kDirect);
   outlook_[kLevels].guess_ms = slowness_ * load.levels_ms();
-  outlook_[kLevels].prepare_ms = kOfFrames * slow * kLevelsTriangleMs * double(meshes_triangles_);
+  outlook_[kLevels].prepare_ms = (in_a_hurry(outlook_[kLevels].guess_ms) ? 1 : kOfFrames) * slow *
+                                 kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
   keyframes.guess_ms =
       slow * load.keyframes_ms() +
@@ -267,7 +319,8 @@ void AutoFrames::look(const Camera& camera) {
 // Is a method whose loss is measured? What was not may be, some time later.
 bool AutoFrames::good_enough(int method) {
   Loss& of = loss_[method];
-  if (of.db && *of.db > options_.loss_db && frame_ - of.seen_in > kLooksAgain) {
+  const int again = method == kLevels ? kLooksAgainAtLevels : kLooksAgain;
+  if (of.db && *of.db > options_.loss_db && frame_ - of.seen_in > again) {
     of.db.reset();
     if (method == kKeyframes) keyframes_->forget_loss();
     if (method == kLevels) levels_loss_->loss.forget();
@@ -284,11 +337,40 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   if (choice.draws != kLevels || !levels_loss_) return;
   const SoftwareTarget* target = active_->software_target();
   if (!target) return;
+  in_view_.clear();
+  backend_.placed().cull(camera, in_view_);
   levels_loss_->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
   if (levels_loss_->loss.known()) of.db = levels_loss_->loss.loss_db();
 }
 
-void AutoFrames::prepare(int method) {
+// On another thread. Without OpenGL a first frame is drawn here: it touches all of a target's
+// memory, and tells how good the levels are before anyone sees them.
+void AutoFrames::make_levels(const Scene& scene, const Begun& begun) {
+  made_.levels = make_object_levels(scene);
+  // What moves is not where the rays' scene has it.
+  if (meshes_triangles_ <= kMostForLoss && !moves_)
+    if (Result<RayScene> rays = RayScene::create(scene))
+      made_.levels_loss = std::make_unique<LevelsLoss>(std::move(*rays));
+  if (backend_.drawn_by() != DrawnBy::software) return;
+  Result<LevelFrames> of =
+      make_frames_of_levels(backend_, *std::exchange(made_.levels, {}), begun.error_px);
+  if (!of) return;
+  for (const double share : {1.0, kLevelError}) {
+    if (share == 1 && !made_.levels_loss) continue;
+    of->error_px = share * begun.error_px;
+    of->chooser->set_error(of->error_px);
+    if (!of->frames->draw(begun.camera, begun.time)) return;
+    if (!made_.levels_loss) break;
+    SampledLoss& loss = made_.levels_loss->loss;
+    loss.forget();
+    made_.levels_loss->add(begun.camera, begun.in_view, of->frames->software_target()->color(),
+                           kFirstLosses);
+    if (loss.known() && loss.loss_db() <= kCertainly * options_.loss_db) break;
+  }
+  made_.level_frames = std::move(*of);
+}
+
+void AutoFrames::prepare(int method, const Camera& camera, double time) {
   if (preparing_ >= 0 || failed_[method] || frames_[method]) return;
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) {
@@ -297,17 +379,13 @@ void AutoFrames::prepare(int method) {
   }
   preparing_ = method;
   prepared_ = false;
-  if (!beside_) beside_.emplace();
+  const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms);
+  if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
-  beside_->run([this, method, &scene] {
+  auto begun = std::make_shared<const Begun>(Begun{camera, time, options_.error_px, in_view_});
+  beside_->run([this, method, &scene, begun = std::move(begun)] {
     if (method == kRays) made_.rays = RayVisibility::create(scene);
-    if (method == kLevels) {
-      made_.levels = make_object_levels(scene);
-      // What moves is not where the rays' scene has it.
-      if (meshes_triangles_ <= kMostForLoss && !moves_)
-        if (Result<RayScene> rays = RayScene::create(scene))
-          made_.levels_loss = std::make_unique<LevelsLoss>(std::move(*rays));
-    }
+    if (method == kLevels) make_levels(scene, *begun);
     if (method == kKeyframes) {
       KeyframeFramesOptions keyframes;
       keyframes.samples = backend_.samples();
@@ -333,15 +411,18 @@ Result<> AutoFrames::adopt() {
     frames = backend_.present(std::make_unique<SoftwareFrames>(
         **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
   if (method == kLevels && made_.levels) {
-    Result<std::unique_ptr<LeveledBackend>> levels =
-        LeveledBackend::create(backend_, std::move(*made_.levels));
-    if (levels) {
-      levels_ = levels->get();
-      frames = levels_->backend().make_frames(
-          std::make_unique<LevelChooser>(std::move(*levels), kLevelError * options_.error_px));
-    }
+    Result<LevelFrames> of =
+        make_frames_of_levels(backend_, std::move(*made_.levels), kLevelError * options_.error_px);
+    if (of) made_.level_frames = std::move(*of);
+  }
+  if (made_.level_frames.frames) {
+    levels_ = made_.level_frames.levels;
+    level_error_px_ = made_.level_frames.error_px;
+    frames = std::move(made_.level_frames.frames);
   }
   if (method == kLevels) levels_loss_ = std::move(made_.levels_loss);
+  if (levels_loss_ && levels_loss_->loss.known())
+    loss_[kLevels] = {levels_loss_->loss.loss_db(), frame_};
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes->get();
     frames = backend_.present(std::move(*made_.keyframes));
@@ -396,7 +477,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     ms += beside_ms;
   } else {
     keyframes_follow_ = false;
-    if (choice.prepares >= 0) prepare(choice.prepares);
+    if (choice.prepares >= 0) prepare(choice.prepares, camera, time);
   }
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     measure_loss(camera, choice);

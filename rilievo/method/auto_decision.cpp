@@ -46,7 +46,7 @@ constexpr double kMostMore = 5;
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
-constexpr double kRaysPixelMs = 75e-6, kMaskedTimes = 4, kKeyframesPixelMs = 24e-6;
+constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 24e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 

@@ -43,8 +43,6 @@ struct FrameLoad {
 
   // The polygons are so few that no picture can cost less: it has as many texels.
   [[nodiscard]] bool fits() const { return triangles <= pixels / 4; }
-  // There are more of them than pixels: pictures may cost less.
-  [[nodiscard]] bool heavy() const { return triangles > pixels; }
   [[nodiscard]] double direct_ms() const;
   [[nodiscard]] double levels_ms() const;
   [[nodiscard]] double rays_ms() const;
@@ -109,6 +107,8 @@ class AutoDecision {
   [[nodiscard]] double mean_ms(int candidate) const {
     return costs_[std::size_t(candidate)].mean_ms;
   }
+  // The method's that draws, without trials; 0: not known yet.
+  [[nodiscard]] double drawn_ms() const { return mean_ms(draws_); }
   void set_pace(double ms) { pace_ms_ = ms; }
 
  private:

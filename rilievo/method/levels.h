@@ -13,6 +13,9 @@ class LevelChooser final : public FrameChooser {
   LevelChooser(std::unique_ptr<LeveledBackend> levels, double error_px)
       : levels_(std::move(levels)), error_px_(error_px) {}
 
+  // From the next frame on.
+  void set_error(double error_px) { error_px_ = error_px; }
+
   void add_sets(FrameContent&) override {}
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                   FrameStats& stats) override;

@@ -1,4 +1,4 @@
-// The objects that a drawable stands for, and where.
+// Which objects does a drawable stand for, and where does it stand for them?
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A Scene for rays: what they hit.
+// What does a ray hit in a Scene?
 //
 // Uses Embree; objects are instances of their models. Surfaces that a picture cannot hold are
 // absent: back faces of single-sided materials, masked-out texels, blended parts unless asked for.

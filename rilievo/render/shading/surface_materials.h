@@ -1,4 +1,4 @@
-// A scene's materials for the CPU shading model.
+// What does the CPU shading model know of a scene's materials?
 //
 // Each material with its textures: mip levels, wrapping and texture coordinates. Level 0 of a
 // texture is the Scene's own image; the smaller levels are made once for each way of reading the
