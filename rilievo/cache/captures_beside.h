@@ -1,4 +1,4 @@
-// How are pictures captured beside the frames?
+// Captures of pictures beside the frames.
 //
 // The rasteriser captures them on a background thread. The frame's thread orders captures and takes
 // those that are done; it never waits for one, and no lock is held during one. A picture shows its

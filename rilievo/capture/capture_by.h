@@ -1,4 +1,4 @@
-// Which renderer captures pictures for an atlas of nailboards?
+// The renderer that captures pictures for an atlas of nailboards.
 #pragma once
 
 namespace rilievo {

@@ -1,4 +1,4 @@
-// How are coarse pictures captured in little time? By rays, one sample per texel.
+// Coarse pictures in little time: by rays, one sample per texel.
 //
 // Their time depends on the number of texels, hardly on that of triangles. Objects stand where they
 // are at time 0: none of those that move may be captured.

@@ -1,4 +1,4 @@
-// How does a method fare while the eye moves by the clock?
+// A method measured while the eye moves by the clock.
 //
 // A frame shows where the eye is when its drawing starts; a slow method moves further from frame to
 // frame. The walk starts when the first frame is complete. Only drawing counts, not the reading of

@@ -1,4 +1,4 @@
-// How does work run in the background, on the worker threads of parallel_for?
+// Work in the background, on the worker threads of parallel_for.
 //
 // A worker begins when no parallel_for needs it, and then runs all tasks that are queued. Meanwhile
 // parallel_for has one worker less: queue little where frames must stay fast. No more threads run

@@ -1,4 +1,4 @@
-// How are preconditions checked? A broken precondition is a bug in the caller, never bad input.
+// Checks of preconditions. A broken one is a bug in the caller, never bad input.
 //
 // Checks run in debug builds and in CI (RILIEVO_CHECKS=ON) and compile to nothing otherwise. A
 // failed comparison prints both operands, so that a log suffices to understand it.

@@ -1,4 +1,4 @@
-// How does memory of many megabytes cost little when it is first used? By large pages.
+// Memory of many megabytes that costs little when it is first used: by large pages.
 //
 // The system maps a page when a program first touches it. On a virtual machine that takes about 10
 // microseconds for each page of 4 kB, which delays a program's first frame; a page of 2 MB takes

@@ -1,4 +1,4 @@
-// How large the points and lines are that a picture shows, for bounds of its error.
+// The size of the points and lines that a picture shows, for bounds of its error.
 //
 // A point is a disc that faces the eye, and a line is some pixels wide. A picture keeps both as its
 // own eye and texels had them, so that another eye sees discs aslant and lines as wide as texels.

@@ -1,4 +1,4 @@
-// Which level of detail shows each object of a frame? For baselines by OpenGL and without.
+// The level of detail of each object of a frame, for baselines by OpenGL and without.
 //
 // Each object by the coarsest of its levels (scene/levels.h) whose error appears at most so many
 // pixels large at the nearest point of its bounds.

@@ -1,4 +1,4 @@
-// Who deletes an OpenGL object? Thin owners, which convert to the object's name.
+// Owners of OpenGL objects: thin, converted to the object's name.
 #pragma once
 
 #include <epoxy/gl.h>

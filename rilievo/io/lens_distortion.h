@@ -1,4 +1,4 @@
-// How do lenses that are no pinholes bend a picture?
+// Lenses that are no pinholes, and how they bend a picture.
 //
 // With a = x / z and b = y / z of a point (x right, y down, z forwards) and r^2 = a^2 + b^2, a
 // pinhole shows it at (fl_x a + cx, fl_y b + cy), a lens at (fl_x a' + cx, fl_y b' + cy):

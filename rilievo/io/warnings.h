@@ -1,4 +1,4 @@
-// What should the user know about a file that was read? Alike warnings become one line.
+// Warnings about a file that was read. Alike warnings become one line.
 #pragma once
 
 #include <cstdint>

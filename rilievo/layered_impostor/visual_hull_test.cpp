@@ -27,7 +27,7 @@ bool in_jug(const glm::dvec3& p, double slack) {
   return std::max({box.x, box.y, box.z}) < slack;
 }
 
-TEST(Inside, a_point_is_seen_empty_exactly_if_the_picture_looks_through_it) {
+TEST(Inside, a_point_is_carved_exactly_if_the_picture_looks_through_it) {
   const Scene scene = test_shapes::jug();
   const Result<RayScene> rays = RayScene::create(scene);
   std::mt19937 rng(5);
@@ -177,7 +177,7 @@ float reach_past(std::span<const int> empty_steps) {
   return surfaces[0].texels(0, 0).inside;
 }
 
-TEST(Inside, one_step_that_is_seen_empty_is_passed_and_two_stop) {
+TEST(Inside, one_step_in_carved_space_is_passed_and_two_stop) {
   // Steps lie at 5, 6, ... metres: half a column off would be another column.
   EXPECT_FLOAT_EQ(reach_past({}), 64);
   EXPECT_FLOAT_EQ(reach_past(std::array{7}), 64);

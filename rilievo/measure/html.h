@@ -1,4 +1,4 @@
-// How is a page made that needs no other file? From these parts.
+// The parts of a page that needs no other file.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// On which machine was this measured?
+// The machine on which something was measured.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What are the mean and the percentiles of many values?
+// Mean and percentiles of many values.
 //
 // Percentiles interpolate linearly between the two nearest ranks, as numpy's default. Pure; any
 // thread.

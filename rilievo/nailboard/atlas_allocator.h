@@ -1,4 +1,4 @@
-// Where do pictures lie on the GPU? In rectangles of a stack of square layers.
+// The places of pictures on the GPU: rectangles of a stack of square layers.
 //
 // Each layer is a grid of cells. A rectangle takes whole cells, first fit. Pure and deterministic;
 // no OpenGL.

@@ -1,4 +1,4 @@
-// What does an atlas store of a picture that was rasterised without OpenGL? Delta codes and blocks.
+// A rasterised picture as an atlas stores it: Delta codes and blocks.
 //
 // The result equals what the shaders of nailboard_atlas.cpp make of an OpenGL capture. Rows from
 // the bottom. Fills the caller's buffers; uses all cores. No OpenGL.

@@ -1,4 +1,4 @@
-// From a pre-warped picture to what an atlas of nailboards keeps: averaged if it is to be seen
+// A pre-warped picture as an atlas of nailboards keeps it: averaged if it is to be seen
 // smaller, cut to pieces, with Deltas around its edges, and blocks.
 //
 // Texels of the result are samples, each there or not; averaged, alpha becomes coverage, so that

@@ -1,4 +1,4 @@
-// How far from its true place is what a flat picture with depth shows in a new frame?
+// The error of a flat picture with depth in a new frame: how far off it shows things, at most.
 //
 // A picture's samples lie on the rays of its capture camera, at distances within `slab`. All are
 // drawn on one flat rectangle: the capture camera's image window on the plane eye_z = plane_z of

@@ -1,4 +1,4 @@
-// How wide is the strip that a picture is missing because its own objects hid it at capture?
+// The width of the strip that a picture lacks because its own objects hid it at capture.
 //
 // For each texel's ray, the capture knows the nearest surface and the farthest of all surfaces,
 // including hidden ones. Hidden surfaces appear beside the edges of the surfaces that hide them. A

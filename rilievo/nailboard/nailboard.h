@@ -1,4 +1,4 @@
-// What is a nailboard? A picture with depth on one flat polygon (S1.1 to S1.4).
+// A nailboard: a picture with depth on one flat polygon (S1.1 to S1.4).
 //
 // The polygon is the picture's window on the plane eye_z == plane_z in front of the capture eye.
 // Its texels hold colour and Delta: window_z of the picture's own tight frustum in few bits. Drawn

@@ -1,4 +1,4 @@
-// Which parts of a picture show anything, and which hide what lies behind them?
+// The parts of a picture that show anything, and those that hide what lies behind them.
 //
 // For each block of 4 x 4 texels of an atlas: the nearest and the farthest Delta, and which texels
 // are covered or opaque. Drawers skip blocks that are empty or hidden (visible_cells.h), and the

@@ -1,4 +1,4 @@
-// What does a pre-warp make? A nailboard as if captured by the eye that it was made for.
+// The result of a pre-warp: a nailboard as if captured by the eye that it was made for.
 //
 // Its camera stands at the eye and looks perpendicularly at the plane of the source picture. Any
 // nailboard drawer draws it, from this eye without parallax.

@@ -1,4 +1,4 @@
-// Where are pre-warped pictures kept until they are drawn, and who draws them? Textures, or memory.
+// Room for pre-warped pictures until they are drawn: textures, or memory.
 //
 // Several drawables share one store. A picture is good for one eye; a store with limited room takes
 // that of the picture that was used longest ago.

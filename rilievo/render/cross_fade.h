@@ -1,4 +1,4 @@
-// Which pixels of an object are drawn while it fades in or out?
+// The pixels of an object that are drawn while it fades in or out.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What did drawing an object as polygons take? Counts, the same on all machines.
+// The work of drawing an object as polygons: counts, the same on all machines.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Where are a scene's objects at a moment, and which of them does a camera see?
+// A scene's objects at a moment: where they are, and which of them a camera sees.
 //
 // What every renderer of whole scenes needs, with OpenGL or without: poses and bounds of all
 // objects, and which of them have opaque parts and parts that blend. World space, metres.

@@ -1,4 +1,4 @@
-// How does a backend draw each kind of representation?
+// The way in which a backend draws each kind of representation.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Which objects does a drawable stand for, and where does it stand for them?
+// The objects that a drawable stands for, and where.
 #pragma once
 
 #include <cstdint>

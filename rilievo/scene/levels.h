@@ -1,4 +1,4 @@
-// Which coarser levels of detail does a scene have?
+// Coarser levels of detail of a scene.
 //
 // Each mesh simplified again and again, to half of its triangles at a time, by meshoptimizer. A
 // level's error is what meshoptimizer states, a distance; it is no bound, but for bounded levels.

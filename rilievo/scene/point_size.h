@@ -1,4 +1,4 @@
-// How large are the points of a scene drawn?
+// The size at which a scene's points are drawn.
 //
 // Files of points say where they are, not how large. Without an option a mesh's points get the
 // diameter that closes a surface of them: 1.6 times the median distance to the sixth nearest

@@ -1,4 +1,4 @@
-// How far can the eye move before a flattened sample visibly slides?
+// How far the eye can move before a flattened sample visibly slides.
 //
 // A sample at eye distance `back` is drawn at eye distance `front` on the same capture ray, or the
 // reverse. Both project to one pixel from the capture eye. From any other eye they are seen under

@@ -1,4 +1,4 @@
-// Where will the eye be in the next frames, judging by the last ones?
+// The eye's place in the next frames, judged by the last ones.
 //
 // World space; metres and radians per frame.
 #pragma once

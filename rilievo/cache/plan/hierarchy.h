@@ -1,4 +1,4 @@
-// Which static objects stand together, so that one picture can show them all? (S1.7)
+// Static objects that stand together, so that one picture can show them all (S1.7).
 //
 // A binary tree of boxes over the objects; each leaf is one object. A frame is drawn from a *cut*,
 // a set of nodes that contains each object once: pictures of whole nodes far away, single objects

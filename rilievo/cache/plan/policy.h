@@ -1,4 +1,4 @@
-// What is each part of this frame drawn from, and which pictures are captured now? (S1.5, S1.7)
+// The plan of a frame: what each part is drawn from, and the pictures captured now (S1.5, S1.7).
 //
 // A pure decision. The input is the hierarchy of static objects, the moving objects, the pictures
 // in the cache and the camera. The output is a Plan: which pictures to capture, to evict and to

@@ -1,5 +1,5 @@
-// What a frame may cost, and how late its pictures may be: what keeps an eye that jumps from
-// waiting.
+// Limits of a frame's cost, and of how late its pictures may be, so that an eye that jumps does not
+// wait.
 //
 // After a cut nothing at hand shows what is seen, and drawing all of it takes long. The dearest
 // objects of a limited frame are in one coarse picture by rays (Plan::fallback), whose cost does

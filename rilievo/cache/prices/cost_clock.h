@@ -1,4 +1,4 @@
-// How long does a frame take, by what the last ones took?
+// The time of a frame, by what the last ones took.
 //
 // Prices are in milliseconds per cost, as the CostModel estimates it. A price follows a dearer
 // measurement at once by half, and a cheaper one slowly, so that budgets hold when the machine is

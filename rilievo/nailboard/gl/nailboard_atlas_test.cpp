@@ -13,9 +13,9 @@
 namespace rilievo {
 namespace {
 
-class PictureAtlasTest : public gl::ContextTest {};
+class NailboardAtlasTest : public gl::ContextTest {};
 
-TEST_F(PictureAtlasTest, gives_back_what_was_written) {
+TEST_F(NailboardAtlasTest, gives_back_what_was_written) {
   std::mt19937 rng(3);
   for (int bits : {2, 8, 16}) {
     auto atlas = NailboardAtlas::create({64u << 20, bits, 4});
@@ -30,7 +30,7 @@ TEST_F(PictureAtlasTest, gives_back_what_was_written) {
   }
 }
 
-TEST_F(PictureAtlasTest, sums_blocks_up) {
+TEST_F(NailboardAtlasTest, sums_blocks_up) {
   std::mt19937 rng(5);
   for (int bits : {2, 8, 16}) {
     auto atlas = NailboardAtlas::create({64u << 20, bits, 4});
@@ -78,14 +78,14 @@ TEST_F(PictureAtlasTest, sums_blocks_up) {
   }
 }
 
-TEST_F(PictureAtlasTest, refuses_a_budget_that_holds_no_picture) {
+TEST_F(NailboardAtlasTest, refuses_a_budget_that_holds_no_picture) {
   const auto atlas = NailboardAtlas::create({1u << 20, 8, 4});
   ASSERT_FALSE(atlas.ok());
   EXPECT_NE(atlas.error().message().find("too small"), std::string::npos);
 }
 
 // The GPU against the processor: the same pictures, but for rounding.
-TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
+TEST_F(NailboardAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
   for (const char* name : {"builtin:teapots", "builtin:bridge?triangles=100000",
                            "builtin:forest?triangles=20000", "lights"}) {
     Result<BuiltinScene> made =
@@ -175,7 +175,7 @@ TEST_F(PictureAtlasTest, captures_alike_by_opengl_and_by_the_rasterizer) {
 }
 
 // A slot that was written to, freed and captured into keeps the capture's blocks.
-TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
+TEST_F(NailboardAtlasTest, forgets_what_was_written_before_a_capture) {
   Result<BuiltinScene> made = make_builtin("builtin:teapot");
   ASSERT_TRUE(made.ok());
   auto renderer = SceneRenderer::create(made->scene);
@@ -205,7 +205,7 @@ TEST_F(PictureAtlasTest, forgets_what_was_written_before_a_capture) {
     }
 }
 
-TEST_F(PictureAtlasTest, rasterizes_only_what_it_can) {
+TEST_F(NailboardAtlasTest, rasterizes_only_what_it_can) {
   EXPECT_FALSE(rasterizes(CaptureBy::opengl, 4));
   EXPECT_TRUE(rasterizes(CaptureBy::rasterizer, 4));
   EXPECT_FALSE(rasterizes(CaptureBy::rasterizer, 8));

@@ -1,4 +1,4 @@
-// How are objects rasterised without OpenGL?
+// Objects rasterised without OpenGL.
 //
 // Gives the picture that nailboard/gl/nailboard_atlas.h captures by OpenGL: nearest depth,
 // coverage, and the shading of render/opengl/scene_shaders.h for all materials. For machines whose

@@ -1,4 +1,4 @@
-// What does a camera see of a Scene, by ray casting?
+// A camera's picture of a Scene, by ray casting.
 //
 // Gives the pictures of the rasterisers without OpenGL: the same surfaces, depths, object
 // identifiers and shading (shading_model.inl). Blended parts are left out: pictures require a

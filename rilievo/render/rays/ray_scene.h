@@ -1,4 +1,4 @@
-// What does a ray hit in a Scene?
+// A Scene for rays: what they hit.
 //
 // Uses Embree; objects are instances of their models. Surfaces that a picture cannot hold are
 // absent: back faces of single-sided materials, masked-out texels, blended parts unless asked for.

@@ -1,4 +1,4 @@
-// What colour has each texel of a picture whose samples are known?
+// The colours of a picture's texels whose samples are known.
 //
 // Shades each triangle once in each texel where it is visible (seen_triangles.h), and averages over
 // the samples, as OpenGL does with several samples per pixel. The samples come from the rasteriser

@@ -1,4 +1,4 @@
-// What does a texture look like from a distance? Its mip levels.
+// A texture seen from a distance: its mip levels.
 //
 // Each level is half as wide and high as the one before (rounded down, at least 1), down to a
 // single texel. A texel is the average of the area that it covers, in linear light. Level 0 is the

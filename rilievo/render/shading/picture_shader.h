@@ -1,4 +1,4 @@
-// Which meshes are in a picture, and which colours have its texels? For the rasteriser and for
+// The meshes of a picture and the colours of its texels, for the rasteriser and for
 // rays.
 #pragma once
 

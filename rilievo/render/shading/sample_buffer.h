@@ -1,4 +1,4 @@
-// Which triangle does each sample of a picture show, and at which depth? A visibility buffer.
+// The triangle of each sample of a picture, and its depth: a visibility buffer.
 //
 // One or four samples per texel, at OpenGL's usual positions. Rows from the bottom; raster
 // positions are in texels from the *lower* left corner. Depth is in [0, 1), smaller is nearer; 1

@@ -1,4 +1,4 @@
-// What colours have triangles where pixels show them?
+// The colours of triangles where pixels show them.
 //
 // Triangles are added pixel by pixel, as a visibility buffer has them, and shaded together, mesh by
 // mesh: what belongs to one is placed and made alike. A triangle is shaded at the pixel's centre if

@@ -1,4 +1,4 @@
-// What does the shading model (shading_model.inl) need to know besides the triangles?
+// The data of the shading model (shading_model.inl) besides the triangles.
 //
 // Plain numbers, constant over a picture or over one of its meshes. Positions are relative to the
 // camera's position, in world axes, metres.

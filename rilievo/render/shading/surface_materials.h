@@ -1,4 +1,4 @@
-// What does the CPU shading model know of a scene's materials?
+// A scene's materials for the CPU shading model.
 //
 // Each material with its textures: mip levels, wrapping and texture coordinates. Level 0 of a
 // texture is the Scene's own image; the smaller levels are made once for each way of reading the

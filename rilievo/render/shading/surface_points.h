@@ -1,4 +1,4 @@
-// What is a triangle's surface like where a ray of a picture hits it?
+// A triangle's surface where a ray of a picture hits it.
 //
 // SIMD over rays that hit triangles of one placed mesh: position, normal, and the values of its
 // material and textures. The result does not depend on the instruction set. Pure; any thread.

@@ -1,4 +1,4 @@
-// What colour has a lit surface?
+// The colour of a lit surface.
 //
 // The second half of the shading model (shading_model.inl), SIMD over surfaces: lights and sky.
 // Input is in linear light, directions are in world axes. The result does not depend on the
