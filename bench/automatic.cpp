@@ -1,19 +1,23 @@
-#include "bench/automatic.h"
-
+// The method auto beside all methods: its time over that of the best.
+//
+// Along walks through the scenes of bench/real_scenes.h, through built-in scenes, or through files
+// with paths beside them. All methods draw the same frames in turn, so that each meets the same
+// load.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <ctime>
 #include <map>
 #include <memory>
 #include <numeric>
 #include <random>
 
+#include "bench/benches.h"
 #include "bench/real_scenes.h"
+#include "bench/report.h"
 #include "bench/timing.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/compare/reference_frames.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/software/software_backend.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/popping.h"
@@ -22,7 +26,6 @@
 #include "rilievo/measure/stats.h"
 #include "rilievo/method/auto.h"
 #include "rilievo/render/software/software_target.h"
-#include "rilievo/scene/builtin/builtin.h"
 
 namespace rilievo::bench {
 namespace {
@@ -141,10 +144,10 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
     for (const std::size_t k : order) {
       if (seldom[k] && !judged && i % kSeldom != 0) continue;
       Timed& one = walk.methods[k];
-      const std::clock_t before = std::clock();
-      const Result<double> ms = time_frame(*one.frames, {}, frame);
+      const BusyWatch busy;
+      const Result<double> ms = time_frame(*one.frames, DrawTargets(), frame);
       if (!ms) return ms.error();
-      if (i > 0) one.busy_ms.push_back(1e3 * double(std::clock() - before) / CLOCKS_PER_SEC);
+      if (i > 0) one.busy_ms.push_back(busy.ms());
       (i == 0 ? one.first_ms : one.ms.emplace_back()) = *ms;
     }
     const FrameDecision& decision = walk.methods[0].frames->stats().decision;
@@ -192,22 +195,17 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
 }
 
 void add_walk(const std::string& name, const AutoWalk& walk, Table& table, BenchReport& report) {
-  std::string key = name;
-  std::replace(key.begin(), key.end(), '-', '_');
-  const auto figure = [&](const std::string& field, double value) {
-    report.figures.emplace_back(key + "_" + field, value);
-  };
+  const FiguresOf figure(name, report);
   figure("regret_p50", walk.regret_p50()), figure("regret_p99", walk.regret_p99());
   figure("regret_busy_p50", walk.regret_busy());
   figure("changes", walk.changes), figure("change_over_p50", walk.change_ms);
   figure("change_pop", walk.change_pop), figure("usual_pop", walk.usual_pop);
   std::vector<std::string> row{name};
   for (const Timed& one : walk.methods) {
-    std::string field = one.name;
-    std::replace(field.begin(), field.end(), '-', '_');
-    figure(field + "_p50_ms", one.summary.p50), figure(field + "_p99_ms", one.summary.p99);
-    figure(field + "_busy_p50_ms", one.busy.p50);
-    figure(field + "_first_ms", one.first_ms), figure(field + "_psnr_db", one.psnr_db);
+    const FiguresOf of_method(fmt::format("{}_{}", name, one.name), report);
+    of_method("p50_ms", one.summary.p50), of_method("p99_ms", one.summary.p99);
+    of_method("busy_p50_ms", one.busy.p50);
+    of_method("first_ms", one.first_ms), of_method("psnr_db", one.psnr_db);
     row.push_back(fmt::format("{:.1f}, {:.1f} ({:.0f}); {:.1f}{}", one.summary.p50, one.summary.p99,
                               one.busy.p50, one.psnr_db, one.good ? "" : "!"));
   }
@@ -224,25 +222,6 @@ void add_walk(const std::string& name, const AutoWalk& walk, Table& table, Bench
   table.rows.push_back(std::move(row));
 }
 
-// Small scenes and large ones, each around.
-std::vector<RealScene> builtin_scenes(bool quick) {
-  std::vector<RealScene> scenes;
-  for (const char* name : {"builtin:teapot", "builtin:teapots", "builtin:bridge"}) {
-    if (quick && !scenes.empty()) break;
-    scenes.push_back({std::string(name).substr(8),
-                      [name]() -> Result<Scene> {
-                        Result<BuiltinScene> made = make_builtin(name);
-                        if (!made) return made.error();
-                        return std::move(made->scene);
-                      },
-                      [name](const Scene&) {
-                        const Result<BuiltinScene> made = make_builtin(name);
-                        return std::vector<RealWalk>{{"path", made ? made->path : CameraPath{}}};
-                      }});
-  }
-  return scenes;
-}
-
 }  // namespace
 
 Result<BenchReport> automatic(const BenchOptions& options) {
@@ -254,13 +233,10 @@ Result<BenchReport> automatic(const BenchOptions& options) {
   run.method.keyframe_ms = options.keyframe_ms;
   run.method.keyframe_samples = options.keyframe_samples;
   std::vector<RealScene> scenes;
-  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
-  const char* data = std::getenv("RILIEVO_DATA");
-  if (scenes.empty()) {
-    scenes = builtin_scenes(options.quick);
-    for (RealScene& one : real_scenes(data && !options.quick ? data : "", options.quick))
-      scenes.push_back(std::move(one));
-  }
+  if (options.scenes.empty())
+    for (const char* name : {"builtin:teapot", "builtin:teapots", "builtin:bridge"})
+      if (!options.quick || scenes.empty()) scenes.push_back(builtin_scene(name));
+  for (RealScene& one : bench_scenes(options)) scenes.push_back(std::move(one));
   BenchReport report;
   const double load = machine_load();
   Table table{

@@ -1,33 +1,6 @@
-#include <array>
+#include "bench/benches.h"
 
-#include "bench/automatic.h"
-#include "bench/bench.h"
-#include "bench/bound.h"
-#include "bench/capture.h"
-#include "bench/compose.h"
-#include "bench/coverage.h"
-#include "bench/decoupling.h"
-#include "bench/deep_objects.h"
-#include "bench/draw.h"
-#include "bench/keyframes.h"
-#include "bench/kinds.h"
-#include "bench/layered.h"
-#include "bench/layered_cost.h"
-#include "bench/nailboard_bits.h"
-#include "bench/nailboard_error.h"
-#include "bench/nodes.h"
-#include "bench/pop.h"
-#include "bench/prewarp.h"
-#include "bench/program_walk.h"
-#include "bench/real.h"
-#include "bench/relief.h"
-#include "bench/relief_run.h"
-#include "bench/rgbd.h"
-#include "bench/serve.h"
-#include "bench/spinning.h"
-#include "bench/splats.h"
-#include "bench/tradeoff.h"
-#include "bench/triangulate.h"
+#include <array>
 
 namespace rilievo::bench {
 

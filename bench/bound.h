@@ -1,4 +1,4 @@
-// Does bound_error() hold, and how much larger than the truth is it?
+// bound_error() against the truth: whether it holds, and how much larger it is.
 //
 // Random eyes and poses around objects with known surfaces: what the capture eye sees of them is
 // sampled by ray casting, drawn on the flat rectangle and projected from the new eye in doubles;
@@ -8,8 +8,6 @@
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include "bench/bench.h"
 
 namespace rilievo::bench {
 
@@ -33,8 +31,5 @@ struct BoundStats {
 
 // The same figures for the same options, everywhere.
 [[nodiscard]] BoundStats run_bound_benchmark(const BoundOptions& options);
-
-// As `rilievo bench bound` reports it.
-[[nodiscard]] Result<BenchReport> bound(const BenchOptions& options);
 
 }  // namespace rilievo::bench

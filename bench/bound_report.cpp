@@ -1,5 +1,7 @@
+// The error bounds against what is measured and what is drawn: whether they hold.
 #include <fmt/format.h>
 
+#include "bench/benches.h"
 #include "bench/bound.h"
 #include "bench/drawn_bound.h"
 #include "bench/gap.h"

@@ -1,14 +1,12 @@
 #include "bench/cached_walk.h"
 
-#include <ctime>
 #include <memory>
 
 #include "bench/drawn_by.h"
+#include "bench/report.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/measure/flip.h"
-#include "rilievo/measure/psnr.h"
-#include "rilievo/measure/ssim.h"
+#include "rilievo/frame/gl/opengl_target.h"
 
 namespace rilievo::bench {
 
@@ -17,7 +15,8 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
                                             const CachedWalkOptions& options) {
   Result<SceneRenderer> renderer = SceneRenderer::create(builtin.scene);
   if (!renderer) return renderer.error();
-  Result<FrameTarget> target = FrameTarget::create(options.width, options.height, options.samples);
+  Result<OpenGLTarget> target =
+      OpenGLTarget::create(options.width, options.height, options.samples);
   if (!target) return target.error();
   const auto direct = polygon_drawer(builtin.scene, &*renderer, options.samples);
   std::vector<std::unique_ptr<FrameSource>> sources;
@@ -30,7 +29,8 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
 
   const std::size_t count = sources.size();
   std::vector<CachedWalk> walks(count);
-  std::vector<std::vector<double>> times(count), psnr(count), ssims(count), flips(count);
+  std::vector<std::vector<double>> times(count);
+  std::vector<Rightness> right(count);
   std::vector<double> direct_ms;
   for (int frame = 0; frame < options.frames; ++frame) {
     const double time = frame_time(builtin.path, frame);
@@ -42,7 +42,7 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
       const Result<double> ms = time_frame(*direct, *target, at);
       if (!ms) return ms.error();
       direct_ms.push_back(*ms);
-      truth = target->read();
+      truth = target->color();
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Result<double> ms = time_frame(*sources[i], *target, at);
@@ -55,20 +55,16 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
       else
         times[i].push_back(*ms);
       if (!compared) continue;
-      const Rgba8Image seen = target->read();
-      psnr[i].push_back(psnr_db(truth, seen));
-      ssims[i].push_back(ssim(truth, seen));
-      flips[i].push_back(flip(truth, seen));
+      right[i].add(truth, target->color());
     }
     if (options.progress) options.progress(frame + 1, options.frames);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!times[i].empty()) walks[i].frame_ms = summarize(times[i]);
     if (direct_ms.empty()) continue;
-    walks[i].direct_ms_p50 = percentile(direct_ms, 0.5);
-    walks[i].psnr_db = summarize(psnr[i]).mean;
-    walks[i].ssim = summarize(ssims[i]).mean;
-    walks[i].flip = summarize(flips[i]).mean;
+    walks[i].direct_ms_p50 = median_of(direct_ms);
+    right[i].finish();
+    walks[i].psnr_db = right[i].psnr, walks[i].ssim = right[i].ssim, walks[i].flip = right[i].flip;
   }
   return walks;
 }
@@ -84,7 +80,7 @@ Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOpti
   for (int frame = 0; frame < options.frames; ++frame) {
     const double time = frame_time(builtin.path, frame);
     const Camera camera = camera_at(builtin.path, time, options.width, options.height);
-    const std::clock_t before = std::clock();
+    const BusyWatch processors;
     const Stopwatch watch;
     if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
     const double ms = watch.ms();
@@ -93,10 +89,10 @@ Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOpti
     if (frame == 0) walk.first_frame_ms = ms;
     if (frame == 0 && options.frames > 1) continue;
     times.push_back(ms);
-    busy.push_back(1e3 * double(std::clock() - before) / CLOCKS_PER_SEC);
+    busy.push_back(processors.ms());
   }
   walk.frame_ms = summarize(times);
-  walk.busy_ms_p50 = percentile(busy, 0.5);
+  walk.busy_ms_p50 = median_of(busy);
   return walk;
 }
 

@@ -1,5 +1,4 @@
-#include "bench/capture.h"
-
+// The cost of capturing a picture: by OpenGL, by the rasteriser made for pictures, by rays.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,10 +9,10 @@
 #include <functional>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/timing.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/capture/raster_source.h"
-#include "rilievo/gl/context.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/nailboard/gl/nailboard_capture.h"
 #include "rilievo/render/rays/cast_picture.h"
@@ -24,12 +23,6 @@ namespace rilievo::bench {
 namespace {
 
 constexpr int kSize = 512;  // texels a side
-
-// Of work that OpenGL may still be doing when it returns.
-double finished_ms(int runs, const std::function<void()>& work) {
-  const auto finished = [&] { work(), gl::finish(); };
-  return median_ms(runs, 1, finished, gl::finish);
-}
 
 struct Measured {
   std::uint64_t triangles = 0;
@@ -92,7 +85,7 @@ Result<Measured> measure(const Scene& scene, int runs) {
     NailboardAtlas& atlas = nailboards->atlas();
     const auto slot = atlas.allocate(kSize, kSize);
     if (!slot) return Error{"bench", "no room for one picture"};
-    (by == CaptureBy::rasterizer ? m.rasterizer_ms : m.opengl_ms) = finished_ms(runs, [&] {
+    (by == CaptureBy::rasterizer ? m.rasterizer_ms : m.opengl_ms) = finished_ms(runs, 1, [&] {
       nailboards->capture(*camera, objects, *slot);
       static_cast<void>(atlas.blocks(*slot));
     });
@@ -103,13 +96,13 @@ Result<Measured> measure(const Scene& scene, int runs) {
   m.rasterizer_db = psnr_db(taken[0].color, taken[1].color);
   std::vector<std::uint8_t> copy(std::size_t(kSize) * kSize * 5);  // colour and Delta
   const std::vector<std::uint8_t> source(copy.size(), 1);
-  m.copy_ms = finished_ms(runs, [&] { std::memcpy(copy.data(), source.data(), copy.size()); });
+  m.copy_ms = finished_ms(runs, 1, [&] { std::memcpy(copy.data(), source.data(), copy.size()); });
 
   Result<RayScene> rays = RayScene::create(scene);
   if (!rays) return rays.error();
   PictureCaster caster(*rays);
   RasterPicture cast;
-  m.rays_ms = finished_ms(runs, [&] { caster.draw(*camera, {}, AtlasOptions{}.samples, cast); });
+  m.rays_ms = finished_ms(runs, 1, [&] { caster.draw(*camera, {}, AtlasOptions{}.samples, cast); });
   m.rays_db = psnr_db(taken[0].color, from_top(cast));
   return m;
 }

@@ -6,9 +6,9 @@
 #include <chrono>
 #include <thread>
 
+#include "bench/owned_frames.h"
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/frame/owned_frames.h"
 #include "rilievo/method/relief_impostors.h"
 
 namespace rilievo::bench {
@@ -29,20 +29,17 @@ namespace {
 // `chooser`: of the impostor in `frames`; null: there is none.
 Result<ClockWalk> walk_frames(const TracedScene& traced, FrameSource& frames,
                               ImpostorChooser* chooser, const ClockWalkOptions& options) {
-  std::optional<FrameTarget> target;
-  if (!frames.software_target()) {
-    Result<FrameTarget> made = FrameTarget::create(options.width, options.height, options.samples);
-    if (!made) return made.error();
-    target = std::move(*made);
-  }
+  FrameSource* const sources[] = {&frames};
+  const Result<DrawTargets> targets =
+      DrawTargets::create(sources, options.width, options.height, options.samples);
+  if (!targets) return targets.error();
   ClockWalk walk;
   const Stopwatch clock;
   double next_ms = 0;
   while (clock.ms() < 1e3 * options.seconds) {
     const Camera camera =
         orbit_camera(traced, options.turn * clock.ms() / 1e3, options.width, options.height);
-    const Result<double> ms =
-        time_frame(frames, {target ? &*target : nullptr, nullptr}, {camera, 0});
+    const Result<double> ms = time_frame(frames, *targets, {camera, 0});
     if (!ms) return ms.error();
     ++walk.frames;
     // The first frames compile shaders and make each thread's memory.

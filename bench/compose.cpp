@@ -1,5 +1,4 @@
-#include "bench/compose.h"
-
+// Nailboards drawn without OpenGL, beside OpenGL if there is one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/compose_scene.h"
 #include "bench/timing.h"
 #include "rilievo/core/parallel_for.h"

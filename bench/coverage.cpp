@@ -1,14 +1,19 @@
-#include "bench/coverage.h"
-
+// How much of an object its pictures hold (S2.1, S2.2; figures 2 and 5).
+//
+// The share of the surface that is visible from outside and sampled: by one back-perspective
+// picture against one ordinary picture (the mean over 32 directions), and by 12, 20 and 32
+// back-perspective ones. Six objects; figures covered_OBJECT_back_1, _ordinary_1, _12, _20, _32,
+// and _seen_32 with every point counted as often as it is seen.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "bench/analyze_coverage.h"
+#include "bench/benches.h"
 #include "bench/coverage_pictures.h"
 #include "bench/objects.h"
-#include "rilievo/capture/analyze_coverage.h"
 #include "rilievo/capture/view_set.h"
 #include "rilievo/measure/stats.h"
 

@@ -9,9 +9,9 @@
 #include <span>
 #include <utility>
 
-#include "rilievo/capture/analyze_coverage.h"
+#include "bench/analyze_coverage.h"
+#include "bench/report.h"
 #include "rilievo/core/parallel_for.h"
-#include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/warp.h"
 #include "rilievo/render/rays/cast_picture.h"
 
@@ -33,10 +33,6 @@ Camera camera_around(const Box& box, const glm::dvec3& direction, int size) {
 Rgba8Image on_paper(ColorImage color) {
   for (glm::vec4& c : color.texels()) c += (1.0f - c.a) * kPaper;
   return srgb8_from_linear(color);
-}
-
-BenchPicture png(std::string caption, const Rgba8Image& picture) {
-  return {std::move(caption), {"image/png", encode_png(picture)}};
 }
 
 // Pictures of one size side by side, `columns` a row.
@@ -141,11 +137,11 @@ Result<std::vector<BenchPicture>> figure_2(const BenchObject& object, int size) 
     const Rgba8Image row[] = {itself,
                               color_by_coverage(*rays, *taken, camera_around(box, side, size)),
                               on_paper(warped.color)};
-    pictures.push_back(
-        png(fmt::format("Figure 2, {}, {}: the picture; what it holds, seen from the side, what it "
-                        "lacks in red; that picture alone warped for a higher eye",
-                        object.name, name),
-            sheet_of(row, 3)));
+    pictures.push_back(png_picture(
+        fmt::format("Figure 2, {}, {}: the picture; what it holds, seen from the side, what it "
+                    "lacks in red; that picture alone warped for a higher eye",
+                    object.name, name),
+        sheet_of(row, 3)));
   }
   return pictures;
 }
@@ -170,11 +166,12 @@ Result<std::vector<BenchPicture>> figure_5(const BenchObject& object, int size) 
   DepthImage frame = warp_surfaces(*impostor, camera_around(box, {0.5, 0.4, 1.0}, 4 * size));
   draw_dodecahedron(frame, glm::dvec3(box.center()), kAround * box.radius());
   return std::vector{
-      png(fmt::format("Figure 5: the 32 back-perspective pictures of the {}, {} texels square",
+      png_picture(
+          fmt::format("Figure 5: the 32 back-perspective pictures of the {}, {} texels square",
                       object.name, size),
           sheet_of(shown, 8)),
-      png("A frame warped from them, with the dodecahedron as lines in the same z-buffer",
-          on_paper(frame.color))};
+      png_picture("A frame warped from them, with the dodecahedron as lines in the same z-buffer",
+                  on_paper(frame.color))};
 }
 
 }  // namespace rilievo::bench

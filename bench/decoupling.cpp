@@ -1,5 +1,4 @@
-#include "bench/decoupling.h"
-
+// Frames that stay fast and right while what they show takes long to shade (S5.1, S5.7).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,12 +6,13 @@
 #include <cstring>
 #include <numbers>
 
+#include "bench/benches.h"
 #include "bench/clock_walk.h"
 #include "bench/impostor_judge.h"
+#include "bench/report.h"
 #include "bench/slow_source.h"
 #include "bench/stale_parts.h"
 #include "rilievo/compare/drawn_frame.h"
-#include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
 
 namespace rilievo::bench {
@@ -55,8 +55,8 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
       if (!a) return a.error();
       warped.push_back(*a);
       if (i == 0)
-        report.pictures.push_back({fmt::format("warped, {:.0f} ms old", 1e3 * age),
-                                   {"image/png", encode_png(judge.drawn())}});
+        report.pictures.push_back(
+            png_picture(fmt::format("warped, {:.0f} ms old", 1e3 * age), judge.drawn()));
       if (age > 0) {
         // Pictures that come every `age`, for the eye that was; and for the eye that will be, when
         // it is in the middle between two of them, the worst place.
@@ -73,18 +73,16 @@ Result<> staleness(const TracedScene& traced, const BenchOptions& bench, BenchRe
         if (!both) return both.error();
         between.push_back(*both);
         if (i == 0)
-          report.pictures.push_back(
-              {fmt::format("between two pictures, {:.0f} ms apart", 1e3 * age),
-               {"image/png", encode_png(judge.drawn())}});
+          report.pictures.push_back(png_picture(
+              fmt::format("between two pictures, {:.0f} ms apart", 1e3 * age), judge.drawn()));
       }
       const Result<ImpostorQuality> b = judge.judge(as_one_plane(*picture), now);
       if (!b) return b.error();
       plane.push_back(*b);
       if (i == 0)
-        report.pictures.push_back({fmt::format("as one plane, {:.0f} ms old", 1e3 * age),
-                                   {"image/png", encode_png(judge.drawn())}});
-      if (i == 0 && age == 0.5)
-        report.pictures.push_back({"traced", {"image/png", encode_png(judge.truth())}});
+        report.pictures.push_back(
+            png_picture(fmt::format("as one plane, {:.0f} ms old", 1e3 * age), judge.drawn()));
+      if (i == 0 && age == 0.5) report.pictures.push_back(png_picture("traced", judge.truth()));
     }
     const ImpostorQuality w = mean_quality(warped), p = mean_quality(plane);
     table.rows.push_back(
@@ -128,7 +126,8 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
                                      direct_rest =
                                          polygon_drawer(without, rest->get(), kFrameSamples);
   FrameSource* const sources[] = {direct.get()};
-  Result<OwnTargets> targets = make_targets(sources, kFrameWidth, kFrameHeight, kFrameSamples);
+  const Result<DrawTargets> targets =
+      DrawTargets::create(sources, kFrameWidth, kFrameHeight, kFrameSamples);
   if (!targets) return targets.error();
   std::vector<double> with_ms, without_ms, polygons_ms;
   for (int i = 0; i < (bench.quick ? 4 : 60); ++i)
@@ -136,7 +135,7 @@ Result<> steady(const TracedScene& traced, const BenchOptions& bench, BenchRepor
          {std::pair<FrameSource*, std::vector<double>*>{impostors->frames.get(), &with_ms},
           {direct_rest.get(), &without_ms},
           {direct.get(), &polygons_ms}}) {
-      const Result<double> took = time_frame(*source, targets->targets(), {camera, 0});
+      const Result<double> took = time_frame(*source, *targets, {camera, 0});
       if (!took) return took.error();
       if (i > 0) ms->push_back(*took);  // the first frame waits for the picture
     }

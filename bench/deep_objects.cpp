@@ -1,5 +1,6 @@
-#include "bench/deep_objects.h"
-
+// Layered reliefs of deep objects near the eye, where flat pictures last two frames.
+//
+// Needs RILIEVO_DATA in the environment: a folder with obj/copperBeech and models/FlightHelmet.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,10 +10,12 @@
 #include <map>
 #include <string>
 
+#include "bench/benches.h"
 #include "bench/drawn_by.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/layered_relief/relief_kind.h"
+#include "rilievo/measure/report_summary.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/render/rays/ray_scene.h"
@@ -82,7 +85,7 @@ double rays_ms_p50(const Scene& scene, const Box& box, const CompareOptions& opt
     // The first fills caches.
     if (frame > 0) ms.push_back(watch.ms());
   }
-  return percentile(ms, 0.5);
+  return median_of(ms);
 }
 
 }  // namespace
@@ -138,31 +141,24 @@ Result<BenchReport> deep_objects(const BenchOptions& options) {
     if (!compared) return compared.error();
     std::map<std::string, double> p50s;
     for (const MethodResult& method : compared->methods) {
-      std::vector<double> ms;
-      double psnr = 0, flip = 0, wrong = 0;
-      for (const FrameResult& frame : method.frames) {
-        ms.push_back(frame.frame_ms);
-        psnr += std::min(frame.psnr_db, kMaxPsnrDb), flip += frame.flip,
-            wrong += frame.wrong_visibility;
-      }
-      const double frames = double(method.frames.size()), p50 = percentile(ms, 0.5);
-      p50s[method.name] = p50;
-      if (method.name == "reliefs-software") psnr_db = std::min(psnr_db, psnr / frames);
+      const MethodSummary s = summarize(method);
+      p50s[method.name] = s.frame_ms.p50;
+      if (method.name == "reliefs-software") psnr_db = std::min(psnr_db, s.psnr_db.mean);
       const auto drawn = [&](std::string_view way) {
         for (const auto& [kind, count] : method.drawn_as)
           if (kind == way) return double(count);
         return 0.0;
       };
       table.rows.push_back(
-          {name, method.name, fmt::format("{:.1f}", p50),
-           fmt::format("{:.1f}", percentile(ms, 0.99)), fmt::format("{:.2f}", psnr / frames),
-           fmt::format("{:.4f}", flip / frames), fmt::format("{:.3f}", 100 * wrong / frames),
+          {name, method.name, fmt::format("{:.1f}", s.frame_ms.p50),
+           fmt::format("{:.1f}", s.frame_ms.p99), fmt::format("{:.2f}", s.psnr_db.mean),
+           fmt::format("{:.4f}", s.flip.mean), fmt::format("{:.3f}", 100 * s.wrong_visibility.mean),
            method.bound_px_max ? fmt::format("{:.2f}", *method.bound_px_max) : "",
            std::to_string(method.captures), fmt::format("{}", drawn("polygons")),
            fmt::format("{}", drawn("nailboard")), fmt::format("{}", drawn(kLayeredReliefName))});
-      report.figures.emplace_back("frame_ms_p50_" + name + "_" + method.name, p50);
-      report.figures.emplace_back("frame_ms_p99_" + name + "_" + method.name, percentile(ms, 0.99));
-      report.figures.emplace_back("psnr_db_" + name + "_" + method.name, psnr / frames);
+      report.figures.emplace_back("frame_ms_p50_" + name + "_" + method.name, s.frame_ms.p50);
+      report.figures.emplace_back("frame_ms_p99_" + name + "_" + method.name, s.frame_ms.p99);
+      report.figures.emplace_back("psnr_db_" + name + "_" + method.name, s.psnr_db.mean);
       for (const EncodedPicture& picture : method.pictures)
         report.pictures.push_back({fmt::format("{} {}", name, method.name), picture});
     }

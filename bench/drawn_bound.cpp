@@ -11,6 +11,7 @@
 #include "bench/drawn_by.h"
 #include "bench/random.h"
 #include "rilievo/compare/drawn_frame.h"
+#include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/scene/builtin/mesh_builder.h"
 
@@ -212,10 +213,8 @@ Result<DrawnBoundStats> run_drawn_bound_benchmark(const DrawnBoundOptions& optio
   const Scene scene = cloud_of_balls(random);
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
-  Result<FrameTarget> target = FrameTarget::create(kDrawnWidth, kDrawnHeight, kDrawnSamples);
+  Result<OpenGLTarget> target = OpenGLTarget::create(kDrawnWidth, kDrawnHeight, kDrawnSamples);
   if (!target) return target.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(kDrawnWidth, kDrawnHeight);
-  if (!probe) return probe.error();
   ImageCacheOptions cache_options;
   cache_options.error_px = options.error_px;
   cache_options.samples = kDrawnSamples;
@@ -233,9 +232,9 @@ Result<DrawnBoundStats> run_drawn_bound_benchmark(const DrawnBoundOptions& optio
     frame.time = f / 25.0;
     frame.camera = look_at(leg.eye + seconds * leg.velocity, leg.target, {0, 1, 0}, 0.8,
                            kDrawnWidth, kDrawnHeight, 0.1, 200);
-    Result<DrawnFrame> seen = draw_frame(*cache->frames, {&*target, &*probe}, frame);
+    Result<DrawnFrame> seen = draw_frame(*cache->frames, *target, frame);
     if (!seen) return seen.error();
-    Result<DrawnFrame> truth = draw_frame(*direct, {&*target, &*probe}, frame);
+    Result<DrawnFrame> truth = draw_frame(*direct, *target, frame);
     if (!truth) return truth.error();
     pose(scene, frame.time, poses);
     cases.add_frame(frame.camera, poses, *truth, *seen, *cache->cache);

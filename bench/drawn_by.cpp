@@ -2,9 +2,9 @@
 
 #include <utility>
 
+#include "bench/owned_frames.h"
 #include "rilievo/frame/gl/opengl_backend.h"
 #include "rilievo/frame/gl/opengl_frames.h"
-#include "rilievo/frame/owned_frames.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/method/direct.h"

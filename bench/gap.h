@@ -1,4 +1,4 @@
-// Does bound_gap_px() hold, and how much larger than the truth is it?
+// bound_gap_px() against the truth: whether it holds, and how much larger it is.
 //
 // Random eyes around scenes that hide things: what the frame's eye sees and the capture's did not
 // is found by ray casting, and measured along epipolar lines. No OpenGL.

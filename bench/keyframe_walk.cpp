@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <iterator>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "bench/real_scenes.h"
 #include "rilievo/compare/real_time.h"
 #include "rilievo/compare/reference_frames.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/measure/artifacts.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/report.h"
@@ -121,10 +121,10 @@ struct TimedFrame {
   double ms, busy_ms;
 };
 Result<TimedFrame> time_both(FrameSource& source, const WalkFrame& frame) {
-  const std::clock_t before = std::clock();
-  const Result<double> ms = time_frame(source, {}, frame);
+  const BusyWatch busy;
+  const Result<double> ms = time_frame(source, DrawTargets(), frame);
   if (!ms) return ms.error();
-  return {TimedFrame{*ms, 1e3 * double(std::clock() - before) / CLOCKS_PER_SEC}};
+  return {TimedFrame{*ms, busy.ms()}};
 }
 
 Result<std::vector<Direct>> make_direct(SoftwareBackend& backend, bool all) {
@@ -150,7 +150,7 @@ Result<> compare_frames(const RealTimeWalk& walked, ReferenceFrames& reference,
     const auto& [frame, shown] = walked.kept[i];
     Result<Rgba8Image> color = reference.frame(frame);
     if (!color) return color.error();
-    Result<DrawnFrame> truth = draw_frame(*rivals[0].frames, {}, frame);
+    Result<DrawnFrame> truth = draw_frame(*rivals[0].frames, DrawTargets(), frame);
     if (!truth) return truth.error();
     psnr.push_back(std::min(psnr_db(*color, shown.color), kMaxPsnrDb));
     const Visibility seen = compare_visibility(truth->objects, shown.objects);
@@ -255,7 +255,7 @@ Result<KeyframeWalk> walk_by_keyframes(SoftwareBackend& backend, const CameraPat
   ReferenceFrames reference(*true_frames->frames, options.keyframes.samples, true_options);
   // What a first frame makes is not timed.
   for (Direct& rival : *rivals)
-    if (Result<double> ms = time_frame(*rival.frames, {}, at(0)); !ms) return ms.error();
+    if (Result<double> ms = time_frame(*rival.frames, DrawTargets(), at(0)); !ms) return ms.error();
   if (Result<> done = compare_frames(*walked, reference, *rivals, walk); !done) return done.error();
 
   if (options.each_frame) return {std::move(walk)};

@@ -1,25 +1,24 @@
-#include "bench/keyframes.h"
-
+// The cost and the quality of whole frames from keyframes, beside direct drawing.
+//
+// Walks in real time through the scenes of bench/real_scenes.h, or through files with paths beside
+// them. Colours are compared with true frames of many samples a pixel, direct drawing's too.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 
+#include "bench/benches.h"
 #include "bench/keyframe_walk.h"
 #include "bench/real_scenes.h"
+#include "bench/report.h"
 #include "bench/timing.h"
 #include "rilievo/capture/store/content_hash.h"
-#include "rilievo/io/jpeg.h"
 #include "rilievo/measure/report.h"
 
 namespace rilievo::bench {
 namespace {
 
-void add_figures(std::string key, const KeyframeWalk& walk, BenchReport& report) {
-  std::replace(key.begin(), key.end(), '-', '_');
-  const auto figure = [&](const std::string& field, double value) {
-    report.figures.emplace_back(key + "_" + field, value);
-  };
+void add_figures(const std::string& name, const KeyframeWalk& walk, BenchReport& report) {
+  const FiguresOf figure(name, report);
   const KeyframeRival& rival = walk.fastest_as_good();
   figure("frames", walk.frames), figure("first_frame_ms", walk.first_frame_ms);
   figure("p50_ms", walk.frame_ms.p50), figure("p99_ms", walk.frame_ms.p99);
@@ -38,10 +37,8 @@ void add_figures(std::string key, const KeyframeWalk& walk, BenchReport& report)
   figure("tiles_ms", walk.tiles_ms), figure("keyframe_ms", walk.keyframe_ms);
   figure("lost_at_edges", walk.lost_at_edges), figure("lost_as_wrong", walk.lost_as_wrong);
   for (const KeyframeRival& one : walk.rivals) {
-    std::string name = one.name;
-    std::replace(name.begin(), name.end(), '-', '_');
-    figure(name + "_ms", one.p50_ms), figure(name + "_busy_ms", one.busy_p50_ms);
-    figure(name + "_psnr_db", one.psnr_db);
+    figure(one.name + "_ms", one.p50_ms), figure(one.name + "_busy_ms", one.busy_p50_ms);
+    figure(one.name + "_psnr_db", one.psnr_db);
   }
 }
 
@@ -91,10 +88,7 @@ Result<BenchReport> keyframes(const BenchOptions& options) {
   run.keyframes.keyframes.samples = options.keyframe_samples;
   run.each_frame = options.each_frame;
   run.reference_folder = options.reference_folder;
-  std::vector<RealScene> scenes;
-  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
-  const char* data = std::getenv("RILIEVO_DATA");
-  if (scenes.empty()) scenes = real_scenes(data && !options.quick ? data : "", options.quick);
+  const std::vector<RealScene> scenes = bench_scenes(options);
   BenchReport report;
   const double load = machine_load();
   Table table = make_table(run);
@@ -110,11 +104,10 @@ Result<BenchReport> keyframes(const BenchOptions& options) {
       if (!measured) return measured.error();
       add_figures(name, *measured, report);
       add_row(name, *measured, table);
-      report.pictures.push_back({name + ", true", {"image/jpeg", encode_jpeg(measured->truth)}});
-      report.pictures.push_back({name, {"image/jpeg", encode_jpeg(measured->shown)}});
-      report.pictures.push_back(
-          {name + ", differences",
-           {"image/jpeg", encode_jpeg(difference_picture(measured->truth, measured->shown))}});
+      report.pictures.push_back(jpeg_picture(name + ", true", measured->truth));
+      report.pictures.push_back(jpeg_picture(name, measured->shown));
+      report.pictures.push_back(jpeg_picture(name + ", differences",
+                                             difference_picture(measured->truth, measured->shown)));
     }
     if (options.progress) options.progress(++done, int(scenes.size()));
   }

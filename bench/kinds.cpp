@@ -1,5 +1,4 @@
-#include "bench/kinds.h"
-
+// Each baked kind drawn without OpenGL, against OpenGL and against polygons.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/drawn_by.h"
 #include "bench/timing.h"
 #include "rilievo/capture/ray_source.h"

@@ -1,4 +1,7 @@
+// Layered impostors seen from new eyes: all parts of it (S2.3 to S2.6).
 #include "bench/layered.h"
+
+#include "bench/benches.h"
 
 namespace rilievo::bench {
 

@@ -1,4 +1,4 @@
-// What do layered impostors look like from new eyes? (S2.3 to S2.6)
+// Layered impostors seen from new eyes (S2.3 to S2.6).
 #pragma once
 
 #include "bench/bench.h"
@@ -11,10 +11,8 @@ namespace rilievo::bench {
 // through the surfaces; the six objects at one setting; tears; how far views that switch jump.
 // Figures psnr_db_OBJECT_VIEWS_SIZE_LAYERS, uncovered_... and so on (with hole filling;
 // ..._unfilled without; ..._VIEWS_SIZE_surfaces for the walk), tears_..._at_20deg, jump_....
-// Needs a current OpenGL context.
-[[nodiscard]] Result<BenchReport> layered(const BenchOptions& options);
-
-// Its parts, which add to the report.
+//
+// The parts of the bench, which add to its report. They need a current OpenGL context.
 [[nodiscard]] Result<> add_quality(const BenchOptions& options, BenchReport& report);
 [[nodiscard]] Result<> add_tears(const BenchOptions& options, BenchReport& report);
 [[nodiscard]] Result<> add_jumps(const BenchOptions& options, BenchReport& report);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/random.h"
 #include "rilievo/frame/gl/opengl_frames.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
@@ -20,7 +19,7 @@ namespace {
 constexpr std::size_t kTimedEvery = 5;
 
 // Like psnr_db(), over the pixels that show an object in the true frame.
-double object_psnr_db(const ShownFrame& truth, const Rgba8Image& color) {
+double object_psnr_db(const DrawnFrame& truth, const Rgba8Image& color) {
   std::int64_t sum = 0, count = 0;
   for (std::size_t i = 0; i < color.texels().size(); ++i) {
     if (truth.objects.texels()[i] == kNoObject) continue;
@@ -69,46 +68,20 @@ Result<std::unique_ptr<FrameSource>> impostor_source(SceneRenderer& renderer, La
       renderer, std::make_unique<StoredChooser>(std::move(stored), StoredOptions{}))};
 }
 
-Result<SmallFrames> SmallFrames::create(int size, int samples) {
-  SmallFrames frames;
-  Result<FrameTarget> target = FrameTarget::create(size, size, samples);
-  if (!target) return target.error();
-  Result<ProbeTarget> probe = ProbeTarget::create(size, size);
-  if (!probe) return probe.error();
-  frames.target_ = std::move(*target);
-  frames.probe_ = std::move(*probe);
-  return frames;
-}
-
-Result<ShownFrame> SmallFrames::draw(FrameSource& source, const Camera& camera) {
-  target_.begin();
-  if (Result<> drawn = source.draw(camera, 0); !drawn) return drawn.error();
-  target_.resolve();
-  ShownFrame shown{target_.read(), {}};
-  probe_.begin();
-  if (Result<> drawn = source.draw_objects(); !drawn) return drawn.error();
-  shown.objects = probe_.read_objects();
-  return shown;
-}
-
-Result<double> SmallFrames::time_ms(FrameSource& source, const Camera& camera) {
-  return time_frame(source, target_, {camera, 0});
-}
-
-Result<Quality> measure_quality(SmallFrames& frames, FrameSource& source,
-                                std::span<const Camera> cameras, std::span<const ShownFrame> truths,
+Result<Quality> measure_quality(OpenGLTarget& target, FrameSource& source,
+                                std::span<const Camera> cameras, std::span<const DrawnFrame> truths,
                                 int slow_every) {
   std::vector<double> psnr, object_psnr, ssims, flips, times;
   Visibility total;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (i % kTimedEvery == 0) {
-      const Result<double> ms = frames.time_ms(source, cameras[i]);
+      const Result<double> ms = time_frame(source, target, {cameras[i], 0});
       if (!ms) return ms.error();
       times.push_back(*ms);
     }
-    const Result<ShownFrame> shown = frames.draw(source, cameras[i]);
+    const Result<DrawnFrame> shown = draw_frame(source, target, {cameras[i], 0});
     if (!shown) return shown.error();
-    const ShownFrame& truth = truths[i];
+    const DrawnFrame& truth = truths[i];
     psnr.push_back(std::min(psnr_db(truth.color, shown->color), 100.0));
     object_psnr.push_back(object_psnr_db(truth, shown->color));
     if (i % std::size_t(slow_every) == 0) {
@@ -121,9 +94,9 @@ Result<Quality> measure_quality(SmallFrames& frames, FrameSource& source,
     total.counted_objects += one.counted_objects;
     total.uncovered += one.uncovered;
   }
-  return Quality{summarize(psnr),       summarize(object_psnr),  summarize(ssims),
-                 summarize(flips),      total.uncovered_share(), total.wrong_share(),
-                 percentile(times, 0.5)};
+  return Quality{summarize(psnr),  summarize(object_psnr),  summarize(ssims),
+                 summarize(flips), total.uncovered_share(), total.wrong_share(),
+                 median_of(times)};
 }
 
 }  // namespace rilievo::bench

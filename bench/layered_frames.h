@@ -10,10 +10,11 @@
 #include <span>
 #include <vector>
 
+#include "rilievo/compare/drawn_frame.h"
 #include "rilievo/frame/frame_source.h"
+#include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/layered_impostor/gl/layered_drawer.h"
 #include "rilievo/measure/stats.h"
-#include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/render/opengl/scene_renderer.h"
 
 namespace rilievo::bench {
@@ -37,23 +38,6 @@ struct EyeOptions {
                                                                    LayeredImpostor impostor,
                                                                    const LayeredOptions& options);
 
-// What a frame shows; objects at pixel centres.
-struct ShownFrame {
-  Rgba8Image color;
-  Image<std::uint32_t> objects;
-};
-
-class SmallFrames {
- public:
-  [[nodiscard]] static Result<SmallFrames> create(int size, int samples);
-  [[nodiscard]] Result<ShownFrame> draw(FrameSource& source, const Camera& camera);
-  [[nodiscard]] Result<double> time_ms(FrameSource& source, const Camera& camera);
-
- private:
-  FrameTarget target_;
-  ProbeTarget probe_;
-};
-
 struct Quality {
   Summary psnr_db;         // over the frames, each with its sky
   Summary object_psnr_db;  // over the pixels whose centre shows the object in the true frame
@@ -63,8 +47,8 @@ struct Quality {
   double frame_ms = 0;     // median
 };
 // `truths` are what `cameras` see.
-[[nodiscard]] Result<Quality> measure_quality(SmallFrames& frames, FrameSource& source,
+[[nodiscard]] Result<Quality> measure_quality(OpenGLTarget& target, FrameSource& source,
                                               std::span<const Camera> cameras,
-                                              std::span<const ShownFrame> truths, int slow_every);
+                                              std::span<const DrawnFrame> truths, int slow_every);
 
 }  // namespace rilievo::bench

@@ -50,8 +50,8 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
   const int size = options.quick ? 48 : 256, steps = options.quick ? 4 : 240;
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
-  Result<SmallFrames> frames = SmallFrames::create(size, 4);
-  if (!frames) return frames.error();
+  Result<OpenGLTarget> target = OpenGLTarget::create(size, size, 4);
+  if (!target) return target.error();
   Result<LayeredDrawer> drawer = LayeredDrawer::create();
   if (!drawer) return drawer.error();
 
@@ -61,7 +61,7 @@ Result<> add_jumps(const BenchOptions& options, BenchReport& report) {
     Rgba8Image last;
     for (int i = 0; i <= steps; ++i) {
       const Camera camera = camera_on(box, on_orbit(i * kStepDegrees), size);
-      Result<ShownFrame> shown = frames->draw(source, camera);
+      Result<DrawnFrame> shown = draw_frame(source, *target, {camera, 0});
       if (!shown) return shown.error();
       if (i > 0) flips.push_back(flip(last, shown->color));
       last = std::move(shown->color);

@@ -6,9 +6,9 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
+#include "bench/report.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/frame/gl/opengl_frames.h"
-#include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/bake.h"
 #include "rilievo/layered_impostor/error.h"
 #include "rilievo/measure/report.h"
@@ -52,10 +52,10 @@ struct Subject {
   const BenchObject& object;
   SceneRenderer renderer;
   std::vector<Camera> cameras;
-  std::vector<ShownFrame> truths;
+  std::vector<DrawnFrame> truths;
 };
 
-Result<Subject> make_subject(const BenchObject& object, SmallFrames& frames, int eyes, int size) {
+Result<Subject> make_subject(const BenchObject& object, OpenGLTarget& target, int eyes, int size) {
   Result<SceneRenderer> renderer = SceneRenderer::create(object.scene);
   if (!renderer) return renderer.error();
   EyeOptions eye_options;
@@ -65,7 +65,7 @@ Result<Subject> make_subject(const BenchObject& object, SmallFrames& frames, int
       object, std::move(*renderer), random_eyes(world_bounds(object.scene), eye_options), {}};
   OpenGLFrames direct(subject.renderer, std::make_unique<DirectChooser>());
   for (const Camera& camera : subject.cameras) {
-    Result<ShownFrame> shown = frames.draw(direct, camera);
+    Result<DrawnFrame> shown = draw_frame(direct, target, {camera, 0});
     if (!shown) return shown.error();
     subject.truths.push_back(std::move(*shown));
   }
@@ -100,8 +100,8 @@ void add_row(const Measured& m, Table& table, BenchReport& report) {
 
 class Sweep {
  public:
-  Sweep(const Plan& plan, SmallFrames& frames, LayeredDrawer& drawer, BenchReport& report)
-      : plan_(plan), frames_(frames), drawer_(drawer), report_(report) {}
+  Sweep(const Plan& plan, OpenGLTarget& target, LayeredDrawer& drawer, BenchReport& report)
+      : plan_(plan), target_(target), drawer_(drawer), report_(report) {}
 
   // The object's pictures in one setting, drawn in every way that is asked for.
   Result<> measure(Subject& subject, const LayeredImpostor& impostor, int size, bool walk,
@@ -119,7 +119,7 @@ class Sweep {
         const auto source = impostor_source(subject.renderer, drawer_, impostor, options);
         if (!source) return source.error();
         const Result<Quality> quality =
-            measure_quality(frames_, **source, subject.cameras, subject.truths, plan_.slow_every);
+            measure_quality(target_, **source, subject.cameras, subject.truths, plan_.slow_every);
         if (!quality) return quality.error();
         const std::string setting = slices ? fmt::format("{}_{}_{}", views, size, layers)
                                            : fmt::format("{}_{}_surfaces", views, size);
@@ -166,12 +166,13 @@ class Sweep {
     const bool walk = setting == "32_256_surfaces";
     const int shown_eyes = subject.object.name == "teapot" ? 2 : 1;
     for (int eye = 0; eye < shown_eyes; ++eye) {
-      const ShownFrame& truth = subject.truths[std::size_t(eye)];
-      const Result<ShownFrame> frame = frames_.draw(source, subject.cameras[std::size_t(eye)]);
+      const DrawnFrame& truth = subject.truths[std::size_t(eye)];
+      const Result<DrawnFrame> frame =
+          draw_frame(source, target_, {subject.cameras[std::size_t(eye)], 0});
       if (!frame) return frame.error();
       const auto add = [&](const std::string& what, const Rgba8Image& picture) {
-        report_.pictures.push_back({fmt::format("{}, eye {}: {}", subject.object.name, eye, what),
-                                    {"image/png", encode_png(picture)}});
+        report_.pictures.push_back(
+            png_picture(fmt::format("{}, eye {}: {}", subject.object.name, eye, what), picture));
       };
       if (!walk) add("drawn directly", truth.color);
       add(walk ? "32 views of 256, surfaces" : "32 views of 256, 64 slices", frame->color);
@@ -182,7 +183,7 @@ class Sweep {
   }
 
   const Plan& plan_;
-  SmallFrames& frames_;
+  OpenGLTarget& target_;
   LayeredDrawer& drawer_;
   BenchReport& report_;
   Table table_{"Likeness to direct drawing",
@@ -203,18 +204,18 @@ class Sweep {
 Result<> add_quality(const BenchOptions& options, BenchReport& report) {
   const Plan plan = make_plan(options.quick, options.full);
   const std::vector<BenchObject> objects = bench_objects(options.quick ? 3000 : 20000);
-  Result<SmallFrames> frames = SmallFrames::create(plan.frame, 4);
-  if (!frames) return frames.error();
+  Result<OpenGLTarget> target = OpenGLTarget::create(plan.frame, plan.frame, 4);
+  if (!target) return target.error();
   Result<LayeredDrawer> drawer = LayeredDrawer::create();
   if (!drawer) return drawer.error();
-  Sweep sweep(plan, *frames, *drawer, report);
+  Sweep sweep(plan, *target, *drawer, report);
   const int total =
       int(plan.views.size() * plan.sizes.size() * plan.layers.size() + objects.size() - 1);
   int done = 0;
   for (const BenchObject& object : objects) {
     const bool first = &object == &objects[0];
     Result<Subject> subject =
-        make_subject(object, *frames, first ? plan.eyes : plan.other_eyes, plan.frame);
+        make_subject(object, *target, first ? plan.eyes : plan.other_eyes, plan.frame);
     if (!subject) return subject.error();
     for (const auto& [count, spread] : plan.views) {
       for (const int size : plan.sizes) {

@@ -11,9 +11,9 @@
 
 #include "bench/layered.h"
 #include "bench/layered_frames.h"
+#include "bench/report.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/frame/gl/opengl_frames.h"
-#include "rilievo/io/png.h"
 #include "rilievo/layered_impostor/bake.h"
 #include "rilievo/measure/visibility.h"
 #include "rilievo/method/direct.h"
@@ -69,7 +69,7 @@ LayeredImpostor alone(const LayeredImpostor& impostor, std::size_t view, const T
 
 struct Eye {
   Camera camera;
-  ShownFrame truth;
+  DrawnFrame truth;
 };
 
 }  // namespace
@@ -83,8 +83,8 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
   const std::size_t every = options.quick ? 16 : options.full ? 4 : 8;  // view of the 32
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
-  Result<SmallFrames> frames = SmallFrames::create(size, 4);
-  if (!frames) return frames.error();
+  Result<OpenGLTarget> target = OpenGLTarget::create(size, size, 4);
+  if (!target) return target.error();
   Result<LayeredDrawer> drawer = LayeredDrawer::create();
   if (!drawer) return drawer.error();
   BakeOptions bake;
@@ -106,7 +106,7 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
             beside(impostor->views.directions[view], glm::radians(double(o) * kTearsStep),
                    2 * glm::pi<double>() * (a + 0.25) / azimuths);
         const Camera camera = camera_on(box, kTearsDistance * direction, size);
-        Result<ShownFrame> truth = frames->draw(direct, camera);
+        Result<DrawnFrame> truth = draw_frame(direct, *target, {camera, 0});
         if (!truth) return truth.error();
         eyes[o].push_back({camera, std::move(*truth)});
       }
@@ -119,16 +119,16 @@ Result<> add_tears(const BenchOptions& options, BenchReport& report) {
       if (!source) return source.error();
       for (std::size_t o = 0; o < kOffsets; ++o)
         for (const Eye& eye : eyes[o]) {
-          const Result<ShownFrame> shown = frames->draw(**source, eye.camera);
+          const Result<DrawnFrame> shown = draw_frame(**source, *target, {eye.camera, 0});
           if (!shown) return shown.error();
           const Visibility one = compare_visibility(eye.truth.objects, shown->objects);
           found[w][o].counted_objects += one.counted_objects;
           found[w][o].uncovered += one.uncovered;
           if (view == 4 && o == kShown / kTearsStep && &eye == &eyes[o][0])
             report.pictures.push_back(
-                {fmt::format("Tears, figure 4: one picture from {} degrees beside: {}", kShown,
-                             kTearsWays[w].name),
-                 {"image/png", encode_png(shown->color)}});
+                png_picture(fmt::format("Tears, figure 4: one picture from {} degrees beside: {}",
+                                        kShown, kTearsWays[w].name),
+                            shown->color));
         }
     }
     if (options.progress) options.progress(int(view + every), int(impostor->pictures.size()));

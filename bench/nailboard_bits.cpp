@@ -1,5 +1,7 @@
-#include "bench/nailboard_bits.h"
-
+// The bits of Delta that a nailboard needs (S1.4, figure 5 of [Schaufler 1997]).
+//
+// Touching and interpenetrating objects, each a nailboard captured from the very eye that sees the
+// frame, so that what is wrong is wrong for want of bits.
 #include <fmt/format.h>
 
 #include <array>
@@ -7,10 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/drawn_by.h"
+#include "bench/owned_frames.h"
+#include "bench/report.h"
 #include "rilievo/compare/compare.h"
-#include "rilievo/frame/owned_frames.h"
-#include "rilievo/io/png.h"
 #include "rilievo/method/pictures.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -32,12 +35,11 @@ Rgba8Image middle_of(const Rgba8Image& frame) {
 Result<Rgba8Image> picture_of(FrameSource& source, const WalkFrame& frame,
                               const CompareOptions& options) {
   FrameSource* const sources[] = {&source};
-  Result<OwnTargets> targets =
-      make_targets(sources, options.width, options.height, options.samples);
+  const Result<DrawTargets> targets =
+      DrawTargets::create(sources, options.width, options.height, options.samples);
   if (!targets) return targets.error();
-  if (const Result<double> ms = time_frame(source, targets->targets(), frame); !ms)
-    return ms.error();
-  return middle_of(read_frame(source, targets->targets()));
+  if (const Result<double> ms = time_frame(source, *targets, frame); !ms) return ms.error();
+  return middle_of(targets->of(source).color());
 }
 
 // `renderer`: null: software.
@@ -121,8 +123,8 @@ Result<BenchReport> nailboard_bits(const BenchOptions& options) {
   for (std::size_t s = 0; s <= kBits.size(); ++s) {
     const Result<Rgba8Image> picture = picture_of(*compared[s].source, walk(0), compare_options);
     if (!picture) return picture.error();
-    report.pictures.push_back({s == 0 ? compared[s].name : compared[s].name + " bits",
-                               {"image/png", encode_png(*picture)}});
+    report.pictures.push_back(
+        png_picture(s == 0 ? compared[s].name : compared[s].name + " bits", *picture));
   }
   report.notes = {fmt::format(
       "builtin:teapots, {} frames of {} x {}, every object a nailboard captured anew for every "

@@ -27,6 +27,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "bench/benches.h"
 #include "rilievo/nailboard/nailboard.h"
 
 namespace rilievo::bench {

@@ -1,12 +1,10 @@
-// How wrong is the depth that a nailboard writes by eq. (4) of [Schaufler 1997]? (S1.3, figure 8)
+// The error of the depth that a nailboard writes by eq. (4) of [Schaufler 1997] (S1.3, figure 8).
 //
 // In doubles and without OpenGL: the formula's own error, apart from the bits of Delta and of the
 // z-buffer. As a distance from the eye, in percent.
 #pragma once
 
 #include <glm/glm.hpp>
-
-#include "bench/bench.h"
 
 namespace rilievo::bench {
 
@@ -25,7 +23,5 @@ struct EyeMotion {
 
 // The largest over the picture and over Delta.
 [[nodiscard]] double max_depth_error_percent(const EyeMotion& motion, double d);
-
-[[nodiscard]] Result<BenchReport> nailboard_error(const BenchOptions& options);
 
 }  // namespace rilievo::bench

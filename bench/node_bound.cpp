@@ -1,3 +1,4 @@
+// A node's bound against what is drawn: whether it holds, and how tight it is.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/node_scenes.h"
-#include "bench/nodes.h"
 #include "rilievo/environment_nodes/cube_grid.h"
 #include "rilievo/environment_nodes/error.h"
 #include "rilievo/environment_nodes/gl/node_drawer.h"
@@ -152,8 +153,8 @@ Result<BenchReport> node_bound(const BenchOptions& options) {
     if (options.progress) options.progress(k + 1, kNodes);
   }
   BenchReport report;
-  const double median = tightness.empty() ? 0 : percentile(tightness, 0.5);
-  const double limit = limits.empty() ? 0 : percentile(limits, 0.5);
+  const double median = tightness.empty() ? 0 : median_of(tightness);
+  const double limit = limits.empty() ? 0 : median_of(limits);
   report.figures = {{"eyes", double(eyes)},
                     {"pixels", double(pixels)},
                     {"violations", double(violations)},

@@ -1,3 +1,4 @@
+// How many nodes hold all that can be seen, placed by worth and on a grid.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/nodes.h"
+#include "bench/benches.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/environment_nodes/bake_nodes.h"
 #include "rilievo/environment_nodes/placement.h"

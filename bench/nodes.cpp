@@ -1,5 +1,4 @@
-#include "bench/nodes.h"
-
+// Environment nodes seen from their own eyes and between them, and their cost (S3.1 to S3.9).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,11 +6,12 @@
 #include <limits>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/node_scenes.h"
+#include "bench/report.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/environment_nodes/gl/node_drawer.h"
 #include "rilievo/gl/context.h"
-#include "rilievo/io/png.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
@@ -96,7 +96,7 @@ Result<> from_one_place(const BenchOptions& options, BenchReport& report) {
     const Rgba8Image picture = target->read();
     const std::size_t found = count_magenta(picture);
     if (found > 0 && shown.caption.empty())
-      shown = {"An eye with cracks (magenta)", {"image/png", encode_png(picture)}};
+      shown = png_picture("An eye with cracks (magenta)", picture);
     cracks_off += found;
   }
   if (!shown.caption.empty()) report.pictures.push_back(std::move(shown));
@@ -194,11 +194,10 @@ Result<> between_two(const BenchOptions& options, BenchReport& report) {
       }
       if (i == frames / 2)
         report.pictures.push_back(
-            {fmt::format("In the middle: {}", kMerges[merge]), {"image/png", encode_png(picture)}});
+            png_picture(fmt::format("In the middle: {}", kMerges[merge]), picture));
     }
     if (i == frames / 2)
-      report.pictures.push_back(
-          {"In the middle: the scene itself", {"image/png", encode_png(truth)}});
+      report.pictures.push_back(png_picture("In the middle: the scene itself", truth));
     if (options.progress) options.progress(i, frames);
   }
   Table table{fmt::format("{} frames of {} x {} between two nodes of 6 x {} x {}", frames, width,
@@ -208,7 +207,7 @@ Result<> between_two(const BenchOptions& options, BenchReport& report) {
               {}};
   for (int merge = 0; merge < 4; ++merge) {
     Quality& q = qualities[merge];
-    q.ms = percentile(times[merge], 0.5);
+    q.ms = median_of(times[merge]);
     table.rows.push_back(
         {kMerges[merge], fmt::format("{:.2f}", q.ms), fmt::format("{:.1f}", 1000 / q.ms),
          fmt::format("{:.2f}", kPaperFps[merge]), fmt::format("{:.2f}", q.psnr),

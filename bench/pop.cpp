@@ -1,10 +1,13 @@
-#include "bench/pop.h"
-
+// Pictures that replace others, with and without the cross-fade (S1.5).
+//
+// How much more than the true frames the cache's frames differ from those before them: figures
+// pop_max_faded, pop_max_unfaded and pop_ratio, the first over the second.
 #include <fmt/format.h>
 
 #include <memory>
 #include <utility>
 
+#include "bench/benches.h"
 #include "bench/drawn_by.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/measure/popping.h"

@@ -1,5 +1,4 @@
-#include "bench/prewarp.h"
-
+// The cost of the pre-warp of layered reliefs (S4.6 to S4.8).
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -9,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/relief_objects.h"
 #include "bench/timing.h"
 #include "rilievo/layered_relief/prewarp.h"

@@ -1,14 +1,14 @@
-#include "bench/program_walk.h"
-
+// A walk that goes on while another program renders its pictures (S5.8).
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numbers>
 
+#include "bench/benches.h"
 #include "bench/clock_walk.h"
+#include "bench/report.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/io/png.h"
 #include "rilievo/measure/stats.h"
 
 namespace rilievo::bench {
@@ -57,9 +57,9 @@ Result<ImpostorQuality> judge(const ClockWalk& walk, const std::string& shader,
     truth_ms += watch.ms();
     all.push_back(*one);
     report.pictures.push_back(
-        {fmt::format("frame {}, shown", all.size()), {"image/png", encode_png(judge.drawn())}});
-    report.pictures.push_back({fmt::format("frame {}, by the shader itself", all.size()),
-                               {"image/png", encode_png(judge.truth())}});
+        png_picture(fmt::format("frame {}, shown", all.size()), judge.drawn()));
+    report.pictures.push_back(
+        png_picture(fmt::format("frame {}, by the shader itself", all.size()), judge.truth()));
   }
   if (all.empty()) return Error{shader, "finished no picture in time"};
   truth_ms /= double(all.size());

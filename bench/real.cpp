@@ -1,5 +1,4 @@
-#include "bench/real.h"
-
+// Scenes such as users have, the eye moving by the clock: the cache against every baseline.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,11 +8,12 @@
 #include <memory>
 #include <optional>
 
+#include "bench/benches.h"
 #include "bench/drawn_by.h"
 #include "bench/real_scenes.h"
+#include "bench/report.h"
 #include "rilievo/compare/real_time.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/io/jpeg.h"
 #include "rilievo/measure/gap_width.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/report.h"
@@ -97,7 +97,7 @@ Result<> draw_baselines(std::vector<Baseline>& baselines, const DrawTargets& tar
         if (!ms) return ms.error();
         times.push_back(*ms);
         spent += *ms;
-        const Rgba8Image shown = read_frame(*baseline.source, targets);
+        const Rgba8Image shown = targets.of(*baseline.source).color();
         psnr_sum += std::min(psnr_db(truths[i], shown), kMaxPsnrDb);
         continue;
       }
@@ -120,8 +120,8 @@ Result<> draw_baselines(std::vector<Baseline>& baselines, const DrawTargets& tar
           std::max(figures.gap_most, widest_gap_px(objects, made->eye_z, drawn.eye_z));
       figures.missing += count_missing_objects(objects, drawn.objects, kMargin);
       if (i + 1 != kept.size()) continue;
-      report.pictures.push_back({name + ", direct", {"image/jpeg", encode_jpeg(truth)}});
-      report.pictures.push_back({name + ", cache", {"image/jpeg", encode_jpeg(drawn.color)}});
+      report.pictures.push_back(jpeg_picture(name + ", direct", truth));
+      report.pictures.push_back(jpeg_picture(name + ", cache", drawn.color));
     }
     figures.baseline_ms.emplace_back(baseline.name, median_of(times));
     figures.baseline_psnr_db.push_back(psnr_sum / double(times.size()));
@@ -136,11 +136,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
       std::min_element(f.baseline_ms.begin(), f.baseline_ms.end(),
                        [](const auto& a, const auto& b) { return a.second < b.second; });
   const double speedup = fastest->second / ms.p50;
-  std::string key = name;
-  std::replace(key.begin(), key.end(), '-', '_');
-  const auto figure = [&](const std::string& field, double value) {
-    report.figures.emplace_back(key + "_" + field, value);
-  };
+  const FiguresOf figure(name, report);
   if (f.opengl_p50_ms) figure("opengl_p50_ms", *f.opengl_p50_ms);
   figure("p50_ms", ms.p50), figure("p99_ms", ms.p99), figure("max_ms", ms.max);
   figure("first_frame_ms", f.walk.first_frame_ms);
@@ -156,8 +152,7 @@ void add_walk_row(const std::string& name, const Figures& f, Table& table, Bench
   figure("bound_px", f.walk.bound_px);
   figure("gap_px", f.gap_most), figure("gap_bound_px", f.walk.gap_px);
   for (std::size_t i = 0; i < f.baseline_ms.size(); ++i) {
-    std::string field = f.baseline_ms[i].first;
-    std::replace(field.begin(), field.end(), '-', '_');
+    const std::string& field = f.baseline_ms[i].first;
     figure(field + "_ms", f.baseline_ms[i].second);
     if (i > 0) figure(field + "_psnr_db", f.baseline_psnr_db[i]);
   }
@@ -198,9 +193,9 @@ Result<> measure_scene(const RealScene& real_scene, const RealRun& run, Table& t
   Result<std::vector<Baseline>> baselines = make_baselines(*scene, renderer, run.cache.error_px);
   if (!baselines) return baselines.error();
   FrameSource* sources[] = {(*baselines)[0].source.get()};
-  Result<OwnTargets> own = make_targets(sources, run.width, run.height, kSamples);
+  const Result<DrawTargets> own = DrawTargets::create(sources, run.width, run.height, kSamples);
   if (!own) return own.error();
-  const DrawTargets targets = own->targets();
+  const DrawTargets& targets = *own;
   report.notes.push_back(fmt::format(
       "{}: {} objects, {:.1f} million triangles, {} textures.", real_scene.name,
       scene->objects.size(), double(count_triangles(*scene)) * 1e-6, scene->textures.size()));
@@ -262,11 +257,7 @@ Result<BenchReport> real(const BenchOptions& options) {
   run.cache.machine = options.machine;
   if (options.levels && !run.software)
     return Error{"--levels", "the cache draws levels of detail without OpenGL only"};
-  std::vector<RealScene> scenes;
-  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
-  const char* data = std::getenv("RILIEVO_DATA");
-  const bool has_data = data && *data && !options.quick;
-  if (scenes.empty()) scenes = real_scenes(has_data ? data : "", options.quick);
+  const std::vector<RealScene> scenes = bench_scenes(options);
   BenchReport report;
   Table table{
       fmt::format("The cache in real time, {} x {}, {} samples{}", run.width, run.height, kSamples,
@@ -307,7 +298,7 @@ Result<BenchReport> real(const BenchOptions& options) {
   report.notes.push_back(
       "gap_px is the widest strip, in the frames that were compared, that shows what lies behind a "
       "surface instead of it; gap_bound_px is the cache's own bound.");
-  if (!has_data && options.scenes.empty())
+  if (options.scenes.empty() && (options.quick || !std::getenv("RILIEVO_DATA")))
     report.notes.push_back(
         "RILIEVO_DATA names no folder: like scenes of built-in models with made textures.");
   return report;

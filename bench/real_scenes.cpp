@@ -223,6 +223,36 @@ Scene plant(std::span<const Scene> models, const PlantOptions& options) {
   return scene;
 }
 
+namespace {
+
+RealScene scene_of_file(const fs::path& file) {
+  const auto load = [=]() -> Result<Scene> {
+    Result<std::vector<Scene>> loaded = load_all({file});
+    if (!loaded) return loaded.error();
+    return std::move((*loaded)[0]);
+  };
+  const auto walks = [=](const Scene& scene) {
+    std::vector<RealWalk> found;
+    const std::string start = file.stem().string() + "-";
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(
+             file.parent_path().empty() ? fs::path(".") : file.parent_path(), ignored)) {
+      const std::string name = entry.path().filename().string();
+      if (!name.starts_with(start) || entry.path().extension() != ".json") continue;
+      Result<CameraPath> path = load_path(entry.path());
+      if (!path) continue;
+      found.push_back({entry.path().stem().string().substr(start.size()), *path});
+    }
+    std::sort(found.begin(), found.end(),
+              [](const RealWalk& a, const RealWalk& b) { return a.name < b.name; });
+    if (found.empty()) found.push_back({"orbit", orbit_path(world_bounds(scene), 3600)});
+    return found;
+  };
+  return {file.stem().string(), load, walks};
+}
+
+}  // namespace
+
 std::vector<RealScene> real_scenes(const fs::path& data, bool quick) {
   const bool real = !data.empty();
   const int few = quick ? 4 : 0;
@@ -298,30 +328,25 @@ std::vector<RealScene> real_scenes(const fs::path& data, bool quick) {
   return scenes;
 }
 
-RealScene scene_of_file(const fs::path& file) {
-  const auto load = [=]() -> Result<Scene> {
-    Result<std::vector<Scene>> loaded = load_all({file});
-    if (!loaded) return loaded.error();
-    return std::move((*loaded)[0]);
-  };
-  const auto walks = [=](const Scene& scene) {
-    std::vector<RealWalk> found;
-    const std::string start = file.stem().string() + "-";
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator(
-             file.parent_path().empty() ? fs::path(".") : file.parent_path(), ignored)) {
-      const std::string name = entry.path().filename().string();
-      if (!name.starts_with(start) || entry.path().extension() != ".json") continue;
-      Result<CameraPath> path = load_path(entry.path());
-      if (!path) continue;
-      found.push_back({entry.path().stem().string().substr(start.size()), *path});
-    }
-    std::sort(found.begin(), found.end(),
-              [](const RealWalk& a, const RealWalk& b) { return a.name < b.name; });
-    if (found.empty()) found.push_back({"orbit", orbit_path(world_bounds(scene), 3600)});
-    return found;
-  };
-  return {file.stem().string(), load, walks};
+RealScene builtin_scene(const std::string& name) {
+  return {name.substr(name.find(':') + 1),
+          [name]() -> Result<Scene> {
+            Result<BuiltinScene> made = make_builtin(name);
+            if (!made) return made.error();
+            return std::move(made->scene);
+          },
+          [name](const Scene&) {
+            const Result<BuiltinScene> made = make_builtin(name);
+            return std::vector<RealWalk>{{"path", made ? made->path : CameraPath{}}};
+          }};
+}
+
+std::vector<RealScene> bench_scenes(const BenchOptions& options) {
+  std::vector<RealScene> scenes;
+  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
+  if (!scenes.empty()) return scenes;
+  const char* data = std::getenv("RILIEVO_DATA");
+  return real_scenes(data && !options.quick ? data : "", options.quick);
 }
 
 }  // namespace rilievo::bench

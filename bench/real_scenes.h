@@ -1,4 +1,5 @@
-// Scenes such as users have, of others' models, and walks through them as people move.
+// Scenes that benches walk through: such as users have, of others' models, with walks as people
+// move; built-in ones; and files.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/bench.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
 #include "rilievo/scene/scene.h"
@@ -33,8 +35,11 @@ struct RealScene {
 // town of 1200 buildings, vehicles and street parts, a cave and a gallery. Without a folder:
 // helmets, grove and town of built-in models with made textures. `quick`: few copies.
 [[nodiscard]] std::vector<RealScene> real_scenes(const std::filesystem::path& data, bool quick);
-// A file, with the walks that lie beside it as NAME-*.json; without any, an orbit.
-[[nodiscard]] RealScene scene_of_file(const std::filesystem::path& file);
+// A built-in scene, with its own path.
+[[nodiscard]] RealScene builtin_scene(const std::string& name);
+// The scenes that a bench is to walk through: files (BenchOptions::scenes), each with the walks
+// that lie beside it as NAME-*.json, or an orbit; without any, real_scenes() of RILIEVO_DATA.
+[[nodiscard]] std::vector<RealScene> bench_scenes(const BenchOptions& options);
 
 // How copies are planted: on a square grid, each moved, turned and scaled a little.
 struct PlantOptions {

@@ -1,5 +1,4 @@
-#include "bench/relief.h"
-
+// The cost and the looks of relief impostors (S5.2, S5.9).
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -9,10 +8,11 @@
 #include <functional>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/relief_walk.h"
 #include "bench/timing.h"
 #include "rilievo/relief_impostor/merge_warps.h"
-#include "rilievo/relief_impostor/painted_picture.h"
+#include "rilievo/relief_impostor/painted_picture_test_helpers.h"
 
 namespace rilievo::bench {
 namespace {

@@ -1,5 +1,4 @@
-#include "bench/relief_run.h"
-
+// Layered reliefs over a run of turns, as the paper measured them (S4.4, S4.7).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -8,12 +7,13 @@
 #include <random>
 #include <vector>
 
+#include "bench/benches.h"
+#include "bench/prewarp_ahead.h"
 #include "bench/relief_objects.h"
+#include "bench/report.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/io/png.h"
-#include "rilievo/layered_relief/prewarp_ahead.h"
 #include "rilievo/layered_relief/relief_set.h"
-#include "rilievo/layered_relief/splat_layers.h"
+#include "rilievo/layered_relief/splat_layers_test_helpers.h"
 #include "rilievo/measure/stats.h"
 
 namespace rilievo::bench {
@@ -152,8 +152,8 @@ Result<BenchReport> relief_run(const BenchOptions& options) {
       report.figures.emplace_back("warped_over_drawn_" + suffix, again);
       report.figures.emplace_back("tiles_reused_percent_" + suffix, reused);
       report.pictures.push_back(
-          {fmt::format("{}, last frame, reuse {:.1f}", name, reuse),
-           {"image/png", encode_png(frame_over(last, {0.55f, 0.62f, 0.70f}))}});
+          png_picture(fmt::format("{}, last frame, reuse {:.1f}", name, reuse),
+                      frame_over(last, {0.55f, 0.62f, 0.70f})));
     }
   }
   table.rows.push_back(

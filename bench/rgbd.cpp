@@ -1,12 +1,22 @@
-#include "bench/rgbd.h"
-
+// Layered impostors of real places, seen from where a camera really was (S2.7).
+//
+// Of a capture (BenchOptions::capture; without one, a made up one) each photograph is left out in
+// turn: an impostor is baked of the others, and drawn for the camera that was left out. In three
+// ways: pictures at the other cameras, pictures around the box, and, to see what the data would
+// give without being kept as pictures, the others reprojected into the camera directly.
+//
+// Figures, for each WAY (cameras, around, direct): psnr_WAY (of the pixels that are drawn, dB, mean
+// over the frames), uncovered_WAY (share of the pixels that are not drawn), uncovered_seen_WAY (the
+// same of the pixels that some other camera sees), holes_WAY (share within the views' silhouettes
+// that no photograph fills).
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 
+#include "bench/benches.h"
+#include "bench/report.h"
 #include "rilievo/core/color.h"
-#include "rilievo/io/png.h"
 #include "rilievo/io/rgbd.h"
 #include "rilievo/layered_impostor/bake_photographs.h"
 #include "rilievo/layered_impostor/warp.h"
@@ -128,7 +138,7 @@ BenchPicture shown(std::string caption, const DepthImage& truth, const DepthImag
       sheet(2 * w + x, y) = difference;
       sheet(3 * w + x, y) = covered ? glm::u8vec4(30, 30, 30, 255) : seen(u, v) ? missed : open;
     }
-  return {std::move(caption), {"image/png", encode_png(sheet)}};
+  return png_picture(std::move(caption), sheet);
 }
 
 }  // namespace

@@ -1,27 +1,27 @@
-#include "bench/serve.h"
-
+// What a client of a live walk sees, and its cost, over networks of all kinds.
+//
+// One server and its clients in simulated time (rilievo/serve/live_simulation_test_helpers.h),
+// beside JPEG video, the warp of one plane and the warp of one keyframe. And the depth codec beside
+// others.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <ctime>
 #include <map>
 #include <numeric>
 #include <random>
 
+#include "bench/benches.h"
 #include "bench/depth_coders.h"
 #include "bench/real_scenes.h"
+#include "bench/report.h"
 #include "rilievo/capture/raster_ray_source.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/io/jpeg.h"
-#include "rilievo/measure/flip.h"
-#include "rilievo/measure/psnr.h"
-#include "rilievo/measure/report.h"
-#include "rilievo/measure/ssim.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/measure/visibility.h"
 #include "rilievo/serve/live_picture.h"
-#include "rilievo/serve/live_simulation.h"
+#include "rilievo/serve/live_simulation_test_helpers.h"
 #include "rilievo/web_walk/dilate.h"
 #include "rilievo/web_walk/plane16.h"
 
@@ -105,23 +105,17 @@ struct LiveBenchScene {
   }
 };
 
-// How right frames are: means.
-struct Rightness {
-  double psnr = 0, ssim = 0, flip = 0, holes = 0, wrong = 0;
-  int frames = 0;
-  void add(const Rgba8Image& truth, const Rgba8Image& shown) {
-    psnr += std::min(psnr_db(truth, shown), kMaxPsnrDb);
-    ssim += rilievo::ssim(truth, shown);
-    flip += rilievo::flip(truth, shown);
-    ++frames;
-  }
+// How right frames are, and what they lack: means.
+struct LiveRightness : Rightness {
+  double holes = 0, wrong = 0;
   void finish() {
-    for (double* sum : {&psnr, &ssim, &flip, &holes, &wrong}) *sum /= std::max(frames, 1);
+    Rightness::finish();
+    for (double* sum : {&holes, &wrong}) *sum /= std::max(frames, 1);
   }
 };
 
 struct CaseFigures {
-  Rightness live, video, plane, one;  // the last ones: of the last frame
+  LiveRightness live, video, plane, one;  // the last ones: of the last frame
   double mbit_s = 0, worst_mbit_s = 0, first_view = 0, first_fine = 0;
   double video_mbit_s = 0, video_age_s = 0;
   LiveWorldStats stats;
@@ -158,9 +152,9 @@ void add_rivals(LiveBenchScene& scene, const NetworkCase& network, double now, C
     LivePictureOrder order;
     order.camera = scene.camera(at), order.frame = frame_scale(order.camera);
     order.fine = true, order.cell = 0.5;
-    const std::clock_t before = std::clock();
+    const BusyWatch busy;
     MadePicture made = *make_live_picture(scene.source, order);
-    took = 0.5 * double(std::clock() - before) / CLOCKS_PER_SEC;
+    took = 0.5e-3 * busy.ms();
     return made;
   };
   double took = 0;
@@ -215,27 +209,14 @@ Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, 
   out.video_mbit_s /= std::max(out.video.frames, 1),
       out.video_age_s /= std::max(out.video.frames, 1);
   out.first_view = one.first_view, out.first_fine = one.first_fine;
-  for (Rightness* r : {&out.live, &out.video, &out.plane, &out.one}) r->finish();
+  for (LiveRightness* r : {&out.live, &out.video, &out.plane, &out.one}) r->finish();
   out.stats = world.stats();
   return {out};
 }
 
-std::string key_of(std::string text) {
-  std::string key;
-  for (const char c : text)
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      key += c;
-    else if (!key.empty() && key.back() != '_')
-      key += '_';
-  return key;
-}
-
 void add_case(const std::string& scene, const NetworkCase& network, const CaseFigures& f,
               Table& table, BenchReport& report) {
-  const std::string key = key_of(scene + " " + network.name);
-  const auto figure = [&](const char* field, double value) {
-    report.figures.emplace_back(key + "_" + field, value);
-  };
+  const FiguresOf figure(scene + " " + network.name, report);
   figure("mbit_s", f.mbit_s), figure("worst_second_mbit_s", f.worst_mbit_s);
   figure("psnr_db", f.live.psnr), figure("ssim", f.live.ssim), figure("flip", f.live.flip);
   figure("holes", f.live.holes), figure("wrong_share", f.live.wrong);
@@ -249,8 +230,7 @@ void add_case(const std::string& scene, const NetworkCase& network, const CaseFi
   if (f.video.frames == 0) return;
   for (const auto& [name, r] :
        {std::pair("video", f.video), {"plane", f.plane}, {"one keyframe", f.one}}) {
-    figure((key_of(name) + "_psnr_db").c_str(), r.psnr);
-    figure((key_of(name) + "_flip").c_str(), r.flip);
+    figure(fmt::format("{} psnr_db", name), r.psnr), figure(fmt::format("{} flip", name), r.flip);
     table.rows.push_back({fmt::format("    {}", name), fmt::format("{:.1f}", f.video_mbit_s), "",
                           fmt::format("{:.1f}", r.psnr), fmt::format("{:.3f}", r.ssim),
                           fmt::format("{:.3f}", r.flip), fmt::format("{:.3f}", 100 * r.holes), "",
@@ -262,9 +242,9 @@ void add_case(const std::string& scene, const NetworkCase& network, const CaseFi
 
 template <class Work>
 double seconds_of(const Work& work) {
-  const std::clock_t before = std::clock();
+  const BusyWatch busy;
   for (int i = 0; i < 5; ++i) work();
-  return double(std::clock() - before) / CLOCKS_PER_SEC / 5;
+  return 1e-3 * busy.ms() / 5;
 }
 
 void add_codec(const std::string& name, LiveBenchScene& scene, Table& table, BenchReport& report) {
@@ -317,11 +297,9 @@ void add_codec(const std::string& name, LiveBenchScene& scene, Table& table, Ben
                         fmt::format("{:.2f}", bits("best")), fmt::format("{:.2f}", bits("png")),
                         fmt::format("{:.2f} ({:.0f})", bits("rvl"), 1e-6 * pixels / rvl_s),
                         fmt::format("{:.2f}", bits("deflate"))});
-  const std::string key = key_of(name) + "_depth";
-  report.figures.emplace_back(key + "_bits", bits("ours"));
-  report.figures.emplace_back(key + "_encode_mpixel_s", encode);
-  report.figures.emplace_back(key + "_decode_mpixel_s", decode);
-  report.figures.emplace_back(key + "_worst_over_bound", worst);
+  const FiguresOf figure(name + "_depth", report);
+  figure("bits", bits("ours")), figure("worst_over_bound", worst);
+  figure("encode_mpixel_s", encode), figure("decode_mpixel_s", decode);
 }
 
 // ---- many clients
@@ -348,7 +326,7 @@ Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bo
     sharp.push_back(one.first_fine < 0 ? walk.seconds : one.first_fine);
     bytes += std::accumulate(one.bytes_a_second.begin(), one.bytes_a_second.end(), 0.0);
   }
-  const double p50 = percentile(sharp, 0.5), p95 = percentile(sharp, 0.95);
+  const double p50 = median_of(sharp), p95 = percentile(sharp, 0.95);
   const LiveWorldStats stats = world.stats();
   table.rows.push_back({fmt::format("{}, {} {}", name, count,
                                     count == 1 ? ""
@@ -370,10 +348,7 @@ Result<BenchReport> serve(const BenchOptions& options) {
   Sizes sizes;
   if (options.quick) sizes = {160, 96, 3, 1};
   if (options.width > 0) sizes.width = options.width, sizes.height = options.height;
-  std::vector<RealScene> scenes;
-  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
-  const char* data = std::getenv("RILIEVO_DATA");
-  if (scenes.empty()) scenes = real_scenes(data && !options.quick ? data : "", options.quick);
+  std::vector<RealScene> scenes = bench_scenes(options);
   if (!options.full && scenes.size() > 2) scenes.resize(2);
   BenchReport report;
   Table live{fmt::format("A walk of {:g} s, {} x {}, 16 samples a pixel of true frames",

@@ -1,5 +1,8 @@
-#include "bench/spinning.h"
-
+// A cache with layered impostors that were baked before (S1.7, S2).
+//
+// Heavy teapots that spin about themselves, so fast that no flat picture lasts: drawn directly, by
+// a cache, and by caches that may draw impostors, as walks or as slices. Figures: frame_ms_p50_*,
+// psnr_db_*, bound_px_max_*, layered_share_*, for direct, cache, walk, slices.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +10,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <string_view>
 
+#include "bench/benches.h"
 #include "bench/drawn_by.h"
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/compare/compare.h"
 #include "rilievo/layered_impostor/layered_kind.h"
+#include "rilievo/measure/report_summary.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/representation/bake_objects.h"
 #include "rilievo/representation/gl/factories.h"
@@ -125,14 +130,7 @@ Result<BenchReport> spinning(const BenchOptions& options) {
                "captures", "polygons", "nailboards", "of groups", "impostors"},
               {}};
   for (const MethodResult& method : compared->methods) {
-    std::vector<double> ms;
-    double psnr = 0, flip = 0, wrong = 0;
-    for (const FrameResult& frame : method.frames) {
-      ms.push_back(frame.frame_ms);
-      psnr += std::min(frame.psnr_db, kMaxPsnrDb), flip += frame.flip,
-          wrong += frame.wrong_visibility;
-    }
-    const double frames = double(method.frames.size());
+    const MethodSummary s = summarize(method);
     const auto drawn = [&](std::string_view way) {
       for (const auto& [name, count] : method.drawn_as)
         if (name == way) return double(count);
@@ -140,15 +138,15 @@ Result<BenchReport> spinning(const BenchOptions& options) {
     };
     const double all = drawn("polygons") + drawn("nailboard") + drawn(kLayeredImpostorName);
     table.rows.push_back(
-        {method.name, fmt::format("{:.1f}", percentile(ms, 0.5)),
-         fmt::format("{:.1f}", percentile(ms, 0.99)), fmt::format("{:.2f}", psnr / frames),
-         fmt::format("{:.4f}", flip / frames), fmt::format("{:.4f}", 100 * wrong / frames),
+        {method.name, fmt::format("{:.1f}", s.frame_ms.p50), fmt::format("{:.1f}", s.frame_ms.p99),
+         fmt::format("{:.2f}", s.psnr_db.mean), fmt::format("{:.4f}", s.flip.mean),
+         fmt::format("{:.4f}", 100 * s.wrong_visibility.mean),
          method.bound_px_max ? fmt::format("{:.2f}", *method.bound_px_max) : "",
          std::to_string(method.captures), fmt::format("{}", drawn("polygons")),
          fmt::format("{}", drawn("nailboard")), fmt::format("{}", drawn("hierarchy")),
          fmt::format("{}", drawn(kLayeredImpostorName))});
-    report.figures.emplace_back("frame_ms_p50_" + method.name, percentile(ms, 0.5));
-    report.figures.emplace_back("psnr_db_" + method.name, psnr / frames);
+    report.figures.emplace_back("frame_ms_p50_" + method.name, s.frame_ms.p50);
+    report.figures.emplace_back("psnr_db_" + method.name, s.psnr_db.mean);
     report.figures.emplace_back("bound_px_max_" + method.name, method.bound_px_max.value_or(0));
     report.figures.emplace_back("layered_share_" + method.name, drawn(kLayeredImpostorName) / all);
     for (const EncodedPicture& picture : method.pictures)

@@ -1,5 +1,4 @@
-#include "bench/splats.h"
-
+// Splats that show a layered picture: their quality and their speed (S4.9: figure 6).
 #include <fmt/format.h>
 
 #include <array>
@@ -7,12 +6,13 @@
 #include <random>
 #include <vector>
 
+#include "bench/benches.h"
 #include "bench/relief_objects.h"
+#include "bench/report.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/io/png.h"
-#include "rilievo/layered_relief/splat_layers.h"
+#include "rilievo/layered_relief/splat_layers_test_helpers.h"
 #include "rilievo/measure/flip.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/measure/ssim.h"
@@ -136,11 +136,9 @@ Result<BenchReport> splats(const BenchOptions& options) {
         sums[way].flip += expected_flip.flip(shown) / eyes;
         if (e == 1)
           report.pictures.push_back(
-              {fmt::format("{}, {}", name, kSplatWays[way]), {"image/png", encode_png(shown)}});
+              png_picture(fmt::format("{}, {}", name, kSplatWays[way]), shown));
       }
-      if (e == 1)
-        report.pictures.push_back(
-            {fmt::format("{} itself", name), {"image/png", encode_png(expected)}});
+      if (e == 1) report.pictures.push_back(png_picture(fmt::format("{} itself", name), expected));
     }
     ++counted;
     for (int way = 0; way < kWayCount; ++way) {

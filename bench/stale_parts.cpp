@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/report.h"
 #include "rilievo/capture/shaders/refine_picture.h"
 #include "rilievo/capture/shaders/trace_light.h"
 #include "rilievo/core/random.h"
-#include "rilievo/io/png.h"
 #include "rilievo/measure/psnr.h"
 #include "rilievo/render/rays/cast_picture.h"
 
@@ -161,8 +161,7 @@ Result<> stale_parts(const TracedScene& traced, ImpostorJudge& judge, double tur
       edges += shares.silhouettes, hidden += shares.hidden, pixels += shares.hidden_pixels;
       if (i == 0) {
         const std::string suffix = fmt::format(", {:.0f} ms old", 1e3 * age);
-        report.pictures.push_back(
-            {"true surfaces, old light" + suffix, {"image/png", encode_png(best)}});
+        report.pictures.push_back(png_picture("true surfaces, old light" + suffix, best));
       }
     }
     const auto mean = [&](double sum, int digits) {

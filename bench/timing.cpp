@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "rilievo/core/stopwatch.h"
+#include "rilievo/gl/context.h"
 #include "rilievo/measure/stats.h"
 
 namespace rilievo::bench {
@@ -22,11 +23,21 @@ double median_ms(int runs, int warm_ups, const std::function<void()>& work,
     const double took_ms = ms_of(work);
     if (run >= warm_ups) ms.push_back(took_ms);
   }
-  return percentile(ms, 0.5);
+  return median_of(ms);
+}
+
+double finished_ms(int runs, int warm_ups, const std::function<void()>& work,
+                   const std::function<void()>& prepare) {
+  const auto finished = [&] { work(), gl::finish(); };
+  const auto prepared = [&] {
+    if (prepare) prepare();
+    gl::finish();
+  };
+  return median_ms(runs, warm_ups, finished, prepared);
 }
 
 double RunTimes::least() const { return *std::min_element(runs.begin(), runs.end()); }
-double RunTimes::median() const { return percentile(runs, 0.5); }
+double RunTimes::median() const { return median_of(runs); }
 
 std::vector<RunTimes> time_in_turn(int runs, int frames,
                                    std::span<const std::function<void()>> ways) {
@@ -36,7 +47,7 @@ std::vector<RunTimes> time_in_turn(int runs, int frames,
     for (std::size_t i = 0; i < ways.size(); ++i) {
       std::vector<double> ms;
       for (int frame = 0; frame < frames; ++frame) ms.push_back(ms_of(ways[i]));
-      times[i].runs.push_back(percentile(ms, 0.5));
+      times[i].runs.push_back(median_of(ms));
     }
   return times;
 }

@@ -1,4 +1,4 @@
-// How long does work take?
+// The time that work takes.
 #pragma once
 
 #include <functional>
@@ -15,6 +15,9 @@ namespace rilievo::bench {
 // memory. `prepare` comes before each one and is not timed; it may be empty.
 [[nodiscard]] double median_ms(int runs, int warm_ups, const std::function<void()>& work,
                                const std::function<void()>& prepare = {});
+// The same of work that OpenGL may still be doing when it returns.
+[[nodiscard]] double finished_ms(int runs, int warm_ups, const std::function<void()>& work,
+                                 const std::function<void()>& prepare = {});
 
 // Milliseconds of a frame, of each run the median of its frames.
 struct RunTimes {

@@ -48,7 +48,6 @@ set(RILIEVO_PUBLIC_HEADERS
     frame/frame_chooser.h
     frame/frame_content.h
     frame/frame_source.h
-    frame/owned_frames.h
     frame/software/software_backend.h
     frame/gl/opengl_backend.h
     frame/gl/host_frames.h

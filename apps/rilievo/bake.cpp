@@ -35,11 +35,11 @@
 #include "rilievo/compare/drawn_frame.h"
 #include "rilievo/core/camera_path.h"
 #include "rilievo/frame/gl/opengl_frames.h"
+#include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/io/deep_exr.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/method/direct.h"
-#include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/representation/kinds.h"
 
 namespace rilievo::app {
@@ -56,7 +56,7 @@ double seconds_since(Clock::time_point start) {
 
 // What one frame of the scene costs without pictures, all of it in view; milliseconds, median.
 Result<double> direct_ms(SceneRenderer& renderer, int width, int height) {
-  Result<FrameTarget> target = FrameTarget::create(width, height, 4);
+  Result<OpenGLTarget> target = OpenGLTarget::create(width, height, 4);
   if (!target) return target.error();
   constexpr int kFrames = 5;
   const CameraPath path = orbit_path(world_bounds(renderer.scene()), kFrames);

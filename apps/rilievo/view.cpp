@@ -19,6 +19,7 @@
 #include "apps/rilievo/view_state.h"
 #include "apps/rilievo/window.h"
 #include "rilievo/compare/drawn_frame.h"
+#include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/gl/object.h"
 #include "rilievo/io/png.h"
@@ -186,7 +187,9 @@ class Viewer {
     const Camera camera = state_.mode == ViewMode::play
                               ? camera_at(state_.path, state_.time, width_, height_)
                               : camera_of(state_, width_, height_);
-    const Result<double> ms = time_frame(*method_.frames, *left_, {camera, state_.time});
+    const SoftwareTarget* memory = method_.frames->software_target();
+    BackendTarget& target = memory ? static_cast<BackendTarget&>(software_) : *left_;
+    const Result<double> ms = time_frame(*method_.frames, target, {camera, state_.time});
     if (!ms) return ms.error();
     measure(state_, method_.frames->stats(), *ms);
     state_.impostors.clear();
@@ -194,15 +197,15 @@ class Viewer {
       const std::span<const ImpostorStatus> statuses = method_.impostors();
       state_.impostors.assign(statuses.begin(), statuses.end());
     }
-    if (const SoftwareTarget* memory = method_.frames->software_target())
+    if (memory)
       memory_.show(memory->color(), 0, width_);
     else
-      show_columns(*left_, 0, width_);
+      show_columns(left_->frame(), 0, width_);
     if (state_.split) {
       const Result<double> direct_ms = time_frame(*subject_.direct, *right_, {camera, state_.time});
       if (!direct_ms) return direct_ms.error();
       state_.direct_ms.add(float(*direct_ms));
-      show_columns(*right_, int(state_.split_at * float(width_)), width_);
+      show_columns(right_->frame(), int(state_.split_at * float(width_)), width_);
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     answer(read_on_request());
@@ -221,9 +224,9 @@ class Viewer {
     if (!left_ || width != width_ || height != height_) {
       width_ = width, height_ = height;
       for (auto* target : {&left_, &right_}) {
-        Result<FrameTarget> made = FrameTarget::create(width, height, options_.frames.samples);
+        Result<OpenGLTarget> made = OpenGLTarget::create(width, height, options_.frames.samples);
         if (!made) return made.error();
-        *target = std::make_unique<FrameTarget>(std::move(*made));
+        *target = std::make_unique<OpenGLTarget>(std::move(*made));
       }
     }
     if (!state_.new_source) {
@@ -273,7 +276,8 @@ class Viewer {
   ViewState state_;
   Method method_;
   std::string name_;  // of method_
-  std::unique_ptr<FrameTarget> left_, right_;
+  std::unique_ptr<OpenGLTarget> left_, right_;
+  SoftwareBackendTarget software_;
   MemoryWindow memory_;
   int width_ = 0, height_ = 0;
 };

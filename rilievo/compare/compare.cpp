@@ -120,22 +120,21 @@ struct Tally {
 
 EncodedPicture jpeg(const Rgba8Image& picture) { return {"image/jpeg", encode_jpeg(picture)}; }
 
-Result<OwnTargets> make_targets_of(std::span<const ComparedSource> sources,
-                                   const CompareOptions& options) {
+Result<DrawTargets> make_targets_of(std::span<const ComparedSource> sources,
+                                    const CompareOptions& options) {
   std::vector<FrameSource*> drawing;
   for (const ComparedSource& one : sources)
     if (one.source) drawing.push_back(one.source);
-  return make_targets(drawing, options.width, options.height, options.samples);
+  return DrawTargets::create(drawing, options.width, options.height, options.samples);
 }
 
 Report begin_report(const CompareOptions& options, const DrawTargets& targets) {
   Report report;
   report.machine = this_machine();
-  report.machine.gl_renderer = targets.frame ? gl::renderer_name() : "none";
-  const int samples = targets.frame ? targets.frame->samples() : options.samples;
+  report.machine.gl_renderer = targets.with_opengl() ? gl::renderer_name() : "none";
   report.width = options.width;
   report.height = options.height;
-  report.antialiasing = std::to_string(samples) + " samples a pixel";
+  report.antialiasing = std::to_string(options.samples) + " samples a pixel";
   return report;
 }
 
@@ -155,9 +154,9 @@ Result<Report> compare(std::span<const ComparedSource> sources,
   RILIEVO_EXPECTS(!sources.empty() && sources[0].source);
   RILIEVO_EXPECTS_GE(options.frames, 1);
   RILIEVO_EXPECTS_GE(std::min(options.width, options.height), kMinCompareSize);
-  Result<OwnTargets> own = make_targets_of(sources, options);
+  const Result<DrawTargets> own = make_targets_of(sources, options);
   if (!own) return own.error();
-  const DrawTargets targets = own->targets();
+  const DrawTargets& targets = *own;
 
   Report report = begin_report(options, targets);
   report.shown = frames_to_show(options.frames, options.shown_frames);
@@ -227,9 +226,9 @@ Result<Report> compare_in_real_time(std::span<const ComparedSource> sources,
                                     const CompareOptions& options,
                                     const RealTimeOptions& real_time) {
   RILIEVO_EXPECTS(!sources.empty());
-  Result<OwnTargets> own = make_targets_of(sources, options);
+  const Result<DrawTargets> own = make_targets_of(sources, options);
   if (!own) return own.error();
-  const DrawTargets targets = own->targets();
+  const DrawTargets& targets = *own;
   Report report = begin_report(options, targets);
   int done = 0;
   for (const ComparedSource& compared : sources) {

@@ -230,7 +230,8 @@ Result<std::vector<double>> choose_half_periods(const Scene& scene, FrameSource&
                                                 const std::function<WalkFrame(int frame)>& walk,
                                                 const CompareOptions& options) {
   FrameSource* const sources[] = {&truth};
-  Result<OwnTargets> own = make_targets(sources, options.width, options.height, options.samples);
+  const Result<DrawTargets> own =
+      DrawTargets::create(sources, options.width, options.height, options.samples);
   if (!own) return own.error();
   struct Mean {
     double sum = 0;
@@ -240,7 +241,7 @@ Result<std::vector<double>> choose_half_periods(const Scene& scene, FrameSource&
   const int frames = std::min(options.frames, kLookedAt);
   for (int i = 0; i < frames; ++i) {
     const WalkFrame frame = walk(spread(i, frames, options.frames));
-    Result<DrawnFrame> drawn = draw_frame(truth, own->targets(), frame);
+    Result<DrawnFrame> drawn = draw_frame(truth, *own, frame);
     if (!drawn) return drawn.error();
     objects.assign(scene.objects.size(), {});
     for (std::size_t p = 0; p < drawn->objects.texels().size(); ++p)
@@ -361,9 +362,10 @@ Result<> measure_drawn_errors(const Scene& coded, std::span<const double> half_p
   RILIEVO_EXPECTS(!sources.empty());
   std::vector<FrameSource*> drawing;
   for (const ComparedSource& one : sources) drawing.push_back(one.source);
-  Result<OwnTargets> own = make_targets(drawing, options.width, options.height, options.samples);
+  const Result<DrawTargets> own =
+      DrawTargets::create(drawing, options.width, options.height, options.samples);
   if (!own) return own.error();
-  const DrawTargets targets = own->targets();
+  const DrawTargets& targets = *own;
   const int margin = 1 + int(std::ceil(options.limits.error_px));
 
   struct Walked {

@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 
+#include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -177,11 +178,11 @@ TEST_F(DrawnErrorTest, a_stale_picture_is_off_by_its_parallax) {
       const WalkFrame frame = walk(at);
       const ErrorPx error = measure(stale, [&](int) { return frame; });
       // Brute force: where each pixel's surface belongs.
-      Result<FrameTarget> target = FrameTarget::create(kErrorWidth, kErrorHeight, options.samples);
-      Result<ProbeTarget> probe = ProbeTarget::create(kErrorWidth, kErrorHeight);
-      const DrawTargets targets{&*target, &*probe};
-      const Result<DrawnFrame> drawn = draw_frame(stale, targets, frame);
-      const Result<DrawnFrame> truth = draw_frame(*direct, targets, frame);
+      Result<OpenGLTarget> target =
+          OpenGLTarget::create(kErrorWidth, kErrorHeight, options.samples);
+      ASSERT_TRUE(target.ok());
+      const Result<DrawnFrame> drawn = draw_frame(stale, *target, frame);
+      const Result<DrawnFrame> truth = draw_frame(*direct, *target, frame);
       ASSERT_TRUE(drawn.ok() && truth.ok());
       std::vector<double> wanted;
       for (int y = 0; y < kErrorHeight; ++y)
@@ -274,12 +275,11 @@ TEST_F(DrawnErrorTest, a_second_walk_of_the_cache_does_as_the_first) {
   Result<SceneRenderer> plain = SceneRenderer::create(made->scene);
   Result<TestSource> one = opengl_cache(*plain, {}), two = opengl_cache(*renderer, {});
   ASSERT_TRUE(one.ok() && two.ok());
-  Result<FrameTarget> target = FrameTarget::create(kErrorWidth, kErrorHeight, options.samples);
-  Result<ProbeTarget> probe = ProbeTarget::create(kErrorWidth, kErrorHeight);
-  const DrawTargets targets{&*target, &*probe};
+  Result<OpenGLTarget> target = OpenGLTarget::create(kErrorWidth, kErrorHeight, options.samples);
+  ASSERT_TRUE(target.ok());
   for (int frame = 0; frame < options.frames; ++frame) {
-    const Result<DrawnFrame> a = draw_frame(*one, targets, walk(frame));
-    const Result<DrawnFrame> b = draw_frame(*two, targets, walk(frame));
+    const Result<DrawnFrame> a = draw_frame(*one, *target, walk(frame));
+    const Result<DrawnFrame> b = draw_frame(*two, *target, walk(frame));
     ASSERT_TRUE(a.ok() && b.ok());
     EXPECT_EQ(a->objects, b->objects);
     EXPECT_EQ(a->eye_z, b->eye_z);

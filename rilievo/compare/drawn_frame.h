@@ -1,8 +1,8 @@
-// What does a source's frame show, and how long did it take to draw?
+// A source's frame: what it shows, and how long it took to draw.
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 
 #include "rilievo/core/camera.h"
@@ -10,7 +10,7 @@
 #include "rilievo/core/image.h"
 #include "rilievo/core/result.h"
 #include "rilievo/frame/frame_source.h"
-#include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/frame/software/software_backend_target.h"
 
 namespace rilievo {
 
@@ -37,40 +37,39 @@ struct DrawnFrame {
   Image<float> eye_z;
 };
 
-// Where sources that draw with OpenGL draw. Sources with a software_target() need none.
-struct DrawTargets {
-  FrameTarget* frame = nullptr;
-  ProbeTarget* probe = nullptr;
+// What frames are drawn into and read from: OpenGL's target, if any source needs it, and memory.
+class DrawTargets {
+ public:
+  // For sources that draw without OpenGL.
+  DrawTargets() = default;
+  // For `sources`. Needs a current OpenGL context unless all draw without.
+  [[nodiscard]] static Result<DrawTargets> create(std::span<FrameSource* const> sources, int width,
+                                                  int height, int samples);
+
+  // The target of a source that draws as one of those does.
+  [[nodiscard]] BackendTarget& of(const FrameSource& source) const;
+  [[nodiscard]] bool with_opengl() const { return opengl_ != nullptr; }
+
+ private:
+  std::unique_ptr<BackendTarget> software_ = std::make_unique<SoftwareBackendTarget>();
+  std::unique_ptr<BackendTarget> opengl_;  // null: no source needs it
 };
-
-// What OpenGL draws into, if any source needs it.
-struct OwnTargets {
-  std::optional<FrameTarget> frame;
-  std::optional<ProbeTarget> probe;
-
-  [[nodiscard]] DrawTargets targets() {
-    return {frame ? &*frame : nullptr, probe ? &*probe : nullptr};
-  }
-};
-
-// Makes the targets for `sources`. Needs a current OpenGL context unless all draw without.
-[[nodiscard]] Result<OwnTargets> make_targets(std::span<FrameSource* const> sources, int width,
-                                              int height, int samples);
 
 // Draws and times the frame, without reading it back. Needs a current OpenGL context unless the
 // source draws without.
-[[nodiscard]] Result<double> time_frame(FrameSource& source, const DrawTargets& targets,
+[[nodiscard]] Result<double> time_frame(FrameSource& source, BackendTarget& target,
                                         const WalkFrame& frame);
-[[nodiscard]] inline Result<double> time_frame(FrameSource& source, FrameTarget& target,
+[[nodiscard]] inline Result<double> time_frame(FrameSource& source, const DrawTargets& targets,
                                                const WalkFrame& frame) {
-  return time_frame(source, DrawTargets{&target, nullptr}, frame);
+  return time_frame(source, targets.of(source), frame);
 }
 
-// The last frame that was drawn into `targets`.
-[[nodiscard]] Rgba8Image read_frame(const FrameSource& source, const DrawTargets& targets);
-
 // Draws and times the frame, then reads back colours, objects and depths.
-[[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, const DrawTargets& targets,
+[[nodiscard]] Result<DrawnFrame> draw_frame(FrameSource& source, BackendTarget& target,
                                             const WalkFrame& frame);
+[[nodiscard]] inline Result<DrawnFrame> draw_frame(FrameSource& source, const DrawTargets& targets,
+                                                   const WalkFrame& frame) {
+  return draw_frame(source, targets.of(source), frame);
+}
 
 }  // namespace rilievo

@@ -45,12 +45,12 @@ BoundedWalk walk_bounded(const std::string& spec, int samples, double past_px) {
   BoundedWalk walked;
   for (int i = 0; i < kFrames; ++i) {
     const WalkFrame frame = walk(i);
-    const Result<DrawnFrame> right = draw_frame(truth, {}, frame);
+    const Result<DrawnFrame> right = draw_frame(truth, DrawTargets(), frame);
     WalkFrame past = frame;
     ImageWindow& window = past.camera.window;
     const double by = past_px * (window.right - window.left) / kAcross;
     window.left += by, window.right += by;
-    const Result<DrawnFrame> seen = draw_frame(**shown, {}, past);
+    const Result<DrawnFrame> seen = draw_frame(**shown, DrawTargets(), past);
     EXPECT_TRUE(right.ok() && seen.ok());
     EXPECT_GT(seen->stats.bound_px, 0);
     DrawnErrors errors;

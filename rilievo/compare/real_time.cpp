@@ -1,9 +1,9 @@
 #include "rilievo/compare/real_time.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/stopwatch.h"
 
 namespace rilievo {
 namespace {
@@ -67,7 +67,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
     const double place = options.seconds * (kept / options.in_a_row) / options.kept;
     const bool keep = kept < wanted && (kept % options.in_a_row > 0 || clock >= place);
     double ms = 0;
-    const std::clock_t busy = std::clock();
+    const BusyWatch busy;
     if (keep) {
       Result<DrawnFrame> drawn = draw_frame(source, targets, frame);
       if (!drawn) return drawn.error();
@@ -77,7 +77,7 @@ Result<RealTimeWalk> walk_in_real_time(FrameSource& source, const DrawTargets& t
       const Result<double> timed = time_frame(source, targets, frame);
       if (!timed) return timed.error();
       ms = *timed;
-      result.busy_ms.push_back(1e3 * double(std::clock() - busy) / CLOCKS_PER_SEC);
+      result.busy_ms.push_back(busy.ms());
     }
     result.frame_ms.push_back(ms);
     if (after_cut) result.cut_ms = std::max(result.cut_ms.value_or(0), ms);

@@ -49,9 +49,8 @@ class RealTimeTest : public gl::ContextTest {
   static Result<RealTimeWalk> draw_walk(
       FrameSource& source, const RealTimeOptions& options,
       const std::function<WalkFrame(double seconds)>& eye = walk) {
-    Result<FrameTarget> target = FrameTarget::create(16, 16, 1);
-    Result<ProbeTarget> probe = ProbeTarget::create(16, 16);
-    return walk_in_real_time(source, {&*target, &*probe}, eye, options);
+    FrameSource* const sources[] = {&source};
+    return walk_in_real_time(source, *DrawTargets::create(sources, 16, 16, 1), eye, options);
   }
 };
 

@@ -1,7 +1,8 @@
-// How long did it take?
+// Watches: wall-clock time, and processor time.
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace rilievo {
 
@@ -16,6 +17,17 @@ class Stopwatch {
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now();
+};
+
+// Measures the processor time of all threads since its construction, which other programs disturb
+// less.
+class BusyWatch {
+ public:
+  // Milliseconds since the start.
+  [[nodiscard]] double ms() const { return 1e3 * double(std::clock() - start_) / CLOCKS_PER_SEC; }
+
+ private:
+  std::clock_t start_ = std::clock();
 };
 
 }  // namespace rilievo

@@ -17,7 +17,7 @@
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/file.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
-#include "rilievo/environment_nodes/seurat.h"
+#include "rilievo/environment_nodes/seurat_test_helpers.h"
 #include "rilievo/environment_nodes/working_set.h"
 
 namespace rilievo {

@@ -30,13 +30,4 @@ struct SeuratCapture {
 [[nodiscard]] Result<SeuratCapture> load_seurat_capture(const std::filesystem::path& path,
                                                         bool allow_outside = false);
 
-// Six views at one point as a node, with its faces in order. The views are square, 90 degrees wide,
-// one for each direction, with any rotation about their axes. Texels are copied, not interpolated.
-[[nodiscard]] Result<EnvironmentMap> environment_from_views(const std::vector<DepthImage>& views);
-
-// Writes manifest.json and two OpenEXR files for each face into `folder`, which is created. Depths
-// are EYE_Z.
-[[nodiscard]] Result<> save_seurat_capture(const std::filesystem::path& folder,
-                                           const EnvironmentMap& map);
-
 }  // namespace rilievo

@@ -9,6 +9,7 @@
 #include "rilievo/core/file.h"
 #include "rilievo/core/file_test_helpers.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
+#include "rilievo/environment_nodes/seurat_test_helpers.h"
 #include "rilievo/io/exr_channels.h"
 
 namespace rilievo {

@@ -8,6 +8,8 @@
 // 1]. Not for a host's own framebuffer: HostFrames (frame/gl/host_frames.h) is.
 #pragma once
 
+#include <cstdint>
+
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/depth_image.h"
@@ -16,6 +18,12 @@
 #include "rilievo/frame/frame_source.h"
 
 namespace rilievo {
+
+// What is seen at the centres of a frame's pixels.
+struct SeenObjects {
+  Image<std::uint32_t> objects;  // identifiers; kNoObject where nothing is
+  Image<float> eye_z;            // kNoDepth where nothing is
+};
 
 // A frame that can be read.
 class BackendTarget {
@@ -30,6 +38,13 @@ class BackendTarget {
   // The distance of a sample of each pixel from the eye's plane, metres; kNoDepth where nothing is,
   // as in the sky.
   [[nodiscard]] virtual Image<float> eye_z() const = 0;
+  // Milliseconds by the clock that the last draw() took, until all was done.
+  [[nodiscard]] double frame_ms() const { return frame_ms_; }
+  // Draws the same frame again as identifiers, with `source` that drew it. Fails where it does.
+  [[nodiscard]] virtual Result<SeenObjects> draw_objects(FrameSource& source) = 0;
+
+ protected:
+  double frame_ms_ = 0;
 };
 
 // What the last draw() drew, with `camera`, as a picture: linear colours and eye_z.

@@ -124,10 +124,6 @@ LayeredErrorStats layered_error_stats(const LayeredImpostor& impostor,
   return stats;
 }
 
-bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor, const Camera& frame) {
-  return serves(relative_to(bounds, placed_eye(world_from_impostor, frame)));
-}
-
 LayeredError bound_layered_error_from(const LayeredErrorStats& stats, const Box& bounds,
                                       const Camera& frame, double distance) {
   // The box holds its centre.

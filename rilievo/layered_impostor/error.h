@@ -62,11 +62,6 @@ struct LayeredError {
                                                const glm::dmat4& world_from_impostor,
                                                const Camera& frame);
 
-// Is the eye far enough from the centre? Nearer eyes see sides of the object for which the nearest
-// pictures were not made, and which may be in none.
-[[nodiscard]] bool is_served(const Box& bounds, const glm::dmat4& world_from_impostor,
-                             const Camera& frame);
-
 // The bounds over all frames of `frame`'s size and field of view whose eye is at least `distance`
 // metres from the box.
 [[nodiscard]] LayeredError bound_layered_error_from(const LayeredErrorStats& stats,

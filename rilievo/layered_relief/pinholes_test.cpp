@@ -5,7 +5,7 @@
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
 #include "rilievo/layered_relief/relief_pictures.h"
-#include "rilievo/layered_relief/splat_layers.h"
+#include "rilievo/layered_relief/splat_layers_test_helpers.h"
 #include "rilievo/render/rays/cast_picture.h"
 #include "rilievo/scene/builtin/builtin.h"
 

@@ -2,8 +2,8 @@
 // reliefs is the one for an eye? (S4.4)
 //
 // Plain data, so that a cache may ask in every frame, from any thread: the directions that the
-// reliefs face, how large their texels are, what was given up to make them. What relief_error_px
-// finds out of the hull of one relief is here bounded by the box around all samples. For frames
+// reliefs face, how large their texels are, what was given up to make them. The hull of
+// each relief is taken to be the box around all samples. For frames
 // whose eye the reliefs are warped for. Less the half diagonal of a pixel, as for every kind: a
 // pixel's centre q that shows a sample whose place is s has |q - s| <= bound + sqrt(1/2).
 #pragma once

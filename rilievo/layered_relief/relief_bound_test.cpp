@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rilievo/layered_relief/relief_error.h"
+#include "rilievo/layered_relief/relief_error_test_helpers.h"
 #include "rilievo/layered_relief/relief_pictures.h"
 #include "rilievo/layered_relief/relief_test_helpers.h"
 #include "rilievo/nailboard/encode_prewarped.h"

@@ -51,12 +51,6 @@ Result<> save_relief_pictures(const std::filesystem::path& path, const ReliefPic
   return save_layers(path, layers, attributes);
 }
 
-Result<ReliefPictures> load_relief_pictures(const std::filesystem::path& path) {
-  Result<PictureFile> file = load_picture_file(path);
-  if (!file) return file.error();
-  return relief_pictures_from(*std::move(file), path);
-}
-
 bool matches_layered_relief(const FileAttributes& attributes) {
   const auto found = attributes.file.find(kRepresentation);
   return found != attributes.file.end() && found->second == kLayeredRelief;

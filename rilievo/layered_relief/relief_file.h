@@ -22,10 +22,7 @@ namespace rilievo {
                                             const ReliefPictures& pictures,
                                             const WorldSpace& world = {});
 
-// The error names the file and what is wrong with it.
-[[nodiscard]] Result<ReliefPictures> load_relief_pictures(const std::filesystem::path& path);
-
-// The two steps of it, for a file that may hold something else. Does it say that it holds reliefs?
+// Does a file, which may hold something else, say that it holds reliefs?
 [[nodiscard]] bool matches_layered_relief(const FileAttributes& attributes);
 // Of the pictures of a file, which `path` names in errors.
 [[nodiscard]] Result<ReliefPictures> relief_pictures_from(PictureFile file,

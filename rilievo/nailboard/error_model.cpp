@@ -12,13 +12,6 @@ double nailboard_bound_px(const ErrorModel& model, const glm::dmat4& world_from_
 
 }  // namespace
 
-// An object that has moved is one that stood still, seen by an eye that moved the other way.
-Camera moved_against(const Camera& frame, const glm::dmat4& world_from_capture) {
-  Camera moved = frame;
-  moved.world_from_eye = glm::inverse(world_from_capture) * frame.world_from_eye;
-  return moved;
-}
-
 ErrorModel nailboard_error_model(const PictureGeometry& geometry) {
   ErrorModel model;
   model.bound = nailboard_bound_px;

@@ -12,8 +12,4 @@ namespace rilievo {
 // The error model of a picture: bound_total_px, infinite for a motion that is not rigid.
 [[nodiscard]] ErrorModel nailboard_error_model(const PictureGeometry& geometry);
 
-// The frame's camera moved so that it sees the picture where it was captured as `frame` sees it
-// where it is now.
-[[nodiscard]] Camera moved_against(const Camera& frame, const glm::dmat4& world_from_capture);
-
 }  // namespace rilievo

@@ -8,7 +8,7 @@
 
 #include "rilievo/io/png.h"
 #include "rilievo/relief_impostor/critical_points.h"
-#include "rilievo/relief_impostor/painted_picture.h"
+#include "rilievo/relief_impostor/painted_picture_test_helpers.h"
 #include "rilievo/relief_impostor/valid_eyes.h"
 
 namespace rilievo {

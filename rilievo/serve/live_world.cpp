@@ -1,8 +1,8 @@
 #include "rilievo/serve/live_world.h"
+#include "rilievo/core/stopwatch.h"
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -386,10 +386,10 @@ double LiveWorld::State::step(double now, bool timed) {
       return 1e-6;
     }
   }
-  const std::clock_t before = std::clock();
+  const BusyWatch watch;
   const bool coarse = !choice->order.fine;
   Result<MadePicture> made = make_live_picture(coarse ? quick : source, choice->order);
-  const double busy = double(std::clock() - before) / CLOCKS_PER_SEC;
+  const double busy = 1e-3 * watch.ms();
   const double took = options.work_s > 0 ? options.work_s : std::max(busy / kCores, 1e-6);
   const std::lock_guard lock(mutex);
   stats.busy_s += busy;

@@ -8,7 +8,7 @@
 #include "rilievo/measure/psnr.h"
 #include "rilievo/scene/builtin/builtin.h"
 #include "rilievo/serve/live_picture.h"
-#include "rilievo/serve/live_simulation.h"
+#include "rilievo/serve/live_simulation_test_helpers.h"
 #include "rilievo/serve/view_need.h"
 
 namespace rilievo {

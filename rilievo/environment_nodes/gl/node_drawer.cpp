@@ -125,7 +125,6 @@ Result<NodeDrawer> NodeDrawer::create() {
   for (Result<> made :
        {keep(shader::make_node_program(NodeOutput::direction), drawer.direction_),
         keep(shader::make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
-        keep(shader::make_node_program(NodeOutput::color_twice_corrected), drawer.twice_),
         keep(shader::make_cube_map_program(), drawer.cube_map_)})
     if (!made) return made.error();
   for (int merge = 1; merge <= 4; ++merge)
@@ -169,7 +168,6 @@ void NodeDrawer::draw_node(const Camera& frame, const StoredNode& node, const gl
       glDrawElements(
           GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT,
           reinterpret_cast<const void*>(std::uintptr_t(first) * 3 * sizeof(std::uint32_t)));
-      triangles_drawn_ += count;
     }
   };
   if (sides == Sides::front) glEnable(GL_CULL_FACE);
@@ -247,7 +245,6 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
                                  std::span<const StoredNode* const> nodes, std::uint32_t object,
                                  const NodeDrawOptions& options) {
   RILIEVO_EXPECTS(!nodes.empty() && nodes.size() <= kMaxNodes);
-  triangles_drawn_ = 0;
   const glm::dvec3 eye = frame.position();
   // Closer than a frame of a walk's motion by far.
   const bool from_own =
@@ -340,10 +337,6 @@ void NodeDrawer::draw_cube_map(const Camera& frame, const StoredNode& node) {
   glBindTextureUnit(0, node.faces_);
   glUniform3fv(0, 3, &rays[0].x);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void NodeDrawer::draw_twice_corrected(const Camera& frame, const StoredNode& node) {
-  draw_node(frame, node, &twice_, nullptr, 0, Sides::both);
 }
 
 }  // namespace rilievo

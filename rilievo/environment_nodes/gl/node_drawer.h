@@ -64,14 +64,9 @@ class NodeDrawer {
   // For tests and measures: draws the direction in node space that each pixel shows, into a
   // framebuffer of floats.
   void draw_directions(const Camera& frame, const StoredNode& node, bool skin);
-  // Draws without S3.3, as in figure 10 (a).
-  void draw_twice_corrected(const Camera& frame, const StoredNode& node);
 
   // Draws the node's picture as a plain cube map: the reference for the mesh seen from its own eye.
   void draw_cube_map(const Camera& frame, const StoredNode& node);
-
-  // The number of triangles that the last draw() drew.
-  [[nodiscard]] std::size_t triangles_drawn() const { return triangles_drawn_; }
 
  private:
   // The first node sees the eye, so that the eye sees the front of all that it shows. What the eye
@@ -100,12 +95,11 @@ class NodeDrawer {
   Result<> make_layers(int width, int height, int count, bool objects);
 
   Output color_, objects_;
-  gl::Program direction_, direction_skin_, twice_, cube_map_;
+  gl::Program direction_, direction_skin_, cube_map_;
   gl::VertexArray no_vertices_;
   int width_ = 0, height_ = 0, count_ = 0;
   gl::Texture layer_colors_, layer_depths_, layer_objects_;
   std::vector<gl::Framebuffer> layer_framebuffers_;
-  std::size_t triangles_drawn_ = 0;
 };
 
 }  // namespace rilievo

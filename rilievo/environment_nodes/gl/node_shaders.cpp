@@ -23,11 +23,7 @@ out vec3 v_direction;
 out float v_stretch, v_disparity;
 void main() {
   v_disparity = place.w;
-#ifdef TWICE
-  gl_Position = clip_from_node * vec4(place.xyz / place.w, 1.0);
-#else
   gl_Position = clip_from_node * place;
-#endif
   v_direction = texture_stretch.xyz;
   v_stretch = texture_stretch.w;
 }
@@ -286,7 +282,6 @@ std::string defines_of(NodeOutput output, bool skin) {
   if (object) defines += "#define OBJECT 1\n";
   if (!skin && (layer || object || output == NodeOutput::color)) defines += "#define UNMIXES 1\n";
   if (output == NodeOutput::direction) defines += "#define DIRECTION 1\n";
-  if (output == NodeOutput::color_twice_corrected) defines += "#define TWICE 1\n";
   return defines;
 }
 

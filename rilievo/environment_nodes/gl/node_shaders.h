@@ -12,8 +12,6 @@ enum class NodeOutput {
   object,        // identifiers
   object_layer,  // as layer, and identifiers: for merging
   direction,     // the direction in node space that a pixel shows, for tests
-  // As color, but with the second perspective correction that S3.3 removes (figure 10a).
-  color_twice_corrected,
 };
 // The program of a node's surfaces.
 [[nodiscard]] Result<gl::Program> make_node_program(NodeOutput output);

@@ -4,39 +4,15 @@
 
 #include "rilievo/capture/gl/opengl_source.h"
 #include "rilievo/frame/gl/opengl_frames.h"
+#include "rilievo/frame/gl/opengl_target.h"
 #include "rilievo/frame/gl/presented_frames.h"
 #include "rilievo/gl/context.h"
 #include "rilievo/nailboard/gl/atlas_boards.h"
 #include "rilievo/nailboard/gl/atlas_pictures.h"
 #include "rilievo/nailboard/gl/atlas_store.h"
-#include "rilievo/render/opengl/frame_target.h"
 #include "rilievo/representation/gl/factories.h"
 
 namespace rilievo {
-namespace {
-
-class OpenGLTarget final : public BackendTarget {
- public:
-  explicit OpenGLTarget(FrameTarget target) : target_(std::move(target)) {}
-
-  Result<> draw(FrameSource& source, const Camera& camera, double time) override {
-    camera_ = camera;
-    target_.begin();
-    if (Result<> drawn = source.draw(camera, time); !drawn) return drawn;
-    target_.resolve();
-    gl::finish();
-    return Done{};
-  }
-  [[nodiscard]] Rgba8Image color() const override { return target_.read(); }
-  [[nodiscard]] Image<float> eye_z() const override { return target_.read_eye_z(camera_); }
-
- private:
-  FrameTarget target_;
-  Camera camera_;  // of the last frame
-};
-
-}  // namespace
-
 Result<std::unique_ptr<OpenGLBackend>> OpenGLBackend::create(const Scene& scene, int samples) {
   Result<SceneRenderer> renderer = SceneRenderer::create(scene);
   if (!renderer) return renderer.error();
@@ -80,7 +56,7 @@ Result<std::unique_ptr<FrameSource>> OpenGLBackend::make_frames(
 }
 
 Result<std::unique_ptr<BackendTarget>> OpenGLBackend::make_target(int width, int height) const {
-  Result<FrameTarget> target = FrameTarget::create(width, height, samples_);
+  Result<OpenGLTarget> target = OpenGLTarget::create(width, height, samples_);
   if (!target) return target.error();
   return {std::make_unique<OpenGLTarget>(std::move(*target))};
 }

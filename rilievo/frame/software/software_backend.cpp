@@ -3,8 +3,10 @@
 #include <string>
 #include <utility>
 
+#include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/expects.h"
+#include "rilievo/frame/software/software_backend_target.h"
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/nailboard/software/software_boards.h"
 #include "rilievo/nailboard/software/software_pictures.h"
@@ -15,43 +17,14 @@ namespace rilievo {
 namespace {
 
 // Rays, and what captures with them.
-class BakingRays final : public CaptureSource {
+class BakingRays final : public ForwardingSource {
  public:
-  explicit BakingRays(RayScene rays) : rays_(std::move(rays)), source_(rays_) {}
-
-  [[nodiscard]] std::string_view name() const override { return source_.name(); }
-  [[nodiscard]] Box bounds(std::span<const std::uint32_t> objects) const override {
-    return source_.bounds(objects);
-  }
-  [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override {
-    return source_.capture(request);
-  }
-  [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override {
-    return source_.capture_layers(request);
-  }
-  [[nodiscard]] const Scene* scene() const override { return source_.scene(); }
+  explicit BakingRays(RayScene rays)
+      : ForwardingSource(casting_), rays_(std::move(rays)), casting_(rays_) {}
 
  private:
   RayScene rays_;
-  RaySource source_;
-};
-
-// Frames that are drawn without OpenGL are in memory anyway.
-class MemoryTarget final : public BackendTarget {
- public:
-  MemoryTarget(int width, int height) : width_(width), height_(height) {}
-
-  Result<> draw(FrameSource& source, const Camera& camera, double time) override {
-    RILIEVO_EXPECTS(source.software_target() && camera.width == width_ && camera.height == height_);
-    frame_ = source.software_target();
-    return source.draw(camera, time);
-  }
-  [[nodiscard]] Rgba8Image color() const override { return frame_->color(); }
-  [[nodiscard]] Image<float> eye_z() const override { return frame_->eye_z(); }
-
- private:
-  int width_, height_;
-  const SoftwareTarget* frame_ = nullptr;  // the last source's
+  RaySource casting_;
 };
 
 constexpr int kMostPixels = 16384;  // of a side, as SoftwareTarget's
@@ -118,7 +91,7 @@ Result<std::unique_ptr<BackendTarget>> SoftwareBackend::make_target(int width, i
   if (width < 1 || height < 1 || width > kMostPixels || height > kMostPixels)
     return Error{"frame", "size " + std::to_string(width) + "x" + std::to_string(height) +
                               " is not between 1 and " + std::to_string(kMostPixels)};
-  return {std::make_unique<MemoryTarget>(width, height)};
+  return {std::make_unique<SoftwareBackendTarget>()};
 }
 
 }  // namespace rilievo

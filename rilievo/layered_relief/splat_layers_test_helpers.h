@@ -1,20 +1,41 @@
-#include "rilievo/layered_relief/splat_layers.h"
+// Direct splatting of a layered relief into a frame, for tests and measures (S4.9)
+//
+// The method of [Shade, Gortler, He, Szeliski 1998], to compare the pre-warp with: each sample is
+// projected and drawn as a square of the size of a source texel at its depth, or as a Gaussian of
+// that width, blended over what was drawn before. Samples are drawn in occlusion-compatible order
+// without a depth test. A Gaussian frame by the pre-warp's own camera is a pre-warp with Gaussian
+// splats.
+#pragma once
 
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/core/color.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_relief/prewarp.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
 
 namespace rilievo {
-namespace {
+
+// The footprint of a sample.
+enum class SplatShape { square, gaussian };
+
+// A frame. Colours are sRGB-encoded, then premultiplied, in floating point; depth is the eye_z of
+// samples with an opacity of at least one half.
+struct SplattedFrame {
+  Camera camera;
+  Image<glm::vec4> color;
+  Image<float> depth;
+};
+
+namespace splatting {
 
 // A Gaussian is cut off where it hides a fiftieth.
-constexpr float kCutOff = 1.4f;  // in widths of a texel, with the deviation below
-constexpr float kDeviation = 0.5f;
+inline constexpr float kCutOff = 1.4f;  // in widths of a texel, with the deviation below
+inline constexpr float kDeviation = 0.5f;
 
-void add_splat(SplattedFrame& frame, SplatShape shape, const glm::vec2& at, const glm::vec2& size,
-               float z, const glm::vec4& color) {
+inline void add_splat(SplattedFrame& frame, SplatShape shape, const glm::vec2& at,
+                      const glm::vec2& size, float z, const glm::vec4& color) {
   const int w = frame.color.width(), h = frame.color.height();
   const glm::vec2 reach =
       shape == SplatShape::square ? 0.5f * size : glm::max(kCutOff * size, glm::vec2(0.75f));
@@ -47,7 +68,7 @@ struct MixedTexels {
 };
 
 // At (u, v) between texels' centres, no more than one texel outside the picture.
-MixedTexels mix_texels(const Prewarped& picture, double u, double v) {
+inline MixedTexels mix_texels(const Prewarped& picture, double u, double v) {
   const int w = picture.width(), h = picture.height();
   // Not negative, so that truncation is floor.
   const int x = int(u + 1) - 1, y = int(v + 1) - 1;
@@ -67,15 +88,20 @@ MixedTexels mix_texels(const Prewarped& picture, double u, double v) {
   return mixed;
 }
 
-}  // namespace
+}  // namespace splatting
 
-SplattedFrame empty_frame(const Camera& camera) {
+// An empty frame.
+[[nodiscard]] inline SplattedFrame empty_frame(const Camera& camera) {
   return {camera, Image<glm::vec4>(camera.width, camera.height, glm::vec4(0)),
           Image<float>(camera.width, camera.height, kNoDepth)};
 }
 
-SplattedFrame splat_layers(const LayeredRelief& relief, const Camera& camera, SplatShape shape) {
+// Splats a relief. Requires a perspective camera whose eye is in front of the source plane. Samples
+// behind the near plane are left out.
+[[nodiscard]] inline SplattedFrame splat_layers(const LayeredRelief& relief, const Camera& camera,
+                                                SplatShape shape) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective && !relief.perspective());
+  using namespace splatting;
   SplattedFrame frame = empty_frame(camera);
   const ReliefFrame source = relief.frame();
   const auto warp = relief_warp(source, camera.position());
@@ -112,7 +138,10 @@ SplattedFrame splat_layers(const LayeredRelief& relief, const Camera& camera, Sp
   return frame;
 }
 
-void map_picture(const Prewarped& picture, SplattedFrame& frame) {
+// Draws a pre-warped picture into a frame whose camera has the picture's eye: colours are
+// interpolated, the depth is that of the nearest texel (S4.10). Replaces farther pixels. Rows run
+// in parallel.
+inline void map_picture(const Prewarped& picture, SplattedFrame& frame) {
   const Camera &from = picture.geometry.capture, &camera = frame.camera;
   const int w = picture.width(), h = picture.height();
   if (picture.color.empty()) return;
@@ -135,7 +164,7 @@ void map_picture(const Prewarped& picture, SplattedFrame& frame) {
       if (!(ray.z > 0)) continue;
       const double per_ahead = 1 / ray.z, u = ray.x * per_ahead, v = ray.y * per_ahead;
       if (!(u > -0.5 && v > -0.5 && u < w + 0.5 && v < h + 0.5)) continue;
-      const MixedTexels mixed = mix_texels(picture, u - 0.5, v - 0.5);
+      const splatting::MixedTexels mixed = splatting::mix_texels(picture, u - 0.5, v - 0.5);
       if (mixed.color.a <= 0) continue;
       const double eye_z =
           eye_z_from(DepthKind::window_z, decode_delta(mixed.delta, 16), from, {u, v});
@@ -148,7 +177,9 @@ void map_picture(const Prewarped& picture, SplattedFrame& frame) {
   });
 }
 
-Prewarped picture_of(const SplattedFrame& frame, const PictureGeometry& geometry) {
+// The frame as a pre-warp's result, with Deltas made of its depths.
+[[nodiscard]] inline Prewarped picture_of(const SplattedFrame& frame,
+                                          const PictureGeometry& geometry) {
   Prewarped picture;
   picture.geometry = geometry;
   for (int y = 0; y < frame.color.height(); ++y)
@@ -165,7 +196,9 @@ Prewarped picture_of(const SplattedFrame& frame, const PictureGeometry& geometry
   return picture;
 }
 
-Rgba8Image frame_over(const SplattedFrame& frame, const glm::vec3& background) {
+// The frame over a background of one linear colour.
+[[nodiscard]] inline Rgba8Image frame_over(const SplattedFrame& frame,
+                                           const glm::vec3& background) {
   const int w = frame.color.width(), h = frame.color.height();
   Rgba8Image out(w, h);
   glm::vec3 behind;

@@ -1,7 +1,7 @@
-// Can the pre-warp of the next frame run beside the drawing of this one? (S4, section 6: pipelined)
+// The pre-warp of the next frame, run beside the drawing of this one (S4, section 6: pipelined).
 //
-// Yes, where the next frame's camera is known: along a path, or predicted. Pictures are the same
-// with and without, and after a wrong prediction. Where processors draw, both take all cores:
+// It works where the next frame's camera is known: along a path, or predicted. Pictures are the
+// same with and without, and after a wrong prediction. Where processors draw, both take all cores:
 // measured on two, it gains nothing (`rilievo bench relief-run`), so that by default it is done
 // from four cores on.
 #pragma once
@@ -11,7 +11,7 @@
 
 #include "rilievo/layered_relief/relief_set.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 
 // When the next frame is warped beside the drawing.
 enum class Overlap {
@@ -44,4 +44,4 @@ class PrewarpAhead {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace rilievo
+}  // namespace rilievo::bench

@@ -7,7 +7,7 @@
 //
 //   area |r.n| = (dx z)(dy z) |r.a|,    spacing = sqrt(area)
 
-#include "rilievo/capture/analyze_coverage.h"
+#include "bench/analyze_coverage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -192,4 +192,4 @@ double share_within(const Coverage& coverage, double spacing) {
   return double(end - coverage.spacing.begin()) / double(coverage.spacing.size());
 }
 
-}  // namespace rilievo
+}  // namespace rilievo::bench

@@ -1,4 +1,4 @@
-// How much of an object's surface do its pictures sample, and how densely?
+// The share of an object's surface that its pictures sample, and the spacing of the samples.
 //
 // The paper leaves open how to ensure that an object is completely represented by its pictures;
 // this measures it. Points are distributed over the scene's surface, evenly by area, on both sides
@@ -18,7 +18,7 @@
 #include "rilievo/core/camera.h"
 #include "rilievo/render/rays/ray_scene.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 
 // The number of samples of the measurement.
 struct CoverageOptions {
@@ -67,4 +67,4 @@ struct Coverage {
 [[nodiscard]] double sample_spacing(const RayScene& scene, const Camera& camera,
                                     const SurfacePoint& point);
 
-}  // namespace rilievo
+}  // namespace rilievo::bench

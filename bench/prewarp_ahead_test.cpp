@@ -1,4 +1,4 @@
-#include "rilievo/layered_relief/prewarp_ahead.h"
+#include "bench/prewarp_ahead.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "rilievo/layered_relief/relief_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 namespace {
 
 // What is drawn of a picture, by several threads.
@@ -77,4 +77,4 @@ TEST(PrewarpAhead, pictures_are_those_without_it_whatever_was_predicted) {
 }
 
 }  // namespace
-}  // namespace rilievo
+}  // namespace rilievo::bench

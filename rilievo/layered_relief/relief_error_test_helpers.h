@@ -1,16 +1,37 @@
+// The error of a pre-warped relief by its definition: how far from its true place a sample is
+// shown, at most, in pixels of a frame. relief_bound.h bounds it by plain data.
+//
+// For frames with the eye that the relief was warped for. A source texel shows one surface point
+// everywhere (half a diagonal). Its depth is that of a sample that others were merged into, and is
+// rounded. The result has texels of its own (half a diagonal), and kept tiles are off by up to
+// reuse_error. Cracks are not position errors and are not bounded.
+//
 // In metres, and then as angles: what is off by e at a distance r, at right angles to the line of
 // sight, is off by at most e / r / cos^2 focal lengths in the frame, cos being that of the angle
 // between the line of sight and the frame's axis.
-#include "rilievo/layered_relief/relief_error.h"
+#pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "rilievo/layered_relief/prewarp.h"
+
 namespace rilievo {
 
-double relief_error_px(const LayeredRelief& relief, const Camera& camera,
-                       const ReliefErrorOptions& options) {
+// How the relief was made and warped.
+struct ReliefErrorOptions {
+  double splat_size = 1.0;
+  double resolution = 1.0;   // of the result
+  double reuse_error = 0.0;  // texels of the result
+  // The error that the samples had before, metres: that of resampled deep images.
+  double source_error = 0.0;
+};
+
+// An upper bound of the error of each sample shown; infinite if the relief cannot be warped for the
+// camera's eye. Requires a perspective camera.
+[[nodiscard]] inline double relief_error_px(const LayeredRelief& relief, const Camera& camera,
+                                            const ReliefErrorOptions& options = {}) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective && !relief.perspective());
   const ReliefFrame frame = relief.frame();
   const auto warp = relief_warp(frame, camera.position());

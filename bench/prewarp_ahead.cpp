@@ -1,4 +1,4 @@
-#include "rilievo/layered_relief/prewarp_ahead.h"
+#include "bench/prewarp_ahead.h"
 
 #include <optional>
 #include <thread>
@@ -7,7 +7,7 @@
 
 #include "rilievo/core/parallel_for.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 namespace {
 
 constexpr unsigned kLeastCores = 4;
@@ -78,4 +78,4 @@ void PrewarpAhead::frame(const Camera& camera, const Camera* next,
   });
 }
 
-}  // namespace rilievo
+}  // namespace rilievo::bench

@@ -1,4 +1,4 @@
-#include "rilievo/capture/analyze_coverage.h"
+#include "bench/analyze_coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "rilievo/capture/shapes_test_helpers.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 namespace {
 
 std::vector<Camera> cameras_of(const Scene& scene, const ViewSet& views,
@@ -199,4 +199,4 @@ TEST(AnalyzeCoverage, directions_and_points_are_spread_evenly) {
 }
 
 }  // namespace
-}  // namespace rilievo
+}  // namespace rilievo::bench

@@ -1,21 +1,64 @@
-#include "rilievo/serve/live_simulation.h"
+// A live walk in simulated time: one server, clients that walk, and the network between them.
+//
+// For tests and measures. The server's work is charged by its processor time, so that a machine
+// that does other things disturbs little; the network is a queue with a rate and a delay each way,
+// without a buffer: the server is asked for a message when the last one has left. What TCP sends
+// again arrives a round trip later, and all that follows with it.
+#pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <random>
 #include <utility>
+#include <vector>
 
+#include "rilievo/serve/live_client.h"
 #include "rilievo/serve/live_picture.h"
+#include "rilievo/serve/live_world.h"
 
 namespace rilievo {
-namespace {
 
-constexpr double kTick = 0.002;  // seconds
-constexpr double kPacket = 1400;
+// The network of a client.
+struct SimulatedNetwork {
+  double latency_ms = 0, jitter_ms = 0;  // one way: uniform within latency +- jitter, in order
+  double mbit_s = 20;                    // from the server
+  double loss = 0;                       // the share of packets of 1400 bytes
+  double stalls_at = -1, stall_s = 0;    // nothing arrives for so long
+};
+
+// A client that walks.
+struct SimulatedClient {
+  std::function<Camera(double seconds)> camera;  // of its frames
+  SimulatedNetwork network;
+  double cell = 0;   // that it asks for
+  double joins = 0;  // seconds
+};
+
+// What a client got.
+struct SimulatedTraffic {
+  std::vector<double> bytes_a_second;
+  double first_view = -1, first_fine = -1;  // seconds after it joined; negative: never
+  std::uint64_t pictures = 0, messages = 0;
+};
+
+struct SimulatedWalk {
+  double seconds = 1;
+  double poses_a_second = 30;
+  double frames_a_second = 60;
+  std::uint32_t seed = 1;
+  bool objects = false;  // LiveClient::set_objects of what arrives
+};
+
+namespace live_simulation {
+
+inline constexpr double kTick = 0.002;  // seconds
+inline constexpr double kPacket = 1400;
 // A velocity is taken over so many seconds.
-constexpr double kStep = 0.02;
+inline constexpr double kStep = 0.02;
 
 struct OnTheWay {
   double at = 0;
@@ -32,11 +75,11 @@ struct Walker {
   SimulatedTraffic traffic;
 };
 
-double uniform(std::mt19937& random) { return double(random()) / 4294967296.0; }
+inline double uniform(std::mt19937& random) { return double(random()) / 4294967296.0; }
 
 // When something that leaves at `now` arrives, after all that left before.
-double arrival(const SimulatedNetwork& network, double now, std::size_t bytes,
-               const std::deque<OnTheWay>& before, std::mt19937& random) {
+inline double arrival(const SimulatedNetwork& network, double now, std::size_t bytes,
+                      const std::deque<OnTheWay>& before, std::mt19937& random) {
   const double spread = 2 * uniform(random) - 1;
   double at = now + 1e-3 * std::max(0.0, network.latency_ms + spread * network.jitter_ms);
   const double whole = std::pow(1 - network.loss, std::ceil(double(bytes) / kPacket));
@@ -46,7 +89,7 @@ double arrival(const SimulatedNetwork& network, double now, std::size_t bytes,
   return before.empty() ? at : std::max(at, before.back().at);
 }
 
-LivePose pose_of(const Walker& walker, double now) {
+inline LivePose pose_of(const Walker& walker, double now) {
   const Camera camera = walker.of->camera(now), before = walker.of->camera(now - kStep);
   LivePose pose;
   pose.client_ms = 1e3 * now;
@@ -68,13 +111,14 @@ LivePose pose_of(const Walker& walker, double now) {
   return pose;
 }
 
-void send_up(Walker& walker, const ClientMessage& message, double now, std::mt19937& random) {
+inline void send_up(Walker& walker, const ClientMessage& message, double now,
+                    std::mt19937& random) {
   auto bytes = std::make_shared<const std::vector<std::byte>>(encode_message(message));
   const double at = arrival(walker.of->network, now, bytes->size(), walker.up, random);
   walker.up.push_back({at, std::move(bytes)});
 }
 
-void join(Walker& walker, LiveWorld& world, double now, std::mt19937& random) {
+inline void join(Walker& walker, LiveWorld& world, double now, std::mt19937& random) {
   const Camera camera = walker.of->camera(now);
   walker.session = world.connect();
   walker.free_at = now;
@@ -83,7 +127,7 @@ void join(Walker& walker, LiveWorld& world, double now, std::mt19937& random) {
 }
 
 // What the server writes, if its last message has left.
-void pull(Walker& walker, double now, std::mt19937& random) {
+inline void pull(Walker& walker, double now, std::mt19937& random) {
   while (walker.free_at <= now) {
     LiveMessage message = walker.session->next(now);
     if (!message) return;
@@ -95,8 +139,8 @@ void pull(Walker& walker, double now, std::mt19937& random) {
   }
 }
 
-Result<> take(Walker& walker, const LiveWorld& world, const SimulatedWalk& walk, double now,
-              std::mt19937& random) {
+inline Result<> take(Walker& walker, const LiveWorld& world, const SimulatedWalk& walk, double now,
+                     std::mt19937& random) {
   SimulatedTraffic& traffic = walker.traffic;
   while (!walker.down.empty() && walker.down.front().at <= now) {
     const LiveMessage message = std::move(walker.down.front().message);
@@ -120,11 +164,14 @@ Result<> take(Walker& walker, const LiveWorld& world, const SimulatedWalk& walk,
   return Done{};
 }
 
-}  // namespace
+}  // namespace live_simulation
 
-Result<std::vector<SimulatedTraffic>> simulate_walk(
+// Walks. `frame` is called for each frame of each client that shows anything, in order of time.
+// Fails where a client cannot read what it got, or the server what a client sent.
+[[nodiscard]] inline Result<std::vector<SimulatedTraffic>> simulate_walk(
     LiveWorld& world, std::span<const SimulatedClient> clients, const SimulatedWalk& walk,
     const std::function<void(int client, double now, const LiveClient&)>& frame) {
+  using namespace live_simulation;
   std::mt19937 random(walk.seed);
   std::vector<Walker> walkers(clients.size());
   for (std::size_t i = 0; i < clients.size(); ++i) walkers[i].of = &clients[i];

@@ -7,7 +7,7 @@
 
 #include "rilievo/frame/backend.h"
 
-namespace rilievo {
+namespace rilievo::bench {
 
 // A source and its backend as one.
 class OwnedFrames final : public FrameSource {
@@ -30,4 +30,4 @@ class OwnedFrames final : public FrameSource {
   std::unique_ptr<FrameSource> frames_;
 };
 
-}  // namespace rilievo
+}  // namespace rilievo::bench
