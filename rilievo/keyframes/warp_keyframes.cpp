@@ -1,7 +1,6 @@
 #include "rilievo/keyframes/warp_keyframes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numeric>
@@ -98,25 +97,21 @@ double pixels_per_tangent(const Camera& camera) {
   return camera.width / (camera.window.right - camera.window.left);
 }
 
-// What each keyframe needs; returns their number.
-int make_sources(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
-                 std::array<WarpSource, kMostKeyframes>& sources) {
-  RILIEVO_EXPECTS(!keyframes.empty() && keyframes.size() <= kMostKeyframes);
-  int count = 0;
+// What each keyframe needs, the spare ones last.
+std::vector<WarpSource> make_sources(std::span<const WarpedKeyframe> keyframes,
+                                     const Camera& frame) {
+  RILIEVO_EXPECTS(!keyframes.empty());
+  std::vector<WarpSource> sources;
   for (const bool spare : {false, true})
     for (const WarpedKeyframe& one : keyframes) {
       RILIEVO_EXPECTS(one.keyframe && one.weight > 0);
       if (one.spare != spare) continue;
       const Camera& camera = one.keyframe->camera;
-      sources[std::size_t(count++)] = {
-          one.keyframe,
-          raster_map(frame, camera),
-          raster_map(camera, frame),
-          one.weight,
-          spare,
-          float(pixels_per_tangent(frame) / pixels_per_tangent(camera))};
+      sources.push_back({one.keyframe, raster_map(frame, camera), raster_map(camera, frame),
+                         one.weight, spare,
+                         float(pixels_per_tangent(frame) / pixels_per_tangent(camera))});
     }
-  return count;
+  return sources;
 }
 
 }  // namespace
@@ -147,16 +142,17 @@ std::size_t WarpedFrame::holes() const {
 
 void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
                     WarpedFrame& out) {
-  std::array<WarpSource, kMostKeyframes> sources;
-  const int count = make_sources(keyframes, frame, sources);
+  const std::vector<WarpSource> sources = make_sources(keyframes, frame);
+  const int count = int(sources.size());
   const int strips = (frame.height + WarpedFrame::kStrip - 1) / WarpedFrame::kStrip;
   fit(out.color, frame.width, frame.height);
   fit(out.inverse_z, frame.width, frame.height);
   fit(out.holes_in_strip, strips, 1);
   const float near = float(1 / frame.z_near);
   // Kept by the thread that draws frames.
-  static thread_local std::array<std::vector<Reach>, kMostKeyframes> memory_of_reaches;
-  std::array<std::vector<Reach>, kMostKeyframes>& reaches = memory_of_reaches;
+  static thread_local std::vector<std::vector<Reach>> memory_of_reaches;
+  std::vector<std::vector<Reach>>& reaches = memory_of_reaches;
+  if (reaches.size() < sources.size()) reaches.resize(sources.size());
   for (int k = 0; k < count; ++k) find_reaches(sources[std::size_t(k)], reaches[std::size_t(k)]);
   parallel_for(0, strips, [&](int i) {
     static thread_local LargeBuffer<float> memory;
@@ -181,8 +177,8 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
 
 void warp_objects(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
                   const WarpedFrame& warped, Image<std::uint32_t>& objects) {
-  std::array<WarpSource, kMostKeyframes> sources;
-  const int count = make_sources(keyframes, frame, sources);
+  const std::vector<WarpSource> sources = make_sources(keyframes, frame);
+  const int count = int(sources.size());
   fit(objects, frame.width, frame.height);
   parallel_for(0, frame.height, [&](int y) {
     for (int x = 0; x < frame.width; ++x) {

@@ -191,7 +191,7 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
   for (int i = 0; i < 24; ++i) {
     const Camera frame = random_eye(random, 70 + 7 * (i % 5), 45 + 11 * (i % 4));
     std::vector<Keyframe> keys;
-    for (int k = 0; k < 1 + i % 3; ++k)
+    for (int k = 0; k < 1 + i % 7; ++k)
       keys.push_back(random_keyframe(
           random,
           keyframe_camera(random_eye(random, frame.width, frame.height), 1.2, k == 2 ? 0.5 : 1),
@@ -210,7 +210,10 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
     std::size_t holes = 0;
     for (const std::uint32_t one : color.texels()) holes += one == 0;
     EXPECT_EQ(out.holes(), holes);
-    EXPECT_GT(holes, 0u);
+    // Many may show all.
+    if (keys.size() <= 3) {
+      EXPECT_GT(holes, 0u);
+    }
     EXPECT_LT(holes, color.texels().size() / 2);
   }
 }

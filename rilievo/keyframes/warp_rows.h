@@ -16,8 +16,6 @@ struct WarpSource {
   bool spare = false;          // these come last
   float pixels_per_texel = 1;  // of what has the same depth in both
 };
-// The most keyframes that one frame is warped from.
-inline constexpr std::size_t kMostKeyframes = 4;
 
 // Depths of rows [first, first + rows) of a frame, with a border of one pixel on each side.
 struct DepthStrip {
