@@ -13,9 +13,9 @@
 namespace rilievo {
 namespace {
 
-constexpr std::size_t kViews = 3, kViewsWithCoarse = 1;
-// What warp_keyframes() takes at most.
-constexpr std::size_t kMostWarped = 4;
+constexpr std::size_t kViews = 3;
+// Each one more takes time: three views, a coarse one, and three faces of a corner.
+constexpr std::size_t kMostWarped = 7;
 // With more holes coarse pictures are asked, too.
 constexpr double kFewHoles = 0.0005;
 
@@ -99,9 +99,7 @@ void LiveClient::draw(const Camera& frame, LiveFrame& out, bool with_objects) co
   }
   if (double(alone) > kFewHoles * pixels) {
     std::vector<WarpedKeyframe> all = list;
-    // The best views, and then those that look where the frame does.
-    std::ranges::sort(all, [](const auto& x, const auto& y) { return x.weight > y.weight; });
-    if (all.size() > kViewsWithCoarse) all.resize(kViewsWithCoarse);
+    // The views, and then those that look where the frame does.
     std::vector<const LiveView*> coarse;
     for (const LiveView& view : coarse_) coarse.push_back(&view);
     for (const auto& [face, view] : faces_) coarse.push_back(&view);

@@ -44,6 +44,8 @@ constexpr double kNewest = 0.3;
 // Kept pictures are shown to others whose eyes are off by this share of what is due.
 constexpr double kShareWithin = 0.5;
 constexpr double kCores = 2;
+// Seconds that count for a client that has just got a picture.
+constexpr double kLeastAge = 0.05;
 // What waits is not replaced before it is so old.
 constexpr double kFresh = 0.1;
 
@@ -65,6 +67,11 @@ struct Client {
   double wait_s = 0;         // that pictures waited, a mean
   int quality = 0;           // 0: the best
   double blocked_until = 0;  // no picture could be made
+  double served_at = -1;     // when it got its last picture
+  bool coarse_last = false;  // of views
+  // The surround's eye, and its first face.
+  std::uint64_t surround_id = 0;
+  glm::dvec3 surround_eye{0.0};
 };
 
 HeldPicture held_of(const MadePicture& picture, std::uint64_t id) {
@@ -84,6 +91,7 @@ struct Choice {
   Camera target;  // the frame that the picture is made for
   std::uint32_t sequence = 0;
   std::uint64_t kept = 0;  // a picture that is kept; 0: it is made
+  double lead = 0;         // seconds until it is seen
 };
 
 }  // namespace
@@ -96,8 +104,7 @@ struct LiveWorld::State {
   mutable std::mutex mutex;  // of all that follows
   std::vector<std::shared_ptr<Client>> clients;
   std::map<std::uint64_t, std::shared_ptr<const MadePicture>> kept;  // the oldest first
-  std::uint64_t next_id = 1, surround_id = 0;
-  glm::dvec3 surround_eye{0.0};
+  std::uint64_t next_id = 1;
   double view_s = 0.1;  // that a fine picture takes, a mean
   LiveWorldStats stats;
   bool running = false, stopping = false;
@@ -120,7 +127,8 @@ struct LiveWorld::State {
   double step(double now, bool timed);
   [[nodiscard]] std::optional<Choice> choose(double now) const;
   [[nodiscard]] LivePictureOrder order_for(const Client& client, const LivePose& at,
-                                           const ViewNeed& need, double lead, Camera& target) const;
+                                           const ViewNeed& need, double lead, int queue,
+                                           Camera& target) const;
   [[nodiscard]] std::uint64_t find_kept(const Client& client, const Choice& choice,
                                         const LivePose& arrival) const;
   void deliver(const Choice& choice, std::shared_ptr<const MadePicture> picture, std::uint64_t id,
@@ -221,7 +229,7 @@ void LiveWorld::State::run_all() {
 }
 
 LivePictureOrder LiveWorld::State::order_for(const Client& client, const LivePose& at,
-                                             const ViewNeed& need, double lead,
+                                             const ViewNeed& need, double lead, int queue,
                                              Camera& target) const {
   LivePictureOrder order;
   const double cell = at.cell > 0 ? at.cell : options.cell;
@@ -242,7 +250,8 @@ LivePictureOrder LiveWorld::State::order_for(const Client& client, const LivePos
                                   std::min(client.hello.largest_texture, 2048));
     // Faces of one surround have one eye, if it is still of use.
     glm::dvec3 eye = at.eye;
-    if (surround_id != 0 && glm::length(surround_eye - eye) < due) eye = surround_eye;
+    if (client.surround_id != 0 && glm::length(client.surround_eye - eye) < due)
+      eye = client.surround_eye;
     order.camera = surround_camera(eye, need.face, texels, frame.z_near, frame.z_far);
     return order;
   }
@@ -252,7 +261,9 @@ LivePictureOrder LiveWorld::State::order_for(const Client& client, const LivePos
     // As far ahead as views are due, so that the eye is between two of them. Where it will look
     // is less certain than where it will be.
     const double speed = glm::length(at.velocity);
-    const double hold = speed > 0 ? std::min(due / speed, kMostHold) : 0;
+    // Where others wait, too, the next one comes after all of theirs: the middle of that time.
+    const double turn = 0.5 * queue * view_s;
+    const double hold = speed > 0 ? std::min(std::max(due / speed, turn), kMostHold) : 0;
     LivePose later = predicted(*client.pose, lead + hold);
     later.orientation = predicted(*client.pose, lead + 0.5 * hold).orientation;
     const Camera moved = camera_of(later, client.hello, frame.z_near, frame.z_far);
@@ -295,7 +306,11 @@ std::uint64_t LiveWorld::State::find_kept(const Client& client, const Choice& ch
     // Would it be enough?
     std::vector<HeldPicture> with = client.held;
     with.push_back(held);
-    if (view_need(with, arrival, choice.need.frame, cell, false).score < 1) return held.id;
+    const ViewNeed then = view_need(with, arrival, choice.need.frame, cell, false, choice.lead);
+    const bool coarse = choice.need.wanted == Wanted::coarse_view;
+    if (then.score < 1 || then.wanted == Wanted::surround ||
+        (coarse && then.wanted != Wanted::coarse_view))
+      return held.id;
   }
   return 0;
 }
@@ -303,7 +318,8 @@ std::uint64_t LiveWorld::State::find_kept(const Client& client, const Choice& ch
 // Requires the mutex.
 std::optional<Choice> LiveWorld::State::choose(double now) const {
   std::optional<Choice> best;
-  double best_lead = 0;
+  double most = 0;
+  int queue = 0;
   for (const std::shared_ptr<Client>& client : clients) {
     if (!client->pose || now < client->blocked_until) continue;
     LiveHello hello = client->hello;
@@ -321,17 +337,24 @@ std::optional<Choice> LiveWorld::State::choose(double now) const {
       held.push_back(held_of(*client->waiting->picture, client->waiting->head.id));
     const double cell = arrival.cell > 0 ? arrival.cell : options.cell;
     const bool stands = glm::length(arrival.velocity) == 0 && glm::length(arrival.turn_rate) == 0;
-    const ViewNeed need = view_need(held, arrival, frame, cell, stands);
+    ViewNeed need = view_need(held, arrival, frame, cell, stands, lead);
+    // Whose turn comes late has always moved on: another coarse one would be the next one, too.
+    if (need.wanted == Wanted::coarse_view && client->coarse_last) need.wanted = Wanted::fine_view;
+    queue += need.score >= 1;
     // A surround does not replace a view that waits, and nothing one that has just been made.
     if (need.score == 0) continue;
-    if (client->waiting && (need.score < 1 || now < client->waiting->ready_at + kFresh)) continue;
-    if (best && need.score <= best->need.score) continue;
-    best = Choice{client, need, {}, frame, client->pose->sequence, 0};
-    best_lead = lead;
+    if (client->waiting && (need.score < 1 || need.wanted == Wanted::surround ||
+                            now < client->waiting->ready_at + kFresh))
+      continue;
+    // The worst view first, and the longer it has been so the more: nobody waits for ever.
+    const double urgency = need.score * (kLeastAge + now - client->served_at);
+    if (best && urgency <= most) continue;
+    most = urgency;
+    best = Choice{client, need, {}, frame, client->pose->sequence, 0, lead};
   }
   if (!best) return best;
-  const LivePose arrival = predicted(*best->client->pose, best_lead);
-  best->order = order_for(*best->client, arrival, best->need, best_lead, best->target);
+  const LivePose arrival = predicted(*best->client->pose, best->lead);
+  best->order = order_for(*best->client, arrival, best->need, best->lead, queue, best->target);
   best->kept = find_kept(*best->client, *best, arrival);
   return best;
 }
@@ -362,9 +385,13 @@ void LiveWorld::State::deliver(const Choice& choice, std::shared_ptr<const MadeP
   waiting.head.keyframe = id;
   if (choice.order.surround_face >= 0) {
     const glm::dvec3 eye = waiting.picture->camera.position();
-    if (surround_id == 0 || eye != surround_eye) surround_id = id, surround_eye = eye;
-    waiting.head.keyframe = surround_id;
+    if (client.surround_id == 0 || eye != client.surround_eye)
+      client.surround_id = id, client.surround_eye = eye;
+    waiting.head.keyframe = client.surround_id;
+  } else {
+    client.coarse_last = !waiting.head.fine;
   }
+  client.served_at = now;
   waiting.head.sequence = choice.sequence;
   waiting.head.server_ms = 1e3 * now;
   client.waiting = std::move(waiting);
@@ -390,7 +417,8 @@ double LiveWorld::State::step(double now, bool timed) {
   const bool coarse = !choice->order.fine;
   Result<MadePicture> made = make_live_picture(coarse ? quick : source, choice->order);
   const double busy = 1e-3 * watch.ms();
-  const double took = options.work_s > 0 ? options.work_s : std::max(busy / kCores, 1e-6);
+  const double fixed = coarse && options.coarse_work_s > 0 ? options.coarse_work_s : options.work_s;
+  const double took = fixed > 0 ? fixed : std::max(busy / kCores, 1e-6);
   const std::lock_guard lock(mutex);
   stats.busy_s += busy;
   if (!made) {

@@ -46,7 +46,9 @@ struct LiveWorldOptions {
   int quality = 85;        // of JPEG, the best; a slow client gets less
   std::size_t kept_bytes = std::size_t(256) << 20;
   int most_lines = 1080;  // of a frame for which pictures are made
-  double work_s = 0;  // of a picture, for work(): so that nothing depends on time; 0: as measured
+  // Seconds of a picture and of a coarse one or a face of the surround, for work(): so that nothing
+  // depends on time. 0: as measured; coarse as fine.
+  double work_s = 0, coarse_work_s = 0;
   bool keep_objects = false;  // MadePicture::objects, for measures
 };
 

@@ -136,6 +136,33 @@ TEST(LiveWorld, ClientsThatWalkTogetherSharePictures) {
   for (const SimulatedTraffic& one : *traffic) EXPECT_GE(one.first_fine, 0);
 }
 
+// Work is so slow that one round of all clients takes a second: each still gets a fine view.
+TEST(LiveWorld, ManyClientsAtDifferentPlacesAllGetSharp) {
+  for (const double apart_s : {0.05, 2.0}) {
+    Walkable walkable;
+    LiveWorld world(walkable.source, walkable.source, walkable.scene(),
+                    {.work_s = 0.08, .coarse_work_s = 0.04});
+    std::vector<SimulatedClient> clients;
+    for (int i = 0; i < 8; ++i)
+      clients.push_back({[&, i](double s) { return walkable.camera(s + apart_s * i); },
+                         {.latency_ms = 20, .mbit_s = 100},
+                         0,
+                         0.05 * i});
+    const auto traffic =
+        simulate_walk(world, clients, {.seconds = 3}, [](int, double, const LiveClient&) {});
+    ASSERT_TRUE(traffic.ok());
+    for (const SimulatedTraffic& one : *traffic) {
+      EXPECT_GE(one.first_fine, 0) << apart_s;
+      // All coarse ones, all fine ones, and one more round for who is served again before.
+      EXPECT_LT(one.first_fine, 2 * 8 * (0.08 + 0.04)) << apart_s;
+    }
+    // Who walks behind another one sees what that one saw.
+    if (apart_s < 1) {
+      EXPECT_GT(world.stats().shared, world.stats().made / 4);
+    }
+  }
+}
+
 TEST(LiveWorld, WhatAClientSaysWrongIsRefused) {
   Walkable walkable;
   LiveWorld world(walkable.source, walkable.source, walkable.scene(), {.work_s = 0.02});
@@ -147,6 +174,22 @@ TEST(LiveWorld, WhatAClientSaysWrongIsRefused) {
   EXPECT_TRUE(session->receive(encode_message(ClientMessage(LiveHave{{1, 2, 99}})), 0).ok());
   ASSERT_TRUE(session->next(0));  // the welcome
   EXPECT_FALSE(session->next(0));
+}
+
+// With one fine view of its place, a walking eye needs the surround next if pictures come late, and
+// another view if they come soon.
+TEST(ViewNeed, LatePicturesAskForTheSurroundFirst) {
+  const Camera frame = look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.9, 320, 180, 0.1, 100);
+  HeldPicture held;
+  held.id = 1, held.fine = true, held.typical_inverse_z = 0.1;
+  held.camera = look_at({0, 0, 0.5}, {0, 0, -1}, {0, 1, 0}, 1.1, 400, 225, 0.1, 100);
+  LivePose walks;
+  walks.velocity = {0, 0, -1.4};
+  const auto wanted = [&](double lead) {
+    return view_need(std::span(&held, 1), walks, frame, 0, false, lead).wanted;
+  };
+  EXPECT_EQ(wanted(0.05), Wanted::fine_view);
+  EXPECT_EQ(wanted(0.5), Wanted::surround);
 }
 
 // A pose goes on as it moves, for a second, and a turn slows down.

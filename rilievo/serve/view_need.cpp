@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace rilievo {
@@ -24,6 +25,8 @@ constexpr double kUseful = 4;
 constexpr double kMoving = 1 / 20.0, kAhead = 2, kPassed = 0.1;
 // A surround lasts so many times longer than a view.
 constexpr double kSurroundLasts = 8;
+// With a longer lead, in seconds, the surround comes before fine views and lasts half as long.
+constexpr double kLongLead = 0.2, kSurroundFirst = 25;
 constexpr double kFaceTangent = 1.02;
 
 double distance(const Camera& a, const Camera& b) {
@@ -79,7 +82,7 @@ double due_distance(double typical_inverse_z, double cell, const Camera& frame) 
 }
 
 ViewNeed view_need(std::span<const HeldPicture> held, const LivePose& arrival, const Camera& frame,
-                   double cell, bool stands) {
+                   double cell, bool stands, double lead) {
   ViewNeed need;
   need.frame = frame;
   std::vector<const Camera*> near, useful;
@@ -94,9 +97,10 @@ ViewNeed view_need(std::span<const HeldPicture> held, const LivePose& arrival, c
     const int face = one.face;
     if (face >= 0) {
       // A cell of fixed size says nothing of how long the surround lasts.
-      const double lasts = kSurroundLasts * due_distance(one.typical_inverse_z, 0, frame);
-      faces[std::size_t(face)] = faces[std::size_t(face)] ||
-                                 distance(view, frame) < std::max(lasts, kSurroundLasts * cell);
+      const double times = lead > kLongLead ? kSurroundLasts / 2 : kSurroundLasts;
+      const double lasts = times * due_distance(one.typical_inverse_z, 0, frame);
+      faces[std::size_t(face)] =
+          faces[std::size_t(face)] || distance(view, frame) < std::max(lasts, times * cell);
       if (share < kUseful) useful.push_back(&view);
       continue;
     }
@@ -115,7 +119,21 @@ ViewNeed view_need(std::span<const HeldPicture> held, const LivePose& arrival, c
   }
   const double useful_share = covered_share(frame, useful);
   if (useful_share < kMuchCovered) {
-    need.score = 1000 * (2 - useful_share), need.wanted = Wanted::coarse_view;
+    need.score = 40 * (2 - useful_share), need.wanted = Wanted::coarse_view;
+    return need;
+  }
+  // The face that the eye looks at most is the first to be of use in a turn.
+  std::optional<int> missing;
+  double best = -2;
+  for (int face = 0; face < 6; ++face) {
+    if (faces[std::size_t(face)]) continue;
+    const Camera side = surround_camera(arrival.eye, face, 1, 1, 2);
+    const double facing = glm::dot(side.forward(), frame.forward());
+    if (facing > best) best = facing, missing = face;
+  }
+  // An eye that stands looks where it will look, too.
+  if (missing && lead > kLongLead && !stands && nearest_share < HUGE_VAL) {
+    need.score = kSurroundFirst, need.wanted = Wanted::surround, need.face = *missing;
     return need;
   }
   const double near_share = covered_share(frame, near);
@@ -127,15 +145,7 @@ ViewNeed view_need(std::span<const HeldPicture> held, const LivePose& arrival, c
     need.score = 0.5, need.wanted = Wanted::exact_view;
     return need;
   }
-  // The face that the eye looks at most is the first to be of use in a turn.
-  double best = -2;
-  for (int face = 0; face < 6; ++face) {
-    if (faces[std::size_t(face)]) continue;
-    const Camera side = surround_camera(arrival.eye, face, 1, 1, 2);
-    const double facing = glm::dot(side.forward(), frame.forward());
-    if (facing > best) best = facing, need.face = face;
-    need.score = 0.25, need.wanted = Wanted::surround;
-  }
+  if (missing) need.score = 0.25, need.wanted = Wanted::surround, need.face = *missing;
   return need;
 }
 

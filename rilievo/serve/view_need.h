@@ -40,9 +40,11 @@ struct HeldPicture {
   int face = -1;  // of a surround; -1: a view
 };
 
-// `arrival` is the pose when a picture made now is seen; `stands`: the eye does not move.
+// `arrival` is the pose when a picture made now is seen, in `lead` seconds; `stands`: the eye does
+// not move. The longer the lead, the less certain is where the eye will look: then the surround
+// comes before the next fine view, and lasts less long.
 [[nodiscard]] ViewNeed view_need(std::span<const HeldPicture> held, const LivePose& arrival,
-                                 const Camera& frame, double cell, bool stands);
+                                 const Camera& frame, double cell, bool stands, double lead = 0);
 
 // Does this picture show a frame so well that none need be made? `margin` 0 to 1: the share of what
 // is due by which its eye may be off.
