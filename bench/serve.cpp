@@ -41,19 +41,21 @@ struct NetworkCase {
   bool every_scene = true;
 };
 
-std::vector<NetworkCase> network_cases(bool quick) {
+std::vector<NetworkCase> network_cases(bool quick, bool full) {
   const auto of = [](double latency, double jitter, double mbit_s, double loss = 0) {
     SimulatedNetwork network;
     network.latency_ms = latency, network.jitter_ms = jitter, network.mbit_s = mbit_s;
     network.loss = loss;
     return network;
   };
-  std::vector<NetworkCase> cases{{"50 ms, 20 Mbit/s", of(50, 20, 20), 0, true}};
-  if (quick) return cases;
-  cases.push_back({"0 ms, 20 Mbit/s", of(0, 0, 20), 0, true});
+  const NetworkCase usual{"50 ms, 20 Mbit/s", of(50, 20, 20), 0, true};
+  if (quick) return {usual};
+  std::vector<NetworkCase> cases{{"0 ms, 20 Mbit/s", of(0, 0, 20), 0, true}};
   cases.push_back({"20 ms, 20 Mbit/s", of(20, 10, 20), 0, true});
+  cases.push_back(usual);
   cases.push_back({"250 ms, 20 Mbit/s", of(250, 0, 20), 0, true});
   cases.push_back({"500 ms, 20 Mbit/s", of(500, 0, 20), 0, true});
+  if (!full) return cases;
   cases.push_back({"50 ms, 5 Mbit/s", of(50, 20, 5), 0, false});
   cases.push_back({"50 ms, 100 Mbit/s", of(50, 20, 100), 0, false});
   cases.push_back({"50 ms, 20 Mbit/s, loss 0.1 %", of(50, 20, 20, 0.001), 0, false});
@@ -72,6 +74,8 @@ struct LiveBenchScene {
   RayScene rays;
   RasterRaySource source{placed, rays};
   std::map<double, std::pair<Rgba8Image, Image<std::uint32_t>>> true_frames;
+  // Of pictures, by processor time over two cores: once, so that no row depends on what else runs.
+  double work_s = 0, coarse_work_s = 0;
 
   LiveBenchScene(const Scene& of, CameraPath walk, RayScene seen, const Sizes& how)
       : scene(of), path(std::move(walk)), sizes(how), rays(std::move(seen)) {}
@@ -128,6 +132,29 @@ LiveScene shown_scene(LiveBenchScene& scene) {
   return shown;
 }
 
+// The median of a few pictures along the walk.
+void find_work(LiveBenchScene& scene) {
+  for (const bool fine : {true, false}) {
+    std::vector<double> took;
+    for (int i = 0; i < 7; ++i) {
+      LivePictureOrder order;
+      const Camera frame = scene.camera(scene.sizes.seconds * i / 7);
+      order.frame = frame_scale(frame), order.fine = fine, order.cell = 0.5;
+      order.camera = keyframe_camera(frame, 1.25, fine ? 1 : 0.5);
+      const std::clock_t before = std::clock();
+      (void)make_live_picture(scene.source, order);
+      took.push_back(0.5 * double(std::clock() - before) / CLOCKS_PER_SEC);
+    }
+    (fine ? scene.work_s : scene.coarse_work_s) = std::max(percentile(took, 0.5), 1e-6);
+  }
+}
+
+LiveWorldOptions world_options(const LiveBenchScene& scene) {
+  LiveWorldOptions options;
+  options.work_s = scene.work_s, options.coarse_work_s = scene.coarse_work_s;
+  return options;
+}
+
 Rgba8Image jpeg_and_back(const MadePicture& made, double z_far, Keyframe& keyframe) {
   const std::vector<std::byte> message = encode_picture(made, made.head);
   const Result<ServerMessage> read = parse_server_message(message);
@@ -178,7 +205,7 @@ void add_rivals(LiveBenchScene& scene, const NetworkCase& network, double now, C
 
 Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, bool rivals) {
   CaseFigures out;
-  LiveWorldOptions options;
+  LiveWorldOptions options = world_options(scene);
   options.keep_objects = true;
   LiveWorld world(scene.source, scene.source, shown_scene(scene), options);
   SimulatedClient client;
@@ -306,7 +333,7 @@ void add_codec(const std::string& name, LiveBenchScene& scene, Table& table, Ben
 
 Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bool apart,
                    Table& table, BenchReport& report) {
-  LiveWorld world(scene.source, scene.source, shown_scene(scene), {});
+  LiveWorld world(scene.source, scene.source, shown_scene(scene), world_options(scene));
   std::vector<SimulatedClient> clients;
   for (int i = 0; i < count; ++i) {
     SimulatedClient client;
@@ -317,7 +344,7 @@ Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bo
     clients.push_back(std::move(client));
   }
   SimulatedWalk walk;
-  walk.seconds = 0.5 * scene.sizes.seconds, walk.frames_a_second = 0.01;
+  walk.seconds = std::min(0.5 * scene.sizes.seconds, 8.0), walk.frames_a_second = 0.01;
   const auto traffic = simulate_walk(world, clients, walk, [](int, double, const LiveClient&) {});
   if (!traffic) return traffic.error();
   std::vector<double> sharp;
@@ -346,6 +373,7 @@ Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bo
 
 Result<BenchReport> serve(const BenchOptions& options) {
   Sizes sizes;
+  if (options.full) sizes.seconds = 60;
   if (options.quick) sizes = {160, 96, 3, 1};
   if (options.width > 0) sizes.width = options.width, sizes.height = options.height;
   std::vector<RealScene> scenes = bench_scenes(options);
@@ -375,7 +403,10 @@ Result<BenchReport> serve(const BenchOptions& options) {
     LiveBenchScene shown(*scene, there_and_back(walk.path, kLongestWalk), std::move(*rays), sizes);
     const std::string name = real.name + "-" + walk.name;
     add_codec(name, shown, codec, report);
-    for (const NetworkCase& network : network_cases(options.quick)) {
+    find_work(shown);
+    report.figures.emplace_back(key_of(name) + "_work_s", shown.work_s);
+    report.figures.emplace_back(key_of(name) + "_coarse_work_s", shown.coarse_work_s);
+    for (const NetworkCase& network : network_cases(options.quick, options.full)) {
       if (!network.every_scene && !first) continue;
       const Result<CaseFigures> figures =
           run_case(shown, network, network.every_scene && network.cell == 0);
