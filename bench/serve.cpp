@@ -141,9 +141,9 @@ void find_work(LiveBenchScene& scene) {
       const Camera frame = scene.camera(scene.sizes.seconds * i / 7);
       order.frame = frame_scale(frame), order.fine = fine, order.cell = 0.5;
       order.camera = keyframe_camera(frame, 1.25, fine ? 1 : 0.5);
-      const std::clock_t before = std::clock();
+      const BusyWatch busy;
       (void)make_live_picture(scene.source, order);
-      took.push_back(0.5 * double(std::clock() - before) / CLOCKS_PER_SEC);
+      took.push_back(0.5e-3 * busy.ms());
     }
     (fine ? scene.work_s : scene.coarse_work_s) = std::max(percentile(took, 0.5), 1e-6);
   }
