@@ -15,13 +15,13 @@
 #include <thread>
 #include <utility>
 
+#include "apps/rilievo/estimate_pictures.h"
 #include "apps/rilievo/output.h"
 #include "apps/rilievo/progress.h"
 #include "rilievo/capture/shaders/software_shader.h"
 #include "rilievo/capture/store/picture_folder.h"
 #include "rilievo/capture/watched_source.h"
 #include "rilievo/core/file.h"
-#include "rilievo/core/stopwatch.h"
 #include "rilievo/representation/kinds.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -34,10 +34,6 @@ constexpr char kPlanSchema[] = "rilievo-pieces-2";
 constexpr char kAllAsked[] = "all pictures were asked for";
 // Pieces may be off their mean by so much.
 constexpr double kUneven = 0.2;
-// Pictures are estimated with so many times fewer texels a side and samples: in 1/64 of their time.
-constexpr int kCoarseSide = 2, kCoarseSamples = 16;
-// Programs may refuse smaller ones: Blender makes none below 4.
-constexpr int kLeastSide = 8;
 constexpr std::uint64_t kMaxPlanBytes = std::uint64_t(1) << 28;
 // Slurm is asked so often, and given up if it does not answer so many times in a row.
 constexpr std::chrono::seconds kPoll(1);
@@ -118,51 +114,6 @@ std::vector<int> all_missing(const BakePlan& plan, const PictureFolder& folder,
   for (std::size_t i = 0; i < plan.pieces.pictures.size(); ++i)
     if (!std::ranges::all_of(plan.pieces.pictures[i], is_there)) missing.push_back(int(i));
   return missing;
-}
-
-// The seconds that a picture takes.
-Result<double> seconds_of(const CapturePiece& picture, CaptureSource& light) {
-  const Stopwatch watch;
-  if (Result<> made = capture_piece(picture, light); !made) return made.error();
-  return 1e-3 * watch.ms();
-}
-
-// A picture of the same with fewer texels and samples.
-CapturePiece coarser(const CapturePiece& picture, int per_side, int per_samples) {
-  CapturePiece coarse = picture;
-  for (int* side : {&coarse.camera.width, &coarse.camera.height})
-    *side = std::max(std::min(*side, kLeastSide), *side / per_side);
-  coarse.samples = std::max(1, picture.samples / per_samples);
-  return coarse;
-}
-
-double work_of(const CapturePiece& picture) {
-  return double(picture.camera.width) * double(picture.camera.height) * double(picture.samples);
-}
-
-// How long each picture takes, by a coarse one: time is the same for every picture, and as much
-// again for each sample of a texel, as much as there is to see.
-//
-//   seconds = same + (coarse - same) work / coarse work
-Result<std::vector<double>> estimate_seconds(const std::vector<CapturePiece>& pictures,
-                                             CaptureSource& light, Progress& progress) {
-  double same = 0;
-  // The first one also starts the program.
-  for (int i = 0; i < 3; ++i) {
-    const Result<double> tiny = seconds_of(coarser(pictures.front(), 1 << 16, 1 << 16), light);
-    if (!tiny) return tiny.error();
-    if (i > 0) same = i == 1 ? *tiny : std::min(same, *tiny);
-  }
-  std::vector<double> seconds;
-  for (const CapturePiece& picture : pictures) {
-    progress.show(int(seconds.size()), int(pictures.size()), 0);
-    const CapturePiece coarse = coarser(picture, kCoarseSide, kCoarseSamples);
-    const Result<double> took = seconds_of(coarse, light);
-    if (!took) return took.error();
-    seconds.push_back(same + std::max(0.0, *took - same) * work_of(picture) / work_of(coarse));
-  }
-  progress.show(int(pictures.size()), int(pictures.size()), 0);
-  return seconds;
 }
 
 std::string shell_word(const std::string& text) {
