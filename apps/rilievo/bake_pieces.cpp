@@ -32,8 +32,8 @@ using nlohmann::json;
 
 constexpr char kPlanSchema[] = "rilievo-pieces-2";
 constexpr char kAllAsked[] = "all pictures were asked for";
-// Pieces may be off their mean by so much.
-constexpr double kUneven = 0.2;
+// Pieces may be off their mean by 20 %. Of that the estimate takes a half.
+constexpr double kUneven = 0.1;
 constexpr std::uint64_t kMaxPlanBytes = std::uint64_t(1) << 28;
 // Slurm is asked so often, and given up if it does not answer so many times in a row.
 constexpr std::chrono::seconds kPoll(1);

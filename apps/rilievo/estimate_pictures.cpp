@@ -9,8 +9,8 @@
 namespace rilievo::app {
 namespace {
 
-// Pictures are estimated with so many times fewer texels a side and samples: in 1/64 of their time.
-constexpr int kCoarseSide = 2, kCoarseSamples = 16;
+// Pictures are estimated with so many times fewer texels a side and samples: in 1/32 of their time.
+constexpr int kCoarseSide = 2, kCoarseSamples = 8;
 // Programs may refuse smaller ones: Blender makes none below 4.
 constexpr int kLeastSide = 8;
 // Who takes less of the processor, as a share of the time by the clock, waits for something else.
