@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstring>
 #include <glm/glm.hpp>
 #include <optional>
 #include <thread>
@@ -15,12 +14,10 @@
 #include "rilievo/frame/software/software_frames.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
-#include "rilievo/keyframes/software/sampled_loss.h"
 #include "rilievo/method/auto_decision.h"
+#include "rilievo/method/auto_levels.h"
 #include "rilievo/method/cached.h"
 #include "rilievo/method/direct_or_cached.h"
-#include "rilievo/method/levels.h"
-#include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo {
@@ -56,9 +53,6 @@ constexpr int kFirstKeyframes = 64;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
-// The error of a level is an estimate. What is asked for is taken where frames are known to be good
-// enough with it, else half of it.
-constexpr double kLevelError = 0.5;
 // One frame in so many of keyframes or levels is looked at, once it is known how good they are; and
 // what was not good enough is looked at again after so many frames.
 constexpr int kLossFrames = 8, kLooksAgain = 600;
@@ -66,9 +60,7 @@ constexpr int kLossFrames = 8, kLooksAgain = 600;
 constexpr int kLooksAgainAtLevels = 3600;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
 // few frames. Of larger meshes the rays' tree takes too much memory.
-constexpr int kLossesOfTrial = 4, kFirstLosses = 16;
-// What is lost in one frame is certainly not too much, if it is this share of that.
-constexpr double kCertainly = 0.7;
+constexpr int kLossesOfTrial = 4;
 constexpr std::uint64_t kMostForLoss = 2'000'000;
 // The share of a frame in how slow the machine is.
 constexpr double kNewestSlowness = 0.05;
@@ -95,47 +87,10 @@ void add_object(const Camera& camera, const Box& bounds, double triangles, Frame
   load.level_triangles += std::min(triangles, std::max(kLevelTriangles * pixels, kLeastLevel));
 }
 
-// How much less like the truth levels of detail are than direct drawing, as rays measure it.
-struct LevelsLoss {
-  RayScene rays;
-  SampledLoss loss;
-  Image<std::uint32_t> shown;
-
-  explicit LevelsLoss(RayScene made) : rays(std::move(made)), loss(rays) {}
-  void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& color,
-           int times) {
-    if (shown.width() != color.width() || shown.height() != color.height())
-      shown = Image<std::uint32_t>(color.width(), color.height());
-    std::memcpy(shown.texels().data(), color.texels().data(), color.texels().size_bytes());
-    for (int i = 0; i < times; ++i) loss.add(camera, objects, shown);
-  }
-};
-
-struct LevelFrames {
-  LeveledBackend* levels = nullptr;
-  LevelChooser* chooser = nullptr;
-  std::unique_ptr<FrameSource> frames;  // has both
-  double error_px = 0;
-};
-
-Result<LevelFrames> make_frames_of_levels(const Backend& backend, ObjectLevels levels,
-                                          double error_px) {
-  Result<std::unique_ptr<LeveledBackend>> made = LeveledBackend::create(backend, std::move(levels));
-  if (!made) return made.error();
-  LeveledBackend* kept = made->get();
-  auto chooser = std::make_unique<LevelChooser>(std::move(*made), error_px);
-  LevelChooser* chosen = chooser.get();
-  Result<std::unique_ptr<FrameSource>> frames = kept->backend().make_frames(std::move(chooser));
-  if (!frames) return frames.error();
-  return LevelFrames{kept, chosen, std::move(*frames), error_px};
-}
-
 // What is made on another thread, while frames are drawn.
 struct Prepared {
   Result<std::unique_ptr<RayVisibility>> rays{Error{}};
-  std::optional<ObjectLevels> levels;
-  LevelFrames level_frames;                 // without OpenGL
-  std::unique_ptr<LevelsLoss> levels_loss;  // none: unknown
+  AutoLevels levels;
   Result<std::unique_ptr<KeyframeFrames>> keyframes{Error{}};
 };
 
@@ -168,13 +123,6 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
   void measure_loss(const Camera& camera, const AutoChoice& choice);
-  // What the next method is prepared for.
-  struct Begun {
-    Camera camera;
-    double time = 0, error_px = 1;
-    std::vector<std::uint32_t> in_view;
-  };
-  void make_levels(const Scene& scene, const Begun& begun);
   void prepare(int method, const Camera& camera, double time);
   Result<> adopt();
   Result<> prepare_keyframes(const Camera& camera, double time);
@@ -194,8 +142,7 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  LeveledBackend* levels_ = nullptr;               // of frames_[kLevels]
-  double level_error_px_ = 0;
+  AutoLevels levels_;                              // of frames_[kLevels]
   FrameSource* active_ = nullptr;
   FrameStats stats_;
   bool failed_[kMethods] = {};
@@ -205,7 +152,6 @@ class AutoFrames final : public FrameSource {
     std::optional<double> db;  // none: not known
     int seen_in = 0;           // the last frame that the method drew
   } loss_[kMethods];
-  std::unique_ptr<LevelsLoss> levels_loss_;
   bool keyframes_follow_ = false;  // keyframes were drawn, or prepared, in the last frame
   std::atomic<bool> prepared_{false};
   Prepared made_;
@@ -267,9 +213,9 @@ void AutoFrames::measure_load(const Camera& camera) {
     add_object(camera, backend_.placed().bounds()[object],
                double(scene.models[std::size_t(scene.objects[object].model)].triangles), load_);
   // Until there are levels it is a guess.
-  if (levels_)
-    load_.level_triangles =
-        count_level_triangles(camera, in_view_, backend_.placed(), level_error_px_, *levels_);
+  if (levels_.levels)
+    load_.level_triangles = count_level_triangles(camera, in_view_, backend_.placed(),
+                                                  levels_.error_px, *levels_.levels);
 }
 
 // What takes that time, beside what draws, or beside direct drawing until that is known?
@@ -323,7 +269,7 @@ bool AutoFrames::good_enough(int method) {
   if (of.db && *of.db > options_.loss_db && frame_ - of.seen_in > again) {
     of.db.reset();
     if (method == kKeyframes) keyframes_->forget_loss();
-    if (method == kLevels) levels_loss_->loss.forget();
+    if (method == kLevels) levels_.loss->forget();
   }
   return !of.db || *of.db <= options_.loss_db;
 }
@@ -334,40 +280,13 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   of.seen_in = frame_;
   if (of.db && frame_ % kLossFrames != 0) return;
   if (choice.draws == kKeyframes) of.db = keyframes_->sample_loss();
-  if (choice.draws != kLevels || !levels_loss_) return;
+  if (choice.draws != kLevels || !levels_.loss) return;
   const SoftwareTarget* target = active_->software_target();
   if (!target) return;
   in_view_.clear();
   backend_.placed().cull(camera, in_view_);
-  levels_loss_->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
-  if (levels_loss_->loss.known()) of.db = levels_loss_->loss.loss_db();
-}
-
-// On another thread. Without OpenGL a first frame is drawn here: it touches all of a target's
-// memory, and tells how good the levels are before anyone sees them.
-void AutoFrames::make_levels(const Scene& scene, const Begun& begun) {
-  made_.levels = make_object_levels(scene);
-  // What moves is not where the rays' scene has it.
-  if (meshes_triangles_ <= kMostForLoss && !moves_)
-    if (Result<RayScene> rays = RayScene::create(scene))
-      made_.levels_loss = std::make_unique<LevelsLoss>(std::move(*rays));
-  if (backend_.drawn_by() != DrawnBy::software) return;
-  Result<LevelFrames> of =
-      make_frames_of_levels(backend_, *std::exchange(made_.levels, {}), begun.error_px);
-  if (!of) return;
-  for (const double share : {1.0, kLevelError}) {
-    if (share == 1 && !made_.levels_loss) continue;
-    of->error_px = share * begun.error_px;
-    of->chooser->set_error(of->error_px);
-    if (!of->frames->draw(begun.camera, begun.time)) return;
-    if (!made_.levels_loss) break;
-    SampledLoss& loss = made_.levels_loss->loss;
-    loss.forget();
-    made_.levels_loss->add(begun.camera, begun.in_view, of->frames->software_target()->color(),
-                           kFirstLosses);
-    if (loss.known() && loss.loss_db() <= kCertainly * options_.loss_db) break;
-  }
-  made_.level_frames = std::move(*of);
+  levels_.loss->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
+  of.db = levels_.loss->db();
 }
 
 void AutoFrames::prepare(int method, const Camera& camera, double time) {
@@ -382,10 +301,13 @@ void AutoFrames::prepare(int method, const Camera& camera, double time) {
   const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms);
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
-  auto begun = std::make_shared<const Begun>(Begun{camera, time, options_.error_px, in_view_});
-  beside_->run([this, method, &scene, begun = std::move(begun)] {
+  AutoLevelsOptions levels{camera, time, {}, options_.error_px, options_.loss_db};
+  // What moves is not where the rays' scene has it.
+  levels.measure_loss = meshes_triangles_ <= kMostForLoss && !moves_;
+  backend_.placed().cull(camera, levels.in_view);
+  beside_->run([this, method, &scene, levels = std::move(levels)] {
     if (method == kRays) made_.rays = RayVisibility::create(scene);
-    if (method == kLevels) make_levels(scene, *begun);
+    if (method == kLevels) made_.levels = prepare_levels(backend_, scene, levels);
     if (method == kKeyframes) {
       KeyframeFramesOptions keyframes;
       keyframes.samples = backend_.samples();
@@ -410,19 +332,11 @@ Result<> AutoFrames::adopt() {
   if (method == kRays && made_.rays)
     frames = backend_.present(std::make_unique<SoftwareFrames>(
         **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
-  if (method == kLevels && made_.levels) {
-    Result<LevelFrames> of =
-        make_frames_of_levels(backend_, std::move(*made_.levels), kLevelError * options_.error_px);
-    if (of) made_.level_frames = std::move(*of);
+  if (method == kLevels && finish_levels(backend_, options_.error_px, made_.levels)) {
+    levels_ = std::move(made_.levels);
+    frames = std::move(levels_.frames);
+    if (levels_.loss) loss_[kLevels] = {levels_.loss->db(), frame_};
   }
-  if (made_.level_frames.frames) {
-    levels_ = made_.level_frames.levels;
-    level_error_px_ = made_.level_frames.error_px;
-    frames = std::move(made_.level_frames.frames);
-  }
-  if (method == kLevels) levels_loss_ = std::move(made_.levels_loss);
-  if (levels_loss_ && levels_loss_->loss.known())
-    loss_[kLevels] = {levels_loss_->loss.loss_db(), frame_};
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes->get();
     frames = backend_.present(std::move(*made_.keyframes));
