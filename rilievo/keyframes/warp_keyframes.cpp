@@ -97,11 +97,13 @@ double pixels_per_tangent(const Camera& camera) {
   return camera.width / (camera.window.right - camera.window.left);
 }
 
-// What each keyframe needs, the spare ones last.
-std::vector<WarpSource> make_sources(std::span<const WarpedKeyframe> keyframes,
-                                     const Camera& frame) {
+// What each keyframe needs, the spare ones last. Kept by the thread that draws frames, until its
+// next call.
+std::span<const WarpSource> make_sources(std::span<const WarpedKeyframe> keyframes,
+                                         const Camera& frame) {
   RILIEVO_EXPECTS(!keyframes.empty());
-  std::vector<WarpSource> sources;
+  static thread_local std::vector<WarpSource> sources;
+  sources.clear();
   for (const bool spare : {false, true})
     for (const WarpedKeyframe& one : keyframes) {
       RILIEVO_EXPECTS(one.keyframe && one.weight > 0);
@@ -142,7 +144,7 @@ std::size_t WarpedFrame::holes() const {
 
 void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
                     WarpedFrame& out) {
-  const std::vector<WarpSource> sources = make_sources(keyframes, frame);
+  const std::span<const WarpSource> sources = make_sources(keyframes, frame);
   const int count = int(sources.size());
   const int strips = (frame.height + WarpedFrame::kStrip - 1) / WarpedFrame::kStrip;
   fit(out.color, frame.width, frame.height);
@@ -177,7 +179,7 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
 
 void warp_objects(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
                   const WarpedFrame& warped, Image<std::uint32_t>& objects) {
-  const std::vector<WarpSource> sources = make_sources(keyframes, frame);
+  const std::span<const WarpSource> sources = make_sources(keyframes, frame);
   const int count = int(sources.size());
   fit(objects, frame.width, frame.height);
   parallel_for(0, frame.height, [&](int y) {
