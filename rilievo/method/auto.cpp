@@ -43,7 +43,7 @@ constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1.5e-3;
 constexpr double kOfFrames = 0.2;
 // What is expected to take less than this share of what draws is prepared in a hurry: frames lose
 // all the time that preparing takes, for a short time.
-constexpr double kHurry = 0.35;
+constexpr double kHurry = AutoDecision::kPlainlyWorth;
 // One frame in so many looks at the scene's load, unless the eye jumps.
 constexpr int kLookFrames = 8;
 // The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
