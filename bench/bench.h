@@ -45,6 +45,13 @@ struct BenchOptions {
   // true frames of such a walk are kept (empty: nowhere).
   bool each_frame = false;
   std::string reference_folder;
+  // For `serve`: the length of walks (0: its own), which of 60 frames a second are compared (one of
+  // so many; 0: its own), latencies one way (empty: its networks), and who makes pictures, raster
+  // or raytrace.
+  double seconds = 0;
+  int every_frame = 0;
+  std::vector<double> latencies_ms;
+  std::string source;
   // For `real`: what the cache compares; none: the costs built in.
   std::optional<MachineCosts> machine;
   // Called now and then with what is done and how much there is.

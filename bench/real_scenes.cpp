@@ -342,11 +342,17 @@ RealScene builtin_scene(const std::string& name) {
 }
 
 std::vector<RealScene> bench_scenes(const BenchOptions& options) {
-  std::vector<RealScene> scenes;
-  for (const std::string& file : options.scenes) scenes.push_back(scene_of_file(file));
-  if (!scenes.empty()) return scenes;
   const char* data = std::getenv("RILIEVO_DATA");
-  return real_scenes(data && !options.quick ? data : "", options.quick);
+  std::vector<RealScene> own = real_scenes(data && !options.quick ? data : "", options.quick);
+  if (options.scenes.empty()) return own;
+  std::vector<RealScene> scenes;
+  for (const std::string& name : options.scenes) {
+    const auto found = std::ranges::find(own, name, &RealScene::name);
+    scenes.push_back(found != own.end() ? *found
+                     : is_builtin(name) ? builtin_scene(name)
+                                        : scene_of_file(name));
+  }
+  return scenes;
 }
 
 }  // namespace rilievo::bench

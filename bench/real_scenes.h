@@ -37,8 +37,9 @@ struct RealScene {
 [[nodiscard]] std::vector<RealScene> real_scenes(const std::filesystem::path& data, bool quick);
 // A built-in scene, with its own path.
 [[nodiscard]] RealScene builtin_scene(const std::string& name);
-// The scenes that a bench is to walk through: files (BenchOptions::scenes), each with the walks
-// that lie beside it as NAME-*.json, or an orbit; without any, real_scenes() of RILIEVO_DATA.
+// The scenes that a bench is to walk through (BenchOptions::scenes): names of real_scenes() of
+// RILIEVO_DATA, built-in scenes, and files, each with the walks that lie beside it as NAME-*.json,
+// or an orbit; without any, all of real_scenes().
 [[nodiscard]] std::vector<RealScene> bench_scenes(const BenchOptions& options);
 
 // How copies are planted: on a square grid, each moved, turned and scaled a little.

@@ -6,33 +6,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
-#include <random>
 
 #include "bench/benches.h"
-#include "bench/depth_coders.h"
+#include "bench/live_bench_scene.h"
 #include "bench/real_scenes.h"
 #include "bench/report.h"
-#include "rilievo/capture/raster_ray_source.h"
 #include "rilievo/core/stopwatch.h"
-#include "rilievo/io/jpeg.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/measure/visibility.h"
 #include "rilievo/serve/live_picture.h"
 #include "rilievo/serve/live_simulation_test_helpers.h"
 #include "rilievo/web_walk/dilate.h"
-#include "rilievo/web_walk/plane16.h"
 
 namespace rilievo::bench {
 namespace {
-
-struct Sizes {
-  int width = 1280, height = 720;
-  double seconds = 8;
-  double frames_a_second = 2;  // that are compared
-};
 
 struct NetworkCase {
   std::string name;
@@ -41,7 +30,7 @@ struct NetworkCase {
   bool every_scene = true;
 };
 
-std::vector<NetworkCase> network_cases(bool quick, bool full) {
+std::vector<NetworkCase> network_cases(const BenchOptions& options) {
   const auto of = [](double latency, double jitter, double mbit_s, double loss = 0) {
     SimulatedNetwork network;
     network.latency_ms = latency, network.jitter_ms = jitter, network.mbit_s = mbit_s;
@@ -49,13 +38,19 @@ std::vector<NetworkCase> network_cases(bool quick, bool full) {
     return network;
   };
   const NetworkCase usual{"50 ms, 20 Mbit/s", of(50, 20, 20), 0, true};
-  if (quick) return {usual};
-  std::vector<NetworkCase> cases{{"0 ms, 20 Mbit/s", of(0, 0, 20), 0, true}};
+  if (options.quick) return {usual};
+  std::vector<NetworkCase> cases;
+  for (const double latency : options.latencies_ms) {
+    const double jitter = latency == 50 ? 20 : latency == 20 ? 10 : 0;
+    cases.push_back({fmt::format("{:g} ms, 20 Mbit/s", latency), of(latency, jitter, 20), 0, true});
+  }
+  if (!cases.empty()) return cases;
+  cases.push_back({"0 ms, 20 Mbit/s", of(0, 0, 20), 0, true});
   cases.push_back({"20 ms, 20 Mbit/s", of(20, 10, 20), 0, true});
   cases.push_back(usual);
   cases.push_back({"250 ms, 20 Mbit/s", of(250, 0, 20), 0, true});
   cases.push_back({"500 ms, 20 Mbit/s", of(500, 0, 20), 0, true});
-  if (!full) return cases;
+  if (!options.full) return cases;
   cases.push_back({"50 ms, 5 Mbit/s", of(50, 20, 5), 0, false});
   cases.push_back({"50 ms, 100 Mbit/s", of(50, 20, 100), 0, false});
   cases.push_back({"50 ms, 20 Mbit/s, loss 0.1 %", of(50, 20, 20, 0.001), 0, false});
@@ -64,50 +59,6 @@ std::vector<NetworkCase> network_cases(bool quick, bool full) {
         {fmt::format("50 ms, 20 Mbit/s, cell {:g} m", cell), of(50, 20, 20), cell, false});
   return cases;
 }
-
-// A scene with what draws it, and true frames that are kept.
-struct LiveBenchScene {
-  const Scene& scene;
-  CameraPath path;
-  Sizes sizes;
-  PlacedScene placed{scene};
-  RayScene rays;
-  RasterRaySource source{placed, rays};
-  std::map<double, std::pair<Rgba8Image, Image<std::uint32_t>>> true_frames;
-  // Of pictures, by processor time over two cores: once, so that no row depends on what else runs.
-  double work_s = 0, coarse_work_s = 0;
-
-  LiveBenchScene(const Scene& of, CameraPath walk, RayScene seen, const Sizes& how)
-      : scene(of), path(std::move(walk)), sizes(how), rays(std::move(seen)) {}
-
-  [[nodiscard]] Camera camera(double seconds) const {
-    return camera_at(path, path.keys.front().time + std::max(seconds, 0.0), sizes.width,
-                     sizes.height);
-  }
-  [[nodiscard]] DepthImage drawn(const Camera& camera) {
-    CaptureRequest request;
-    request.camera = camera;
-    request.with_sky = true;
-    return std::move(source.capture(request)->picture);
-  }
-  // Of 16 samples a pixel: four of each quarter.
-  const std::pair<Rgba8Image, Image<std::uint32_t>>& truth(double now) {
-    const auto found = true_frames.find(now);
-    if (found != true_frames.end()) return found->second;
-    Camera larger = camera(now);
-    larger.width *= 2, larger.height *= 2;
-    const Rgba8Image fine = srgb8_from_linear(drawn(larger).color);
-    Rgba8Image color(sizes.width, sizes.height);
-    for (int y = 0; y < sizes.height; ++y)
-      for (int x = 0; x < sizes.width; ++x) {
-        glm::ivec4 sum(2);
-        for (int k = 0; k < 4; ++k) sum += glm::ivec4(fine(2 * x + k % 2, 2 * y + k / 2));
-        color(x, y) = glm::u8vec4(sum / 4);
-      }
-    return true_frames.emplace(now, std::pair(std::move(color), drawn(camera(now)).object))
-        .first->second;
-  }
-};
 
 // How right frames are, and what they lack: means.
 struct LiveRightness : Rightness {
@@ -124,36 +75,6 @@ struct CaseFigures {
   double video_mbit_s = 0, video_age_s = 0;
   LiveWorldStats stats;
 };
-
-LiveScene shown_scene(LiveBenchScene& scene) {
-  LiveScene shown;
-  shown.name = scene.scene.name, shown.bounds = scene.source.bounds({});
-  shown.start = scene.camera(0);
-  return shown;
-}
-
-// The median of a few pictures along the walk.
-void find_work(LiveBenchScene& scene) {
-  for (const bool fine : {true, false}) {
-    std::vector<double> took;
-    for (int i = 0; i < 7; ++i) {
-      LivePictureOrder order;
-      const Camera frame = scene.camera(scene.sizes.seconds * i / 7);
-      order.frame = frame_scale(frame), order.fine = fine, order.cell = 0.5;
-      order.camera = keyframe_camera(frame, 1.25, fine ? 1 : 0.5);
-      const BusyWatch busy;
-      (void)make_live_picture(scene.source, order);
-      took.push_back(0.5e-3 * busy.ms());
-    }
-    (fine ? scene.work_s : scene.coarse_work_s) = std::max(percentile(took, 0.5), 1e-6);
-  }
-}
-
-LiveWorldOptions world_options(const LiveBenchScene& scene) {
-  LiveWorldOptions options;
-  options.work_s = scene.work_s, options.coarse_work_s = scene.coarse_work_s;
-  return options;
-}
 
 Rgba8Image jpeg_and_back(const MadePicture& made, double z_far, Keyframe& keyframe) {
   const std::vector<std::byte> message = encode_picture(made, made.head);
@@ -172,47 +93,69 @@ Rgba8Image warped_alone(const Keyframe& keyframe, const Camera& camera, double& 
   return color;
 }
 
-// The server's last frame as it is when it is seen: its pose went there, it was drawn, it was sent,
-// and it is shown until the next one.
-void add_rivals(LiveBenchScene& scene, const NetworkCase& network, double now, CaseFigures& out) {
-  const auto make = [&](double at, double& took) {
-    LivePictureOrder order;
-    order.camera = scene.camera(at), order.frame = frame_scale(order.camera);
-    order.fine = true, order.cell = 0.5;
-    const BusyWatch busy;
-    MadePicture made = *make_live_picture(scene.source, order);
-    took = 0.5e-3 * busy.ms();
-    return made;
-  };
+// What a frame of the server costs a rival.
+struct RivalCost {
+  double took = 0, bytes = 0;
+};
+
+struct RivalPicture {
+  MadePicture made;
   double took = 0;
-  const MadePicture probe = make(now, took);
-  const double sent_s = 8e-6 * double(probe.colors.size()) / network.network.mbit_s;
-  const double each_s = std::max({took, sent_s, 1 / 60.0});
-  const double age = 2e-3 * network.network.latency_ms + took + sent_s + 0.5 * each_s;
-  const MadePicture made = make(now - age, took);
+};
+
+RivalPicture rival_picture(LiveBenchScene& scene, double at, double margin) {
+  LivePictureOrder order;
+  const Camera frame = scene.camera(at);
+  order.camera = margin > 1 ? keyframe_camera(frame, margin, 1) : frame;
+  order.frame = frame_scale(frame), order.sky = scene.sky();
+  order.fine = true, order.cell = 0.5;
+  const BusyWatch busy;
+  RivalPicture picture{*make_live_picture(scene.source(), order)};
+  picture.took = 0.5e-3 * busy.ms();
+  return picture;
+}
+
+// The server's last frame as it is when it is seen: its pose went there, it was drawn, it was sent,
+// and it is shown until the next one. What is warped has a margin as our pictures have, and the
+// age of video, though it has more bytes.
+void add_rivals(LiveBenchScene& scene, const NetworkCase& network, double now,
+                std::map<double, RivalCost>& costs, CaseFigures& out) {
+  if (!costs.contains(now)) {
+    const RivalPicture probe = rival_picture(scene, now, 1);
+    costs[now] = {probe.took, double(probe.made.colors.size())};
+  }
+  const RivalCost cost = costs.at(now);
+  const double sent_s = 8e-6 * cost.bytes / network.network.mbit_s;
+  const double each_s = std::max({cost.took, sent_s, 1 / 60.0});
+  const double age = 2e-3 * network.network.latency_ms + cost.took + sent_s + 0.5 * each_s;
   Keyframe keyframe;
   const Camera camera = scene.camera(now);
   const Rgba8Image& truth = scene.truth(now).first;
-  out.video.add(truth, jpeg_and_back(made, camera.z_far, keyframe));
+  const MadePicture seen = rival_picture(scene, now - age, 1).made;
+  out.video.add(truth, jpeg_and_back(seen, camera.z_far, keyframe));
+  const MadePicture wider = rival_picture(scene, now - age, LiveWorldOptions{}.margin).made;
+  (void)jpeg_and_back(wider, camera.z_far, keyframe);
   out.one.add(truth, warped_alone(keyframe, camera, out.one.holes));
   Keyframe plane = keyframe;
-  for (float& w : plane.inverse_z.texels()) w = float(std::max(made.typical_inverse_z, 1e-6));
+  for (float& w : plane.inverse_z.texels()) w = float(std::max(wider.typical_inverse_z, 1e-6));
   find_ranges(plane, 0, plane.camera.width);
   out.plane.add(truth, warped_alone(plane, camera, out.plane.holes));
-  out.video_mbit_s += 8e-6 * double(made.colors.size()) / each_s;
+  out.video_mbit_s += 8e-6 * double(seen.colors.size()) / each_s;
   out.video_age_s += age;
 }
 
-Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, bool rivals) {
+Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, bool rivals,
+                             std::map<double, RivalCost>& costs) {
   CaseFigures out;
-  LiveWorldOptions options = world_options(scene);
+  LiveWorldOptions options = scene.world_options();
   options.keep_objects = true;
-  LiveWorld world(scene.source, scene.source, shown_scene(scene), options);
+  LiveWorld world(scene.source(), scene.quick(), scene.shown(), options);
   SimulatedClient client;
   client.camera = [&](double s) { return scene.camera(s); };
   client.network = network.network, client.cell = network.cell;
   SimulatedWalk walk;
-  walk.seconds = scene.sizes.seconds, walk.frames_a_second = scene.sizes.frames_a_second;
+  walk.seconds = scene.sizes().seconds;
+  walk.frames_a_second = scene.sizes().frames_a_second;
   walk.objects = true;
   const auto traffic = simulate_walk(
       world, std::span(&client, 1), walk, [&](int, double now, const LiveClient& seen) {
@@ -224,7 +167,7 @@ Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, 
         out.live.add(color, frame.color);
         out.live.holes += double(frame.holes) / double(frame.color.texels().size());
         out.live.wrong += compare_visibility(objects, frame.objects).wrong_share();
-        if (rivals) add_rivals(scene, network, now, out);
+        if (rivals) add_rivals(scene, network, now, costs, out);
       });
   if (!traffic) return traffic.error();
   const SimulatedTraffic& one = traffic->front();
@@ -265,75 +208,11 @@ void add_case(const std::string& scene, const NetworkCase& network, const CaseFi
   }
 }
 
-// ---- the depth codec
-
-template <class Work>
-double seconds_of(const Work& work) {
-  const BusyWatch busy;
-  for (int i = 0; i < 5; ++i) work();
-  return 1e-3 * busy.ms() / 5;
-}
-
-void add_codec(const std::string& name, LiveBenchScene& scene, Table& table, BenchReport& report) {
-  double pixels = 0, encode_s = 0, decode_s = 0, rvl_s = 0, worst = 0;
-  std::map<std::string, double> bytes;
-  std::mt19937 random(3);
-  for (int i = 0; i < 4; ++i) {
-    const Camera camera = scene.camera(scene.sizes.seconds * i / 4);
-    const DepthImage drawn = scene.drawn(camera);
-    Image<float> inverse_z(camera.width, camera.height);
-    for (std::size_t t = 0; t < inverse_z.texels().size(); ++t) {
-      const float z = drawn.depth.texels()[t];
-      inverse_z.texels()[t] = z > 0 && z < kNoDepth ? 1 / z : 0;
-    }
-    const FrameScale scale = frame_scale(camera);
-    const DepthStep step = choose_depth_step(nearest_of(inverse_z), 0.5, 0.25, scale);
-    const Image<std::uint16_t> codes = depth_codes(inverse_z, step.step);
-    std::vector<std::uint8_t> packed;
-    encode_s += seconds_of([&] { packed = encode_plane16_quickly(codes); });
-    decode_s += seconds_of([&] { (void)decode_plane16(packed, camera.width, camera.height); });
-    std::vector<std::uint32_t> rvl;
-    rvl_s += seconds_of([&] { rvl = encode_rvl(codes); });
-    pixels += double(codes.texels().size());
-    bytes["ours"] += double(packed.size()), bytes["rvl"] += 4.0 * double(rvl.size());
-    bytes["best"] += double(encode_plane16(codes).size());
-    bytes["png"] += double(encode_png_rows(codes).size());
-    bytes["deflate"] += double(encode_deflate(codes).size());
-    // Every texel, from an eye on the cell's border.
-    Camera frame = camera;
-    for (std::size_t t = 0; t < codes.texels().size(); ++t) {
-      const double w = inverse_z.texels()[t];
-      if (w == 0) continue;
-      const double angle = 6.283185307 * (double(random()) / 4294967296.0);
-      const glm::dvec3 off(step.cell * std::cos(angle), step.cell * std::sin(angle), 0);
-      frame.world_from_eye = camera.world_from_eye;
-      frame.world_from_eye[3] += frame.world_from_eye * glm::dvec4(off, 0);
-      const int x = int(t) % camera.width, y = int(t) / camera.width;
-      const double coded = inverse_z_of(codes.texels()[t], step.step, kDepthOffset);
-      const glm::dvec2 at(x + 0.5, y + 0.5);
-      const glm::dvec3 a = raster_from_world(frame, world_from_raster(camera, at, 1 / w));
-      const glm::dvec3 b = raster_from_world(frame, world_from_raster(camera, at, 1 / coded));
-      if (a.x < 0 || a.y < 0 || a.x > frame.width || a.y > frame.height) continue;
-      worst = std::max(worst, std::hypot(a.x - b.x, a.y - b.y) / step.error_px);
-    }
-  }
-  const auto bits = [&](const char* of) { return 8 * bytes[of] / pixels; };
-  const double encode = 1e-6 * pixels / encode_s, decode = 1e-6 * pixels / decode_s;
-  table.rows.push_back({name, fmt::format("{:.2f}", bits("ours")), fmt::format("{:.0f}", encode),
-                        fmt::format("{:.0f}", decode), fmt::format("{:.2f}", worst),
-                        fmt::format("{:.2f}", bits("best")), fmt::format("{:.2f}", bits("png")),
-                        fmt::format("{:.2f} ({:.0f})", bits("rvl"), 1e-6 * pixels / rvl_s),
-                        fmt::format("{:.2f}", bits("deflate"))});
-  const FiguresOf figure(name + "_depth", report);
-  figure("bits", bits("ours")), figure("worst_over_bound", worst);
-  figure("encode_mpixel_s", encode), figure("decode_mpixel_s", decode);
-}
-
 // ---- many clients
 
 Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bool apart,
                    Table& table, BenchReport& report) {
-  LiveWorld world(scene.source, scene.source, shown_scene(scene), world_options(scene));
+  LiveWorld world(scene.source(), scene.quick(), scene.shown(), scene.world_options());
   std::vector<SimulatedClient> clients;
   for (int i = 0; i < count; ++i) {
     SimulatedClient client;
@@ -344,7 +223,7 @@ Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bo
     clients.push_back(std::move(client));
   }
   SimulatedWalk walk;
-  walk.seconds = std::min(0.5 * scene.sizes.seconds, 8.0), walk.frames_a_second = 0.01;
+  walk.seconds = std::min(0.5 * scene.sizes().seconds, 8.0), walk.frames_a_second = 0.01;
   const auto traffic = simulate_walk(world, clients, walk, [](int, double, const LiveClient&) {});
   if (!traffic) return traffic.error();
   std::vector<double> sharp;
@@ -372,22 +251,21 @@ Result<> add_crowd(const std::string& name, LiveBenchScene& scene, int count, bo
 }  // namespace
 
 Result<BenchReport> serve(const BenchOptions& options) {
-  Sizes sizes;
-  if (options.full) sizes.seconds = 60;
+  LiveSizes sizes;
+  if (options.full) sizes.seconds = 60, sizes.frames_a_second = 0.5;
   if (options.quick) sizes = {160, 96, 3, 1};
+  if (options.seconds > 0) sizes.seconds = options.seconds;
+  if (options.every_frame > 0) sizes.frames_a_second = 60.0 / options.every_frame;
   if (options.width > 0) sizes.width = options.width, sizes.height = options.height;
   std::vector<RealScene> scenes = bench_scenes(options);
-  if (!options.full && scenes.size() > 2) scenes.resize(2);
+  if (!options.full && options.scenes.empty() && scenes.size() > 2) scenes.resize(2);
   BenchReport report;
   Table live{fmt::format("A walk of {:g} s, {} x {}, 16 samples a pixel of true frames",
                          sizes.seconds, sizes.width, sizes.height),
              {"walk", "Mbit/s", "worst s", "PSNR dB", "SSIM", "FLIP", "holes %", "wrong %",
               "first view s", "fine s"},
              {}};
-  Table codec{"Depths at 0.25 px in a cell of 0.5 m or less",
-              {"scene", "bits", "encode Mpx/s", "decode Mpx/s", "worst / bound", "plane16 bits",
-               "PNG bits", "RVL bits (Mpx/s)", "deflate bits"},
-              {}};
+  Table codec = depth_codec_table();
   Table crowd{
       "Clients of one server", {"clients", "sharp p50 s", "p95 s", "made", "shared", "Mbit/s"}, {}};
   int done = 0;
@@ -396,24 +274,26 @@ Result<BenchReport> serve(const BenchOptions& options) {
     Result<Scene> scene = real.make();
     if (!scene) return scene.error();
     const std::vector<RealWalk> walks = real.walks(*scene);
-    Result<RayScene> rays = RayScene::create(*scene);
-    if (!rays) return rays.error();
     const RealWalk& walk = walks.front();
     // A path that ends would leave an eye that stands, which any baseline serves well.
-    LiveBenchScene shown(*scene, there_and_back(walk.path, kLongestWalk), std::move(*rays), sizes);
+    const auto made = LiveBenchScene::create(*scene, there_and_back(walk.path, kLongestWalk), sizes,
+                                             options.source == "raytrace");
+    if (!made) return made.error();
+    LiveBenchScene& shown = **made;
     const std::string name = real.name + "-" + walk.name;
-    add_codec(name, shown, codec, report);
-    find_work(shown);
+    add_depth_codec(name, shown, codec, report);
+    shown.find_work();
     report.figures.emplace_back(key_of(name) + "_work_s", shown.work_s);
     report.figures.emplace_back(key_of(name) + "_coarse_work_s", shown.coarse_work_s);
-    for (const NetworkCase& network : network_cases(options.quick, options.full)) {
+    std::map<double, RivalCost> costs;
+    for (const NetworkCase& network : network_cases(options)) {
       if (!network.every_scene && !first) continue;
       const Result<CaseFigures> figures =
-          run_case(shown, network, network.every_scene && network.cell == 0);
+          run_case(shown, network, network.every_scene && network.cell == 0, costs);
       if (!figures) return figures.error();
       add_case(name, network, *figures, live, report);
     }
-    if (first)
+    if (first && options.latencies_ms.empty())
       for (const auto& [count, apart] : {std::pair(1, false), {16, false}, {16, true}})
         if (Result<> added = add_crowd(name, shown, options.quick ? std::min(count, 3) : count,
                                        apart, crowd, report);

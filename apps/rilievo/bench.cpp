@@ -35,6 +35,10 @@ struct BenchCommand {
   std::string reference_folder;
   double keyframe_ms = bench::BenchOptions{}.keyframe_ms;
   int keyframe_samples = bench::BenchOptions{}.keyframe_samples;
+  double seconds = 0;
+  int every_frame = 0;
+  std::vector<double> latencies_ms;
+  std::string source;
   std::optional<MachineCosts> machine;
 };
 
@@ -99,6 +103,8 @@ Result<> run_bench(const BenchCommand& options) {
   bench_options.keyframe_ms = options.keyframe_ms;
   bench_options.keyframe_samples = options.keyframe_samples;
   bench_options.shader = options.shader;
+  bench_options.seconds = options.seconds, bench_options.every_frame = options.every_frame;
+  bench_options.latencies_ms = options.latencies_ms, bench_options.source = options.source;
   bench_options.progress = [&](int done, int total) { progress.show(done, total); };
   Result<BenchReport> report = bench.run(bench_options);
   if (!report) return report.error();
@@ -144,8 +150,8 @@ Command bench_command(CLI::App& app) {
       ->add_option(
           "--scene", options->scenes,
           "For node-places: scenes besides stonehenge; for kinds: objects besides its "
-          "own; for real, keyframes and auto: scenes instead of its own, each with the walks "
-          "NAME-*.json beside it")
+          "own; for real, keyframes, auto and serve: scenes instead of its own, each with the "
+          "walks NAME-*.json beside it, builtin:NAME, or the name of one of its own")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(
@@ -174,6 +180,26 @@ Command bench_command(CLI::App& app) {
       ->add_option("--reference-folder", options->reference_folder,
                    "For keyframes: with --each-frame, where true frames are kept and found again")
       ->type_name("DIR");
+  command
+      ->add_option("--seconds", options->seconds,
+                   "For serve: length of a walk (default 8, with --full 60)")
+      ->check(in_range(2.5, 100.0))
+      ->type_name("T");
+  command
+      ->add_option("--every", options->every_frame,
+                   "For serve: of 60 frames a second, compares one in so many (default 30, with "
+                   "--full 120)")
+      ->check(in_range(1, 6000))
+      ->type_name("N");
+  command
+      ->add_option("--latency", options->latencies_ms,
+                   "For serve: delays one way in ms, at 20 Mbit/s, instead of its own networks")
+      ->check(in_range(0.0, 5000.0))
+      ->type_name("MS ...");
+  command
+      ->add_option("--source", options->source,
+                   "For serve: who makes pictures, raster (default) or raytrace")
+      ->check(CLI::IsMember({"raster", "raytrace"}));
   add_machine_option(*command, "For real", options->machine);
   command
       ->add_option("--draw", options->draw,

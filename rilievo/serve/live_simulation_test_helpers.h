@@ -59,6 +59,7 @@ inline constexpr double kTick = 0.002;  // seconds
 inline constexpr double kPacket = 1400;
 // A velocity is taken over so many seconds.
 inline constexpr double kStep = 0.02;
+inline constexpr double kJump = 400;
 
 struct OnTheWay {
   double at = 0;
@@ -98,8 +99,8 @@ inline LivePose pose_of(const Walker& walker, double now) {
   pose.vertical_fov = 2 * std::atan(camera.window.top);
   pose.aspect = camera.width / double(camera.height);
   pose.velocity = (camera.position() - before.position()) / kStep;
-  // A jump is no motion.
-  if (glm::length(pose.velocity) > 20) pose.velocity = glm::dvec3(0);
+  // A jump is no motion. Nobody walks so many near distances in a second, whatever the unit is.
+  if (glm::length(pose.velocity) > kJump * camera.z_near) pose.velocity = glm::dvec3(0);
   const glm::dquat was = glm::normalize(glm::quat_cast(glm::dmat3(before.world_from_eye)));
   glm::dquat turn = pose.orientation * glm::conjugate(was);
   if (turn.w < 0) turn = -turn;
