@@ -14,8 +14,8 @@ namespace rilievo {
 namespace {
 
 constexpr std::size_t kViews = 3;
-// Each one more takes time: three views, a coarse one, and three faces of a corner.
-constexpr std::size_t kMostWarped = 7;
+// Each one more takes time: a coarse view, and three faces of a corner.
+constexpr std::size_t kMostCoarse = 4;
 // With more holes coarse pictures are asked, too.
 constexpr double kFewHoles = 0.0005;
 
@@ -31,6 +31,18 @@ bool may_show(const Camera& picture, const Camera& frame) {
       std::acos(std::clamp(glm::dot(picture.forward(), frame.forward()), -1.0, 1.0));
   // 0.3 rad more: the eye moved.
   return between < half(picture) + half(frame) + 0.3;
+}
+
+// Large texels of coarse pictures reach over the borders of things: they show holes alone.
+void fill_holes(const WarpedFrame& from, WarpedFrame& frame) {
+  const int width = frame.color.width(), height = frame.color.height();
+  for (std::uint32_t& count : frame.holes_in_strip.texels()) count = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (!frame.hole(x, y)) continue;
+      frame.color(x, y) = from.color(x, y), frame.inverse_z(x, y) = from.inverse_z(x, y);
+      frame.holes_in_strip(y / WarpedFrame::kStrip, 0) += from.hole(x, y);
+    }
 }
 
 }  // namespace
@@ -98,7 +110,6 @@ void LiveClient::draw(const Camera& frame, LiveFrame& out, bool with_objects) co
     alone = warped.holes();
   }
   if (double(alone) > kFewHoles * pixels) {
-    std::vector<WarpedKeyframe> all = list;
     // The views, and then those that look where the frame does.
     std::vector<const LiveView*> coarse;
     for (const LiveView& view : coarse_) coarse.push_back(&view);
@@ -108,13 +119,19 @@ void LiveClient::draw(const Camera& frame, LiveFrame& out, bool with_objects) co
     };
     std::ranges::stable_sort(coarse,
                              [&](const auto* x, const auto* y) { return facing(x) > facing(y); });
+    std::vector<WarpedKeyframe> behind;
     for (const LiveView* view : coarse) {
-      if (all.size() == kMostWarped || !may_show(view->keyframe.camera, frame)) continue;
-      all.push_back({&view->keyframe, keyframe_weight(view->keyframe, frame, sum), !list.empty()});
+      if (behind.size() == kMostCoarse || !may_show(view->keyframe.camera, frame)) continue;
+      behind.push_back({&view->keyframe, keyframe_weight(view->keyframe, frame, sum)});
     }
-    if (!all.empty()) {
-      list = std::move(all);
-      warp_keyframes(list, frame, warped);
+    if (!behind.empty()) {
+      WarpedFrame filled;
+      warp_keyframes(behind, frame, filled);
+      if (list.empty())
+        warped = std::move(filled);
+      else
+        fill_holes(filled, warped);
+      list.insert(list.end(), behind.begin(), behind.end());
     }
   }
   if (list.empty()) {

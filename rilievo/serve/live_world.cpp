@@ -14,6 +14,7 @@
 #include "rilievo/core/background.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/keyframes/keyframe.h"
+#include "rilievo/serve/forecast.h"
 #include "rilievo/serve/live_picture.h"
 #include "rilievo/serve/view_need.h"
 
@@ -29,8 +30,9 @@ constexpr double kMostHold = 0.6;
 // Texels of coarse pictures for each pixel, in each direction; and of surrounds' faces for each
 // line of the frame.
 constexpr double kCoarseTexels = 0.5, kSurroundTexels = 0.6;
-// An eye that turns by so many radians a second gets so much more margin.
-constexpr double kTurning = 0.15, kTurningMargin = 1.2;
+// A picture is so much wider than what looks are expected to see, and so wide at most: its sides'
+// tangents over the frame's, and in radians.
+constexpr double kLookMargin = 1.1, kWidest = 3, kHighest = 1.7, kMostSide = 1.25;
 // The eye may go on beyond where a picture was due: latency and the next one take time.
 constexpr double kBeyondDue = 1.5;
 // The longest cell, in what is typically seen: where all is far a cell would have no end.
@@ -60,6 +62,7 @@ struct Client {
   LiveHello hello;
   bool greeted = false, gone = false;
   std::optional<LivePose> pose;
+  PoseHistory history;
   double pose_at = 0;
   std::deque<LiveMessage> control;
   std::optional<Waiting> waiting;
@@ -77,6 +80,12 @@ struct Client {
 HeldPicture held_of(const MadePicture& picture, std::uint64_t id) {
   return {id, picture.camera, picture.typical_inverse_z, picture.head.fine,
           picture.head.surround_face};
+}
+
+// A side at a tangent where looks are off by an angle, over the frame's.
+double margin_for(double tangent, double off, double least) {
+  const double own = std::atan(tangent), side = std::min(own + off, std::max(kMostSide, own));
+  return std::clamp(kLookMargin * std::tan(side) / tangent, least, std::max(kWidest, least));
 }
 
 LiveMessage message_of(const ServerMessage& message) {
@@ -126,9 +135,8 @@ struct LiveWorld::State {
   void run_all();
   double step(double now, bool timed);
   [[nodiscard]] std::optional<Choice> choose(double now) const;
-  [[nodiscard]] LivePictureOrder order_for(const Client& client, const LivePose& at,
-                                           const ViewNeed& need, double lead, int queue,
-                                           Camera& target) const;
+  [[nodiscard]] LivePictureOrder order_for(Client& client, const LivePose& at, const ViewNeed& need,
+                                           double lead, int queue, Camera& target) const;
   [[nodiscard]] std::uint64_t find_kept(const Client& client, const Choice& choice,
                                         const LivePose& arrival) const;
   void deliver(const Choice& choice, std::shared_ptr<const MadePicture> picture, std::uint64_t id,
@@ -199,6 +207,7 @@ Result<> LiveWorld::State::receive(const std::shared_ptr<Client>& client,
     return Error{"message", "a hello comes first"};
   } else if (const auto* pose = std::get_if<LivePose>(&message)) {
     client->pose = *pose;
+    client->history.see(*pose);
     client->pose_at = now;
   } else if (const auto* have = std::get_if<LiveHave>(&message)) {
     for (const std::uint64_t id : have->ids)
@@ -228,7 +237,7 @@ void LiveWorld::State::run_all() {
   while (step(clock(), false) > 0) ready();
 }
 
-LivePictureOrder LiveWorld::State::order_for(const Client& client, const LivePose& at,
+LivePictureOrder LiveWorld::State::order_for(Client& client, const LivePose& at,
                                              const ViewNeed& need, double lead, int queue,
                                              Camera& target) const {
   LivePictureOrder order;
@@ -257,24 +266,27 @@ LivePictureOrder LiveWorld::State::order_for(const Client& client, const LivePos
   }
   order.fine = need.wanted != Wanted::coarse_view;
   if (need.wanted == Wanted::exact_view) order.quality = std::max(order.quality, kStillQuality);
-  if (need.wanted == Wanted::fine_view) {
-    // As far ahead as views are due, so that the eye is between two of them. Where it will look
-    // is less certain than where it will be.
-    const double speed = glm::length(at.velocity);
+  const int largest = std::min(client.hello.largest_texture, 4096);
+  KeyframeMargin margin = 1.1;
+  if (need.wanted != Wanted::exact_view) {
+    // As far ahead as views are due, so that the eye is between two of them.
+    const double speed = order.fine ? glm::length(at.velocity) : 0;
     // Where others wait, too, the next one comes after all of theirs: the middle of that time.
     const double turn = 0.5 * queue * view_s;
     const double hold = speed > 0 ? std::min(std::max(due / speed, turn), kMostHold) : 0;
-    LivePose later = predicted(*client.pose, lead + hold);
-    later.orientation = predicted(*client.pose, lead + 0.5 * hold).orientation;
+    const Forecast of = client.history.forecast(lead, lead + hold);
+    LivePose later = of.pose;
+    later.eye = client.history.forecast(lead + hold, lead + hold).pose.eye;
     const Camera moved = camera_of(later, client.hello, frame.z_near, frame.z_far);
     frame.world_from_eye = moved.world_from_eye;
+    margin = {margin_for(frame.window.right, of.yaw, options.margin),
+              margin_for(frame.window.top, of.pitch, options.margin)};
+    // Rather less margin than larger texels.
+    margin.x = std::min(margin.x, std::max(double(largest) / frame.width, options.margin));
   }
   target = frame;
-  const double turning = glm::length(at.turn_rate) > kTurning ? kTurningMargin : 1.0;
   const double texels = order.fine ? 1 : kCoarseTexels;
-  const double margin = need.wanted == Wanted::exact_view ? 1.1 : options.margin * turning;
   order.camera = keyframe_camera(frame, margin, texels);
-  const int largest = std::min(client.hello.largest_texture, 4096);
   if (std::max(order.camera.width, order.camera.height) > largest)
     order.camera = keyframe_camera(
         frame, margin,
@@ -330,7 +342,7 @@ std::optional<Choice> LiveWorld::State::choose(double now) const {
     // The pose is as old as its way took, and a picture arrives after as long a way.
     const double lead =
         now - client->pose_at + 2e-3 * client->pose->latency_ms + client->wait_s + view_s;
-    const LivePose arrival = predicted(*client->pose, lead);
+    const LivePose arrival = client->history.forecast(lead, lead).pose;
     const Camera frame = camera_of(arrival, hello, scene.start.z_near, scene.start.z_far);
     std::vector<HeldPicture> held = client->held;
     if (client->waiting)
@@ -353,7 +365,7 @@ std::optional<Choice> LiveWorld::State::choose(double now) const {
     best = Choice{client, need, {}, frame, client->pose->sequence, 0, lead};
   }
   if (!best) return best;
-  const LivePose arrival = predicted(*best->client->pose, best->lead);
+  const LivePose arrival = best->client->history.forecast(best->lead, best->lead).pose;
   best->order = order_for(*best->client, arrival, best->need, best->lead, queue, best->target);
   best->kept = find_kept(*best->client, *best, arrival);
   return best;
@@ -418,7 +430,12 @@ double LiveWorld::State::step(double now, bool timed) {
   Result<MadePicture> made = make_live_picture(coarse ? quick : source, choice->order);
   const double busy = 1e-3 * watch.ms();
   const double fixed = coarse && options.coarse_work_s > 0 ? options.coarse_work_s : options.work_s;
-  const double took = fixed > 0 ? fixed : std::max(busy / kCores, 1e-6);
+  // Wide pictures take longer.
+  const double usual =
+      options.margin * options.margin * choice->target.width * choice->target.height;
+  const double texels = double(choice->order.camera.width) * choice->order.camera.height;
+  const double share = coarse ? 1 : std::max(1.0, texels / usual);
+  const double took = fixed > 0 ? fixed * share : std::max(busy / kCores, 1e-6);
   const std::lock_guard lock(mutex);
   stats.busy_s += busy;
   if (!made) {

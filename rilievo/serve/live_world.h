@@ -42,12 +42,12 @@ struct LiveWorldOptions {
   // have moved by a fifteenth of the frame's height.
   double cell = 0;
   double error_px = 0.25;  // of depths
-  double margin = 1.25;    // of a picture's sides over the frame's; of an eye that turns, more
+  double margin = 1.25;    // of a picture's sides over the frame's; where looks are uncertain, more
   int quality = 85;        // of JPEG, the best; a slow client gets less
   std::size_t kept_bytes = std::size_t(256) << 20;
   int most_lines = 1080;  // of a frame for which pictures are made
-  // Seconds of a picture and of a coarse one or a face of the surround, for work(): so that nothing
-  // depends on time. 0: as measured; coarse as fine.
+  // Seconds of a picture with this margin, more for a wider one, and of a coarse one or a face of
+  // the surround, for work(): so that nothing depends on time. 0: as measured; coarse as fine.
   double work_s = 0, coarse_work_s = 0;
   bool keep_objects = false;  // MadePicture::objects, for measures
 };

@@ -9,9 +9,6 @@
 namespace rilievo {
 namespace {
 
-// A turn slows down as if it went on for so many seconds in the end, and by so much at most.
-constexpr double kTurnSeconds = 0.4, kMostTurn = 0.6;
-constexpr double kMostAhead = 1.0;
 // Things may have moved by this share of the frame's height.
 constexpr double kDueShare = 1.0 / 15;
 // Rays of the grid.
@@ -42,18 +39,6 @@ bool same_view(const Camera& a, const Camera& b) {
 }
 
 }  // namespace
-
-LivePose predicted(LivePose pose, double seconds) {
-  const double ahead = std::clamp(seconds, 0.0, kMostAhead);
-  pose.eye += ahead * pose.velocity;
-  const double rate = glm::length(pose.turn_rate);
-  const double angle =
-      std::min(rate * kTurnSeconds * (1 - std::exp(-ahead / kTurnSeconds)), kMostTurn);
-  if (angle > 1e-6)
-    pose.orientation =
-        glm::normalize(glm::angleAxis(angle, pose.turn_rate / rate) * pose.orientation);
-  return pose;
-}
 
 double covered_share(const Camera& frame, std::span<const Camera* const> views) {
   const glm::dmat3 world_from_eye(frame.world_from_eye);

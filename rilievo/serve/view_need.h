@@ -12,9 +12,6 @@
 
 namespace rilievo {
 
-// The pose in `seconds`: the velocity goes on for at most a second, the turn ever more slowly.
-[[nodiscard]] LivePose predicted(LivePose pose, double seconds);
-
 // The share of a grid of the frame's rays that pass through the window of any of these views.
 [[nodiscard]] double covered_share(const Camera& frame, std::span<const Camera* const> views);
 
