@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,12 +26,13 @@
 #include "rilievo/scene/scene.h"
 #include "rilievo/serve/http/live_server.h"
 #include "rilievo/serve/live_world.h"
+#include "rilievo/serve/standing_place.h"
 
 namespace rilievo::app {
 namespace {
 
 struct ServeCommand {
-  std::string scene;
+  std::string scene, path_file;
   SourceOptions source{.source = "raster"};
   FileLimits limits;
   LiveServerOptions server{.port = 8080, .ends_by_signal = true};
@@ -144,13 +146,25 @@ class ServeObserver : public LiveObserver {
   double seconds_ = 0;
 };
 
-// What is walked through: where a built-in scene's walk begins, or before the whole of a scene.
-LiveScene live_scene(const std::string& name, BakeSource& source) {
+// What is walked through, from where a path begins, or a built-in scene's walk, or where somebody
+// can stand, or before the whole of a scene.
+LiveScene live_scene(const std::string& name, BakeSource& source,
+                     const std::optional<CameraPath>& path) {
   LiveScene scene;
   scene.name = name;
   scene.bounds = source.source().bounds({});
-  const CameraPath path = source.walk() ? *source.walk() : walk_path(scene.bounds, 2);
-  scene.start = camera_at(path, path.keys.front().time, 1280, 720);
+  const auto begin_of = [](const CameraPath& walk) {
+    return camera_at(walk, walk.keys.front().time, 1280, 720);
+  };
+  CaptureSource& surfaces = source.geometry() ? *source.geometry() : source.source();
+  if (path)
+    scene.start = begin_of(relative_to(source.source().world().origin, *path));
+  else if (source.walk())
+    scene.start = begin_of(*source.walk());
+  else if (const std::optional<Camera> place = standing_place(surfaces))
+    scene.start = *place;
+  else
+    scene.start = begin_of(walk_path(scene.bounds, 2));
   // Slow sources draw none.
   static const Sky kSky;
   if (CaptureSource* geometry = source.geometry())
@@ -179,6 +193,12 @@ Result<> run_serve(ServeCommand options) {
   options.server.name = options.scene.starts_with("builtin:")
                             ? options.scene.substr(8, options.scene.find('?') - 8)
                             : std::filesystem::path(options.scene).stem().string();
+  std::optional<CameraPath> path;
+  if (!options.path_file.empty()) {
+    Result<CameraPath> loaded = load_path(options.path_file);
+    if (!loaded) return loaded.error();
+    path = std::move(*loaded);
+  }
   // A port that is taken is told before the scene is read.
   Result<LiveServer> server = LiveServer::create(options.server);
   if (!server) return server.error();
@@ -196,7 +216,7 @@ Result<> run_serve(ServeCommand options) {
   world_options.kept_bytes = std::size_t(options.kept_mb) << 20;
   CaptureSource* quick = source->geometry();
   LiveWorld world(source->source(), quick ? *quick : source->source(),
-                  live_scene(options.server.name, *source), world_options);
+                  live_scene(options.server.name, *source, path), world_options);
   if (Result<> good = server->listen(); !good) return good;
   const std::string address = page_address(*server, options);
   observer.say("listening",
@@ -231,6 +251,11 @@ Command serve_command(CLI::App& app) {
                    "Samples a texel of raytrace or a program (default: the source's)")
       ->check(in_range(1, 65536))
       ->type_name("N");
+  command
+      ->add_option("--path", options->path_file,
+                   "A camera path, JSON (rilievo-path-1): the walk begins where it does, with its "
+                   "clipping planes (default: where somebody can stand, or before the scene)")
+      ->type_name("FILE");
   LiveServerOptions& server = options->server;
   command->add_option("--port", server.port, "The port (default 8080); 0: any that is free")
       ->check(in_range(0, 65535))
