@@ -364,8 +364,8 @@ Result<> SceneCache::choose(const Camera& camera, [[maybe_unused]] const PlacedS
   if (fallback_.held) store_->free(kFallbackSlot);
   fallback_.held = false;
   stats_ = &stats;
-  plan_frame(hierarchy_, moving_, state_, follow(motion_, camera), policy_, *this, scratch_, plan_,
-             alternatives_, level_table_);
+  plan_frame({hierarchy_, moving_, alternatives_, level_table_}, state_, follow(motion_, camera),
+             policy_, *this, scratch_, plan_);
   if (captures_beside(policy_)) order_captures();
   commit(plan_, state_);
   collect(content);

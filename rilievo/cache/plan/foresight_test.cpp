@@ -208,7 +208,7 @@ TEST(Foresight, under_tight_memory_pictures_get_as_coarse_as_all_of_them_need) {
     const FrameView view = turning(0);
     const Alternatives alternatives;
     const LevelTable levels;
-    const FramePlanner planner(tree, {}, alternatives, levels, before, view, options, scratch,
+    const FramePlanner planner({tree, {}, alternatives, levels}, before, view, options, scratch,
                                plan);
     for (const PlanScratch::Request& request : run.scratch.requests)
       full_bytes += planner.estimate(request.entity).texels * options.bytes_per_texel;

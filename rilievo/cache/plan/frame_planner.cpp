@@ -41,14 +41,12 @@ glm::dmat4 power(const glm::dmat4& m, int n) {
 
 }  // namespace
 
-FramePlanner::FramePlanner(const Hierarchy& tree, std::span<const MovingObject> moving,
-                           const Alternatives& alternatives, const LevelTable& levels,
-                           const CacheState& state, const FrameView& frame,
+FramePlanner::FramePlanner(const PlanScene& scene, const CacheState& state, const FrameView& frame,
                            const CacheOptions& options, PlanScratch& scratch, Plan& plan)
-    : tree_(tree),
-      moving_(moving),
-      alternatives_(alternatives),
-      levels_(levels),
+    : tree_(scene.hierarchy),
+      moving_(scene.moving),
+      alternatives_(scene.alternatives),
+      levels_(scene.levels),
       state_(state),
       frame_(frame),
       options_(options),

@@ -1,4 +1,4 @@
-// Which nodes of the hierarchy are drawn as pictures in this frame? The frame planner.
+// The frame planner: chooses the nodes of the hierarchy that are drawn as pictures in a frame.
 //
 // A cut is a set of nodes that contains each object once. The best cut costs the least per frame,
 // captures included: a picture costs its pixels, plus its capture divided by the frames that it
@@ -33,10 +33,8 @@ inline constexpr std::uint64_t kFadedTriangles = 10'000;
 class FramePlanner {
  public:
   // All must outlive the planner; `plan` is empty.
-  FramePlanner(const Hierarchy& tree, std::span<const MovingObject> moving,
-               const Alternatives& alternatives, const LevelTable& levels, const CacheState& state,
-               const FrameView& frame, const CacheOptions& options, PlanScratch& scratch,
-               Plan& plan);
+  FramePlanner(const PlanScene& scene, const CacheState& state, const FrameView& frame,
+               const CacheOptions& options, PlanScratch& scratch, Plan& plan);
 
   // Chooses, has `maker` make the captures, and draws with what came of them.
   void run(CaptureMaker& maker);
@@ -66,7 +64,7 @@ class FramePlanner {
   void choose();
   void schedule_captures();  // schedule.cpp
   void make_captures(CaptureMaker& maker);
-  // What has to be in the fallback is gathered.
+  // Gathers the objects of the fallback, too.
   void draw();
   void make_fallback(CaptureMaker& maker);
 
@@ -111,7 +109,7 @@ class FramePlanner {
   [[nodiscard]] bool pictures_cover_below(Entity e);
   [[nodiscard]] bool may_fade_over_below(Entity e);
 
-  // What an entity costs, and what it is drawn from.
+  // The cost of an entity, and the picture or polygons that it is drawn from.
   [[nodiscard]] Standing stands_for(Entity e, double cost) const;
   [[nodiscard]] double polygon_cost(Entity e) const;
   [[nodiscard]] double polygon_cost(Entity e, const Level& level) const;

@@ -88,7 +88,7 @@ struct Loop {
     for (const Capture& capture : orders)
       (void)adopt(capture, tree, moving, view, options, DeltaRange{});
     orders.clear();
-    plan_frame(tree, moving, state, view, options, maker, scratch, plan, alternatives, levels);
+    plan_frame({tree, moving, alternatives, levels}, state, view, options, maker, scratch, plan);
     if (captures_beside(options)) {
       for (const std::uint32_t slot : plan.evictions) ASSERT_EQ(textures.erase(slot), 1u);
       orders = plan.captures;

@@ -129,15 +129,16 @@ glm::dmat4 motion_since(const Picture& picture, const Hierarchy& hierarchy,
                                  : glm::dmat4(1.0);
 }
 
-void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
-                const CacheState& state, const FrameView& view, const CacheOptions& options,
-                CaptureMaker& maker, PlanScratch& scratch, Plan& plan,
-                const Alternatives& alternatives, const LevelTable& levels) {
+void plan_frame(const PlanScene& scene, const CacheState& state, const FrameView& view,
+                const CacheOptions& options, CaptureMaker& maker, PlanScratch& scratch,
+                Plan& plan) {
   RILIEVO_EXPECTS(view.camera.projection == Projection::perspective);
-  const std::size_t entities = hierarchy.nodes.size() + moving.size();
+  const std::size_t nodes = scene.hierarchy.nodes.size();
+  const std::size_t entities = nodes + scene.moving.size();
   RILIEVO_EXPECTS(state.current.empty() || state.current.size() == entities);
-  RILIEVO_EXPECTS(alternatives.of_entity.empty() || alternatives.of_entity.size() == entities);
-  RILIEVO_EXPECTS(levels.of_node.empty() || levels.of_node.size() == hierarchy.nodes.size());
+  RILIEVO_EXPECTS(scene.alternatives.of_entity.empty() ||
+                  scene.alternatives.of_entity.size() == entities);
+  RILIEVO_EXPECTS(scene.levels.of_node.empty() || scene.levels.of_node.size() == nodes);
   plan.evictions.clear(), plan.captures.clear(), plan.pictures.clear(), plan.alternatives.clear();
   plan.polygons.clear(), plan.moving_polygons.clear(), plan.retirements.clear();
   plan.fallback.objects.clear();
@@ -155,8 +156,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
   scratch.requests.clear(), scratch.idle.clear(), scratch.boxes.clear();
   scratch.polygons.clear();
 
-  FramePlanner(hierarchy, moving, alternatives, levels, state, view, options, scratch, plan)
-      .run(maker);
+  FramePlanner(scene, state, view, options, scratch, plan).run(maker);
   find_bound(plan);
   for (const Capture& capture : plan.captures) scratch.captured[capture.entity] = 0;
 }

@@ -4,7 +4,7 @@
 // in the cache and the camera. The output is a Plan: which pictures to capture, to evict and to
 // draw, and what to draw as polygons. No OpenGL. For each frame:
 //
-//   plan_frame(hierarchy, moving, state, view, options, maker, scratch, plan);
+//   plan_frame(scene, state, view, options, maker, scratch, plan);
 //       asks `maker` for the pictures of plan.captures, and for the coarse one of plan.fallback,
 //       and plans with what came of them; nothing changes the plan afterwards
 //   draw plan.pictures, plan.polygons, plan.moving_polygons, plan.alternatives in any order
@@ -93,7 +93,7 @@ struct CacheOptions {
   double capture_cost = std::numeric_limits<double>::infinity();
   // With such a budget, what the frame's fallback may cost.
   double fallback_cost = std::numeric_limits<double>::infinity();
-  // What a frame may cost, and how late its pictures may be.
+  // The limits of a frame's cost, and of the lateness of its pictures.
   SpikePolicy spikes;
   // The largest number of triangles in a picture of several objects, which one frame must capture.
   std::uint64_t picture_triangles = 100'000;
@@ -116,7 +116,7 @@ struct CacheOptions {
   return gap_limit_px(options.error_px, options.gap_px);
 }
 
-// Are captures made beside the frames?
+// Returns whether captures are made beside the frames.
 [[nodiscard]] inline bool captures_beside(const CacheOptions& options) {
   return options.capture_cost < std::numeric_limits<double>::infinity();
 }
@@ -163,7 +163,7 @@ struct Alternatives {
 // surface that is drawn is farther from the nearest of the true ones, nor these from it.
 struct LevelTable {
   static constexpr int kSteps = 40;
-  // What one step leaves.
+  // The result of one step.
   struct Level {
     float triangles = 0;  // of all objects below
     float error = 0;  // of the levels that these are, metres, world space; at most that of the step
@@ -218,7 +218,7 @@ struct Picture {
   return options.error_px + picture.coarse_px;
 }
 
-// What drawing an entity as polygons took, by what it was expected to take: most of its triangles
+// The cost of drawing an entity as polygons, as a share of its expected cost: most of its triangles
 // may be hidden by others.
 struct PolygonRecord {
   float share = 1;          // of the expected cost
@@ -234,7 +234,7 @@ struct Order {
   std::uint64_t bytes = 0;   // of its picture
 };
 
-// What the planner keeps between frames. Start with an empty one.
+// The planner's memory between frames. Start with an empty one.
 struct CacheState {
   std::uint32_t frame = 0;
   std::vector<Picture> slots;  // the slot identifies a picture and its textures
@@ -289,8 +289,8 @@ struct DrawnObject {
   std::uint32_t object = 0;  // static: the caller's index; moving: index in `moving`
   float from = 0, to = 1;
   float level_error = 0;  // by levels that are at most so far off, metres
-  // What it was expected to cost before anything was known of it (PolygonRecord), in triangles; 0:
-  // nothing was expected.
+  // Its expected cost before anything was known of it (PolygonRecord), in triangles; 0: nothing was
+  // expected.
   float expected_cost = 0;
 };
 // A baked representation to draw, at all pixels.
@@ -333,7 +333,7 @@ struct Plan {
   double usual_cost = 0;     // CacheState's after it
 };
 
-// What became of a picture that a plan wants captured.
+// The result of a capture that a plan wants.
 struct MadeCapture {
   bool made = false;                // false: there was no room for it
   std::optional<DeltaRange> range;  // the Deltas that it shows; none: it is empty
@@ -390,7 +390,7 @@ class CaptureMaker {
  public:
   virtual ~CaptureMaker() = default;
   // Frees the textures of `evictions`, and makes the captures, in this order; `made` has an entry
-  // for each. Of captures that are ordered (Capture::order) there are none.
+  // for each. None of them is ordered (Capture::order).
   virtual void make(std::span<const std::uint32_t> evictions, std::span<const Capture> captures,
                     std::span<MadeCapture> made) = 0;
   // Frees the texture of a picture that was made and is not good enough for this frame: it was
@@ -400,13 +400,19 @@ class CaptureMaker {
   virtual MadeCapture make(const Fallback& fallback) = 0;
 };
 
+// The scene as the planner sees it; refers to what the caller holds.
+struct PlanScene {
+  const Hierarchy& hierarchy;            // static objects
+  std::span<const MovingObject> moving;  // as they are in this frame
+  const Alternatives& alternatives;      // can be empty, as can the levels
+  const LevelTable& levels;
+};
+
 // Plans a frame, and has `maker` make its pictures. Requires a perspective camera that passes
 // validate(), and a state to which the last plan was committed, for the same hierarchy and number
 // of moving objects.
-void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving,
-                const CacheState& state, const FrameView& view, const CacheOptions& options,
-                CaptureMaker& maker, PlanScratch& scratch, Plan& plan,
-                const Alternatives& alternatives = {}, const LevelTable& levels = {});
+void plan_frame(const PlanScene& scene, const CacheState& state, const FrameView& view,
+                const CacheOptions& options, CaptureMaker& maker, PlanScratch& scratch, Plan& plan);
 
 // Enters into the state a capture that an earlier plan ordered (Capture::order) and that is done.
 // Call it before the frame of camera `frame` is planned. `range`: the Deltas that the picture
@@ -418,7 +424,7 @@ void plan_frame(const Hierarchy& hierarchy, std::span<const MovingObject> moving
                                  const std::optional<DeltaRange>& range, const GapTable& gaps,
                                  const CacheOptions& options, CacheState& state,
                                  std::vector<std::uint32_t>& evictions);
-// Is an ordered capture still wanted? Not once one of its objects was invalidated.
+// Returns whether an ordered capture is still wanted: not once one of its objects was invalidated.
 [[nodiscard]] bool is_wanted(const Capture& capture, const CacheState& state);
 // Forgets an ordered capture for which there is no room.
 void cancel_order(const Capture& capture, CacheState& state);
@@ -427,11 +433,11 @@ void cancel_order(const Capture& capture, CacheState& state);
 void commit(const Plan& plan, CacheState& state);
 
 // Records how much of the last plan's pictures was seen, after commit(): an entry for each of
-// plan.pictures, the share of its blocks that the frame shows. What others hide costs little as
-// polygons, and is worth no captures.
+// plan.pictures, the share of its blocks that the frame shows. Hidden objects cost little as
+// polygons, and are worth no captures.
 void learn_seen(const Plan& plan, std::span<const float> shares, CacheState& state);
 
-// What drawing one object as polygons took, in triangles, and what it was expected to
+// The cost of drawing one object as polygons, in triangles, and the expected one
 // (DrawnObject::expected_cost).
 struct PolygonCost {
   Entity entity = 0;  // of one object

@@ -61,7 +61,7 @@ struct AlternativesLoop {
   Plan plan;
   void frame(const MovingObject& object, const Alternatives& alternatives, const FrameView& view,
              const CacheOptions& options = {}) {
-    plan_frame({}, {&object, 1}, state, view, options, maker, scratch, plan, alternatives);
+    plan_frame({{}, {&object, 1}, alternatives, {}}, state, view, options, maker, scratch, plan);
     commit(plan, state);
   }
 };
@@ -177,7 +177,7 @@ TEST(PolicyAlternatives, an_inner_node_is_drawn_from_one_alternative_for_all_its
     Plan plan;
     for (int f = 0; f < 3; ++f) {
       const FrameView view{look_at({4, 3, 20}, {4, 0, 0}, {0, 1, 0}, 1.0, 640, 480, 0.1, 100)};
-      plan_frame(tree, {}, state, view, options, maker, scratch, plan, alternatives);
+      plan_frame({tree, {}, alternatives, {}}, state, view, options, maker, scratch, plan);
       commit(plan, state);
       EXPECT_EQ(plan.alternatives.size(), dear ? 0u : 1u);
       EXPECT_EQ(plan.polygons.size(), dear ? 4u : 0u);
