@@ -49,7 +49,7 @@ Result<std::vector<CachedWalk>> walk_cached(const BuiltinScene& builtin,
       if (!ms) return ms.error();
       const FrameStats& stats = sources[i]->stats();
       walks[i].captures += stats.captures;
-      walks[i].bound_px = std::max(walks[i].bound_px, stats.bound_px);
+      walks[i].bound_px = std::max(walks[i].bound_px, stats.bound_px.value_or(0));
       if (frame == 0)
         walks[i].first_frame_ms = *ms;
       else
@@ -85,7 +85,7 @@ Result<CachedWalk> walk_memory_cache(const BuiltinScene& builtin, ImageCacheOpti
     if (Result<> drawn = source.draw(camera, time); !drawn) return drawn.error();
     const double ms = watch.ms();
     walk.captures += source.stats().captures;
-    walk.bound_px = std::max(walk.bound_px, source.stats().bound_px);
+    walk.bound_px = std::max(walk.bound_px, source.stats().bound_px.value_or(0));
     if (frame == 0) walk.first_frame_ms = ms;
     if (frame == 0 && options.frames > 1) continue;
     times.push_back(ms);

@@ -167,8 +167,8 @@ class DrawnCases {
     const auto wanted = pixels_of(truth.objects), found = pixels_of(seen.objects);
     ++stats.frames;
     stats.captures += seen.stats.captures;
-    stats.bound_px_max = std::max(stats.bound_px_max, seen.stats.bound_px);
-    const int margin = 3 + int(std::ceil(2 * seen.stats.bound_px));
+    stats.bound_px_max = std::max(stats.bound_px_max, seen.stats.bound_px.value_or(0));
+    const int margin = 3 + int(std::ceil(2 * seen.stats.bound_px.value_or(0)));
     for (const auto& [id, pixels] : wanted) {
       if ((id + std::uint32_t(stats.frames)) % kLooks != 0) continue;
       if (int(pixels.at.size()) < kMinPixels || !is_alone(truth.objects, id, pixels, margin))

@@ -30,7 +30,7 @@ constexpr int kSamples = 4, kKept = 8;
 constexpr int kMargin = 3;
 // The same by a frame's own bounds, which may exceed the limits under a budget of time.
 int margin_of(const FrameStats& stats) {
-  return int(std::ceil(std::max(stats.bound_px, stats.gap_px) + 1.5));
+  return int(std::ceil(std::max(stats.bound_px.value_or(0), stats.gap_px) + 1.5));
 }
 // A baseline that takes longer draws fewer of the frames, but at least three.
 constexpr double kBaselineMs = 15000;

@@ -227,7 +227,8 @@ void show_panel(ViewState& state) {
   impostor_panel(state);
   if (!state.stats.decision.method.empty())
     ImGui::TextWrapped("%s", state.stats.decision.sentence().c_str());
-  if (state.stats.bound_px > 0) ImGui::Text("error bound %.2f pixels", state.stats.bound_px);
+  if (state.stats.bound_px.value_or(0) > 0)
+    ImGui::Text("error bound %.2f pixels", *state.stats.bound_px);
   if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   ImGui::PopItemWidth();
   ImGui::End();

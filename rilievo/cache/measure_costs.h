@@ -26,7 +26,7 @@ struct MeasuredRun {
   std::uint64_t triangles = 0;  // of each object
 };
 
-// What is drawn to be measured. Each run of balls covers the whole frame, side by side.
+// A scene to measure. Each run of balls covers the whole frame, side by side.
 struct MeasuredScene {
   Scene scene;
   Camera frame;
@@ -64,12 +64,12 @@ class MeasuredFrames {
 
 // A time to three digits, within what a file may hold.
 [[nodiscard]] double rounded_ns(double ns);
-// What drawing takes.
+// The time of drawing.
 [[nodiscard]] Result<DrawTimes> measure_drawing(const MeasuredScene& scene, MeasuredFrames& frames);
 // Polygons alone, in a fifth of the time.
 [[nodiscard]] Result<PolygonTimes> measure_polygons(const MeasuredScene& scene,
                                                     MeasuredFrames& frames);
-// What captures take, into empty slots of `pictures`.
+// The time of captures, into empty slots of `pictures`.
 [[nodiscard]] CaptureTimes measure_captures(const MeasuredScene& scene, NailboardStore& pictures);
 
 }  // namespace rilievo

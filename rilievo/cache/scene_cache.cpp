@@ -377,7 +377,7 @@ Result<> SceneCache::choose(const Camera& camera, [[maybe_unused]] const PlacedS
   return Done{};
 }
 
-void SceneCache::drawn(const FrameWork* work) {
+void SceneCache::drawn(const FrameWork* work, FrameStats&) {
   if (!work) return;
   if (!plan_.pictures.empty() || fallback_.held) store_->find_seen_shares(seen_shares_);
   learn(work->polygons, seen_shares_);

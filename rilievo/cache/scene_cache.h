@@ -62,12 +62,12 @@ struct ImageCacheOptions {
   // counts and not by the clock: an object that others hide costs little to draw, and is not worth
   // a picture. Without OpenGL only.
   bool learn = true;
-  // What the planner compares; none: the costs built in (policy.h), so that frames are the same on
-  // all machines, as they are with the same costs of any one machine.
+  // The costs that the planner compares; none: those built in (policy.h), so that frames are the
+  // same on all machines, as they are with the same costs of any one machine.
   std::optional<MachineCosts> machine = {};
 };
 
-// What a store for these options is.
+// The options of a store for these options.
 [[nodiscard]] NailboardStoreOptions store_options(const ImageCacheOptions& options);
 
 // Chooses a scene's frames, and captures for them.
@@ -109,7 +109,7 @@ class SceneCache final : public FrameChooser, private CaptureMaker {
                   FrameStats& stats) override;
   // Learns from what drawing the polygons of the last choose() took, and from how much of its
   // pictures was seen (ImageCacheOptions::learn).
-  void drawn(const FrameWork* work) override;
+  void drawn(const FrameWork* work, FrameStats& stats) override;
   // The same: `seen_shares` has an entry for each instance of the set of pictures.
   void learn(std::span<const ObjectWork> work, std::span<const float> seen_shares);
   // Captures the identifiers of the last frame's pictures of several objects, where they are
@@ -132,7 +132,7 @@ class SceneCache final : public FrameChooser, private CaptureMaker {
   };
   [[nodiscard]] std::vector<Shown> shown() const;
   [[nodiscard]] const NailboardStore& store() const { return *store_; }
-  // Of the levels of detail; null: there are none, and frames are the first backend's.
+  // The backend of levels of detail; null: there are none, and frames are the first backend's.
   [[nodiscard]] Backend* level_backend() const { return levels_ ? &levels_->backend() : nullptr; }
 
  private:
@@ -189,7 +189,7 @@ class SceneCache final : public FrameChooser, private CaptureMaker {
   std::vector<MovingObject> moving_;
   std::vector<std::unique_ptr<DrawableFactory>> factories_;  // outlive the drawables
   std::vector<ObjectDrawable> drawables_;
-  // What invalidate() dropped: the last frame may be drawn from it once more.
+  // Dropped by invalidate(): the last frame may be drawn from them once more.
   std::vector<std::unique_ptr<DrawableFactory>> retired_factories_;
   std::vector<ObjectDrawable> retired_;
   bool sets_changed_ = false;  // since the last frame

@@ -37,7 +37,7 @@ struct CaptureControl {
   std::function<void()> give_way = {};
 };
 
-// What to capture, and which data.
+// A picture to capture, and its data.
 struct CaptureRequest {
   Camera camera;
   // Indices into the scene's objects; empty: everything that the camera sees.

@@ -38,7 +38,7 @@ struct Tally {
     polygons += stats.polygons;
     groups += stats.groups;
     for (const auto& [kind, count] : stats.by_kind) by_kind[std::string(kind)] += count;
-    bound_px = std::max(bound_px, stats.bound_px);
+    bound_px = std::max(bound_px, stats.bound_px.value_or(0));
     gap_px = std::max(gap_px, stats.gap_px);
   }
 

@@ -317,7 +317,7 @@ void add_drawn_errors(const Scene& scene, std::span<const double> half_periods,
   const double pixel = pixel_at_one(frame.camera);
   const std::vector<Placed> objects = place_objects(scene, half_periods, frame.time);
   std::vector<Row> rows(static_cast<std::size_t>(h));
-  const double bound_px = seen.stats.bound_px, gap_px = seen.stats.gap_px;
+  const double bound_px = seen.stats.bound_px.value_or(0), gap_px = seen.stats.gap_px;
   Image<std::uint8_t> behind;
   if (gap_px > 0) behind = shown_behind(truth, seen, pixel, bound_px + kTexelError);
   parallel_for(0, h, [&](int y) {

@@ -20,11 +20,11 @@ struct WalkFrame {
   double time = 0;
 };
 
-// What a method's bounds are held against.
+// The limits of a method's bounds.
 struct BoundLimits {
   double error_px = 1, gap_px = 2;
   [[nodiscard]] bool hold(const FrameStats& stats) const {
-    return stats.bound_px <= error_px && stats.gap_px <= gap_px;
+    return stats.bound_px.value_or(0) <= error_px && stats.gap_px <= gap_px;
   }
 };
 
@@ -37,7 +37,7 @@ struct DrawnFrame {
   Image<float> eye_z;
 };
 
-// What frames are drawn into and read from: OpenGL's target, if any source needs it, and memory.
+// The targets of frames: OpenGL's, if any source needs it, and memory.
 class DrawTargets {
  public:
   // For sources that draw without OpenGL.

@@ -60,7 +60,7 @@ BoundedWalk walk_bounded(const std::string& spec, int samples, double past_px) {
     walked.measured += errors.shown - errors.boundary - errors.mixed - errors.unresolved;
     walked.violations += errors.violations;
     walked.largest_px = std::max(walked.largest_px, errors.largest_px);
-    walked.bound_px = std::max(walked.bound_px, seen->stats.bound_px);
+    walked.bound_px = std::max(walked.bound_px, seen->stats.bound_px.value());
     ++walked.frames;
   }
   return walked;

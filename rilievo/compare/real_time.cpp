@@ -11,7 +11,7 @@ namespace {
 void add_stats(const FrameStats& stats, RealTimeWalk& result) {
   result.captures += stats.captures;
   result.capture_ms += stats.capture_ms;
-  result.bound_px = std::max(result.bound_px, stats.bound_px);
+  result.bound_px = std::max(result.bound_px, stats.bound_px.value_or(0));
   result.gap_px = std::max(result.gap_px, stats.gap_px);
   result.picture_bytes = std::max(result.picture_bytes, stats.picture_bytes);
 }

@@ -19,7 +19,7 @@ enum class UpAxis { x, y, z };
 // How the coordinates of a file became those of a world, and where the scene lies there.
 struct WorldSpace {
   glm::dvec3 origin{0.0};  // world space
-  // Of the file, before it was turned and scaled:
+  // The file's own, before it was turned and scaled:
   UpAxis up = UpAxis::y;
   double metres_per_unit = 1;
   friend bool operator==(const WorldSpace&, const WorldSpace&) = default;

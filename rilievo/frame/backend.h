@@ -1,10 +1,10 @@
-// A backend: all that choosers need of one to make frames of a scene, with OpenGL or without.
+// A backend makes the frames of a scene, with OpenGL or without.
 //
 //   a method's chooser ---- asks for pictures, boards, drawables ----> Backend
 //   make_frames(chooser) -> FrameSource: owns the order of a frame, and draws what is chosen
 //
-// frame/gl/opengl_backend.h draws with OpenGL, frame/software/software_backend.h without. What a
-// backend makes must not outlive it.
+// frame/gl/opengl_backend.h draws with OpenGL, frame/software/software_backend.h without. A
+// backend must outlive all that it makes.
 #pragma once
 
 #include <memory>
@@ -38,14 +38,14 @@ class Backend {
   [[nodiscard]] virtual const Scene& given_scene() const { return scene(); }
   // Places the scene's objects; seconds.
   virtual void set_time(double time) = 0;
-  // What bends the scene's meshes by time, for the choosers that show it; null: nothing.
+  // The deformations of the scene's meshes by time, for choosers that show them; null: none.
   [[nodiscard]] virtual const Deformations* deformations() const = 0;
   // The samples of a pixel, which pictures share.
   [[nodiscard]] virtual int samples() const = 0;
 
-  // What captures the scene for a bake, as it is placed now.
+  // Captures the scene for a bake, as it is placed now.
   [[nodiscard]] virtual Result<std::unique_ptr<CaptureSource>> make_capture_source() = 0;
-  // What draws each kind of representation.
+  // The drawers of each kind of representation.
   [[nodiscard]] virtual std::span<const DrawableRow> drawables() const = 0;
   // A store of pictures of the scene. Fails where memory, or the driver, does.
   [[nodiscard]] virtual Result<std::unique_ptr<NailboardStore>> make_store(

@@ -19,7 +19,7 @@
 
 namespace rilievo {
 
-// What is seen at the centres of a frame's pixels.
+// Identifiers and depths at the centres of a frame's pixels.
 struct SeenObjects {
   Image<std::uint32_t> objects;  // identifiers; kNoObject where nothing is
   Image<float> eye_z;            // kNoDepth where nothing is
@@ -33,10 +33,10 @@ class BackendTarget {
   // Draws a frame of `source`, which is of the backend, and waits until it is done. Requires a
   // camera of the target's size. Fails where the source does.
   virtual Result<> draw(FrameSource& source, const Camera& camera, double time) = 0;
-  // What the last draw() drew, whose source must be alive: sRGB, row 0 on top.
+  // The colours of the last draw(), whose source must be alive: sRGB, row 0 on top.
   [[nodiscard]] virtual Rgba8Image color() const = 0;
-  // The distance of a sample of each pixel from the eye's plane, metres; kNoDepth where nothing is,
-  // as in the sky.
+  // The distance of a sample of each pixel from the eye's plane, metres, rows as color(); kNoDepth
+  // where nothing is, as in the sky.
   [[nodiscard]] virtual Image<float> eye_z() const = 0;
   // Milliseconds by the clock that the last draw() took, until all was done.
   [[nodiscard]] double frame_ms() const { return frame_ms_; }
@@ -47,7 +47,7 @@ class BackendTarget {
   double frame_ms_ = 0;
 };
 
-// What the last draw() drew, with `camera`, as a picture: linear colours and eye_z.
+// The frame that the last draw() drew with `camera`, as a picture: linear colours and eye_z.
 [[nodiscard]] DepthImage read_picture(const BackendTarget& target, const Camera& camera);
 
 }  // namespace rilievo

@@ -18,7 +18,7 @@
 
 namespace rilievo {
 
-// What drawing a frame took, counted.
+// The work of drawing a frame, counted.
 struct FrameWork {
   std::span<const ObjectWork> polygons;  // of the objects drawn as polygons
 };
@@ -30,14 +30,14 @@ class FrameChooser {
 
   // Appends the sets of what it draws from to an empty `content`; called once, before choose().
   virtual void add_sets(FrameContent& content) = 0;
-  // Fills `content`, which is cleared, and in `stats` the captures, memory and bound. `placed` is
+  // Fills `content`, which is cleared, and in `stats` the captures, memory and bounds. `placed` is
   // at the frame's time, and the same in all frames. May change OpenGL's bound framebuffer,
   // viewport and scissor test.
   virtual Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                           FrameStats& stats) = 0;
   // Called when the frame that was chosen last has been drawn, or has failed. Null: it has failed,
-  // or the backend does not count (OpenGL).
-  virtual void drawn(const FrameWork* /*work*/) {}
+  // or the backend does not count (OpenGL). Adds to `stats` what only drawing tells.
+  virtual void drawn(const FrameWork* /*work*/, FrameStats& /*stats*/) {}
   // Called before the identifiers of the last frame are drawn: captures those that are missing.
   virtual void prepare_objects() {}
   // The pictures of the frame that was chosen last, as FrameSource::read_pictures().
@@ -45,8 +45,8 @@ class FrameChooser {
       const FrameContent& /*content*/) const {
     return {};
   }
-  // Does what stands for the object in this frame hold its blended parts, too? Otherwise they are
-  // drawn as polygons.
+  // Returns whether the pictures of the object in this frame show its blended parts, too. Otherwise
+  // these are drawn as polygons.
   [[nodiscard]] virtual bool shows_blended(std::uint32_t /*object*/) const { return false; }
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rilievo {
 
@@ -38,6 +39,19 @@ void count_drawn(const FrameContent& content, FrameStats& stats) {
     else
       found->second += single;
   }
+}
+
+void widen_bounds(const ErrorModel& error, const Instance& instance, const Camera& frame,
+                  FrameStats& stats) {
+  if (!stats.bound_px) return;
+  const double bound_px = error.bound_px(instance.world_from_capture, frame);
+  if (!std::isfinite(bound_px)) {
+    stats.bound_px.reset();
+    return;
+  }
+  stats.bound_px = std::max(*stats.bound_px, bound_px);
+  if (const double gap_px = error.gap_px(instance.world_from_capture, frame); std::isfinite(gap_px))
+    stats.gap_px = std::max(stats.gap_px, gap_px);
 }
 
 }  // namespace rilievo

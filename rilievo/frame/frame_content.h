@@ -1,12 +1,13 @@
-// The content of a frame: all that it is drawn from.
+// The content of a frame: everything that is drawn, and from what.
 //
-// The choice for each frame: which objects are drawn as polygons, and which instances of which
+// For each frame: which objects are drawn as polygons, and which instances of which
 // drawables stand for the others. Buffers are kept between frames, so that choosing does not
 // allocate.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -55,17 +56,19 @@ struct FrameDecision {
   [[nodiscard]] std::string sentence() const;
 };
 
-// What the last frame did.
+// Statistics of the last frame.
 struct FrameStats {
   int captures = 0;               // pictures captured in this frame
   double capture_ms = 0;          // wall-clock time that this frame spent on captures
   std::size_t picture_bytes = 0;  // memory of pictures now
-  double bound_px = 0;            // the largest error bound of anything drawn, pixels; 0: unknown
+  // The largest error bound of anything drawn, pixels. 0: the frame is exact. Absent: something in
+  // it has no bound, or is seen from where its bound does not hold.
+  std::optional<double> bound_px;
   double gap_px = 0;  // the largest bound of the width of gaps, pixels; 0: none, or unknown
   int polygons = 0;   // objects drawn as polygons
   int groups = 0;     // instances drawn that show several objects each
-  // Of keyframes: shares of the pixels that no keyframe shows and rays fill, and that show
-  // polygons; and keyframes that are coarse because the right ones are late.
+  // Keyframes: the shares of the pixels that rays fill because no keyframe shows them, and that
+  // show polygons; and the number of coarse keyframes that stand for late ones.
   double filled_share = 0, live_share = 0;
   int late = 0;
   FrameDecision decision;
@@ -82,5 +85,10 @@ struct FrameStats {
 
 // Sets the numbers of what is drawn: polygons, groups and by_kind.
 void count_drawn(const FrameContent& content, FrameStats& stats);
+
+// Widens the bounds of a frame to those of an instance that it draws, whose error `error` is. The
+// first call needs stats.bound_px = 0; an instance without a bound makes it absent.
+void widen_bounds(const ErrorModel& error, const Instance& instance, const Camera& frame,
+                  FrameStats& stats);
 
 }  // namespace rilievo

@@ -27,11 +27,11 @@ class FrameSource {
   // Captures and chooses nothing, so that it shows exactly what the frame shows.
   virtual Result<> draw_objects() = 0;
 
-  // Where the last frame is, if the source draws without OpenGL: into a target of its own, instead
-  // of the backend's current one. Null: it draws with OpenGL.
+  // The target of the last frame, if the source draws without OpenGL: it has its own, and does not
+  // use the backend's current one. Null: it draws with OpenGL.
   [[nodiscard]] virtual const SoftwareTarget* software_target() const { return nullptr; }
 
-  // What the last draw() did.
+  // Statistics of the last draw().
   [[nodiscard]] virtual const FrameStats& stats() const = 0;
 
   // The pictures from which the last frame was drawn, named after what they show.

@@ -25,7 +25,7 @@
 
 namespace rilievo {
 
-// What a foreign file does not say.
+// Answers to questions that a foreign file leaves open.
 struct DeepLoadOptions {
   // The camera of the display window, of any resolution. Used only if the file has no camera.
   std::optional<Camera> camera;

@@ -27,7 +27,7 @@ namespace rilievo {
 class TileDrawer;
 struct Sky;
 
-// What drawing writes besides depth.
+// The output of drawing besides depth.
 enum class Output {
   color,      // sRGB-encoded, premultiplied
   object_id,  // object identifiers; see Instance::object
@@ -47,8 +47,8 @@ struct Instance {
   std::optional<std::uint32_t> partner = {};
 };
 
-// What Output::object_id writes for an instance whose pictures show one object, `only`, or name
-// none (kNoObject).
+// The identifier that Output::object_id writes for an instance whose pictures show one object,
+// `only`, or name none (kNoObject).
 [[nodiscard]] inline std::uint32_t object_of(const Instance& instance, std::uint32_t only) {
   return instance.object != kNoObject ? instance.object : only;
 }

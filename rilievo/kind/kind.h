@@ -75,13 +75,13 @@ struct Variant {
       value;  // an option of draw_options and its value; empty: a former name of the kind
 };
 
-// What a representation stands for.
+// The content that a representation stands for.
 enum class StandsFor {
   objects,       // one or several objects, seen from outside
   surroundings,  // everything visible from within a region, including the sky
 };
 
-// What to export as a scene.
+// The part of a representation to export as a scene.
 struct SceneRequest {
   int part = 0;        // index of a node, view, ...
   bool closed = true;  // close gaps that no picture shows
@@ -103,17 +103,16 @@ struct Kind {
   // Checks, before time is spent, that the options go together. May be null.
   Result<> (*check_options)(const OptionValues&) = nullptr;
 
-  // Does a file with these attributes contain this kind?
+  // Returns whether a file with these attributes contains this kind.
   bool (*matches)(const FileAttributes&) = nullptr;
-  // Does load() read the planes of pictures itself, some at a time? Then it gets pictures without
-  // planes.
+  // load() reads the planes of pictures itself, some at a time: it gets pictures without planes.
   bool reads_later = false;
   // Makes a representation of a file's pictures. The error names the file and the reason.
   Result<std::unique_ptr<Representation>> (*load)(PictureFile,
                                                   const std::filesystem::path&) = nullptr;
   // Saves a representation. The file is replaced at once or not at all.
   Result<> (*save)(const Representation&, const std::filesystem::path&) = nullptr;
-  // What `rilievo info` prints.
+  // The lines that `rilievo info` prints.
   std::vector<Fact> (*describe)(const Representation&) = nullptr;
   // Makes an ordinary textured mesh for other programs. Null if the kind has none.
   Result<Scene> (*to_scene)(const Representation&, const SceneRequest&) = nullptr;

@@ -46,8 +46,9 @@ struct ErrorPx {
   double boundary = 0;    // beside an object's boundary, or another object
   double mixed = 0;       // beside a step of the depth
   double unresolved = 0;  // too near or too far away
-  // Of those measured: above the bound of their frame by more than the resolution; and the number
-  // of pixels above it by half a pixel's diagonal besides, which bounds leave to texels.
+  // The share of those measured that lie above the bound of their frame by more than the
+  // resolution; and the number of pixels above it by half a pixel's diagonal besides, which bounds
+  // leave to texels.
   double over_bound = 0;
   std::int64_t violations = 0;
   // Pixels above it as far that are no violations: they show what lies behind, in a gap that is no
@@ -81,7 +82,7 @@ struct MethodResult {
   std::optional<double> pop_max;                               // over tiles
   std::optional<double> pop_frame_max;                         // over whole frames
   std::vector<std::pair<std::string, std::int64_t>> drawn_as;  // "polygons", "nailboard", ...
-  // Of a method that chooses between others, for each frame: "NAME (why)".
+  // For each frame of a method that chooses between others: "NAME (why)".
   std::vector<std::string> decisions;
   // For the page, one for each frame shown, in order:
   std::vector<EncodedPicture> pictures, differences;

@@ -6,7 +6,7 @@
 //   lod         levels of detail, within half of error_px as they state it         estimated
 //   keyframes   whole frames from keyframes, of at most loss_db                    measured
 //
-// method/auto_decision.h decides. What a frame takes is measured by the clock, or counted
+// method/auto_decision.h decides. A frame's time is measured by the clock, or counted
 // (MethodOptions::by_clock); only direct drawing and the cache are counted, and then the same input
 // gives the same frames.
 //

@@ -1,15 +1,15 @@
-// Which method draws the next frame?
+// The choice of the method that draws the next frame.
 //
-// A pure decision from costs: what each method took when it drew, what it would take by a model,
-// and how good its frames are. The one that draws is measured in every frame; the others now and
+// A pure decision from costs: the time of each method when it drew, its time by a model, and how
+// good its frames are. The one that draws is measured in every frame; the others now and
 // then, in a trial of a few frames.
 //
-// A trial must be able to pay. What a method took, or what a model says that it would, is taken for
-// the less certain the older it is; only what may then be cheaper is tried, not if it would take
-// over kMaySpike times the frame, and only while all that trials have cost stays below kTrialShare
-// of all time. What must be prepared first must gain as much in kPaysWithin frames, times its
-// chance to be good enough, and a good deal; where a model says that it takes less than half of
-// what any other does, it is prepared from the first frame on. Each trial that fails doubles the
+// A trial must be able to pay. A measured or modelled time counts as the less certain the older it
+// is. A method is tried only if it may then be cheaper, if it takes at most kMaySpike times the
+// frame, and while all trials together stay below kTrialShare of all time. A method that must be
+// prepared first must gain as much in kPaysWithin frames, times its chance to be good enough, and
+// a good deal; if a model says that it takes less than half the time of any other, it is prepared
+// from the first frame on. Each trial that fails doubles the
 // time to the next one of that method. So a walk on which nothing changes costs next to nothing,
 // and where the costs change the next trial is soon.
 //
@@ -46,7 +46,7 @@ struct FrameLoad {
   [[nodiscard]] double direct_ms() const;
   [[nodiscard]] double levels_ms() const;
   [[nodiscard]] double rays_ms() const;
-  // Of keyframes beside their share of direct drawing, which captures them and fills their holes.
+  // Without their share of direct drawing, which captures them and fills their holes.
   [[nodiscard]] double keyframes_ms() const;
   static constexpr double kKeyframesOfDirect = 0.17;
 };

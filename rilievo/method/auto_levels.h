@@ -1,5 +1,4 @@
-// Levels of detail as `auto` has them: prepared beside the frames, and looked at before anyone else
-// does.
+// Levels of detail for `auto`: prepared beside the frames, and measured before anyone sees them.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +41,7 @@ struct AutoLevels {
   std::optional<ObjectLevels> made;  // what the frames are made of, until there are frames
 };
 
-// What they are prepared for.
+// The view that levels are prepared for.
 struct AutoLevelsOptions {
   Camera camera;
   double time = 0;
@@ -52,7 +51,7 @@ struct AutoLevelsOptions {
   bool measure_loss = false;  // nothing moves, and memory suffices for a tree of all triangles
 };
 
-// Makes levels of the scene, on any thread. Of a software backend a first frame is drawn here: it
+// Makes levels of the scene, on any thread. Draws a first frame of a software backend: this
 // touches all of a target's memory, and tells how good the levels are. Their error, which
 // simplification only estimates, is error_px where that is good enough, else half of it.
 [[nodiscard]] AutoLevels prepare_levels(const Backend& backend, const Scene& scene,

@@ -9,7 +9,7 @@ namespace rilievo {
 // Makes the cache's frames (cache/scene_cache.h), and bakes for --bake-mb. The errors name options.
 [[nodiscard]] Result<Method> make_cached_method(const MethodOptions& options, Backend& backend);
 
-// What the cache is made with, and what of it can change between frames.
+// The options that the cache is made with, and those that can change between frames.
 [[nodiscard]] ImageCacheOptions cache_options(const MethodOptions& options, int samples);
 void follow_cache(const MethodOptions& options, ImageCacheOptions& cache);
 

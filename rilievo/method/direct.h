@@ -10,7 +10,8 @@ class DirectChooser final : public FrameChooser {
  public:
   void add_sets(FrameContent&) override {}
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
-                  FrameStats&) override {
+                  FrameStats& stats) override {
+    stats.bound_px = 0;
     placed.cull(camera, content.polygons);
     return Done{};
   }

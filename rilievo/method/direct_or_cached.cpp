@@ -46,8 +46,8 @@ Result<> DirectOrCached::choose(const Camera& camera, const PlacedScene& placed,
   return chosen;
 }
 
-void DirectOrCached::drawn(const FrameWork* work) {
-  if (chose_cache()) cache_->drawn(work);
+void DirectOrCached::drawn(const FrameWork* work, FrameStats& stats) {
+  if (chose_cache()) cache_->drawn(work, stats);
   if (!work) return;
   const CostModel cost;
   double triangles = beside_polygons_;

@@ -29,7 +29,7 @@ class DirectOrCached final : public FrameChooser {
   // The cache's; those that can change between frames do.
   [[nodiscard]] ImageCacheOptions& options() { return cache_ ? cache_->options() : options_; }
 
-  // What the last frame took by counts of its work, not by a clock: the same on all machines, in
+  // The time of the last frame by counts of its work, not by a clock: the same on all machines, in
   // milliseconds of the machine of FrameLoad (method/auto_decision.h), roughly.
   [[nodiscard]] double counted_ms() const { return counted_ms_; }
 
@@ -37,7 +37,7 @@ class DirectOrCached final : public FrameChooser {
   // Where the cache cannot be made, polygons.
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                   FrameStats& stats) override;
-  void drawn(const FrameWork* work) override;
+  void drawn(const FrameWork* work, FrameStats& stats) override;
   void prepare_objects() override;
   [[nodiscard]] std::vector<DepthImage> read_pictures(const FrameContent& content) const override;
 

@@ -1,4 +1,4 @@
-// Levels of detail: a baseline, and what most engines do.
+// Levels of detail: a baseline, as most engines have it.
 #pragma once
 
 #include <memory>

@@ -83,7 +83,7 @@ struct Method {
   std::unique_ptr<FrameSource> frames;
   // Takes over those options that can change between frames; empty: there are none.
   std::function<void(const MethodOptions&)> follow = {};
-  // What a panel shows of the last frame's impostors; empty: there are none.
+  // The state of the last frame's impostors, for a panel; empty: there are none.
   std::function<std::span<const ImpostorStatus>()> impostors = {};
 };
 
@@ -92,9 +92,9 @@ struct MethodRow {
   std::string_view name;
   // Errors about an option name it as the command line does.
   Result<Method> (*make)(const MethodOptions& options, Backend& backend) = nullptr;
-  // Is it drawn without OpenGL where that is faster, if it may be?
+  // Where either may draw, software draws if that is faster.
   bool software_first = true;
-  // Does it show skins and morph targets by time (Backend::deformations)?
+  // It shows skins and morph targets by time (Backend::deformations).
   bool bends = false;
 };
 
@@ -113,15 +113,15 @@ struct MethodRow {
 [[nodiscard]] Result<Method> make_method(std::span<const MethodRow> rows, std::string_view name,
                                          const MethodOptions& options, Backend& backend);
 
-// What another file holds.
+// The content of another file.
 struct StoredBeside {
   const Kind* kind = nullptr;
   std::unique_ptr<Representation> representation;
 };
-// Frames of what a file holds, drawn by a method of its kind, under its own sky, or that of the
-// backend's scene. What lies `beside` it, such as an object that stands between nodes, is drawn by
-// its own kind into the same z-buffer. A drawable takes the representation for itself: one load for
-// each.
+// Frames of a file's content, drawn by a method of its kind, under its own sky, or that of the
+// backend's scene. Its own kind draws each content `beside` it, such as an object that stands
+// between nodes, into the same z-buffer. A drawable takes the representation for itself: each needs
+// a load.
 [[nodiscard]] Result<Method> make_stored_method(std::string_view name, const MethodOptions& options,
                                                 Backend& backend,
                                                 std::unique_ptr<Representation> representation,

@@ -59,6 +59,7 @@ void ObjectChooser::add_sets(FrameContent& content) {
 Result<> ObjectChooser::choose(const Camera& camera, const PlacedScene& placed,
                                FrameContent& content, FrameStats& stats) {
   content.outlines = outlines_;
+  stats.bound_px = 0;
   visible_.clear();
   placed.cull(camera, visible_);
   for (const std::uint32_t object : visible_) {
@@ -69,11 +70,7 @@ Result<> ObjectChooser::choose(const Camera& camera, const PlacedScene& placed,
     }
     const auto i = std::size_t(baked_of_[object]);
     content.sets[i].instances.push_back(*instance);
-    const ErrorModel& error = baked_[i].error;
-    stats.bound_px = std::max(stats.bound_px, error.bound_px(instance->world_from_capture, camera));
-    if (const double gap_px = error.gap_px(instance->world_from_capture, camera);
-        std::isfinite(gap_px))
-      stats.gap_px = std::max(stats.gap_px, gap_px);
+    widen_bounds(baked_[i].error, *instance, camera, stats);
   }
   stats.captures = std::exchange(captures_, 0);
   stats.capture_ms = std::exchange(capture_ms_, 0);

@@ -14,7 +14,7 @@
 
 namespace rilievo {
 
-// What to bake, and when to use it.
+// The objects to bake, and when to draw them so.
 struct ObjectFramesOptions {
   ObjectDrawablesOptions objects;
   double max_texel_px = 4;  // objects with larger texels on the screen are drawn as polygons

@@ -9,6 +9,7 @@
 // frame:
 //
 //   baked->frames->draw(camera, 0);
+//   baked->frames->stats().bound_px;   // the bound of the frame's error, if the file has one here
 //
 // HostFrames (frame/gl/host_frames.h) draw them by a host's matrices, with reversed depths, and
 // into linear framebuffers.

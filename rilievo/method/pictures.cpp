@@ -126,6 +126,7 @@ Result<> PictureChooser::choose(const Camera& camera, const PlacedScene& placed,
   stats.captures = int(captured_.size());
   stats.capture_ms = stats.captures ? watch.ms() : 0;
   stats.picture_bytes = store_->bytes();
+  if (instances.empty()) stats.bound_px = 0;
   return Done{};
 }
 

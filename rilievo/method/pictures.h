@@ -29,7 +29,7 @@ struct PictureFramesOptions {
   int samples = 4;
 };
 
-// What a store for these options is.
+// The options of a store for these options.
 [[nodiscard]] NailboardStoreOptions store_options(const PictureFramesOptions& options);
 
 // Chooses frames with one picture for each heavy object.

@@ -1,4 +1,4 @@
-// When are pictures captured again that are used in the plain way?
+// A test of when pictures that are used in the plain way are captured again.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -164,7 +164,7 @@ Result<> ImpostorChooser::choose(const Camera& camera, const PlacedScene& placed
   return Done{};
 }
 
-void ImpostorChooser::drawn(const FrameWork*) { workers_->end_frame(); }
+void ImpostorChooser::drawn(const FrameWork*, FrameStats&) { workers_->end_frame(); }
 
 Result<ImpostorFrames> make_impostor_frames(Backend& backend, ImpostorContent content,
                                             const ImpostorFramesOptions& options) {

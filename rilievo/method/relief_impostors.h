@@ -26,7 +26,7 @@ struct ImpostorFramesOptions {
   bool outlines = false;
 };
 
-// What a panel shows of an impostor.
+// The state of an impostor, for a panel.
 struct ImpostorStatus {
   std::uint32_t object = 0;  // the first in whose place it stands
   bool in_view = false;
@@ -44,10 +44,10 @@ class ImpostorChooser final : public FrameChooser {
   void add_sets(FrameContent& content) override;
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                   FrameStats& stats) override;
-  void drawn(const FrameWork* work) override;
+  void drawn(const FrameWork* work, FrameStats& stats) override;
   [[nodiscard]] bool shows_blended(std::uint32_t object) const override;
 
-  // Of the last frame.
+  // The states in the last frame.
   [[nodiscard]] std::span<const ImpostorStatus> statuses() const { return statuses_; }
   [[nodiscard]] ImpostorWorkers& workers() { return *workers_; }
   [[nodiscard]] const ImpostorContent& impostors() const { return content_; }

@@ -28,14 +28,18 @@ class StoredChooser final : public FrameChooser {
 
   // Draws this as well, with one z-buffer for all. Before frames are made of the chooser.
   void add(PictureSet content, std::unique_ptr<DrawableFactory> factory) {
-    stored_.push_back({std::move(factory), std::move(content)});
+    std::vector<ErrorModel> errors;
+    for (const Instance& instance : content.instances)
+      errors.push_back(content.drawable->error_model(instance.item));
+    stored_.push_back({std::move(factory), std::move(content), std::move(errors)});
   }
 
   void add_sets(FrameContent& content) override {
     for (const Stored& stored : stored_) content.sets.push_back({stored.set.drawable.get(), {}});
   }
-  Result<> choose(const Camera&, const PlacedScene&, FrameContent& content,
+  Result<> choose(const Camera& camera, const PlacedScene&, FrameContent& content,
                   FrameStats& stats) override {
+    camera_ = camera;
     content.outlines = options_.outlines;
     content.sky = options_.sky;
     stats.picture_bytes = 0;
@@ -45,14 +49,23 @@ class StoredChooser final : public FrameChooser {
     }
     return Done{};
   }
+  // Bounds come after drawing: environment nodes have loaded what their bound needs.
+  void drawn(const FrameWork*, FrameStats& stats) override {
+    stats.bound_px = 0;
+    for (const Stored& stored : stored_)
+      for (std::size_t i = 0; i < stored.errors.size(); ++i)
+        widen_bounds(stored.errors[i], stored.set.instances[i], camera_, stats);
+  }
 
  private:
   struct Stored {
     std::unique_ptr<DrawableFactory> factory;  // outlives the drawable
     PictureSet set;
+    std::vector<ErrorModel> errors;  // of the instances
   };
   std::vector<Stored> stored_;
   StoredOptions options_;
+  Camera camera_;  // of the last frame
 };
 
 }  // namespace rilievo

@@ -35,6 +35,7 @@ Result<std::unique_ptr<SurroundingChooser>> SurroundingChooser::create(
       frames->factory_->make_drawable(std::move(baked->representation), options.draw);
   if (!drawable) return drawable.error();
   frames->drawable_ = std::move(*drawable);
+  frames->error_ = frames->drawable_->error_model(0);
   frames->capture_ms_ = watch.ms();
   return {std::move(frames)};
 }
@@ -45,6 +46,7 @@ void SurroundingChooser::add_sets(FrameContent& content) {
 
 Result<> SurroundingChooser::choose(const Camera& camera, const PlacedScene& placed,
                                     FrameContent& content, FrameStats& stats) {
+  camera_ = camera;
   content.sets[0].instances.push_back({});
   visible_.clear();
   placed.cull(camera, visible_);
@@ -54,6 +56,11 @@ Result<> SurroundingChooser::choose(const Camera& camera, const PlacedScene& pla
   stats.capture_ms = std::exchange(capture_ms_, 0);
   stats.picture_bytes = drawable_->bytes();
   return Done{};
+}
+
+void SurroundingChooser::drawn(const FrameWork*, FrameStats& stats) {
+  stats.bound_px = 0;
+  widen_bounds(error_, {}, camera_, stats);
 }
 
 }  // namespace rilievo

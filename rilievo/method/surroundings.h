@@ -14,7 +14,7 @@
 
 namespace rilievo {
 
-// What to bake.
+// The surroundings to bake.
 struct SurroundingFramesOptions {
   OptionValues bake, draw;  // of the kind
   Box eyes = {};            // the region of the eyes; empty: unknown
@@ -34,6 +34,8 @@ class SurroundingChooser final : public FrameChooser {
   void add_sets(FrameContent& content) override;
   Result<> choose(const Camera& camera, const PlacedScene& placed, FrameContent& content,
                   FrameStats& stats) override;
+  // Bounds come after drawing, which has loaded what they need.
+  void drawn(const FrameWork* work, FrameStats& stats) override;
 
  private:
   SurroundingChooser() = default;
@@ -42,6 +44,8 @@ class SurroundingChooser final : public FrameChooser {
   std::unique_ptr<Drawable> drawable_;
   std::vector<bool> baked_;  // by object
   std::vector<std::uint32_t> visible_;
+  ErrorModel error_;
+  Camera camera_;     // of the last frame
   int captures_ = 0;  // since the last frame
   double capture_ms_ = 0;
 };

@@ -87,7 +87,7 @@ class OcclusionTiles {
   static constexpr int kLayerCells = AtlasAllocator::kLayerSize / kCellTexels;
 
  private:
-  // Of a slot's lower left corner.
+  // The block, and the cell, of a slot's lower left corner.
   [[nodiscard]] static std::size_t first_block(const AtlasSlot& slot);
   [[nodiscard]] static std::size_t first_cell(const AtlasSlot& slot);
 

@@ -59,8 +59,8 @@ class PrewarpedBoards {
                      const PicturePiece& piece) = 0;
   virtual void write_objects(const PrewarpedBoard& board,
                              std::span<const std::uint32_t> objects) = 0;
-  // What a picture costs besides its warp, in triangles: to be written, and drawn; per_pixel of the
-  // frame.
+  // The cost of a picture besides its warp, in triangles: of writing and drawing it; per_pixel of
+  // the frame.
   [[nodiscard]] virtual CostTerms cost_terms() const = 0;
   // A drawer, which the store must outlive.
   [[nodiscard]] virtual std::unique_ptr<BoardDrawer> make_drawer() = 0;

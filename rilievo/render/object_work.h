@@ -5,14 +5,14 @@
 
 namespace rilievo {
 
-// What rasterising one mesh took.
+// The work of rasterising one mesh.
 struct MeshWork {
   std::uint64_t projected = 0;  // triangles that had to be projected
   std::uint64_t filled = 0;     // ... and those of them that had to be filled
 };
 
-// Of one object in one frame, by the rasteriser: most triangles of a scene are hidden by others and
-// left out early (render/raster/sample_raster.h).
+// The work of one object in one frame, by the rasteriser: most triangles of a scene are hidden by
+// others and left out early (render/raster/sample_raster.h).
 struct ObjectWork {
   std::uint32_t object = 0;                 // index into Scene::objects
   std::uint64_t projected = 0, filled = 0;  // of all its meshes; by rays: 0

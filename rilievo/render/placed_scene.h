@@ -1,7 +1,7 @@
 // A scene's objects at a moment: where they are, and which of them a camera sees.
 //
-// What every renderer of whole scenes needs, with OpenGL or without: poses and bounds of all
-// objects, and which of them have opaque parts and parts that blend. World space, metres.
+// Every renderer of whole scenes, with OpenGL or without, uses it: poses and bounds of all objects,
+// and which of them have opaque parts and parts that blend. World space, metres.
 #pragma once
 
 #include <cmath>

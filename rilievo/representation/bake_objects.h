@@ -36,14 +36,14 @@ struct ObjectDrawablesOptions {
     const ObjectDrawablesOptions& options);
 
 // Bakes all objects that stand still as one: a thing of many parts that hide each other, which
-// would overlap where each is drawn for itself. Of the options, min_triangles is not used. Fails if
+// would overlap where each is drawn for itself. Does not use options.min_triangles. Fails if
 // nothing stands still or max_bytes does not suffice.
 [[nodiscard]] Result<ObjectDrawable> bake_together_drawable(const PlacedScene& placed,
                                                             CaptureSource& source, const Kind& kind,
                                                             DrawableFactory& factory,
                                                             const ObjectDrawablesOptions& options);
 
-// What to bake as surroundings, and how.
+// The surroundings to bake, and how.
 struct SurroundingsOptions {
   OptionValues bake, draw;  // of the kind
   Box eyes = {};            // the region of the eyes, world space

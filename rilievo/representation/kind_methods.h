@@ -16,7 +16,7 @@ namespace rilievo {
 // By Option::name, for all kinds that have it; or by given_name(), for one kind, which wins.
 using GivenOptions = std::map<std::string, std::string, std::less<>>;
 
-// What was given for kinds. An option for baking and one for drawing can have the same name.
+// The options given for kinds. An option for baking and one for drawing can have the same name.
 struct KindOptions {
   GivenOptions bake, draw;
 };
@@ -56,7 +56,7 @@ void apply(const KindMethod& method, KindOptions& options);
 [[nodiscard]] std::vector<std::string> kind_names();
 // The kind that is baked unless another one is named: the first of the list.
 [[nodiscard]] const Kind& default_kind();
-// Of all kinds, or of one: its name first, former names left out.
+// The methods of all kinds, or of one: its name first, former names left out.
 [[nodiscard]] std::vector<std::string> kind_method_names();
 [[nodiscard]] std::vector<std::string> kind_method_names(const Kind& kind);
 

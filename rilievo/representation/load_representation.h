@@ -8,7 +8,7 @@
 
 namespace rilievo {
 
-// What a file holds.
+// The content of a file.
 struct LoadedRepresentation {
   const Kind* kind = nullptr;
   std::unique_ptr<Representation> representation;

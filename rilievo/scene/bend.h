@@ -40,7 +40,7 @@ struct Deformation {
     glm::mat4 joint_from_mesh{1.0f};
   };
   std::vector<Joint> joints;
-  // Of vertex i: influences [first_influence[i], first_influence[i + 1]); weights add up to 1.
+  // Vertex i has influences [first_influence[i], first_influence[i + 1]); weights add up to 1.
   struct Influence {
     std::uint32_t joint = 0;
     float weight = 0;
@@ -49,7 +49,7 @@ struct Deformation {
   std::vector<Influence> influences;
 };
 
-// What bends the meshes of a scene.
+// The deformations of a scene's meshes.
 struct Deformations {
   Rig rig;
   std::vector<Deformation> meshes;
@@ -70,9 +70,9 @@ struct DeformationBounds {
   Box bounds;         // of the surface, at all times
 };
 
-// Of each of Scene::models. `speed` and `bounds` are bounds at all times, not at some that were
-// tried: from the curves' greatest speeds, interval by interval, and the lengths of bones. At most
-// kSteppedSpeed. Slow: bends each mesh up to 257 times.
+// Bounds for each of Scene::models. `speed` and `bounds` are bounds at all times, not at some that
+// were tried: from the curves' greatest speeds, interval by interval, and the lengths of bones. At
+// most kSteppedSpeed. Slow: bends each mesh up to 257 times.
 [[nodiscard]] std::vector<DeformationBounds> deformation_bounds(const Scene& scene,
                                                                 const Deformations& deformations);
 

@@ -39,7 +39,7 @@ struct TextureUse {
   glm::mat3 texture_from_uv{1.0f};
 };
 
-// What alpha means: nothing, a cut-out at Material::alpha_cutoff, or blending.
+// The meaning of alpha: nothing, a cut-out at Material::alpha_cutoff, or blending.
 enum class AlphaMode { opaque, mask, blend };
 
 // glTF 2.0's metallic-roughness model. Factors multiply the textures.
@@ -67,7 +67,7 @@ struct Material {
   bool refracts = false;  // surrounds a volume, so that light is bent; else a thin wall
 };
 
-// What a mesh consists of, and how many corners each of these has.
+// The primitives of a mesh, and the number of corners of each.
 enum class Primitive : std::uint8_t { triangles, lines, points };
 [[nodiscard]] constexpr std::uint32_t corners_of(Primitive primitive) {
   return primitive == Primitive::triangles ? 3 : primitive == Primitive::lines ? 2 : 1;
@@ -89,11 +89,11 @@ struct Mesh {
   std::vector<glm::vec4> colors;  // linear, straight alpha
   std::vector<std::uint32_t> indices;
   Primitive primitive = Primitive::triangles;
-  // Of points: the diameter, in metres of mesh space; a placement scales it by the least that it
-  // stretches. Where that is 0, and for lines: `width_px` pixels of the picture that is drawn.
+  // The diameter of points, metres of mesh space; a placement scales it by the least that it
+  // stretches. Lines, and points where it is 0, are `width_px` pixels of the drawn picture wide.
   float width = 0, width_px = 1;
   Box bounds;  // with the points' discs
-  // Of each run of primitives, in their order: most meshes have neighbours near each other in it.
+  // Bounds of each run of primitives, in their order: most meshes keep neighbours close in it.
   static constexpr std::uint32_t kRun = 1024;
   std::vector<Box> run_bounds;
 

@@ -1,4 +1,4 @@
-// How far the eye can move before a flattened sample visibly slides.
+// Bounds of the parallax of a flattened sample: how far the eye can move before it visibly slides.
 //
 // A sample at eye distance `back` is drawn at eye distance `front` on the same capture ray, or the
 // reverse. Both project to one pixel from the capture eye. From any other eye they are seen under

@@ -9,7 +9,7 @@ namespace rilievo {
 // runs on two cores. Needs a current OpenGL context. Fails where the driver does.
 [[nodiscard]] Result<> measure_opengl(MachineCosts& costs);
 
-// What polygons take alone; some tenths of a second, likewise.
+// The time of polygons alone; some tenths of a second, likewise.
 [[nodiscard]] Result<PolygonTimes> measure_polygons_by_opengl();
 
 }  // namespace rilievo

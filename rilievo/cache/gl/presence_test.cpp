@@ -67,7 +67,7 @@ class PresenceTest : public SceneTest {
     for (int f = 0; f < frames && cache.ok(); ++f) {
       const Camera camera = camera_of(f);
       frame_of(*cache, camera);
-      bound_px = cache->stats().bound_px;
+      bound_px = cache->stats().bound_px.value();
       const auto cached = objects_of(*cache);
       const std::set<std::uint32_t> seen(cached.texels().begin(), cached.texels().end());
       pictures += cache->stats().count("nailboard") + cache->stats().groups;

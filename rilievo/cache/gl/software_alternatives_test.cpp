@@ -88,7 +88,7 @@ class SoftwareAlternativesTest : public SceneTest {
       EXPECT_EQ(a.captures, b.captures);
       EXPECT_EQ(a.polygons, b.polygons);
       EXPECT_EQ(a.count("nailboard"), b.count("nailboard"));
-      EXPECT_DOUBLE_EQ(a.bound_px, b.bound_px);
+      EXPECT_DOUBLE_EQ(a.bound_px.value(), b.bound_px.value());
       EXPECT_LE(b.bound_px, options.error_px);
       if (shown == 0 || b.captures > 0) continue;
       ++chosen;

@@ -60,7 +60,7 @@ TEST_F(SoftwareCacheTest, draws_the_cache_s_frames_as_opengl_draws_them) {
       EXPECT_EQ(a.polygons, b.polygons);
       EXPECT_EQ(a.groups, b.groups);
       EXPECT_EQ(a.count("nailboard"), b.count("nailboard"));
-      EXPECT_DOUBLE_EQ(a.bound_px, b.bound_px);
+      EXPECT_DOUBLE_EQ(a.bound_px.value(), b.bound_px.value());
       pictures += b.groups + b.count("nailboard");
       if (frame % 3 != 2) continue;
       const auto objects = objects_of(*opengl);

@@ -1,4 +1,4 @@
-// What would a picture of a box cost, and how long would it live?
+// The cost of a picture of a box, and how long it will live.
 //
 // Estimates for choosing, a few dozen operations each. Whether a picture can be drawn is decided by
 // bound_total_px and bound_gap_px (nailboard/error.h, gap_table.h). World space, metres, frames.

@@ -1,7 +1,7 @@
-// What is drawn of objects for which a frame has neither time nor a picture?
+// The coarse picture of objects for which a frame has neither time nor a picture.
 //
-// One picture of all of them, with the frame's own camera but larger texels, captured by rays: its
-// cost depends on texels alone, and on how many objects lie behind each other not at all.
+// One picture shows all of them, with the frame's own camera but larger texels, captured by rays:
+// its cost depends on texels alone, and on how many objects lie behind each other not at all.
 #pragma once
 
 #include <span>

@@ -43,7 +43,7 @@ struct SpikePolicy {
   double late = 2;
 };
 
-// What is known of a frame before its captures are chosen. Costs in triangles.
+// A frame before its captures are chosen. Costs in triangles.
 struct FrameCosts {
   bool first = false;    // there was none before it
   bool jumped = false;   // FrameView's
@@ -54,11 +54,11 @@ struct FrameCosts {
   double last_limit = 0;  // on the last frame; 0: it had none
 };
 
-// What a frame may cost.
+// The limit of a frame's cost.
 struct FrameLimit {
   double limit = 0;     // 0: it is not limited
   bool jumped = false;  // the camera's motion says so, or what the frame costs and shows
-  // What captures may add, where the frame is not limited.
+  // The most that captures may add, if the frame is not limited.
   double capture_room = std::numeric_limits<double>::infinity();
   bool captures_wait = false;  // not even one is made
 };
@@ -66,7 +66,7 @@ struct FrameLimit {
 // By the table above.
 [[nodiscard]] FrameLimit find_limit(const SpikePolicy& policy, const FrameCosts& costs);
 
-// What captures may cost in a limited frame.
+// The most that captures may cost in a limited frame.
 [[nodiscard]] double limited_capture_budget(const FrameLimit& limit);
 
 // The smallest scale of the coarse picture, 1: a texel a pixel, and `whole_cost` what it would cost

@@ -16,7 +16,7 @@
 
 namespace rilievo {
 
-// What drawing a frame takes, by one backend.
+// The time of drawing a frame, by one backend.
 struct DrawTimes {
   double picture_ns = 0;        // one picture, and ...
   double picture_pixel_ns = 0;  // ... each pixel of its rectangle
@@ -27,8 +27,8 @@ struct DrawTimes {
   friend bool operator==(const DrawTimes&, const DrawTimes&) = default;
 };
 
-// What frames of polygons take, by one backend: enough to tell which of two is faster. The time of
-// objects is in that of their triangles.
+// The time of frames of polygons, by one backend: enough to tell which of two is faster. The time
+// of objects is in that of their triangles.
 struct PolygonTimes {
   double triangle_ns = 0, pixel_ns = 0;
   [[nodiscard]] double frame_ms(double triangles, double pixels) const {
@@ -36,7 +36,7 @@ struct PolygonTimes {
   }
 };
 
-// What captures take, by one backend, with their gaps.
+// The time of captures and of their gaps, by one backend.
 struct CaptureTimes {
   double picture_ns = 0;   // one capture, and ...
   double triangle_ns = 0;  // ... each of its triangles ...
@@ -58,10 +58,10 @@ struct MachineCosts {
   friend bool operator==(const MachineCosts&, const MachineCosts&) = default;
 };
 
-// What the cache assumes of frames drawn by software where it is told of no machine: two cores on
-// which OpenGL takes the 280 ns a triangle of policy.h. Triangles are dear only there. Fitted
-// to frames of real models, where prices that measure_software() finds are off by up to 2.5 times:
-// drawn triangles hide each other, and captures look through several surfaces.
+// The costs of frames drawn by software if no machine is given: two cores on which OpenGL takes the
+// 280 ns a triangle of policy.h. Triangles are dear only there. Fitted to frames of real models,
+// where prices that measure_software() finds are off by up to 2.5 times: drawn triangles hide each
+// other, and captures look through several surfaces.
 [[nodiscard]] MachineCosts builtin_software_costs();
 
 // Every time lies between these: nothing real is faster or slower.

@@ -18,8 +18,8 @@ namespace rilievo {
 void use_machine(const MachineCosts& costs, DrawnBy drawn_by, bool rasterizes,
                  CacheOptions& options, CostClock& clock);
 
-// What drawing a kind's instance costs under `model`, whose triangles can be cheap or dear: work
-// follows what a picture's pixel takes; triangles are triangles. `triangles` of the result is 0.
+// The cost of drawing a kind's instance under `model`, whose triangles can be cheap or dear: work
+// follows the cost of a picture's pixel; triangles are triangles. `triangles` of the result is 0.
 [[nodiscard]] CostTerms terms_for(const CostTerms& terms, const CostModel& model);
 
 }  // namespace rilievo

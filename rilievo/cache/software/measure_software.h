@@ -9,7 +9,7 @@ namespace rilievo {
 // OpenGL. Fails if memory does not suffice.
 [[nodiscard]] Result<MachineCosts> measure_software();
 
-// What polygons take alone; a tenth of a second, likewise.
+// The time of polygons alone; a tenth of a second, likewise.
 [[nodiscard]] Result<PolygonTimes> measure_polygons_by_software();
 
 }  // namespace rilievo

@@ -55,7 +55,7 @@ TEST(SoftwareCacheLevels, draw_surfaces_that_are_within_the_frames_bound_of_the_
   for (int frame = 0; frame < 6; ++frame) {
     const Camera camera = camera_at(made->path, frame_time(made->path, frame), kWidth, kHeight);
     ASSERT_TRUE(cache->draw(camera, 0).ok());  // nothing moves
-    const double bound_px = cache->stats().bound_px;
+    const double bound_px = cache->stats().bound_px.value();
     const double pixels = kHeight / (camera.window.top - camera.window.bottom);
     for (const DepthImage& picture : cache->read_pictures())
       for (int y = 0; y < picture.depth.height(); y += 3)
@@ -116,7 +116,7 @@ TEST(SoftwareCacheLevels, outlines_are_off_by_no_more_than_the_bound) {
       EXPECT_LE(cache->stats().bound_px, options.error_px + 1e-9);
       EXPECT_EQ(cache->stats().polygons > 0, polygons);
       // A pixel's corner, and that of a texel.
-      const double reach = cache->stats().bound_px + 1.5;
+      const double reach = cache->stats().bound_px.value() + 1.5;
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           differs += drawn(x, y) != truth(x, y);

@@ -34,7 +34,7 @@ Walked walk_through(const BuiltinScene& made, int frames, ImageCacheOptions opti
     walked.colors.push_back((*cache)->software_target()->color());
     walked.objects.push_back((*cache)->software_target()->objects());
     const FrameStats& stats = (*cache)->stats();
-    walked.bounds.push_back(stats.bound_px);
+    walked.bounds.push_back(stats.bound_px.value());
     walked.pictures += stats.groups + stats.count("nailboard");
     walked.polygons += stats.polygons;
     walked.captures += stats.captures;

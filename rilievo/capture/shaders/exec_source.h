@@ -48,7 +48,7 @@ struct ExecOptions {
   WorldSpace world = {};                    // programs see the world, callers the scene's space
   DepthKind depth_kind = DepthKind::eye_z;  // of Z; or ray
   double noise = 0;  // below which a texel needs no more samples; 0: all get all
-  // Of the scene's objects, by which the program knows them. None: it shows all objects or nothing.
+  // The scene's objects as the program names them. None: it shows all objects or nothing.
   std::vector<std::string> object_names = {};
   bool unmix = true;  // take what is in front out of the colours beside edges (warp/unmix_edges.h)
   // Gets one line at the first failure, and one when the program is given up.

@@ -14,7 +14,7 @@
 
 namespace rilievo {
 
-// What the host's framebuffer is.
+// The host's framebuffer.
 struct HostOptions {
   int samples = 4;      // of a pixel: 1 or as many as the driver offers
   bool linear = false;  // it takes linear colours, for HDR: what is drawn is converted from sRGB

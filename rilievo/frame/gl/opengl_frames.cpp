@@ -31,7 +31,8 @@ Result<> OpenGLFrames::draw_chosen() {
   const gl::StateGuard guard;
   renderer_.set_time(time_);
   content_.clear();
-  stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = stats_.gap_px = 0;
+  stats_.captures = 0, stats_.capture_ms = 0, stats_.gap_px = 0;
+  stats_.bound_px.reset();
   if (Result<> chosen = chooser_->choose(camera_, renderer_.placed(), content_, stats_); !chosen)
     return chosen;
   count_drawn(content_, stats_);
@@ -56,7 +57,7 @@ Result<> OpenGLFrames::draw(const Camera& camera, double time) {
   camera_ = camera;
   time_ = time;
   Result<> done = draw_chosen();
-  chooser_->drawn(nullptr);
+  chooser_->drawn(nullptr, stats_);
   return done;
 }
 

@@ -1,7 +1,7 @@
 // Frames that are drawn without OpenGL, uploaded into an OpenGL frame: colours and depths.
 //
 // The whole frame is one picture: all samples of a pixel get its average and the depth of its
-// first sample. What uploading costs is in the frame's time. Leaves the OpenGL state as it was.
+// first sample. The frame's time includes the upload. Leaves the OpenGL state as it was.
 #pragma once
 
 #include <memory>

@@ -79,10 +79,11 @@ Result<> SoftwareFrames::draw(const Camera& camera, double time) {
   time_ = time;
   backend_.set_time(time);
   content_.clear();
-  stats_.captures = 0, stats_.capture_ms = 0, stats_.bound_px = stats_.gap_px = 0;
+  stats_.captures = 0, stats_.capture_ms = 0, stats_.gap_px = 0;
+  stats_.bound_px.reset();
   Result<> done = draw_chosen();
   const FrameWork work{done ? polygons_.work() : std::span<const ObjectWork>()};
-  chooser_->drawn(done ? &work : nullptr);
+  chooser_->drawn(done ? &work : nullptr, stats_);
   return done;
 }
 

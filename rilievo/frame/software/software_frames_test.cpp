@@ -99,7 +99,7 @@ struct CountedChooser final : FrameChooser {
     if (placed.time() > 0) return Error{"chooser", "too late"};
     return Done{};
   }
-  void drawn(const FrameWork*) override { ++drawn_frames; }
+  void drawn(const FrameWork*, FrameStats&) override { ++drawn_frames; }
 };
 
 TEST(SoftwareFrames, tell_the_chooser_when_a_frame_is_drawn_or_cannot_be) {

@@ -45,7 +45,7 @@ class PictureRasterizer {
                                    std::span<const glm::mat4> poses, int samples,
                                    bool with_sky = false);
   // eye_z of the farthest of all surfaces along the rays through the texels' centres, including
-  // hidden ones and back faces; kNoDepth if there is none. What lies beyond the far plane counts as
+  // hidden ones and back faces; kNoDepth if there is none. Surfaces beyond the far plane count as
   // on it.
   [[nodiscard]] Image<float> capture_farthest(const Camera& camera,
                                               std::span<const std::uint32_t> objects,

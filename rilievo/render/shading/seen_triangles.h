@@ -32,7 +32,7 @@ struct PlacedMesh {
 [[nodiscard]] std::size_t mesh_of_triangle(std::span<const PlacedMesh> meshes,
                                            std::uint32_t triangle);
 
-// What is needed to shade triangles of a picture.
+// The inputs of shading a picture's triangles.
 struct ShadedScene {
   std::span<const PlacedMesh> meshes;  // in the order of their triangles
   PictureRays rays;

@@ -18,7 +18,7 @@ struct TriangleRays {
   static constexpr std::size_t kCapacity = kMaxCount + 16;  // whoever fills it may write past count
   std::size_t count = 0;
   alignas(64) float ray[3][kCapacity];  // as in PictureRays, of any length
-  // Of each corner, in mesh space:
+  // For each corner, in mesh space:
   alignas(64) float position[3][3][kCapacity];
   alignas(64) float normal[3][3][kCapacity];  // only if the mesh has normals
   alignas(64) float color[3][3][kCapacity];

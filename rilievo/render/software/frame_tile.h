@@ -1,8 +1,8 @@
 // A part of a frame while it is drawn on processors.
 //
 // A tile of 64 x 64 pixels in blocks of 8 x 8, small enough for the cache of one core. Frame
-// coordinates are in pixels; y points down. Of each sample the colour (or the object identifier)
-// and 1 / eye_z: that is affine over the screen for every plane, larger is nearer, and it needs no
+// coordinates are in pixels; y points down. A sample has a colour (or an object identifier) and
+// 1 / eye_z: that is affine over the screen for every plane, larger is nearer, and it needs no
 // near plane.
 //
 // With 4 samples a pixel, a block holds only one, which stands for all four, until a pixel is first
@@ -15,7 +15,7 @@
 
 namespace rilievo {
 
-// What a frame's samples hold.
+// The content of a frame's samples.
 enum class TileContent {
   color,      // sRGB bytes R, G, B, A, the first one in the lowest bits; premultiplied
   object_id,  // object identifiers; one sample a pixel
@@ -26,7 +26,7 @@ struct alignas(64) FrameTile {
   static constexpr int kSize = 64, kBlock = 8, kBlocks = kSize / kBlock;  // a side
   static constexpr int kBlockPixels = kBlock * kBlock, kBlockCount = kBlocks * kBlocks;
 
-  // Where the samples of a pixel lie in it, if there are four: as OpenGL has them.
+  // The places of four samples in their pixel, as OpenGL has them.
   static constexpr float kSampleX[4] = {0.375f, 0.875f, 0.125f, 0.625f};
   static constexpr float kSampleY[4] = {0.875f, 0.625f, 0.375f, 0.125f};
 

@@ -1,6 +1,6 @@
 // A target for frames without OpenGL: memory of the caller's process.
 //
-// What render/opengl/frame_target.h is for OpenGL: sRGB-encoded bytes, 1 or 4 samples a pixel at
+// The twin of render/opengl/frame_target.h: sRGB-encoded bytes, 1 or 4 samples a pixel at
 // OpenGL's usual share each, averaged as bytes. A frame is drawn tile by tile on all cores, and a
 // tile is finished by one thread: cleared, drawn into by each drawer in order, averaged and copied
 // out. The result does not depend on the number of threads or on the instruction set. A frame

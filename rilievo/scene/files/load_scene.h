@@ -19,9 +19,7 @@
 //   (at other times: scene/bend.h); skinned objects then stand still in world space.
 // - All lights are scaled by one factor so that they light the scene's centre as the default sun
 //   would: exporters disagree about units by factors of 683 and 4 pi, and there is no exposure.
-// - Transmission becomes blended alpha and specular-glossiness becomes metallic-roughness, both
-// with
-//   a warning.
+// - Transmission becomes blended alpha, and specular-glossiness metallic-roughness, with a warning.
 //
 // Coordinates far from 0 lose nothing: Scene::world has an origin for them (core/world_space.h).
 //
@@ -43,7 +41,7 @@
 
 namespace rilievo {
 
-// What to load and how much memory to use. Names beginning with -- are the command line's.
+// The parts to load, and the memory to use. Names beginning with -- are the command line's.
 struct LoadOptions {
   double time = 0.0;  // seconds; skins and morph targets are posed at this time
   // --memory-limit-mb: limit on what loading allocates, including files and intermediate data.

@@ -1,7 +1,7 @@
 // Saves a scene as a file that other programs open.
 //
 // Binary glTF 2.0 (.glb), one file: meshes, materials, textures (PNG), nodes with their animation,
-// lights, cameras. The loaded file draws the same frames at any time. What changes:
+// lights, cameras. The loaded file draws the same frames at any time. It differs in this:
 // - Objects can come back in another order. Static instances of one model become instances of one
 //   node (EXT_mesh_gpu_instancing) and lose their names.
 // - A part that its model places by a matrix is written in the model's space.
