@@ -15,7 +15,7 @@ namespace rilievo {
 // A camera at a person's eye, as wide as others in the library are, of 1 x 1 texel. None where the
 // scene is too small to walk in (less than kLeastWalk either way), where nobody can stand, and of
 // sources that do not know hidden surfaces.
-inline constexpr double kLeastWalk = 12;
+inline constexpr double kLeastWalk = 5;
 [[nodiscard]] std::optional<Camera> standing_place(CaptureSource& source);
 
 }  // namespace rilievo
