@@ -59,6 +59,7 @@ double median_of_shares(const std::vector<KeyframeShares>& shares, double Keyfra
 void add_shares(const Watched& watched, KeyframeWalk& walk) {
   // The first frame makes the first keyframe.
   const std::vector<KeyframeShares> all(watched.shares.begin() + 1, watched.shares.end());
+  walk.polygons_ms = median_of_shares(all, &KeyframeShares::polygons_ms);
   walk.warp_ms = median_of_shares(all, &KeyframeShares::warp_ms);
   walk.fill_ms = median_of_shares(all, &KeyframeShares::fill_ms);
   walk.tiles_ms = median_of_shares(all, &KeyframeShares::tiles_ms);

@@ -33,6 +33,7 @@ void add_figures(const std::string& name, const KeyframeWalk& walk, BenchReport&
   figure("uncovered_share", walk.uncovered_share), figure("missing", walk.missing);
   figure("shimmer", walk.shimmer), figure("shimmer_direct", walk.rivals.front().shimmer);
   figure("keyframes", walk.keyframes), figure("coarse_keyframes", walk.coarse);
+  figure("polygons_ms", walk.polygons_ms);
   figure("warp_ms", walk.warp_ms), figure("fill_ms", walk.fill_ms);
   figure("tiles_ms", walk.tiles_ms), figure("keyframe_ms", walk.keyframe_ms);
   figure("lost_at_edges", walk.lost_at_edges), figure("lost_as_wrong", walk.lost_as_wrong);

@@ -37,9 +37,14 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
   if (!PlacedRaster::can_sample(request.samples))
     return refuse("the rasteriser captures 1 or 4 samples per texel");
   std::span<const std::uint32_t> objects = request.objects;
-  if (objects.empty()) {
+  // Of many objects, as of a whole view, most are outside of a band of it.
+  constexpr std::size_t kMany = 16;
+  if (objects.empty() || (objects.size() > kMany && !request.farthest)) {
     visible_.clear();
-    placed_.cull(camera, visible_);
+    if (objects.empty())
+      placed_.cull(camera, visible_);
+    else
+      placed_.cull(camera, objects, visible_);
     objects = visible_;
   }
   if (request.farthest)

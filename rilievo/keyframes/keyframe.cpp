@@ -34,6 +34,7 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   const int width = camera.width, height = camera.height;
   keyframe.camera = camera;
+  keyframe.left_out.clear(), keyframe.hidden.clear();
   set_size(keyframe.color, quarters ? 2 * width : width, quarters ? 2 * height : height);
   set_size(keyframe.inverse_z, width, height);
   set_size(keyframe.object, width, height);
@@ -58,6 +59,26 @@ void find_ranges(Keyframe& keyframe, int from, int to) {
       }
     }
   });
+}
+
+void hide_objects(Keyframe& keyframe, std::span<const std::uint32_t> objects) {
+  if (std::ranges::equal(keyframe.hidden, objects)) return;
+  keyframe.hidden.assign(objects.begin(), objects.end());
+  parallel_for(0, keyframe.camera.height, [&](int y) {
+    // Texels beside each other mostly show one object.
+    std::uint32_t last = kNoObject;
+    bool hides = false;
+    for (int x = 0; x < keyframe.camera.width; ++x) {
+      const std::uint32_t object = keyframe.object(x, y);
+      if (object != last) {
+        last = object;
+        hides = object != kNoObject && std::ranges::binary_search(objects, object - 1);
+      }
+      float& inverse_z = keyframe.inverse_z(x, y);
+      inverse_z = hides ? -std::abs(inverse_z) : std::abs(inverse_z);
+    }
+  });
+  find_ranges(keyframe, 0, keyframe.camera.width);
 }
 
 Rgba8Image opaque_colors(const Image<std::uint32_t>& color) {

@@ -49,6 +49,9 @@ struct Keyframe {
   Image<float> inverse_z;       // 1 / eye_z of the surface at the texel's centre; 0: sky
   Image<std::uint32_t> object;  // index into Scene::objects + 1; kNoObject: sky
   bool coarse = false;          // has larger texels than the frames for which it was made
+  // Objects that it was captured without, and those whose texels are hidden: a hidden texel has the
+  // negative of its 1 / eye_z, and is not warped. Ascending.
+  std::vector<std::uint32_t> left_out, hidden;
 
   [[nodiscard]] bool quarters() const { return color.width() > camera.width; }
 
@@ -58,6 +61,9 @@ struct Keyframe {
 
 // Gives the keyframe the size of its camera. Does not allocate if it has that size already.
 void resize(Keyframe& keyframe, const Camera& camera, bool quarters = false);
+// Hides the texels of these objects (ascending), and shows those that were hidden and are not among
+// them. The ranges of depth follow.
+void hide_objects(Keyframe& keyframe, std::span<const std::uint32_t> objects);
 // Finds the ranges of depth of columns [from, to), which begin and end at segments, or at the end.
 void find_ranges(Keyframe& keyframe, int from, int to);
 

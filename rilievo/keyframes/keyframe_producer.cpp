@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -51,8 +52,8 @@ Camera plain(const Camera& camera, const Camera& frame, KeyframeMargin margin) {
 
 KeyframeProducer::KeyframeProducer(CaptureSource& source, CaptureSource& quick,
                                    const KeyframeOptions& options,
-                                   std::vector<std::uint32_t> objects)
-    : source_(source), quick_(quick), options_(options), objects_(std::move(objects)) {
+                                   std::vector<std::uint32_t> objects, NearObjects* near)
+    : source_(source), quick_(quick), options_(options), objects_(std::move(objects)), near_(near) {
   RILIEVO_EXPECTS(options.interval >= 1 && options.margin >= 1);
   if (options.beside) background_.emplace();
 }
@@ -98,7 +99,7 @@ void KeyframeProducer::forget() {
   RILIEVO_EXPECTS(!options_.beside);
   if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
   for (Keyframe& key : ready_) spare_.push_back(std::move(key));
-  ready_.clear(), chosen_.clear();
+  ready_.clear(), chosen_.clear(), left_out_.clear();
   if (spare_.size() > 2) spare_.resize(2);
 }
 
@@ -120,6 +121,15 @@ void KeyframeProducer::begin(const Camera& eye) {
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
+  if (near_) {
+    near_->choose(request.camera, frame_);
+    // No objects would mean all.
+    if (!near_->near().empty() && !near_->rest().empty())
+      request.objects = near_->rest(), request.left_out = near_->near();
+    // The eye comes far until the next keyframe: that this one is ready sooner is worth more than
+    // quarters are.
+    if (!near_->near().empty()) request.whole_texels = true;
+  }
   maker_.begin(request, reusable());
 }
 
@@ -136,8 +146,23 @@ void KeyframeProducer::add(Keyframe keyframe) {
     ready_.erase(ready_.begin() + std::ptrdiff_t(i));
   }
   ready_.push_back(std::move(keyframe));
+  if (near_) hide_left_out();
   // Memory for one that is made and one that is coarse.
   while (spare_.size() > 2) spare_.erase(spare_.begin());
+}
+
+// What one keyframe does not show is drawn as polygons: none may show it.
+void KeyframeProducer::hide_left_out() {
+  left_out_.clear();
+  for (const Keyframe& key : ready_)
+    left_out_.insert(left_out_.end(), key.left_out.begin(), key.left_out.end());
+  std::ranges::sort(left_out_);
+  left_out_.erase(std::unique(left_out_.begin(), left_out_.end()), left_out_.end());
+  for (Keyframe& key : ready_) {
+    hidden_.clear();
+    std::ranges::set_difference(left_out_, key.left_out, std::back_inserter(hidden_));
+    hide_objects(key, hidden_);
+  }
 }
 
 Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
@@ -146,7 +171,9 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   if (ordered_) {
     // For where the eye was: the sooner it ends the better.
     stop_.request_stop();
-  } else if (maker_.busy() || std::exchange(complete_, false)) {
+  } else if ((maker_.busy() || complete_) && (!coarse || prediction_.jumped())) {
+    // Beside a coarse one it goes on: else an eye that moves fast would never get another.
+    complete_ = false;
     spare_.push_back(maker_.give_up());
   }
   if (coarse) {

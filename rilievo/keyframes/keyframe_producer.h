@@ -24,6 +24,7 @@
 #include "rilievo/core/result.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/make_keyframe.h"
+#include "rilievo/keyframes/near_objects.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 
 namespace rilievo {
@@ -49,10 +50,10 @@ struct KeyframeWork {
 // Makes keyframes for one eye.
 class KeyframeProducer {
  public:
-  // Keyframes show `objects` (empty: all). The sources must outlive the object; `quick` makes the
-  // coarse ones.
+  // Keyframes show `objects` (empty: all), without those that `near` chooses (null: none), but in
+  // coarse ones. The sources and `near` must outlive the object; `quick` makes the coarse ones.
   KeyframeProducer(CaptureSource& source, CaptureSource& quick, const KeyframeOptions& options,
-                   std::vector<std::uint32_t> objects = {});
+                   std::vector<std::uint32_t> objects = {}, NearObjects* near = nullptr);
   // Stops what is made beside the frames, and waits for that.
   ~KeyframeProducer();
 
@@ -62,6 +63,9 @@ class KeyframeProducer {
   [[nodiscard]] Result<std::span<const WarpedKeyframe>> make_now();
   // Ends a frame: makes a part of a keyframe. Fails where the source does.
   Result<> work();
+
+  // Objects of which the last frame's keyframes show nothing, ascending.
+  [[nodiscard]] std::span<const std::uint32_t> left_out() const { return left_out_; }
 
   [[nodiscard]] bool any() const { return !ready_.empty(); }
   // Forgets all keyframes: they are of where the eye was some time ago.
@@ -82,12 +86,15 @@ class KeyframeProducer {
   Result<> work_beside();
   void begin(const Camera& eye);
   void add(Keyframe keyframe);
+  void hide_left_out();
   [[nodiscard]] Keyframe reusable();
   [[nodiscard]] int columns_a_frame() const;
 
   CaptureSource &source_, &quick_;
   KeyframeOptions options_;
   std::vector<std::uint32_t> objects_;
+  NearObjects* near_;
+  std::vector<std::uint32_t> left_out_, hidden_;
   EyePrediction prediction_;
   Camera frame_;
   double time_ = 0;

@@ -176,6 +176,7 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   resize(keyframe_, request.camera,
          request.samples == 16 || (request.samples == 4 && !request.whole_texels));
   keyframe_.coarse = request.coarse;
+  keyframe_.left_out.assign(request.left_out.begin(), request.left_out.end());
   next_ = 0;
 }
 

@@ -143,7 +143,9 @@ std::size_t WarpedFrame::holes() const {
 }
 
 void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
-                    WarpedFrame& out) {
+                    WarpedFrame& out, const WarpCover* cover) {
+  RILIEVO_EXPECTS(!cover || (cover->inverse_z->width() == frame.width &&
+                             cover->inverse_z->height() == frame.height));
   const std::span<const WarpSource> sources = make_sources(keyframes, frame);
   const int count = int(sources.size());
   const int strips = (frame.height + WarpedFrame::kStrip - 1) / WarpedFrame::kStrip;
@@ -171,8 +173,9 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
       splat_strip(sources[std::size_t(k)], reaches[std::size_t(k)], near, strip);
     std::uint32_t holes = 0;
     for (int y = strip.first; y < strip.first + strip.rows; ++y)
-      holes += shade_row(sources.data(), count, strip, y, out.inverse_z.row(y).data(),
-                         out.color.row(y).data());
+      holes += shade_row(
+          sources.data(), count, strip, y, cover ? cover->inverse_z->row(y).data() : nullptr,
+          cover ? cover->nearest : 0, out.inverse_z.row(y).data(), out.color.row(y).data());
     out.holes_in_strip(i, 0) = holes;
   });
 }

@@ -50,7 +50,7 @@ struct WarpedKeyframe {
 // A frame that was warped. All images have the frame's size.
 struct WarpedFrame {
   static constexpr int kStrip = 32;     // rows
-  Image<std::uint32_t> color;           // as Keyframe's; 0: a hole
+  Image<std::uint32_t> color;           // as Keyframe's; 0: a hole. kCoveredPixel
   Image<float> inverse_z;               // 1 / eye_z; 0: sky or a hole
   Image<std::uint32_t> holes_in_strip;  // one row: the number of holes of each strip
 
@@ -72,10 +72,21 @@ inline constexpr float kHalfSquare = 0.55f;
 // Texels do not grow by more. What is so much nearer than at capture has been left behind.
 inline constexpr float kMostMagnified = 4;
 
-// Warps and merges. Nothing nearer than the frame's z_near is shown. Requires at least one
-// keyframe.
+// The colour of a pixel, of depth 0, that is not warped because something else covers it.
+inline constexpr std::uint32_t kCoveredPixel = 0x01000000u;
+
+// What will be drawn over a warped frame.
+struct WarpCover {
+  const Image<float>* inverse_z = nullptr;  // 1 / eye_z of what covers all of a pixel; 0: nothing
+  // Of the nearest thing that keyframes show: nothing else is in front of what is nearer.
+  float nearest = 0;
+};
+
+// Warps and merges. Nothing nearer than the frame's z_near is shown. What is behind `cover` (of the
+// frame's size; null: nothing) is left out. It is a hole where no keyframe sees so far and there
+// may be something in front of the cover. Requires at least one keyframe.
 void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& frame,
-                    WarpedFrame& out);
+                    WarpedFrame& out, const WarpCover* cover = nullptr);
 
 // The objects of the frame's pixels, as it was warped; kNoObject in holes.
 void warp_objects(std::span<const WarpedKeyframe> keyframes, const Camera& frame,

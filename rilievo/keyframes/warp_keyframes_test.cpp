@@ -66,6 +66,7 @@ struct Slow {
   };
   std::span<const WarpedKeyframe> keys;
   Camera frame;
+  const WarpCover* cover;
   Image<float> depth;  // with a border of one pixel
 
   float& at(int x, int y) { return depth(x + 1, y + 1); }
@@ -101,6 +102,19 @@ struct Slow {
       }
   }
 
+  bool seen_until(float px, float py, float w) const {
+    return std::ranges::any_of(keys, [&](const WarpedKeyframe& one) {
+      const Camera& camera = one.keyframe->camera;
+      const RasterMap map = raster_map(camera, frame);
+      const float z = apply(map.z, px, py, w), per_z = 1 / std::max(z, 1e-6f);
+      const float x = apply(map.x, px, py, w) * per_z, y = apply(map.y, px, py, w) * per_z;
+      if (!(z > 1e-6f && x >= 0 && y >= 0 && x < float(camera.width) && y < float(camera.height)))
+        return false;
+      return std::abs(one.keyframe->inverse_z(int(x), int(y))) <=
+             w * per_z * (1 + kSameSurfaceDepth);
+    });
+  }
+
   Lookup find(float px, float py, float w) const {
     Lookup found;
     for (const bool spare : {false, true})
@@ -127,6 +141,7 @@ struct Slow {
           const auto shows = Quarter(color >> 30);
           const float depth = key.inverse_z(x / finer, y / finer),
                       slack = kSameSurfaceDepth * there;
+          if (depth < 0) continue;  // hidden
           const bool same = std::abs(depth - there) <= slack, before = depth < there - slack;
           if ((same && shows == Quarter::own) || (before && shows == Quarter::nearer))
             front += all * int(4 + (color >> 27 & 7));
@@ -159,6 +174,11 @@ struct Slow {
         const float px = float(x) + 0.5f, py = float(y) + 0.5f;
         const float around[4] = {at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)};
         const float own = at(x, y), times = 1 + kSameSurfaceDepth;
+        const float hides = cover ? (*cover->inverse_z)(x, y) : 0;
+        if (hides > own) {
+          if (hides > cover->nearest || seen_until(px, py, hides)) color(x, y) = kCoveredPixel;
+          continue;
+        }
         const float nearest = *std::max_element(around, around + 4),
                     farthest = *std::min_element(around, around + 4);
         const bool is_behind = nearest > own * times;
@@ -199,9 +219,18 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
     std::vector<WarpedKeyframe> warped;
     for (const Keyframe& key : keys)
       warped.push_back({&key, float(random.between(0.1, 2)), warped.size() % 2 == 1 && i % 2 == 1});
+    if (i % 3 == 2)
+      for (Keyframe& key : keys) hide_objects(key, std::vector<std::uint32_t>{3, 17, 30, 38});
+    // Some of it before, some of it behind what is warped; in whole vectors, and in parts of one.
+    Image<float> cover(frame.width, frame.height);
+    for (int y = 10; y < 30; ++y)
+      for (int x = 5; x < 60; ++x)
+        if (random.between(0, 1) < 0.05 * x) cover(x, y) = float(1 / random.between(1, 60));
+    const WarpCover some{&cover, i % 8 == 3 ? 0.2f : 2.0f};
+    const WarpCover* covers = i % 4 == 3 ? &some : nullptr;
     WarpedFrame out;
-    warp_keyframes(warped, frame, out);
-    Slow slow{warped, frame, {}};
+    warp_keyframes(warped, frame, out, covers);
+    Slow slow{warped, frame, covers, {}};
     Image<std::uint32_t> color;
     Image<float> inverse_z;
     slow.draw(color, inverse_z);
@@ -216,6 +245,34 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
     }
     EXPECT_LT(holes, color.texels().size() / 2);
   }
+}
+
+TEST(WarpKeyframes, HiddenObjectsAreShownAgain) {
+  Random random(12);
+  const Camera frame = random_eye(random, 120, 80);
+  Keyframe key = random_keyframe(random, frame, true);
+  const Keyframe whole = key;
+  hide_objects(key, std::vector<std::uint32_t>{4, 20});
+  int hidden = 0;
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const bool hides = whole.object(x, y) == 5 || whole.object(x, y) == 21;
+      EXPECT_EQ(key.inverse_z(x, y), hides ? -whole.inverse_z(x, y) : whole.inverse_z(x, y));
+      hidden += hides;
+    }
+  EXPECT_GT(hidden, 0);
+  WarpedFrame out;
+  const WarpedKeyframe one{&key, 1};
+  warp_keyframes({&one, 1}, frame, out);
+  Image<std::uint32_t> objects;
+  warp_objects({&one, 1}, frame, out, objects);
+  for (const std::uint32_t object : objects.texels()) EXPECT_TRUE(object != 5 && object != 21);
+  hide_objects(key, {});
+  EXPECT_EQ(key.inverse_z, whole.inverse_z);
+  EXPECT_TRUE(std::ranges::equal(key.blocks.texels(), whole.blocks.texels(),
+                                 [](const InverseRange& a, const InverseRange& b) {
+                                   return a.nearest == b.nearest && a.farthest == b.farthest;
+                                 }));
 }
 
 TEST(WarpKeyframes, AtItsOwnEyeAKeyframeIsItself) {

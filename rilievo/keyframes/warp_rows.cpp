@@ -188,6 +188,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
       const VF depth = hn::GatherIndex(f, depths, texels[i]);
       const VU color = hn::BitCast(u32, hn::GatherIndex(i32, colors + offset, at));
       const auto same = hn::RebindMask(u32, hn::Le(hn::Abs(hn::Sub(depth, there)), slack));
+      const auto hidden = hn::RebindMask(u32, hn::Lt(depth, zero));
       const auto before = hn::RebindMask(u32, hn::Lt(depth, hn::Sub(there, slack)));
       const VU shows = hn::ShiftRight<30>(color);
       const auto is = [&](Quarter quarter) {
@@ -204,7 +205,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
       const auto in_front = hn::Or(hn::And(same, own), hn::And(before, nearer));
       const auto behind = hn::AndNot(nearer, hn::Or(same, before));
       const VU eighths = hn::IfThenElse(in_front, of_same, hn::IfThenElseZero(behind, of_nearer));
-      front = hn::Add(front, hn::Mul(all, eighths));
+      front = hn::Add(front, hn::IfThenZeroElse(hidden, hn::Mul(all, eighths)));
       const VU weight = hn::IfThenElseZero(
           same, hn::IfThenElse(own, all, hn::ShiftRight<kOtherQuarterShift>(all)));
       sure = hn::Add(sure, weight);
@@ -230,6 +231,41 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
   return found;
 }
 
+// Does a keyframe see pixels' rays until 1 / eye_z `w`? What is hidden in it blocks the view, too.
+HWY_INLINE Mask seen_until(const WarpSource* sources, int count, VF px, float py, VF w) {
+  const F f;
+  const I i32;
+  Mask seen = hn::Gt(hn::Zero(f), hn::Zero(f));
+  for (int k = 0; k < count; ++k) {
+    const WarpSource& source = sources[k];
+    const Keyframe& key = *source.keyframe;
+    const int width = key.camera.width, height = key.camera.height;
+    const Along along_x(source.from_frame.x, py), along_y(source.from_frame.y, py),
+        along_z(source.from_frame.z, py);
+    const VF z = along_z.at(px, w);
+    const VF per_z = hn::Div(number(1), hn::Max(z, number(1e-6f)));
+    const VF x = hn::Mul(along_x.at(px, w), per_z), y = hn::Mul(along_y.at(px, w), per_z);
+    const Mask across = hn::And(hn::Ge(x, hn::Zero(f)), hn::Lt(x, number(float(width))));
+    const Mask down = hn::And(hn::Ge(y, hn::Zero(f)), hn::Lt(y, number(float(height))));
+    const Mask within = hn::And(hn::Gt(z, number(1e-6f)), hn::And(across, down));
+    if (hn::AllFalse(f, within)) continue;
+    const auto whole = [&](VF v) { return hn::ConvertTo(i32, hn::IfThenElseZero(within, v)); };
+    const VI at = hn::Add(hn::Mul(whole(hn::Floor(y)), hn::Set(i32, width)), whole(hn::Floor(x)));
+    const VF depth = hn::Abs(hn::GatherIndex(f, key.inverse_z.texels().data(), at));
+    const VF there = hn::Mul(hn::Mul(w, per_z), number(1 + kSameSurfaceDepth));
+    seen = hn::Or(seen, hn::And(within, hn::Le(depth, there)));
+  }
+  return seen;
+}
+
+// A vector of a row of which `left` numbers are left; 0 beyond.
+HWY_INLINE VF load_row(const float* row, int x, int left) {
+  if (left >= int(hn::Lanes(F()))) return hn::LoadU(F(), row + x);
+  alignas(64) float tail[kMaxLanes] = {};
+  std::copy_n(row + x, left, tail);
+  return hn::Load(F(), tail);
+}
+
 HWY_INLINE VF select(Mask yes, VF a, VF b) { return hn::IfThenElse(yes, a, b); }
 
 // Adds `part` of what was found, as colours.
@@ -242,7 +278,8 @@ HWY_INLINE void add_part(const Found& found, VF part, Found& sum) {
 }
 
 std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& strip, int y,
-                    float* inverse_z, std::uint32_t* color) {
+                    const float* cover, float nearest_thing, float* inverse_z,
+                    std::uint32_t* color) {
   const F f;
   const I i32;
   const U u32;
@@ -254,6 +291,25 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
   for (int x = 0; x < strip.width; x += lanes) {
     const VF px = hn::Add(hn::ConvertTo(f, lane_numbers(i32, x)), number(0.5f));
     const VF splatted = hn::LoadU(f, row + x);
+    const int left = strip.width - x;
+    // Behind what covers it; of these, before which there is something that no keyframe shows?
+    Mask covered = hn::Gt(zero, zero), unknown = covered;
+    if (cover) {
+      const VF hides = load_row(cover, x, left);
+      covered = hn::Gt(hides, splatted);
+      if (!hn::AllFalse(f, covered))
+        unknown = hn::AndNot(
+            hn::Or(hn::Gt(hides, number(nearest_thing)), seen_until(sources, count, px, py, hides)),
+            covered);
+    }
+    const VU under_cover =
+        hn::IfThenZeroElse(hn::RebindMask(u32, unknown), hn::Set(u32, kCoveredPixel));
+    if (hn::AllTrue(f, covered)) {
+      hn::StoreU(under_cover, u32, color + x);
+      hn::StoreU(zero, f, inverse_z + x);
+      holes += std::uint32_t(hn::CountTrue(f, unknown));
+      continue;
+    }
     const VF left_of = hn::LoadU(f, row + x - 1), right_of = hn::LoadU(f, row + x + 1);
     const VF over = hn::LoadU(f, above + x), under = hn::LoadU(f, below + x);
     // At an edge the surface in front covers a part of the pixel, and the one behind the rest. One
@@ -290,12 +346,13 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
     VU out = hn::Or(hn::Or(byte(sum.r), hn::ShiftLeft<8>(byte(sum.g))),
                     hn::Or(hn::ShiftLeft<16>(byte(sum.b)), hn::Set(u32, 0xff000000u)));
     out = hn::IfThenElseZero(hn::RebindMask(u32, shown), out);
-    w = hn::IfThenElseZero(shown, w);
-    const int left = strip.width - x;
+    w = hn::IfThenElseZero(hn::AndNot(covered, shown), w);
+    out = hn::IfThenElse(hn::RebindMask(u32, covered), under_cover, out);
     if (left >= lanes) {
       hn::StoreU(out, u32, color + x);
       hn::StoreU(w, f, inverse_z + x);
-      holes += std::uint32_t(lanes) - std::uint32_t(hn::CountTrue(f, shown));
+      const Mask filled = hn::Or(hn::AndNot(covered, shown), hn::AndNot(unknown, covered));
+      holes += std::uint32_t(lanes) - std::uint32_t(hn::CountTrue(f, filled));
       continue;
     }
     alignas(64) std::uint32_t colors[kMaxLanes];
@@ -325,8 +382,10 @@ void splat_row(const WarpSource& source, int y, int from, int to, float near,
 }
 
 std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,
-                        float* inverse_z, std::uint32_t* color) {
-  return HWY_DYNAMIC_DISPATCH(shade)(sources, count, strip, y, inverse_z, color);
+                        const float* cover, float nearest_thing, float* inverse_z,
+                        std::uint32_t* color) {
+  return HWY_DYNAMIC_DISPATCH(shade)(sources, count, strip, y, cover, nearest_thing, inverse_z,
+                                     color);
 }
 
 }  // namespace rilievo

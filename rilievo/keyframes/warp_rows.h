@@ -33,8 +33,10 @@ struct DepthStrip {
 void splat_row(const WarpSource& source, int y, int from, int to, float near,
                const DepthStrip& out);
 
-// The rows of the strip: depths and colours of row y. Returns the number of holes.
+// The rows of the strip: depths and colours of row y. `cover`: 1 / eye_z of what will be drawn over
+// the row's pixels; null: nothing will (WarpCover). Returns the number of holes.
 std::uint32_t shade_row(const WarpSource* sources, int count, const DepthStrip& strip, int y,
-                        float* inverse_z, std::uint32_t* color);
+                        const float* cover, float nearest_thing, float* inverse_z,
+                        std::uint32_t* color);
 
 }  // namespace rilievo

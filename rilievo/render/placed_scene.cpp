@@ -1,6 +1,7 @@
 #include "rilievo/render/placed_scene.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include "rilievo/render/draw_list.h"
 
@@ -78,12 +79,14 @@ StrokeSize PlacedScene::stroke_size(std::span<const std::uint32_t> objects) cons
   return largest;
 }
 
-void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
+template <class Objects>
+void PlacedScene::cull_any(const Camera& camera, const Objects& objects,
+                           std::vector<std::uint32_t>& visible) const {
   const Frustum frustum = frustum_of(camera);
   const ImageWindow& w = camera.window;
   const double pixel =
       std::max((w.right - w.left) / camera.width, (w.top - w.bottom) / camera.height);
-  for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
+  for (const std::uint32_t i : objects) {
     Box box = bounds_[i];
     if (any_strokes_ && stroke_px_[model_of(i)] > 0 && !box.empty()) {
       // What has its size in pixels reaches beyond the bounds.
@@ -96,6 +99,15 @@ void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible
     }
     if (may_touch(frustum, box)) visible.push_back(i);
   }
+}
+
+void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
+  cull_any(camera, std::views::iota(0u, std::uint32_t(bounds_.size())), visible);
+}
+
+void PlacedScene::cull(const Camera& camera, std::span<const std::uint32_t> objects,
+                       std::vector<std::uint32_t>& visible) const {
+  cull_any(camera, objects, visible);
 }
 
 }  // namespace rilievo

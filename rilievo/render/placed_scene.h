@@ -57,8 +57,14 @@ class PlacedScene {
 
   // Appends the objects whose bounds intersect the camera's frustum.
   void cull(const Camera& camera, std::vector<std::uint32_t>& visible) const;
+  // Appends those of `objects`.
+  void cull(const Camera& camera, std::span<const std::uint32_t> objects,
+            std::vector<std::uint32_t>& visible) const;
 
  private:
+  template <class Objects>
+  void cull_any(const Camera& camera, const Objects& objects,
+                std::vector<std::uint32_t>& visible) const;
   [[nodiscard]] std::size_t model_of(std::uint32_t object) const {
     return std::size_t(scene_->objects[object].model);
   }

@@ -1,5 +1,6 @@
 #include "rilievo/keyframes/software/keyframe_frames.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <optional>
@@ -65,7 +66,8 @@ struct KeyframeFrames::State {
   RaySource ray_source;
   std::optional<RasterSource> raster_source;
   std::unique_ptr<CaptureSource> own_source;
-  std::vector<bool> moves;  // by object
+  std::vector<bool> moves, polygon;  // by object
+  std::optional<NearObjects> near;
   bool any_still = false, blends = false;
   std::optional<KeyframeProducer> producer;
   std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
@@ -74,6 +76,7 @@ struct KeyframeFrames::State {
 
   SoftwareTarget target;
   WarpedFrame warped;
+  Image<float> cover;  // of polygons
   Image<std::uint32_t> shown;
   KeyframeTiles keyframe_tiles;
   PolygonTiles polygons;
@@ -90,6 +93,8 @@ struct KeyframeFrames::State {
   void make_producer();
   void find_view();
   Result<> warp(double time);
+  [[nodiscard]] float nearest_of(std::span<const std::uint32_t> objects) const;
+  Result<> warp_from(std::span<const WarpedKeyframe> keyframes);
 };
 
 KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
@@ -100,6 +105,7 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       rays(std::move(made_rays)),
       ray_source(rays),
       moves(scene.objects.size()),
+      polygon(scene.objects.size()),
       target(1, 1, options.samples),
       keyframe_tiles(rays),
       polygons(scene),
@@ -116,37 +122,67 @@ void KeyframeFrames::State::make_producer() {
     blends = blends || placed.has_blended_parts(i);
   }
   any_still = !objects.empty();
-  if (!any_moves) objects.clear();  // all: sources leave out what they do not see
   if (any_still && !own_source && options.keyframes.keyframe_ms > 0 &&
       options.polygons_where_cheaper)
     cheaper.emplace();
   CaptureSource* source = own_source.get();
-  if (!source && options.by == KeyframesBy::raster) source = &raster_source.emplace(placed);
+  if (!source && options.by == KeyframesBy::raster) {
+    source = &raster_source.emplace(placed);
+    near.emplace(placed, objects, options.near);
+  }
   if (!source) source = &ray_source;
-  producer.emplace(*source, ray_source, options.keyframes, std::move(objects));
+  if (!any_moves) objects.clear();  // all: sources leave out what they do not see
+  producer.emplace(*source, ray_source, options.keyframes, std::move(objects),
+                   near ? &*near : nullptr);
 }
 
 void KeyframeFrames::State::find_view() {
   in_view.clear();
   placed.cull(camera, in_view);
   still.clear(), live.clear(), blended_in_view.clear();
+  polygon = moves;
+  for (const std::uint32_t object : producer->left_out()) polygon[object] = true;
   for (const std::uint32_t object : in_view) {
-    (moves[object] || !warps ? live : still).push_back(object);
+    (polygon[object] || !warps ? live : still).push_back(object);
     if (placed.has_blended_parts(object)) blended_in_view.push_back(object);
   }
 }
 
 Result<> KeyframeFrames::State::warp(double time) {
-  const Stopwatch watch;
   std::span<const WarpedKeyframe> from = producer->follow(camera, time);
   const double most = options.most_filled * camera.width * camera.height;
-  if (!from.empty()) warp_keyframes(from, camera, warped);
+  if (!from.empty()) {
+    if (Result<> done = warp_from(from); !done) return done;
+  }
   if (from.empty() || double(warped.holes()) > most) {
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();
-    warp_keyframes(*made, camera, warped);
+    if (Result<> done = warp_from(*made); !done) return done;
   }
-  shares.warp_ms = watch.ms();
+  return Done{};
+}
+
+// 1 / eye_z of the nearest place that they may reach.
+float KeyframeFrames::State::nearest_of(std::span<const std::uint32_t> objects) const {
+  double nearest = camera.z_far;
+  for (const std::uint32_t object : objects)
+    for (const glm::vec3& corner : placed.bounds()[object].corners())
+      nearest =
+          std::min(nearest, glm::dot(glm::dvec3(corner) - camera.position(), camera.forward()));
+  return float(1 / std::max(nearest, camera.z_near));
+}
+
+// Polygons first: what they cover is not warped.
+Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyframes) {
+  const Stopwatch watch;
+  find_view();
+  if (Result<> done = polygons.place(camera, options.samples, placed, live, {}); !done) return done;
+  if (!live.empty()) polygons.find_cover(camera, cover);
+  const double polygons_ms = watch.ms();
+  const WarpCover covers{&cover, nearest_of(still)};
+  warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers);
+  shares.polygons_ms += polygons_ms;
+  shares.warp_ms += watch.ms() - polygons_ms;
   return Done{};
 }
 
@@ -181,7 +217,6 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.placed.set_time(time);
   s.shares = {};
   s.stats.captures = 0, s.stats.capture_ms = 0;
-  s.find_view();
   if (s.target.width() != camera.width || s.target.height() != camera.height)
     s.target = SoftwareTarget(camera.width, camera.height, s.options.samples);
   s.drawers.clear();
@@ -193,11 +228,13 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
     s.shares.fill_ms = watch.ms();
     s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
     s.drawers.push_back(&s.keyframe_tiles);
+  } else {
+    s.find_view();
+    if (Result<> done = s.polygons.place(camera, s.options.samples, s.placed, s.live, {}); !done)
+      return done;
   }
   const Stopwatch tiles;
   s.shares.live = int(s.live.size());
-  if (Result<> done = s.polygons.place(camera, s.options.samples, s.placed, s.live, {}); !done)
-    return done;
   if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&s.polygons, &s.polygons.shading()});
   s.sky.place(camera);
   s.drawers.push_back(&s.sky);

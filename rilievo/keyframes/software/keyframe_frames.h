@@ -33,6 +33,7 @@ struct KeyframeFramesOptions {
   int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
   // Frames of which a larger share would be holes get a keyframe at once.
   double most_filled = 0.2;
+  NearObjectsOptions near;  // what is drawn as polygons because it is near; by the rasteriser only
   // With a limit of time, are whole frames polygons where these take less?
   bool polygons_where_cheaper = true;
 };
@@ -40,11 +41,11 @@ struct KeyframeFramesOptions {
 // What the last frame consisted of, as shares of its pixels, and times.
 struct KeyframeShares {
   double filled = 0;
-  int live = 0;         // objects that were drawn as polygons because they move
+  int live = 0;         // objects that were drawn as polygons because they move or are near
   bool coarse = false;  // a coarse keyframe was made for this frame
   bool direct = false;  // it is all polygons
   int completed = 0;    // keyframes that it completed
-  double warp_ms = 0, fill_ms = 0, tiles_ms = 0, keyframe_ms = 0;
+  double polygons_ms = 0, warp_ms = 0, fill_ms = 0, tiles_ms = 0, keyframe_ms = 0;
 };
 
 // Frames of one scene.

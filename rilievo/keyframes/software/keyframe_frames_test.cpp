@@ -187,6 +187,45 @@ TEST(KeyframeFrames, HolesAreFilled) {
   EXPECT_LE(apart, count / 20);
 }
 
+TEST(KeyframeFrames, WhatIsNearIsDrawnAsPolygonsAndNothingBehindItIsMissing) {
+  // Through a ring of stones, fast. Without near objects, as a yardstick, nothing is near.
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  struct Seen {
+    double psnr = 0, wrong = 0, live = 0;
+    int missing = 0;
+  };
+  TestSource direct = software_direct(made.scene, 4);
+  const auto walk = [&](double triangles) {
+    KeyframeFramesOptions options;
+    options.keyframes.interval = 6;
+    options.near.triangles = triangles;
+    auto frames = KeyframeFrames::create(made.scene, options);
+    Seen seen;
+    for (int i = 0; i < 60; ++i) {
+      const glm::dvec3 eye(-9 + 0.15 * i, 1.7, 6);
+      const Camera camera =
+          look_at(eye, eye + glm::dvec3(0.8, 0, -1), {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 200);
+      EXPECT_TRUE((*frames)->draw(camera, 0));
+      if (i < 20 || i % 4 != 1) continue;
+      EXPECT_TRUE(direct.draw(camera, 0));
+      seen.psnr +=
+          0.1 * psnr_of((*frames)->software_target()->color(), direct.software_target()->color());
+      seen.missing += missing_objects(direct, **frames, made.scene);
+      seen.wrong += 0.1 * wrong_share(direct.software_target()->objects(),
+                                      (*frames)->software_target()->objects());
+      seen.live += 0.1 * (*frames)->stats().live_share;
+    }
+    return seen;
+  };
+  const Seen without = walk(0), with = walk(200'000);
+  EXPECT_EQ(without.live, 0);
+  EXPECT_GT(with.live, 0.02);
+  EXPECT_GT(with.psnr, without.psnr);
+  EXPECT_LT(with.wrong, without.wrong);
+  EXPECT_LT(with.wrong, 0.002);
+  EXPECT_EQ(with.missing, 0);
+}
+
 TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {
   BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
   bool any = false;

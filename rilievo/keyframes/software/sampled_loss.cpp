@@ -109,7 +109,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const glm::dvec3 truth = glm::dvec3(all) / double(all.w);
       const double of_direct = square(glm::dvec3(few) / double(few.w) - truth);
       const std::uint32_t seen = shown(pixels_[i].x, pixels_[i].y);
-      shown_ += seen == 0
+      shown_ += seen == 0 || seen == kCoveredPixel
                     ? of_direct
                     : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth);
       direct_ += of_direct;

@@ -30,7 +30,8 @@ class SampledLoss {
   // `rays`, of the scene, must outlive the object.
   explicit SampledLoss(const RayScene& rays) : caster_(rays) {}
 
-  // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's.
+  // A frame was warped, of `objects` and nothing else. `shown`: its colours, as WarpedFrame's; what
+  // is covered counts as direct drawing.
   void add(const Camera& camera, std::span<const std::uint32_t> objects,
            const Image<std::uint32_t>& shown);
   void forget() { shown_ = direct_ = counted_ = 0; }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
 #include "rilievo/render/raster/frame_raster.h"
 #include "rilievo/render/raster/polygon_blocks.h"
 
@@ -137,6 +138,26 @@ Result<> PolygonTiles::place_objects(const Camera& camera, const PlacedScene& pl
   if (Result<> done = s.rasterize(camera, 1, placed, objects, fading); !done || !s.any) return done;
   identify(s.visibility->seen(), s.visibility->meshes(), s.objects);
   return Done{};
+}
+
+void PolygonTiles::find_cover(const Camera& camera, Image<float>& cover) const {
+  const State& s = *state_;
+  if (cover.width() != camera.width || cover.height() != camera.height)
+    cover = Image<float>(camera.width, camera.height);
+  if (!s.any) {
+    std::ranges::fill(cover.texels(), 0.0f);
+    return;
+  }
+  const SampleBuffer& in = s.visibility->seen();
+  parallel_for(0, camera.height, [&](int y) {
+    const float* depths = in.depths(camera.height - 1 - y);
+    float* const to = cover.row(y).data();
+    for (int x = 0; x < camera.width; ++x, depths += in.samples) {
+      float farthest = depths[0];
+      for (int i = 1; i < in.samples; ++i) farthest = std::max(farthest, depths[i]);
+      to[x] = farthest < 1 ? s.tile_depth(farthest) : 0;
+    }
+  });
 }
 
 std::span<const ObjectWork> PolygonTiles::work() {

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "rilievo/core/camera.h"
+#include "rilievo/core/image.h"
 #include "rilievo/core/result.h"
 #include "rilievo/render/cross_fade.h"
 #include "rilievo/render/object_work.h"
@@ -40,6 +41,10 @@ class PolygonTiles final : public TileDrawer {
   // Prepares a frame of their identifiers, which has one sample a pixel.
   Result<> place_objects(const Camera& camera, const PlacedScene& placed,
                          std::span<const std::uint32_t> objects, std::span<const CrossFade> fading);
+
+  // 1 / eye_z of what they show in each pixel: of the farthest of its samples; 0 where one of them
+  // shows nothing. `cover` gets the frame's size.
+  void find_cover(const Camera& camera, Image<float>& cover) const;
 
   // What drawing the objects of the last frame of colours took, one entry each, front to back,
   // those that fade last. The same for any number of threads. Valid after the frame is drawn, until

@@ -1,0 +1,60 @@
+// Which objects are so near that polygons are better than pictures of them?
+//
+// What is near looks another way, and hides something else, from each place that the eye comes
+// through: a picture of it shows its silhouettes in the wrong place, what is behind them not at
+// all, and texels of another distance. Where it has few triangles, polygons are right and cost
+// little. Keyframes are captured without it, and so show what is behind.
+//
+// A choice for a keyframe: of the objects whose distance is at most some times the eye's way, and
+// which are no larger than some times that way, the nearest first, as many as a number of triangles
+// allows. The same input gives the same choice. One thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/render/placed_scene.h"
+
+namespace rilievo {
+
+// How near, and how many.
+struct NearObjectsOptions {
+  double distance = 2;         // at most so many times the eye's way
+  double triangles = 200'000;  // of all of them together
+};
+
+// Chooses among some objects of a scene.
+class NearObjects {
+ public:
+  // What is more times as large as the eye's way is mostly surface, as the ground is: it warps
+  // well, and to shade it costs more than to warp it.
+  static constexpr double kLargest = 10;
+
+  // Among `objects`, ascending. `placed` must outlive the object.
+  NearObjects(const PlacedScene& placed, std::vector<std::uint32_t> objects,
+              const NearObjectsOptions& options = {});
+
+  // For a keyframe that lasts while the eye goes from `frame` to its own eye.
+  void choose(const Camera& keyframe, const Camera& frame);
+  // The last choice, ascending; and what else the keyframe sees.
+  [[nodiscard]] std::span<const std::uint32_t> near() const { return near_; }
+  [[nodiscard]] std::span<const std::uint32_t> rest() const { return rest_; }
+
+ private:
+  struct Candidate {
+    double distance;
+    std::uint32_t object;
+  };
+
+  [[nodiscard]] double triangles_of(std::uint32_t object) const;
+
+  const PlacedScene& placed_;
+  std::vector<std::uint32_t> objects_;
+  NearObjectsOptions options_;
+  std::vector<Candidate> candidates_;
+  std::vector<std::uint32_t> in_view_, near_, rest_;
+};
+
+}  // namespace rilievo
