@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -74,6 +75,9 @@ struct CaseFigures {
   double mbit_s = 0, worst_mbit_s = 0, first_view = 0, first_fine = 0;
   double video_mbit_s = 0, video_age_s = 0;
   LiveWorldStats stats;
+  // The frame that is farthest from the true one, and that.
+  double worst_db = HUGE_VAL;
+  Rgba8Image worst, worst_truth;
 };
 
 Rgba8Image jpeg_and_back(const MadePicture& made, double z_far, Keyframe& keyframe) {
@@ -164,7 +168,10 @@ Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, 
         LiveFrame frame;
         seen.draw(scene.camera(now), frame, true);
         const auto& [color, objects] = scene.truth(now);
+        const double before = out.live.psnr;
         out.live.add(color, frame.color);
+        if (const double db = out.live.psnr - before; db < out.worst_db)
+          out.worst_db = db, out.worst = frame.color, out.worst_truth = color;
         out.live.holes += double(frame.holes) / double(frame.color.texels().size());
         out.live.wrong += compare_visibility(objects, frame.objects).wrong_share();
         if (rivals) add_rivals(scene, network, now, costs, out);
@@ -186,6 +193,10 @@ Result<CaseFigures> run_case(LiveBenchScene& scene, const NetworkCase& network, 
 
 void add_case(const std::string& scene, const NetworkCase& network, const CaseFigures& f,
               Table& table, BenchReport& report) {
+  const std::string of = scene + ", " + network.name;
+  report.pictures.push_back(
+      jpeg_picture(fmt::format("{}, the worst frame: {:.1f} dB", of, f.worst_db), f.worst));
+  report.pictures.push_back(jpeg_picture(of + ", the true one", f.worst_truth));
   const FiguresOf figure(scene + " " + network.name, report);
   figure("mbit_s", f.mbit_s), figure("worst_second_mbit_s", f.worst_mbit_s);
   figure("psnr_db", f.live.psnr), figure("ssim", f.live.ssim), figure("flip", f.live.flip);
