@@ -144,6 +144,17 @@ TEST(LiveClient, CoarsePicturesFillHolesAlone) {
             psnr_db(walkable.truth(frame), alone.color));
 }
 
+// Servers keep pictures by their bytes: there is no room besides.
+TEST(LivePicture, TakesTheMemoryOfItsBytes) {
+  Walkable walkable;
+  LivePictureOrder order;
+  order.camera = walkable.camera(1), order.frame = frame_scale(order.camera), order.fine = true;
+  const Result<MadePicture> made = make_live_picture(walkable.source, order);
+  ASSERT_TRUE(made.ok());
+  EXPECT_EQ(made->depths.capacity(), made->depths.size());
+  EXPECT_LE(made->colors.capacity(), made->colors.size() + 1024);
+}
+
 // An eye that stands gets one picture of its own place and direction, then the surround, and then
 // nothing more.
 TEST(LiveWorld, WhoStandsGetsItsOwnViewAndThenNothing) {

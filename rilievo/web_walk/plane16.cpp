@@ -72,6 +72,7 @@ std::vector<std::uint8_t> encode_plane16_quickly(const Image<std::uint16_t>& pla
   RILIEVO_EXPECTS(done == Z_STREAM_END);
   (void)done;
   packed.resize(stream.total_out);
+  packed.shrink_to_fit();  // it is a fiftieth of the bound, and may be kept
   deflateEnd(&stream);
   return packed;
 }
@@ -86,6 +87,7 @@ std::vector<std::uint8_t> encode_plane16(const Image<std::uint16_t>& plane) {
     RILIEVO_EXPECTS(done == Z_OK);
     (void)done;
     packed.resize(size);
+    packed.shrink_to_fit();
     if (best.empty() || packed.size() < best.size()) best = std::move(packed);
   }
   return best;
