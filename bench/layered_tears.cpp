@@ -61,6 +61,7 @@ LayeredImpostor alone(const LayeredImpostor& impostor, std::size_t view, const T
   one.pictures = {impostor.pictures[view]};
   one.surfaces = {impostor.surfaces[view]};
   one.complete = {impostor.complete[view]};
+  one.sees_through = {impostor.sees_through[view]};
   if (!way.solid)
     for (SurfaceTexel& texel : one.surfaces[0].texels.texels()) texel.inside = 0;
   one.slices = {slice_surface(one.surfaces[0], one.slicing)};

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/layered_impostor/see_through.h"
 #include "rilievo/layered_impostor/visual_hull.h"
 #include "rilievo/warp/texel_links.h"
 
@@ -186,6 +187,12 @@ Result<LayeredImpostor> make_layered_impostor(std::vector<DepthImage> pictures,
       std::find(impostor.complete.begin(), impostor.complete.end(), false) ==
           impostor.complete.end())
     find_visual_hulls(impostor.surfaces);
+  impostor.sees_through = find_seeing_through(impostor.views, impostor.surfaces);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    if (!impostor.complete[i])
+      impostor.sees_through[i] = false;
+    else if (impostor.sees_through[i])
+      impostor.complete[i] = false;
   for (const TexelSurface& surface : impostor.surfaces)
     impostor.slices.push_back(slice_surface(surface, options));
   // A file's parts may name objects or not; here all do or none does.

@@ -87,8 +87,11 @@ struct LayeredImpostor {
   std::vector<std::vector<Slice>> slices;  // one list for each picture, by ascending layer
   // For each picture: does an empty texel mean that nothing is there? Not if its frustum excludes
   // samples of other pictures, nor if it lacks samples, as pictures made of photographs can (S2.7);
-  // such texels have colour but no depth.
+  // such texels have colour but no depth; nor if it sees through a surface from behind.
   std::vector<bool> complete;
+  // Those that are incomplete for that reason alone (see_through.h). They are right for an eye
+  // that sees the surface from behind, too: nothing is there if no picture knows better.
+  std::vector<bool> sees_through;
   // Empty if not computed; else one for each ordered pair of neighbours, ascending.
   std::vector<FillSlices> fills;
   StrokeSize strokes;  // the largest of the points and lines that the pictures show

@@ -98,6 +98,7 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
       if (!ray) continue;
       Seen certain, doubtful, skin;
       int inside = 0;
+      bool sees_through = false;
       float surface = 0, nothing = 0, heaviest = 0;
       glm::vec4 blended(0.0f);
       for (std::size_t i = 0; i < views.size(); ++i) {
@@ -113,13 +114,14 @@ DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,
           if (weight > heaviest) heaviest = weight, certain = seen;
         } else if (!march.passed_behind) {
           if (impostor.complete[std::size_t(views[i])]) nothing += weight;
+          sees_through |= impostor.sees_through[std::size_t(views[i])];
         } else {
           inside += march.passed_outline ? -1 : 1;
           if (!march.passed_outline && skin.eye_z == kNoDepth)
             skin = what_is_seen(impostor, views[i], *ray, march);
         }
       }
-      if (nothing > surface) continue;
+      if (nothing > surface || (surface == 0 && sees_through)) continue;
       if (doubtful.eye_z == kNoDepth && inside > 0 && views.size() > 1) doubtful = skin;
       const Seen& shown = surface > 0 ? certain : doubtful;
       if (shown.eye_z == kNoDepth) continue;

@@ -54,9 +54,10 @@ struct SurfaceWarpOptions {
 // or is complete there (LayeredImpostor::complete). Certain answers of the views with weight
 // (handover_weights) are blended; where some have a hit and others have none, the weighted majority
 // decides. If no answer is certain, the next nearest views are looked up until one is. If none is,
-// the hit nearest to the eye is shown. If there is no hit either, and in most views the ray passed
-// behind one part of the surface in front of another, and not behind an outline, the pixel lies
-// within the object: it shows a skin between the two parts, with the colour of the farther one.
+// nothing is shown where a view sees through (LayeredImpostor::sees_through), else the hit nearest
+// to the eye. If there is no hit either, and in most views the ray passed behind one part of the
+// surface in front of another, and not behind an outline, the pixel lies within the object: it
+// shows a skin between the two parts, with the colour of the farther one.
 //
 // Requires a perspective camera.
 [[nodiscard]] DepthImage warp_surfaces(const LayeredImpostor& impostor, const Camera& camera,

@@ -41,15 +41,15 @@ shader::LayeredView view_block(const LayeredImpostor& impostor, int layer, const
   const auto row = [&](const glm::dvec3& v) {
     return glm::vec4(glm::vec3(v), float(-glm::dot(v, apex)));
   };
-  return {
-      row(u_row),
-      row(v_row),
-      row(forward),
-      glm::vec4(glm::vec3(apex), camera.keeps_farthest() ? -1.0f : 1.0f),
-      glm::vec4(glm::vec3(forward + l * axes[0] + t * axes[1]), float(layer)),
-      glm::vec4(glm::vec3(axes[0] * ((r - l) / w)), float(w)),
-      glm::vec4(glm::vec3(axes[1] * (-(t - b) / h)), float(h)),
-      glm::vec4(float(camera.z_near), float(camera.z_far), impostor.complete[layer] ? 1 : 0, 0)};
+  return {row(u_row),
+          row(v_row),
+          row(forward),
+          glm::vec4(glm::vec3(apex), camera.keeps_farthest() ? -1.0f : 1.0f),
+          glm::vec4(glm::vec3(forward + l * axes[0] + t * axes[1]), float(layer)),
+          glm::vec4(glm::vec3(axes[0] * ((r - l) / w)), float(w)),
+          glm::vec4(glm::vec3(axes[1] * (-(t - b) / h)), float(h)),
+          glm::vec4(float(camera.z_near), float(camera.z_far), impostor.complete[layer] ? 1 : 0,
+                    impostor.sees_through[layer] ? 1 : 0)};
 }
 
 void set_state() {

@@ -249,7 +249,7 @@ void main() {
   float surface = 0.0, nothing = 0.0, heaviest = 0.0;
   float depth = 2.0, doubtful_depth = 2.0;
   uint object = 0u, doubtful_object = 0u;
-  bool skin = false;
+  bool skin = false, sees_through = false;
   int inside = 0;
   for (int i = 0; i < list.y; ++i) {
     bool weighted = i < list.z;
@@ -261,7 +261,10 @@ void main() {
     March march = March(false, false, false, 0.0, ivec2(0));
     if (frustum_segment(view, v_ray, stretch, from, to)) march = march_view(view, from, to);
     if (!march.hit) {
-      if (!march.behind) nothing += weight * view.depths.z;
+      if (!march.behind) {
+        nothing += weight * view.depths.z;
+        sees_through = sees_through || view.depths.w > 0.0;
+      }
       if (march.behind) inside += march.outline ? -1 : 1;
       if (!march.behind || march.outline) continue;
       if (doubtful_depth < 2.0 || skin) continue;
@@ -288,7 +291,7 @@ void main() {
     if (weight > heaviest) heaviest = weight, depth = z, object = o;
   }
   if (skin && (inside <= 0 || list.y == 1)) doubtful_depth = 2.0;
-  if (nothing > surface) discard;
+  if (nothing > surface || (surface == 0.0 && sees_through)) discard;
   if (surface == 0.0)
     depth = doubtful_depth, object = doubtful_object, blended = doubtful_color, surface = 1.0;
   if (depth > 1.0) discard;

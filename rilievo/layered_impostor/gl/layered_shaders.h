@@ -23,7 +23,7 @@ struct LayeredView {
   glm::vec4 apex;    // w: +1 ordinary, -1 back-perspective
   glm::vec4 base;    // w: layer of the texture arrays
   glm::vec4 du, dv;  // w: width, height in texels
-  glm::vec4 depths;  // z_near, z_far; 1 if the picture is complete, else 0
+  glm::vec4 depths;  // z_near, z_far; 1 if the picture is complete, 1 if it sees through, else 0
 };
 
 // An impostor drawn by ray marching (std140).

@@ -207,13 +207,14 @@ struct LayeredTiles::Look {
   PixelRay ray;
   SeenLayered certain, doubtful, skin;
   int inside = 0;
+  bool sees_through = false;
   float surface = 0, nothing = 0, heaviest = 0;
   glm::vec4 blended{0.0f};
 
   // Nothing, whatever the views show that are left, of this weight.
   [[nodiscard]] bool is_empty(float rest) const { return nothing > surface + rest; }
   [[nodiscard]] SeenLayered shown(bool several_views) const {
-    if (is_empty(0)) return {};
+    if (is_empty(0) || (surface == 0 && sees_through)) return {};
     if (surface == 0)
       return doubtful.inverse_z == kNothing && inside > 0 && several_views ? skin : doubtful;
     SeenLayered out = certain;
@@ -270,6 +271,7 @@ void LayeredTiles::look(const PlacedLayered& placed, int x, int y, std::uint32_t
         if (weight > look.heaviest) look.heaviest = weight, look.certain = seen;
       } else if (!behind) {
         if (impostor_.complete[view.view]) look.nothing += weight;
+        look.sees_through |= impostor_.sees_through[view.view];
         if (look.is_empty(view.rest)) looking &= ~(1u << i);
       } else {
         const bool outline = rays.passed_outline >> i & 1;
