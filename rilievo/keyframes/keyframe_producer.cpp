@@ -124,11 +124,12 @@ void KeyframeProducer::begin(const Camera& eye) {
   if (near_) {
     near_->choose(request.camera, frame_);
     // No objects would mean all.
-    if (!near_->near().empty() && !near_->rest().empty())
+    if (!near_->near().empty() && !near_->rest().empty()) {
       request.objects = near_->rest(), request.left_out = near_->near();
-    // The eye comes far until the next keyframe: that this one is ready sooner is worth more than
-    // quarters are.
-    if (!near_->near().empty()) request.whole_texels = true;
+      // The eye comes far until the next keyframe: that this one is ready sooner is worth more than
+      // quarters are.
+      request.whole_texels = true;
+    }
   }
   maker_.begin(request, reusable());
 }

@@ -21,7 +21,7 @@ namespace rilievo {
 
 // How near, and how many.
 struct NearObjectsOptions {
-  double distance = 2;         // at most so many times the eye's way
+  double distance = 1;         // at most so many times the eye's way
   double triangles = 200'000;  // of all of them together
 };
 
