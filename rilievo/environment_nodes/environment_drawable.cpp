@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rilievo/environment_nodes/environment_kind.h"
+#include "rilievo/environment_nodes/node_outline.h"
 #include "rilievo/environment_nodes/working_set.h"
 
 namespace rilievo {
@@ -69,11 +70,14 @@ struct EnvironmentDrawable::State {
   mutable std::mutex errors_mutex;
   NodeWorkingSet working;
   std::vector<std::size_t> drawn;
+  std::map<std::size_t, std::vector<glm::dvec3>> outlines;  // of the nodes in memory
+  std::vector<glm::dvec3> lines;  // kept, so that drawing does not allocate
   std::optional<Sky> sky = nodes.sky();
 
   void take_all() {
     while (std::optional<LoadedNode> loaded = working.take()) {
       store->keep(loaded->node, loaded->map, loaded->mesh);
+      outlines[loaded->node] = node_outline(loaded->mesh);
       const std::lock_guard lock(errors_mutex);
       errors.insert_or_assign(loaded->node, std::move(loaded->error));
     }
@@ -82,7 +86,10 @@ struct EnvironmentDrawable::State {
   // Into `drawn`, the best first.
   void choose(const glm::dvec3& eye) {
     const std::vector<std::size_t> order = nodes_for_eye(nodes, eye);
-    working.want(order, [&](std::size_t node) { store->drop(node); });
+    working.want(order, [&](std::size_t node) {
+      store->drop(node);
+      outlines.erase(node);
+    });
     drawn.clear();
     for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
       take_all();
@@ -139,11 +146,32 @@ void EnvironmentDrawable::draw(const Camera& frame, std::span<const Instance> in
   }
 }
 
-void EnvironmentDrawable::draw_outlines(const Camera&, std::span<const Instance>) {}
+// Of two nodes that show a surface, one is off by up to the tolerance. So lines are drawn nearer to
+// the eye by as much, where they are seen at the same place.
+void EnvironmentDrawable::draw_outlines(const Camera& frame, std::span<const Instance> instances) {
+  State& s = *state_;
+  const glm::dvec3 eye = frame.position();
+  s.lines.clear();
+  for (const Instance& instance : instances) {
+    const std::optional<Camera> captured = captured_frame(frame, instance.world_from_capture);
+    if (!captured) continue;
+    s.choose(captured->position());
+    for (const std::size_t node : s.drawn)
+      for (const glm::dvec3& end : s.outlines[node]) {
+        const glm::dvec3 at(instance.world_from_capture * glm::dvec4(end, 1));
+        s.lines.push_back(glm::mix(at, eye, double(s.options.draw.tolerance)));
+      }
+  }
+  s.store->draw_lines(frame, s.lines);
+}
 
 void EnvironmentDrawable::set_samples(int samples) { state_->store->set_samples(samples); }
 
 const TileDrawer* EnvironmentDrawable::tiles() const { return state_->store->tiles(); }
+
+const TileDrawer* EnvironmentDrawable::outline_tiles() const {
+  return state_->store->outline_tiles();
+}
 
 ErrorModel EnvironmentDrawable::error_model(std::uint32_t) const {
   ErrorModel model;

@@ -35,10 +35,11 @@ class EnvironmentDrawable final : public Drawable {
 
   [[nodiscard]] std::string_view kind() const override;
   void draw(const Camera& frame, std::span<const Instance> instances, Output output) override;
-  // Draws nothing: surroundings have no outline.
+  // On the surfaces, where the six pictures of a node meet.
   void draw_outlines(const Camera& frame, std::span<const Instance> instances) override;
   void set_samples(int samples) override;
   [[nodiscard]] const TileDrawer* tiles() const override;
+  [[nodiscard]] const TileDrawer* outline_tiles() const override;
   // Loads a node that it has not met before: the first bound near it takes tens of milliseconds.
   [[nodiscard]] ErrorModel error_model(std::uint32_t item) const override;
   [[nodiscard]] CostTerms cost_terms(std::uint32_t item) const override;

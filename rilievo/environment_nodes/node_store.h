@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 
 #include "rilievo/core/camera.h"
@@ -55,9 +56,12 @@ class NodeStore {
   // pictures, or `object` unless it is kNoObject.
   virtual void draw(const Camera& frame, double scale, std::span<const std::size_t> nodes,
                     Output output, std::uint32_t object, const NodeDrawOptions& options) = 0;
+  // Draws lines, two ends each, in the world of the frame, over everything that is not nearer.
+  virtual void draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) = 0;
   // As Drawable's.
   virtual void set_samples(int /*samples*/) {}
   [[nodiscard]] virtual const TileDrawer* tiles() const { return nullptr; }
+  [[nodiscard]] virtual const TileDrawer* outline_tiles() const { return nullptr; }
 };
 
 }  // namespace rilievo

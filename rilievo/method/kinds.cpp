@@ -23,7 +23,7 @@ Result<std::unique_ptr<FrameChooser>> make_chooser(const KindMethod& method,
   if (method.kind->stands_for == StandsFor::surroundings) {
     auto made = SurroundingChooser::create(
         backend.placed(), **source, *method.kind, std::move(kind->factory),
-        {kind->bake, kind->draw, options.eyes, options.progress, options.note});
+        {kind->bake, kind->draw, options.eyes, options.outlines, options.progress, options.note});
     if (!made) return made.error();
     return {std::move(*made)};
   }

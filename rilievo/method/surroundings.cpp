@@ -14,6 +14,7 @@ Result<std::unique_ptr<SurroundingChooser>> SurroundingChooser::create(
   RILIEVO_EXPECTS(kind.stands_for == StandsFor::surroundings);
   std::unique_ptr<SurroundingChooser> frames(new SurroundingChooser);
   frames->factory_ = std::move(factory);
+  frames->outlines_ = options.outlines;
   const Stopwatch watch;
   const std::vector<Object>& objects = placed.scene().objects;
   std::vector<std::uint32_t> still;
@@ -47,6 +48,7 @@ void SurroundingChooser::add_sets(FrameContent& content) {
 Result<> SurroundingChooser::choose(const Camera& camera, const PlacedScene& placed,
                                     FrameContent& content, FrameStats& stats) {
   camera_ = camera;
+  content.outlines = outlines_;
   content.sets[0].instances.push_back({});
   visible_.clear();
   placed.cull(camera, visible_);

@@ -18,6 +18,7 @@ namespace rilievo {
 struct SurroundingFramesOptions {
   OptionValues bake, draw;  // of the kind
   Box eyes = {};            // the region of the eyes; empty: unknown
+  bool outlines = false;
   Progress progress;
   std::function<void(const std::string&)> note = {};  // a line for each fact of the bake
 };
@@ -45,7 +46,8 @@ class SurroundingChooser final : public FrameChooser {
   std::vector<bool> baked_;  // by object
   std::vector<std::uint32_t> visible_;
   ErrorModel error_;
-  Camera camera_;     // of the last frame
+  Camera camera_;  // of the last frame
+  bool outlines_ = false;
   int captures_ = 0;  // since the last frame
   double capture_ms_ = 0;
 };

@@ -8,8 +8,10 @@
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/gl/node_textures.h"
 #include "rilievo/environment_nodes/node_test_helpers.h"
+#include "rilievo/environment_nodes/software/node_tiles.h"
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
+#include "rilievo/render/software/software_target.h"
 
 namespace rilievo {
 namespace {
@@ -110,6 +112,97 @@ TEST_F(EnvironmentDrawing, identifiers_are_those_of_what_is_seen) {
     // Along the wall's edge within a texel, 1.4 degrees of 57 over 64 pixels.
     EXPECT_LT(wrong, 4 * kHeight);
   }
+}
+
+// Which of the node's six faces shows what a frame's pixel shows of the room? Its forward axis.
+glm::ivec3 face_at(const Camera& frame, const glm::dvec3& node, double x, double y) {
+  const glm::dvec3 eye = frame.position();
+  const glm::dvec3 to = world_from_raster(frame, {x, y}, 1.0) - eye;
+  const glm::dvec3 from_node = eye + room_from(eye)(to) * to - node;
+  const glm::dvec3 size = glm::abs(from_node);
+  const int axis = size.x > std::max(size.y, size.z) ? 0 : size.y > size.z ? 1 : 2;
+  glm::ivec3 forward(0);
+  forward[axis] = from_node[axis] > 0 ? 1 : -1;
+  return forward;
+}
+
+TEST_F(EnvironmentDrawing, outlines_lie_where_the_six_pictures_of_a_node_meet) {
+  Result<NodeDrawer> drawer = NodeDrawer::create();
+  ASSERT_TRUE(drawer.ok());
+  Result<FrameTarget> target = FrameTarget::create(kWidth, kHeight, 1);
+  ASSERT_TRUE(target.ok());
+  const glm::dvec3 node(0.7, 0.2, -0.4);
+  const Camera frame =
+      look_at({-1.5, 0.6, 1}, {4, -0.7, -1.5}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.05, 50);
+  EnvironmentDrawable by_opengl(room_nodes({node}, 64), std::make_unique<NodeTextures>(*drawer),
+                                {});
+  EnvironmentDrawable by_software(room_nodes({node}, 64), std::make_unique<NodeTiles>(), {});
+  const Instance instance;
+  const auto opengl = [&](bool outlines) {
+    target->begin();
+    by_opengl.draw(frame, {&instance, 1}, Output::color);
+    if (outlines) by_opengl.draw_outlines(frame, {&instance, 1});
+    target->resolve();
+    return target->read();
+  };
+  SoftwareTarget memory(kWidth, kHeight, 1);
+  const auto software = [&](bool outlines) {
+    by_software.draw(frame, {&instance, 1}, Output::color);
+    if (outlines) by_software.draw_outlines(frame, {&instance, 1});
+    const TileDrawer* const drawers[] = {by_software.tiles(), by_software.outline_tiles()};
+    memory.draw(frame.z_far, std::span(drawers).first(outlines ? 2 : 1));
+    return memory.color();
+  };
+  for (const bool gl : {true, false}) {
+    SCOPED_TRACE(gl ? "OpenGL" : "software");
+    const Rgba8Image plain = gl ? opengl(false) : software(false),
+                     outlined = gl ? opengl(true) : software(true);
+    int lines = 0, astray = 0, borders = 0, missed = 0;
+    for (int y = 2; y + 2 < kHeight; ++y)
+      for (int x = 2; x + 2 < kWidth; ++x) {
+        const auto changed = [&](int u, int v) { return outlined(u, v) != plain(u, v); };
+        bool border = false, line_beside = false;
+        for (int k = 0; k < 9; ++k) {
+          const int dx = k % 3 - 1, dy = k / 3 - 1;
+          border |= face_at(frame, node, x + 0.5 + 1.5 * dx, y + 0.5 + 1.5 * dy) !=
+                    face_at(frame, node, x + 0.5, y + 0.5);
+          line_beside |= changed(x + dx, y + dy);
+        }
+        // A border lies between this pixel and the next.
+        const bool crossed =
+            face_at(frame, node, x + 1.5, y + 0.5) != face_at(frame, node, x + 0.5, y + 0.5);
+        lines += changed(x, y), astray += changed(x, y) && !border;
+        borders += crossed, missed += crossed && !line_beside;
+      }
+    EXPECT_GT(lines, 100);
+    EXPECT_GT(borders, 40);
+    EXPECT_EQ(astray, 0);
+    EXPECT_EQ(missed, 0);
+  }
+}
+
+TEST_F(EnvironmentDrawing, outlines_of_a_node_end_where_something_is_nearer) {
+  SoftwareTarget memory(kWidth, kHeight, 1);
+  EnvironmentDrawable nodes(room_nodes({{0, 0, 0}}, 64), std::make_unique<NodeTiles>(), {});
+  const Camera frame =
+      look_at({-1.5, 0.6, 1}, {4, -0.7, -1.5}, {0, 1, 0}, 1.2, kWidth, kHeight, 0.05, 50);
+  struct Wall final : TileDrawer {
+    void draw_tile(FrameTile& tile) const override {
+      for (int block = 0; block < FrameTile::kBlockCount; ++block)
+        for (int s = 0; s < tile.planes(block); ++s)
+          for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
+            FrameTile::Plane& plane = tile.plane(block, s);
+            plane.inverse_z[i] = 2, plane.content[i] = 0xff808080u;
+          }
+    }
+  } wall;
+  const Instance instance;
+  nodes.draw(frame, {&instance, 1}, Output::color);
+  nodes.draw_outlines(frame, {&instance, 1});
+  const TileDrawer* const drawers[] = {nodes.tiles(), &wall, nodes.outline_tiles()};
+  memory.draw(frame.z_far, drawers);
+  for (const glm::u8vec4& pixel : memory.color().texels())
+    ASSERT_EQ(pixel, glm::u8vec4(128, 128, 128, 255));
 }
 
 // Moved, turned and scaled as a whole, with the eye along, a frame stays what it was.

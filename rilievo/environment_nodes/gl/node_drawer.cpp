@@ -125,7 +125,8 @@ Result<NodeDrawer> NodeDrawer::create() {
   for (Result<> made :
        {keep(shader::make_node_program(NodeOutput::direction), drawer.direction_),
         keep(shader::make_node_skin_program(NodeOutput::direction), drawer.direction_skin_),
-        keep(shader::make_cube_map_program(), drawer.cube_map_)})
+        keep(shader::make_cube_map_program(), drawer.cube_map_),
+        keep(shader::make_node_line_program(), drawer.line_)})
     if (!made) return made.error();
   for (int merge = 1; merge <= 4; ++merge)
     if (Result<> made = use_merge(drawer.color_, merge, 2); !made) return made.error();
@@ -315,6 +316,24 @@ Result<> NodeDrawer::draw_output(Output& output, const Camera& frame,
   }
   glDrawArrays(GL_TRIANGLES, 0, 3);
   return Done{};
+}
+
+void NodeDrawer::draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) {
+  if (ends.empty()) return;
+  const glm::dvec3 eye = frame.position();
+  const glm::mat4 to_clip(clip_from_relative(frame));
+  line_ends_.clear();
+  for (const glm::dvec3& end : ends) line_ends_.emplace_back(glm::vec3(end - eye), 1.0f);
+  line_buffer_.upload_and_bind(GL_SHADER_STORAGE_BUFFER, 0, std::as_bytes(std::span(line_ends_)));
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
+  glDisable(GL_BLEND);
+  glUseProgram(line_);
+  glUniformMatrix4fv(0, 1, GL_FALSE, &to_clip[0][0]);
+  glBindVertexArray(no_vertices_);
+  glDrawArrays(GL_LINES, 0, GLsizei(ends.size()));
+  glDepthMask(GL_TRUE);
 }
 
 void NodeDrawer::draw_directions(const Camera& frame, const StoredNode& node, bool skin) {

@@ -61,6 +61,9 @@ class NodeDrawer {
   Result<> draw_objects(const Camera& frame, std::span<const StoredNode* const> nodes,
                         std::uint32_t object, const NodeDrawOptions& options);
 
+  // Draws lines, two ends each, in the world, as outlines: over everything that is not nearer.
+  void draw_lines(const Camera& frame, std::span<const glm::dvec3> ends);
+
   // For tests and measures: draws the direction in node space that each pixel shows, into a
   // framebuffer of floats.
   void draw_directions(const Camera& frame, const StoredNode& node, bool skin);
@@ -95,8 +98,10 @@ class NodeDrawer {
   Result<> make_layers(int width, int height, int count, bool objects);
 
   Output color_, objects_;
-  gl::Program direction_, direction_skin_, cube_map_;
+  gl::Program direction_, direction_skin_, cube_map_, line_;
   gl::VertexArray no_vertices_;
+  gl::StreamBuffer line_buffer_;
+  std::vector<glm::vec4> line_ends_;
   int width_ = 0, height_ = 0, count_ = 0;
   gl::Texture layer_colors_, layer_depths_, layer_objects_;
   std::vector<gl::Framebuffer> layer_framebuffers_;

@@ -12,6 +12,8 @@
 
 #include <string>
 
+#include "rilievo/render/opengl/outline_shader.h"
+
 namespace rilievo::shader {
 namespace {
 
@@ -273,6 +275,12 @@ layout(location = 0) out vec4 out_color;
 void main() { out_color = vec4(texture(faces, v_direction).rgb, 1.0); }
 )";
 
+const char* const kLineVertex = R"(#version 450
+layout(std430, binding = 0) restrict readonly buffer Ends { vec4 ends[]; };
+layout(location = 0) uniform mat4 clip_from_relative;
+void main() { gl_Position = clip_from_relative * ends[gl_VertexID]; }
+)";
+
 // Skins have no silhouettes of their own.
 std::string defines_of(NodeOutput output, bool skin) {
   std::string defines = skin ? "#define SKIN 1\n" : "";
@@ -290,6 +298,8 @@ std::string defines_of(NodeOutput output, bool skin) {
 Result<gl::Program> make_cube_map_program() {
   return gl::make_program("cube map", kCubeMapVertex, kCubeMapFragment);
 }
+
+Result<gl::Program> make_node_line_program() { return make_outline_program(kLineVertex); }
 
 Result<gl::Program> make_node_program(NodeOutput output) {
   return gl::make_program("environment node", kVertex, kFragment, defines_of(output, false));

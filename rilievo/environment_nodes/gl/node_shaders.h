@@ -19,6 +19,9 @@ enum class NodeOutput {
 // The program that draws a cube map over the whole frame.
 [[nodiscard]] Result<gl::Program> make_cube_map_program();
 
+// The program of outlines: lines, whose ends are relative to the eye.
+[[nodiscard]] Result<gl::Program> make_node_line_program();
+
 // The program of skins, which are drawn only where they are narrow, or everywhere.
 [[nodiscard]] Result<gl::Program> make_node_skin_program(NodeOutput output);
 

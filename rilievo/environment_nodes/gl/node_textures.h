@@ -25,6 +25,9 @@ class NodeTextures final : public NodeStore {
   void begin() override {}
   void draw(const Camera& frame, double scale, std::span<const std::size_t> nodes, Output output,
             std::uint32_t object, const NodeDrawOptions& options) override;
+  void draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) override {
+    drawer_.draw_lines(frame, ends);
+  }
 
  private:
   NodeDrawer& drawer_;

@@ -11,6 +11,7 @@
 #include "rilievo/environment_nodes/software/node_layer.h"
 #include "rilievo/environment_nodes/software/shade_nodes.h"
 #include "rilievo/environment_nodes/software/software_node.h"
+#include "rilievo/render/software/line_tiles.h"
 
 namespace rilievo {
 namespace {
@@ -21,10 +22,11 @@ constexpr float kAnyWidth = 1e30f;
 
 struct NodeTiles::State {
   std::map<std::size_t, std::unique_ptr<SoftwareNode>> nodes;
-  std::vector<std::unique_ptr<SoftwareNode>> dropped;  // may be placed still
+  std::vector<std::unique_ptr<SoftwareNode>> dropped;  // after some were placed: may be still
   std::vector<std::unique_ptr<PlacedNodes>> placed;    // kept, so that drawing does not allocate
   std::size_t count = 0;                               // of them in use
   std::vector<DrawnNode> drawn;
+  LineTiles lines;
   int samples = 1;
 };
 
@@ -39,7 +41,7 @@ void NodeTiles::keep(std::size_t node, const EnvironmentMap& map, const NodeMesh
 void NodeTiles::drop(std::size_t node) {
   const auto found = state_->nodes.find(node);
   if (found == state_->nodes.end()) return;
-  state_->dropped.push_back(std::move(found->second));
+  if (state_->count > 0) state_->dropped.push_back(std::move(found->second));
   state_->nodes.erase(found);
 }
 
@@ -103,6 +105,13 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
       placed.layers[i].place(frame, 1, all.subspan(i, 1));
   }
 }
+
+void NodeTiles::draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) {
+  state_->lines.begin(frame);
+  for (std::size_t k = 0; k + 1 < ends.size(); k += 2) state_->lines.add(ends[k], ends[k + 1]);
+}
+
+const TileDrawer* NodeTiles::outline_tiles() const { return &state_->lines; }
 
 void NodeTiles::draw_tile(FrameTile& tile) const {
   for (std::size_t p = 0; p < state_->count; ++p) shade_nodes(*state_->placed[p], tile);

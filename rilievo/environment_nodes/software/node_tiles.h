@@ -30,8 +30,10 @@ class NodeTiles final : public NodeStore, public TileDrawer {
   void begin() override;
   void draw(const Camera& frame, double scale, std::span<const std::size_t> nodes, Output output,
             std::uint32_t object, const NodeDrawOptions& options) override;
+  void draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) override;
   void set_samples(int samples) override;
   [[nodiscard]] const TileDrawer* tiles() const override { return this; }
+  [[nodiscard]] const TileDrawer* outline_tiles() const override;
   void draw_tile(FrameTile& tile) const override;
 
  private:
