@@ -48,7 +48,6 @@ PrewarpAhead::PrewarpAhead(const ReliefSet& set, const PrewarpOptions& options, 
           {},
           {},
           {}}) {
-  RILIEVO_EXPECTS(options.reuse_error == 0);
   for (const LayeredRelief& relief : set.reliefs) state_->prewarps.emplace_back(relief, options);
 }
 PrewarpAhead::~PrewarpAhead() = default;

@@ -23,7 +23,7 @@ enum class Overlap {
 // The pictures of a walk past a set of reliefs.
 class PrewarpAhead {
  public:
-  // `set` must outlive the object. Requires that no tiles are reused: options.reuse_error == 0.
+  // `set` must outlive the object.
   explicit PrewarpAhead(const ReliefSet& set, const PrewarpOptions& options = {},
                         Overlap overlap = Overlap::automatic);
   ~PrewarpAhead();

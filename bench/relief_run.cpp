@@ -38,7 +38,7 @@ std::vector<glm::dvec3> directions(int steps) {
 struct Run {
   std::vector<double> warp_ms, frame_ms;
   double warped = 0, drawn = 0;  // samples
-  int tiles = 0, reused = 0, switches = 0;
+  int switches = 0;
 };
 
 Camera camera_at(const Box& box, const glm::dvec3& direction, int size) {
@@ -48,12 +48,10 @@ Camera camera_at(const Box& box, const glm::dvec3& direction, int size) {
                  size, size, 0.1 * away, 10 * away);
 }
 
-Run run_over(const ReliefSet& set, const Box& box, int steps, int size, double reuse,
-             SplattedFrame& last) {
+Run run_over(const ReliefSet& set, const Box& box, int steps, int size, SplattedFrame& last) {
   Run run;
   std::vector<std::unique_ptr<Prewarp>> prewarps;
   PrewarpOptions options;
-  options.reuse_error = reuse;
   options.max_size = 2048;
   for (const LayeredRelief& relief : set.reliefs)
     prewarps.push_back(std::make_unique<Prewarp>(relief, options));
@@ -74,7 +72,6 @@ Run run_over(const ReliefSet& set, const Box& box, int steps, int size, double r
     run.frame_ms.push_back(watch.ms());
     if (!stats) continue;
     run.warped += double(stats->samples_warped), run.drawn += double(stats->samples_drawn);
-    run.tiles += stats->tiles, run.reused += stats->tiles - stats->warped;
   }
   return run;
 }
@@ -109,8 +106,8 @@ Result<BenchReport> relief_run(const BenchOptions& options) {
   const int steps = options.quick ? 10 : 300, size = options.quick ? 128 : 1024;
   Table table{fmt::format("{} turns, {} x {} pixels, six reliefs of {} texels", steps, size, size,
                           size / 2),
-              {"object", "reuse, texels", "warp p50 ms", "p99", "frame p50 ms", "p99",
-               "warped / drawn", "tiles reused %", "switches", "samples", "MB"},
+              {"object", "", "warp p50 ms", "p99", "frame p50 ms", "p99", "warped / drawn",
+               "switches", "samples", "MB"},
               {}};
   for (const char* name : {"fish", "cube", "fern"}) {
     const Result<ReliefObject> object = relief_object(name);
@@ -130,35 +127,27 @@ Result<BenchReport> relief_run(const BenchOptions& options) {
     report.figures.emplace_back(fmt::format("frame_p50_ms_{}_overlapped", name), overlapped.p50);
     report.figures.emplace_back(fmt::format("frame_p99_ms_{}_overlapped", name), overlapped.p99);
     table.rows.push_back({name, "overlapped", "", "", fmt::format("{:.2f}", overlapped.p50),
-                          fmt::format("{:.2f}", overlapped.p99), "", "", "", "", ""});
-    for (const double reuse : {0.0, 0.5}) {
-      SplattedFrame last;
-      const Run run = run_over(*set, box, steps, size, reuse, last);
-      if (reuse == 0 && last.color != beside.color)
-        return Error{name, "the overlapped run drew another picture"};
-      const Summary warp = summarize(run.warp_ms), frame = summarize(run.frame_ms);
-      const double again = run.warped / std::max(run.drawn, 1.0);
-      const double reused = 100.0 * run.reused / std::max(run.tiles, 1);
-      table.rows.push_back({name, fmt::format("{:.1f}", reuse), fmt::format("{:.2f}", warp.p50),
-                            fmt::format("{:.2f}", warp.p99), fmt::format("{:.2f}", frame.p50),
-                            fmt::format("{:.2f}", frame.p99), fmt::format("{:.2f}", again),
-                            fmt::format("{:.1f}", reused), std::to_string(run.switches),
-                            fmt::format("{:.0f}", samples), fmt::format("{:.1f}", memory)});
-      const std::string suffix = fmt::format("{}_{}", name, reuse > 0 ? "reused" : "fresh");
-      report.figures.emplace_back("warp_p50_ms_" + suffix, warp.p50);
-      report.figures.emplace_back("warp_p99_ms_" + suffix, warp.p99);
-      report.figures.emplace_back("frame_p50_ms_" + suffix, frame.p50);
-      report.figures.emplace_back("frame_p99_ms_" + suffix, frame.p99);
-      report.figures.emplace_back("warped_over_drawn_" + suffix, again);
-      report.figures.emplace_back("tiles_reused_percent_" + suffix, reused);
-      report.pictures.push_back(
-          png_picture(fmt::format("{}, last frame, reuse {:.1f}", name, reuse),
-                      frame_over(last, {0.55f, 0.62f, 0.70f})));
-    }
+                          fmt::format("{:.2f}", overlapped.p99), "", "", "", ""});
+    SplattedFrame last;
+    const Run run = run_over(*set, box, steps, size, last);
+    if (last.color != beside.color) return Error{name, "the overlapped run drew another picture"};
+    const Summary warp = summarize(run.warp_ms), frame = summarize(run.frame_ms);
+    const double again = run.warped / std::max(run.drawn, 1.0);
+    table.rows.push_back({name, "", fmt::format("{:.2f}", warp.p50),
+                          fmt::format("{:.2f}", warp.p99), fmt::format("{:.2f}", frame.p50),
+                          fmt::format("{:.2f}", frame.p99), fmt::format("{:.2f}", again),
+                          std::to_string(run.switches), fmt::format("{:.0f}", samples),
+                          fmt::format("{:.1f}", memory)});
+    report.figures.emplace_back(fmt::format("warp_p50_ms_{}", name), warp.p50);
+    report.figures.emplace_back(fmt::format("warp_p99_ms_{}", name), warp.p99);
+    report.figures.emplace_back(fmt::format("frame_p50_ms_{}", name), frame.p50);
+    report.figures.emplace_back(fmt::format("frame_p99_ms_{}", name), frame.p99);
+    report.figures.emplace_back(fmt::format("warped_over_drawn_{}", name), again);
+    report.pictures.push_back(
+        png_picture(fmt::format("{}, last frame", name), frame_over(last, {0.55f, 0.62f, 0.70f})));
   }
-  table.rows.push_back(
-      {"the paper's fish, cube", "", "50", "", "67", "", "1.2", "", "", "140000", ""});
-  table.rows.push_back({"the paper's fern", "", "100", "", "111", "", "1.2", "", "", "250000", ""});
+  table.rows.push_back({"the paper's fish, cube", "", "50", "", "67", "", "1.2", "", "140000", ""});
+  table.rows.push_back({"the paper's fern", "", "100", "", "111", "", "1.2", "", "250000", ""});
   report.tables = {std::move(table)};
   report.notes = {
       "A turn is 1.2 degrees, every 30th one 41. The frame is the warp, and its picture drawn with "

@@ -1,12 +1,11 @@
 // Cf. [Parilov, Stuerzlinger 2002, sections 3.1, 4.1 and 5]. How we differ: sources may be in
-// perspective; the result's grid stands still on the source plane, so that tiles can be kept from
-// eye to eye; depths come along; the size of a splat is du / (1 + k3 d) (the printed formula adds a
+// perspective; no tile of the last result is kept (of turns by 1.2 degrees 1 to 3 % could be);
+// depths come along; the size of a splat is du / (1 + k3 d) (the printed formula adds a
 // displacement to a size).
 #include "rilievo/layered_relief/prewarp.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "rilievo/core/parallel_for.h"
@@ -20,37 +19,6 @@ namespace {
 // Texels between the rows of a tile beyond its width: rows then do not share their places in the
 // processor's cache.
 constexpr int kPitchPadding = 8;
-
-// A tile of the last result that is kept.
-struct KeptTile {
-  bool warped = false;
-  ReliefWarp by;
-  RunRange range;  // of what `by` puts into it and its neighbours
-  std::vector<ReliefSample> texels;
-};
-
-// A tile and its neighbours: what lies in it after the eye moved may have come from beside it.
-Texels with_neighbors(const TileGrid& grid, const glm::ivec2& tile) {
-  return {grid.texels_of(tile - 1).min, grid.texels_of(tile + 1).max};
-}
-
-// How far, in source texels, samples with codes of `range` that `before` put into [min, max] lie
-// from where `now` puts them. One with displacement d at q would go to
-//   q + d (q (k3 - k3') + k1' - k1) / (1 + k3' d)
-// which is affine in q and, as its factor, monotone in d.
-double moved_by(const LayeredRelief& relief, const RunRange& range, const ReliefWarp& before,
-                const ReliefWarp& now, const glm::dvec2& min, const glm::dvec2& max) {
-  if (range.nearest > range.farthest) return 0;
-  double most = 0;
-  for (const std::uint32_t code : {range.nearest, range.farthest}) {
-    const double d = relief.d(code), factor = std::abs(d / (1 + now.k3 * d));
-    for (const double x : {min.x, max.x})
-      most = std::max(most, factor * std::abs(x * (before.k3 - now.k3) + now.k1 - before.k1));
-    for (const double y : {min.y, max.y})
-      most = std::max(most, factor * std::abs(y * (before.k3 - now.k3) + now.k2 - before.k2));
-  }
-  return most;
-}
 
 // Is the quad of world points outside one of the frustum's planes?
 bool outside(const glm::dmat4& clip_from_world, const std::array<glm::dvec3, 4>& quad) {
@@ -94,10 +62,6 @@ struct Prewarp::State {
   const LayeredRelief* relief;
   PrewarpOptions options;
   ReliefFrame frame;
-  // Of the last result.
-  Texels kept_tiles;  // in tiles
-  double kept_resolution = 0;
-  std::vector<KeptTile> kept;
   struct Scratch {
     std::vector<ReliefSample> texels;
     std::vector<PrewarpRun> runs;
@@ -105,11 +69,6 @@ struct Prewarp::State {
   tbb::enumerable_thread_specific<Scratch> scratch;
   std::vector<std::uint16_t> before_filling;
 
-  struct Job {
-    glm::ivec2 tile;
-    double error = 0;  // infinite if never warped
-    bool warp = true;
-  };
   // What one warp() needs to know everywhere.
   struct Frame {
     ReliefWarp warp;
@@ -124,17 +83,11 @@ struct Prewarp::State {
   };
 
   [[nodiscard]] bool in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const;
-  void plan_tiles(Frame& f, const Camera* view, bool keeps, std::vector<Job>& jobs) const;
+  void plan_tiles(Frame& f, const Camera* view, std::vector<glm::ivec2>& tiles) const;
   void set_coefficients(Frame& f) const;
   void set_geometry(const Frame& f, PictureGeometry& geometry) const;
   void set_resolve(Frame& f, const Camera& camera) const;
-  void keep_tiles(const Frame& f, std::vector<Job>& jobs);
-  void do_tile(const Frame& f, const Job& job, Prewarped& result, PrewarpStats& stats);
-  [[nodiscard]] KeptTile* kept_tile(const glm::ivec2& tile) {
-    const glm::ivec2 at = tile - kept_tiles.min, size = kept_tiles.size();
-    if (at.x < 0 || at.y < 0 || at.x >= size.x || at.y >= size.y) return nullptr;
-    return &kept[std::size_t(at.y) * std::size_t(size.x) + std::size_t(at.x)];
-  }
+  void do_tile(const Frame& f, const glm::ivec2& at, Prewarped& result, PrewarpStats& stats);
 };
 
 Prewarp::Prewarp(const LayeredRelief& relief, const PrewarpOptions& options)
@@ -149,11 +102,6 @@ Prewarp::~Prewarp() = default;
 Prewarp::Prewarp(Prewarp&&) noexcept = default;
 Prewarp& Prewarp::operator=(Prewarp&&) noexcept = default;
 
-void Prewarp::reset() {
-  state_->kept.clear();
-  state_->kept_tiles = {};
-}
-
 bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const Texels& texels) const {
   std::array<glm::dvec3, 4> quad;
   for (int i = 0; i < 4; ++i)
@@ -163,31 +111,29 @@ bool Prewarp::State::in_view(const Frame& f, const glm::dmat4& clip, const Texel
   return !outside(clip, quad);
 }
 
-// The tiles in view, and the rectangle around them. Where no tile is kept, what is shown need not
-// begin and end where tiles do: it is found in smaller steps.
-void Prewarp::State::plan_tiles(Frame& f, const Camera* view, bool keeps,
-                                std::vector<Job>& jobs) const {
+// The tiles of what is in view. What is shown need not begin and end where tiles do: it is found in
+// smaller steps.
+void Prewarp::State::plan_tiles(Frame& f, const Camera* view,
+                                std::vector<glm::ivec2>& tiles) const {
   constexpr int kViewStep = 64;
-  f.grid = {glm::ivec2(0), glm::ivec2(keeps ? options.tile_size : kViewStep)};
-  if (!keeps && !view) f.grid = strips(f.all, options.tile_size);
-  const glm::dmat4 clip = view ? clip_from_world(*view) : glm::dmat4(1.0);
-  f.shown = {f.all.max, f.all.min};
-  const auto add_tiles = [&](const Texels& tiles, bool all) {
-    for (int y = tiles.min.y; y < tiles.max.y; ++y)
-      for (int x = tiles.min.x; x < tiles.max.x; ++x) {
+  f.shown = f.all;
+  if (view) {
+    f.grid = {glm::ivec2(0), glm::ivec2(kViewStep)};
+    f.shown = {f.all.max, f.all.min};
+    const glm::dmat4 clip = clip_from_world(*view);
+    const Texels steps = f.grid.tiles_of(f.all);
+    for (int y = steps.min.y; y < steps.max.y; ++y)
+      for (int x = steps.min.x; x < steps.max.x; ++x) {
         const Texels part = overlap(f.grid.texels_of({x, y}), f.all);
-        if (!all && !in_view(f, clip, part)) continue;
-        jobs.push_back({{x, y}, 0, true});
+        if (!in_view(f, clip, part)) continue;
         f.shown = {glm::min(f.shown.min, part.min), glm::max(f.shown.max, part.max)};
       }
-  };
-  add_tiles(f.grid.tiles_of(f.all), !view);
-  if (keeps || !view || jobs.empty()) return;
-  const Texels seen = f.shown;
-  jobs.clear();
-  f.grid = strips(seen, options.tile_size);
-  add_tiles(f.grid.tiles_of(seen), true);
-  f.shown = seen;
+    if (f.shown.empty()) return;
+  }
+  f.grid = strips(f.shown, options.tile_size);
+  const Texels all = f.grid.tiles_of(f.shown);
+  for (int y = all.min.y; y < all.max.y; ++y)
+    for (int x = all.min.x; x < all.max.x; ++x) tiles.emplace_back(x, y);
 }
 
 void Prewarp::State::set_coefficients(Frame& f) const {
@@ -258,95 +204,38 @@ void Prewarp::State::set_resolve(Frame& f, const Camera& camera) const {
                  float(1 / k3 + d0)};
 }
 
-// The new grid of tiles, with what can be kept of the old one; how wrong each has become.
-void Prewarp::State::keep_tiles(const Frame& f, std::vector<Job>& jobs) {
-  const Texels tiles = f.grid.tiles_of(f.all);
-  const glm::ivec2 count = tiles.size();
-  std::vector<KeptTile> next(std::size_t(count.x) * std::size_t(count.y));
-  if (f.resolution == kept_resolution)
-    for (int y = 0; y < count.y; ++y)
-      for (int x = 0; x < count.x; ++x)
-        if (KeptTile* old = kept_tile(tiles.min + glm::ivec2(x, y)))
-          next[std::size_t(y) * std::size_t(count.x) + std::size_t(x)] = std::move(*old);
-  kept = std::move(next);
-  kept_tiles = tiles;
-  kept_resolution = f.resolution;
-
-  const RunRange all{relief->tree[0].nearest, relief->tree[0].farthest};
-  for (Job& job : jobs) {
-    const KeptTile& tile = *kept_tile(job.tile);
-    if (!tile.warped) {
-      job.error = std::numeric_limits<double>::infinity();
-      continue;
-    }
-    const auto moved = [&](const RunRange& range, const ReliefWarp& before, const ReliefWarp& now,
-                           const Texels& in) {
-      return f.resolution * moved_by(*relief, range, before, now, glm::dvec2(in.min) / f.resolution,
-                                     glm::dvec2(in.max) / f.resolution);
-    };
-    job.error = moved(tile.range, tile.by, f.warp, with_neighbors(f.grid, job.tile));
-    // What would lie in the tile now and has come from beyond its neighbours is not in its range.
-    const double farthest = moved(all, f.warp, tile.by, f.grid.texels_of(job.tile));
-    if (farthest > f.grid.size.x) job.error = std::max(job.error, farthest);
-    job.warp = job.error > options.reuse_error;
-  }
-  std::stable_sort(jobs.begin(), jobs.end(),
-                   [](const Job& a, const Job& b) { return a.error > b.error; });
-}
-
-// Warps the job's tile unless it stays, and puts it into the result.
-void Prewarp::State::do_tile(const Frame& f, const Job& job, Prewarped& result,
+// Warps a tile, and puts it into the result.
+void Prewarp::State::do_tile(const Frame& f, const glm::ivec2& at, Prewarped& result,
                              PrewarpStats& stats) {
-  Scratch& own = scratch.local();
-  KeptTile* keep = kept_tile(job.tile);
-  std::vector<ReliefSample>& texels = keep ? keep->texels : own.texels;
+  auto& [texels, runs] = scratch.local();
   // One more row than texels, for what misses.
   constexpr ReliefSample kNothing{0xffffffff, 0xffffffff};
   const int pitch = f.grid.size.x + kPitchPadding, missed = f.grid.size.y * pitch;
   if (texels.size() <= std::size_t(missed)) texels.resize(std::size_t(missed) + 1, kNothing);
-  // A tile that is not kept is no larger than what is shown of it.
-  const Texels whole = f.grid.texels_of(job.tile), shown = overlap(whole, f.shown);
-  const Texels part = keep ? whole : shown;
-  const glm::ivec2 at = part.min - f.all.min;
-  const PrewarpTile tile{texels.data(), missed, at.x, at.y, part.size().x, part.size().y, pitch};
-  if (job.warp) {
-    RunQuery query;
-    const auto set_rectangle = [&](const Texels& of) {
-      query.min = glm::dvec2(of.min) / f.resolution, query.max = glm::dvec2(of.max) / f.resolution;
-    };
-    query.half_splat = 0.5 * options.splat_size;
-    query.resolution = f.resolution;
-    query.nearest = options.splat == Splat::nearest;
-    query.least_code = f.least_code;
-    if (keep) {
-      own.runs.clear();
-      set_rectangle(with_neighbors(f.grid, job.tile));
-      keep->range = find_runs(*relief, f.warp, f.sheets, query, own.runs);
-      keep->warped = true, keep->by = f.warp;
-    }
-    own.runs.clear();
-    set_rectangle(part);
-    find_runs(*relief, f.warp, f.sheets, query, own.runs);
-    // A tile that is not kept was emptied when it was copied out.
-    if (keep) std::fill(texels.begin(), texels.end(), kNothing);
-    stats.samples_drawn += prewarp_tile(f.coefficients, own.runs, tile);
-    for (const PrewarpRun& run : own.runs) stats.samples_warped += run.count;
-    ++stats.warped;
-  } else {
-    stats.largest_reuse_error = std::max(stats.largest_reuse_error, job.error);
-  }
-  const glm::ivec2 from = shown.min - part.min, to = shown.min - f.shown.min;
+  const Texels part = overlap(f.grid.texels_of(at), f.shown);
+  const glm::ivec2 first = part.min - f.all.min, size = part.size();
+  const PrewarpTile tile{texels.data(), missed, first.x, first.y, size.x, size.y, pitch};
+  RunQuery query;
+  query.min = glm::dvec2(part.min) / f.resolution, query.max = glm::dvec2(part.max) / f.resolution;
+  query.half_splat = 0.5 * options.splat_size;
+  query.resolution = f.resolution;
+  query.nearest = options.splat == Splat::nearest;
+  query.least_code = f.least_code;
+  runs.clear();
+  find_runs(*relief, f.warp, f.sheets, query, runs);
+  stats.samples_drawn += prewarp_tile(f.coefficients, runs, tile);
+  for (const PrewarpRun& run : runs) stats.samples_warped += run.count;
+  const glm::ivec2 to = part.min - f.shown.min;
   const std::size_t pitch_out = std::size_t(f.shown.size().x);
-  const std::size_t first = std::size_t(to.y) * pitch_out + std::size_t(to.x);
-  resolve_tile(f.resolve, tile, from.x, from.y, shown.size().x, shown.size().y, !keep,
-               reinterpret_cast<std::uint32_t*>(result.color.data()) + first,
-               result.delta.data() + first, pitch_out);
-  if (!keep) texels[std::size_t(missed)] = kNothing;
+  const std::size_t out = std::size_t(to.y) * pitch_out + std::size_t(to.x);
+  // Empties the tile for the next one.
+  resolve_tile(f.resolve, tile, reinterpret_cast<std::uint32_t*>(result.color.data()) + out,
+               result.delta.data() + out, pitch_out);
+  texels[std::size_t(missed)] = kNothing;
 }
 
 std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* view,
-                                          Prewarped& result,
-                                          const std::function<bool()>& out_of_time) {
+                                          Prewarped& result) {
   State& s = *state_;
   const PrewarpOptions& options = s.options;
   State::Frame f;
@@ -370,13 +259,12 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
            glm::ivec2(glm::ceil(rectangle.max * f.resolution))};
   f.all.max = glm::max(f.all.max, f.all.min + 1);
 
-  const bool keeps = options.reuse_error > 0 || out_of_time;
-  std::vector<State::Job> jobs;
-  s.plan_tiles(f, view, keeps, jobs);
+  std::vector<glm::ivec2> tiles;
+  s.plan_tiles(f, view, tiles);
   PrewarpStats stats;
   stats.resolution = f.resolution;
-  stats.tiles = int(jobs.size());
-  if (jobs.empty()) {
+  stats.tiles = int(tiles.size());
+  if (tiles.empty()) {
     result.color.clear();
     result.delta.clear();
     return stats;
@@ -390,29 +278,12 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   const std::size_t texels = std::size_t(camera.width) * std::size_t(camera.height);
   result.color.resize(texels);
   result.delta.resize(texels);
-  // Between tiles in view there may be some that are not, and are not written.
-  const glm::ivec2 around = f.grid.tiles_of(f.shown).size();
-  if (int(jobs.size()) < around.x * around.y) {
-    std::fill(result.color.begin(), result.color.end(), glm::u8vec4(0));
-    std::fill(result.delta.begin(), result.delta.end(), std::uint16_t(kEmptyCode));
-  }
-  if (keeps)
-    s.keep_tiles(f, jobs);
-  else
-    reset();
-
   tbb::enumerable_thread_specific<PrewarpStats> sums;
-  parallel_for(std::size_t(0), jobs.size(), [&](std::size_t i) {
-    State::Job job = jobs[i];
-    const bool new_one = !(job.error < std::numeric_limits<double>::infinity());
-    if (job.warp && !new_one && out_of_time && out_of_time()) job.warp = false;
-    s.do_tile(f, job, result, sums.local());
-  });
+  parallel_for(std::size_t(0), tiles.size(),
+               [&](std::size_t i) { s.do_tile(f, tiles[i], result, sums.local()); });
   for (const PrewarpStats& sum : sums) {
-    stats.warped += sum.warped;
     stats.samples_warped += sum.samples_warped;
     stats.samples_drawn += sum.samples_drawn;
-    stats.largest_reuse_error = std::max(stats.largest_reuse_error, sum.largest_reuse_error);
   }
   if (options.fill_pinholes) fill_pinholes(result, s.before_filling);
   return stats;

@@ -7,15 +7,12 @@
 // cover, and its Deltas are their depths. Any nailboard drawer draws it, from this eye without
 // parallax.
 //
-// Result space: texels of the source times `resolution`. The grid is fixed on the plane, so
-// that tiles can be kept while the eye moves. Tiles are warped in parallel and share nothing: the
-// result depends neither on the number of threads nor on the instruction set.
+// Result space: texels of the source times `resolution`. Tiles are warped in parallel and share
+// nothing: the result depends neither on the number of threads nor on the instruction set.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "rilievo/core/picture_geometry.h"
 #include "rilievo/layered_relief/layered_relief.h"
@@ -33,7 +30,7 @@ enum class Splat {
 // No sample is warped that this magnifies more: the eye is too near to it, or before it.
 constexpr double kMaxPrewarpMagnification = 64;
 
-// The resolution, and when tiles are reused.
+// The splats and the size of the result.
 struct PrewarpOptions {
   Splat splat = Splat::rectangle;
   // The side of a splat in source texels. With 1, splats of equal depth meet exactly and hide
@@ -44,13 +41,9 @@ struct PrewarpOptions {
   // max_size texels a side.
   double resolution = 1.0;
   int max_size = 1024;
-  // A tile's side in texels of the result, where tiles are kept. Where none is, tiles are strips of
-  // the same area at most. Measured: 384 (1.2 MB) is as fast as what fits the second-level cache,
-  // and fewer samples are warped twice.
+  // Tiles are strips of so many texels squared at most. Measured: 384 (1.2 MB) is as fast as what
+  // fits the second-level cache, and fewer samples are warped twice.
   int tile_size = 384;
-  // A tile of the last result is kept if none of its samples would move by more than this many
-  // texels; 0: only if none would move at all.
-  double reuse_error = 0.0;
   // Closes pinholes between splats (fill_pinholes.h).
   bool fill_pinholes = false;
 };
@@ -58,13 +51,12 @@ struct PrewarpOptions {
 // What the last warp() did.
 struct PrewarpStats {
   double resolution = 0;           // after halving
-  int tiles = 0, warped = 0;       // of the result, in view; of those, not reused
+  int tiles = 0;                   // of the result, in view
   std::size_t samples_warped = 0;  // tiles overlap in the source: some samples count several times
   std::size_t samples_drawn = 0;   // samples of these that covered a texel; each counts once
-  double largest_reuse_error = 0;  // of a kept tile, texels
 };
 
-// The pre-warp of one relief, with the tiles that it keeps.
+// The pre-warp of one relief, with the memory that it needs.
 class Prewarp {
  public:
   // `relief` must outlive the object.
@@ -75,16 +67,10 @@ class Prewarp {
 
   // Warps the relief for `eye` (world space). What lies behind the eye, or so near to it that it
   // would be magnified more than 64 times, is left out; none if that is everything, or if the eye
-  // is not in front of a parallel relief's plane. Only tiles within
-  // `view`'s frustum are warped (null: all), those with the largest errors first. Once
-  // out_of_time(), which several threads call, returns true, tiles that were warped before are kept
-  // as they are.
+  // is not in front of a parallel relief's plane. Only what is within `view`'s frustum is warped
+  // (null: all).
   [[nodiscard]] std::optional<PrewarpStats> warp(const glm::dvec3& eye, const Camera* view,
-                                                 Prewarped& result,
-                                                 const std::function<bool()>& out_of_time = {});
-
-  // Drops all tiles.
-  void reset();
+                                                 Prewarped& result);
 
  private:
   struct State;

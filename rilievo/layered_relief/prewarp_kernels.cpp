@@ -280,8 +280,7 @@ std::size_t draw_tile(const PrewarpCoefficients& k, std::span<const PrewarpRun> 
   return drawn;
 }
 
-// Of one vector's worth of texels, which are emptied if `clear`.
-template <bool clear>
+// Of one vector's worth of texels, which are emptied.
 HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, ReliefSample* from,
                               std::uint32_t* color, std::uint16_t* delta) {
   const F f;
@@ -298,11 +297,9 @@ HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, ReliefSample* from,
     hn::StoreU(hn::Set(half, std::uint16_t(kEmptyCode)), half, delta);
     return;
   }
-  if constexpr (clear) {
-    const auto nothing = hn::Set(d, 0xffffffffu);
-    hn::StoreU(nothing, d, words);
-    hn::StoreU(nothing, d, words + hn::Lanes(d));
-  }
+  const auto nothing = hn::Set(d, 0xffffffffu);
+  hn::StoreU(nothing, d, words);
+  hn::StoreU(nothing, d, words + hn::Lanes(d));
   const VF value = hn::ConvertTo(f, hn::BitCast(i, code));
   const VF from_near = hn::Add(hn::Mul(hn::Set(f, k.delta_code), value), hn::Set(f, k.delta_0));
   const VF z = hn::Add(hn::Mul(hn::Set(f, k.z_code), value), hn::Set(f, k.z_0));
@@ -316,38 +313,30 @@ HWY_INLINE void resolve_lanes(const ResolveCoefficients& k, ReliefSample* from,
   hn::StoreU(hn::DemoteTo(half, hn::BitCast(i, codes)), half, delta);
 }
 
-template <bool clear>
-void resolve_rows(const ResolveCoefficients& k, const PrewarpTile& tile, int x, int y, int width,
-                  int height, std::uint32_t* color, std::uint16_t* delta, std::size_t plane_pitch) {
+void resolve(const ResolveCoefficients& k, const PrewarpTile& tile, std::uint32_t* color,
+             std::uint16_t* delta, std::size_t plane_pitch) {
   const int lanes = int(hn::Lanes(F()));
-  for (int row = 0; row < height; ++row) {
-    ReliefSample* from = tile.texels + std::ptrdiff_t(y + row) * tile.pitch + x;
+  for (int row = 0; row < tile.height; ++row) {
+    ReliefSample* from = tile.texels + std::ptrdiff_t(row) * tile.pitch;
     std::uint32_t* to_color = color + std::size_t(row) * plane_pitch;
     std::uint16_t* to_delta = delta + std::size_t(row) * plane_pitch;
     int column = 0;
-    for (; column + lanes <= width; column += lanes)
-      resolve_lanes<clear>(k, from + column, to_color + column, to_delta + column);
-    if (column == width) continue;
+    for (; column + lanes <= tile.width; column += lanes)
+      resolve_lanes(k, from + column, to_color + column, to_delta + column);
+    if (column == tile.width) continue;
     // The rest by way of memory of our own: beyond it lies what others write. Rows of a tile are
     // followed by others, or by the one that nobody reads.
     ReliefSample texels[16];
     std::uint32_t colors[16];
     std::uint16_t deltas[16];
-    const auto rest = std::size_t(width - column);
+    const auto rest = std::size_t(tile.width - column);
     std::memset(static_cast<void*>(texels), 0xff, sizeof texels);
     std::memcpy(texels, from + column, rest * sizeof(ReliefSample));
-    resolve_lanes<false>(k, texels, colors, deltas);
+    resolve_lanes(k, texels, colors, deltas);
     std::copy_n(colors, rest, to_color + column);
     std::copy_n(deltas, rest, to_delta + column);
-    if (clear) std::memset(static_cast<void*>(from + column), 0xff, rest * sizeof(ReliefSample));
+    std::memset(static_cast<void*>(from + column), 0xff, rest * sizeof(ReliefSample));
   }
-}
-
-void resolve(const ResolveCoefficients& k, const PrewarpTile& tile, int x, int y, int width,
-             int height, bool clear, std::uint32_t* color, std::uint16_t* delta,
-             std::size_t plane_pitch) {
-  (clear ? resolve_rows<true> : resolve_rows<false>)(k, tile, x, y, width, height, color, delta,
-                                                     plane_pitch);
 }
 
 }  // namespace
@@ -366,11 +355,9 @@ std::size_t prewarp_tile(const PrewarpCoefficients& coefficients, std::span<cons
   return HWY_DYNAMIC_DISPATCH(draw_tile)(coefficients, runs, tile);
 }
 
-void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile, int x, int y,
-                  int width, int height, bool clear, std::uint32_t* color, std::uint16_t* delta,
-                  std::size_t plane_pitch) {
-  HWY_DYNAMIC_DISPATCH(resolve)
-  (coefficients, tile, x, y, width, height, clear, color, delta, plane_pitch);
+void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile,
+                  std::uint32_t* color, std::uint16_t* delta, std::size_t plane_pitch) {
+  HWY_DYNAMIC_DISPATCH(resolve)(coefficients, tile, color, delta, plane_pitch);
 }
 
 }  // namespace rilievo

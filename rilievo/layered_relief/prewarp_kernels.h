@@ -55,10 +55,9 @@ struct ResolveCoefficients {
   float delta_code = 0, delta_0 = 0, z_code = 0, z_0 = 1;
 };
 
-// Copies texels [x, x + width) x [y, y + height) of the tile into planes; `color` and `delta` are
-// the first texels to write. With `clear`, empties what it copies: while the memory is at hand.
-void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile, int x, int y,
-                  int width, int height, bool clear, std::uint32_t* color, std::uint16_t* delta,
-                  std::size_t plane_pitch);
+// Copies a tile into planes, and empties it while the memory is at hand; `color` and `delta` are
+// the first texels to write.
+void resolve_tile(const ResolveCoefficients& coefficients, const PrewarpTile& tile,
+                  std::uint32_t* color, std::uint16_t* delta, std::size_t plane_pitch);
 
 }  // namespace rilievo

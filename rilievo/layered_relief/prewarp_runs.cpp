@@ -25,7 +25,6 @@ class Search {
       : relief_(relief), warp_(warp), query_(query), runs_(runs) {}
 
   void descend(const Sheet& sheet, std::size_t node, int level, int x, int y);
-  RunRange range;
 
  private:
   void add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y);
@@ -106,8 +105,6 @@ void Search::add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y) 
       run.u_from == 0 && (run.u_to == std::uint32_t(size) || sheet.u_to == relief_.camera.width);
   run.reach = reach(node);
   runs_.push_back(run);
-  range.nearest = std::min<std::uint32_t>(range.nearest, node.nearest);
-  range.farthest = std::max<std::uint32_t>(range.farthest, node.farthest);
 }
 
 }  // namespace
@@ -130,12 +127,11 @@ std::vector<Sheet> sheets_of(const LayeredRelief& relief, const ReliefWarp& warp
   return sheets;
 }
 
-RunRange find_runs(const LayeredRelief& relief, const ReliefWarp& warp,
-                   const std::vector<Sheet>& sheets, const RunQuery& query,
-                   std::vector<PrewarpRun>& runs) {
+void find_runs(const LayeredRelief& relief, const ReliefWarp& warp,
+               const std::vector<Sheet>& sheets, const RunQuery& query,
+               std::vector<PrewarpRun>& runs) {
   Search search(relief, warp, query, runs);
   for (const Sheet& sheet : sheets) search.descend(sheet, 0, 0, 0, 0);
-  return search.range;
 }
 
 }  // namespace rilievo

@@ -32,14 +32,9 @@ struct RunQuery {
   std::uint32_t least_code = 0;  // nearer samples are not drawn
 };
 
-// The range of codes of all runs; empty as in ReliefNode.
-struct RunRange {
-  std::uint32_t nearest = kEmptyCode, farthest = 0;  // codes of all runs; empty as in ReliefNode
-};
-
 // Appends the runs that can reach the rectangle, in drawing order.
-RunRange find_runs(const LayeredRelief& relief, const ReliefWarp& warp,
-                   const std::vector<Sheet>& sheets, const RunQuery& query,
-                   std::vector<PrewarpRun>& runs);
+void find_runs(const LayeredRelief& relief, const ReliefWarp& warp,
+               const std::vector<Sheet>& sheets, const RunQuery& query,
+               std::vector<PrewarpRun>& runs);
 
 }  // namespace rilievo

@@ -56,7 +56,6 @@ double focal_of(const Camera& camera) {
 struct Warped {
   double most_tangent = 0;     // of a line of sight's angle with the relief's direction
   double texel = 0;            // along its diagonal, averaged or not, pixels on the axis
-  double reused = 0;           // how far off kept parts are, pixels on the axis
   double least_magnified = 0;  // texels of the result for one of the relief, where that is farthest
 };
 
@@ -83,7 +82,6 @@ Warped warped_for(const ReliefStats& stats, const Box& bounds, int picked, const
   const double texel_px = std::sqrt(2.0) * double(stats.largest_texel) / resolution /
                           sight.least_plane * focal_of(camera);
   result.texel = std::max(texel_px, std::sqrt(2.0) * double(stats.texel_px));
-  result.reused = double(stats.reuse_error) * texel_px;
   result.least_magnified = resolution * sight.least_plane / sight.farthest;
   return result;
 }
@@ -117,7 +115,6 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
   stats.max_size = options.max_size;
   stats.splat_size = options.splat == Splat::nearest ? 0.0f : float(options.splat_size);
   stats.resolution = float(options.resolution);
-  stats.reuse_error = float(options.reuse_error);
   stats.moved = float(moved);
   if (lacks > 0) stats.lacks = std::nextafter(float(lacks), std::numeric_limits<float>::max());
   stats.disc_radius = std::nextafter(float(strokes.disc_radius), std::numeric_limits<float>::max());
@@ -160,9 +157,9 @@ double relief_gap_px(const ReliefStats& stats, const Box& bounds, const Camera& 
   if (result.least_magnified * double(stats.splat_size) < 1) return kInfinity;
   const double half = 0.5 * double(stats.splat_size);
   const double beside = std::max({half, 1 - half, 0.5});
-  const double px = (2 * focal_of(camera) * double(stats.lacks) / sight.nearest +
-                     2 * beside * result.texel + 2 * result.reused) *
-                    obliqueness(camera, bounds);
+  const double px =
+      (2 * focal_of(camera) * double(stats.lacks) / sight.nearest + 2 * beside * result.texel) *
+      obliqueness(camera, bounds);
   return std::max(0.0, px - std::sqrt(2.0));
 }
 
@@ -222,8 +219,7 @@ double relief_bound_px(const ReliefStats& stats, const Box& bounds, const Camera
                         double(stats.depth) * sine + double(stats.moved) +
                         double(stats.disc_radius);
   const double oblique = obliqueness(camera, bounds);
-  const double px =
-      (focal_of(camera) * sample / sight.nearest + 0.5 * result.texel + result.reused) * oblique;
+  const double px = (focal_of(camera) * sample / sight.nearest + 0.5 * result.texel) * oblique;
   return std::max(0.0, px - std::sqrt(0.5)) +
          strip_difference_px(double(stats.stroke_texels),
                              0.5 * focal_of(camera) * diagonal / sight.nearest * oblique);

@@ -32,7 +32,7 @@ struct ReliefStats {
   float depth = 0;                           // merged and rounded, metres
   float moved = 0;                           // before they came, metres
   float lacks = 0;                           // as ReliefPictures::Picture's; 0: not known
-  float splat_size = 1, resolution = 1, reuse_error = 0;
+  float splat_size = 1, resolution = 1;
   float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
   float disc_radius = 0, stroke_texels = 0;  // StrokeSize's
 };

@@ -50,10 +50,8 @@ class ReliefDrawable final : public Drawable {
         boards_(boards),
         drawer_(boards.make_drawer()) {
     for (const LayeredRelief& relief : colors_.reliefs) prewarps_.emplace_back(relief, options);
-    PrewarpOptions exact = options;
-    exact.reuse_error = 0;
     for (const LayeredRelief& relief : identifiers_.reliefs)
-      identifier_prewarps_.emplace_back(relief, exact);
+      identifier_prewarps_.emplace_back(relief, options);
   }
   ~ReliefDrawable() override {
     for (const Shown& shown : shown_) release(shown);

@@ -3,8 +3,8 @@
 //
 // For frames with the eye that the relief was warped for. A source texel shows one surface point
 // everywhere (half a diagonal). Its depth is that of a sample that others were merged into, and is
-// rounded. The result has texels of its own (half a diagonal), and kept tiles are off by up to
-// reuse_error. Cracks are not position errors and are not bounded.
+// rounded. The result has texels of its own (half a diagonal). Cracks are not position errors and
+// are not bounded.
 //
 // In metres, and then as angles: what is off by e at a distance r, at right angles to the line of
 // sight, is off by at most e / r / cos^2 focal lengths in the frame, cos being that of the angle
@@ -22,8 +22,7 @@ namespace rilievo {
 // How the relief was made and warped.
 struct ReliefErrorOptions {
   double splat_size = 1.0;
-  double resolution = 1.0;   // of the result
-  double reuse_error = 0.0;  // texels of the result
+  double resolution = 1.0;  // of the result
   // The error that the samples had before, metres: that of resampled deep images.
   double source_error = 0.0;
 };
@@ -54,7 +53,7 @@ struct ReliefErrorOptions {
   const double depth = relief.merged_d + 0.5 * relief.d_step + options.source_error;
   const double sample =
       0.5 * std::max(1.0, options.splat_size) * diagonal + depth * sine + options.source_error;
-  const double texel = (0.5 + options.reuse_error) * diagonal / options.resolution;
+  const double texel = 0.5 * diagonal / options.resolution;
   const double angle = sample / nearest + texel / h;
 
   const auto& [l, r, b, t] = camera.window;

@@ -71,13 +71,6 @@ const std::array kDrawOptions{
            .unit = "X",
            .min = 0.05,
            .max = 8},
-    Option{.name = "reuse",
-           .type = OptionType::number,
-           .default_value = "0",
-           .help = "Parts of the last picture stay while none of their samples are off by more",
-           .unit = "TEXELS",
-           .min = 0,
-           .max = 100},
 };
 
 // Refuses options that say nothing of scenes, or of deep images.
@@ -212,7 +205,6 @@ PrewarpOptions relief_draw_options(const OptionValues& values) {
   PrewarpOptions options;
   options.splat_size = values.number("splat");
   options.resolution = values.number("relief-resolution");
-  options.reuse_error = values.number("reuse");
   options.max_size = 2048;
   options.fill_pinholes = true;
   return options;
