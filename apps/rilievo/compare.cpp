@@ -43,8 +43,7 @@ struct CompareCommand {
   FrameOptions frames;
   MethodOptions method_options;
   bool pop = false, real_time = false, drawn_error = false, one_sample = false;
-  bool bends = false;  // the scene by time, and some method shows it
-  int reference = 0;   // samples of a pixel of the true frames; 0: the first method's
+  int reference = 0;  // samples of a pixel of the true frames; 0: the first method's
   std::string reference_folder;
   WorldSpace baked;  // of `file`
 };
@@ -188,13 +187,12 @@ Result<> run_compare(CompareCommand options) {
                               page_file = folder / "report.html";
   if (Result<> good = expect_outputs({report_file, page_file, options.json}); !good) return good;
   Result<OpenedScene> opened =
-      open_scene(options.scene, options.limits, 0,
-                 options.file.empty() &&
-                     std::any_of(options.methods.begin(), options.methods.end(), bends_by_time));
+      open_scene(options.scene, options.limits, options.frames.scene_time(0),
+                 options.file.empty() && !options.frames.time);
   if (!opened) return opened.error();
   if (!options.file.empty()) set_origin(opened->scene, options.baked.origin);
-  options.bends = !opened->deformations.meshes.empty();
-  if (options.bends && options.drawn_error)
+  const bool bends = !opened->deformations.meshes.empty();
+  if (bends && options.drawn_error)
     return Error{
         "--drawn-error",
         fmt::format("{} bends by time, and colours that tell positions do not", options.scene)};
@@ -207,7 +205,7 @@ Result<> run_compare(CompareCommand options) {
   std::vector<Method> methods;
   std::vector<ComparedSource> compared;
   std::vector<std::string> names =
-      with_direct(options.methods, options.bends || options.method_options.draw == "software");
+      with_direct(options.methods, bends || options.method_options.draw == "software");
   if (options.one_sample) names.emplace_back(kOneSample);
   for (const std::string& name : names) {
     Result<Method> made = make(name, options, stages);
@@ -241,7 +239,7 @@ Result<> run_compare(CompareCommand options) {
   const auto walk = [&](int frame) {
     const double time = frame_time(plan->path, frame);
     return WalkFrame{camera_at(plan->path, time, options.frames.width, options.frames.height),
-                     time};
+                     options.frames.scene_time(time)};
   };
   compare_options.limits = {
       options.method_options.error_px,
@@ -256,13 +254,13 @@ Result<> run_compare(CompareCommand options) {
   const double start = path.keys.front().time;
   const auto by_the_clock = [&](double seconds) {
     return WalkFrame{camera_at(path, start + seconds, options.frames.width, options.frames.height),
-                     start + seconds};
+                     options.frames.scene_time(start + seconds)};
   };
   Result<Report> report =
       options.real_time ? compare_in_real_time(compared, by_the_clock, compare_options, real_time)
                         : compare(compared, walk, compare_options);
   if (!report) return report.error();
-  if (options.bends)
+  if (bends)
     report->notes.push_back(
         "The scene bends by time, which OpenGL's polygons do not show: the true "
         "frames are direct-raster's, by software.");
@@ -346,9 +344,8 @@ Command compare_command(CLI::App& app) {
           "--methods", options->methods,
           "Besides direct (without OpenGL direct-raster), which draws the true frames: " +
               fmt::format("{}", fmt::join(method_names(), ", ")) +
-              " (default flat,nailboard,cache; for a file those of its kind). With "
-              "relief-impostor or direct-raster, skins and morph targets move by time, and "
-              "the rasteriser draws the true frames; the other methods show them as at 0")
+              " (default flat,nailboard,cache; for a file those of its kind). Where skins and "
+              "morph targets move by time, the rasteriser draws the true frames")
       ->delimiter(',')
       ->check(known_method())
       ->type_name("A,B,...");

@@ -57,6 +57,14 @@ void parse_size(const std::string& text, int& width, int& height) {
 
 void add_frame_options(CLI::App& command, FrameOptions& options) {
   command
+      .add_option(
+          "--time", options.time,
+          "The scene as it is at this time of its animation, skins and morph targets posed, "
+          "while the eye follows its path (default: it moves with the path; methods that "
+          "cannot bend skins and morph targets by time refuse scenes that have some)")
+      ->check(in_range(0.0, 1e6))
+      ->type_name("SECONDS");
+  command
       .add_option_function<std::string>(
           "--size",
           [&options](const std::string& text) {

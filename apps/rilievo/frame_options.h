@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "apps/rilievo/scene_file.h"
@@ -18,6 +19,10 @@ struct FrameOptions {
   int frames = 0;  // 0: as many as the path has
   int orbit = 0, walk = 0;
   std::string path_file;
+  std::optional<double> time;  // at which the scene stands still; else it moves with the path
+
+  // The scene's time where the path is at its time `on_path`, seconds.
+  [[nodiscard]] double scene_time(double on_path) const { return time.value_or(on_path); }
 };
 
 // `most_frames` bounds --frames.

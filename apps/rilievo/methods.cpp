@@ -51,11 +51,6 @@ std::string default_method(const MethodOptions& options) {
   return options.bake_mb > 0 || options.levels ? "cache" : std::string(kAutoName);
 }
 
-bool bends_by_time(const std::string& method) {
-  const MethodRow* row = find_method(methods(), method);
-  return row && row->bends;
-}
-
 CLI::Validator known_method() {
   return CLI::Validator(
       [](std::string& name) {
@@ -101,12 +96,11 @@ Result<bool> Stage::draws_by_software(const MethodOptions& options) const {
 }
 
 // A presented frame's samples, deformations and pictures are the backend's.
-Result<Backend*> Stage::backend(bool software, bool bends) {
-  std::unique_ptr<Backend>& made = (software ? software_ : opengl_)[bends];
+Result<Backend*> Stage::backend(bool software) {
+  std::unique_ptr<Backend>& made = software ? software_ : opengl_;
   if (made) return made.get();
-  const Deformations* deformations = bends ? deformations_ : nullptr;
   if (software) {
-    made = std::make_unique<SoftwareBackend>(scene_, samples_, deformations);
+    made = std::make_unique<SoftwareBackend>(scene_, samples_, deformations_);
     return made.get();
   }
   if (!renderer_) {
@@ -114,19 +108,21 @@ Result<Backend*> Stage::backend(bool software, bool bends) {
     if (!renderer) return renderer.error();
     renderer_.emplace(std::move(*renderer));
   }
-  made = std::make_unique<OpenGLBackend>(*renderer_, samples_, deformations);
+  made = std::make_unique<OpenGLBackend>(*renderer_, samples_, deformations_);
   return made.get();
 }
 
 Result<Method> Stage::make(const std::string& method, const MethodOptions& options) {
   const MethodRow* row = find_method(methods(), method);
+  if (deformations_ && !deformations_->meshes.empty() && !(row && row->bends))
+    return Error{"--method", cannot_bend(method) + "; --time poses them"};
   const std::optional<std::string> reason = needs_opengl(method, options, samples_);
   if (options.draw == "software" && reason) return Error{"--draw", *reason};
   // Kinds are baked by OpenGL where there is one.
   const Result<bool> software = row && row->software_first && !reason ? draws_by_software(options)
                                                                       : options.draw == "software";
   if (!software) return software.error();
-  const Result<Backend*> backend = this->backend(*software, row && row->bends);
+  const Result<Backend*> backend = this->backend(*software);
   if (!backend) return backend.error();
   return with_reports(options, [&](const rilievo::MethodOptions& with) {
     return make_method(method, with, **backend);
@@ -138,7 +134,7 @@ Result<Backend*> Stage::backend_of_file(const std::string& method, const MethodO
   if (options.draw == "software" && reason) return Error{"--draw", *reason};
   const Result<bool> software = reason ? Result<bool>(false) : draws_by_software(options);
   if (!software) return software.error();
-  return backend(*software, false);
+  return backend(*software);
 }
 
 Result<Method> Stage::make(const std::string& method, const MethodOptions& options,
@@ -159,12 +155,11 @@ Result<Method> Stage::make(const std::string& method, const MethodOptions& optio
 
 Result<std::unique_ptr<BackendTarget>> Stage::make_target(const FrameSource& frames, int width,
                                                           int height) const {
-  const std::unique_ptr<Backend>(&made)[2] = frames.software_target() ? software_ : opengl_;
-  return (made[0] ? made[0] : made[1])->make_target(width, height);
+  return (frames.software_target() ? software_ : opengl_)->make_target(width, height);
 }
 
 Result<Method> Stage::make_direct() {
-  const Result<Backend*> backend = this->backend(false, false);
+  const Result<Backend*> backend = this->backend(false);
   if (!backend) return backend.error();
   return make_method("direct", {}, **backend);
 }

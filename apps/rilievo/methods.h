@@ -21,8 +21,6 @@ namespace rilievo::app {
 [[nodiscard]] bool is_method(const std::string& name);
 // The method of `render` and `view` if none is asked for: `auto`, or the cache where it is to bake.
 [[nodiscard]] std::string default_method(const MethodOptions& options);
-// Does the method show skins and morph targets by time, if the stage has Deformations?
-[[nodiscard]] bool bends_by_time(const std::string& method);
 // For CLI options that take one or several methods.
 [[nodiscard]] CLI::Validator known_method();
 
@@ -49,7 +47,7 @@ class Stage {
   Stage(const Scene& scene, int samples, const Deformations* deformations = nullptr)
       : scene_(scene), samples_(samples), deformations_(deformations) {}
 
-  // Draws the scene. The errors name options.
+  // Draws the scene. The errors name options. Methods that cannot bend refuse scenes that bend.
   [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options);
   // Draws what a file holds, under the scene's sky.
   [[nodiscard]] Result<Method> make(const std::string& method, const MethodOptions& options,
@@ -60,11 +58,11 @@ class Stage {
   // Where frames of one of these are drawn and read.
   [[nodiscard]] Result<std::unique_ptr<BackendTarget>> make_target(const FrameSource& frames,
                                                                    int width, int height) const;
-  // Direct drawing by OpenGL.
+  // Direct drawing, shown by OpenGL.
   [[nodiscard]] Result<Method> make_direct();
 
  private:
-  [[nodiscard]] Result<Backend*> backend(bool software, bool bends);
+  [[nodiscard]] Result<Backend*> backend(bool software);
   [[nodiscard]] Result<bool> draws_by_software(const MethodOptions& options) const;
   [[nodiscard]] Result<Backend*> backend_of_file(const std::string& method,
                                                  const MethodOptions& options);
@@ -73,8 +71,7 @@ class Stage {
   int samples_;
   const Deformations* deformations_;
   std::optional<SceneRenderer> renderer_;
-  // Without what bends, and with it:
-  std::unique_ptr<Backend> software_[2], opengl_[2];
+  std::unique_ptr<Backend> software_, opengl_;
 };
 
 }  // namespace rilievo::app

@@ -33,7 +33,6 @@ struct RenderCommand {
   std::vector<std::string> beside;  // other files, in the same frames
   FileLimits limits;
   double loop_seconds = 0;
-  std::optional<double> time;  // at which the scene stands still; else it moves with the path
   FrameOptions frames;
   MethodOptions methods;
 };
@@ -187,8 +186,7 @@ Result<> render_scene(const RenderCommand& options) {
     return Error{"--save-pictures", fmt::format("{} is saved by rilievo bake",
                                                 kind_method(options.method).kind->name)};
   const Result<OpenedScene> opened =
-      open_scene(options.scene, options.limits, options.time.value_or(0.0),
-                 bends_by_time(options.method) && !options.time);
+      open_scene(options.scene, options.limits, options.frames.scene_time(0), !options.frames.time);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -200,7 +198,7 @@ Result<> render_scene(const RenderCommand& options) {
   Stage stage(opened->scene, options.frames.samples, &opened->deformations);
   Result<Method> method = stage.make(options.method, methods);
   if (!method) return method.error();
-  return draw_or_loop(options, {*plan, {}, options.time, opened->scene.world}, stage,
+  return draw_or_loop(options, {*plan, {}, options.frames.time, opened->scene.world}, stage,
                       *method->frames);
 }
 
@@ -312,14 +310,6 @@ Command render_command(CLI::App& app) {
   output->excludes(loop_seconds);
   command
       ->add_option(
-          "--time", options->time,
-          "The scene as it is at this time of its animation, skins and morph targets "
-          "posed, while the eye follows its path (default: it moves with the path, and "
-          "what bends is as at 0, but for relief-impostor, and auto and direct-raster by software)")
-      ->check(in_range(0.0, 1e6))
-      ->type_name("SECONDS");
-  command
-      ->add_option(
           "--method", options->method,
           "The drawing method (default auto; with --save-pictures nailboard; for a file, its kind)")
       ->check(known_method());
@@ -345,7 +335,7 @@ Command render_command(CLI::App& app) {
               return Error{"-o", "the folder for the frames is missing"};
             if (Result<> good = expect_places(*options); !good) return good;
             if (holds_pictures(options->scene)) {
-              if (options->time) return Error{"--time", "pictures of a file do not move"};
+              if (options->frames.time) return Error{"--time", "pictures of a file do not move"};
               return render_file(*options);
             }
             if (!options->beside.empty())

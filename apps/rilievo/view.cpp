@@ -132,6 +132,7 @@ struct Subject {
   FrameSource* direct = nullptr;  // none if nothing but pictures is known
   Vantage vantage{};
   glm::dvec3 origin{0.0};  // of the space of all these, in the world
+  bool moves = false;      // does anything but the eye?
 };
 
 // What an orbit goes around.
@@ -154,6 +155,7 @@ class Viewer {
     state_.method = options.method.empty() ? subject.methods.front() : options.method;
     state_.method_names = subject.methods;
     state_.can_split = subject.direct != nullptr;
+    state_.moves = subject.moves;
     state_.methods = options.methods;
     state_.split = options.split;
     state_.vertical_fov = plan.path.keys.front().vertical_fov;
@@ -187,9 +189,10 @@ class Viewer {
     const Camera camera = state_.mode == ViewMode::play
                               ? camera_at(state_.path, state_.time, width_, height_)
                               : camera_of(state_, width_, height_);
+    const double scene_time = options_.frames.scene_time(state_.time);
     const SoftwareTarget* memory = method_.frames->software_target();
     BackendTarget& target = memory ? static_cast<BackendTarget&>(software_) : *left_;
-    const Result<double> ms = time_frame(*method_.frames, target, {camera, state_.time});
+    const Result<double> ms = time_frame(*method_.frames, target, {camera, scene_time});
     if (!ms) return ms.error();
     measure(state_, method_.frames->stats(), *ms);
     state_.impostors.clear();
@@ -202,7 +205,7 @@ class Viewer {
     else
       show_columns(left_->frame(), 0, width_);
     if (state_.split) {
-      const Result<double> direct_ms = time_frame(*subject_.direct, *right_, {camera, state_.time});
+      const Result<double> direct_ms = time_frame(*subject_.direct, *right_, {camera, scene_time});
       if (!direct_ms) return direct_ms.error();
       state_.direct_ms.add(float(*direct_ms));
       show_columns(right_->frame(), int(state_.split_at * float(width_)), width_);
@@ -288,7 +291,8 @@ Result<std::unique_ptr<Window>> open_window(const ViewCommand& options) {
 }
 
 Result<> view_scene(const ViewCommand& options) {
-  const Result<OpenedScene> opened = open_scene(options.scene, options.limits, 0, true);
+  const Result<OpenedScene> opened =
+      open_scene(options.scene, options.limits, options.frames.scene_time(0), !options.frames.time);
   if (!opened) return opened.error();
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
@@ -300,6 +304,7 @@ Result<> view_scene(const ViewCommand& options) {
   const std::string first = default_method(options.methods);
   Subject subject{world_bounds(opened->scene), *plan, {first}, {}, direct->frames.get()};
   subject.origin = opened->scene.world.origin;
+  subject.moves = opened->scene.duration > 0 || !opened->deformations.meshes.empty();
   for (const std::string& name : method_names())
     if (name != first) subject.methods.push_back(name);
   subject.make = [&](const std::string& method, MethodOptions methods) {

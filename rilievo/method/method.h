@@ -105,8 +105,12 @@ struct MethodRow {
 // The names of all methods, those of the kinds last.
 [[nodiscard]] std::vector<std::string> method_names();
 
+// Why a method does not draw a scene whose skins and morph targets move; it names those that do.
+[[nodiscard]] std::string cannot_bend(std::string_view name);
+
 // Makes a method's frames of the backend's scene, which must outlive them, as must the backend.
-// Fails for an unknown name, where the backend cannot draw the method, and where a bake fails.
+// Fails for an unknown name, where the backend cannot draw the method, where something bends that
+// the method cannot bend, and where a bake fails.
 [[nodiscard]] Result<Method> make_method(std::string_view name, const MethodOptions& options,
                                          Backend& backend);
 // The same with another list; kinds are always known.

@@ -28,8 +28,8 @@ Result<Method> as_method(Frames frames) {
   return method;
 }
 
-Result<Method> make_direct(const MethodOptions&, Backend& backend) {
-  return as_method(backend.make_frames(std::make_unique<DirectChooser>()));
+bool bends(const Backend& backend) {
+  return backend.deformations() && !backend.deformations()->meshes.empty();
 }
 
 Result<Method> make_raster(const MethodOptions&, Backend& backend) {
@@ -37,6 +37,12 @@ Result<Method> make_raster(const MethodOptions&, Backend& backend) {
   if (!software) return software.error();
   return as_method(backend.present(
       std::make_unique<SoftwareFrames>(**software, std::make_unique<DirectChooser>())));
+}
+
+Result<Method> make_direct(const MethodOptions& options, Backend& backend) {
+  // OpenGL's polygons do not bend.
+  if (bends(backend)) return make_raster(options, backend);
+  return as_method(backend.make_frames(std::make_unique<DirectChooser>()));
 }
 
 Result<Method> make_rays(const MethodOptions&, Backend& backend) {
@@ -105,7 +111,7 @@ Result<Method> make_keyframes(const MethodOptions& options, Backend& backend) {
 
 std::span<const MethodRow> methods() {
   static constexpr MethodRow kMethods[] = {
-      {"direct", make_direct, false},
+      {"direct", make_direct, false, true},
       {"direct-raster", make_raster, true, true},
       {"direct-rays", make_rays},
       {"lod", make_levels},
@@ -132,11 +138,21 @@ std::vector<std::string> method_names() {
   return names;
 }
 
+std::string cannot_bend(std::string_view name) {
+  std::string others;
+  for (const MethodRow& row : methods())
+    if (row.bends) others += (others.empty() ? "" : ", ") + std::string(row.name);
+  return std::string(name) +
+         " does not bend skins and morph targets by time, as this scene does: " + others + " do";
+}
+
 Result<Method> make_method(std::span<const MethodRow> rows, std::string_view name,
                            const MethodOptions& options, Backend& backend) {
-  if (const MethodRow* row = find_method(rows, name)) return row->make(options, backend);
+  const MethodRow* row = find_method(rows, name);
   const KindMethod kind = kind_method(name);
-  if (!kind.kind) return Error{std::string(name), "is no method"};
+  if (!row && !kind.kind) return Error{std::string(name), "is no method"};
+  if (bends(backend) && !(row && row->bends)) return Error{std::string(name), cannot_bend(name)};
+  if (row) return row->make(options, backend);
   return make_kind_method(kind, options, backend);
 }
 
