@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
+#include <string_view>
 
 #include "apps/rilievo/view_state.h"
 
@@ -41,26 +43,69 @@ void camera_panel(ViewState& state) {
                                            up_of(state.pose), state.vertical_fov));
   }
   ImGui::SameLine();
-  if (ImGui::Button("Forget keys")) state.recorded.keys.clear();
-  ImGui::SameLine();
-  ImGui::Text("%d keys", int(state.recorded.keys.size()));
+  if (ImGui::Button(fmt::format("Forget {}###forget", state.recorded.keys.size()).c_str()))
+    state.recorded.keys.clear();
   if (ImGui::Button("Save path")) state.save_path = true;
   ImGui::SameLine();
   if (ImGui::Button("Screenshot")) state.save_screenshot = true;
 }
 
-void cache_panel(ViewState& state) {
+// Is the method one of these?
+bool is_one_of(const ViewState& state, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), state.method) != names.end();
+}
+
+// A number of MethodOptions. True when it was changed and let go.
+bool slider(const char* name, double& value, float least, float most, const char* format,
+            ImGuiSliderFlags flags = 0) {
+  float now = float(value);
+  if (ImGui::SliderFloat(name, &now, least, most, format, flags | ImGuiSliderFlags_AlwaysClamp))
+    value = now;
+  return ImGui::IsItemDeactivatedAfterEdit();
+}
+
+// The options of methods that are no kinds. The cache and auto take most of them over from frame to
+// frame; what others change makes them anew, when the slider is let go.
+void method_options(ViewState& state) {
   MethodOptions& options = state.methods;
-  float error_px = float(options.error_px), capture_ms = float(options.capture_ms);
-  ImGui::SliderFloat("error, pixels", &error_px, 0.1f, 8.0f, "%.2f",
-                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-  ImGui::SliderFloat("captures, ms", &capture_ms, 0.0f, 50.0f,
-                     capture_ms > 0 ? "%.1f" : "by triangles", ImGuiSliderFlags_AlwaysClamp);
-  options.error_px = error_px;
-  options.capture_ms = capture_ms;
-  // The memory is taken at once: another budget is another cache, made when the slider is let go.
-  ImGui::SliderInt("memory, MB", &options.memory_mb, 32, 1024, "%d", ImGuiSliderFlags_AlwaysClamp);
-  state.new_source |= ImGui::IsItemDeactivatedAfterEdit();
+  const bool caches = is_one_of(state, {"cache", "auto"});
+  const bool pictures = is_one_of(state, {"flat", "nailboard"});
+  if (caches || state.method == "lod")
+    state.new_source |=
+        slider("error, px", options.error_px, 0.1f, 8, "%.2f", ImGuiSliderFlags_Logarithmic) &&
+        !caches;
+  if (caches)
+    slider("captures, ms", options.capture_ms, 0, 50,
+           options.capture_ms > 0 ? "%.1f" : "by triangles");
+  if (pictures) state.new_source |= slider("angle, deg", options.angle_degrees, 0, 10, "%.2f");
+  if (caches || pictures) {
+    // The memory is taken at once.
+    ImGui::SliderInt("memory, MB", &options.memory_mb, 32, 1024, "%d",
+                     ImGuiSliderFlags_AlwaysClamp);
+    state.new_source |= ImGui::IsItemDeactivatedAfterEdit();
+  }
+  if (state.method == "auto") {
+    slider("enough fps", options.fps, 0, 240, options.fps > 0 ? "%.0f" : "as can be");
+    slider("loss, dB", options.loss_db, 0, 20, "%.1f");
+  }
+  if (state.method == "keyframes")
+    state.new_source |= slider("keyframe, ms", options.keyframe_ms, 0, 50,
+                               options.keyframe_ms > 0 ? "%.1f" : "a 16th");
+  constexpr std::array bits{2, 4, 6, 8, 16};
+  if ((pictures || state.method == "cache") &&
+      ImGui::BeginCombo("bits of Delta", std::to_string(options.delta_bits).c_str())) {
+    for (const int b : bits) {
+      if (!ImGui::Selectable(std::to_string(b).c_str(), b == options.delta_bits)) continue;
+      options.delta_bits = b;
+      state.new_source = true;
+    }
+    ImGui::EndCombo();
+  }
+  bool linear = options.depth_mode == DepthMode::linear;
+  if (is_one_of(state, {"nailboard", "cache"}) && ImGui::Checkbox("linear depth", &linear)) {
+    options.depth_mode = linear ? DepthMode::linear : DepthMode::exact;
+    state.new_source = true;
+  }
 }
 
 // The options of a kind, as its row of the list says. Is the source another one after a change?
@@ -112,37 +157,23 @@ void method_panel(ViewState& state) {
     }
     ImGui::EndCombo();
   }
-  if (const Kind* kind = kind_method(state.method).kind) {
+  const Kind* kind = kind_method(state.method).kind;
+  if (kind) {
     state.new_source |= option_controls(*kind, KindOptionsOf::draw, state.methods.kinds);
     if (state.can_split)
       state.new_source |= option_controls(*kind, KindOptionsOf::bake, state.methods.kinds);
   }
-  if (!state.can_split) return;
+  const bool pictures =
+      kind || is_one_of(state, {"flat", "nailboard", "cache", "auto", "relief-impostor"});
   // A cache keeps its pictures.
-  if (ImGui::Checkbox("outlines", &state.methods.outlines) && state.method != "cache")
+  if (pictures && ImGui::Checkbox("outlines", &state.methods.outlines) &&
+      !is_one_of(state, {"cache", "auto"}))
     state.new_source = true;
-  ImGui::SameLine();
-  ImGui::Checkbox("animate", &state.animate);
-  // Of pictures that frames are captured for; what is baked has its own.
-  const bool captures =
-      state.method == "nailboard" || state.method == "flat" || state.method == "cache";
-  constexpr std::array bits{2, 4, 6, 8, 16};
-  if (captures &&
-      ImGui::BeginCombo("bits of Delta", std::to_string(state.methods.delta_bits).c_str())) {
-    for (const int b : bits) {
-      if (!ImGui::Selectable(std::to_string(b).c_str(), b == state.methods.delta_bits)) continue;
-      state.methods.delta_bits = b;
-      state.new_source = true;
-    }
-    ImGui::EndCombo();
-  }
-  bool linear = state.methods.depth_mode == DepthMode::linear;
-  if (captures && state.method != "flat" && ImGui::Checkbox("linear depth, eq. (4)", &linear)) {
-    state.methods.depth_mode = linear ? DepthMode::linear : DepthMode::exact;
-    state.new_source = true;
-  }
-  if (state.method == "cache") cache_panel(state);
-  ImGui::Checkbox("split against direct drawing", &state.split);
+  if (state.mode == ViewMode::play || state.moves) ImGui::Checkbox("animate", &state.animate);
+  if (!state.can_split) return;
+  method_options(state);
+  ImGui::Checkbox("split", &state.split);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("direct drawing in the right part of the window");
   if (state.split)
     ImGui::SliderFloat("at", &state.split_at, 0.0f, 1.0f, "%.2f", ImGuiSliderFlags_AlwaysClamp);
 }

@@ -49,7 +49,8 @@ struct ViewState {
   bool split = false;
   float split_at = 0.5f;  // of the width: the method on the left, direct drawing on the right
   bool animate = true;
-  double time = 0;  // of the scene, seconds
+  bool moves = false;  // does anything but the eye?
+  double time = 0;     // of the scene, seconds
 
   // What was measured.
   History frame_ms, direct_ms, captures, megabytes;

@@ -20,6 +20,8 @@ namespace {
 // Of what is seen from a path its nodes hold so much, if so many can.
 constexpr double kEnoughForPath = 0.9999;
 constexpr int kMostForPath = 16;
+// Of what is seen from a region alone:
+constexpr int kForRegion = 4;
 
 const std::array kBakeOptions{
     Option{.name = "at",
@@ -29,11 +31,11 @@ const std::array kBakeOptions{
            .unit = "X,Y,Z ..."},
     Option{.name = "auto",
            .type = OptionType::integer,
-           .default_value = "4",
-           .help = "Place so many nodes where they hold most of what is seen from --region "
-                   "(default, where a path is known: as many as hold 99.99 % of it, at most 16)",
+           .default_value = "0",
+           .help = "Place so many nodes where they hold most of what is seen from --region; 0: as "
+                   "many as hold 99.99 % of it where a path is known, at most 16, else 4",
            .unit = "N",
-           .min = 1,
+           .min = 0,
            .max = 256},
     Option{.name = "region",
            .type = OptionType::box,
@@ -131,9 +133,9 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
   options.objects = input.objects;
   options.progress = progress;
   if (options.placement.region.empty()) options.placement.region = input.eyes;
-  if (!input.eyes.empty() && !values.given("auto")) {
-    options.placement.nodes = kMostForPath;
-    options.placement.enough = kEnoughForPath;
+  if (values.integer("auto") == 0) {
+    options.placement.nodes = input.eyes.empty() ? kForRegion : kMostForPath;
+    if (!input.eyes.empty()) options.placement.enough = kEnoughForPath;
   }
   Result<NodeBake> made = bake_nodes(input.source, options);
   if (!made) return made.error();

@@ -105,7 +105,7 @@ class Nodes(command.Case):
         for arguments, named in (
                 (("--at", "0,1.7"), "--at"), (("--at", "0,1,2", "x"), "--at"),
                 (("--at", "0,1,2", "--auto", "2"), "--at"),
-                (("--auto", "0"), "--auto"), (("--region", "0,0,0,0,1,1"), "--region"),
+                (("--auto", "-1"), "--auto"), (("--region", "0,0,0,0,1,1"), "--region"),
                 (("--triangles", "-1"), "--triangles"), (("--error-px", "0"), "--error-px"),
                 (("--views", "12"), "--views"), (("--face", "100000"), "--face")):
             with self.subTest(arguments):
