@@ -7,6 +7,8 @@
 // no hole. And of a slice only the rectangle that shows is kept.
 
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_impostor/pixel_march.h"
@@ -21,57 +23,93 @@ void add_texel(const glm::ivec2& texel, TexelRect& rect) {
                                   std::max(rect.x1, texel.x + 1), std::max(rect.y1, texel.y + 1)};
 }
 
-// Directions of the eyes for one pair.
-std::vector<glm::dvec3> border_directions(const ViewSet& views, int view, int neighbor) {
-  std::vector<glm::dvec3> from{views.directions[view] + views.directions[neighbor]};
-  for (const auto& t : views.triangles)
-    if (std::count(t.begin(), t.end(), view) && std::count(t.begin(), t.end(), neighbor))
-      from.push_back(views.directions[t[0]] + views.directions[t[1]] + views.directions[t[2]]);
+// A view's holes as an eye on the border of its region sees them, and the neighbours that may fill
+// them.
+struct BorderEye {
+  glm::dvec3 direction{0.0};
+  std::vector<FillSlices*> fills;
+};
+
+// Of the pairs of one view. Two pairs share the eye between three views.
+std::vector<BorderEye> border_eyes(const ViewSet& views, std::span<FillSlices> pairs) {
+  const auto& d = views.directions;
+  std::vector<BorderEye> eyes;
+  for (FillSlices& pair : pairs)
+    eyes.push_back({d[std::size_t(pair.view)] + d[std::size_t(pair.neighbor)], {&pair}});
+  for (const auto& t : views.triangles) {
+    BorderEye eye{d[std::size_t(t[0])] + d[std::size_t(t[1])] + d[std::size_t(t[2])], {}};
+    for (FillSlices& pair : pairs)
+      if (std::count(t.begin(), t.end(), pair.view) &&
+          std::count(t.begin(), t.end(), pair.neighbor))
+        eye.fills.push_back(&pair);
+    if (!eye.fills.empty()) eyes.push_back(std::move(eye));
+  }
   // Two opposite views have nothing between them.
-  std::erase_if(from, [](const glm::dvec3& d) { return glm::length(d) < 1e-6; });
-  return from;
+  std::erase_if(eyes, [](const BorderEye& eye) { return glm::length(eye.direction) < 1e-6; });
+  return eyes;
 }
 
-// The neighbour's slices that hold what `eye` sees of it through the view's holes.
-void find_from(const LayeredImpostor& impostor, const Camera& camera, int view, int neighbor,
-               std::vector<TexelRect>& rects) {
-  const std::vector<Slice>& slices = impostor.slices[neighbor];
+// The neighbours' slices that hold what the camera sees of them through the view's holes, one list
+// of rectangles for each of the eye's pairs.
+void find_from(const LayeredImpostor& impostor, const Camera& camera, const BorderEye& eye,
+               std::span<std::vector<TexelRect>* const> rects) {
+  const int view = eye.fills.front()->view;
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::optional<PixelRay> ray = pixel_ray(impostor.bounds, camera, {x + 0.5, y + 0.5});
       if (!ray) continue;
       // Patches that are linked but do not meet are not open in slices.
       if (!march_picture(impostor, view, *ray).passed_end) continue;
-      const SurfaceHit seen = march_picture(impostor, neighbor, *ray);
-      if (!seen.hit) continue;
-      const SurfaceTexel& texel = impostor.surfaces[neighbor].texels(seen.texel.x, seen.texel.y);
-      const DepthInterval interval = piece_interval(texel, impostor.slicing);
-      for (std::size_t s = 0; s < slices.size(); ++s)
-        if (shows(slices[s], interval)) add_texel(seen.texel, rects[s]);
+      for (std::size_t k = 0; k < eye.fills.size(); ++k) {
+        const auto neighbor = std::size_t(eye.fills[k]->neighbor);
+        const SurfaceHit seen = march_picture(impostor, int(neighbor), *ray);
+        if (!seen.hit) continue;
+        const SurfaceTexel& texel = impostor.surfaces[neighbor].texels(seen.texel.x, seen.texel.y);
+        const DepthInterval interval = piece_interval(texel, impostor.slicing);
+        const std::vector<Slice>& slices = impostor.slices[neighbor];
+        for (std::size_t s = 0; s < slices.size(); ++s)
+          if (shows(slices[s], interval)) add_texel(seen.texel, (*rects[k])[s]);
+      }
     }
+}
+
+// Of the pairs of one view.
+void find_of_view(const LayeredImpostor& impostor, const FillOptions& options,
+                  std::span<FillSlices> pairs) {
+  const glm::dvec3 center(impostor.bounds.center());
+  const double reach = options.distance * impostor.bounds.radius();
+  std::vector<std::vector<TexelRect>> rects;
+  for (const FillSlices& pair : pairs)
+    rects.emplace_back(impostor.slices[std::size_t(pair.neighbor)].size());
+  for (const BorderEye& eye : border_eyes(impostor.views, pairs)) {
+    Result<Camera> camera =
+        tight_camera(Projection::perspective, center + glm::normalize(eye.direction) * reach,
+                     {0, 1, 0}, impostor.bounds);
+    if (!camera) continue;
+    camera->width = camera->height = options.size;
+    std::vector<std::vector<TexelRect>*> of_eye;
+    for (const FillSlices* pair : eye.fills)
+      of_eye.push_back(&rects[std::size_t(pair - pairs.data())]);
+    find_from(impostor, *camera, eye, of_eye);
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    for (int s = 0; s < int(rects[k].size()); ++s)
+      if (const TexelRect& rect = rects[k][std::size_t(s)]; rect.x1 > 0)
+        pairs[k].slices.push_back({s, rect});
 }
 
 }  // namespace
 
 void find_fill_slices(LayeredImpostor& impostor, const FillOptions& options) {
   std::vector<FillSlices> fills = neighbor_pairs(impostor.views);
-  const glm::dvec3 center(impostor.bounds.center());
-  const double reach = options.distance * impostor.bounds.radius();
-  parallel_for(std::size_t(0), fills.size(), [&](std::size_t i) {
-    FillSlices& fill = fills[i];
-    std::vector<TexelRect> rects(impostor.slices[fill.neighbor].size());
-    for (const glm::dvec3& direction :
-         border_directions(impostor.views, fill.view, fill.neighbor)) {
-      Result<Camera> camera =
-          tight_camera(Projection::perspective, center + glm::normalize(direction) * reach,
-                       {0, 1, 0}, impostor.bounds);
-      if (!camera) continue;
-      camera->width = camera->height = options.size;
-      find_from(impostor, *camera, fill.view, fill.neighbor, rects);
-    }
-    for (int s = 0; s < int(rects.size()); ++s)
-      if (rects[s].x1 > 0) fill.slices.push_back({s, rects[s]});
-  });
+  // Ascending, so that a view's pairs follow each other.
+  std::vector<std::span<FillSlices>> of_views;
+  for (std::size_t first = 0, end = 0; first < fills.size(); first = end) {
+    while (end < fills.size() && fills[end].view == fills[first].view) ++end;
+    of_views.emplace_back(fills.data() + first, end - first);
+  }
+  parallel_for(std::size_t(0), of_views.size(),
+               [&](std::size_t i) { find_of_view(impostor, options, of_views[i]); });
   impostor.fills = std::move(fills);
 }
 

@@ -66,7 +66,7 @@ struct SurfaceWarpOptions {
 // The eyes that look for holes.
 struct FillOptions {
   double distance = 4.0;  // in radii of the bounds
-  int size = 128;         // of their frames, pixels
+  int size = 64;          // of their frames, pixels
 };
 
 // Finds the fill slices of every ordered pair of neighbouring views (S2.6). Eyes on the border of
