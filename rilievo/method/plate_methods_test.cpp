@@ -24,7 +24,7 @@ Camera camera_at(const glm::dvec3& eye) {
 std::vector<std::pair<std::string, MethodOptions>> picture_methods(const Box& eyes) {
   std::vector<std::pair<std::string, MethodOptions>> made;
   for (const std::string& name : method_names()) {
-    if (name.starts_with("direct") || name == "lod" || name == "relief-impostor") continue;
+    if (name.starts_with("direct") || name == "lod") continue;
     MethodOptions options;
     options.texel_px = 100;  // baked objects are drawn, however coarse
     options.angle_degrees = 20;
