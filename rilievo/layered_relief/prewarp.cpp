@@ -34,10 +34,10 @@ bool outside(const glm::dmat4& clip_from_world, const std::array<glm::dvec3, 4>&
 }
 
 // Of what is no nearer than `least_d`: the hull is one of boxes along d, which end there.
-ReliefRectangle rectangle_beyond(const LayeredRelief& relief, const ReliefWarp& warp,
-                                 double splat_size, double least_d) {
+ReliefRectangle rectangle_beyond(const LayeredRelief& relief, const ReliefWarp& warp, double splat,
+                                 double least_d) {
   ReliefRectangle rectangle{glm::dvec2(1e300), glm::dvec2(-1e300)};
-  const double beyond = std::max(0.0, 0.5 * (splat_size - 1));
+  const double beyond = std::max(0.0, 0.5 * (splat - 1));
   for (const glm::dvec3& corner : relief.hull) {
     const double d = std::max(corner.z, least_d);
     const glm::dvec2 at = warp.moved(corner.x, corner.y, d);
@@ -46,6 +46,17 @@ ReliefRectangle rectangle_beyond(const LayeredRelief& relief, const ReliefWarp& 
     rectangle.max = glm::max(rectangle.max, at + reach);
   }
   return rectangle;
+}
+
+// The steepest line of sight to the samples: the largest slope against the plane's axis.
+double most_slope(const LayeredRelief& relief, const ReliefWarp& warp, const glm::dvec2& per_texel,
+                  double least_d) {
+  double most = 0;
+  for (const glm::dvec3& corner : relief.hull) {
+    const glm::dvec2 at = warp.moved(corner.x, corner.y, std::max(corner.z, least_d));
+    most = std::max(most, glm::length((at - warp.epipole()) * per_texel));
+  }
+  return most;
 }
 
 }  // namespace
@@ -77,6 +88,8 @@ struct Prewarp::State {
     TileGrid grid;
     std::vector<Sheet> sheets;
     glm::dvec3 eye{0.0};
+    glm::dvec2 slope_per_texel{0.0};  // RunQuery's
+    double most_slope = 0;
     std::uint32_t least_code = 0;  // nearer samples are not drawn
     PrewarpCoefficients coefficients;
     ResolveCoefficients resolve;
@@ -151,8 +164,6 @@ void Prewarp::State::set_coefficients(Frame& f) const {
   f.coefficients.y_0 = float(s * k2 * d0 + shift.y * (1 + k3 * d0) + centre);
   f.coefficients.w_code = float(k3 * step);
   f.coefficients.w_0 = float(1 + k3 * d0);
-  f.coefficients.low = float(0.5 - 0.5 * options.splat_size);
-  f.coefficients.high = float(0.5 + 0.5 * options.splat_size);
   f.coefficients.least_code = float(f.least_code);
 }
 
@@ -218,6 +229,7 @@ void Prewarp::State::do_tile(const Frame& f, const glm::ivec2& at, Prewarped& re
   RunQuery query;
   query.min = glm::dvec2(part.min) / f.resolution, query.max = glm::dvec2(part.max) / f.resolution;
   query.half_splat = 0.5 * options.splat_size;
+  query.slope_per_texel = f.slope_per_texel, query.most_slope = f.most_slope;
   query.resolution = f.resolution;
   query.nearest = options.splat == Splat::nearest;
   query.least_code = f.least_code;
@@ -242,15 +254,20 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   const auto warp = relief_warp(s.frame, eye);
   if (!warp) return std::nullopt;
   f.warp = *warp;
-  const double splat = options.splat == Splat::nearest ? 0.0 : options.splat_size;
+  const bool nearest = options.splat == Splat::nearest;
   f.eye = eye;
   // Rounded up, so that no code that is drawn is before it.
   const double least_d = f.warp.least_d(kMaxPrewarpMagnification);
   f.least_code = std::uint32_t(std::clamp(
       std::ceil((least_d - s.relief->first_d) / s.relief->d_step), 0.0, double(kEmptyCode)));
   if (f.least_code > s.relief->tree[0].farthest) return std::nullopt;
-  const ReliefRectangle rectangle =
-      rectangle_beyond(*s.relief, f.warp, splat, s.relief->d(f.least_code));
+  const double from_d = s.relief->d(f.least_code);
+  if (options.splats_face_eye && !nearest && !s.relief->perspective()) {
+    f.slope_per_texel = f.warp.k3 * glm::dvec2(glm::length(s.frame.a), glm::length(s.frame.b));
+    f.most_slope = most_slope(*s.relief, f.warp, f.slope_per_texel, from_d);
+  }
+  const double splat = nearest ? 0.0 : options.splat_size * splat_stretch(f.most_slope);
+  const ReliefRectangle rectangle = rectangle_beyond(*s.relief, f.warp, splat, from_d);
   const glm::dvec2 extent = rectangle.max - rectangle.min;
   f.resolution = options.resolution;
   // Two texels are lost to rounding.

@@ -37,6 +37,9 @@ struct PrewarpOptions {
   // nothing that they should not; with 2 (the paper's), surfaces that turn towards the eye have
   // fewer cracks.
   double splat_size = 1.0;
+  // A splat is as wide across the line of sight as splat_size says, so wider on the plane, which an
+  // eye from the side sees slanted. For parallel reliefs.
+  bool splats_face_eye = false;
   // Texels of the result per texel of the source plane. Halved until the result has at most
   // max_size texels a side.
   double resolution = 1.0;

@@ -219,14 +219,15 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
       const VF v = hn::Add(hn::ConvertTo(f, s.v), hn::Set(f, run.v));
       const VF shift_x = hn::Add(hn::Mul(hn::Set(f, k.x_code), s.code), hn::Set(f, k.x_0));
       const VF shift_y = hn::Add(hn::Mul(hn::Set(f, k.y_code), s.code), hn::Set(f, k.y_0));
-      const VF low = hn::Set(f, k.low), high_end = hn::Set(f, k.high);
+      const VF low_x = hn::Set(f, 0.5f - run.half_x), high_x = hn::Set(f, 0.5f + run.half_x);
+      const VF low_y = hn::Set(f, 0.5f - run.half_y), high_y = hn::Set(f, 0.5f + run.half_y);
       const auto edge = [&](VF position, VF end, VF shift) {
         return index_of(hn::Add(position, end), scale, shift, s.w);
       };
-      const VI x0 = hn::Max(edge(u, low, shift_x), x_first);
-      const VI x1 = hn::Min(edge(u, high_end, shift_x), x_last);
-      const VI y0 = hn::Max(edge(v, low, shift_y), y_first);
-      const VI y1 = hn::Min(edge(v, high_end, shift_y), y_last);
+      const VI x0 = hn::Max(edge(u, low_x, shift_x), x_first);
+      const VI x1 = hn::Min(edge(u, high_x, shift_x), x_last);
+      const VI y0 = hn::Max(edge(v, low_y, shift_y), y_first);
+      const VI y1 = hn::Min(edge(v, high_y, shift_y), y_last);
       auto covers = hn::And(hn::Gt(x1, x0), hn::Gt(y1, y0));
       covers = hn::And(covers, is_shown(k, s));
       if (!run.all_columns) covers = hn::And(covers, in_columns(run, s.u));

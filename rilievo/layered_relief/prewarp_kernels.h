@@ -18,8 +18,6 @@ namespace rilievo {
 // The coefficients of this formula for one eye.
 struct PrewarpCoefficients {
   float scale = 1, x_code = 0, x_0 = 0, y_code = 0, y_0 = 0, w_code = 0, w_0 = 1;
-  // Splats extend from u + low to u + high. Nearest samples lie at u + 0.5, which x_0 includes.
-  float low = 0, high = 1;
   float least_code = 0;  // nearer samples are left out: they are behind the eye, or too near
 };
 
@@ -34,6 +32,9 @@ struct PrewarpRun {
   std::uint32_t u_from = 0, u_to = 0;  // use only these columns of the source tile
   bool all_columns = true;
   SplatReach reach = SplatReach::nearest;
+  // Splats extend so far from their texels' centres, at u + 0.5. (Nearest samples are those
+  // centres, which x_0 has.)
+  float half_x = 0.5f, half_y = 0.5f;
 };
 
 // A tile of the result.

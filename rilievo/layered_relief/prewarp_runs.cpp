@@ -22,13 +22,18 @@ class Search {
  public:
   Search(const LayeredRelief& relief, const ReliefWarp& warp, const RunQuery& query,
          std::vector<PrewarpRun>& runs)
-      : relief_(relief), warp_(warp), query_(query), runs_(runs) {}
+      : relief_(relief),
+        warp_(warp),
+        query_(query),
+        runs_(runs),
+        most_half_(query.half_splat * splat_stretch(query.most_slope)) {}
 
   void descend(const Sheet& sheet, std::size_t node, int level, int x, int y);
 
  private:
   void add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y);
-  [[nodiscard]] SplatReach reach(const ReliefNode& node) const;
+  [[nodiscard]] SplatReach reach(const ReliefNode& node, const glm::dvec2& half) const;
+  [[nodiscard]] glm::dvec2 half_splat(double u, double v, double d) const;
   // Of what is drawn of it.
   [[nodiscard]] double nearest_d(const ReliefNode& node) const {
     return relief_.d(std::max<std::uint32_t>(node.nearest, query_.least_code));
@@ -38,6 +43,7 @@ class Search {
   const ReliefWarp& warp_;
   const RunQuery& query_;
   std::vector<PrewarpRun>& runs_;
+  double most_half_;  // of a splat, source texels
 };
 
 // Node at column x and row y of the nodes of its level; the last level is relief_.levels - 1.
@@ -48,7 +54,7 @@ void Search::descend(const Sheet& sheet, std::size_t node, int level, int x, int
   const int u0 = std::max(x * size, sheet.u_from), u1 = std::min((x + 1) * size, sheet.u_to);
   const int v0 = std::max(y * size, sheet.v_from), v1 = std::min((y + 1) * size, sheet.v_to);
   if (u0 >= u1 || v0 >= v1) return;
-  const double beyond = query_.half_splat - 0.5;
+  const double beyond = most_half_ - 0.5;
   const double d0 = nearest_d(stretch), d1 = relief_.d(stretch.farthest);
   const Interval u = moved(u0 - beyond, u1 + beyond, warp_.k1, warp_.k3, d0, d1);
   const Interval v = moved(v0 - beyond, v1 + beyond, warp_.k2, warp_.k3, d0, d1);
@@ -66,10 +72,19 @@ void Search::descend(const Sheet& sheet, std::size_t node, int level, int x, int
   }
 }
 
-SplatReach Search::reach(const ReliefNode& node) const {
+// Half of the splats of samples at a place of the source. The slope is that where it is seen; of a
+// place beyond the samples, as tiles at the picture's border have, no more than theirs.
+glm::dvec2 Search::half_splat(double u, double v, double d) const {
+  if (query_.most_slope == 0) return glm::dvec2(query_.half_splat);
+  glm::dvec2 slope = (warp_.moved(u, v, d) - warp_.epipole()) * query_.slope_per_texel;
+  slope *= std::min(1.0, query_.most_slope / std::max(glm::length(slope), 1e-30));
+  return query_.half_splat * glm::dvec2(splat_stretch(slope.x), splat_stretch(slope.y));
+}
+
+SplatReach Search::reach(const ReliefNode& node, const glm::dvec2& half) const {
   if (query_.nearest) return SplatReach::nearest;
   const double largest =
-      2 * query_.half_splat * query_.resolution *
+      2 * std::max(half.x, half.y) * query_.resolution *
       std::max(warp_.magnification(nearest_d(node)), warp_.magnification(relief_.d(node.farthest)));
   // An interval shorter than one holds at most one centre; a little is left for rounding.
   if (largest < 0.999) return SplatReach::one;
@@ -82,7 +97,7 @@ void Search::add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y) 
   const std::uint32_t* rows = &relief_.rows[tile * std::size_t(size + 1)];
   int row = std::max(sheet.v_from - v0, 0), last = std::min(sheet.v_to - v0, size);
   // Rows that do not reach the rectangle are left out.
-  const double beyond = query_.half_splat - 0.5;
+  const double beyond = most_half_ - 0.5;
   const double d0 = nearest_d(node), d1 = relief_.d(node.farthest);
   const auto misses = [&](int v) {
     const Interval at = moved(v0 + v - beyond, v0 + v + 1 + beyond, warp_.k2, warp_.k3, d0, d1);
@@ -103,7 +118,9 @@ void Search::add_tile(const Sheet& sheet, const ReliefNode& node, int x, int y) 
   run.u_to = std::uint32_t(std::min(sheet.u_to - u0, size));
   run.all_columns =
       run.u_from == 0 && (run.u_to == std::uint32_t(size) || sheet.u_to == relief_.camera.width);
-  run.reach = reach(node);
+  const glm::dvec2 half = half_splat(u0 + 0.5 * size, v0 + 0.5 * size, 0.5 * (d0 + d1));
+  run.half_x = float(half.x), run.half_y = float(half.y);
+  run.reach = reach(node, half);
   runs_.push_back(run);
 }
 

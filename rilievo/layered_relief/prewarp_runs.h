@@ -7,7 +7,7 @@
 // Where k3 < 0 it is at least as far, and all is drawn away from the epipole.
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <vector>
 
 #include "rilievo/layered_relief/prewarp_kernels.h"
@@ -27,10 +27,20 @@ struct Sheet {
 struct RunQuery {
   glm::dvec2 min{0.0}, max{0.0};
   double half_splat = 0.5;
+  // Of lines of sight against the plane's axis, for each texel from the epipole, and at most. Where
+  // it is not 0, splats face the eye.
+  glm::dvec2 slope_per_texel{0.0};
+  double most_slope = 0;
   double resolution = 1;  // of the result; decides how many texels a splat covers
   bool nearest = false;
   std::uint32_t least_code = 0;  // nearer samples are not drawn
 };
+
+// How much wider on the plane is a splat that faces the eye? A line of sight with slope t against
+// the plane's axis sees what lies on the plane, along this slope, shortened to cos(atan t):
+//
+//   stretch = sqrt(1 + t^2)
+[[nodiscard]] inline double splat_stretch(double slope) { return std::sqrt(1 + slope * slope); }
 
 // Appends the runs that can reach the rectangle, in drawing order.
 void find_runs(const LayeredRelief& relief, const ReliefWarp& warp,

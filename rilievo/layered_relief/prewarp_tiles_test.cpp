@@ -105,6 +105,50 @@ TEST(LayeredRelief, runs_draw_what_hides_something_after_it_and_everything_once)
   }
 }
 
+// One sample near the middle of a tile, on the source plane, seen with slopes t and s along both
+// axes: its splat is sqrt(1 + t^2) and sqrt(1 + s^2) times as wide as it would be.
+TEST(Prewarp, splats_that_face_the_eye_are_wider_where_the_plane_is_slanted) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  constexpr int kTexels = 64, kResolution = 16;
+  constexpr double kSplatSize = 1.5;
+  for (int i = 0; i < 40; ++i) {
+    LayeredDepthImage layers;
+    layers.camera = random_parallel_camera(rng, kTexels, kTexels);
+    layers.first.push_back(0);
+    for (int t = 0; t < kTexels * kTexels; ++t) {
+      if (t == 16 * kTexels + 16) layers.samples.push_back({glm::vec4(1), 3.5f, 3.5f});
+      layers.first.push_back(layers.samples.size());
+    }
+    const LayeredRelief relief = *build_layered_relief(layers, {.tile_size = 32});
+    const ReliefFrame frame = relief.frame();
+    const double height = 1.5;
+    const glm::dvec2 slope(2 * unit(rng), 2 * unit(rng)),
+        aside = height * slope / glm::dvec2(glm::length(frame.a), glm::length(frame.b));
+    const glm::dvec3 eye = frame.world(16 - aside.x, 16 - aside.y, -height);
+    const glm::dvec2 stretch = glm::sqrt(1.0 + slope * slope);
+    for (const bool faces : {false, true}) {
+      Prewarped result;
+      ASSERT_TRUE(
+          Prewarp(relief,
+                  {.splat_size = kSplatSize, .splats_face_eye = faces, .resolution = kResolution})
+              .warp(eye, nullptr, result));
+      glm::ivec2 low(1 << 20), high(-1);
+      for (int y = 0; y < result.height(); ++y)
+        for (int x = 0; x < result.width(); ++x)
+          if (result.delta[std::size_t(y) * std::size_t(result.width()) + std::size_t(x)] !=
+              kEmptyCode)
+            low = glm::min(low, {x, y}), high = glm::max(high, {x, y});
+      const glm::dvec2 size(high - low + 1),
+          expected = kResolution * kSplatSize * (faces ? stretch : glm::dvec2(1));
+      // Texels whose centres it holds: one more or less. The slope is that at the tile's middle,
+      // half a texel off.
+      EXPECT_NEAR(size.x, expected.x, 1.5) << i;
+      EXPECT_NEAR(size.y, expected.y, 1.5) << i;
+    }
+  }
+}
+
 // Its memory was used for pictures of other sizes.
 TEST(Prewarp, what_was_warped_before_leaves_no_trace) {
   std::mt19937 rng(7);

@@ -54,8 +54,9 @@ double focal_of(const Camera& camera) {
 
 // What is warped for the eye of a camera.
 struct Warped {
-  double most_tangent = 0;     // of a line of sight's angle with the relief's direction
-  double texel = 0;            // along its diagonal, averaged or not, pixels on the axis
+  double most_tangent = 0;  // of a line of sight's angle with the relief's direction
+  double texel = 0;         // along its diagonal, averaged or not, pixels on the axis
+  double splat = 1;  // source texels: a side of a square whose diagonal no splat's is longer than
   double least_magnified = 0;  // texels of the result for one of the relief, where that is farthest
 };
 
@@ -69,12 +70,17 @@ Warped warped_for(const ReliefStats& stats, const Box& bounds, int picked, const
     sights[std::size_t(i)] = to / glm::dot(to, forward) - forward;
     result.most_tangent = std::max(result.most_tangent, glm::length(sights[std::size_t(i)]));
   }
+  // Of slopes t and s along both axes the sides are sqrt(1 + t^2) and sqrt(1 + s^2) times as long:
+  // the diagonal is sqrt(1 + (t^2 + s^2) / 2) times as long.
+  const double slope = double(stats.faces_eye) * 1.001 * result.most_tangent;
+  result.splat = double(stats.splat_size) * std::sqrt(1 + 0.5 * slope * slope);
   double across = 0;  // of the result, at distance 1
   for (int i = 0; i < 8; ++i)
     for (int k = i + 1; k < 8; ++k)
       across = std::max(across, glm::distance(sights[std::size_t(i)], sights[std::size_t(k)]));
   // What Prewarp::warp halves, and the splats that reach beyond.
-  const double reach = double(stats.largest_texel) * std::max(1.0f, stats.splat_size);
+  const double reach = double(stats.largest_texel) *
+                       std::max(1.0, double(stats.splat_size) * std::sqrt(1 + slope * slope));
   const double texels = (across * sight.most_plane + 2 * reach * sight.most_plane / sight.nearest) /
                         double(stats.least_texel);
   double resolution = double(stats.resolution);
@@ -114,6 +120,7 @@ ReliefStats relief_stats(const ReliefSet& set, const Box& bounds, double moved,
   stats.count = int(set.reliefs.size());
   stats.max_size = options.max_size;
   stats.splat_size = options.splat == Splat::nearest ? 0.0f : float(options.splat_size);
+  stats.faces_eye = options.splats_face_eye ? 1 : 0;
   stats.resolution = float(options.resolution);
   stats.moved = float(moved);
   if (lacks > 0) stats.lacks = std::nextafter(float(lacks), std::numeric_limits<float>::max());
@@ -155,8 +162,8 @@ double relief_gap_px(const ReliefStats& stats, const Box& bounds, const Camera& 
   const Sight sight = sight_of(stats, bounds, picked, camera.position());
   const Warped result = warped_for(stats, bounds, picked, sight, camera);
   if (result.least_magnified * double(stats.splat_size) < 1) return kInfinity;
-  const double half = 0.5 * double(stats.splat_size);
-  const double beside = std::max({half, 1 - half, 0.5});
+  const double half = 0.5 * result.splat, least_half = 0.5 * double(stats.splat_size);
+  const double beside = std::max({half, 1 - least_half, 0.5});
   const double px =
       (2 * focal_of(camera) * double(stats.lacks) / sight.nearest + 2 * beside * result.texel) *
       obliqueness(camera, bounds);
@@ -215,9 +222,8 @@ double relief_bound_px(const ReliefStats& stats, const Box& bounds, const Camera
   const double tangent = 1.001 * result.most_tangent,
                sine = tangent / std::sqrt(1 + tangent * tangent);
   const double diagonal = std::sqrt(2.0) * double(stats.largest_texel);
-  const double sample = 0.5 * std::max(1.0, double(stats.splat_size)) * diagonal +
-                        double(stats.depth) * sine + double(stats.moved) +
-                        double(stats.disc_radius);
+  const double sample = 0.5 * std::max(1.0, result.splat) * diagonal + double(stats.depth) * sine +
+                        double(stats.moved) + double(stats.disc_radius);
   const double oblique = obliqueness(camera, bounds);
   const double px = (focal_of(camera) * sample / sight.nearest + 0.5 * result.texel) * oblique;
   return std::max(0.0, px - std::sqrt(0.5)) +

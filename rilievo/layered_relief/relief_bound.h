@@ -33,6 +33,7 @@ struct ReliefStats {
   float moved = 0;                           // before they came, metres
   float lacks = 0;                           // as ReliefPictures::Picture's; 0: not known
   float splat_size = 1, resolution = 1;
+  float faces_eye = 0;     // 1: PrewarpOptions::splats_face_eye
   float texel_px = 0.75f;  // the result's texels are averaged until they are nearly as large
   float disc_radius = 0, stroke_texels = 0;  // StrokeSize's
 };

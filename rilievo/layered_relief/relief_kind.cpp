@@ -59,8 +59,8 @@ const std::array kBakeOptions{
 const std::array kDrawOptions{
     Option{.name = "splat",
            .type = OptionType::number,
-           .default_value = "1.5",
-           .help = "Edge of the rectangle that a sample covers",
+           .default_value = "1.45",
+           .help = "Edge of the rectangle that a sample covers, as an eye sees it",
            .unit = "TEXELS",
            .min = 1,
            .max = 8},
@@ -207,6 +207,7 @@ PrewarpOptions relief_draw_options(const OptionValues& values) {
   options.resolution = values.number("relief-resolution");
   options.max_size = 2048;
   options.fill_pinholes = true;
+  options.splats_face_eye = true;
   return options;
 }
 

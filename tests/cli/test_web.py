@@ -61,8 +61,9 @@ class Web(command.Case):
         self.succeeds("bake", TEAPOTS, "--as", "layered-relief", "--size", "32", "-o", baked)
         reliefs = self.written(baked, parts=["reliefs.js"])["reliefs"]
         self.assertEqual(len(reliefs["list"]), 6)
-        # As `render` draws them by default.
-        self.assertEqual((reliefs["splat"], reliefs["resolution"], reliefs["max_size"]), (1.5, 1, 2048))
+        # As `render` draws them by default; splats that do not face the eye are a little larger.
+        self.assertAlmostEqual(reliefs["splat"], 1.5, delta=0.01)
+        self.assertEqual((reliefs["resolution"], reliefs["max_size"]), (1, 2048))
         info = self.folder / "info.json"
         self.succeeds("info", baked, "--json", info)
         self.assertEqual(sum(relief["samples"] for relief in reliefs["list"]),
