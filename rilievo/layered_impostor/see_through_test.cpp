@@ -5,34 +5,15 @@
 #include <cmath>
 #include <random>
 
-#include "rilievo/capture/shapes_test_helpers.h"
-#include "rilievo/layered_impostor/layered_impostor.h"
+#include "rilievo/layered_impostor/jug_test_helpers.h"
+#include "rilievo/layered_impostor/lawn_test_helpers.h"
 #include "rilievo/layered_impostor/warp.h"
 
 namespace rilievo {
 namespace {
 
-// A lawn of hills, 16 m wide and 1 m high; seen from above only if one-sided.
-Scene lawn(bool double_sided) {
-  Scene scene;
-  test_shapes::add(scene,
-                   test_shapes::grid_mesh(64, 64,
-                                          [](double s, double t) {
-                                            const double x = 16 * s - 8, z = 8 - 16 * t;
-                                            return glm::vec3(
-                                                x, 0.5 * std::sin(x) * std::cos(0.7 * z), z);
-                                          }),
-                   {0.2f, 0.6f, 0.2f});
-  scene.materials[0].double_sided = double_sided;
-  finish(scene);
-  return scene;
-}
-
-LayeredImpostor impostor_of_scene(const Scene& scene, int size) {
-  Result<LayeredImpostor> impostor =
-      make_layered_impostor(test_shapes::cast_views(scene, make_view_set({}), {.size = size}), {});
-  return std::move(*impostor);
-}
+using test_shapes::impostor_of_scene;
+using test_shapes::lawn;
 
 TEST(SeeThrough, pictures_along_a_one_sided_lawn_do_those_above_it_do_not) {
   const LayeredImpostor impostor = impostor_of_scene(lawn(false), 96);
@@ -73,15 +54,12 @@ TEST(SeeThrough, a_lawn_has_all_of_its_corners_from_above_and_is_not_there_from_
   const LayeredImpostor impostor = impostor_of_scene(scene, 128);
   const Box bounds = world_bounds(scene);
   std::mt19937 rng(4);
-  std::uniform_real_distribution<double> around(0, 6.283), up(0.1, 0.5);
   for (int i = 0; i < 32; ++i) {
     const bool above = i % 4 < 3;
-    const double turn = around(rng), height = above ? up(rng) : -up(rng);
-    const glm::dvec3 towards(std::cos(turn), height, std::sin(turn));
-    Camera camera =
-        *tight_camera(Projection::perspective,
-                      glm::dvec3(bounds.center()) + 4.0 * bounds.radius() * glm::normalize(towards),
-                      {0, 1, 0}, bounds);
+    const glm::dvec3 towards = test_shapes::grazing_direction(rng, above);
+    Camera camera = *tight_camera(Projection::perspective,
+                                  glm::dvec3(bounds.center()) + 4.0 * bounds.radius() * towards,
+                                  {0, 1, 0}, bounds);
     camera.width = camera.height = 96;
     const DepthImage truth = cast_picture(*rays, camera), frame = warp_surfaces(impostor, camera);
     int there = 0, missing = 0, too_many = 0;
@@ -94,10 +72,10 @@ TEST(SeeThrough, a_lawn_has_all_of_its_corners_from_above_and_is_not_there_from_
     // Along the outline one pixel more or less.
     if (above) {
       EXPECT_GT(there, 500);
-      EXPECT_LT(missing, there / 25) << i << ' ' << height;
-      EXPECT_LT(too_many, there / 25) << i << ' ' << height;
+      EXPECT_LT(missing, there / 25) << i << ' ' << towards.y;
+      EXPECT_LT(too_many, there / 25) << i << ' ' << towards.y;
     } else {
-      EXPECT_LT(too_many, 100) << i << ' ' << height;
+      EXPECT_LT(too_many, 100) << i << ' ' << towards.y;
     }
   }
 }

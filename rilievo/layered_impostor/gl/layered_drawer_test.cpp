@@ -12,6 +12,7 @@
 #include "rilievo/gl/context_test_helpers.h"
 #include "rilievo/layered_impostor/gl/layered_drawable.h"
 #include "rilievo/layered_impostor/jug_test_helpers.h"
+#include "rilievo/layered_impostor/lawn_test_helpers.h"
 #include "rilievo/render/opengl/frame_target.h"
 
 namespace rilievo {
@@ -142,6 +143,25 @@ TEST_F(LayeredDrawerTest, holes_in_pictures_are_looked_through_as_on_the_cpu) {
   EXPECT_GT(d.pixels, 8000);
   // As above.
   EXPECT_LT(d.coverage, d.pixels / 200);
+  EXPECT_LT(d.depth, d.pixels / 50);
+  EXPECT_LT(d.color, d.pixels / 40);
+}
+
+// Seen from a little above, and from below, where it is not.
+TEST_F(LayeredDrawerTest, a_one_sided_lawn_is_what_the_walk_on_the_cpu_finds) {
+  const LayeredImpostor impostor = test_shapes::impostor_of_scene(test_shapes::lawn(false), kSize);
+  auto pictures = LayeredPictures::create(impostor);
+  ASSERT_TRUE(pictures.ok()) << pictures.error().message();
+  std::mt19937 rng(8);
+  Difference d;
+  for (int i = 0; i < 16; ++i) {
+    const glm::dvec3 towards = test_shapes::grazing_direction(rng, i % 4 < 3);
+    const Camera camera = frame_camera(impostor.bounds, towards, 3);
+    compare(warp_surfaces(impostor, camera), draw(*pictures, camera, {}), 1e-2, d);
+  }
+  EXPECT_GT(d.pixels, 8000);
+  // As above; depths reach far along the lawn.
+  EXPECT_LT(d.coverage, d.pixels / 100);
   EXPECT_LT(d.depth, d.pixels / 50);
   EXPECT_LT(d.color, d.pixels / 40);
 }
