@@ -37,8 +37,8 @@ struct KeyframeRival {
 struct KeyframeWalk {
   int frames = 0;
   double first_frame_ms = 0;
-  Summary frame_ms;                                                // of all after the first
-  double busy_p50_ms = 0;                                          // processor time, of all threads
+  Summary frame_ms;        // of all after the first
+  double busy_p50_ms = 0;  // processor time, of all threads
   double polygons_ms = 0;
   double warp_ms = 0, fill_ms = 0, tiles_ms = 0, keyframe_ms = 0;  // medians
   int keyframes = 0, coarse = 0;                                   // that were completed

@@ -344,7 +344,7 @@ class Benches(Folder):
                         "msamples_per_s_splat_512_2t"],
             "splats": [f"{what}_{way}" for what in ["flip", "ms"] for way in
                        ["ldi_rect", "ldi_gauss", "lrt_rect", "lrt_gauss"]],
-            "relief-run": [f"{what}_{name}_fresh" for what in
+            "relief-run": [f"{what}_{name}" for what in
                            ["warp_p50_ms", "warp_p99_ms", "warped_over_drawn"] for name in
                            ["fish", "cube", "fern"]],
             "layered": ["psnr_db_teapot_32_256_64", "uncovered_teapot_32_256_64",
