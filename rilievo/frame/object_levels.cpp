@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "rilievo/core/box_distance.h"
+
 namespace rilievo {
 
 namespace {
@@ -38,9 +40,7 @@ double choose_levels(const Camera& camera, std::span<const std::uint32_t> object
     const std::vector<ModelLevel>& all =
         levels.leveled.levels[std::size_t(levels.model_of[object])];
     const Box& box = bounds[object];
-    const glm::dvec3 nearest =
-        glm::clamp(camera.position(), glm::dvec3(box.min), glm::dvec3(box.max));
-    const double distance = std::max(glm::length(nearest - camera.position()), camera.z_near);
+    const double distance = std::max(distance_to(box, camera.position()), camera.z_near);
     const double stretch = largest_stretch(poses[object]);
     // What one pixel in the middle of the frame shows at this distance.
     const double pixel = (camera.window.top - camera.window.bottom) / camera.height * distance;

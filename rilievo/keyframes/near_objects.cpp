@@ -5,16 +5,9 @@
 #include <iterator>
 #include <utility>
 
+#include "rilievo/core/box_distance.h"
+
 namespace rilievo {
-namespace {
-
-// From a point to the nearest of a box; 0 within it.
-double distance_to(const Box& box, const glm::dvec3& point) {
-  const glm::dvec3 nearest = glm::clamp(point, glm::dvec3(box.min), glm::dvec3(box.max));
-  return glm::length(point - nearest);
-}
-
-}  // namespace
 
 NearObjects::NearObjects(const PlacedScene& placed, std::vector<std::uint32_t> objects,
                          const NearObjectsOptions& options)

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/core/box_distance.h"
 #include "rilievo/core/box_view.h"
 #include "rilievo/core/on_this_thread.h"
 #include "rilievo/relief_impostor/critical_points.h"
@@ -37,10 +38,6 @@ double coarseness(const PictureGeometry& picture, const PlaneWarp& warp, double 
   const double texel = (camera.window.right - camera.window.left) / camera.width * picture.plane_z;
   const double finest = texel * std::max(camera.width, camera.height) / options.size;
   return texel / std::max(finest, warp.height / focal_px / options.texels_per_px);
-}
-
-double distance_from(const Box& box, const glm::dvec3& eye) {
-  return glm::distance(eye, glm::clamp(eye, glm::dvec3(box.min), glm::dvec3(box.max)));
 }
 
 // The widest that a picture may reach beside the frame's axis, tangents: 68 degrees.
@@ -354,7 +351,7 @@ ImpostorFrame ImpostorWorkers::frame(std::size_t object, const ImpostorEye& eye)
       now.moved_px = std::max(now.moved_px, 1.01 * s.options.limits.still_px);
   }
   // What deforms has moved by so much since, at the nearest place where it can be.
-  const double nearest = std::max(1e-9, distance_from(slot.bounds, eye.position));
+  const double nearest = std::max(1e-9, distance_to(slot.bounds, eye.position));
   const auto deformed_px = [&](double since) {
     const ImpostorObject& of = slot.object;
     double metres = of.deforms * std::abs(eye.time - since);

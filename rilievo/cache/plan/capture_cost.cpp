@@ -15,6 +15,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "rilievo/capture/picture_camera.h"
+#include "rilievo/core/box_distance.h"
 
 namespace rilievo {
 namespace {
@@ -148,7 +149,7 @@ double level_px(const Camera& frame, const Box& box, double error) {
   };
   // What is in the frame is no farther from its axis than the corner.
   const glm::dvec3 eye = frame.position();
-  const double away = glm::length(glm::clamp(eye, glm::dvec3(box.min), glm::dvec3(box.max)) - eye);
+  const double away = distance_to(box, eye);
   double square = square_of(frame.window);
   double depth = away / std::sqrt(1 + square) - error;
   if (const Seen seen = see(axes, box, eye); seen.front > 0) {
