@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "rilievo/capture/plate_test_helpers.h"
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
 #include "rilievo/scene/scene.h"
@@ -31,13 +32,8 @@ inline Camera camera_at(const glm::dvec3& eye) {
 // Object 1 is the cable, 2 the wall, of 8 m. Both shine alike from everywhere.
 inline Scene scene_of(const Cable& cable) {
   Scene scene;
-  for (const glm::vec3& color : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)}) {
-    Material material;
-    material.base_color = glm::vec4(color, 1);
-    material.unlit = material.double_sided = true;
-    scene.materials.push_back(material);
-  }
-  Mesh box, wall;
+  test_plate::add_red_and_green(scene);
+  Mesh box, wall = test_plate::square(4);
   const glm::dvec3 along = cable.end(1) - glm::dvec3(0, 0, 1);
   const glm::dvec3 across = 0.5 * cable.width * glm::normalize(glm::dvec3(-along.y, along.x, 0)),
                    deep(0, 0, 0.5 * cable.width);
@@ -46,8 +42,6 @@ inline Scene scene_of(const Cable& cable) {
                                (c & 2 ? across : -across) + (c & 4 ? deep : -deep));
   box.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
                  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-  wall.positions = {{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}};
-  wall.indices = {0, 1, 2, 0, 2, 3};
   box.material = 0, wall.material = 1;
   scene.meshes = {box, wall};
   scene.models = {{"cable", {{0, glm::mat4(1)}}, {}, 0}, {"wall", {{1, glm::mat4(1)}}, {}, 0}};

@@ -17,16 +17,21 @@ inline Mesh square(float half) {
   return mesh;
 }
 
-// The wall of 8 m lies on z = 0 and faces +z; the plate of 1.2 m is a metre before it, turned. Both
-// shine alike from everywhere. They are one object or two.
-inline Scene plate(Random& random, bool one_object) {
-  Scene scene;
+// Material 0 is red, 1 green. Both shine alike from everywhere.
+inline void add_red_and_green(Scene& scene) {
   for (const glm::vec3& color : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)}) {
     Material material;
     material.base_color = glm::vec4(color, 1);
     material.unlit = material.double_sided = true;
     scene.materials.push_back(material);
   }
+}
+
+// The wall of 8 m lies on z = 0 and faces +z; the plate of 1.2 m is a metre before it, turned. Both
+// shine alike from everywhere. They are one object or two.
+inline Scene plate(Random& random, bool one_object) {
+  Scene scene;
+  add_red_and_green(scene);
   scene.meshes = {square(0.6f), square(4.0f)};
   scene.meshes[1].material = 1;
   scene.meshes[0].material = 0;
