@@ -1,9 +1,9 @@
-// Which objects are so near that polygons are better than pictures of them?
+// The objects near the eye that are drawn as polygons instead of warped.
 //
-// What is near looks another way, and hides something else, from each place that the eye comes
-// through: a picture of it shows its silhouettes in the wrong place, what is behind them not at
-// all, and texels of another distance. Where it has few triangles, polygons are right and cost
-// little. Keyframes are captured without it, and so show what is behind.
+// A near object looks different, and hides something else, from each place that the eye passes. A
+// warped picture of it shows its silhouettes in the wrong place, shows nothing behind them, and has
+// the resolution of another distance. Polygons of an object with few triangles are exact and cheap.
+// Keyframes are captured without these objects, and so show what is behind them.
 //
 // A choice for a keyframe: of the objects whose distance is at most some times the eye's way, and
 // which are no larger than some times that way, the nearest first, as many as a number of triangles
@@ -28,8 +28,8 @@ struct NearObjectsOptions {
 // Chooses among some objects of a scene.
 class NearObjects {
  public:
-  // What is more times as large as the eye's way is mostly surface, as the ground is: it warps
-  // well, and to shade it costs more than to warp it.
+  // Larger objects, in multiples of the eye's way, are not chosen: they are mostly surface, as the
+  // ground is, which warps well and costs more to shade than to warp.
   static constexpr double kLargest = 10;
 
   // Among `objects`, ascending. `placed` must outlive the object.

@@ -75,7 +75,7 @@ inline constexpr float kMostMagnified = 4;
 // The colour of a pixel, of depth 0, that is not warped because something else covers it.
 inline constexpr std::uint32_t kCoveredPixel = 0x01000000u;
 
-// What will be drawn over a warped frame.
+// The surfaces that will be drawn over a warped frame.
 struct WarpCover {
   const Image<float>* inverse_z = nullptr;  // 1 / eye_z of what covers all of a pixel; 0: nothing
   // Of the nearest thing that keyframes show: nothing else is in front of what is nearer.

@@ -177,9 +177,12 @@ Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyfra
   const Stopwatch watch;
   find_view();
   if (Result<> done = polygons.place(camera, options.samples, placed, live, {}); !done) return done;
-  if (!live.empty()) polygons.find_cover(camera, cover);
+  WarpCover covers{&cover};
+  if (!live.empty()) {
+    polygons.find_cover(camera, cover);
+    covers.nearest = nearest_of(still);
+  }
   const double polygons_ms = watch.ms();
-  const WarpCover covers{&cover, nearest_of(still)};
   warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers);
   shares.polygons_ms += polygons_ms;
   shares.warp_ms += watch.ms() - polygons_ms;
