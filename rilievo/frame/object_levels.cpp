@@ -17,7 +17,9 @@ ObjectLevels finest(LeveledScene leveled) {
 
 }  // namespace
 
-ObjectLevels make_object_levels(const Scene& scene) { return finest(make_levels(scene)); }
+ObjectLevels make_object_levels(const Scene& scene, const LevelsOptions& options) {
+  return finest(make_levels(scene, options));
+}
 
 ObjectLevels make_bounded_object_levels(const Scene& scene) {
   return finest(make_bounded_levels(scene));

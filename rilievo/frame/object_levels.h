@@ -21,7 +21,8 @@ struct ObjectLevels {
 };
 
 // All objects by their finest levels.
-[[nodiscard]] ObjectLevels make_object_levels(const Scene& scene);
+[[nodiscard]] ObjectLevels make_object_levels(const Scene& scene,
+                                              const LevelsOptions& options = {});
 
 // The same with errors that are bounds (make_bounded_levels).
 [[nodiscard]] ObjectLevels make_bounded_object_levels(const Scene& scene);

@@ -80,7 +80,10 @@ std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelsOptions& option
   double error = 0;
   while (int(levels.size()) < options.max_levels &&
          finer->size() / 3 >= std::max<std::uint64_t>(2 * options.min_triangles, 2)) {
-    MeshLevel level = simplify_mesh(mesh, *finer, finer->size() / 6 * 3);
+    std::size_t target = finer->size() / 6 * 3;
+    if (options.most_triangles > 0)
+      target = std::min(target, std::size_t(3 * options.most_triangles));
+    MeshLevel level = simplify_mesh(mesh, *finer, target);
     if (level.indices.empty() || level.indices.size() > finer->size() * 9 / 10) break;
     // Each level is made from the one before: their errors add up.
     error += level.error;

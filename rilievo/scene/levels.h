@@ -29,6 +29,9 @@ struct LeveledScene {
 struct LevelsOptions {
   int max_levels = 10;
   std::uint64_t min_triangles = 24;  // smaller meshes stay as they are
+  // Of a mesh's finest level; 0: any. Half of a mesh of millions takes seconds, and a small share
+  // of it at once takes less than that.
+  std::uint64_t most_triangles = 0;
 };
 
 // Makes the levels of all models, on all cores. The result does not depend on the number of

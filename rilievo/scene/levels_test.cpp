@@ -61,6 +61,26 @@ TEST(MakeLevels, each_level_is_coarser_and_says_a_larger_error) {
 
 // The mean of a level's vertices cannot leave the sphere: they are vertices of the mesh. Its
 // triangles sag; a triangle's middle lies as deep as its sag.
+TEST(MakeLevels, the_finest_level_has_as_few_triangles_as_asked_for) {
+  const Scene scene = sphere_scene();  // of 6400
+  LevelsOptions options;
+  options.most_triangles = 500;
+  const LeveledScene few = make_levels(scene, options), all = make_levels(scene);
+  const auto triangles = [](const LeveledScene& of, std::size_t level) {
+    return of.scene.models[std::size_t(of.levels[0][level].model)].triangles;
+  };
+  EXPECT_LE(triangles(few, 1), 502u);
+  EXPECT_GT(triangles(few, 1), 350u);
+  EXPECT_LT(triangles(few, 2), 300u);
+  // At once it is no less exact than a half again and again, whose errors add up.
+  std::size_t same = 1;
+  while (triangles(all, same) > 502) ++same;
+  EXPECT_LT(few.levels[0][1].error, 1.2 * all.levels[0][same].error);
+  // Meshes that have fewer are halved as ever.
+  options.most_triangles = 5000;
+  EXPECT_EQ(triangles(make_levels(scene, options), 1), triangles(all, 1));
+}
+
 TEST(MakeLevels, a_spheres_levels_sag_by_about_the_error_that_they_say) {
   const LeveledScene leveled = make_levels(sphere_scene());
   for (std::size_t i = 1; i < leveled.levels[0].size(); ++i) {
