@@ -1,0 +1,52 @@
+// Fades from the frames of one method to those of another.
+//
+// Where two methods show the same in different ways a change from one to the other pops. For some
+// frames each pixel is mixed with what the last frame before the change shows at the same place:
+// the new frame's depth says where that is. What the old frame does not show is new at once. So the
+// methods do not both have to draw.
+#pragma once
+
+#include <cstdint>
+
+#include "rilievo/core/camera.h"
+#include "rilievo/core/color.h"
+#include "rilievo/render/software/software_target.h"
+
+namespace rilievo {
+
+// A fade, or none.
+class FrameFade final : private TileDrawer {
+ public:
+  static constexpr int kFrames = 8;
+
+  // From `shown`, a frame of `camera`. May be the target() of a fade that goes on.
+  void begin(const SoftwareTarget& shown, const Camera& camera);
+  void end() { left_ = 0; }
+  [[nodiscard]] bool goes_on() const { return left_ > 0; }
+
+  // The next frame, which must be of the same size. Requires goes_on().
+  void mix(const SoftwareTarget& frame, const Camera& camera);
+  // Its objects are those of the frame that was mixed last.
+  void draw_objects();
+  // The last frame that was mixed. It has one sample a pixel.
+  [[nodiscard]] const SoftwareTarget& target() const { return target_; }
+
+ private:
+  void draw_tile(FrameTile& tile) const override;
+  [[nodiscard]] std::uint32_t mixed(int x, int y) const;
+
+  int left_ = 0;
+  Rgba8Image old_;
+  Image<float> old_inverse_z_;
+  Camera old_camera_, camera_;
+  SoftwareTarget target_{1, 1, 1};
+  const SoftwareTarget* frame_ = nullptr;
+  // Where a pixel of the new frame is seen from the old eye: axis_ (x, y, 1) + step_ / eye_z is
+  // that point over its new eye_z.
+  glm::mat3 axis_{1};
+  glm::vec3 step_{0};
+  glm::vec2 to_raster_{1}, raster_start_{0};
+  std::uint32_t weight_ = 0;  // of the old frame, in shares of 256
+};
+
+}  // namespace rilievo

@@ -1,0 +1,145 @@
+#include "rilievo/method/frame_fade.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "rilievo/frame/software/software_backend.h"
+#include "rilievo/method/method.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+class FrameFadeTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto built = make_builtin("builtin:teapots?triangles=20000");
+    ASSERT_TRUE(built.ok());
+    scene_ = std::move(built->scene);
+    path_ = built->path;
+    for (int i = 0; i < 2; ++i) {
+      backends_.push_back(std::make_unique<SoftwareBackend>(scene_, 4));
+      Result<Method> made = make_method("direct-raster", {}, *backends_.back());
+      ASSERT_TRUE(made.ok());
+      frames_.push_back(std::move(made->frames));
+    }
+  }
+  [[nodiscard]] Camera camera(int frame) const {
+    return camera_at(path_, frame_time(path_, frame), 192, 128);
+  }
+  const SoftwareTarget& draw(int of, int frame) {
+    EXPECT_TRUE(frames_[std::size_t(of)]->draw(camera(frame), 0).ok());
+    return *frames_[std::size_t(of)]->software_target();
+  }
+  static double mean_difference(const Rgba8Image& a, const Rgba8Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.texels().size(); ++i)
+      for (int k = 0; k < 3; ++k)
+        sum += std::abs(double(a.texels()[i][k]) - double(b.texels()[i][k]));
+    return sum / (3 * double(a.texels().size()));
+  }
+  // The same picture, darker: what another method might show.
+  static SoftwareTarget darker(const SoftwareTarget& of) {
+    struct Half final : TileDrawer {
+      const SoftwareTarget* of = nullptr;
+      void draw_tile(FrameTile& tile) const override {
+        for (int y = tile.y; y < std::min(tile.y + FrameTile::kSize, tile.height); ++y)
+          for (int x = tile.x; x < std::min(tile.x + FrameTile::kSize, tile.width); ++x) {
+            const TilePixel at(tile, x, y);
+            const glm::u8vec4 c = of->color()(x, y);
+            tile.first[at.block].content[at.pixel] = std::uint32_t(c.r / 2) |
+                                                     std::uint32_t(c.g / 2) << 8 |
+                                                     std::uint32_t(c.b / 2) << 16 | 255u << 24;
+            tile.first[at.block].inverse_z[at.pixel] = of->inverse_z()(x, y);
+          }
+      }
+    } half;
+    half.of = &of;
+    SoftwareTarget target(of.width(), of.height(), 1);
+    const TileDrawer* drawer = &half;
+    target.draw(1000, {&drawer, 1});
+    return target;
+  }
+
+  Scene scene_;
+  CameraPath path_;
+  std::vector<std::unique_ptr<SoftwareBackend>> backends_;
+  std::vector<std::unique_ptr<FrameSource>> frames_;
+};
+
+TEST_F(FrameFadeTest, of_an_eye_that_stands_each_frame_is_a_step_nearer) {
+  const SoftwareTarget& now = draw(0, 0);
+  const SoftwareTarget old = darker(now);
+  FrameFade fade;
+  EXPECT_FALSE(fade.goes_on());
+  fade.begin(old, camera(0));
+  const double all = mean_difference(old.color(), now.color());
+  ASSERT_GT(all, 20);
+  for (int i = 0; i < FrameFade::kFrames; ++i) {
+    ASSERT_TRUE(fade.goes_on());
+    fade.mix(now, camera(0));
+    const double left = all * (FrameFade::kFrames - i) / (FrameFade::kFrames + 1);
+    EXPECT_NEAR(mean_difference(fade.target().color(), now.color()), left, 0.03 * all) << i;
+    EXPECT_TRUE(fade.target().inverse_z() == now.inverse_z());
+  }
+  EXPECT_FALSE(fade.goes_on());
+}
+
+// The slow twin: each pixel through the world, in double precision.
+TEST_F(FrameFadeTest, what_the_old_frame_shows_is_found_by_the_new_ones_depth) {
+  const SoftwareTarget old = darker(draw(1, 0));
+  const SoftwareTarget& now = draw(0, 3);
+  const Camera from = camera(0), to = camera(3);
+  ASSERT_GT(mean_difference(draw(1, 0).color(), now.color()), 1.0);
+  FrameFade fade;
+  fade.begin(old, from);
+  fade.mix(now, to);
+  const double weight = double(FrameFade::kFrames) / (FrameFade::kFrames + 1);
+  int mixed = 0, seen = 0;
+  for (int y = 0; y < to.height; ++y)
+    for (int x = 0; x < to.width; ++x) {
+      const double eye_z = 1 / double(now.inverse_z()(x, y));
+      const glm::dvec3 at =
+          raster_from_world(from, world_from_raster(to, {x + 0.5, y + 0.5}, eye_z));
+      const int px = int(std::floor(at.x)), py = int(std::floor(at.y));
+      const glm::u8vec4 shown = fade.target().color()(x, y), fresh = now.color()(x, y);
+      // Well inside of one texel, and of one surface.
+      if (px < 1 || py < 1 || px + 1 >= from.width || py + 1 >= from.height) continue;
+      double nearest = 1e30, farthest = 0, least = 255, most = 0;
+      for (int v = py - 1; v <= py + 1; ++v)
+        for (int u = px - 1; u <= px + 1; ++u) {
+          const double z = 1 / double(old.inverse_z()(u, v));
+          nearest = std::min(nearest, z), farthest = std::max(farthest, z);
+          least = std::min(least, double(old.color()(u, v).g));
+          most = std::max(most, double(old.color()(u, v).g));
+        }
+      ++seen;
+      if (nearest > at.z * 1.04 || farthest < at.z * 0.96) {
+        EXPECT_EQ(shown, fresh) << x << " " << y;
+      } else if (nearest > at.z * 0.98 && farthest < at.z * 1.02) {
+        ++mixed;
+        EXPECT_GE(shown.g, (1 - weight) * fresh.g + weight * least - 1.5) << x << " " << y;
+        EXPECT_LE(shown.g, (1 - weight) * fresh.g + weight * most + 1.5) << x << " " << y;
+      }
+    }
+  EXPECT_GT(seen, 15000);
+  EXPECT_GT(mixed, seen / 2);
+}
+
+TEST_F(FrameFadeTest, objects_are_those_of_the_new_frame) {
+  const SoftwareTarget old = darker(draw(1, 0));
+  draw(0, 1);
+  FrameFade fade;
+  fade.begin(old, camera(0));
+  fade.mix(*frames_[0]->software_target(), camera(1));
+  ASSERT_TRUE(frames_[0]->draw_objects().ok());
+  fade.draw_objects();
+  EXPECT_TRUE(fade.target().objects() == frames_[0]->software_target()->objects());
+}
+
+}  // namespace
+}  // namespace rilievo
