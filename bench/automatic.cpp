@@ -25,6 +25,7 @@
 #include "rilievo/measure/report.h"
 #include "rilievo/measure/stats.h"
 #include "rilievo/method/auto.h"
+#include "rilievo/method/good_enough.h"
 #include "rilievo/render/software/software_target.h"
 
 namespace rilievo::bench {
@@ -37,8 +38,6 @@ constexpr const char* kMethods[] = {"auto", "direct-raster", "direct-rays",
                                     "lod",  "cache",         "keyframes"};
 
 constexpr std::size_t kCacheAt = 4;
-// What is at most so much below the cache is as good.
-constexpr double kAsGoodDb = 0.5;
 
 struct Timed {
   std::string name;
@@ -182,9 +181,7 @@ Result<AutoWalk> walk_by_all(const Scene& scene, const CameraPath& path, const A
   for (std::size_t k = 0; k < walk.methods.size(); ++k) {
     Timed& one = walk.methods[k];
     one.summary = summarize(one.ms), one.busy = summarize(one.busy_ms);
-    // Only direct drawing and the cache have bounds.
-    if (one.name == "keyframes" || one.name == "lod")
-      one.good = one.psnr_db >= std::min(direct_db - run.method.loss_db, cache_db - kAsGoodDb);
+    one.good = good_enough(direct_db - one.psnr_db, direct_db - cache_db, run.method.loss_db);
     if (k == 0 || !one.good) continue;
     if (walk.best == 0 || one.summary.p50 < walk.methods[walk.best].summary.p50) walk.best = k;
     if (walk.best_busy_p50 == 0 || one.busy.p50 < walk.best_busy_p50)
@@ -275,8 +272,8 @@ Result<BenchReport> automatic(const BenchOptions& options) {
       "the most that "
       "such a frame changed beyond the true frames, FLIP in a tile (of {} frames without a "
       "change). "
-      "Keyframes and lod count where they are at most {:g} dB below direct-raster, or "
-      "no worse than the cache, whose error is at most 1 px; ! says that they are not.",
+      "Methods count where they are at most {:g} dB below direct-raster, or no worse than the "
+      "cache, whose error is at most 1 px; ! says that they are not.",
       run.frames, kReference, kPlaces, kUsualFrames, run.method.loss_db));
   return {std::move(report)};
 }

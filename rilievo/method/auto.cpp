@@ -12,12 +12,13 @@
 #include "rilievo/core/idle_thread.h"
 #include "rilievo/core/stopwatch.h"
 #include "rilievo/frame/software/software_frames.h"
-#include "rilievo/keyframes/eye_prediction.h"
-#include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/method/auto_decision.h"
+#include "rilievo/method/auto_keyframes.h"
 #include "rilievo/method/auto_levels.h"
 #include "rilievo/method/cached.h"
 #include "rilievo/method/direct_or_cached.h"
+#include "rilievo/method/frame_fade.h"
+#include "rilievo/method/good_enough.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo {
@@ -38,7 +39,7 @@ constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"lod", 2, kWarmsUp},
                                          {"keyframes", 3, kWarmsUp, kKeyframesChance}};
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
-constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 1.5e-3;
+constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 0.9e-3;
 // The share of it that frames lose, which leave the thread that prepares what they do not use.
 constexpr double kOfFrames = 0.2;
 // What is expected to take less than this share of what draws is prepared in a hurry: frames lose
@@ -46,10 +47,13 @@ constexpr double kOfFrames = 0.2;
 constexpr double kHurry = AutoDecision::kPlainlyWorth;
 // One frame in so many looks at the scene's load, unless the eye jumps.
 constexpr int kLookFrames = 8;
-// The time of a frame that goes into keyframes, if none is asked for; and the frames that the first
-// two take.
+// The time of a frame that goes into keyframes, if none is asked for; and the parts that the first
+// two are made in.
 constexpr double kKeyframeMs = 8;
 constexpr int kFirstKeyframes = 64;
+// Keyframes that no frame was drawn from for so many frames are of elsewhere; and those that nobody
+// wanted are made again after so many.
+constexpr int kKeyframesLast = 8, kKeyframesAgain = 120;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
@@ -84,30 +88,38 @@ void add_object(const Camera& camera, const Box& bounds, double triangles, Frame
   const double f = camera.width / (camera.window.right - camera.window.left);
   const double across = f * radius / std::max(way - radius, camera.z_near);
   const double pixels = std::min(3 * across * across, load.pixels);
-  load.level_triangles += std::min(triangles, std::max(kLevelTriangles * pixels, kLeastLevel));
+  // No finer levels are made than those of which a mesh fits the frame.
+  const double most = std::min(kLevelTriangles * pixels, FrameLoad::kFits * load.pixels);
+  load.level_triangles += std::min(triangles, std::max(most, kLeastLevel));
 }
 
 // What is made on another thread, while frames are drawn.
 struct Prepared {
   Result<std::unique_ptr<RayVisibility>> rays{Error{}};
   AutoLevels levels;
-  Result<std::unique_ptr<KeyframeFrames>> keyframes{Error{}};
+  std::unique_ptr<KeyframeFrames> keyframes;
+  bool failed = false;
+  ShownFrame shown;  // what it is compared with
+  Audition found;
 };
+
+// How far what is prepared is.
+enum class Preparing { made, shown, looked_at };
 
 class AutoFrames final : public FrameSource {
  public:
   static Result<std::unique_ptr<AutoFrames>> create(const MethodOptions& options, Backend& backend);
 
   Result<> draw(const Camera& camera, double time) override;
-  Result<> draw_objects() override { return active_->draw_objects(); }
-  [[nodiscard]] const SoftwareTarget* software_target() const override {
-    return active_->software_target();
-  }
+  Result<> draw_objects() override;
+  [[nodiscard]] const SoftwareTarget* software_target() const override { return shown_; }
   [[nodiscard]] const FrameStats& stats() const override { return stats_; }
   [[nodiscard]] std::vector<DepthImage> read_pictures() const override {
     return active_->read_pictures();
   }
   void follow(const MethodOptions& options);
+  // What is made beside the frames waits for the eye.
+  ~AutoFrames() override { shared_eye_.end(); }
 
  private:
   AutoFrames(const MethodOptions& options, Backend& backend)
@@ -123,9 +135,11 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
   void measure_loss(const Camera& camera, const AutoChoice& choice);
-  void prepare(int method, const Camera& camera, double time);
+  void prepare(int method);
+  void fade(const Camera& camera, const SoftwareTarget* before);
+  void show(const Camera& camera, double time, int drawn_by);
+  void look_at_prepared();
   Result<> adopt();
-  Result<> prepare_keyframes(const Camera& camera, double time);
 
   MethodOptions options_;
   Backend& backend_;
@@ -142,17 +156,25 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  AutoLevels levels_;                              // of frames_[kLevels]
+  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
+  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
+  AutoLevels levels_;        // of frames_[kLevels]
   FrameSource* active_ = nullptr;
+  FrameFade fade_;                         // from another method's frames
+  const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
+  Camera shown_camera_;
   FrameStats stats_;
   bool failed_[kMethods] = {};
 
   int preparing_ = -1;
+  Preparing stage_ = Preparing::made;  // of preparing_: what it waits for
   struct Loss {
     std::optional<double> db;  // none: not known
     int seen_in = 0;           // the last frame that the method drew
   } loss_[kMethods];
-  bool keyframes_follow_ = false;  // keyframes were drawn, or prepared, in the last frame
+  std::optional<double> cache_loss_;   // none: not known
+  std::unique_ptr<FrameLoss> losses_;  // of the other thread, while something is prepared
+  SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
   int frame_ = 0, counted_frames_ = 0;
@@ -183,6 +205,7 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
   if (!frames) return frames.error();
   made->frames_[kDirect] = std::move(*frames);
   made->active_ = made->frames_[kDirect].get();
+  made->shown_ = made->active_->software_target();
   return made;
 }
 
@@ -249,14 +272,15 @@ void AutoFrames::look(const Camera& camera) {
   keyframes.guess_ms =
       slow * load.keyframes_ms() +
       FrameLoad::kKeyframesOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
-  keyframes.prepare_ms =
-      slow * kRaysTriangleMs * double(meshes_triangles_) + kFirstKeyframes * kKeyframeMs;
+  keyframes.prepare_ms = kOfFrames * (slow * kRaysTriangleMs * double(meshes_triangles_) +
+                                      kFirstKeyframes * kKeyframeMs);
   keyframes.good_enough = good_enough(kKeyframes);
   outlook_[kLevels].good_enough = good_enough(kLevels);
   if (keyframes_) {
-    keyframes.ready = keyframes_follow_ && keyframes_->prepared();
-    keyframes.preparable = !keyframes.ready;
-    keyframes.prepare_ms = kFirstKeyframes * kKeyframeMs;
+    keyframes.ready = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast &&
+                      keyframes_->prepared();
+    keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
+    keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
   // What is being prepared goes on, whatever the frames take meanwhile.
   if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
@@ -265,13 +289,16 @@ void AutoFrames::look(const Camera& camera) {
 // Is a method whose loss is measured? What was not may be, some time later.
 bool AutoFrames::good_enough(int method) {
   Loss& of = loss_[method];
+  const auto good = [&] {
+    return !of.db || rilievo::good_enough(*of.db, cache_loss_, options_.loss_db);
+  };
   const int again = method == kLevels ? kLooksAgainAtLevels : kLooksAgain;
-  if (of.db && *of.db > options_.loss_db && frame_ - of.seen_in > again) {
+  if (!good() && preparing_ < 0 && frame_ - of.seen_in > again) {
     of.db.reset();
     if (method == kKeyframes) keyframes_->forget_loss();
-    if (method == kLevels) levels_.loss->forget();
+    if (method == kLevels && losses_) losses_->forget();
   }
-  return !of.db || *of.db <= options_.loss_db;
+  return good();
 }
 
 // Of the frame that was drawn last.
@@ -280,54 +307,100 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   of.seen_in = frame_;
   if (of.db && frame_ % kLossFrames != 0) return;
   if (choice.draws == kKeyframes) of.db = keyframes_->sample_loss();
-  if (choice.draws != kLevels || !levels_.loss) return;
+  if (choice.draws != kLevels || !losses_ || preparing_ >= 0) return;
   const SoftwareTarget* target = active_->software_target();
   if (!target) return;
   in_view_.clear();
   backend_.placed().cull(camera, in_view_);
-  levels_.loss->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
-  of.db = levels_.loss->db();
+  losses_->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
+  if (const std::optional<double> db = losses_->db()) of.db = db;
 }
 
-void AutoFrames::prepare(int method, const Camera& camera, double time) {
-  if (preparing_ >= 0 || failed_[method] || frames_[method]) return;
+void AutoFrames::prepare(int method) {
+  const bool again = method == kKeyframes && keyframes_;
+  if (preparing_ >= 0 || failed_[method] || (frames_[method] && !again)) return;
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) {
     failed_[method] = true;
     return;
   }
-  preparing_ = method;
+  preparing_ = method, stage_ = Preparing::made;
   prepared_ = false;
-  const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms);
+  // What will hardly be good enough is worth no frame's time.
+  const bool hurry =
+      decision_->likely(method) && in_a_hurry(outlook_[std::size_t(method)].guess_ms);
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
-  AutoLevelsOptions levels{camera, time, {}, options_.error_px, options_.loss_db};
   // What moves is not where the rays' scene has it.
-  levels.measure_loss = meshes_triangles_ <= kMostForLoss && !moves_;
-  backend_.placed().cull(camera, levels.in_view);
-  beside_->run([this, method, &scene, levels = std::move(levels)] {
+  const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
+  const double pixels = double(width_) * height_;
+  beside_->run([this, method, &scene, measures, pixels, error_px = options_.error_px] {
+    if (measures && !losses_)
+      if (Result<RayScene> rays = RayScene::create(scene))
+        losses_ = std::make_unique<FrameLoss>(std::move(*rays));
     if (method == kRays) made_.rays = RayVisibility::create(scene);
-    if (method == kLevels) made_.levels = prepare_levels(backend_, scene, levels);
+    if (method == kLevels) made_.levels = prepare_levels(backend_, scene, pixels, error_px);
     if (method == kKeyframes) {
-      KeyframeFramesOptions keyframes;
-      keyframes.samples = backend_.samples();
-      keyframes.polygons_where_cheaper = false;
-      keyframes.keyframes.samples = options_.keyframe_samples;
-      keyframes.keyframes.keyframe_ms =
-          options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
-      made_.keyframes = KeyframeFrames::create(scene, keyframes);
+      if (!keyframes_) {
+        KeyframeFramesOptions keyframes;
+        keyframes.samples = backend_.samples();
+        keyframes.polygons_where_cheaper = false;
+        keyframes.keyframes.samples = options_.keyframe_samples;
+        keyframes.keyframes.keyframe_ms =
+            options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
+        if (auto made = KeyframeFrames::create(scene, keyframes))
+          made_.keyframes = std::move(*made);
+      }
+      KeyframeFrames* frames = keyframes_ ? keyframes_ : made_.keyframes.get();
+      made_.failed = !frames || !prepare_keyframes(shared_eye_, *frames);
     }
+    prepared_ = true;
+  });
+}
+
+// What was shown, for what is prepared to be compared with.
+void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
+  if (preparing_ < 0 || stage_ != Preparing::shown) return;
+  const SoftwareTarget* target = active_->software_target();
+  if (!target) return;
+  ShownFrame& shown = made_.shown;
+  shown.color = target->color();
+  shown.camera = camera, shown.time = time, shown.by_cache = drawn_by == kCache;
+  backend_.placed().cull(camera, shown.in_view);
+  look_at_prepared();
+}
+
+void AutoFrames::look_at_prepared() {
+  stage_ = Preparing::looked_at;
+  prepared_ = false;
+  beside_->run([this, method = preparing_, error_px = options_.error_px,
+                loss_db = options_.loss_db] {
+    KeyframeFrames* keyframes = keyframes_ ? keyframes_ : made_.keyframes.get();
+    made_.found = method == kLevels
+                      ? audition_levels(made_.shown, error_px, loss_db, losses_.get(), made_.levels)
+                      : audition_keyframes(made_.shown, losses_.get(), *keyframes);
     prepared_ = true;
   });
 }
 
 // Takes what was prepared.
 Result<> AutoFrames::adopt() {
-  if (preparing_ < 0 || !prepared_) return Done{};
+  if (preparing_ < 0 || !prepared_ || stage_ == Preparing::shown) return Done{};
   beside_->wait();
+  const bool can_be_seen =
+      active_->software_target() && ((preparing_ == kLevels && made_.levels.frames) ||
+                                     (preparing_ == kKeyframes && !made_.failed));
+  if (stage_ == Preparing::made && can_be_seen) {
+    stage_ = Preparing::shown;
+    return Done{};
+  }
   const int method = std::exchange(preparing_, -1);
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) return software.error();
+  if (stage_ == Preparing::looked_at) {
+    loss_[method] = {made_.found.loss_db, frame_};
+    if (made_.found.cache_loss_db) cache_loss_ = made_.found.cache_loss_db;
+  }
   Result<std::unique_ptr<FrameSource>> frames{Error{}};
   if (method == kRays && made_.rays)
     frames = backend_.present(std::make_unique<SoftwareFrames>(
@@ -335,36 +408,53 @@ Result<> AutoFrames::adopt() {
   if (method == kLevels && finish_levels(backend_, options_.error_px, made_.levels)) {
     levels_ = std::move(made_.levels);
     frames = std::move(levels_.frames);
-    if (levels_.loss) loss_[kLevels] = {levels_.loss->db(), frame_};
+  }
+  if (method == kKeyframes) {
+    keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
+    if (made_.failed) keyframes_ = nullptr, frames_[kKeyframes].reset();
   }
   if (method == kKeyframes && made_.keyframes) {
-    keyframes_ = made_.keyframes->get();
-    frames = backend_.present(std::move(*made_.keyframes));
+    keyframes_ = made_.keyframes.get();
+    frames = backend_.present(std::move(made_.keyframes));
+    if (!frames) keyframes_ = nullptr;
   }
   made_ = {};
   // Memory, mostly: the other methods go on.
-  failed_[method] = !frames;
-  if (frames)
-    frames_[method] = std::move(*frames);
-  else if (method == kKeyframes)
-    keyframes_ = nullptr;
+  if (frames) frames_[method] = std::move(*frames);
+  failed_[method] = !frames_[method];
   return Done{};
 }
 
-Result<> AutoFrames::prepare_keyframes(const Camera& camera, double time) {
-  Result<> done = keyframes_->prepare(camera, time, !keyframes_follow_);
-  keyframes_follow_ = true;
-  return done;
+// What another method showed in the last frame fades out.
+void AutoFrames::fade(const Camera& camera, const SoftwareTarget* before) {
+  const SoftwareTarget* now = active_->software_target();
+  if (before && now && before != now && !only_direct_) fade_.begin(*shown_, shown_camera_);
+  const bool same_size =
+      shown_camera_.width == camera.width && shown_camera_.height == camera.height;
+  if (!now || only_direct_ || eye_.jumped() || !same_size) fade_.end();
+  shown_ = now, shown_camera_ = camera;
+  if (!fade_.goes_on()) return;
+  fade_.mix(*now, camera);
+  shown_ = &fade_.target();
+  stats_.bound_px.reset();  // of a mean of two frames none is known
+}
+
+Result<> AutoFrames::draw_objects() {
+  Result<> drawn = active_->draw_objects();
+  if (drawn && shown_ == &fade_.target()) fade_.draw_objects();
+  return drawn;
 }
 
 Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (camera.width != width_ || camera.height != height_) begin(camera);
+  const SoftwareTarget* const before = active_->software_target();
   if (only_direct_) {
     active_ = frames_[kDirect].get();
     shared_chooser_->use_cache(false);
     Result<> drawn = active_->draw(camera, time);
     stats_ = active_->stats();
     stats_.decision = {kCandidates[kDirect].name, describe(AutoReason::only)};
+    fade(camera, before);
     return drawn;
   }
   if (Result<> adopted = adopt(); !adopted) return adopted;
@@ -382,31 +472,28 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
   if (opengl && timed) backend_.finish();
-  double ms = watch.ms(), beside_ms = 0;
-  if (choice.draws == kKeyframes) {
-    keyframes_follow_ = true;
-  } else if (choice.prepares == kKeyframes && keyframes_) {
-    if (Result<> done = prepare_keyframes(camera, time); !done) return done;
-    beside_ms = watch.ms() - ms;
-    ms += beside_ms;
-  } else {
-    keyframes_follow_ = false;
-    if (choice.prepares >= 0) prepare(choice.prepares, camera, time);
-  }
+  double ms = watch.ms();
+  show(camera, time, choice.draws);
+  if (choice.draws == kKeyframes) keyframes_seen_ = frame_;
+  if (choice.prepares >= 0) prepare(choice.prepares);
+  if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     measure_loss(camera, choice);
   const double counted_ms = shared_chooser_->counted_ms();
   if (!options_.by_clock) {
-    ms = counted_ms, beside_ms = 0;
+    ms = counted_ms;
   } else if (timed && !disturbed && active_ == frames_[kDirect].get() && counted_ms > 0) {
-    const double slowness = std::clamp((ms - beside_ms) / counted_ms, kFastest, kSlowest);
+    double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
+    // Captures of large meshes take many times what is counted for them.
+    if (active_->stats().captures > 0) slowness = std::min(slowness, slowness_);
     slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
   }
-  if (timed) decision_->add(ms, beside_ms, disturbed);
+  if (timed) decision_->add(ms, disturbed);
   stats_ = active_->stats();
   stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
                      choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,
                      choice.rival_ms};
+  fade(camera, before);
   return Done{};
 }
 

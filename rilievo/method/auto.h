@@ -3,8 +3,11 @@
 //   direct      polygons, by the backend                                           exact
 //   rays        polygons, found by rays: their time hardly depends on the scene    exact
 //   cache       pictures of groups, within error_px                                a bound
-//   lod         levels of detail, within half of error_px as they state it         estimated
-//   keyframes   whole frames from keyframes, of at most loss_db                    measured
+//   lod         levels of detail, within error_px as they state it, or half of it  estimated
+//   keyframes   whole frames from keyframes                                        measured
+//
+// Where it can be measured they lose at most loss_db, or as much as the cache
+// (method/good_enough.h).
 //
 // method/auto_decision.h decides. A frame's time is measured by the clock, or counted
 // (MethodOptions::by_clock); only direct drawing and the cache are counted, and then the same input
@@ -12,7 +15,8 @@
 //
 // A scene that has few triangles for the frame's pixels is drawn directly, and nothing else is
 // made. The cache and direct drawing are one chooser's. Everything else is prepared beside the
-// frames, which do not wait for it, and not before it may pay.
+// frames, which do not wait for it, and not before it may pay. Where another method begins to draw
+// the frames before fade out.
 #pragma once
 
 #include <string_view>

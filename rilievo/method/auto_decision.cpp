@@ -36,10 +36,8 @@ constexpr double kHopeless = 1.25;
 constexpr double kHopelessWarmingUp = 1.6;
 // What is prepared before anything was measured must be as likely as this to be good enough.
 constexpr double kLikely = 0.5;
-// What warms up for so many frames is dear to return to: who leaves it must gain kGainOfLeaving
-// more.
+// What warms up for so many frames is dear to return to.
 constexpr int kWarmsUpLong = 5;
-constexpr double kGainOfLeaving = 0.15;
 // And one whose frames together take so many frames' time more.
 constexpr double kMostMore = 5;
 
@@ -125,11 +123,9 @@ bool AutoDecision::better(double ms, int candidate, double than_ms, int than) co
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
-  // Each step down in quality must gain as much again.
-  const double leaving =
-      candidates_[std::size_t(than)].warm_up >= kWarmsUpLong ? kGainOfLeaving : 0;
-  const double gain = rank < than_rank ? 0 : kGain * std::max(1, rank - than_rank);
-  return ms < (1 - gain - leaving) * than_ms;
+  const bool leaves = candidates_[std::size_t(than)].warm_up >= kWarmsUpLong;
+  const double gain = leaves ? kGainOfLeaving : rank < than_rank ? 0 : kGain;
+  return ms < (1 - gain) * than_ms;
 }
 
 // What a frame may take at no loss.
@@ -161,7 +157,7 @@ int AutoDecision::best_known(std::span<const AutoOutlook> outlook) const {
 int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready) const {
   const double now = costs_[std::size_t(draws_)].mean_ms;
   int best = -1;
-  double best_ms = 0;
+  double most = 0;
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const Cost& cost = costs_[std::size_t(i)];
     const AutoOutlook& one = outlook[std::size_t(i)];
@@ -175,9 +171,14 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     const int frames = candidate.warm_up + kTrial;
     if (!affordable(std::max(0.0, likely - free_ms()) * frames)) continue;
     const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
-    if (!one.ready && (hope > kWorthPreparing * now || one.prepare_ms > pays)) continue;
-    if (best >= 0 && hope >= best_ms) continue;
-    best = i, best_ms = hope;
+    const bool promises =
+        cost.mean_ms == 0 && one.guess_ms > 0 && one.guess_ms <= (1 - kMuchCheaper) * now;
+    if (!one.ready && !promises && (hope > kWorthPreparing * now || one.prepare_ms > pays))
+      continue;
+    // What must be prepared takes its time, in which nothing else can be.
+    const double gain = (ready ? 1 : candidate.chance) * (now - hope);
+    if (best >= 0 && gain <= most) continue;
+    best = i, most = gain;
   }
   return best;
 }
@@ -191,12 +192,15 @@ int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) 
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (!one.preparable || !one.good_enough || one.guess_ms == 0) continue;
-    if (candidates_[std::size_t(i)].chance < kLikely || one.guess_ms > kPlainlyWorth * least)
-      continue;
+    if (!likely(i) || one.guess_ms > kPlainlyWorth * least) continue;
     if (one.prepare_ms > kPaysWithin * (least - one.guess_ms)) continue;
     if (best < 0 || one.guess_ms < outlook[std::size_t(best)].guess_ms) best = i;
   }
   return best;
+}
+
+bool AutoDecision::likely(int candidate) const {
+  return candidates_[std::size_t(candidate)].chance >= kLikely;
 }
 
 void AutoDecision::change(int to) {
@@ -326,23 +330,25 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
   return choice;
 }
 
-void AutoDecision::add(double ms, double beside_ms, bool disturbed) {
+void AutoDecision::add(double ms, bool disturbed) {
   RILIEVO_EXPECTS(drawn_ >= 0);
   all_ms_ += ms;
   if (trial_ >= 0) {
-    trial_ms_.push_back(std::max(0.0, ms - beside_ms));
+    trial_ms_.push_back(ms);
     trials_ms_ += std::max(0.0, trial_ms_.back() - free_ms());
     return;
   }
   Cost& cost = costs_[std::size_t(draws_)];
-  double own = std::max(0.0, ms - beside_ms);
   // What a frame takes beside other work is no more than it takes.
-  if (disturbed && cost.frames >= kTrial) own = std::min(own, cost.mean_ms);
-  // The first frames of a method that warms up are not what it takes: they are forgotten soon.
+  if (disturbed && cost.frames >= kTrial) ms = std::min(ms, cost.mean_ms);
+  // The first frames of a method that warms up are not what it takes: they are forgotten soon, and
+  // all of them when it has.
+  const int warm_up = candidates_[std::size_t(draws_)].warm_up;
+  const bool warms_up = since_change_ <= warm_up;
+  if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1) cost.frames = 0;
   ++cost.frames;
-  const bool warms_up = since_change_ <= candidates_[std::size_t(draws_)].warm_up;
   const double newest = std::max(warms_up ? kNewestOfWarmUp : kNewest, 1.0 / cost.frames);
-  cost.mean_ms += (own - cost.mean_ms) * newest;
+  cost.mean_ms += (ms - cost.mean_ms) * newest;
   cost.age = 0;
   cost.guess_ms = guesses_[std::size_t(draws_)];
 }

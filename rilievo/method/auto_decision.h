@@ -8,14 +8,16 @@
 // is. A method is tried only if it may then be cheaper, if it takes at most kMaySpike times the
 // frame, and while all trials together stay below kTrialShare of all time. A method that must be
 // prepared first must gain as much in kPaysWithin frames, times its chance to be good enough, and
-// a good deal; if a model says that it takes less than half the time of any other, it is prepared
-// from the first frame on. Each trial that fails doubles the
-// time to the next one of that method. So a walk on which nothing changes costs next to nothing,
-// and where the costs change the next trial is soon.
+// a good deal; but one that was never tried and that a model says to be cheaper by kMuchCheaper is
+// prepared whatever its chance: beside the frames, that costs little. If a model says that it takes
+// less than half the time of any other, it is prepared from the first frame on. Each trial that
+// fails doubles the time to the next one of that method. So a walk on which nothing changes costs
+// next to nothing, and where the costs change the next trial is soon.
 //
-// A method is changed for one that is cheaper by kGain for each step down in quality, or as cheap
-// and of a better one. With a pace, of all that keep it the best in quality is taken. The same
-// input gives the same decisions. Milliseconds a frame; time in frames.
+// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality; what
+// warms up for long, which would have to again, for one that is cheaper by kGainOfLeaving. With a
+// pace, of all that keep it the best in quality is taken. The same input gives the same decisions.
+// Milliseconds a frame; time in frames.
 #pragma once
 
 #include <cstdint>
@@ -41,8 +43,9 @@ struct FrameLoad {
   int threads = 1;
   bool masked = false;  // textures cut surfaces out, as leaves': rays go on through them
 
-  // The polygons are so few that no picture can cost less: it has as many texels.
-  [[nodiscard]] bool fits() const { return triangles <= pixels / 4; }
+  // The polygons are so few, for each pixel, that no picture can cost less: it has as many texels.
+  static constexpr double kFits = 0.25;
+  [[nodiscard]] bool fits() const { return triangles <= kFits * pixels; }
   [[nodiscard]] double direct_ms() const;
   [[nodiscard]] double levels_ms() const;
   [[nodiscard]] double rays_ms() const;
@@ -73,7 +76,7 @@ enum class AutoReason {
 
 struct AutoChoice {
   int draws = 0;      // index of the method
-  int prepares = -1;  // index of one to be prepared beside the frame; -1: none
+  int prepares = -1;  // index of one to be prepared beside the frames; -1: none
   AutoReason reason = AutoReason::begins;
   double expected_ms = 0;  // by the last frames; 0: unknown
   int rival = -1;          // the next best, as far as is known; -1: none
@@ -83,7 +86,8 @@ struct AutoChoice {
 // Decides for one sequence of frames.
 class AutoDecision {
  public:
-  static constexpr double kGain = 0.05, kMaySpike = 1.25, kTrialShare = 0.015;
+  static constexpr double kGain = 0.05, kGainOfLeaving = 0.12, kMaySpike = 1.25,
+                          kTrialShare = 0.015, kMuchCheaper = 0.15;
   static constexpr int kPaysWithin = 200;
   // And must be expected to take at most this share of what draws.
   static constexpr double kWorthPreparing = 0.7;
@@ -100,15 +104,16 @@ class AutoDecision {
   // `disturbed`: something else takes time meanwhile, so that no trial begins.
   [[nodiscard]] AutoChoice next(std::span<const AutoOutlook> outlook, bool jumped = false,
                                 bool disturbed = false);
-  // That frame took `ms`, of which `beside_ms` went into preparing another. `disturbed`: something
-  // else took time meanwhile, so that it says little.
-  void add(double ms, double beside_ms = 0, bool disturbed = false);
+  // That frame took `ms`. `disturbed`: something else took time meanwhile, so that it says little.
+  void add(double ms, bool disturbed = false);
 
   [[nodiscard]] double mean_ms(int candidate) const {
     return costs_[std::size_t(candidate)].mean_ms;
   }
   // The method's that draws, without trials; 0: not known yet.
   [[nodiscard]] double drawn_ms() const { return mean_ms(draws_); }
+  // Is a method as likely as not to be good enough, before that is known?
+  [[nodiscard]] bool likely(int candidate) const;
   void set_pace(double ms) { pace_ms_ = ms; }
 
  private:

@@ -65,7 +65,7 @@ Walk walk(const std::vector<Simulated>& methods, int first, int frames, double n
     if (in_a_row[draws] <= methods[draws].candidate.warm_up) ms *= methods[draws].cold;
     const double more = uniform(), rare = uniform();
     const double measured = ms * (1 + noise * more) * (rare < 0.01 ? 1.8 : 1) + beside;
-    decision.add(measured, beside);
+    decision.add(measured, beside > 0);
     walk.auto_ms += ms + beside;
     walk.frames.push_back(ms + beside);
     ++walk.drawn[draws];
@@ -206,14 +206,27 @@ TEST(AutoDecision, what_must_be_prepared_is_prepared_where_it_may_pay) {
   EXPECT_LT(loses.auto_ms, 20 * 1000 + 10);  // next to nothing was prepared
 }
 
+// Unless a model promises that it is much cheaper: then it is tried once.
 TEST(AutoDecision, what_will_hardly_be_good_enough_must_gain_more) {
-  const auto prepared = [](double chance) {
-    return walk({{{"direct", 0}, always(30)}, {{"keyframes", 2, 2, chance}, always(18), 1, 1, 64}},
+  const auto prepared = [](double chance, double ms) {
+    return walk({{{"direct", 0}, always(30)}, {{"keyframes", 2, 2, chance}, always(ms), 1, 1, 64}},
                 0, 300, 0.1, 1)
         .drawn[1];
   };
-  EXPECT_GT(prepared(1), 150);
-  EXPECT_EQ(prepared(0.02), 0);
+  EXPECT_GT(prepared(1, 27), 100);
+  EXPECT_EQ(prepared(0.02, 29), 0);
+  EXPECT_GT(prepared(0.02, 20), 150);
+}
+
+// Two thirds of the time were not enough: each step down in quality had to gain as much again.
+TEST(AutoDecision, a_worse_method_that_is_good_enough_draws_where_it_is_cheaper) {
+  for (const int rank : {2, 3}) {
+    const Walk drawn = walk({{{"direct", 0}, always(270), 1},
+                             {{"cache", 1, 12}, always(100), 0, 1.5},
+                             {{"keyframes", rank, 1, 0.03}, always(80), 1, 1, 40}},
+                            1, 1000, 0.1, 3);
+    EXPECT_GT(drawn.drawn[2], 850) << rank;
+  }
 }
 
 // What is plainly the cheapest by the models is begun while the first method warms up.
@@ -234,6 +247,24 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) 
   EXPECT_GE(first_prepared(42), 12);
   // Not what will hardly be good enough.
   EXPECT_GE(first_prepared(20, 0.3), 12);
+}
+
+// One that is a little cheaper but hardly good enough would keep the other from being prepared.
+TEST(AutoDecision, of_two_that_must_be_prepared_the_likelier_is_the_first) {
+  const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}, {"keyframes", 3, 1, 0.03}};
+  AutoDecision decision(candidates, 0);
+  std::vector<int> prepared;
+  for (int frame = 0; frame < 40; ++frame) {
+    const auto done = [&](int i) { return std::count(prepared.begin(), prepared.end(), i) >= 10; };
+    const AutoOutlook outlook[] = {{true, false, true, 90, 0},
+                                   {done(1), !done(1), true, 50, 500},
+                                   {done(2), !done(2), true, 45, 500}};
+    const AutoChoice choice = decision.next(outlook);
+    if (choice.prepares >= 0) prepared.push_back(choice.prepares);
+    decision.add(choice.draws == 0 ? 90 : 50);
+  }
+  ASSERT_GE(prepared.size(), 10u);
+  EXPECT_EQ(std::count(prepared.begin(), prepared.begin() + 10, 1), 10);
 }
 
 TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {

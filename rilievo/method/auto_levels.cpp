@@ -1,15 +1,16 @@
 #include "rilievo/method/auto_levels.h"
 
-#include <cstring>
+#include <cstdint>
 #include <utility>
+
+#include "rilievo/method/auto_decision.h"
+#include "rilievo/method/good_enough.h"
 
 namespace rilievo {
 namespace {
 
 // What is taken of an error that only simplification vouches for.
 constexpr double kSafely = 0.5;
-// So many times the pixels of SampledLoss are looked at in the first frame.
-constexpr int kFirstLosses = 16;
 // What is lost in one frame is certainly not too much, if it is this share of that.
 constexpr double kCertainly = 0.7;
 
@@ -30,40 +31,14 @@ Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels
 
 }  // namespace
 
-void LevelsLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
-                     const Rgba8Image& color, int times) {
-  if (shown_.width() != color.width() || shown_.height() != color.height())
-    shown_ = Image<std::uint32_t>(color.width(), color.height());
-  std::memcpy(shown_.texels().data(), color.texels().data(), color.texels().size_bytes());
-  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown_);
-}
-
-std::optional<double> LevelsLoss::db() const {
-  return loss_.known() ? std::optional(loss_.loss_db()) : std::nullopt;
-}
-
-AutoLevels prepare_levels(const Backend& backend, const Scene& scene,
-                          const AutoLevelsOptions& options) {
+AutoLevels prepare_levels(const Backend& backend, const Scene& scene, double pixels,
+                          double error_px) {
   AutoLevels levels;
-  levels.made = make_object_levels(scene);
-  if (options.measure_loss)
-    if (Result<RayScene> rays = RayScene::create(scene))
-      levels.loss = std::make_unique<LevelsLoss>(std::move(*rays));
-  if (backend.drawn_by() != DrawnBy::software) return levels;
-  if (!make_frames(backend, kSafely * options.error_px, levels)) return levels;
-  if (!levels.loss) {
-    static_cast<void>(levels.frames->draw(options.camera, options.time));
-    return levels;
-  }
-  for (const double share : {1.0, kSafely}) {
-    levels.error_px = share * options.error_px;
-    levels.chooser->set_error(levels.error_px);
-    if (!levels.frames->draw(options.camera, options.time)) return levels;
-    levels.loss->forget();
-    levels.loss->add(options.camera, options.in_view, levels.frames->software_target()->color(),
-                     kFirstLosses);
-    if (levels.loss->db().value_or(options.loss_db) <= kCertainly * options.loss_db) break;
-  }
+  LevelsOptions options;
+  options.most_triangles = std::uint64_t(FrameLoad::kFits * pixels);
+  levels.made = make_object_levels(scene, options);
+  if (backend.drawn_by() == DrawnBy::software)
+    static_cast<void>(make_frames(backend, kSafely * error_px, levels));
   return levels;
 }
 
@@ -71,6 +46,26 @@ Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& leve
   if (levels.frames) return Done{};
   if (!levels.made) return Error{"levels", "there are none"};
   return make_frames(backend, kSafely * error_px, levels);
+}
+
+Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
+                         FrameLoss* loss, AutoLevels& levels) {
+  Audition found;
+  found.cache_loss_db = cache_loss(shown, loss);
+  for (const double share : {1.0, kSafely}) {
+    if (!loss && share > kSafely) continue;
+    levels.error_px = share * error_px;
+    levels.chooser->set_error(levels.error_px);
+    if (!levels.frames->draw(shown.camera, shown.time) || !loss) return found;
+    loss->forget();
+    loss->add(shown.camera, shown.in_view, levels.frames->software_target()->color(),
+              kAuditionLosses);
+    found.loss_db = loss->db();
+    if (good_enough(found.loss_db.value_or(allowed_db), found.cache_loss_db,
+                    kCertainly * allowed_db))
+      break;
+  }
+  return found;
 }
 
 }  // namespace rilievo

@@ -1,0 +1,28 @@
+#include "rilievo/method/audition.h"
+
+#include <cstring>
+
+namespace rilievo {
+
+void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
+                    const Rgba8Image& color, int times) {
+  if (shown_.width() != color.width() || shown_.height() != color.height())
+    shown_ = Image<std::uint32_t>(color.width(), color.height());
+  std::memcpy(shown_.texels().data(), color.texels().data(), color.texels().size_bytes());
+  for (int i = 0; i < times; ++i) loss_.add(camera, objects, shown_);
+}
+
+std::optional<double> FrameLoss::db() const {
+  return loss_.known() ? std::optional(loss_.loss_db()) : std::nullopt;
+}
+
+std::optional<double> cache_loss(const ShownFrame& shown, FrameLoss* loss) {
+  if (!loss || !shown.by_cache) return std::nullopt;
+  loss->forget();
+  loss->add(shown.camera, shown.in_view, shown.color, kAuditionLosses);
+  const std::optional<double> db = loss->db();
+  loss->forget();
+  return db;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,56 @@
+// How good is a method's frame, before anyone sees it?
+//
+// It is compared with rays, and so is what is shown meanwhile: pictures of the cache, as a rule.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rilievo/core/color.h"
+#include "rilievo/keyframes/software/sampled_loss.h"
+#include "rilievo/render/rays/ray_scene.h"
+
+namespace rilievo {
+
+// How much less like the truth frames are than direct drawing, as rays measure it.
+class FrameLoss {
+ public:
+  explicit FrameLoss(RayScene rays) : rays_(std::move(rays)), loss_(rays_) {}
+
+  // Looks at some pixels of a frame of `objects`, `times` as many as SampledLoss does.
+  void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& color,
+           int times);
+  void forget() { loss_.forget(); }
+  // dB; none: too little was seen.
+  [[nodiscard]] std::optional<double> db() const;
+
+ private:
+  RayScene rays_;
+  SampledLoss loss_;
+  Image<std::uint32_t> shown_;
+};
+
+// A frame that was shown.
+struct ShownFrame {
+  Rgba8Image color;
+  Camera camera;
+  double time = 0;
+  std::vector<std::uint32_t> in_view;  // objects
+  bool by_cache = false;
+};
+
+// What was found.
+struct Audition {
+  std::optional<double> loss_db, cache_loss_db;  // none: not known
+};
+
+// So many times the pixels of SampledLoss are looked at in one frame.
+inline constexpr int kAuditionLosses = 16;
+
+// The loss of what the cache shows, and nothing left of it in `loss`. None: it shows something
+// else.
+[[nodiscard]] std::optional<double> cache_loss(const ShownFrame& shown, FrameLoss* loss);
+
+}  // namespace rilievo

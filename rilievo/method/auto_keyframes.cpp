@@ -1,0 +1,62 @@
+#include "rilievo/method/auto_keyframes.h"
+
+#include <utility>
+
+namespace rilievo {
+namespace {
+
+// So many parts of a keyframe are made for each frame that is shown, if the time suffices.
+constexpr int kParts = 3;
+// For an eye that stands there is no second keyframe.
+constexpr int kMostFrames = 160;
+
+}  // namespace
+
+void SharedEye::post(const EyePrediction& eye, double time) {
+  {
+    const std::lock_guard lock(mutex_);
+    posted_ = {eye, time};
+  }
+  changed_.notify_all();
+}
+
+std::optional<SharedEye::Posted> SharedEye::next() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return ended_ || posted_; });
+  if (ended_) return std::nullopt;
+  return std::exchange(posted_, std::nullopt);
+}
+
+void SharedEye::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_all();
+}
+
+// What makes keyframes takes each part for a frame: the eye goes on by a part of its step.
+Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
+  bool anew = true;
+  for (int frame = 0; frame < kMostFrames && (anew || !frames.prepared()); ++frame) {
+    const std::optional<SharedEye::Posted> posted = eye.next();
+    if (!posted) return Done{};
+    for (int part = 1; part <= kParts && (anew || !frames.prepared()); ++part) {
+      const Camera camera = posted->eye.after(double(part - kParts) / kParts);
+      if (Result<> done = frames.prepare(camera, posted->time, anew); !done) return done;
+      anew = false;
+    }
+  }
+  return Done{};
+}
+
+Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFrames& frames) {
+  Audition found;
+  found.cache_loss_db = cache_loss(shown, loss);
+  if (!frames.draw(shown.camera, shown.time)) return found;
+  frames.forget_loss();
+  for (int i = 0; i < kAuditionLosses; ++i) found.loss_db = frames.sample_loss();
+  return found;
+}
+
+}  // namespace rilievo

@@ -1,0 +1,47 @@
+// Keyframes for `auto`: the first ones are made beside the frames, and looked at before anyone sees
+// what is warped from them.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "rilievo/keyframes/eye_prediction.h"
+#include "rilievo/keyframes/software/keyframe_frames.h"
+#include "rilievo/method/audition.h"
+
+namespace rilievo {
+
+// The eye of the frames, for a thread beside them.
+class SharedEye {
+ public:
+  struct Posted {
+    EyePrediction eye;
+    double time = 0;
+  };
+
+  // A frame was drawn.
+  void post(const EyePrediction& eye, double time);
+  // Waits for a frame that was not yet taken. None: no frame will come.
+  [[nodiscard]] std::optional<Posted> next();
+  // No frame will come.
+  void end();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Posted> posted_;
+  bool ended_ = false;
+};
+
+// Makes keyframes for the eye until there are enough to begin with, or some seconds long; those
+// that `frames` has are of an eye some time ago. Fails where a capture does.
+[[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
+
+// Draws a frame for the eye of the one that is shown. `loss`, of the same scene, may be null: then
+// it is not known how good the cache is.
+[[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss,
+                                          KeyframeFrames& frames);
+
+}  // namespace rilievo
