@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "rilievo/method/good_enough.h"
+
 namespace rilievo {
 
 void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
@@ -13,7 +15,7 @@ void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects
 }
 
 std::optional<double> FrameLoss::db() const {
-  return loss_.known() ? std::optional(loss_.loss_db()) : std::nullopt;
+  return loss_.known() ? std::optional(without_own_noise(loss_.loss_db())) : std::nullopt;
 }
 
 std::optional<double> cache_loss(const ShownFrame& shown, FrameLoss* loss) {

@@ -136,7 +136,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool good_enough(int method);
   void measure_loss(const Camera& camera, const AutoChoice& choice);
   void prepare(int method);
-  void fade(const Camera& camera, const SoftwareTarget* before);
+  void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
   void look_at_prepared();
   Result<> adopt();
@@ -177,7 +177,7 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
-  int frame_ = 0, counted_frames_ = 0;
+  int frame_ = 0, counted_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;  // times as slow as the machine of FrameLoad
   bool hurries_ = false;
   std::optional<IdleThread> beside_;  // last: it ends first
@@ -306,7 +306,7 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   Loss& of = loss_[choice.draws];
   of.seen_in = frame_;
   if (of.db && frame_ % kLossFrames != 0) return;
-  if (choice.draws == kKeyframes) of.db = keyframes_->sample_loss();
+  if (choice.draws == kKeyframes) of.db = loss_of(*keyframes_);
   if (choice.draws != kLevels || !losses_ || preparing_ >= 0) return;
   const SoftwareTarget* target = active_->software_target();
   if (!target) return;
@@ -426,9 +426,8 @@ Result<> AutoFrames::adopt() {
 }
 
 // What another method showed in the last frame fades out.
-void AutoFrames::fade(const Camera& camera, const SoftwareTarget* before) {
+void AutoFrames::fade(const Camera& camera) {
   const SoftwareTarget* now = active_->software_target();
-  if (before && now && before != now && !only_direct_) fade_.begin(*shown_, shown_camera_);
   const bool same_size =
       shown_camera_.width == camera.width && shown_camera_.height == camera.height;
   if (!now || only_direct_ || eye_.jumped() || !same_size) fade_.end();
@@ -447,14 +446,13 @@ Result<> AutoFrames::draw_objects() {
 
 Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (camera.width != width_ || camera.height != height_) begin(camera);
-  const SoftwareTarget* const before = active_->software_target();
   if (only_direct_) {
     active_ = frames_[kDirect].get();
     shared_chooser_->use_cache(false);
     Result<> drawn = active_->draw(camera, time);
     stats_ = active_->stats();
     stats_.decision = {kCandidates[kDirect].name, describe(AutoReason::only)};
-    fade(camera, before);
+    fade(camera);
     return drawn;
   }
   if (Result<> adopted = adopt(); !adopted) return adopted;
@@ -467,6 +465,10 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   const bool timed = !opengl || choice.reason == AutoReason::trial || frame_ % kTimedFrames == 0;
   ++frame_;
   if (opengl && timed) backend_.finish();
+  // By counts the methods are direct drawing and the cache, whose frames keep to what they say.
+  if (options_.by_clock && frame_ > 1 && choice.draws != drawn_by_ && shown_)
+    fade_.begin(*shown_, shown_camera_);
+  drawn_by_ = choice.draws;
   const Stopwatch watch;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
@@ -483,17 +485,17 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (!options_.by_clock) {
     ms = counted_ms;
   } else if (timed && !disturbed && active_ == frames_[kDirect].get() && counted_ms > 0) {
-    double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
+    const double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
     // Captures of large meshes take many times what is counted for them.
-    if (active_->stats().captures > 0) slowness = std::min(slowness, slowness_);
-    slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
+    if (active_->stats().captures == 0 || slowness < slowness_)
+      slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
   }
   if (timed) decision_->add(ms, disturbed);
   stats_ = active_->stats();
   stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
                      choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,
                      choice.rival_ms};
-  fade(camera, before);
+  fade(camera);
   return Done{};
 }
 

@@ -169,7 +169,8 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     // A model knows what has changed since; without one the method may have become cheaper.
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
     const int frames = candidate.warm_up + kTrial;
-    if (!affordable(std::max(0.0, likely - free_ms()) * frames)) continue;
+    // What is likely to be no dearer is no expense, however much others were.
+    if (likely > free_ms() && !affordable((likely - free_ms()) * frames)) continue;
     const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
     const bool promises =
         cost.mean_ms == 0 && one.guess_ms > 0 && one.guess_ms <= (1 - kMuchCheaper) * now;

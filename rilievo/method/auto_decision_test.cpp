@@ -249,6 +249,25 @@ TEST(AutoDecision, what_is_plainly_cheaper_is_prepared_from_the_first_frame_on) 
   EXPECT_GE(first_prepared(20, 0.3), 12);
 }
 
+// Trials of others that failed have used up what trials may cost.
+TEST(AutoDecision, what_is_expected_to_be_cheaper_is_tried_whatever_trials_cost) {
+  const AutoCandidate candidates[] = {
+      {"cache", 1, 12}, {"direct", 0}, {"rays", 0, 1}, {"lod", 2, 1}};
+  AutoDecision decision(candidates, 0);
+  int drawn = 0;
+  for (int frame = 0; frame < 150; ++frame) {
+    const AutoOutlook outlook[] = {{true, false, true, 0, 0},
+                                   {true, false, true, 90, 0},
+                                   {true, false, true, 95, 0},
+                                   {frame >= 100, false, true, 60, 0}};
+    const AutoChoice choice = decision.next(outlook);
+    drawn += choice.draws == 3;
+    constexpr double kMs[] = {100, 600, 800, 70};
+    decision.add(kMs[choice.draws]);
+  }
+  EXPECT_GT(drawn, 40);
+}
+
 // One that is a little cheaper but hardly good enough would keep the other from being prepared.
 TEST(AutoDecision, of_two_that_must_be_prepared_the_likelier_is_the_first) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}, {"keyframes", 3, 1, 0.03}};

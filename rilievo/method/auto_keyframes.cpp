@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "rilievo/method/good_enough.h"
+
 namespace rilievo {
 namespace {
 
@@ -50,12 +52,17 @@ Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
   return Done{};
 }
 
+std::optional<double> loss_of(KeyframeFrames& frames) {
+  const std::optional<double> sampled = frames.sample_loss();
+  return sampled ? std::optional(without_own_noise(*sampled)) : std::nullopt;
+}
+
 Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFrames& frames) {
   Audition found;
   found.cache_loss_db = cache_loss(shown, loss);
   if (!frames.draw(shown.camera, shown.time)) return found;
   frames.forget_loss();
-  for (int i = 0; i < kAuditionLosses; ++i) found.loss_db = frames.sample_loss();
+  for (int i = 0; i < kAuditionLosses; ++i) found.loss_db = loss_of(frames);
   return found;
 }
 

@@ -39,6 +39,9 @@ class SharedEye {
 // that `frames` has are of an eye some time ago. Fails where a capture does.
 [[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
 
+// KeyframeFrames::sample_loss(), without the noise of its own truth.
+[[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);
+
 // Draws a frame for the eye of the one that is shown. `loss`, of the same scene, may be null: then
 // it is not known how good the cache is.
 [[nodiscard]] Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss,

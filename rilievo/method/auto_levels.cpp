@@ -11,8 +11,6 @@ namespace {
 
 // What is taken of an error that only simplification vouches for.
 constexpr double kSafely = 0.5;
-// What is lost in one frame is certainly not too much, if it is this share of that.
-constexpr double kCertainly = 0.7;
 
 Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels) {
   Result<std::unique_ptr<LeveledBackend>> made =

@@ -10,8 +10,9 @@
 namespace rilievo {
 namespace {
 
-// Surfaces are the same where their distances from the old eye differ by at most this share.
-constexpr float kSameSurface = 0.03f;
+// Surfaces are the same, or as leaves of one tree, where their distances from the old eye differ by
+// at most this share.
+constexpr float kSameSurface = 0.15f;
 
 // Each byte of a and b, b with so many shares of 256.
 std::uint32_t mix_bytes(std::uint32_t a, std::uint32_t b, std::uint32_t of_b) {
