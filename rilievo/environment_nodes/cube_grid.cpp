@@ -124,17 +124,17 @@ Image<float> face_disparity(const DepthImage& face) {
 }
 
 CubeGrid::CubeGrid(const EnvironmentMap& map, const CutOptions& options)
-    : size_(map.faces[0].camera.width) {
+    : size_(map.faces[0].camera.width), options_(options) {
   for (std::size_t f = 0; f < 6; ++f) {
     disparity_[f] = face_disparity(map.faces[f]);
     cuts_[f] = Image<std::uint8_t>(size_, size_);
     for (std::size_t s = 0; s < 4; ++s) border_[f][s].resize(std::size_t(size_));
   }
-  find_cuts(options);
-  find_border_cuts(options);
+  find_cuts();
+  find_border_cuts();
 }
 
-void CubeGrid::find_cuts(const CutOptions& options) {
+void CubeGrid::find_cuts() {
   const float texel = 2.0f / float(size_);
   parallel_for(0, 6 * size_, [&](int i) {
     const std::size_t f = std::size_t(i / size_);
@@ -149,19 +149,19 @@ void CubeGrid::find_cuts(const CutOptions& options) {
       if (x + 1 < size_) {
         const float before = x > 0 ? here[k - 1] : kNothing;
         const float after = x + 2 < size_ ? here[k + 2] : kNothing;
-        cut = is_jump(before, here[k], here[k + 1], after, texel, options);
+        cut = is_jump(before, here[k], here[k + 1], after, texel, options_);
       }
       if (y + 1 < size_) {
         const float before = y > 0 ? above[k] : kNothing;
         const float after = y + 2 < size_ ? next[k] : kNothing;
-        if (is_jump(before, here[k], below[k], after, texel, options)) cut |= 2;
+        if (is_jump(before, here[k], below[k], after, texel, options_)) cut |= 2;
       }
       cuts_[f](x, y) = cut;
     }
   });
 }
 
-void CubeGrid::find_border_cuts(const CutOptions& options) {
+void CubeGrid::find_border_cuts() {
   const float texel = 2.0f / float(size_);
   // The texel behind a border texel, away from the border.
   const auto behind = [&](const SideTexel& t) {
@@ -172,11 +172,29 @@ void CubeGrid::find_border_cuts(const CutOptions& options) {
     for (int side = 0; side < 4; ++side)
       for (int k = 0; k < size_; ++k) {
         const SideTexel a{f, side, k}, b = across(a);
-        const bool jump =
-            is_jump(at(f, behind(a)), at(f, side_texel(side, k)),
-                    at(b.face, side_texel(b.side, b.along)), at(b.face, behind(b)), texel, options);
+        const bool jump = is_jump(at(f, behind(a)), at(f, side_texel(side, k)),
+                                  at(b.face, side_texel(b.side, b.along)), at(b.face, behind(b)),
+                                  texel, options_);
         border_[std::size_t(f)][std::size_t(side)][std::size_t(k)] = jump;
       }
+}
+
+CubeGrid::Diagonal CubeGrid::joined_diagonal(int face, const glm::ivec2& corner) const {
+  const int x = corner.x - 1, y = corner.y - 1;
+  if (x < 0 || y < 0 || x + 1 >= size_ || y + 1 >= size_) return Diagonal::none;
+  if (!cut_right(face, x, y) || !cut_right(face, x, y + 1) || !cut_below(face, x, y) ||
+      !cut_below(face, x + 1, y))
+    return Diagonal::none;
+  const Image<float>& d = disparity_[std::size_t(face)];
+  const float a = d(x, y), b = d(x + 1, y + 1), c = d(x + 1, y), e = d(x, y + 1);
+  // Of slopes that never separate; the centres are a diagonal apart.
+  const auto joined = [&](float one, float two, float others) {
+    const float least = std::min(one, two), steepest = 1.4142f * options_.gentle * 2 / float(size_);
+    return least > std::max(others, 0.0f) &&
+           std::abs(one - two) <= std::max(options_.least_step, steepest * least);
+  };
+  if (joined(a, b, std::max(c, e))) return Diagonal::down_right;
+  return joined(c, e, std::max(a, b)) ? Diagonal::down_left : Diagonal::none;
 }
 
 glm::ivec3 CubeGrid::key(int face, const glm::ivec2& half) const {

@@ -70,6 +70,11 @@ class CubeGrid {
   [[nodiscard]] bool cut_border(const SideTexel& t) const {
     return border_[t.face][t.side][std::size_t(t.along)] != 0;
   }
+  // Where four cut gates meet at a corner of texels, not on the border: do two texels that meet
+  // there alone show one surface, nearer than the other two? A thin cable goes on so in the next
+  // row.
+  enum class Diagonal { none, down_right, down_left };
+  [[nodiscard]] Diagonal joined_diagonal(int face, const glm::ivec2& corner) const;
   // Joins a cut gate. Not for gates next to kNothing.
   void join_right(int face, int x, int y) { cuts_[face](x, y) &= std::uint8_t(~1u); }
   void join_below(int face, int x, int y) { cuts_[face](x, y) &= std::uint8_t(~2u); }
@@ -88,10 +93,11 @@ class CubeGrid {
   [[nodiscard]] float continued(int face, const glm::ivec2& texel, const glm::ivec2& half) const;
 
  private:
-  void find_cuts(const CutOptions& options);
-  void find_border_cuts(const CutOptions& options);
+  void find_cuts();
+  void find_border_cuts();
 
   int size_ = 0;
+  CutOptions options_;
   std::array<Image<float>, 6> disparity_;
   std::array<Image<std::uint8_t>, 6> cuts_;
   std::array<std::array<std::vector<std::uint8_t>, 4>, 6> border_;

@@ -3,6 +3,15 @@
 // through all. The farthest middle of a gate that is seen so is the next vertex. As consecutive
 // gates are sides of one square between four centres, a line through all of them stays in the
 // chain's own squares.
+//
+// Where two texels of one surface meet at a corner alone, a chain goes around each of the two
+// others:
+//
+//     cable  |  wall        the chain from above turns right, around the upper wall, and its
+//     polyline
+//     -------+-------       runs from the middle of one gate to that of the next. So does that of
+//     the
+//      wall  | cable        lower wall, and a neck of the cable is left between them.
 #include "rilievo/environment_nodes/silhouettes.h"
 
 #include <cstdint>
@@ -41,7 +50,26 @@ struct CornerGates {
   }
   [[nodiscard]] bool ends(const glm::ivec2& corner) const {
     const int n = grid.size();
-    return corner.x == 0 || corner.y == 0 || corner.x == n || corner.y == n || degree(corner) != 2;
+    return corner.x == 0 || corner.y == 0 || corner.x == n || corner.y == n ||
+           (degree(corner) != 2 && !is_neck(corner));
+  }
+  [[nodiscard]] bool is_neck(const glm::ivec2& corner) const {
+    return grid.joined_diagonal(face, corner) != CubeGrid::Diagonal::none;
+  }
+  // The step with which a chain goes on that came with step k to a corner at which none ends.
+  [[nodiscard]] int onwards(const glm::ivec2& corner, int k) const {
+    const int back = (k + 2) % 4;
+    switch (grid.joined_diagonal(face, corner)) {
+      case CubeGrid::Diagonal::down_right:
+        return 3 - back;  // up and right, down and left
+      case CubeGrid::Diagonal::down_left:
+        return back ^ 1;  // up and left, down and right
+      case CubeGrid::Diagonal::none:
+        break;
+    }
+    for (int turn = 3; turn > 0; --turn)
+      if (turn != back && cut(corner, turn)) return turn;
+    return 0;
   }
 };
 
@@ -115,22 +143,23 @@ std::vector<Silhouette> trace_silhouettes(const CubeGrid& grid, int face) {
       chain.worth += double(a - b) * double(a - b);
       chain.corners.push_back(next);
       corner = next;
-      if (corner == start || gates.ends(corner)) break;
-      int onwards = -1;
-      for (int turn = 0; turn < 4; ++turn)
-        if (turn != (k + 2) % 4 && gates.cut(corner, turn)) onwards = turn;
-      k = onwards;
+      if (gates.ends(corner)) break;
+      k = gates.onwards(corner, k);
+      if (corner == start && k == first) break;
       mark(corner, k);
     }
     chain.line = straightened(chain.corners);
     found.push_back(std::move(chain));
   };
-  // First what has ends, then what is closed.
-  for (const bool closed : {false, true})
+  // First what has ends, then what is closed: from a neck last, because a polyline has its ends at
+  // the very corner.
+  enum class Start { end, corner, neck };
+  for (const Start from : {Start::end, Start::corner, Start::neck})
     for (int y = 0; y <= n; ++y)
       for (int x = 0; x <= n; ++x)
         for (int k = 0; k < 4; ++k)
-          if (gates.cut({x, y}, k) && (closed || gates.ends({x, y})) && mark({x, y}, k))
+          if (gates.cut({x, y}, k) && (from != Start::end || gates.ends({x, y})) &&
+              (from != Start::corner || !gates.is_neck({x, y})) && mark({x, y}, k))
             walk({x, y}, k);
   return found;
 }

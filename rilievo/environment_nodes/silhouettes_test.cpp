@@ -105,6 +105,39 @@ TEST(Silhouettes, every_texel_is_on_its_own_side) {
   }
 }
 
+// The slow way: no line crosses the segment between the two texels' centres.
+TEST(Silhouettes, texels_of_one_surface_that_meet_at_a_corner_alone_are_joined) {
+  int joined = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const int n = 24;
+    const CubeGrid grid(crowded_node(n, seed), {});
+    for (int f = 0; f < 6; ++f) {
+      const std::vector<Silhouette> all = trace_silhouettes(grid, f);
+      for (int y = 1; y < n; ++y)
+        for (int x = 1; x < n; ++x) {
+          const CubeGrid::Diagonal diagonal = grid.joined_diagonal(f, {x, y});
+          if (diagonal == CubeGrid::Diagonal::none) continue;
+          const glm::ivec2 corner{2 * x, 2 * y};
+          const glm::ivec2 half(1, diagonal == CubeGrid::Diagonal::down_right ? 1 : -1);
+          const glm::ivec2 other(half.x, -half.y);
+          ++joined;
+          const auto at = [&](const glm::ivec2& centre) { return grid.at(f, (centre - 1) / 2); };
+          for (const glm::ivec2& near : {corner - half, corner + half})
+            for (const glm::ivec2& far : {corner - other, corner + other})
+              EXPECT_GT(at(near), at(far));
+          for (const Silhouette& s : all)
+            for (std::size_t i = 1; i < s.line.size(); ++i) {
+              // But for a line that can begin nowhere else.
+              if (s.line.front() == corner && s.line.back() == corner) continue;
+              EXPECT_FALSE(cross_properly(s.line[i - 1], s.line[i], corner - half, corner + half));
+              EXPECT_NE(s.line[i], corner);
+            }
+        }
+    }
+  }
+  EXPECT_GT(joined, 20);
+}
+
 TEST(Silhouettes, a_straight_edge_is_two_vertices_whatever_its_slope) {
   for (const int slope : {1, 2, 3, 4}) {
     // Between the centres of column x the line y = (x + 1/2) / slope passes; moved for odd slopes,

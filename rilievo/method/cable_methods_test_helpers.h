@@ -34,11 +34,7 @@ inline double half_texel(const std::string& method) {
   return method == "direct" || method == "nailboard" ? 0.0066 : 0.01;
 }
 
-// Nodes: where the cable goes on in the next row or column of texels, these meet at a corner alone,
-// and their meshes do not: a gap of up to the diagonal of a texel, of 1.6 pixels.
-inline double most_gap_px(const std::string& method) {
-  return method == "environment-nodes" ? 1.6 * 1.4143 : 1;
-}
+inline constexpr double kMostGapPx = 1;
 
 using MakeBackend = std::function<std::unique_ptr<Backend>(const Scene&)>;
 
