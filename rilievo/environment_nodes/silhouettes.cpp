@@ -4,14 +4,11 @@
 // gates are sides of one square between four centres, a line through all of them stays in the
 // chain's own squares.
 //
-// Where two texels of one surface meet at a corner alone, a chain goes around each of the two
-// others:
+// Where two texels of one surface meet at a corner alone, a chain goes around each of the others:
 //
-//     cable  |  wall        the chain from above turns right, around the upper wall, and its
-//     polyline
-//     -------+-------       runs from the middle of one gate to that of the next. So does that of
-//     the
-//      wall  | cable        lower wall, and a neck of the cable is left between them.
+//     cable | wall      The chain from above turns right, around the upper wall, and its polyline
+//     ------+------     runs from the middle of one gate to that of the next. So does that of the
+//     wall  | cable     lower wall, and a neck of the cable is left between them.
 #include "rilievo/environment_nodes/silhouettes.h"
 
 #include <cstdint>
