@@ -1,10 +1,22 @@
 #include "rilievo/method/audition.h"
 
+#include <time.h>
+
 #include <cstring>
 
 #include "rilievo/method/good_enough.h"
 
 namespace rilievo {
+namespace {
+
+// The processor time of this thread.
+double thread_ms() {
+  timespec at{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &at);
+  return 1e3 * double(at.tv_sec) + 1e-6 * double(at.tv_nsec);
+}
+
+}  // namespace
 
 void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects,
                     const Rgba8Image& color, int times) {
@@ -16,6 +28,14 @@ void FrameLoss::add(const Camera& camera, std::span<const std::uint32_t> objects
 
 std::optional<double> FrameLoss::db() const {
   return loss_.known() ? std::optional(without_own_noise(loss_.loss_db())) : std::nullopt;
+}
+
+Result<double> time_audition(const ShownFrame& shown, FrameSource& frames) {
+  // The first frame touches memory that others do not.
+  if (Result<> drawn = frames.draw(shown.camera, shown.time); !drawn) return drawn.error();
+  const double before = thread_ms();
+  if (Result<> drawn = frames.draw(shown.camera, shown.time); !drawn) return drawn.error();
+  return thread_ms() - before;
 }
 
 std::optional<double> cache_loss(const ShownFrame& shown, FrameLoss* loss) {

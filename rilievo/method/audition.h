@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "rilievo/core/color.h"
+#include "rilievo/core/result.h"
+#include "rilievo/frame/frame_source.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
 #include "rilievo/render/rays/ray_scene.h"
 
@@ -44,10 +46,15 @@ struct ShownFrame {
 // What was found.
 struct Audition {
   std::optional<double> loss_db, cache_loss_db;  // none: not known
+  double processor_ms = 0;                       // of a frame, on this thread alone; 0: not known
 };
 
 // So many times the pixels of SampledLoss are looked at in one frame.
 inline constexpr int kAuditionLosses = 16;
+
+// Draws the frame that is shown, on this thread alone, and says what that takes. Fails as draw()
+// does.
+[[nodiscard]] Result<double> time_audition(const ShownFrame& shown, FrameSource& frames);
 
 // The loss of what the cache shows, and nothing left of it in `loss`. None: it shows something
 // else.

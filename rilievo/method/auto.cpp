@@ -71,6 +71,8 @@ constexpr double kNewestSlowness = 0.05;
 // And between which it is taken to lie: a frame that shows next to nothing, or
 // triangles behind others, says little.
 constexpr double kFastest = 0.6, kSlowest = 10;
+// How far off models are taken to be, at most, by a frame that was drawn beside the others.
+constexpr double kMostOff = 5;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -172,8 +174,9 @@ class AutoFrames final : public FrameSource {
     std::optional<double> db;  // none: not known
     int seen_in = 0;           // the last frame that the method drew
   } loss_[kMethods];
-  std::optional<double> cache_loss_;   // none: not known
-  std::unique_ptr<FrameLoss> losses_;  // of the other thread, while something is prepared
+  double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says
+  std::optional<double> cache_loss_;        // none: not known
+  std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
@@ -282,6 +285,8 @@ void AutoFrames::look(const Camera& camera) {
     keyframes.preparable = !keyframes.ready && frame_ >= keyframes_again_;
     keyframes.prepare_ms = kOfFrames * kFirstKeyframes * kKeyframeMs;
   }
+  for (int method = 0; method < kMethods; ++method)
+    outlook_[std::size_t(method)].guess_ms *= off_[method];
   // What is being prepared goes on, whatever the frames take meanwhile.
   if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
 }
@@ -418,6 +423,15 @@ Result<> AutoFrames::adopt() {
     frames = backend_.present(std::move(made_.keyframes));
     if (!frames) keyframes_ = nullptr;
   }
+  const double ms = made_.found.processor_ms / threads_;
+  if (method == kLevels && levels_.levels) measure_load(made_.shown.camera);
+  const double guess_ms = method == kLevels ? slowness_ * load_.levels_ms()
+                                            : outlook_[std::size_t(method)].guess_ms / off_[method];
+  if (stage_ == Preparing::looked_at && ms > 0 && guess_ms > 0)
+    off_[method] = std::clamp(ms / guess_ms, 1 / kMostOff, kMostOff);
+  // Levels are polygons, too.
+  if (method == kLevels && decision_ && decision_->mean_ms(kDirect) == 0)
+    off_[kDirect] = std::max(1.0, off_[kLevels]);
   made_ = {};
   // Memory, mostly: the other methods go on.
   if (frames) frames_[method] = std::move(*frames);

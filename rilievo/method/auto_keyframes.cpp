@@ -60,7 +60,9 @@ std::optional<double> loss_of(KeyframeFrames& frames) {
 Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFrames& frames) {
   Audition found;
   found.cache_loss_db = cache_loss(shown, loss);
-  if (!frames.draw(shown.camera, shown.time)) return found;
+  const Result<double> ms = time_audition(shown, frames);
+  if (!ms) return found;
+  found.processor_ms = *ms;
   frames.forget_loss();
   for (int i = 0; i < kAuditionLosses; ++i) found.loss_db = loss_of(frames);
   return found;

@@ -54,7 +54,10 @@ Audition audition_levels(const ShownFrame& shown, double error_px, double allowe
     if (!loss && share > kSafely) continue;
     levels.error_px = share * error_px;
     levels.chooser->set_error(levels.error_px);
-    if (!levels.frames->draw(shown.camera, shown.time) || !loss) return found;
+    const Result<double> ms = time_audition(shown, *levels.frames);
+    if (!ms) return found;
+    found.processor_ms = *ms;
+    if (!loss) return found;
     loss->forget();
     loss->add(shown.camera, shown.in_view, levels.frames->software_target()->color(),
               kAuditionLosses);
