@@ -2,6 +2,8 @@
 // through a near surface.
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 #include "rilievo/capture/ray_source.h"
 #include "rilievo/core/random.h"
 #include "rilievo/layered_relief/relief_pictures.h"
@@ -70,7 +72,7 @@ TEST_P(Pinholes, few_are_seen_from_200_eyes_near_and_far) {
     ASSERT_GE(picked, 0);
     for (Holes* sum : {&all, &open, &plain}) {
       Prewarped result;
-      ASSERT_TRUE(Prewarp(set->reliefs[std::size_t(picked)], {.splat_size = 1.45,
+      ASSERT_TRUE(Prewarp(set->reliefs[std::size_t(picked)], {.splat_size = 1.4,
                                                               .splats_face_eye = sum != &plain,
                                                               .max_size = 2048,
                                                               .fill_pinholes = sum != &open})
@@ -86,9 +88,10 @@ TEST_P(Pinholes, few_are_seen_from_200_eyes_near_and_far) {
   RecordProperty("holes_not_facing", plain.holes);
   RecordProperty("inside", all.inside);
   EXPECT_GT(all.inside, 4000);
-  // Samples stand up to 1.6 texels from points of a surface (share_samples.h), and splats reach
-  // 0.73: gaps of three texels and more, from where six textures see surfaces worst, stay.
-  EXPECT_LT(all.holes, 0.004 * all.inside) << "of " << all.inside << " pixels";
+  // What is left of a teapot is its handle, close to the eye and seen 60 degrees from the picture's
+  // axis. Nothing is added between the samples of leaves (between_samples.h).
+  const bool closed = std::string_view(GetParam()).starts_with("builtin:teapot");
+  EXPECT_LE(all.holes, (closed ? 0.00005 : 0.002) * all.inside) << "of " << all.inside << " pixels";
   // Splats that do not face the eye leave more, and so do pinholes that are not filled.
   EXPECT_LT(1.8 * all.holes, plain.holes);
   EXPECT_LT(1.2 * all.holes, open.holes);

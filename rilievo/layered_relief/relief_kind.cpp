@@ -59,7 +59,7 @@ const std::array kBakeOptions{
 const std::array kDrawOptions{
     Option{.name = "splat",
            .type = OptionType::number,
-           .default_value = "1.45",
+           .default_value = "1.4",
            .help = "Edge of the rectangle that a sample covers, as an eye sees it",
            .unit = "TEXELS",
            .min = 1,

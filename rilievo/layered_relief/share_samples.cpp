@@ -11,6 +11,10 @@
 // picture's texel, or else stands in the middle of its texel, half a diagonal away:
 //
 //   lacks = farthest_from_hits + merged + t max(reach, sqrt(1 / 2))
+//
+// That is the worst face. Where neighbouring hits are known to lie on one surface, the places
+// between them count as hits (between_samples.h), which lie up to half of kOnePlane of a texel off
+// it.
 #include "rilievo/layered_relief/share_samples.h"
 
 #include <algorithm>
@@ -24,6 +28,7 @@
 #include <vector>
 
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/layered_relief/between_samples.h"
 #include "rilievo/layered_relief/sample_sides.h"
 
 namespace rilievo {
@@ -229,25 +234,55 @@ void color_as_outer(const LayeredDepthImage& to, const OuterSides& outer, const 
   });
 }
 
-// Samples of picture `source` whose turn it is (SampleSides::turn).
-void add_from(const SampleSides& sides, std::uint32_t source, int turn, const LayeredDepthImage& to,
-              const OuterSides& outer, double reach, double per_metre, Added& added) {
-  const glm::dvec3 forward = to.camera.forward();
-  each_sample(sides.layers(), [&](std::size_t s, const glm::dvec3& world) {
-    if (sides.turn(s, forward) != turn) return;
-    const std::optional<PlacedIn> place = place_in(to, world);
-    if (!place || is_represented(to, added, place->at, place->depth, per_metre, reach)) return;
-    Known known = known_of(sides, source, s);
+// What a picture lacks, which others add to it.
+class Lacking {
+ public:
+  Lacking(const LayeredDepthImage& to, const OuterSides& outer, double reach, double per_metre)
+      : to_(to), outer_(outer), reach_(reach), per_metre_(per_metre) {
+    added_.head.assign(to.first.size() - 1, kNone);
+    added_.depths.resize(to.first.size() - 1);
+  }
+
+  // Samples of picture `source` whose turn it is (SampleSides::turn).
+  void add_from(const SampleSides& sides, std::uint32_t source, int turn) {
+    each_sample(sides.layers(), [&](std::size_t s, const glm::dvec3& world) {
+      if (is_turn(sides, s, turn)) add(known_of(sides, source, s), world);
+    });
+  }
+  // What lies between these.
+  void add_between(const SampleSides& sides, std::uint32_t source, int turn, double spacing) {
+    each_place_between(sides, spacing, [&](const PlaceBetween& place) {
+      if (!is_turn(sides, place.sample, turn)) return;
+      Known known = known_of(sides, source, place.sample);
+      known.sample.color = place.color;
+      add(known, place.world);
+    });
+  }
+  [[nodiscard]] const Added& added() const { return added_; }
+
+ private:
+  [[nodiscard]] bool is_turn(const SampleSides& sides, std::size_t sample, int turn) const {
+    return sides.turn(sample, to_.camera.forward()) == turn;
+  }
+  void add(Known known, const glm::dvec3& world) {
+    const std::optional<PlacedIn> place = place_in(to_, world);
+    if (!place || is_represented(to_, added_, place->at, place->depth, per_metre_, reach_)) return;
     known.sample.depth = known.sample.back = float(place->depth);
-    if (known.inner) color_as_outer(to, outer, known.normal, place->line, per_metre, known.sample);
-    std::vector<float>& depths = added.depths[place->line];
+    if (known.inner)
+      color_as_outer(to_, outer_, known.normal, place->line, per_metre_, known.sample);
+    std::vector<float>& depths = added_.depths[place->line];
     depths.insert(std::upper_bound(depths.begin(), depths.end(), known.sample.depth),
                   known.sample.depth);
-    added.next.push_back(added.head[place->line]);
-    added.head[place->line] = std::uint32_t(added.known.size());
-    added.known.push_back(known);
-  });
-}
+    added_.next.push_back(added_.head[place->line]);
+    added_.head[place->line] = std::uint32_t(added_.known.size());
+    added_.known.push_back(known);
+  }
+
+  const LayeredDepthImage& to_;
+  const OuterSides& outer_;
+  double reach_, per_metre_;
+  Added added_;
+};
 
 // What samples of one picture say of a place.
 struct Opinion {
@@ -364,9 +399,10 @@ double farthest_from_hits(std::span<const Camera> cameras) {
 void share_samples(ReliefPictures& pictures, double reach) {
   std::vector<LayeredDepthImage> shared(pictures.pictures.size());
   std::vector<Camera> cameras;
-  double merged = 0;
+  double merged = 0, largest = 0;
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
     cameras.push_back(picture.layers.camera);
+    largest = std::max(largest, largest_texel(picture.layers.camera));
     merged = std::max(merged, picture.merged);
   }
   const double from_hits = farthest_from_hits(cameras);
@@ -380,20 +416,23 @@ void share_samples(ReliefPictures& pictures, double reach) {
     const double metres = reach * largest_texel(to.camera);
     const double per_metre =
         to.depth_kind == DepthKind::window_z ? 1 / (to.camera.z_far - to.camera.z_near) : 1.0;
-    Added added;
-    added.head.assign(to.first.size() - 1, kNone);
-    added.depths.resize(to.first.size() - 1);
     const OuterSides outer = outer_sides(sides, i);
+    Lacking lacking(to, outer, metres, per_metre);
     for (int turn = 0; turn < SampleSides::kTurns; ++turn)
       for (std::size_t k = 0; k < shared.size(); ++k)
-        if (k != i) add_from(sides[k], std::uint32_t(k), turn, to, outer, metres, per_metre, added);
-    shared[i] = with(sides[i], std::uint32_t(i), outer, added, per_metre);
+        if (k != i) lacking.add_from(sides[k], std::uint32_t(k), turn);
+    // What was hit comes first. The picture's own samples may be far apart, too.
+    for (int turn = 0; turn < SampleSides::kTurns; ++turn)
+      for (std::size_t k = 0; k < shared.size(); ++k)
+        lacking.add_between(sides[k], std::uint32_t(k), turn, kBetween * largest_texel(to.camera));
+    shared[i] = with(sides[i], std::uint32_t(i), outer, lacking.added(), per_metre);
   });
   for (std::size_t i = 0; i < shared.size(); ++i) {
     ReliefPictures::Picture& picture = pictures.pictures[i];
     if (shared[i].samples.size() > picture.layers.samples.size())
       picture.moved =
-          std::max(picture.moved, std::sqrt(0.5) * largest_texel(picture.layers.camera));
+          std::max(picture.moved, std::sqrt(0.5) * largest_texel(picture.layers.camera)) +
+          0.5 * kOnePlane * largest;
     picture.layers = std::move(shared[i]);
     picture.lacks = std::isfinite(from_hits)
                         ? from_hits + merged +

@@ -13,11 +13,16 @@
 
 namespace rilievo {
 
+// Places between samples that are added are at most so many texels apart of the picture that gets
+// them.
+inline constexpr double kBetween = 0.5;
+
 // Adds to each picture the samples of the others that have none within `reach` of its texels, in
-// space. They stand in the middle of the texel that they fall into, up to half its diagonal from
-// where they were seen (Picture::moved); and Picture::lacks is set. Those that show the side which
-// the picture's viewers see come first, and samples of the inner sides of bodies get the outer
-// side's colour (sample_sides.h). Requires parallel pictures.
+// space, and of closed objects what lies between samples (between_samples.h). They stand in the
+// middle of the texel that they fall into, up to half its diagonal from
+// where they were seen or lie on the surface (Picture::moved); and Picture::lacks is set. Those
+// that show the side which the picture's viewers see come first, and samples of the inner sides of
+// bodies get the outer side's colour (sample_sides.h). Requires parallel pictures.
 void share_samples(ReliefPictures& pictures, double reach);
 
 // How far from a point of a flat face is the nearest hit of a line of sight on it, at most,

@@ -125,9 +125,9 @@ Result<> add_reliefs(const ReliefPictures& pictures, const PrewarpOptions& draw,
   if (!set) return set.error();
   WalkReliefs& made = manifest.reliefs;
   made.bounds = pictures.bounds;
-  // The page's splats do not face the eye: they are as large as those that do for an eye 15 degrees
+  // The page's splats do not face the eye: they are as large as those that do for an eye 21 degrees
   // beside a relief's axis.
-  made.splat = draw.splat_size * (draw.splats_face_eye ? 1.035 : 1.0);
+  made.splat = draw.splat_size * (draw.splats_face_eye ? 1.07 : 1.0);
   made.resolution = draw.resolution;
   made.max_size = draw.max_size;
   made.reliefs.resize(set->reliefs.size());
