@@ -177,7 +177,10 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     if (!one.ready && !promises && (hope > kWorthPreparing * now || one.prepare_ms > pays))
       continue;
     // What must be prepared takes its time, in which nothing else can be.
-    const double gain = (ready ? 1 : candidate.chance) * (now - hope);
+    const double chance = ready      ? 1
+                          : promises ? std::max(candidate.chance, kLikely)
+                                     : candidate.chance;
+    const double gain = chance * (now - hope);
     if (best >= 0 && gain <= most) continue;
     best = i, most = gain;
   }

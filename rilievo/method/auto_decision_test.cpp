@@ -286,6 +286,21 @@ TEST(AutoDecision, of_two_that_must_be_prepared_the_likelier_is_the_first) {
   EXPECT_EQ(std::count(prepared.begin(), prepared.begin() + 10, 1), 10);
 }
 
+// But not one that gains next to nothing: in the grove rays kept keyframes waiting.
+TEST(AutoDecision, what_promises_much_is_prepared_before_what_is_likely_but_dear) {
+  const AutoCandidate candidates[] = {{"cache", 1}, {"rays", 0, 1}, {"keyframes", 3, 1, 0.03}};
+  AutoDecision decision(candidates, 0);
+  for (int frame = 0; frame < 20; ++frame) {
+    const AutoOutlook outlook[] = {
+        {true, false, true, 0, 0}, {false, true, true, 165, 100}, {false, true, true, 60, 200}};
+    const AutoChoice choice = decision.next(outlook);
+    if (choice.prepares >= 0) {
+      EXPECT_EQ(choice.prepares, 2);
+    }
+    decision.add(180);
+  }
+}
+
 TEST(AutoDecision, what_is_prepared_is_not_prepared_again) {
   const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}};
   AutoDecision decision(candidates, 0);
