@@ -17,7 +17,7 @@ TEST_P(CableMethods, no_gap_along_a_cable_of_half_a_texel_is_wider_than_a_pixel)
 
 INSTANTIATE_TEST_SUITE_P(All, CableMethods,
                          testing::Values("direct", "nailboard", "layered-impostor",
-                                         "environment-nodes", "layered-relief"));
+                                         "environment-nodes", "layered-relief", "relief-impostor"));
 
 }  // namespace
 }  // namespace rilievo

@@ -60,8 +60,9 @@ class RefinedPicture {
     });
   }
 
-  // Texels through which a silhouette may go: beside those whose centre shows something, and those
-  // that have another surface, or nothing, beside them.
+  // Texels through which a silhouette may go: whose centre shows nothing, beside one that shows
+  // something or where another of the first four samples does, and those that have another surface,
+  // or nothing, beside them.
   void find_edges() {
     const int width = camera_.width, height = camera_.height;
     edge_ = Image<Edge>(width, height, Edge::none);
@@ -77,6 +78,8 @@ class RefinedPicture {
       for (int x = 0; x < width; ++x) {
         const bool shows = out_.picture.covered(x, y);
         if (shows) planes_(x, y) = texel_plane(nearness, center, out_.picture.object, x, y);
+        // A cable thinner than a texel passes between centres for many texels.
+        if (!shows && any_sample_sees(x, y)) edge_(x, y) = Edge::beside;
         for (int k = 0; k < 9; ++k) {
           const glm::ivec2 step(k % 3 - 1, k / 3 - 1), at = glm::ivec2(x, y) + step;
           if (k == 4 || at.x < 0 || at.y < 0 || at.x >= width || at.y >= height) continue;
@@ -149,6 +152,14 @@ class RefinedPicture {
     out_.picture.object(x, y) = seen->object;
     out_.picture.color(x, y) = sampled(x, y, 0);
     covered_(x, y) = out_.picture.color(x, y).a;
+  }
+  // Of a texel whose centre shows nothing, do the first samples?
+  [[nodiscard]] bool any_sample_sees(int x, int y) const {
+    for (int s = 0; s < std::min(request_.samples, 4) && !halted(); ++s) {
+      const glm::dvec2 place = place_of_sample(s, request_.samples);
+      if (shader_.nearest({x + place.x, y + 1 - place.y})) return true;
+    }
+    return false;
   }
   // What a sample shows of a texel whose centre shows nothing.
   void start_beside(int x, int y, int sample) {

@@ -3,9 +3,10 @@
 // The order in which software shaders of single rays fill a picture: one texel in 64, in 16, in 4,
 // all of them, then 4, 16, ... samples of each. With several samples, silhouettes are antialiased
 // on both sides: a texel whose centre shows nothing has the colours and the coverage of its
-// samples, with the depth of the first that shows something, if its neighbour's centre shows
-// something. The picture depends neither on the number of threads nor on whether somebody looks at
-// the coarse ones.
+// samples, with the depth of the first that shows something, if its neighbour's centre or one of
+// its first four samples shows something: a cable that is thinner than a texel stays in one piece.
+// The picture depends neither on the number of threads nor on whether somebody looks at the coarse
+// ones.
 #pragma once
 
 #include <glm/glm.hpp>
