@@ -40,7 +40,7 @@ struct KeyframeRequest {
   std::span<const std::uint32_t> left_out = {};
 };
 
-// A band as it was captured.
+// A band as it was captured, with a column more on either side.
 struct KeyframeBand {
   Image<std::uint32_t> colors;  // sRGB bytes
   Image<float> inverse_z;
