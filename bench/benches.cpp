@@ -25,6 +25,8 @@ std::span<const Bench> benches() {
       Bench{"keyframes",
             "What do whole frames from keyframes cost and look like, beside direct drawing?",
             Needs::nothing, keyframes},
+      Bench{"jumps", "What do keyframes show after the eye jumps, or turns round?", Needs::nothing,
+            jumps},
       Bench{"serve", "What does a client of a live walk see, over networks of all kinds?",
             Needs::nothing, serve},
       Bench{"auto", "Does the method auto take as little time as the best of all methods?",

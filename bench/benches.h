@@ -13,6 +13,7 @@ namespace rilievo::bench {
 [[nodiscard]] Result<BenchReport> decoupling(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> deep_objects(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> draw(const BenchOptions& options);
+[[nodiscard]] Result<BenchReport> jumps(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> keyframes(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> kinds_without_opengl(const BenchOptions& options);
 [[nodiscard]] Result<BenchReport> layered(const BenchOptions& options);

@@ -150,14 +150,14 @@ Command bench_command(CLI::App& app) {
       ->add_option(
           "--scene", options->scenes,
           "For node-places: scenes besides stonehenge; for kinds: objects besides its "
-          "own; for real, keyframes, auto and serve: scenes instead of its own, each with the "
+          "own; for real, keyframes, jumps, auto and serve: scenes instead of its own, each with the "
           "walks NAME-*.json beside it, builtin:NAME, or the name of one of its own")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(
           "--size",
           [options](const std::string& text) { parse_size(text, options->width, options->height); },
-          "For real, keyframes and auto: size of a frame in pixels (default 1280x720)")
+          "For real, keyframes, jumps and auto: size of a frame in pixels (default 1280x720)")
       ->type_name("WxH");
   add_budget_options(*command, "For real", options->capture_ms, options->late, options->max_spike);
   command->add_flag(
@@ -165,7 +165,7 @@ Command bench_command(CLI::App& app) {
       "For real: the cache draws levels of detail with bounded errors (not by OpenGL)");
   command
       ->add_option("--keyframe-ms", options->keyframe_ms,
-                   "For keyframes: time that a frame spends on the next keyframe, in ms; 0: a "
+                   "For keyframes and jumps: time that a frame spends on the next keyframe, in ms; 0: a "
                    "sixteenth of one (default 8)")
       ->check(in_range(0.0, 1000.0))
       ->type_name("T");

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string_view>
@@ -68,6 +69,21 @@ struct LayersRequest {
   int samples = 1;       // of each surface, for sources whose light is noisy
 };
 
+// A picture that a source captures in parts, between which frames are drawn. It keeps its memory
+// for the next picture.
+class PictureInParts {
+ public:
+  virtual ~PictureInParts() = default;
+  // Begins a picture; the last one is lost. Fails where capture() does. The request's `objects`
+  // need not live on. Ignores `farthest`.
+  virtual Result<> begin(const CaptureRequest& request) = 0;
+  // Goes on by about this share of all its work, and returns how many rows, from the top, can be
+  // read; they are shaded when they are read, which is part of the work.
+  virtual int advance(double share) = 0;
+  // Rows [from, to) as a picture of their own. Requires rows that can be read.
+  [[nodiscard]] virtual DepthImage read(int from, int to) = 0;
+};
+
 // A source of pictures.
 class CaptureSource {
  public:
@@ -79,6 +95,10 @@ class CaptureSource {
   [[nodiscard]] virtual Box bounds(std::span<const std::uint32_t> objects) const = 0;
   // Captures a picture. Fails where the source cannot provide what is requested.
   [[nodiscard]] virtual Result<CapturedPicture> capture(const CaptureRequest& request) = 0;
+
+  // Captures pictures in parts: those of one sample a texel. Null: the source captures at once. The
+  // source must outlive it.
+  [[nodiscard]] virtual std::unique_ptr<PictureInParts> in_parts() { return nullptr; }
 
   // Captures every surface along each line of sight, including hidden ones and back faces (S4.1).
   // Depths are eye_z. Fails for sources that do not know hidden surfaces.

@@ -25,6 +25,7 @@ class RasterRaySource final : public CaptureSource {
                       std::max(camera.width, camera.height) <= SampleRaster::kMaxSize;
     return fits ? raster_.capture(request) : rays_.capture(request);
   }
+  [[nodiscard]] std::unique_ptr<PictureInParts> in_parts() override { return raster_.in_parts(); }
   [[nodiscard]] Result<LayeredDepthImage> capture_layers(const LayersRequest& request) override {
     return rays_.capture_layers(request);
   }

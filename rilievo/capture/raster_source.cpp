@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "rilievo/capture/bound_thin_texels.h"
-#include "rilievo/capture/placed_raster.h"
-#include "rilievo/render/raster/sample_raster.h"
+#include "rilievo/capture/raster_in_parts.h"
 
 namespace rilievo {
 namespace {
@@ -25,17 +24,8 @@ Box RasterSource::bounds(std::span<const std::uint32_t> objects) const {
 }
 
 Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
+  if (Result<> can = can_rasterize(request, name()); !can) return can.error();
   const Camera& camera = request.camera;
-  if (Result<> valid = validate(camera); !valid) return valid.error();
-  const auto refuse = [&](const char* why) { return Error{std::string(name()), why}; };
-  if (camera.projection != Projection::perspective)
-    return refuse("the rasteriser captures with perspective cameras only");
-  if (std::max(camera.width, camera.height) > SampleRaster::kMaxSize)
-    return Error{std::string(name()), "the rasteriser captures at most " +
-                                          std::to_string(SampleRaster::kMaxSize) +
-                                          " texels a side"};
-  if (!PlacedRaster::can_sample(request.samples))
-    return refuse("the rasteriser captures 1 or 4 samples per texel");
   std::span<const std::uint32_t> objects = request.objects;
   // Of many objects, as of a whole view, most are outside of a band of it.
   constexpr std::size_t kMany = 16;
@@ -50,7 +40,8 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
   if (request.farthest)
     for (const std::uint32_t object : objects)
       if (farthest_of(camera, placed_.bounds()[object]) > camera.z_far)
-        return refuse("the rasteriser needs a far plane behind all of the objects' surfaces");
+        return Error{std::string(name()),
+                     "the rasteriser needs a far plane behind all of the objects' surfaces"};
   CapturedPicture captured{
       rasterizer_.capture(camera, objects, placed_.poses(), request.samples, request.with_sky), {}};
   captured.picture.name = name();
@@ -59,6 +50,10 @@ Result<CapturedPicture> RasterSource::capture(const CaptureRequest& request) {
     captured.farthest = rasterizer_.capture_farthest(camera, objects, placed_.poses());
   bound_thin_texels(captured);
   return captured;
+}
+
+std::unique_ptr<PictureInParts> RasterSource::in_parts() {
+  return std::make_unique<RasterInParts>(placed_, rasterizer_.materials());
 }
 
 }  // namespace rilievo

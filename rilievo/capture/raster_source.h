@@ -27,6 +27,8 @@ class RasterSource final : public CaptureSource {
   // SampleRaster::kMaxSize, for other numbers of samples than 1 and 4, and for `farthest` of
   // objects that reach beyond the far plane.
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
+  // Object after object, near ones first, then row after row. Poses are those of begin().
+  [[nodiscard]] std::unique_ptr<PictureInParts> in_parts() override;
   [[nodiscard]] const Scene* scene() const override { return &placed_.scene(); }
 
  private:

@@ -16,6 +16,20 @@ void set_size(Image<T>& image, int width, int height) {
   if (image.width() != width || image.height() != height) image = Image<T>(width, height);
 }
 
+// The ranges of a block, and of its segments.
+void find_block(Keyframe& keyframe, int column, int row) {
+  const int top = row * Keyframe::kRows,
+            bottom = std::min(top + Keyframe::kRows, keyframe.camera.height);
+  const int left = column * Keyframe::kColumns,
+            right = std::min(left + Keyframe::kColumns, keyframe.camera.width);
+  InverseRange& block = keyframe.blocks(column, row) = {};
+  for (int y = top; y < bottom; ++y) {
+    InverseRange& range = keyframe.segments(column, y) = {};
+    for (int x = left; x < right; ++x) range.add(keyframe.inverse_z(x, y));
+    block.add(range);
+  }
+}
+
 }  // namespace
 
 void InverseRange::add(float inverse_z) {
@@ -43,21 +57,20 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters) {
 }
 
 void find_ranges(Keyframe& keyframe, int from, int to) {
-  const int width = keyframe.camera.width;
   RILIEVO_EXPECTS(from % Keyframe::kColumns == 0);
-  RILIEVO_EXPECTS(to % Keyframe::kColumns == 0 || to == width);
+  RILIEVO_EXPECTS(to % Keyframe::kColumns == 0 || to == keyframe.camera.width);
   parallel_for(0, keyframe.blocks.height(), [&](int row) {
-    const int top = row * Keyframe::kRows,
-              bottom = std::min(top + Keyframe::kRows, keyframe.camera.height);
-    for (int i = from / Keyframe::kColumns; i * Keyframe::kColumns < to; ++i) {
-      InverseRange& block = keyframe.blocks(i, row) = {};
-      for (int y = top; y < bottom; ++y) {
-        InverseRange& range = keyframe.segments(i, y) = {};
-        const int end = std::min((i + 1) * Keyframe::kColumns, width);
-        for (int x = i * Keyframe::kColumns; x < end; ++x) range.add(keyframe.inverse_z(x, y));
-        block.add(range);
-      }
-    }
+    for (int i = from / Keyframe::kColumns; i * Keyframe::kColumns < to; ++i)
+      find_block(keyframe, i, row);
+  });
+}
+
+void find_ranges_of_rows(Keyframe& keyframe, int from, int to) {
+  RILIEVO_EXPECTS(from % Keyframe::kRows == 0);
+  RILIEVO_EXPECTS(to % Keyframe::kRows == 0 || to == keyframe.camera.height);
+  parallel_for(0, keyframe.blocks.width(), [&](int i) {
+    for (int row = from / Keyframe::kRows; row * Keyframe::kRows < to; ++row)
+      find_block(keyframe, i, row);
   });
 }
 

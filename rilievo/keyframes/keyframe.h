@@ -66,6 +66,8 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters = false);
 void hide_objects(Keyframe& keyframe, std::span<const std::uint32_t> objects);
 // Finds the ranges of depth of columns [from, to), which begin and end at segments, or at the end.
 void find_ranges(Keyframe& keyframe, int from, int to);
+// ... of rows [from, to), which begin and end at blocks, or at the end.
+void find_ranges_of_rows(Keyframe& keyframe, int from, int to);
 
 // The bytes R, G, B of colours as a keyframe or a warped frame has them, opaque; of a hole, 0.
 [[nodiscard]] Rgba8Image opaque_colors(const Image<std::uint32_t>& color);

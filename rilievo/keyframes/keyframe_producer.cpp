@@ -26,6 +26,9 @@ constexpr double kTurning = 0.003, kTurningMargin = 1.2;
 constexpr int kMostInterval = 32;
 // How many frames ahead an eye is predicted at most, for a source that takes long.
 constexpr int kMostAhead = 60;
+// Columns of a step of what is captured in parts: so few that a frame's time is kept well, and so
+// many that all cores have work.
+constexpr int kPart = 2 * KeyframeMaker::kBand;
 // What is being made for an eye that looks elsewhere, by so many radians, is given up.
 constexpr double kElsewhere = 0.7;
 
@@ -198,16 +201,18 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   return {std::span<const WarpedKeyframe>(chosen_)};
 }
 
-int KeyframeProducer::columns_a_frame() const {
+KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
-  const int width = keyframe_camera(frame_, margin()).width;
-  int columns = (width + options_.interval - 1) / options_.interval;
-  if (!(options_.keyframe_ms > 0)) return (columns + kBand - 1) / kBand * kBand;
-  // Within the time, and no more than needed; but an eye soon is where a keyframe that takes too
-  // many frames shows little.
-  const int least = (width + kMostInterval - 1) / kMostInterval;
-  if (ms_per_column_ > 0) columns = std::min(columns, int(options_.keyframe_ms / ms_per_column_));
-  return std::max(columns / kBand, (least + kBand - 1) / kBand) * kBand;
+  const auto of_frames = [&](int frames) {
+    const int columns = (keyframe_camera(frame_, margin()).width + frames - 1) / frames;
+    return (columns + kBand - 1) / kBand * kBand;
+  };
+  // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
+  // little.
+  const int most = of_frames(options_.interval), least = std::min(of_frames(kMostInterval), most);
+  if (!(options_.keyframe_ms > 0) || ms_per_column_ == 0) return {least, most, most};
+  const double in_time = options_.keyframe_ms / ms_per_column_;
+  return {least, most, std::clamp(int(std::min(in_time, 1e6)) / kBand * kBand, least, most)};
 }
 
 Result<> KeyframeProducer::work_beside() {
@@ -243,31 +248,57 @@ Result<> KeyframeProducer::work_beside() {
   return Done{};
 }
 
+// Makes a part of a keyframe; returns how many columns.
+Result<int> KeyframeProducer::step(const Columns& columns) {
+  const Stopwatch watch;
+  const int before = maker_.columns_left();
+  const bool by_clock = options_.keyframe_ms > 0;
+  for (bool first = true; first || maker_.in_parts(); first = false) {
+    const int done = before - maker_.columns_left();
+    const bool in_time = !by_clock || watch.ms() < options_.keyframe_ms;
+    if (!maker_.busy() || done >= columns.most || (done >= columns.least && !in_time)) break;
+    const int small = std::min(kPart, columns.most - done);
+    if (Result<> made =
+            maker_.step(source_, by_clock && maker_.in_parts() ? small : columns.expected);
+        !made)
+      return made.error();
+  }
+  return before - maker_.columns_left();
+}
+
 Result<> KeyframeProducer::work() {
   if (options_.beside) return work_beside();
-  const int columns = columns_a_frame();
+  const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     spare_.push_back(maker_.give_up());
   if (!maker_.busy()) {
     const int width = keyframe_camera(frame_, margin()).width;
-    const Camera eye = prediction_.after(2.0 * ((width + columns - 1) / columns));
+    const Camera eye = prediction_.after(2.0 * ((width + columns.expected - 1) / columns.expected));
     const Camera camera = plain(eye, frame_, margin());
     for (const Keyframe& key : ready_)
       if (!key.coarse && same_view(key.camera, camera)) return Done{};
     begin(eye);
+    made_ms_ = 0, made_columns_ = 0;
   }
   const Stopwatch watch;
-  const int before = maker_.columns_left();
-  if (Result<> made = maker_.step(source_, columns); !made) return made.error();
-  const double ms = watch.ms(), per_column = ms / (before - maker_.columns_left());
-  ms_per_column_ = ms_per_column_ == 0
-                       ? per_column
-                       : ms_per_column_ + (per_column - ms_per_column_) * kNewestCost;
-  const int height = keyframe_camera(frame_, margin()).height;
-  ms_per_texel_ = ms_per_column_ / height;
+  const Result<int> made = step(columns);
+  if (!made) return made.error();
+  const double ms = watch.ms();
   done_.ms += ms;
+  note_cost(ms, *made);
   if (!maker_.busy()) complete_ = true, ++done_.completed;
   return Done{};
+}
+
+void KeyframeProducer::note_cost(double ms, int columns) {
+  made_ms_ += ms, made_columns_ += columns;
+  if (ms_per_column_ == 0 || (maker_.in_parts() && !maker_.busy()))
+    // What is visible is found first, and shaded then: only the whole says what a column takes.
+    ms_per_column_ = made_ms_ / made_columns_;
+  else if (!maker_.in_parts())
+    ms_per_column_ += (ms / columns - ms_per_column_) * kNewestCost;
+  const int height = keyframe_camera(frame_, margin()).height;
+  ms_per_texel_ = ms_per_column_ / height;
 }
 
 }  // namespace rilievo

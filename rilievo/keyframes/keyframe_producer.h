@@ -3,8 +3,8 @@
 // While the eye moves one keyframe after the other is made for where it will be when the next one
 // is complete, so that frames lie between a keyframe behind the eye and one ahead of it. With N
 // frames for each keyframe, one that is begun now is complete in N frames and replaced in 2 N: it
-// is made for the eye in 2 N frames. Each frame does a part of the work, a band of columns
-// (make_keyframe.h). An eye that stands gets a keyframe of its own, and then nothing more is made.
+// is made for the eye in 2 N frames. Each frame does a part of the work (make_keyframe.h). An eye
+// that stands gets a keyframe of its own, and then nothing more is made.
 //
 // A source that takes long for a picture has a thread of its own (`beside`): frames do not wait for
 // it, and begin with coarse keyframes.
@@ -88,7 +88,14 @@ class KeyframeProducer {
   void add(Keyframe keyframe);
   void hide_left_out();
   [[nodiscard]] Keyframe reusable();
-  [[nodiscard]] int columns_a_frame() const;
+  // How many a frame makes: at least and at most, and those that its time is expected to suffice
+  // for.
+  struct Columns {
+    int least, most, expected;
+  };
+  [[nodiscard]] Columns columns_a_frame() const;
+  Result<int> step(const Columns& columns);
+  void note_cost(double ms, int columns);
 
   CaptureSource &source_, &quick_;
   KeyframeOptions options_;
@@ -103,6 +110,8 @@ class KeyframeProducer {
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
   double ms_per_column_ = 0, ms_per_texel_ = 0;
+  double made_ms_ = 0;  // of the keyframe that is being made
+  int made_columns_ = 0;
   KeyframeWork done_;
 
   // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.

@@ -11,48 +11,69 @@
 namespace rilievo {
 namespace {
 
-// Columns [from, to) of the keyframe; the picture begins `before` columns before them.
-void take_over(const DepthImage& picture, int from, int to, int before, bool smooth,
-               KeyframeBand& band, Keyframe& keyframe) {
-  const int width = picture.camera.width, height = picture.camera.height;
-  // With a quarter on either side.
-  if (band.colors.width() != width + 2 || band.colors.height() != height) {
-    band.colors = Image<std::uint32_t>(width + 2, height);
-    band.inverse_z = Image<float>(width + 2, height);
-  }
+// Fewer rows do not keep all cores busy.
+constexpr int kLeastRows = 16;
+
+// Forgets the rows before `row`.
+void keep_from(KeyframeBand& band, int row) {
+  const std::size_t gone = std::size_t(std::min(row - band.first, band.rows)) * band.stride();
+  const auto keep = [&](auto& plane) {
+    plane.erase(plane.begin(), plane.begin() + std::ptrdiff_t(gone));
+  };
+  keep(band.colors), keep(band.inverse_z), keep(band.objects);
+  band.rows -= std::min(row - band.first, band.rows), band.first = row;
+}
+
+// The rows of the picture come next.
+void append(const DepthImage& picture, KeyframeBand& band) {
+  const int width = picture.camera.width, height = picture.camera.height, before = band.rows;
+  RILIEVO_EXPECTS(band.rows == 0 || band.width == width);
+  band.width = width, band.rows += height;
+  const std::size_t size = std::size_t(band.rows) * band.stride();
+  band.colors.resize(size), band.inverse_z.resize(size), band.objects.resize(size);
   parallel_for(0, height, [&](int y) {
-    std::uint32_t* colors = band.colors.row(y).data();
-    float* inverse_z = band.inverse_z.row(y).data();
-    srgb_bytes_of(picture.color.row(y).data(), width, colors + 1);
-    inverses_of(picture.depth.row(y).data(), width, inverse_z + 1);
+    const std::size_t at = band.at(band.first + before + y);
+    std::uint32_t *colors = &band.colors[at], *objects = &band.objects[at];
+    float* inverse_z = &band.inverse_z[at];
+    srgb_bytes_of(picture.color.row(y).data(), width, colors);
+    inverses_of(picture.depth.row(y).data(), width, inverse_z);
+    if (picture.object.empty())
+      std::fill_n(objects, width, kNoObject);
+    else
+      std::copy_n(picture.object.row(y).data(), width, objects);
     // Beyond the picture is the same.
-    colors[0] = colors[1], colors[width + 1] = colors[width];
-    inverse_z[0] = inverse_z[1], inverse_z[width + 1] = inverse_z[width];
+    colors[-1] = colors[0], colors[width] = colors[width - 1];
+    inverse_z[-1] = inverse_z[0], inverse_z[width] = inverse_z[width - 1];
   });
-  const bool objects = !picture.object.empty();
-  parallel_for(0, keyframe.camera.height, [&](int y) {
+}
+
+// Rows [top, bottom) and columns [from, to) of the keyframe; the band begins `before` columns
+// before them.
+void take_over(const KeyframeBand& band, int top, int bottom, int from, int to, int before,
+               bool smooth, Keyframe& keyframe) {
+  const int last = 2 * keyframe.camera.height - 1;
+  parallel_for(top, bottom, [&](int y) {
+    float* inverse_z = keyframe.inverse_z.row(y).data() + from;
+    std::uint32_t* objects = keyframe.object.row(y).data() + from;
     if (keyframe.quarters()) {
       QuarterRows rows = {};
       for (int i = 0; i < 4; ++i) {
-        const int row = std::clamp(2 * y + i - 1, 0, height - 1);
-        rows.colors[i] = band.colors.row(row).data() + 1 + 2 * before;
-        rows.inverse_z[i] = band.inverse_z.row(row).data() + 1 + 2 * before;
+        const std::size_t at = band.at(std::clamp(2 * y + i - 1, 0, last)) + std::size_t(before);
+        rows.colors[i] = &band.colors[at], rows.inverse_z[i] = &band.inverse_z[at];
+        if (i == 1 || i == 2) rows.objects[i - 1] = &band.objects[at];
       }
-      for (int i = 0; i < 2 && objects; ++i)
-        rows.objects[i] = picture.object.row(2 * y + i).data() + 2 * before;
       join_quarters(rows, to - from, smooth,
                     {{keyframe.color.row(2 * y).data() + 2 * from,
                       keyframe.color.row(2 * y + 1).data() + 2 * from},
-                     keyframe.inverse_z.row(y).data() + from,
-                     keyframe.object.row(y).data() + from});
+                     inverse_z,
+                     objects});
       return;
     }
-    for (int x = from; x < to; ++x) {
-      const int column = x - from + before;
-      keyframe.color(x, y) = band.colors(1 + column, y) | kWholeTexel;
-      keyframe.object(x, y) = objects ? picture.object(column, y) : kNoObject;
-      keyframe.inverse_z(x, y) = band.inverse_z(1 + column, y);
-    }
+    const std::size_t at = band.at(y) + std::size_t(before);
+    std::copy_n(&band.inverse_z[at], to - from, inverse_z);
+    std::copy_n(&band.objects[at], to - from, objects);
+    for (int x = from; x < to; ++x)
+      keyframe.color(x, y) = band.colors[at + std::size_t(x - from)] | kWholeTexel;
   });
 }
 
@@ -98,32 +119,82 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   next_ = 0;
 }
 
-Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureControl* control) {
-  RILIEVO_EXPECTS(busy());
-  const int width = keyframe_.camera.width;
-  const int whole = (std::max(columns, 1) + kBand - 1) / kBand * kBand;
-  const int from = next_, to = std::min(from + whole, width);
-  const bool quarters = keyframe_.quarters();
-  const bool smooth = quarters && request_.samples == 4;
-  // With the sides of its quarters.
-  const int before = quarters && from > 0 ? 1 : 0, behind = quarters && to < width ? 1 : 0;
+bool KeyframeMaker::begin_parts(CaptureSource& source, const CaptureControl* control) {
+  if (!keyframe_.quarters() || request_.samples != 4 || request_.sky) return false;
+  if (parts_of_ != &source) parts_of_ = &source, parts_ = source.in_parts();
+  if (!parts_) return false;
+  CaptureRequest request = request_to_capture(control);
+  request.camera = band_of(keyframe_.camera, 0, keyframe_.camera.width, 2);
+  // Too large for it at once, or an error that a band has, too.
+  if (!parts_->begin(request)) return false;
+  band_.rows = 0, band_.first = 0;
+  rows_ = ranges_ = 0;
+  return true;
+}
+
+CaptureRequest KeyframeMaker::request_to_capture(const CaptureControl* control) const {
   CaptureRequest request;
-  request.camera = band_of(keyframe_.camera, from - before, to + behind, quarters ? 2 : 1);
   request.objects = request_.objects;
-  request.samples = quarters ? request_.samples / 4 : request_.samples;
+  request.samples = keyframe_.quarters() ? request_.samples / 4 : request_.samples;
   request.with_sky = !request_.sky;
   request.control = control;
   request.time = request_.time;
+  return request;
+}
+
+void KeyframeMaker::step_of_parts(int columns) {
+  const int width = keyframe_.camera.width, height = keyframe_.camera.height;
+  const bool last = next_ + columns >= width;
+  // Of the last step more than is left.
+  const int readable = parts_->advance(last ? 2 : double(columns) / width);
+  next_ = std::min(next_ + columns, width);
+  const int read = band_.first + band_.rows;
+  if (readable - read < kLeastRows && !last) return;
+  append(parts_->read(read, readable), band_);
+  // Those whose quarters have sides.
+  const int complete = readable == 2 * height ? height : (readable - 1) / 2;
+  take_over(band_, rows_, complete, 0, width, 0, true, keyframe_);
+  rows_ = complete;
+  keep_from(band_, std::max(2 * rows_ - 1, 0));
+  const int whole = rows_ == height ? height : rows_ / Keyframe::kRows * Keyframe::kRows;
+  find_ranges_of_rows(keyframe_, ranges_, whole);
+  ranges_ = whole;
+  RILIEVO_EXPECTS(!last || rows_ == height);
+}
+
+Result<> KeyframeMaker::step_of_bands(CaptureSource& source, int columns,
+                                      const CaptureControl* control) {
+  const int width = keyframe_.camera.width;
+  const int from = next_, to = std::min(from + columns, width);
+  const bool quarters = keyframe_.quarters();
+  // With the sides of its quarters.
+  const int before = quarters && from > 0 ? 1 : 0, behind = quarters && to < width ? 1 : 0;
+  CaptureRequest request = request_to_capture(control);
+  request.camera = band_of(keyframe_.camera, from - before, to + behind, quarters ? 2 : 1);
   Result<CapturedPicture> captured = source.capture(request);
   if (!captured) return captured.error();
   if (request_.sky) add_sky(*request_.sky, captured->picture);
-  take_over(captured->picture, from, to, before, smooth, band_, keyframe_);
+  band_.rows = 0, band_.first = 0;
+  append(captured->picture, band_);
+  take_over(band_, 0, keyframe_.camera.height, from, to, quarters ? 2 * before : before,
+            quarters && request_.samples == 4, keyframe_);
   // Of the segments that are complete now.
   const auto complete = [&](int column) {
     return column == width ? width : column / Keyframe::kColumns * Keyframe::kColumns;
   };
   find_ranges(keyframe_, complete(from), complete(to));
   next_ = to;
+  return Done{};
+}
+
+Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureControl* control) {
+  RILIEVO_EXPECTS(busy());
+  const int width = keyframe_.camera.width;
+  const int whole = (std::max(columns, 1) + kBand - 1) / kBand * kBand;
+  // All at once is what a source does at once.
+  if (next_ == 0) by_parts_ = whole < width && begin_parts(source, control);
+  if (!by_parts_) return step_of_bands(source, whole, control);
+  step_of_parts(whole);
   return Done{};
 }
 

@@ -1,17 +1,21 @@
-// Makes a keyframe band by band, by any capture source.
+// Makes a keyframe step by step, by any capture source: a part of it between two frames, and the
+// rest later.
 //
-// A band is a few columns, captured by a camera of their own: it can be made between two frames,
-// and the rest later. Columns, because each of them crosses the horizon, where most of a scene is:
-// of rows some would take many times as long as others. Colours have 1, 4 or 16 samples a texel.
-// A band is captured at twice the size, with a quarter of the samples: each quarter of a texel has
-// a colour, and of the four depths the second nearest stays, and the mean of those on its surface.
-// What the quarters show tells where silhouettes are; and where a frame's pixel lies between
-// texels, it is as sharp as if it lay on one. Quarters of one sample are smoothed a
-// little, within their surface: about as much as the width of a pixel does. One thread; the source
-// uses more.
+// A source that captures in parts (PictureInParts) gives one row after the other. Of others a few
+// columns are captured by a camera of their own. Columns, because each of them crosses the horizon,
+// where most of a scene is: of rows some would take many times as long as others. Work is measured
+// in columns either way. Colours have 1, 4 or 16 samples a texel.
+// A keyframe is captured at twice the size, with a quarter of the samples: each quarter of a texel
+// has a colour, and of the four depths the second nearest stays, and the mean of those on its
+// surface. What the quarters show tells where silhouettes are; and where a frame's pixel lies
+// between texels, it is as sharp as if it lay on one. Quarters of one sample are smoothed a little,
+// within their surface: about as much as the width of a pixel does. One thread; the source uses
+// more.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -40,10 +44,16 @@ struct KeyframeRequest {
   std::span<const std::uint32_t> left_out = {};
 };
 
-// A band as it was captured, with a column more on either side.
+// Some rows of a picture as it was captured, from `first` on, with a column more on either side.
 struct KeyframeBand {
-  Image<std::uint32_t> colors;  // sRGB bytes
-  Image<float> inverse_z;
+  int width = 0, first = 0, rows = 0;
+  std::vector<std::uint32_t> colors;  // sRGB bytes
+  std::vector<float> inverse_z;
+  std::vector<std::uint32_t> objects;
+
+  [[nodiscard]] std::size_t stride() const { return std::size_t(width) + 2; }
+  // Of column 0 of a row.
+  [[nodiscard]] std::size_t at(int row) const { return std::size_t(row - first) * stride() + 1; }
 };
 
 // A keyframe that is being made.
@@ -58,20 +68,32 @@ class KeyframeMaker {
 
   // The columns of a band are a multiple.
   static constexpr int kBand = 16;
-  // Makes the next columns (rounded up to a multiple of kBand). Requires busy(). Fails where the
-  // source does.
+  // Makes the next columns (rounded up to a multiple of kBand), or as much of the work. Requires
+  // busy(). Fails where the source does.
   Result<> step(CaptureSource& source, int columns, const CaptureControl* control = nullptr);
   // The complete keyframe. Requires that it was begun and is not busy().
   [[nodiscard]] Keyframe take();
   // Stops; returns its memory.
   [[nodiscard]] Keyframe give_up();
 
+  // Is it captured in parts? Steps may be small then.
+  [[nodiscard]] bool in_parts() const { return by_parts_; }
+
  private:
+  [[nodiscard]] CaptureRequest request_to_capture(const CaptureControl* control) const;
+  [[nodiscard]] bool begin_parts(CaptureSource& source, const CaptureControl* control);
+  void step_of_parts(int columns);
+  Result<> step_of_bands(CaptureSource& source, int columns, const CaptureControl* control);
+
   KeyframeRequest request_;
   std::vector<std::uint32_t> objects_;
   Keyframe keyframe_;
   KeyframeBand band_;
   int next_ = 1 << 30;  // column
+  const CaptureSource* parts_of_ = nullptr;
+  std::unique_ptr<PictureInParts> parts_;  // null: parts_of_ has none
+  bool by_parts_ = false;                  // this keyframe is
+  int rows_ = 0, ranges_ = 0;              // rows of texels that are complete, and with ranges
 };
 
 // All at once.

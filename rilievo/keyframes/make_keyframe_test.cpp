@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "rilievo/capture/forwarding_source.h"
 #include "rilievo/capture/raster_source.h"
 #include "rilievo/core/color.h"
 #include "rilievo/core/random.h"
@@ -94,6 +95,73 @@ TEST(MakeKeyframe, BandsAreTheSameAsAllAtOnceButForTheRoundingOfTheirCameras) {
     others += key.object.texels()[i] != whole->object.texels()[i];
   EXPECT_LE(others, int(key.object.texels().size()) / 2000);
   expect_ranges(key);
+}
+
+// A source that captures at once, whatever the other one can do.
+struct AtOnce final : ForwardingSource {
+  using ForwardingSource::ForwardingSource;
+};
+
+TEST(MakeKeyframe, PartsAreTheSameAsAllAtOnce) {
+  MakerStage stage;
+  KeyframeMaker maker;
+  KeyframeRequest request{keyframe_camera(stage.frame, 1.2), {}, 4};
+  // The maker keeps its memory: a smaller one, and one of some objects, come after a large one.
+  const std::vector<std::uint32_t> some = {0, 2, 3, 5, 8};
+  for (int round = 0; round < 3; ++round) {
+    if (round == 1) request.objects = some;
+    if (round == 2) request.camera = keyframe_camera(stage.frame, 1);
+    const auto whole = make_keyframe(stage.source, request);
+    ASSERT_TRUE(whole);
+    maker.begin(request);
+    while (maker.busy()) ASSERT_TRUE(maker.step(stage.source, 16));
+    EXPECT_TRUE(maker.in_parts());
+    const Keyframe key = maker.take();
+    // Of surfaces that are equally near the first one stays, and near objects come first.
+    int others = 0;
+    for (std::size_t i = 0; i < key.object.texels().size(); ++i)
+      others += key.object.texels()[i] != whole->object.texels()[i];
+    EXPECT_LE(others, int(key.object.texels().size()) / 5000);
+    int colors = 0;
+    for (std::size_t i = 0; i < key.color.texels().size(); ++i)
+      colors += most_apart(key.color.texels()[i], whole->color.texels()[i]) > 1;
+    EXPECT_LE(colors, int(key.color.texels().size()) / 2000);
+    expect_ranges(key);
+  }
+}
+
+TEST(MakeKeyframe, OfASourceWithoutPartsBandsAreCaptured) {
+  MakerStage stage;
+  AtOnce source(stage.source);
+  const KeyframeRequest request{keyframe_camera(stage.frame, 1.2), {}, 4};
+  KeyframeMaker maker;
+  maker.begin(request);
+  while (maker.busy()) ASSERT_TRUE(maker.step(source, 48));
+  EXPECT_FALSE(maker.in_parts());
+  const Keyframe key = maker.take();
+  const auto whole = make_keyframe(source, request);
+  int others = 0;
+  for (std::size_t i = 0; i < key.object.texels().size(); ++i)
+    others += key.object.texels()[i] != whole->object.texels()[i];
+  EXPECT_LE(others, int(key.object.texels().size()) / 2000);
+  expect_ranges(key);
+}
+
+TEST(MakeKeyframe, WhatIsTooLargeForPartsIsCapturedInBands) {
+  MakerStage stage;
+  KeyframeMaker maker;
+  Camera camera = keyframe_camera(stage.frame, 1);
+  camera.width = 2100, camera.height = 20;
+  maker.begin({camera, {}, 4});
+  while (maker.busy()) ASSERT_TRUE(maker.step(stage.source, 700));
+  EXPECT_FALSE(maker.in_parts());
+  expect_ranges(maker.take());
+  // What cannot be captured either way says why.
+  camera.height = 4000;
+  maker.begin({camera, {}, 4});
+  const Result<> made = maker.step(stage.source, 16);
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().reason.find("texels a side"), std::string::npos);
 }
 
 TEST(MakeKeyframe, SixteenSamplesKeepTheSecondNearestOfFourDepths) {

@@ -25,16 +25,16 @@ void FrameRaster::keep_farthest() {
   for (RasterInstance& instance : instances_) rilievo::keep_farthest(instance);
 }
 
-void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) {
+void FrameRaster::begin(const Camera& camera, int samples, NearPlane near_plane) {
   raster_.begin(camera.width, camera.height, samples);
+  next_instance_ = 0, next_triangle_ = 0;
+  work_.clear();
+  cut_.clear();
   if (near_plane == NearPlane::clamps) {
     for (RasterInstance& instance : instances_) instance.strokes.clamps = true;
-    raster_.draw(instances_);
-    work_.assign(raster_.work().begin(), raster_.work().end());
     return;
   }
   near_clip_.clear();
-  cut_.clear();
   instances_.resize(placed_.size());  // without the pieces of the last time
   const float z_near = float(camera.z_near);
   for (std::size_t i = 0; i < placed_.size(); ++i)
@@ -44,6 +44,10 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
       if (near_clip_.cut(*placed_[i].mesh, camera.width, camera.height, z_near, instances_[i]))
         cut_.push_back(i);
   instances_.insert(instances_.end(), near_clip_.instances().begin(), near_clip_.instances().end());
+}
+
+void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) {
+  begin(camera, samples, near_plane);
   raster_.draw(instances_);
   const std::span<const MeshWork> work = raster_.work();
   work_.assign(work.begin(), work.begin() + std::ptrdiff_t(placed_.size()));
@@ -51,6 +55,33 @@ void FrameRaster::fill(const Camera& camera, int samples, NearPlane near_plane) 
     const MeshWork& piece = work[placed_.size() + i];
     work_[cut_[i]].projected += piece.projected, work_[cut_[i]].filled += piece.filled;
   }
+}
+
+bool FrameRaster::fill_some(std::uint64_t triangles) {
+  constexpr std::uint32_t kPiece = SampleRaster::kPiece;
+  some_.clear();
+  for (std::uint64_t taken = 0; taken < triangles && next_instance_ < instances_.size();) {
+    RasterInstance part = instances_[next_instance_];
+    const std::uint32_t first = next_triangle_, left = part.triangles - first;
+    const std::uint64_t wanted = (triangles - taken + kPiece - 1) / kPiece * kPiece;
+    part.triangles = std::uint32_t(std::min<std::uint64_t>(left, wanted));
+    part.indices += std::size_t(first) * corners_of(part.primitive);
+    part.first_triangle += first;
+    if (part.numbers) part.numbers += first;
+    if (!part.boxes.empty())
+      part.boxes = part.boxes.subspan(first / kPiece, (part.triangles + kPiece - 1) / kPiece);
+    taken += part.triangles, next_triangle_ += part.triangles;
+    if (part.triangles == left) ++next_instance_, next_triangle_ = 0;
+    if (part.triangles > 0) some_.push_back(part);
+  }
+  raster_.draw(some_);
+  return next_instance_ < instances_.size();
+}
+
+std::uint64_t FrameRaster::triangles() const {
+  std::uint64_t sum = 0;
+  for (const RasterInstance& instance : instances_) sum += instance.triangles;
+  return sum;
 }
 
 Result<> FrameRaster::find_visible(const Camera& camera, int samples, const PlacedScene& scene,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -30,7 +31,11 @@ enum class NearPlane {
 class FrameRaster final : public FrameVisibility {
  public:
   // `scene` must be valid and outlive the object. Makes the mip levels of its textures.
-  explicit FrameRaster(const Scene& scene) : scene_(scene), materials_(scene) {}
+  explicit FrameRaster(const Scene& scene)
+      : FrameRaster(scene, std::make_shared<SurfaceMaterials>(scene)) {}
+  // Shares the scene's materials with another one.
+  FrameRaster(const Scene& scene, std::shared_ptr<const SurfaceMaterials> materials)
+      : scene_(scene), materials_(std::move(materials)) {}
 
   // Places the opaque and masked parts of `objects` by `poses` (of all objects), in this order.
   void place(const Camera& camera, std::span<const std::uint32_t> objects,
@@ -38,7 +43,7 @@ class FrameRaster final : public FrameVisibility {
   // The same in two steps. Any thread may call find_places() while one thread rasterises.
   void find_places(const Camera& camera, std::span<const std::uint32_t> objects,
                    std::span<const glm::mat4> poses, std::vector<PlacedMesh>& placed) const {
-    place_meshes(scene_, materials_, camera.position(), objects, poses, placed);
+    place_meshes(scene_, *materials_, camera.position(), objects, poses, placed);
   }
   void place(const Camera& camera, std::span<const PlacedMesh> placed);
   // Makes fill() find the farthest surfaces, back faces included, with a depth of 1 - window_z.
@@ -48,6 +53,12 @@ class FrameRaster final : public FrameVisibility {
   // Rasterises the parts that are placed, with 1 or 4 samples. Requires frames of at most
   // SampleRaster::kMaxSize texels a side.
   void fill(const Camera& camera, int samples, NearPlane near_plane);
+  // The same in parts: begin(), then fill_some() with about so many more triangles at a time, until
+  // none is left, which it returns. The result is that of fill(), work() is not known.
+  void begin(const Camera& camera, int samples, NearPlane near_plane);
+  bool fill_some(std::uint64_t triangles);
+  // How many triangles are placed.
+  [[nodiscard]] std::uint64_t triangles() const;
 
   // Places the opaque and masked parts of `objects`, front to back, and of those that fade within
   // their ranges, and rasterises with 1 or 4 samples. Fails if the frame has more than
@@ -61,11 +72,13 @@ class FrameRaster final : public FrameVisibility {
   [[nodiscard]] const SampleBuffer& seen() const override { return raster_.seen(); }
   [[nodiscard]] std::span<const PlacedMesh> meshes() const override { return placed_; }
   [[nodiscard]] std::span<const MeshWork> work() const override { return work_; }
-  [[nodiscard]] const SurfaceMaterials& materials() const { return materials_; }
+  [[nodiscard]] const std::shared_ptr<const SurfaceMaterials>& materials() const {
+    return materials_;
+  }
 
  private:
   const Scene& scene_;
-  SurfaceMaterials materials_;
+  std::shared_ptr<const SurfaceMaterials> materials_;
   std::vector<std::pair<double, std::uint32_t>> nearest_first_;
   std::vector<std::uint32_t> objects_;
   std::vector<PlacedMesh> placed_;
@@ -74,6 +87,9 @@ class FrameRaster final : public FrameVisibility {
   std::vector<Light> lights_;
   NearClip near_clip_;
   std::vector<std::size_t> cut_;  // the meshes whose pieces these are
+  std::vector<RasterInstance> some_;
+  std::size_t next_instance_ = 0;    // of fill_some()
+  std::uint32_t next_triangle_ = 0;  // of that instance
   std::vector<MeshWork> work_;
   SampleRaster raster_;
 };

@@ -10,7 +10,6 @@ namespace rilievo {
 struct PictureRasterizer::State {
   FrameRaster raster;
   PictureShader shader;
-  ObjectPicture centers;
   std::vector<float> farthest;
 
   explicit State(const Scene& scene) : raster(scene) {}
@@ -87,7 +86,11 @@ void PictureRasterizer::draw_objects(const Camera& camera, std::span<const std::
   identify(raster.seen(), raster.meshes(), picture);
 }
 
-std::size_t PictureRasterizer::texture_bytes() const { return state_->raster.materials().bytes(); }
+const std::shared_ptr<const SurfaceMaterials>& PictureRasterizer::materials() const {
+  return state_->raster.materials();
+}
+
+std::size_t PictureRasterizer::texture_bytes() const { return state_->raster.materials()->bytes(); }
 
 void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t> objects,
                              std::span<const glm::mat4> poses, int samples,
@@ -115,16 +118,9 @@ DepthImage PictureRasterizer::capture(const Camera& camera, std::span<const std:
   // Depth and identifiers at the texels' centres, where they mean one surface ...
   raster.place(camera, objects, poses);
   raster.fill(camera, 1, NearPlane::cuts);
-  ObjectPicture& centers = state_->centers;
-  identify(raster.seen(), raster.meshes(), centers);
   DepthImage picture;
   picture.camera = camera;
-  picture.depth = eye_z_from_window_z(centers.depth, camera);
-  picture.object = Image<std::uint32_t>(camera.width, camera.height);
-  const auto width = std::size_t(camera.width);
-  for (int y = 0; y < camera.height; ++y)
-    std::copy_n(centers.object.begin() + std::ptrdiff_t(std::size_t(y) * width), width,
-                picture.object.row(camera.height - 1 - y).begin());
+  identify(raster.seen(), raster.meshes(), 0, picture);
   // ... and the colour of that surface, averaged over the texel.
   const auto linear_view = [&] {
     PictureView view = raster.view(camera);

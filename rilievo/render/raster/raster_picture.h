@@ -77,6 +77,8 @@ class PictureRasterizer {
   void draw_farthest(const Camera& camera, std::span<const std::uint32_t> objects,
                      std::span<const glm::mat4> poses, std::vector<float>& depth);
 
+  // The scene's materials, which others may share.
+  [[nodiscard]] const std::shared_ptr<const SurfaceMaterials>& materials() const;
   // The memory of mip levels, beyond the Scene's own textures.
   [[nodiscard]] std::size_t texture_bytes() const;
 

@@ -60,6 +60,33 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
   });
 }
 
+void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes, int first,
+              DepthImage& picture) {
+  RILIEVO_EXPECTS(samples.samples == 1);
+  const Camera& camera = picture.camera;
+  const double near = 1 / camera.z_near, per_z = 1 / camera.z_near - 1 / camera.z_far;
+  picture.depth = Image<float>(samples.width, camera.height);
+  picture.object = Image<std::uint32_t>(samples.width, camera.height);
+  parallel_for(0, camera.height, [&](int y) {
+    const int row = first + camera.height - 1 - y;
+    const float* depths = samples.depths(row);
+    const std::uint32_t* triangles = samples.triangles(row);
+    float* eye_z = picture.depth.row(y).data();
+    std::uint32_t* object = picture.object.row(y).data();
+    const PlacedMesh* mesh = nullptr;  // of the last triangle, and mostly of the next one
+    for (int x = 0; x < samples.width; ++x) {
+      if (depths[x] >= 1) {
+        eye_z[x] = kNoDepth, object[x] = kNoObject;
+        continue;
+      }
+      if (!mesh || triangles[x] - mesh->first_triangle >= mesh->triangles)
+        mesh = &meshes[mesh_of_triangle(meshes, triangles[x])];
+      eye_z[x] = float(1 / (near - double(depths[x]) * per_z));
+      object[x] = mesh->object + 1;
+    }
+  });
+}
+
 struct PictureShader::State {
   tbb::enumerable_thread_specific<BandShader> shaders;
 };
@@ -70,12 +97,11 @@ PictureShader& PictureShader::operator=(PictureShader&&) noexcept = default;
 PictureShader::~PictureShader() = default;
 
 void PictureShader::shade(
-    const PictureView& view,
+    const PictureView& view, int first, int last,
     const std::function<void(const BandShader& shaded, int from, int to)>& write) {
   constexpr int kBand = BandShader::kBand;
-  const int height = view.samples.height;
-  parallel_for(0, (height + kBand - 1) / kBand, [&](int band) {
-    const int from = band * kBand, to = std::min(from + kBand, height);
+  parallel_for(0, (last - first + kBand - 1) / kBand, [&](int band) {
+    const int from = first + band * kBand, to = std::min(from + kBand, last);
     BandShader& shader = state_->shaders.local();
     shader.shade(view, from, to);
     write(shader, from, to);
@@ -103,24 +129,27 @@ void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
   });
 }
 
-void PictureShader::shade(const PictureView& view, DepthImage& picture, bool with_sky) {
+void PictureShader::shade(const PictureView& view, DepthImage& picture, bool with_sky, int first) {
   RILIEVO_EXPECTS(view.scene.scale == ColorScale::linear);
-  const int columns = view.samples.width, last = view.samples.height - 1;  // rows from the top
-  picture.color = ColorImage(columns, last + 1);
+  const int columns = view.samples.width, height = picture.camera.height;
+  picture.color = ColorImage(columns, height);
   const std::size_t width = std::size_t(columns);
   const float share = 1.0f / float(view.samples.samples);
   const SkyRays sky(picture.camera);
-  shade(view, [&](const BandShader& shaded, int from, int to) {
-    for (int y = from; y < to; ++y)
+  shade(view, first, first + height, [&](const BandShader& shaded, int from, int to) {
+    for (int row = from; row < to; ++row) {
+      const int y = first + height - 1 - row;  // rows from the top
       for (int x = 0; x < columns; ++x) {
-        const std::size_t i = std::size_t(y - from) * width + std::size_t(x);
-        if (!with_sky && !picture.covered(x, last - y)) continue;
-        glm::vec4& color = picture.color(x, last - y);
+        const std::size_t i = std::size_t(row - from) * width + std::size_t(x);
+        if (!with_sky && !picture.covered(x, y)) continue;
+        glm::vec4& color = picture.color(x, y);
         color = share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
         if (with_sky && color.a < 1)
-          color = glm::vec4(
-              glm::vec3(color) + (1 - color.a) * sky.radiance(view.scene.lights.sky, x, y), 1.0f);
+          color = glm::vec4(glm::vec3(color) +
+                                (1 - color.a) * sky.radiance(view.scene.lights.sky, x, row - first),
+                            1.0f);
       }
+    }
   });
 }
 

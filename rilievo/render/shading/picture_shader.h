@@ -42,6 +42,12 @@ struct ObjectPicture {
 void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
               ObjectPicture& picture);
 
+// Sets depths (eye_z) and objects of a picture whose rows are those of the samples from row `first`
+// on, rows from the bottom. Requires the picture's camera, which is a perspective one, and one
+// sample per texel.
+void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes, int first,
+              DepthImage& picture);
+
 // Shades pictures on all cores. Keeps its buffers.
 class PictureShader {
  public:
@@ -52,13 +58,19 @@ class PictureShader {
 
   // Calls write(shaded, from, to) for bands of rows [from, to), by any thread, in any order.
   void shade(const PictureView& view,
+             const std::function<void(const BandShader& shaded, int from, int to)>& write) {
+    shade(view, 0, view.samples.height, write);
+  }
+  // Of rows [first, last) only.
+  void shade(const PictureView& view, int first, int last,
              const std::function<void(const BandShader& shaded, int from, int to)>& write);
   // Fills the picture. Requires ColorScale::srgb.
   void shade(const PictureView& view, RasterPicture& picture);
   // Sets the colours: coverage in alpha; 0 where the depth, which must be there, is kNoDepth. Or,
   // `with_sky`: whatever no surface covers of a texel shows the sky of view.lights, and alpha is 1.
-  // Requires ColorScale::linear, and the picture's camera.
-  void shade(const PictureView& view, DepthImage& picture, bool with_sky = false);
+  // Requires ColorScale::linear, and the picture's camera. The picture's rows are those of the
+  // samples from row `first` on, rows from the bottom.
+  void shade(const PictureView& view, DepthImage& picture, bool with_sky = false, int first = 0);
 
  private:
   struct State;

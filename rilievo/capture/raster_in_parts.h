@@ -1,0 +1,43 @@
+// Pictures by the library's rasteriser, in parts. Internal to capture.
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "rilievo/capture/capture_source.h"
+#include "rilievo/render/placed_scene.h"
+#include "rilievo/render/raster/frame_raster.h"
+#include "rilievo/render/shading/picture_shader.h"
+
+namespace rilievo {
+
+// Fails where the rasteriser cannot capture this; `name`: of the source.
+[[nodiscard]] Result<> can_rasterize(const CaptureRequest& request, std::string_view name);
+
+// Rasterises object after object, near ones first, then shades rows.
+class RasterInParts final : public PictureInParts {
+ public:
+  // `placed` must outlive it.
+  RasterInParts(const PlacedScene& placed, std::shared_ptr<const SurfaceMaterials> materials)
+      : placed_(placed), raster_(placed.scene(), std::move(materials)) {}
+
+  // Requires one sample a texel.
+  Result<> begin(const CaptureRequest& request) override;
+  int advance(double share) override;
+  [[nodiscard]] DepthImage read(int from, int to) override;
+
+ private:
+  const PlacedScene& placed_;
+  FrameRaster raster_;
+  PictureShader shader_;
+  Camera camera_;
+  bool with_sky_ = false, identifiers_ = true, found_ = false;
+  double work_ = 0, left_to_find_ = 0;  // in triangles
+  double rows_ = 0;                     // that can be read
+  std::vector<std::uint32_t> visible_;
+  std::vector<std::pair<double, std::uint32_t>> nearest_first_;
+};
+
+}  // namespace rilievo
