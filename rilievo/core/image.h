@@ -23,6 +23,13 @@ class Image {
     RILIEVO_EXPECTS_GE(height, 0);
   }
 
+  // Sets the size. Keeps its memory where that suffices; what the texels are is not specified.
+  void resize(int width, int height) {
+    RILIEVO_EXPECTS(width >= 0 && height >= 0);
+    width_ = width, height_ = height;
+    texels_.resize(std::size_t(width) * std::size_t(height));
+  }
+
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
   [[nodiscard]] bool empty() const noexcept { return texels_.empty(); }

@@ -11,11 +11,6 @@ namespace {
 
 int parts(int whole, int part) { return (whole + part - 1) / part; }
 
-template <class T>
-void set_size(Image<T>& image, int width, int height) {
-  if (image.width() != width || image.height() != height) image = Image<T>(width, height);
-}
-
 // The ranges of a block, and of its segments.
 void find_block(Keyframe& keyframe, int column, int row) {
   const int top = row * Keyframe::kRows,
@@ -49,11 +44,11 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters) {
   const int width = camera.width, height = camera.height;
   keyframe.camera = camera;
   keyframe.left_out.clear(), keyframe.hidden.clear();
-  set_size(keyframe.color, quarters ? 2 * width : width, quarters ? 2 * height : height);
-  set_size(keyframe.inverse_z, width, height);
-  set_size(keyframe.object, width, height);
-  set_size(keyframe.segments, parts(width, Keyframe::kColumns), height);
-  set_size(keyframe.blocks, keyframe.segments.width(), parts(height, Keyframe::kRows));
+  keyframe.color.resize(quarters ? 2 * width : width, quarters ? 2 * height : height);
+  keyframe.inverse_z.resize(width, height);
+  keyframe.object.resize(width, height);
+  keyframe.segments.resize(parts(width, Keyframe::kColumns), height);
+  keyframe.blocks.resize(keyframe.segments.width(), parts(height, Keyframe::kRows));
 }
 
 void find_ranges(Keyframe& keyframe, int from, int to) {

@@ -59,7 +59,7 @@ struct Keyframe {
   Image<InverseRange> segments, blocks;
 };
 
-// Gives the keyframe the size of its camera. Does not allocate if it has that size already.
+// Gives the keyframe the size of its camera. Does not allocate if it was as large before.
 void resize(Keyframe& keyframe, const Camera& camera, bool quarters = false);
 // Hides the texels of these objects (ascending), and shows those that were hidden and are not among
 // them. The ranges of depth follow.

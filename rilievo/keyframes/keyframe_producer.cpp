@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "rilievo/core/expects.h"
-#include "rilievo/core/stopwatch.h"
 #include "rilievo/keyframes/weigh_keyframes.h"
 
 namespace rilievo {
@@ -249,8 +248,7 @@ Result<> KeyframeProducer::work_beside() {
 }
 
 // Makes a part of a keyframe; returns how many columns.
-Result<int> KeyframeProducer::step(const Columns& columns) {
-  const Stopwatch watch;
+Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watch) {
   const int before = maker_.columns_left();
   const bool by_clock = options_.keyframe_ms > 0;
   for (bool first = true; first || maker_.in_parts(); first = false) {
@@ -271,6 +269,7 @@ Result<> KeyframeProducer::work() {
   const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     spare_.push_back(maker_.give_up());
+  const Stopwatch watch;
   if (!maker_.busy()) {
     const int width = keyframe_camera(frame_, margin()).width;
     const Camera eye = prediction_.after(2.0 * ((width + columns.expected - 1) / columns.expected));
@@ -280,8 +279,7 @@ Result<> KeyframeProducer::work() {
     begin(eye);
     made_ms_ = 0, made_columns_ = 0;
   }
-  const Stopwatch watch;
-  const Result<int> made = step(columns);
+  const Result<int> made = step(columns, watch);
   if (!made) return made.error();
   const double ms = watch.ms();
   done_.ms += ms;

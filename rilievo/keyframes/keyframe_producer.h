@@ -22,6 +22,7 @@
 #include "rilievo/capture/capture_source.h"
 #include "rilievo/core/background.h"
 #include "rilievo/core/result.h"
+#include "rilievo/core/stopwatch.h"
 #include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/make_keyframe.h"
 #include "rilievo/keyframes/near_objects.h"
@@ -94,7 +95,7 @@ class KeyframeProducer {
     int least, most, expected;
   };
   [[nodiscard]] Columns columns_a_frame() const;
-  Result<int> step(const Columns& columns);
+  Result<int> step(const Columns& columns, const Stopwatch& watch);
   void note_cost(double ms, int columns);
 
   CaptureSource &source_, &quick_;
