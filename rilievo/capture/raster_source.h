@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "rilievo/capture/capture_source.h"
@@ -29,6 +30,10 @@ class RasterSource final : public CaptureSource {
   [[nodiscard]] Result<CapturedPicture> capture(const CaptureRequest& request) override;
   // Object after object, near ones first, then row after row. Poses are those of begin().
   [[nodiscard]] std::unique_ptr<PictureInParts> in_parts() override;
+  // The scene's materials, which others may share.
+  [[nodiscard]] const std::shared_ptr<const SurfaceMaterials>& materials() const {
+    return rasterizer_.materials();
+  }
   [[nodiscard]] const Scene* scene() const override { return &placed_.scene(); }
 
  private:

@@ -191,7 +191,11 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     ++done_.coarse;
   } else {
     begin(frame_);
-    if (Result<> made = maker_.step(source_, 1 << 20); !made) return made.error();
+    // In two steps: a source that captures in parts takes its memory now, not when frames are
+    // timed.
+    while (maker_.busy())
+      if (Result<> made = maker_.step(source_, maker_.camera().width / 2); !made)
+        return made.error();
     add(maker_.take());
     ++done_.completed;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "rilievo/keyframes/software/keyframe_tiles.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
 #include "rilievo/render/raster/blended_tiles.h"
+#include "rilievo/render/raster/frame_raster.h"
 #include "rilievo/render/raster/polygon_tiles.h"
 #include "rilievo/render/rays/ray_scene.h"
 #include "rilievo/render/software/sky_tiles.h"
@@ -79,7 +81,7 @@ struct KeyframeFrames::State {
   Image<float> cover;  // of polygons
   Image<std::uint32_t> shown;
   KeyframeTiles keyframe_tiles;
-  PolygonTiles polygons;
+  std::optional<PolygonTiles> polygons;
   SkyTiles sky;
   BlendedTiles blended;
   std::vector<std::uint32_t> in_view, still, live, blended_in_view;
@@ -108,7 +110,6 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       polygon(scene.objects.size()),
       target(1, 1, options.samples),
       keyframe_tiles(rays),
-      polygons(scene),
       sky(scene.sky),
       blended(scene) {}
 
@@ -129,6 +130,9 @@ void KeyframeFrames::State::make_producer() {
   if (!source && options.by == KeyframesBy::raster) {
     source = &raster_source.emplace(placed);
     near.emplace(placed, objects, options.near);
+    polygons.emplace(scene, std::make_unique<FrameRaster>(scene, raster_source->materials()));
+  } else {
+    polygons.emplace(scene);
   }
   if (!source) source = &ray_source;
   if (!any_moves) objects.clear();  // all: sources leave out what they do not see
@@ -176,10 +180,11 @@ float KeyframeFrames::State::nearest_of(std::span<const std::uint32_t> objects) 
 Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyframes) {
   const Stopwatch watch;
   find_view();
-  if (Result<> done = polygons.place(camera, options.samples, placed, live, {}); !done) return done;
+  if (Result<> done = polygons->place(camera, options.samples, placed, live, {}); !done)
+    return done;
   WarpCover covers{&cover};
   if (!live.empty()) {
-    polygons.find_cover(camera, cover);
+    polygons->find_cover(camera, cover);
     covers.nearest = nearest_of(still);
   }
   const double polygons_ms = watch.ms();
@@ -233,12 +238,12 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
     s.drawers.push_back(&s.keyframe_tiles);
   } else {
     s.find_view();
-    if (Result<> done = s.polygons.place(camera, s.options.samples, s.placed, s.live, {}); !done)
+    if (Result<> done = s.polygons->place(camera, s.options.samples, s.placed, s.live, {}); !done)
       return done;
   }
   const Stopwatch tiles;
   s.shares.live = int(s.live.size());
-  if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&s.polygons, &s.polygons.shading()});
+  if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&*s.polygons, &s.polygons->shading()});
   s.sky.place(camera);
   s.drawers.push_back(&s.sky);
   if (s.warps) s.drawers.push_back(&s.keyframe_tiles.sky());
@@ -292,8 +297,8 @@ Result<> KeyframeFrames::draw_objects() {
     s.keyframe_tiles.place_objects(s.camera, s.warped, s.shown, s.still);
     s.drawers.push_back(&s.keyframe_tiles);
   }
-  if (Result<> done = s.polygons.place_objects(s.camera, s.placed, s.live, {}); !done) return done;
-  if (!s.live.empty()) s.drawers.push_back(&s.polygons);
+  if (Result<> done = s.polygons->place_objects(s.camera, s.placed, s.live, {}); !done) return done;
+  if (!s.live.empty()) s.drawers.push_back(&*s.polygons);
   s.target.draw_objects(s.camera.z_far, s.drawers);
   return Done{};
 }
