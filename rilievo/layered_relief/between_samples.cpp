@@ -70,6 +70,7 @@ std::optional<std::size_t> Lattice::beside(int x, int y, std::size_t sample, int
 }  // namespace
 
 void each_place_between(const SampleSides& sides, double spacing,
+                        const std::function<bool(std::size_t sample)>& of,
                         const std::function<void(const PlaceBetween&)>& visit) {
   const Lattice lattice(sides);
   const LayeredDepthImage& layers = sides.layers();
@@ -108,7 +109,7 @@ void each_place_between(const SampleSides& sides, double spacing,
     for (int x = 0; x < layers.camera.width; ++x)
       for (std::size_t s = layers.first[lattice.line(x, y)];
            s < layers.first[lattice.line(x, y) + 1]; ++s)
-        if (sides.is_closed(s)) between(x, y, s);
+        if (sides.is_closed(s) && of(s)) between(x, y, s);
 }
 
 }  // namespace rilievo

@@ -19,13 +19,14 @@ struct PlaceBetween {
   glm::vec4 color{0};  // a mean of theirs
 };
 
-// Calls visit(place) for places between neighbouring samples that lie on one surface: of one closed
-// object, with normals that agree, each in the plane of the other within kOnePlane texels.
-// Neighbouring places, and those beside the samples, are at most `spacing` apart. Surfaces of what
-// is not closed, such as leaves, are as wide as the gaps between them: there is nothing sure to lie
-// between their samples.
+// Calls visit(place) for places beside the samples that `of` wants, between neighbouring samples
+// that lie on one surface: of one closed object, with normals that agree, each in the plane of the
+// other within kOnePlane texels. Neighbouring places, and those beside the samples, are at most
+// `spacing` apart. Surfaces of what is not closed, such as leaves, are as wide as the gaps between
+// them: there is nothing sure to lie between their samples.
 inline constexpr double kOnePlane = 0.3;
 void each_place_between(const SampleSides& sides, double spacing,
+                        const std::function<bool(std::size_t sample)>& of,
                         const std::function<void(const PlaceBetween&)>& visit);
 
 }  // namespace rilievo

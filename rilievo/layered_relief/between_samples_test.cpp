@@ -40,8 +40,9 @@ Places places_between(const Scene& scene, double spacing_texels) {
       }
   }
   for (const LayeredDepthImage* layers : all)
-    each_place_between(SampleSides(*layers, closed), spacing_texels * out.texel,
-                       [&](const PlaceBetween& place) { out.between.push_back(place.world); });
+    each_place_between(
+        SampleSides(*layers, closed), spacing_texels * out.texel, [](std::size_t) { return true; },
+        [&](const PlaceBetween& place) { out.between.push_back(place.world); });
   out.all.insert(out.all.end(), out.between.begin(), out.between.end());
   return out;
 }

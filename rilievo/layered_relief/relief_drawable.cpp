@@ -235,8 +235,8 @@ class ReliefFactory final : public DrawableFactory {
                                            const OptionValues&) const override {
     const ReliefCaptureOptions options = relief_capture_options(bake);
     // Half of a texture shows something, two surfaces on each line of sight; 32 bytes a sample.
-    // What the textures share is three quarters as much again, of closed bodies twice as much.
-    const std::size_t bytes = options.share_texels > 0 ? 96 : 32;
+    // What the textures share is three quarters as much again.
+    const std::size_t bytes = options.share_texels > 0 ? 56 : 32;
     return std::size_t(options.textures) * std::size_t(options.size) * std::size_t(options.size) *
            bytes;
   }

@@ -251,8 +251,8 @@ class Lacking {
   }
   // What lies between these.
   void add_between(const SampleSides& sides, std::uint32_t source, int turn, double spacing) {
-    each_place_between(sides, spacing, [&](const PlaceBetween& place) {
-      if (!is_turn(sides, place.sample, turn)) return;
+    const auto of = [&](std::size_t s) { return is_turn(sides, s, turn); };
+    each_place_between(sides, spacing, of, [&](const PlaceBetween& place) {
       Known known = known_of(sides, source, place.sample);
       known.sample.color = place.color;
       add(known, place.world);

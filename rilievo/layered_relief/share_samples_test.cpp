@@ -216,8 +216,10 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen_or
   known = seen;
   const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
   for (const LayeredDepthImage* layers : all)
-    each_place_between(SampleSides(*layers, closed), kBetween * texel_angle(layers->camera),
-                       [&](const PlaceBetween& place) { known.push_back(place.world); });
+    each_place_between(
+        SampleSides(*layers, closed), kBetween * texel_angle(layers->camera),
+        [](std::size_t) { return true; },
+        [&](const PlaceBetween& place) { known.push_back(place.world); });
   for (std::size_t k = 0; k < after.pictures.size(); ++k) {
     const ReliefPictures::Picture& picture = after.pictures[k];
     EXPECT_TRUE(validate(picture.layers).ok());
@@ -292,9 +294,11 @@ std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pi
   }
   for (std::size_t n = 0; n < SampleSides::kTurns * count; ++n) {
     const SampleSides sides(pictures.pictures[n % count].layers, closed);
-    each_place_between(sides, kBetween * texel, [&](const PlaceBetween& place) {
-      if (sides.turn(place.sample, camera.forward()) == int(n / count)) offer(place.world);
-    });
+    const auto of = [&](std::size_t sample) {
+      return sides.turn(sample, camera.forward()) == int(n / count);
+    };
+    each_place_between(sides, kBetween * texel, of,
+                       [&](const PlaceBetween& place) { offer(place.world); });
   }
   std::sort(samples.begin(), samples.end());
   return samples;
