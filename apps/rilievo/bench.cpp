@@ -147,11 +147,11 @@ Command bench_command(CLI::App& app) {
                    "(default raytrace)")
       ->type_name("SHADER");
   command
-      ->add_option(
-          "--scene", options->scenes,
-          "For node-places: scenes besides stonehenge; for kinds: objects besides its "
-          "own; for real, keyframes, jumps, auto and serve: scenes instead of its own, each with the "
-          "walks NAME-*.json beside it, builtin:NAME, or the name of one of its own")
+      ->add_option("--scene", options->scenes,
+                   "For node-places: scenes besides stonehenge; for kinds: objects besides its "
+                   "own; for real, keyframes, jumps, auto and serve: scenes instead of its own, "
+                   "each with the "
+                   "walks NAME-*.json beside it, builtin:NAME, or the name of one of its own")
       ->type_name("FILE ...");
   command
       ->add_option_function<std::string>(
@@ -164,9 +164,10 @@ Command bench_command(CLI::App& app) {
       "--levels", options->levels,
       "For real: the cache draws levels of detail with bounded errors (not by OpenGL)");
   command
-      ->add_option("--keyframe-ms", options->keyframe_ms,
-                   "For keyframes and jumps: time that a frame spends on the next keyframe, in ms; 0: a "
-                   "sixteenth of one (default 8)")
+      ->add_option(
+          "--keyframe-ms", options->keyframe_ms,
+          "For keyframes and jumps: time that a frame spends on the next keyframe, in ms; 0: a "
+          "sixteenth of one (default 8)")
       ->check(in_range(0.0, 1000.0))
       ->type_name("T");
   command

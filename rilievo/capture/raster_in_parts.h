@@ -8,8 +8,7 @@
 
 #include "rilievo/capture/capture_source.h"
 #include "rilievo/render/placed_scene.h"
-#include "rilievo/render/raster/frame_raster.h"
-#include "rilievo/render/shading/picture_shader.h"
+#include "rilievo/render/raster/picture_parts.h"
 
 namespace rilievo {
 
@@ -21,21 +20,17 @@ class RasterInParts final : public PictureInParts {
  public:
   // `placed` must outlive it.
   RasterInParts(const PlacedScene& placed, std::shared_ptr<const SurfaceMaterials> materials)
-      : placed_(placed), raster_(placed.scene(), std::move(materials)) {}
+      : placed_(placed), parts_(placed.scene(), std::move(materials)) {}
 
   // Requires one sample a texel.
   Result<> begin(const CaptureRequest& request) override;
-  int advance(double share) override;
+  int advance(double share) override { return parts_.advance(share); }
   [[nodiscard]] DepthImage read(int from, int to) override;
 
  private:
   const PlacedScene& placed_;
-  FrameRaster raster_;
-  PictureShader shader_;
-  Camera camera_;
-  bool with_sky_ = false, identifiers_ = true, found_ = false;
-  double work_ = 0, left_to_find_ = 0;  // in triangles
-  double rows_ = 0;                     // that can be read
+  PictureParts parts_;
+  bool with_sky_ = false, identifiers_ = true;
   std::vector<std::uint32_t> visible_;
   std::vector<std::pair<double, std::uint32_t>> nearest_first_;
 };
