@@ -123,6 +123,7 @@ void KeyframeProducer::begin(const Camera& eye) {
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
+  request.sharp = same_view(request.camera, plain(frame_, frame_, margin()));
   if (near_) {
     near_->choose(request.camera, frame_);
     // No objects would mean all.

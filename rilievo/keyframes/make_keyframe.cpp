@@ -142,6 +142,10 @@ CaptureRequest KeyframeMaker::request_to_capture(const CaptureControl* control) 
   return request;
 }
 
+bool KeyframeMaker::smooth() const {
+  return keyframe_.quarters() && request_.samples == 4 && !request_.sharp;
+}
+
 void KeyframeMaker::step_of_parts(int columns) {
   const int width = keyframe_.camera.width, height = keyframe_.camera.height;
   const bool last = next_ + columns >= width;
@@ -153,7 +157,7 @@ void KeyframeMaker::step_of_parts(int columns) {
   append(parts_->read(read, readable), band_);
   // Those whose quarters have sides.
   const int complete = readable == 2 * height ? height : (readable - 1) / 2;
-  take_over(band_, rows_, complete, 0, width, 0, true, keyframe_);
+  take_over(band_, rows_, complete, 0, width, 0, smooth(), keyframe_);
   rows_ = complete;
   keep_from(band_, std::max(2 * rows_ - 1, 0));
   const int whole = rows_ == height ? height : rows_ / Keyframe::kRows * Keyframe::kRows;
@@ -176,8 +180,8 @@ Result<> KeyframeMaker::step_of_bands(CaptureSource& source, int columns,
   if (request_.sky) add_sky(*request_.sky, captured->picture);
   band_.rows = 0, band_.first = 0;
   append(captured->picture, band_);
-  take_over(band_, 0, keyframe_.camera.height, from, to, quarters ? 2 * before : before,
-            quarters && request_.samples == 4, keyframe_);
+  take_over(band_, 0, keyframe_.camera.height, from, to, quarters ? 2 * before : before, smooth(),
+            keyframe_);
   // Of the segments that are complete now.
   const auto complete = [&](int column) {
     return column == width ? width : column / Keyframe::kColumns * Keyframe::kColumns;

@@ -35,6 +35,8 @@ struct KeyframeRequest {
   // Of a source for which four texels take four times as long as four samples of one: it captures a
   // band of 1 or 4 samples at its own size, without quarters.
   bool whole_texels = false;
+  // For an eye that stands, whose pixels are the keyframe's texels: quarters are not smoothed.
+  bool sharp = false;
   double time = 0;  // seconds
   bool coarse = false;
   // Drawn behind what a source captures that draws none of its own (such as the ray tracer), and
@@ -80,6 +82,7 @@ class KeyframeMaker {
   [[nodiscard]] bool in_parts() const { return by_parts_; }
 
  private:
+  [[nodiscard]] bool smooth() const;
   [[nodiscard]] CaptureRequest request_to_capture(const CaptureControl* control) const;
   [[nodiscard]] bool begin_parts(CaptureSource& source, const CaptureControl* control);
   void step_of_parts(int columns);

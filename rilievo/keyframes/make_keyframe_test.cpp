@@ -262,6 +262,39 @@ TEST(MakeKeyframe, QuartersLoseLessInAWarpThanWholeTexelsDo) {
   EXPECT_LT(of_more, 0.8 * of_texels);
 }
 
+TEST(MakeKeyframe, AnEyeThatStandsSeesTheMeanOfTheSamplesOfAPixel) {
+  const BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
+  PlacedScene placed(made.scene);
+  RasterSource source(placed);
+  const Camera frame = camera_at(made.path, 0.5, 480, 300);
+  CaptureRequest finer;
+  finer.camera = frame, finer.camera.width *= 2, finer.camera.height *= 2;
+  finer.samples = 1, finer.with_sky = true;
+  const DepthImage picture = source.capture(finer)->picture;
+  Rgba8Image truth(frame.width, frame.height);
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      glm::ivec4 sum(2);
+      for (int i = 0; i < 4; ++i) {
+        const std::uint32_t bytes = bytes_of_color(picture.color(2 * x + i % 2, 2 * y + i / 2));
+        sum += glm::ivec4(bytes & 255, bytes >> 8 & 255, bytes >> 16 & 255, 255);
+      }
+      truth(x, y) = glm::u8vec4(sum / 4);
+    }
+  const auto loss = [&](bool sharp) {
+    KeyframeRequest request{keyframe_camera(frame, 1.2), {}, 4};
+    request.sharp = sharp;
+    const auto key = make_keyframe(source, request);
+    EXPECT_TRUE(key);
+    WarpedFrame out;
+    const WarpedKeyframe one{&*key, 1};
+    warp_keyframes({&one, 1}, frame, out);
+    return mean_difference(out, truth);
+  };
+  const double sharp = loss(true), smooth = loss(false);
+  EXPECT_LT(sharp, 0.2 * smooth) << sharp << " " << smooth;
+}
+
 TEST(MakeKeyframe, RangesHoldAllDepthsOfTheirTexels) {
   MakerStage stage;
   const auto key = make_keyframe(stage.source, {keyframe_camera(stage.frame, 1.3), {}, 1});

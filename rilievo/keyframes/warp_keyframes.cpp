@@ -116,6 +116,50 @@ std::span<const WarpSource> make_sources(std::span<const WarpedKeyframe> keyfram
   return sources;
 }
 
+// The keyframe of an eye that stands, if there is one: the frame's pixels are its texels, which
+// all have quarters. `left`, `top`: of the frame in it.
+const Keyframe* find_same_pixels(std::span<const WarpSource> sources, const Camera& frame,
+                                 int& left, int& top) {
+  for (const WarpSource& source : sources) {
+    const Keyframe& key = *source.keyframe;
+    if (source.spare || !key.quarters() || !key.hidden.empty()) continue;
+    const RasterMap& map = source.from_frame;
+    const float width = float(frame.width), height = float(frame.height);
+    const float near = float(1 / frame.z_near);
+    // The most that any pixel is beside its texel.
+    constexpr float kSamePlace = 0.01f;
+    const auto differs = [&](const float(&row)[4], float x, float y, float one) {
+      return std::abs(row[0] - x) * width + std::abs(row[1] - y) * height + std::abs(row[2] - one) +
+             std::abs(row[3]) * near;
+    };
+    const float from_x = std::round(map.x[2]), from_y = std::round(map.y[2]);
+    if (differs(map.x, 1, 0, from_x) > kSamePlace || differs(map.y, 0, 1, from_y) > kSamePlace ||
+        differs(map.z, 0, 0, 1) * std::max(width, height) > kSamePlace)
+      continue;
+    left = int(from_x), top = int(from_y);
+    if (left >= 0 && top >= 0 && left + frame.width <= key.camera.width &&
+        top + frame.height <= key.camera.height)
+      return &key;
+  }
+  return nullptr;
+}
+
+// A row of its pixels: the mean of the four quarters, whatever these show, as samples of a pixel.
+void copy_row(const Keyframe& key, int left, int y, std::span<std::uint32_t> color,
+              std::span<float> inverse_z) {
+  std::copy_n(key.inverse_z.row(y).data() + left, inverse_z.size(), inverse_z.data());
+  const std::uint32_t* upper = key.color.row(2 * y).data() + 2 * std::ptrdiff_t(left);
+  const std::uint32_t* lower = key.color.row(2 * y + 1).data() + 2 * std::ptrdiff_t(left);
+  for (std::size_t x = 0; x < color.size(); ++x, upper += 2, lower += 2) {
+    // Two bytes at a time.
+    const std::uint32_t quarters[] = {upper[0], upper[1], lower[0], lower[1]};
+    std::uint32_t even = 0x00020002u, odd = 2;
+    for (const std::uint32_t quarter : quarters)
+      even += quarter & 0x00ff00ffu, odd += quarter >> 8 & 0xffu;
+    color[x] = 0xff000000u | (even >> 2 & 0x00ff00ffu) | odd >> 2 << 8;
+  }
+}
+
 }  // namespace
 
 RasterMap raster_map(const Camera& to, const Camera& from) {
@@ -152,6 +196,14 @@ void warp_keyframes(std::span<const WarpedKeyframe> keyframes, const Camera& fra
   fit(out.color, frame.width, frame.height);
   fit(out.inverse_z, frame.width, frame.height);
   fit(out.holes_in_strip, strips, 1);
+  int left = 0, top = 0;
+  if (const Keyframe* same = cover ? nullptr : find_same_pixels(sources, frame, left, top)) {
+    std::ranges::fill(out.holes_in_strip.texels(), 0u);
+    parallel_for(0, frame.height, [&](int y) {
+      copy_row(*same, left, top + y, out.color.row(y), out.inverse_z.row(y));
+    });
+    return;
+  }
   const float near = float(1 / frame.z_near);
   // Kept by the thread that draws frames.
   static thread_local std::vector<std::vector<Reach>> memory_of_reaches;

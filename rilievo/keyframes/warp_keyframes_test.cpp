@@ -298,6 +298,41 @@ TEST(WarpKeyframes, AtItsOwnEyeAKeyframeIsItself) {
   EXPECT_EQ(others, 0);
 }
 
+TEST(WarpKeyframes, AnEyeThatStandsSeesTheMeanOfAllQuarters) {
+  Random random(4);
+  const Camera frame = random_eye(random, 120, 80);
+  const Keyframe key = random_keyframe(random, keyframe_camera(frame, 1.1), true);
+  Camera aside = key.camera;
+  aside.world_from_eye[3].x += 0.1;
+  const Keyframe other = random_keyframe(random, aside, true);
+  const int x0 = (key.camera.width - frame.width) / 2, y0 = (key.camera.height - frame.height) / 2;
+  WarpedFrame out;
+  const WarpedKeyframe both[] = {{&other, 1}, {&key, 1}};
+  warp_keyframes(both, frame, out);
+  EXPECT_EQ(out.holes(), 0u);
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) {
+      std::uint32_t mean = kOpaque;
+      for (int c = 0; c < 24; c += 8) {
+        std::uint32_t sum = 2;
+        for (int i = 0; i < 4; ++i)
+          sum += key.color(2 * (x + x0) + i % 2, 2 * (y + y0) + i / 2) >> c & 255;
+        mean |= sum / 4 << c;
+      }
+      ASSERT_EQ(out.color(x, y), mean);
+      ASSERT_EQ(out.inverse_z(x, y), key.inverse_z(x + x0, y + y0));
+    }
+  // Not of a spare one, and not half a pixel aside.
+  const WarpedKeyframe spare[] = {{&other, 1}, {&key, 1, true}};
+  WarpedFrame mixed;
+  warp_keyframes(spare, frame, mixed);
+  EXPECT_NE(mixed.color, out.color);
+  Camera turned = frame;
+  turned.window.left += 0.5 / frame.width, turned.window.right += 0.5 / frame.width;
+  warp_keyframes(both, turned, mixed);
+  EXPECT_NE(mixed.color, out.color);
+}
+
 TEST(WarpKeyframes, MapsAreThoseOfCameras) {
   Random random(3);
   for (int i = 0; i < 100; ++i) {
