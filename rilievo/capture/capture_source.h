@@ -74,8 +74,9 @@ struct LayersRequest {
 class PictureInParts {
  public:
   virtual ~PictureInParts() = default;
-  // Begins a picture; the last one is lost. Fails where capture() does. The request's `objects`
-  // need not live on. Ignores `farthest`.
+  // Begins a picture of the scene as it is now; the last one is lost. Requires one sample a texel.
+  // Fails where capture() does. The request's `objects` need not live on. Ignores `farthest` and
+  // `control`.
   virtual Result<> begin(const CaptureRequest& request) = 0;
   // Goes on by about this share of all its work, and returns how many rows, from the top, can be
   // read; they are shaded when they are read, which is part of the work.

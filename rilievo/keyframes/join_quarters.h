@@ -1,4 +1,4 @@
-// The SIMD passes of keyframes/make_keyframe.h. Internal: not a stable interface.
+// The passes over texels of keyframes/make_keyframe.h. Internal: not a stable interface.
 //
 // From a captured picture to texels: bytes of its colours, inverses of its depths, and of each four
 // quarters one texel.

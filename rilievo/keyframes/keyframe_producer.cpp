@@ -123,7 +123,9 @@ void KeyframeProducer::begin(const Camera& eye) {
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
-  request.sharp = same_view(request.camera, plain(frame_, frame_, margin()));
+  const Camera standing = plain(frame_, frame_, margin());
+  request.sharp = same_view(request.camera, standing) &&
+                  same_view(plain(prediction_.after(1), frame_, margin()), standing);
   if (near_) {
     near_->choose(request.camera, frame_);
     // No objects would mean all.
@@ -192,11 +194,10 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     ++done_.coarse;
   } else {
     begin(frame_);
-    // In two steps: a source that captures in parts takes its memory now, not when frames are
-    // timed.
+    // A source that captures in parts takes its memory for these now, not when frames are timed.
+    const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;
     while (maker_.busy())
-      if (Result<> made = maker_.step(source_, maker_.camera().width / 2); !made)
-        return made.error();
+      if (Result<> made = maker_.step(source_, columns); !made) return made.error();
     add(maker_.take());
     ++done_.completed;
   }
@@ -256,16 +257,16 @@ Result<> KeyframeProducer::work_beside() {
 Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watch) {
   const int before = maker_.columns_left();
   const bool by_clock = options_.keyframe_ms > 0;
-  for (bool first = true; first || maker_.in_parts(); first = false) {
-    const int done = before - maker_.columns_left();
-    const bool in_time = !by_clock || watch.ms() < options_.keyframe_ms;
-    if (!maker_.busy() || done >= columns.most || (done >= columns.least && !in_time)) break;
-    const int small = std::min(kPart, columns.most - done);
-    if (Result<> made =
-            maker_.step(source_, by_clock && maker_.in_parts() ? small : columns.expected);
+  const bool small = by_clock && maker_.takes_parts(source_);
+  do {
+    const int left = columns.most - (before - maker_.columns_left());
+    if (Result<> made = maker_.step(source_, small ? std::min(kPart, left) : columns.expected);
         !made)
       return made.error();
-  }
+    const int done = before - maker_.columns_left();
+    const bool in_time = watch.ms() < options_.keyframe_ms;
+    if (done >= columns.most || (done >= columns.least && !in_time)) break;
+  } while (small && maker_.in_parts() && maker_.busy());
   return before - maker_.columns_left();
 }
 
@@ -295,11 +296,12 @@ Result<> KeyframeProducer::work() {
 
 void KeyframeProducer::note_cost(double ms, int columns) {
   made_ms_ += ms, made_columns_ += columns;
-  if (ms_per_column_ == 0 || (maker_.in_parts() && !maker_.busy()))
+  if (!measured_ || (maker_.in_parts() && !maker_.busy()))
     // What is visible is found first, and shaded then: only the whole says what a column takes.
     ms_per_column_ = made_ms_ / made_columns_;
   else if (!maker_.in_parts())
     ms_per_column_ += (ms / columns - ms_per_column_) * kNewestCost;
+  measured_ = measured_ || !maker_.busy();
   const int height = keyframe_camera(frame_, margin()).height;
   ms_per_texel_ = ms_per_column_ / height;
 }

@@ -113,6 +113,7 @@ class KeyframeProducer {
   double ms_per_column_ = 0, ms_per_texel_ = 0;
   double made_ms_ = 0;  // of the keyframe that is being made
   int made_columns_ = 0;
+  bool measured_ = false;  // was one completed?
   KeyframeWork done_;
 
   // Beside the frames: while in_flight_ only the other thread uses maker_ and failed_.

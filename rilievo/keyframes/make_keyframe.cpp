@@ -47,8 +47,8 @@ void append(const DepthImage& picture, KeyframeBand& band) {
   });
 }
 
-// Rows [top, bottom) and columns [from, to) of the keyframe; the band begins `before` columns
-// before them.
+// Rows [top, bottom) and columns [from, to) of the keyframe; the band begins `before` of its own
+// columns before them.
 void take_over(const KeyframeBand& band, int top, int bottom, int from, int to, int before,
                bool smooth, Keyframe& keyframe) {
   const int last = 2 * keyframe.camera.height - 1;
@@ -116,13 +116,17 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
          request.samples == 16 || (request.samples == 4 && !request.whole_texels));
   keyframe_.coarse = request.coarse;
   keyframe_.left_out.assign(request.left_out.begin(), request.left_out.end());
-  next_ = 0;
+  next_ = 0, by_parts_ = false;
+}
+
+bool KeyframeMaker::takes_parts(CaptureSource& source) {
+  if (!keyframe_.quarters() || request_.samples != 4 || request_.sky) return false;
+  if (parts_of_ != &source) parts_of_ = &source, parts_ = source.in_parts();
+  return parts_ != nullptr;
 }
 
 bool KeyframeMaker::begin_parts(CaptureSource& source, const CaptureControl* control) {
-  if (!keyframe_.quarters() || request_.samples != 4 || request_.sky) return false;
-  if (parts_of_ != &source) parts_of_ = &source, parts_ = source.in_parts();
-  if (!parts_) return false;
+  if (!takes_parts(source)) return false;
   CaptureRequest request = request_to_capture(control);
   request.camera = band_of(keyframe_.camera, 0, keyframe_.camera.width, 2);
   // Too large for it at once, or an error that a band has, too.

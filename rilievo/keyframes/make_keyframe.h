@@ -71,15 +71,17 @@ class KeyframeMaker {
   // The columns of a band are a multiple.
   static constexpr int kBand = 16;
   // Makes the next columns (rounded up to a multiple of kBand), or as much of the work. Requires
-  // busy(). Fails where the source does.
+  // busy(). Fails where the source does, which must outlive the maker.
   Result<> step(CaptureSource& source, int columns, const CaptureControl* control = nullptr);
   // The complete keyframe. Requires that it was begun and is not busy().
   [[nodiscard]] Keyframe take();
   // Stops; returns its memory.
   [[nodiscard]] Keyframe give_up();
 
-  // Is it captured in parts? Steps may be small then.
+  // Is it captured in parts? Steps may be small then. Known after the first step.
   [[nodiscard]] bool in_parts() const { return by_parts_; }
+  // Is it to be, by this source? Where that is too large, it is not, after all.
+  [[nodiscard]] bool takes_parts(CaptureSource& source);
 
  private:
   [[nodiscard]] bool smooth() const;

@@ -300,7 +300,7 @@ bool AutoFrames::good_enough(int method) {
   const int again = method == kLevels ? kLooksAgainAtLevels : kLooksAgain;
   if (!good() && preparing_ < 0 && frame_ - of.seen_in > again) {
     of.db.reset();
-    if (method == kKeyframes) keyframes_->forget_loss();
+    if (method == kKeyframes && keyframes_) keyframes_->forget_loss();
     if (method == kLevels && losses_) losses_->forget();
   }
   return good();
@@ -330,6 +330,7 @@ void AutoFrames::prepare(int method) {
     return;
   }
   preparing_ = method, stage_ = Preparing::made;
+  shared_eye_.forget();
   prepared_ = false;
   // What will hardly be good enough is worth no frame's time.
   const bool hurry =
@@ -390,7 +391,9 @@ void AutoFrames::look_at_prepared() {
 
 // Takes what was prepared.
 Result<> AutoFrames::adopt() {
-  if (preparing_ < 0 || !prepared_ || stage_ == Preparing::shown) return Done{};
+  if (preparing_ < 0 || !prepared_) return Done{};
+  // What draws may have changed to what no software shows.
+  if (stage_ == Preparing::shown && active_->software_target()) return Done{};
   beside_->wait();
   const bool can_be_seen =
       active_->software_target() && ((preparing_ == kLevels && made_.levels.frames) ||
@@ -416,15 +419,16 @@ Result<> AutoFrames::adopt() {
   }
   if (method == kKeyframes) {
     keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
-    if (made_.failed) keyframes_ = nullptr, frames_[kKeyframes].reset();
+    if (made_.failed) keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset();
   }
   if (method == kKeyframes && made_.keyframes) {
     keyframes_ = made_.keyframes.get();
     frames = backend_.present(std::move(made_.keyframes));
-    if (!frames) keyframes_ = nullptr;
+    if (!frames) keyframes_ = nullptr, loss_[method] = {};
   }
   const double ms = made_.found.processor_ms / threads_;
-  if (method == kLevels && levels_.levels) measure_load(made_.shown.camera);
+  if (method == kLevels && levels_.levels && stage_ == Preparing::looked_at)
+    measure_load(made_.shown.camera);
   const double guess_ms = method == kLevels ? slowness_ * load_.levels_ms()
                                             : outlook_[std::size_t(method)].guess_ms / off_[method];
   if (stage_ == Preparing::looked_at && ms > 0 && guess_ms > 0)

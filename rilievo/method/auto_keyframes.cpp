@@ -29,6 +29,11 @@ std::optional<SharedEye::Posted> SharedEye::next() {
   return std::exchange(posted_, std::nullopt);
 }
 
+void SharedEye::forget() {
+  const std::lock_guard lock(mutex_);
+  posted_.reset();
+}
+
 void SharedEye::end() {
   {
     const std::lock_guard lock(mutex_);

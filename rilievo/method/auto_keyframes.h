@@ -25,6 +25,8 @@ class SharedEye {
   void post(const EyePrediction& eye, double time);
   // Waits for a frame that was not yet taken. None: no frame will come.
   [[nodiscard]] std::optional<Posted> next();
+  // Forgets a frame that was not taken.
+  void forget();
   // No frame will come.
   void end();
 

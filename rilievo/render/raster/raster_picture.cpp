@@ -90,8 +90,6 @@ const std::shared_ptr<const SurfaceMaterials>& PictureRasterizer::materials() co
   return state_->raster.materials();
 }
 
-std::size_t PictureRasterizer::texture_bytes() const { return state_->raster.materials()->bytes(); }
-
 void PictureRasterizer::draw(const Camera& camera, std::span<const std::uint32_t> objects,
                              std::span<const glm::mat4> poses, int samples,
                              RasterPicture& picture) {

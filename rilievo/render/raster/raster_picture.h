@@ -79,8 +79,6 @@ class PictureRasterizer {
 
   // The scene's materials, which others may share.
   [[nodiscard]] const std::shared_ptr<const SurfaceMaterials>& materials() const;
-  // The memory of mip levels, beyond the Scene's own textures.
-  [[nodiscard]] std::size_t texture_bytes() const;
 
  private:
   struct State;
