@@ -32,15 +32,7 @@ Result<> RasterInParts::begin(const CaptureRequest& request) {
     placed_.cull(camera, visible_);
   else
     placed_.cull(camera, request.objects, visible_);
-  // What is near hides most of the rest.
-  nearest_first_.clear();
-  for (const std::uint32_t object : visible_)
-    nearest_first_.emplace_back(
-        glm::length(glm::dvec3(placed_.bounds()[object].center()) - camera.position()), object);
-  std::ranges::sort(nearest_first_);
-  visible_.clear();
-  for (const auto& [distance, object] : nearest_first_) visible_.push_back(object);
-  parts_.begin(camera, visible_, placed_.poses());
+  parts_.begin(camera, placed_, visible_);
   return Done{};
 }
 

@@ -32,7 +32,6 @@ class RasterInParts final : public PictureInParts {
   PictureParts parts_;
   bool with_sky_ = false, identifiers_ = true;
   std::vector<std::uint32_t> visible_;
-  std::vector<std::pair<double, std::uint32_t>> nearest_first_;
 };
 
 }  // namespace rilievo

@@ -21,6 +21,20 @@ void FrameRaster::place(const Camera& camera, std::span<const PlacedMesh> placed
   make_instances(camera, placed_, instances_, masks_);
 }
 
+void FrameRaster::place_nearest_first(const Camera& camera, const PlacedScene& scene,
+                                      std::span<const std::uint32_t> objects,
+                                      std::span<const CrossFade> fading) {
+  nearest_first_.clear();
+  for (const std::uint32_t object : objects)
+    nearest_first_.emplace_back(
+        glm::length(glm::dvec3(scene.bounds()[object].center()) - camera.position()), object);
+  std::sort(nearest_first_.begin(), nearest_first_.end());
+  objects_.clear();
+  for (const auto& [distance, object] : nearest_first_) objects_.push_back(object);
+  for (const CrossFade& one : fading) objects_.push_back(one.object);
+  place(camera, objects_, scene.poses());
+}
+
 void FrameRaster::keep_farthest() {
   for (RasterInstance& instance : instances_) rilievo::keep_farthest(instance);
 }
@@ -90,16 +104,7 @@ Result<> FrameRaster::find_visible(const Camera& camera, int samples, const Plac
   if (std::max(camera.width, camera.height) > SampleRaster::kMaxSize)
     return Error{"frame", "the rasteriser draws at most " + std::to_string(SampleRaster::kMaxSize) +
                               " pixels a side"};
-  // Near objects first: what they hide is written less often. Then those that fade.
-  nearest_first_.clear();
-  for (const std::uint32_t object : objects)
-    nearest_first_.emplace_back(
-        glm::length(glm::dvec3(scene.bounds()[object].center()) - camera.position()), object);
-  std::sort(nearest_first_.begin(), nearest_first_.end());
-  objects_.clear();
-  for (const auto& [distance, object] : nearest_first_) objects_.push_back(object);
-  for (const CrossFade& one : fading) objects_.push_back(one.object);
-  place(camera, objects_, scene.poses());
+  place_nearest_first(camera, scene, objects, fading);
 
   // The meshes of each object that fades are the next ones of the list, from its end on.
   std::size_t end = instances_.size();

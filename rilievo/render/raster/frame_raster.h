@@ -40,6 +40,11 @@ class FrameRaster final : public FrameVisibility {
   // Places the opaque and masked parts of `objects` by `poses` (of all objects), in this order.
   void place(const Camera& camera, std::span<const std::uint32_t> objects,
              std::span<const glm::mat4> poses);
+  // The same as `scene` places them, near ones first, since what they hide is written less often;
+  // then those that fade.
+  void place_nearest_first(const Camera& camera, const PlacedScene& scene,
+                           std::span<const std::uint32_t> objects,
+                           std::span<const CrossFade> fading = {});
   // The same in two steps. Any thread may call find_places() while one thread rasterises.
   void find_places(const Camera& camera, std::span<const std::uint32_t> objects,
                    std::span<const glm::mat4> poses, std::vector<PlacedMesh>& placed) const {

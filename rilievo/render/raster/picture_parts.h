@@ -1,12 +1,11 @@
 // A picture by the rasteriser in parts, between which other things are drawn.
 //
-// Finds what is visible object after object, then shades rows. The picture is that of
-// PictureRasterizer::capture() with one sample a texel, but that of surfaces that are equally near
-// the first one stays. Keeps its memory.
+// Finds what is visible object after object, near ones first, then shades rows. The picture is that
+// of PictureRasterizer::capture() with one sample a texel, but that of surfaces that are equally
+// near the first one stays. Keeps its memory.
 #pragma once
 
 #include <cstdint>
-#include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <utility>
@@ -24,11 +23,10 @@ class PictureParts {
   PictureParts(const Scene& scene, std::shared_ptr<const SurfaceMaterials> materials)
       : raster_(scene, std::move(materials)) {}
 
-  // Begins a picture of the opaque and masked parts of `objects`, near ones best first, as `poses`
-  // (of all objects) place them now. Requires a valid perspective camera of at most
-  // SampleRaster::kMaxSize texels a side.
-  void begin(const Camera& camera, std::span<const std::uint32_t> objects,
-             std::span<const glm::mat4> poses);
+  // Begins a picture of the opaque and masked parts of `objects`, as `placed` places them now.
+  // Requires a valid perspective camera of at most SampleRaster::kMaxSize texels a side.
+  void begin(const Camera& camera, const PlacedScene& placed,
+             std::span<const std::uint32_t> objects);
   // As PictureInParts::advance() and read() (capture/capture_source.h).
   int advance(double share);
   [[nodiscard]] DepthImage read(int from, int to, bool with_sky);

@@ -38,6 +38,25 @@ SurfaceLights surface_lights(const Scene& scene, const glm::dvec3& eye,
   return {storage, eye, scene.sky};
 }
 
+namespace {
+
+// Calls write(x, depth, mesh) for the texels of a row that show something.
+template <class Write>
+void for_each_seen(const SampleBuffer& samples, std::span<const PlacedMesh> meshes, int row,
+                   const Write& write) {
+  const float* depths = samples.depths(row);
+  const std::uint32_t* triangles = samples.triangles(row);
+  const PlacedMesh* mesh = nullptr;  // of the last triangle, and mostly of the next one
+  for (int x = 0; x < samples.width; ++x) {
+    if (depths[x] >= 1) continue;
+    if (!mesh || triangles[x] - mesh->first_triangle >= mesh->triangles)
+      mesh = &meshes[mesh_of_triangle(meshes, triangles[x])];
+    write(x, depths[x], *mesh);
+  }
+}
+
+}  // namespace
+
 void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
               ObjectPicture& picture) {
   RILIEVO_EXPECTS(samples.samples == 1);
@@ -46,17 +65,11 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes,
   picture.object.assign(texels, kNoObject);
   picture.depth.assign(texels, 1.0f);
   parallel_for(0, samples.height, [&](int y) {
-    const PlacedMesh* mesh = nullptr;  // of the last triangle, and mostly of the next one
-    for (int x = 0; x < samples.width; ++x) {
-      const float depth = samples.depths(y)[x];
-      if (depth >= 1) continue;
-      const std::uint32_t triangle = samples.triangles(y)[x];
-      if (!mesh || triangle - mesh->first_triangle >= mesh->triangles)
-        mesh = &meshes[mesh_of_triangle(meshes, triangle)];
+    for_each_seen(samples, meshes, y, [&](int x, float depth, const PlacedMesh& mesh) {
       const std::size_t at = std::size_t(y) * std::size_t(picture.width) + std::size_t(x);
-      picture.object[at] = mesh->object + 1;
+      picture.object[at] = mesh.object + 1;
       picture.depth[at] = depth;
-    }
+    });
   });
 }
 
@@ -65,25 +78,14 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes, i
   RILIEVO_EXPECTS(samples.samples == 1);
   const Camera& camera = picture.camera;
   const double near = 1 / camera.z_near, per_z = 1 / camera.z_near - 1 / camera.z_far;
-  picture.depth = Image<float>(samples.width, camera.height);
-  picture.object = Image<std::uint32_t>(samples.width, camera.height);
+  picture.depth = Image<float>(samples.width, camera.height, kNoDepth);
+  picture.object = Image<std::uint32_t>(samples.width, camera.height, kNoObject);
   parallel_for(0, camera.height, [&](int y) {
     const int row = first + camera.height - 1 - y;
-    const float* depths = samples.depths(row);
-    const std::uint32_t* triangles = samples.triangles(row);
-    float* eye_z = picture.depth.row(y).data();
-    std::uint32_t* object = picture.object.row(y).data();
-    const PlacedMesh* mesh = nullptr;  // of the last triangle, and mostly of the next one
-    for (int x = 0; x < samples.width; ++x) {
-      if (depths[x] >= 1) {
-        eye_z[x] = kNoDepth, object[x] = kNoObject;
-        continue;
-      }
-      if (!mesh || triangles[x] - mesh->first_triangle >= mesh->triangles)
-        mesh = &meshes[mesh_of_triangle(meshes, triangles[x])];
-      eye_z[x] = float(1 / (near - double(depths[x]) * per_z));
-      object[x] = mesh->object + 1;
-    }
+    for_each_seen(samples, meshes, row, [&](int x, float depth, const PlacedMesh& mesh) {
+      picture.depth(x, y) = float(1 / (near - double(depth) * per_z));
+      picture.object(x, y) = mesh.object + 1;
+    });
   });
 }
 
