@@ -118,6 +118,34 @@ HWY_INLINE void copy_two_by_two(ReliefSample* to, std::ptrdiff_t right, std::ptr
 #endif
 }
 
+// Copies a sample to `wide` columns of `high` rows from `to`, at most kMost (3 or 4) each, or
+// nothing. Every row is stored to, a missing one again where the last one is: how many there are is
+// as good as random, and a branch on it would be foretold wrongly.
+template <int kMost>
+HWY_INLINE void copy_rectangle(ReliefSample* to, int wide, int high, std::ptrdiff_t pitch,
+                               const ReliefSample* from) {
+#if HWY_TARGET <= HWY_AVX3
+  const hn::FixedTag<std::uint64_t, 4> four;
+  std::uint64_t word;
+  std::memcpy(&word, from, 8);
+  const auto copies = hn::Set(four, word);
+  const auto columns = hn::FirstN(four, std::size_t(wide));
+  for (int row = 0; row < kMost; ++row) {
+    hn::BlendedStore(copies, columns, four, reinterpret_cast<std::uint64_t*>(to));
+    to += row + 1 < high ? pitch : 0;
+  }
+#else
+  for (int row = 0; row < kMost; ++row) {
+    ReliefSample* column = to;
+    for (int k = 0; k < kMost; ++k) {
+      copy(column, from);
+      column += k + 1 < wide ? 1 : 0;
+    }
+    to += row + 1 < high ? pitch : 0;
+  }
+#endif
+}
+
 // Copies samples to where they belong, in their order.
 HWY_INLINE void copy_block(ReliefSample* texels, const ReliefSample* samples,
                            const std::int32_t* address, std::uint32_t count) {
@@ -191,9 +219,9 @@ std::size_t nearest_run(const PrewarpCoefficients& k, const PrewarpRun& run,
   return drawn;
 }
 
-// Splats of at most one texel, of at most two along an axis, or of any size. Texels whose centres
-// lie in [left, right) x [top, bottom) of a splat are covered; two splats that share an edge
-// compute the same number for it.
+// Splats of at most one texel, of at most two, three or four along an axis, or of any size. Texels
+// whose centres lie in [left, right) x [top, bottom) of a splat are covered; two splats that share
+// an edge compute the same number for it.
 template <SplatReach reach>
 std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
                       const PrewarpTile& tile) {
@@ -240,7 +268,7 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
         const auto second_y = hn::And(covers, hn::Gt(hn::Sub(y1, y0), one));
         hn::Store(hn::IfThenElseZero(second_x, one), i, wide + at);
         hn::Store(hn::IfThenElseZero(second_y, pitch), i, high + at);
-      } else if constexpr (reach == SplatReach::many) {
+      } else if constexpr (reach != SplatReach::one) {
         hn::Store(hn::IfThenElseZero(covers, hn::Sub(x1, x0)), i, wide + at);
         hn::Store(hn::IfThenElseZero(covers, hn::Sub(y1, y0)), i, high + at);
       }
@@ -250,6 +278,10 @@ std::size_t splat_run(const PrewarpCoefficients& k, const PrewarpRun& run,
     } else if constexpr (reach == SplatReach::two) {
       for (std::uint32_t n = 0; n < count; ++n)
         copy_two_by_two(texels + address[n], wide[n], high[n], samples + n);
+    } else if constexpr (reach != SplatReach::many) {
+      constexpr int kMost = reach == SplatReach::three ? 3 : 4;
+      for (std::uint32_t n = 0; n < count; ++n)
+        copy_rectangle<kMost>(texels + address[n], wide[n], high[n], tile.pitch, samples + n);
     } else {
       for (std::uint32_t n = 0; n < count; ++n) {
         ReliefSample* to = texels + address[n];
@@ -273,6 +305,12 @@ std::size_t draw_tile(const PrewarpCoefficients& k, std::span<const PrewarpRun> 
         break;
       case SplatReach::two:
         drawn += splat_run<SplatReach::two>(k, run, tile);
+        break;
+      case SplatReach::three:
+        drawn += splat_run<SplatReach::three>(k, run, tile);
+        break;
+      case SplatReach::four:
+        drawn += splat_run<SplatReach::four>(k, run, tile);
         break;
       case SplatReach::many:
         drawn += splat_run<SplatReach::many>(k, run, tile);

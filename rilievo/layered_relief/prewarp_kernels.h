@@ -22,7 +22,7 @@ struct PrewarpCoefficients {
 };
 
 // The largest number of texels that a splat of a run can cover along an axis.
-enum class SplatReach { nearest, one, two, many };
+enum class SplatReach { nearest, one, two, three, four, many };
 
 // A range of a stream that can reach the destination tile.
 struct PrewarpRun {

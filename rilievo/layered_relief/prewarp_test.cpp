@@ -266,7 +266,7 @@ TEST(Prewarp, any_number_of_threads_and_every_instruction_set_make_the_same_byte
   std::mt19937 rng(7);
   const LayeredRelief relief = random_relief(rng, 90, 70);
   for (const Splat splat : {Splat::nearest, Splat::rectangle})
-    for (const double size : {0.6, 1.0, 2.5}) {
+    for (const double size : {0.6, 1.0, 1.4, 2.5, 3.5}) {
       const glm::dvec3 eye = random_eye(rng, relief);
       PrewarpOptions options;
       options.splat = splat;

@@ -5,6 +5,7 @@
 #include "rilievo/layered_relief/prewarp.h"
 #include "rilievo/layered_relief/prewarp_runs.h"
 #include "rilievo/layered_relief/relief_test_helpers.h"
+#include "rilievo/render/shading/simd_test_helpers.h"
 
 namespace rilievo {
 namespace {
@@ -146,6 +147,39 @@ TEST(Prewarp, splats_that_face_the_eye_are_wider_where_the_plane_is_slanted) {
       EXPECT_NEAR(size.x, expected.x, 1.5) << i;
       EXPECT_NEAR(size.y, expected.y, 1.5) << i;
     }
+  }
+}
+
+// Against the loop for splats of any size.
+TEST(Prewarp, splats_of_at_most_two_three_or_four_texels_cover_what_splats_of_any_size_do) {
+  std::mt19937 rng(11);
+  std::uniform_real_distribution<float> unit(0, 1);
+  constexpr int kSide = 40, kPitch = 48, kMissed = kSide * kPitch;
+  for (int i = 0; i < 300; ++i) {
+    const int most = 2 + i % 3;
+    std::vector<ReliefSample> samples(64 + 300);
+    for (ReliefSample& sample : samples)
+      sample = {std::uint32_t(rng() % 32 | rng() % 32 << 8), std::uint32_t(rng())};
+    PrewarpCoefficients k;
+    k.scale = 0.5f + unit(rng), k.x_0 = 8 * unit(rng) - 4, k.y_0 = 8 * unit(rng) - 4;
+    PrewarpRun run;
+    run.samples = samples.data(), run.count = 1 + rng() % 300;
+    run.u = 20 * unit(rng) - 10, run.v = 20 * unit(rng) - 10;
+    run.half_x = 0.499f * float(most) / k.scale * unit(rng);
+    run.half_y = 0.499f * float(most) / k.scale * unit(rng);
+    run.u_from = 3, run.u_to = 30, run.all_columns = i % 2;
+    const auto drawn = [&](SplatReach reach) {
+      run.reach = reach;
+      std::vector<ReliefSample> texels(kMissed + 1, ReliefSample{~0u, ~0u});
+      const std::size_t count =
+          prewarp_tile(k, {&run, 1}, {texels.data(), kMissed, 0, 0, kSide, kSide, kPitch});
+      texels.pop_back();  // what misses
+      return std::pair(texels, count);
+    };
+    const auto any = drawn(SplatReach::many);
+    for_each_instruction_set([&](const char* set) {
+      EXPECT_EQ(drawn(SplatReach(int(SplatReach::two) + most - 2)), any) << set;
+    });
   }
 }
 
