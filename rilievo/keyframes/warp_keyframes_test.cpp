@@ -45,10 +45,11 @@ Keyframe random_keyframe(Random& random, const Camera& camera, bool quarters) {
   return key;
 }
 
-Camera random_eye(Random& random, int width, int height) {
+// `apart`: how far eyes differ; 1: by half a metre, and turned.
+Camera random_eye(Random& random, int width, int height, double apart = 1) {
   const auto some = [&](double size) {
-    return glm::dvec3(random.between(-size, size), random.between(-size, size),
-                      random.between(-size, size));
+    return apart * glm::dvec3(random.between(-size, size), random.between(-size, size),
+                              random.between(-size, size));
   };
   const glm::dvec3 eye = some(0.5);
   return look_at(eye, eye + glm::dvec3(0, 0, -10) + some(1.5), {some(0.2).x, 1, 0}, 0.9, width,
@@ -208,14 +209,17 @@ struct Slow {
 
 TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
   Random random(41);
-  for (int i = 0; i < 24; ++i) {
-    const Camera frame = random_eye(random, 70 + 7 * (i % 5), 45 + 11 * (i % 4));
+  for (int i = 0; i < 36; ++i) {
+    // Of the last ones the texels of neighbouring pixels lie beside each other.
+    const double apart = i < 24 ? 1 : 0.03;
+    const Camera frame = random_eye(random, 70 + 7 * (i % 5), 45 + 11 * (i % 4), apart);
     std::vector<Keyframe> keys;
     for (int k = 0; k < 1 + i % 7; ++k)
-      keys.push_back(random_keyframe(
-          random,
-          keyframe_camera(random_eye(random, frame.width, frame.height), 1.2, k == 2 ? 0.5 : 1),
-          (i + k) % 3 > 0));
+      keys.push_back(
+          random_keyframe(random,
+                          keyframe_camera(random_eye(random, frame.width, frame.height, apart), 1.2,
+                                          k == 2 ? 0.5 : 1),
+                          (i + k) % 3 > 0));
     std::vector<WarpedKeyframe> warped;
     for (const Keyframe& key : keys)
       warped.push_back({&key, float(random.between(0.1, 2)), warped.size() % 2 == 1 && i % 2 == 1});
@@ -239,8 +243,8 @@ TEST(WarpKeyframes, AreTheSameBytesAsByTheSlowDefinition) {
     std::size_t holes = 0;
     for (const std::uint32_t one : color.texels()) holes += one == 0;
     EXPECT_EQ(out.holes(), holes);
-    // Many may show all.
-    if (keys.size() <= 3) {
+    // Many may show all, and so may near ones.
+    if (keys.size() <= 3 && apart == 1) {
       EXPECT_GT(holes, 0u);
     }
     EXPECT_LT(holes, color.texels().size() / 2);
