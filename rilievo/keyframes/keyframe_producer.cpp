@@ -18,6 +18,8 @@ constexpr std::size_t kKept = 2;
 constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
 // The share of the last band in the mean cost of a column.
 constexpr double kNewestCost = 0.1;
+// The share of the last frame in the mean time that holes take.
+constexpr double kNewestHoles = 0.1;
 // An eye that turns by so many radians a frame, or more, gets a margin that is wider by so much
 // along that axis.
 constexpr double kTurning = 0.003, kTurningMargin = 1.2;
@@ -25,9 +27,10 @@ constexpr double kTurning = 0.003, kTurningMargin = 1.2;
 constexpr int kMostInterval = 32;
 // How many frames ahead an eye is predicted at most, for a source that takes long.
 constexpr int kMostAhead = 60;
-// Columns of a step of what is captured in parts: so few that a frame's time is kept well, and so
-// many that all cores have work.
-constexpr int kPart = 2 * KeyframeMaker::kBand;
+// Columns of a step of what is captured in parts: so few that a frame's time is kept well, also by
+// near objects, which come first and take several times the mean, and so many that all cores have
+// work.
+constexpr int kPart = KeyframeMaker::kBand / 4;
 // What is being made for an eye that looks elsewhere, by so many radians, is given up.
 constexpr double kElsewhere = 0.7;
 
@@ -131,9 +134,6 @@ void KeyframeProducer::begin(const Camera& eye) {
     // No objects would mean all.
     if (!near_->near().empty() && !near_->rest().empty()) {
       request.objects = near_->rest(), request.left_out = near_->near();
-      // The eye comes far until the next keyframe: that this one is ready sooner is worth more than
-      // quarters are.
-      request.whole_texels = true;
     }
   }
   maker_.begin(request, reusable());
@@ -206,18 +206,28 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   return {std::span<const WarpedKeyframe>(chosen_)};
 }
 
+// With twice the time a keyframe comes twice as soon, and frames have half as many holes: both
+// together take the least if they take the same.
+double KeyframeProducer::ms_a_frame() const { return std::max(options_.keyframe_ms, holes_ms_); }
+
 KeyframeProducer::Columns KeyframeProducer::columns_a_frame() const {
   constexpr int kBand = KeyframeMaker::kBand;
+  const int width = keyframe_camera(frame_, margin()).width;
   const auto of_frames = [&](int frames) {
-    const int columns = (keyframe_camera(frame_, margin()).width + frames - 1) / frames;
+    const int columns = (width + frames - 1) / frames;
     return (columns + kBand - 1) / kBand * kBand;
   };
   // No more than needed; but an eye soon is where a keyframe that takes too many frames shows
   // little.
   const int most = of_frames(options_.interval), least = std::min(of_frames(kMostInterval), most);
-  if (!(options_.keyframe_ms > 0) || ms_per_column_ == 0) return {least, most, most};
-  const double in_time = options_.keyframe_ms / ms_per_column_;
-  return {least, most, std::clamp(int(std::min(in_time, 1e6)) / kBand * kBand, least, most)};
+  int expected = most;
+  double a_frame = most;
+  if (options_.keyframe_ms > 0 && ms_per_column_ > 0) {
+    const double in_time = std::min(ms_a_frame() / ms_per_column_, 1e6);
+    expected = std::clamp(int(in_time) / kBand * kBand, least, most);
+    a_frame = maker_.in_parts() ? std::clamp(in_time, double(least), double(most)) : expected;
+  }
+  return {least, most, expected, std::ceil(width / a_frame)};
 }
 
 Result<> KeyframeProducer::work_beside() {
@@ -256,29 +266,37 @@ Result<> KeyframeProducer::work_beside() {
 // Makes a part of a keyframe; returns how many columns.
 Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watch) {
   const int before = maker_.columns_left();
-  const bool by_clock = options_.keyframe_ms > 0;
-  const bool small = by_clock && maker_.takes_parts(source_);
-  do {
-    const int left = columns.most - (before - maker_.columns_left());
-    if (Result<> made = maker_.step(source_, small ? std::min(kPart, left) : columns.expected);
-        !made)
+  const auto done = [&] { return before - maker_.columns_left(); };
+  if (options_.keyframe_ms > 0 && maker_.takes_parts(source_)) maker_.start(source_);
+  if (!maker_.in_parts() || !(options_.keyframe_ms > 0)) {
+    if (Result<> made = maker_.step(source_, columns.expected); !made) return made.error();
+    return done();
+  }
+  // Parts of a keyframe take different times: what counts is that all of it takes not too many
+  // frames.
+  const double whole_ms = ms_per_column_ * maker_.camera().width;
+  const double wanted_ms = std::max(ms_a_frame(), whole_ms / kMostInterval);
+  double last_ms = 0;
+  while (maker_.busy() && done() < columns.most) {
+    // As near to the time as whole parts come.
+    const double begun_ms = watch.ms();
+    if (begun_ms + last_ms / 2 >= wanted_ms) break;
+    if (Result<> made = maker_.step(source_, std::min(kPart, columns.most - done())); !made)
       return made.error();
-    const int done = before - maker_.columns_left();
-    const bool in_time = watch.ms() < options_.keyframe_ms;
-    if (done >= columns.most || (done >= columns.least && !in_time)) break;
-  } while (small && maker_.in_parts() && maker_.busy());
-  return before - maker_.columns_left();
+    last_ms = watch.ms() - begun_ms;
+  }
+  return done();
 }
 
-Result<> KeyframeProducer::work() {
+Result<> KeyframeProducer::work(double holes_ms) {
   if (options_.beside) return work_beside();
+  holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles;
   const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
     spare_.push_back(maker_.give_up());
   const Stopwatch watch;
   if (!maker_.busy()) {
-    const int width = keyframe_camera(frame_, margin()).width;
-    const Camera eye = prediction_.after(2.0 * ((width + columns.expected - 1) / columns.expected));
+    const Camera eye = prediction_.after(2 * columns.frames);
     const Camera camera = plain(eye, frame_, margin());
     for (const Keyframe& key : ready_)
       if (!key.coarse && same_view(key.camera, camera)) return Done{};
@@ -296,6 +314,7 @@ Result<> KeyframeProducer::work() {
 
 void KeyframeProducer::note_cost(double ms, int columns) {
   made_ms_ += ms, made_columns_ += columns;
+  if (made_columns_ == 0) return;
   if (!measured_ || (maker_.in_parts() && !maker_.busy()))
     // What is visible is found first, and shaded then: only the whole says what a column takes.
     ms_per_column_ = made_ms_ / made_columns_;

@@ -35,8 +35,9 @@ struct KeyframeOptions {
   double margin = 1.2;  // of a keyframe's sides over the frame's; of an eye that turns, more
   int samples = 4;      // of a texel: 1, 4 or 16
   int interval = 16;    // the least number of frames for a keyframe
-  double keyframe_ms =
-      0;  // time of a frame for keyframes, more if one took over 32 frames; 0: no limit
+  // Time of a frame for keyframes; more if one took over 32 frames, or if holes take more. 0: no
+  // limit.
+  double keyframe_ms = 0;
   bool whole_texels = false;  // as KeyframeRequest's
   bool beside = false;        // keyframes are made beside the frames, each at once
   const Sky* sky = nullptr;   // for sources that draw none; null: they do. See KeyframeRequest
@@ -62,8 +63,9 @@ class KeyframeProducer {
   [[nodiscard]] std::span<const WarpedKeyframe> follow(const Camera& frame, double time);
   // Makes a keyframe for this frame now, and returns those to warp from. Fails where a source does.
   [[nodiscard]] Result<std::span<const WarpedKeyframe>> make_now();
-  // Ends a frame: makes a part of a keyframe. Fails where the source does.
-  Result<> work();
+  // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe. Fails where the source
+  // does.
+  Result<> work(double holes_ms = 0);
 
   // Objects of which the last frame's keyframes show nothing, ascending.
   [[nodiscard]] std::span<const std::uint32_t> left_out() const { return left_out_; }
@@ -90,11 +92,13 @@ class KeyframeProducer {
   void hide_left_out();
   [[nodiscard]] Keyframe reusable();
   // How many a frame makes: at least and at most, and those that its time is expected to suffice
-  // for.
+  // for. And how many frames a keyframe is expected to take.
   struct Columns {
     int least, most, expected;
+    double frames;
   };
   [[nodiscard]] Columns columns_a_frame() const;
+  [[nodiscard]] double ms_a_frame() const;
   Result<int> step(const Columns& columns, const Stopwatch& watch);
   void note_cost(double ms, int columns);
 
@@ -111,7 +115,8 @@ class KeyframeProducer {
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;
   double ms_per_column_ = 0, ms_per_texel_ = 0;
-  double made_ms_ = 0;  // of the keyframe that is being made
+  double holes_ms_ = 0;  // of the last frames
+  double made_ms_ = 0;   // of the keyframe that is being made
   int made_columns_ = 0;
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;

@@ -116,7 +116,7 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
          request.samples == 16 || (request.samples == 4 && !request.whole_texels));
   keyframe_.coarse = request.coarse;
   keyframe_.left_out.assign(request.left_out.begin(), request.left_out.end());
-  next_ = 0, by_parts_ = false;
+  next_ = 0, started_ = by_parts_ = false;
 }
 
 bool KeyframeMaker::takes_parts(CaptureSource& source) {
@@ -197,13 +197,18 @@ Result<> KeyframeMaker::step_of_bands(CaptureSource& source, int columns,
 
 Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureControl* control) {
   RILIEVO_EXPECTS(busy());
-  const int width = keyframe_.camera.width;
-  const int whole = (std::max(columns, 1) + kBand - 1) / kBand * kBand;
   // All at once is what a source does at once.
-  if (next_ == 0) by_parts_ = whole < width && begin_parts(source, control);
-  if (!by_parts_) return step_of_bands(source, whole, control);
-  step_of_parts(whole);
+  if (columns < keyframe_.camera.width) start(source, control);
+  started_ = true;
+  columns = std::max(columns, 1);
+  if (!by_parts_) return step_of_bands(source, (columns + kBand - 1) / kBand * kBand, control);
+  step_of_parts(columns);
   return Done{};
+}
+
+void KeyframeMaker::start(CaptureSource& source, const CaptureControl* control) {
+  RILIEVO_EXPECTS(busy());
+  if (!std::exchange(started_, true)) by_parts_ = begin_parts(source, control);
 }
 
 Keyframe KeyframeMaker::take() {

@@ -68,17 +68,20 @@ class KeyframeMaker {
   [[nodiscard]] int columns_left() const { return keyframe_.camera.width - next_; }
   [[nodiscard]] const Camera& camera() const { return keyframe_.camera; }
 
+  // Begins to capture in parts, if the source does that; otherwise, and later, changes nothing.
+  // Requires busy().
+  void start(CaptureSource& source, const CaptureControl* control = nullptr);
   // The columns of a band are a multiple.
   static constexpr int kBand = 16;
-  // Makes the next columns (rounded up to a multiple of kBand), or as much of the work. Requires
-  // busy(). Fails where the source does, which must outlive the maker.
+  // Makes the next columns (of bands, rounded up to a multiple of kBand), or as much of the work.
+  // Requires busy(). Fails where the source does, which must outlive the maker.
   Result<> step(CaptureSource& source, int columns, const CaptureControl* control = nullptr);
   // The complete keyframe. Requires that it was begun and is not busy().
   [[nodiscard]] Keyframe take();
   // Stops; returns its memory.
   [[nodiscard]] Keyframe give_up();
 
-  // Is it captured in parts? Steps may be small then. Known after the first step.
+  // Is it captured in parts? Steps may be small then. Known after start() and the first step.
   [[nodiscard]] bool in_parts() const { return by_parts_; }
   // Is it to be, by this source? Where that is too large, it is not, after all.
   [[nodiscard]] bool takes_parts(CaptureSource& source);
@@ -96,9 +99,9 @@ class KeyframeMaker {
   KeyframeBand band_;
   int next_ = 1 << 30;  // column
   const CaptureSource* parts_of_ = nullptr;
-  std::unique_ptr<PictureInParts> parts_;  // null: parts_of_ has none
-  bool by_parts_ = false;                  // this keyframe is
-  int rows_ = 0, ranges_ = 0;              // rows of texels that are complete, and with ranges
+  std::unique_ptr<PictureInParts> parts_;    // null: parts_of_ has none
+  bool started_ = false, by_parts_ = false;  // this keyframe is
+  int rows_ = 0, ranges_ = 0;                // rows of texels that are complete, and with ranges
 };
 
 // All at once.

@@ -78,15 +78,22 @@ TEST(MakeKeyframe, ShowsWhatTheSourceCaptures) {
   EXPECT_LT(sky, camera.width * camera.height);
 }
 
+// A source that captures at once, whatever the other one can do.
+struct AtOnce final : ForwardingSource {
+  using ForwardingSource::ForwardingSource;
+};
+
 TEST(MakeKeyframe, BandsAreTheSameAsAllAtOnceButForTheRoundingOfTheirCameras) {
   MakerStage stage;
   const KeyframeRequest request{keyframe_camera(stage.frame, 1.2), {}, 4};
   const auto whole = make_keyframe(stage.source, request);
   ASSERT_TRUE(whole);
+  AtOnce bands(stage.source);
   KeyframeMaker maker;
   maker.begin(request);
   int steps = 0;
-  for (; maker.busy(); ++steps) ASSERT_TRUE(maker.step(stage.source, 20));
+  for (; maker.busy(); ++steps) ASSERT_TRUE(maker.step(bands, 20));
+  EXPECT_FALSE(maker.in_parts());
   EXPECT_EQ(steps, (request.camera.width + 31) / 32);
   const Keyframe key = maker.take();
   // A band's camera is another window: samples on an edge may fall to the other side.
@@ -96,11 +103,6 @@ TEST(MakeKeyframe, BandsAreTheSameAsAllAtOnceButForTheRoundingOfTheirCameras) {
   EXPECT_LE(others, int(key.object.texels().size()) / 2000);
   expect_ranges(key);
 }
-
-// A source that captures at once, whatever the other one can do.
-struct AtOnce final : ForwardingSource {
-  using ForwardingSource::ForwardingSource;
-};
 
 TEST(MakeKeyframe, PartsAreTheSameAsAllAtOnce) {
   MakerStage stage;
@@ -114,7 +116,7 @@ TEST(MakeKeyframe, PartsAreTheSameAsAllAtOnce) {
     const auto whole = make_keyframe(stage.source, request);
     ASSERT_TRUE(whole);
     maker.begin(request);
-    while (maker.busy()) ASSERT_TRUE(maker.step(stage.source, 16));
+    while (maker.busy()) ASSERT_TRUE(maker.step(stage.source, 7));
     EXPECT_TRUE(maker.in_parts());
     const Keyframe key = maker.take();
     // Of surfaces that are equally near the first one stays, and near objects come first.

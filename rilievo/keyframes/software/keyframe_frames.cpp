@@ -29,7 +29,7 @@ namespace rilievo {
 namespace {
 
 // Holes that get all samples: more than these are drawn coarse for the sake of time.
-constexpr std::size_t kMostFineHoles = 40000;
+constexpr std::size_t kMostFineHoles = 20000;
 
 DepthImage picture_of(const Keyframe& key, std::string name) {
   DepthImage picture;
@@ -259,7 +259,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
       if (!s.making_beside) s.producer->forget();
       (void)s.producer->follow(camera, time);
     }
-    if (Result<> done = s.producer->work(); !done) return done;
+    if (Result<> done = s.producer->work(s.shares.fill_ms); !done) return done;
   }
   s.making_beside = way == CheaperWay::Way::both;
 

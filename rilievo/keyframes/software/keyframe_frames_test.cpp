@@ -202,7 +202,8 @@ TEST(KeyframeFrames, WhatIsNearIsDrawnAsPolygonsAndNothingBehindItIsMissing) {
     auto frames = KeyframeFrames::create(made.scene, options);
     Seen seen;
     for (int i = 0; i < 60; ++i) {
-      const glm::dvec3 eye(-9 + 0.3 * i, 1.7, 6);
+      // Never at a keyframe's own eye, where its pixels are copied.
+      const glm::dvec3 eye(-9 + 0.3 * i + 0.01 * (i % 3), 1.7, 6);
       const Camera camera =
           look_at(eye, eye + glm::dvec3(0.8, 0, -1), {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 200);
       EXPECT_TRUE((*frames)->draw(camera, 0));

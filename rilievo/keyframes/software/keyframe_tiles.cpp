@@ -54,10 +54,14 @@ void KeyframeTiles::State::find_holes(const Camera& camera) {
   if (warped->holes() > 0) {
     // First how many, then where: a tile's holes lie together.
     const auto visit = [&](int tile, const auto& hole) {
-      const int x0 = tile % across * kTileSize, y0 = tile / across * kTileSize;
-      for (int y = y0; y < std::min(y0 + kTileSize, camera.height); ++y)
-        for (int x = x0; x < std::min(x0 + kTileSize, camera.width); ++x)
-          if (warped->hole(x, y)) hole(FramePixel{std::uint16_t(x), std::uint16_t(y)});
+      // Block by block: rays that are cast together lie close together.
+      for (int block = 0; block < FrameTile::kBlockCount; ++block) {
+        const int x0 = tile % across * kTileSize + block % FrameTile::kBlocks * kBlockSize,
+                  y0 = tile / across * kTileSize + block / FrameTile::kBlocks * kBlockSize;
+        for (int y = y0; y < std::min(y0 + kBlockSize, camera.height); ++y)
+          for (int x = x0; x < std::min(x0 + kBlockSize, camera.width); ++x)
+            if (warped->hole(x, y)) hole(FramePixel{std::uint16_t(x), std::uint16_t(y)});
+      }
     };
     parallel_for(0, count, [&](int tile) {
       std::uint32_t number = 0;
