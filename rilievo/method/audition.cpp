@@ -2,9 +2,12 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <cstring>
 
+#include "rilievo/method/auto_decision.h"
 #include "rilievo/method/good_enough.h"
+#include "rilievo/render/placed_scene.h"
 
 namespace rilievo {
 namespace {
@@ -36,6 +39,24 @@ Result<double> time_audition(const ShownFrame& shown, FrameSource& frames) {
   const double before = thread_ms();
   if (Result<> drawn = frames.draw(shown.camera, shown.time); !drawn) return drawn.error();
   return thread_ms() - before;
+}
+
+Audition audition_rays(const ShownFrame& shown, int samples, RayVisibility& rays) {
+  // Smaller pictures of all that is in view, since a part of the view may cost more than others.
+  constexpr int kSmaller = 4;
+  Camera camera = shown.camera;
+  const double pixels = double(camera.width) * camera.height;
+  camera.width = std::max(camera.width / kSmaller, 1);
+  camera.height = std::max(camera.height / kSmaller, 1);
+  PlacedScene placed(rays.scene());
+  placed.set_time(shown.time);
+  Audition found;
+  const double before = thread_ms();
+  if (!rays.find_visible(camera, samples, placed, shown.in_view, {})) return found;
+  const double times = pixels / (double(camera.width) * camera.height);
+  const FrameLoad shading{.triangles = 0, .pixels = pixels, .threads = 1};
+  found.processor_ms = times * (thread_ms() - before) + shading.direct_ms();
+  return found;
 }
 
 std::optional<double> cache_loss(const ShownFrame& shown, FrameLoss* loss) {

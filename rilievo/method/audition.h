@@ -13,6 +13,7 @@
 #include "rilievo/frame/frame_source.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
 #include "rilievo/render/rays/ray_scene.h"
+#include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo {
 
@@ -55,6 +56,9 @@ inline constexpr int kAuditionLosses = 16;
 // Draws the frame that is shown, on this thread alone, and says what that takes. Fails as draw()
 // does.
 [[nodiscard]] Result<double> time_audition(const ShownFrame& shown, FrameSource& frames);
+
+// What drawing that frame by rays takes, as a sixteenth of its pixels says.
+[[nodiscard]] Audition audition_rays(const ShownFrame& shown, int samples, RayVisibility& rays);
 
 // The loss of what the cache shows, and nothing left of it in `loss`. None: it shows something
 // else.

@@ -1,7 +1,6 @@
 #include "rilievo/method/auto.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <glm/glm.hpp>
 #include <optional>
@@ -30,9 +29,8 @@ enum Methods { kDirect, kCache, kRays, kLevels, kKeyframes, kMethods };
 constexpr int kCacheWarmsUp = 12;
 // The first frames of what has its own memory are slower.
 constexpr int kWarmsUp = 1;
-// Keyframes are good enough where direct drawing is little better, among leaves; elsewhere in one
-// of eleven walks that were measured (bench/results/auto.md), and then no faster.
-constexpr double kKeyframesChance = 0.03, kKeyframesChanceOfMasked = 0.5;
+// Keyframes are good enough in about half of the walks that were measured (bench/results/auto.md).
+constexpr double kKeyframesChance = 0.5;
 constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
                                          {"cache", 1, kCacheWarmsUp},
                                          {"rays", 0, kWarmsUp},
@@ -222,10 +220,8 @@ void AutoFrames::begin(const Camera& camera) {
     return;
   }
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
-  std::array<AutoCandidate, kMethods> candidates = std::to_array(kCandidates);
-  if (masked_) candidates[kKeyframes].chance = kKeyframesChanceOfMasked;
   // To try it later is dear: it captures for several frames. Direct drawing is tried at any time.
-  decision_.emplace(candidates, kCache, pace_ms);
+  decision_.emplace(kCandidates, kCache, pace_ms);
   outlook_.assign(kMethods, {});
   measure_load(camera);
 }
@@ -379,14 +375,17 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
 void AutoFrames::look_at_prepared() {
   stage_ = Preparing::looked_at;
   prepared_ = false;
-  beside_->run([this, method = preparing_, error_px = options_.error_px,
-                loss_db = options_.loss_db] {
-    KeyframeFrames* keyframes = keyframes_ ? keyframes_ : made_.keyframes.get();
-    made_.found = method == kLevels
-                      ? audition_levels(made_.shown, error_px, loss_db, losses_.get(), made_.levels)
-                      : audition_keyframes(made_.shown, losses_.get(), *keyframes);
-    prepared_ = true;
-  });
+  beside_->run(
+      [this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db] {
+        const ShownFrame& shown = made_.shown;
+        if (method == kRays) made_.found = audition_rays(shown, backend_.samples(), **made_.rays);
+        if (method == kLevels)
+          made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
+        if (method == kKeyframes)
+          made_.found =
+              audition_keyframes(shown, losses_.get(), keyframes_ ? *keyframes_ : *made_.keyframes);
+        prepared_ = true;
+      });
 }
 
 // Takes what was prepared.
@@ -396,8 +395,9 @@ Result<> AutoFrames::adopt() {
   if (stage_ == Preparing::shown && active_->software_target()) return Done{};
   beside_->wait();
   const bool can_be_seen =
-      active_->software_target() && ((preparing_ == kLevels && made_.levels.frames) ||
-                                     (preparing_ == kKeyframes && !made_.failed));
+      active_->software_target() &&
+      ((preparing_ == kRays && made_.rays) || (preparing_ == kLevels && made_.levels.frames) ||
+       (preparing_ == kKeyframes && !made_.failed));
   if (stage_ == Preparing::made && can_be_seen) {
     stage_ = Preparing::shown;
     return Done{};

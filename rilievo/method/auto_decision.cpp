@@ -123,9 +123,7 @@ bool AutoDecision::better(double ms, int candidate, double than_ms, int than) co
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
-  const bool leaves = candidates_[std::size_t(than)].warm_up >= kWarmsUpLong;
-  const double gain = leaves ? kGainOfLeaving : rank < than_rank ? 0 : kGain;
-  return ms < (1 - gain) * than_ms;
+  return ms < (rank < than_rank ? 1 : 1 - kGain) * than_ms;
 }
 
 // What a frame may take at no loss.

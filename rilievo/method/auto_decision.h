@@ -14,8 +14,7 @@
 // fails doubles the time to the next one of that method. So a walk on which nothing changes costs
 // next to nothing, and where the costs change the next trial is soon.
 //
-// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality; what
-// warms up for long, which would have to again, for one that is cheaper by kGainOfLeaving. With a
+// A method is changed for one that is cheaper by kGain, or as cheap and of a better quality. With a
 // pace, of all that keep it the best in quality is taken. The same input gives the same decisions.
 // Milliseconds a frame; time in frames.
 #pragma once
@@ -86,8 +85,7 @@ struct AutoChoice {
 // Decides for one sequence of frames.
 class AutoDecision {
  public:
-  static constexpr double kGain = 0.05, kGainOfLeaving = 0.12, kMaySpike = 1.25,
-                          kTrialShare = 0.015, kMuchCheaper = 0.15;
+  static constexpr double kGain = 0.05, kMaySpike = 1.25, kTrialShare = 0.015, kMuchCheaper = 0.15;
   static constexpr int kPaysWithin = 200;
   // And must be expected to take at most this share of what draws.
   static constexpr double kWorthPreparing = 0.7;

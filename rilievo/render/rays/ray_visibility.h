@@ -18,6 +18,8 @@ class RayVisibility final : public FrameVisibility {
   // `scene` must be valid and outlive the object. Fails if memory does not suffice.
   [[nodiscard]] static Result<std::unique_ptr<RayVisibility>> create(const Scene& scene);
 
+  [[nodiscard]] const Scene& scene() const { return rays_.scene(); }
+
   // Rays hit whatever is in view: `objects` must name all of that, and nothing may fade.
   Result<> find_visible(const Camera& camera, int samples, const PlacedScene& placed,
                         std::span<const std::uint32_t> objects,
