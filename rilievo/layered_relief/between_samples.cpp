@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "rilievo/core/parallel_for.h"
+
 namespace rilievo {
 namespace {
 
@@ -13,9 +15,10 @@ constexpr float kAgree = 0.7f;
 // And by so many texels at most one of them is deeper.
 constexpr double kDeepest = 4;
 
-class Lattice {
+// Finds the neighbours of samples.
+class Neighbors {
  public:
-  explicit Lattice(const SampleSides& sides)
+  explicit Neighbors(const SampleSides& sides)
       : sides_(sides),
         layers_(sides.layers()),
         camera_(layers_.camera),
@@ -48,8 +51,8 @@ class Lattice {
   glm::dvec2 texel_;
 };
 
-std::optional<std::size_t> Lattice::beside(int x, int y, std::size_t sample, int right,
-                                           int down) const {
+std::optional<std::size_t> Neighbors::beside(int x, int y, std::size_t sample, int right,
+                                             int down) const {
   if (x + right >= camera_.width || y + down >= camera_.height) return std::nullopt;
   const double texel = std::max(texel_.x, texel_.y);
   const glm::dvec3 aside = right * texel_.x * glm::dvec3(camera_.world_from_eye[0]) -
@@ -69,47 +72,63 @@ std::optional<std::size_t> Lattice::beside(int x, int y, std::size_t sample, int
 
 }  // namespace
 
-void each_place_between(const SampleSides& sides, double spacing,
-                        const std::function<bool(std::size_t sample)>& of,
-                        const std::function<void(const PlaceBetween&)>& visit) {
-  const Lattice lattice(sides);
+glm::vec4 color_of(const LayeredDepthImage& layers, const PlaceBetween& place) {
+  const auto color = [&](std::size_t k) { return layers.samples[place.around[k]].color; };
+  const auto right = float(place.right), low = float(place.low);
+  return glm::mix(glm::mix(color(0), color(1), right), glm::mix(color(2), color(3), right), low);
+}
+
+SurfaceLattice::SurfaceLattice(const SampleSides& sides)
+    : sides_(sides), world_(sides.layers().samples.size()), neighbors_(world_.size()) {
+  const Neighbors neighbors(sides);
   const LayeredDepthImage& layers = sides.layers();
-  const auto steps = [&](const glm::dvec3& a, const glm::dvec3& b) {
-    return std::max(1, int(std::ceil(glm::distance(a, b) / spacing)));
-  };
-  const auto between = [&](int x, int y, std::size_t s) {
-    // A patch of four, or its upper and left edge.
-    std::array<std::optional<std::size_t>, 4> corner{s};
-    for (int k = 1; k < 4; ++k) corner[std::size_t(k)] = lattice.beside(x, y, s, k & 1, k >> 1);
-    const bool patch = corner[1] && corner[2] && corner[3];
-    std::array<glm::dvec3, 4> world;
-    std::array<glm::vec4, 4> color;
-    for (int k = 0; k < 4; ++k) {
-      const auto at = std::size_t(k);
-      world[at] = corner[at] ? lattice.world(x + (k & 1), y + (k >> 1), *corner[at]) : world[0];
-      color[at] = layers.samples[corner[at].value_or(s)].color;
-    }
-    int across = steps(world[0], world[1]), down = steps(world[0], world[2]);
-    if (patch) {
-      across = std::max(across, steps(world[2], world[3]));
-      down = std::max(down, steps(world[1], world[3]));
-    }
-    for (int j = 0; j <= (patch || corner[2] ? down : 0); ++j)
-      for (int i = 0; i <= (patch || corner[1] ? across : 0); ++i) {
-        if ((i == 0 || i == across) && (j == 0 || j == down)) continue;
-        if (!patch && i > 0 && j > 0) continue;
-        const double u = double(i) / across, v = double(j) / down;
-        const auto mixed = [&](const auto& of, auto right, auto low) {
-          return glm::mix(glm::mix(of[0], of[1], right), glm::mix(of[2], of[3], right), low);
-        };
-        visit({s, mixed(world, u, v), mixed(color, float(u), float(v))});
-      }
-  };
-  for (int y = 0; y < layers.camera.height; ++y)
+  parallel_for(0, layers.camera.height, [&](int y) {
     for (int x = 0; x < layers.camera.width; ++x)
-      for (std::size_t s = layers.first[lattice.line(x, y)];
-           s < layers.first[lattice.line(x, y) + 1]; ++s)
-        if (sides.is_closed(s) && of(s)) between(x, y, s);
+      for (std::size_t s = layers.first[neighbors.line(x, y)];
+           s < layers.first[neighbors.line(x, y) + 1]; ++s) {
+        world_[s] = neighbors.world(x, y, s);
+        neighbors_[s].fill(kNoNeighbor);
+        if (!sides.is_closed(s)) continue;
+        for (int k = 1; k < 4; ++k)
+          if (const auto beside = neighbors.beside(x, y, s, k & 1, k >> 1))
+            neighbors_[s][std::size_t(k - 1)] = std::uint32_t(*beside);
+      }
+  });
+}
+
+void SurfaceLattice::each_place_beside(
+    std::size_t s, double spacing, const std::function<void(const PlaceBetween&)>& visit) const {
+  PlaceBetween place;
+  place.around.fill(s);
+  std::array<bool, 4> has{true};
+  for (std::size_t k = 1; k < 4; ++k) {
+    has[k] = neighbors_[s][k - 1] != kNoNeighbor;
+    if (has[k]) place.around[k] = neighbors_[s][k - 1];
+  }
+  // A patch of four, or its upper and left edge.
+  const bool patch = has[1] && has[2] && has[3];
+  const std::array<glm::dvec3, 4> world{world_[place.around[0]], world_[place.around[1]],
+                                        world_[place.around[2]], world_[place.around[3]]};
+  const auto steps = [&](std::size_t a, std::size_t b) {
+    return std::max(1, int(std::ceil(glm::distance(world[a], world[b]) / spacing)));
+  };
+  int across = steps(0, 1), down = steps(0, 2);
+  if (patch) across = std::max(across, steps(2, 3)), down = std::max(down, steps(1, 3));
+  for (int j = 0; j <= (has[2] ? down : 0); ++j)
+    for (int i = 0; i <= (has[1] ? across : 0); ++i) {
+      if ((i == 0 || i == across) && (j == 0 || j == down)) continue;
+      if (!patch && i > 0 && j > 0) continue;
+      place.right = double(i) / across, place.low = double(j) / down;
+      place.world = glm::mix(glm::mix(world[0], world[1], place.right),
+                             glm::mix(world[2], world[3], place.right), place.low);
+      visit(place);
+    }
+}
+
+void SurfaceLattice::each_place(double spacing, const std::function<bool(std::size_t sample)>& of,
+                                const std::function<void(const PlaceBetween&)>& visit) const {
+  for (std::size_t s = 0; s < world_.size(); ++s)
+    if (sides_.is_closed(s) && of(s)) each_place_beside(s, spacing, visit);
 }
 
 }  // namespace rilievo

@@ -39,10 +39,12 @@ Places places_between(const Scene& scene, double spacing_texels) {
             eye_z_from(layers->depth_kind, double(layers->samples[s].depth), layers->camera, at)));
       }
   }
-  for (const LayeredDepthImage* layers : all)
-    each_place_between(
-        SampleSides(*layers, closed), spacing_texels * out.texel, [](std::size_t) { return true; },
+  for (const LayeredDepthImage* layers : all) {
+    const SampleSides sides(*layers, closed);
+    SurfaceLattice(sides).each_place(
+        spacing_texels * out.texel, [](std::size_t) { return true; },
         [&](const PlaceBetween& place) { out.between.push_back(place.world); });
+  }
   out.all.insert(out.all.end(), out.between.begin(), out.between.end());
   return out;
 }

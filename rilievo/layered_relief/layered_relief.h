@@ -71,6 +71,8 @@ struct LayeredRelief {
   // The largest displacement of a sample in depth, in metres, by merging and by rounding to a code.
   // Part of the error bound.
   double merged_d = 0;
+  // Splats are so many times as large as the options of the pre-warp say (relief_splat_scale).
+  double splat_scale = 1;
 
   [[nodiscard]] std::size_t samples() const { return first.empty() ? 0 : first.back(); }
   [[nodiscard]] bool perspective() const { return camera.projection == Projection::perspective; }

@@ -228,7 +228,7 @@ void Prewarp::State::do_tile(const Frame& f, const glm::ivec2& at, Prewarped& re
   const PrewarpTile tile{texels.data(), missed, first.x, first.y, size.x, size.y, pitch};
   RunQuery query;
   query.min = glm::dvec2(part.min) / f.resolution, query.max = glm::dvec2(part.max) / f.resolution;
-  query.half_splat = 0.5 * options.splat_size;
+  query.half_splat = 0.5 * options.splat_size * relief->splat_scale;
   query.slope_per_texel = f.slope_per_texel, query.most_slope = f.most_slope;
   query.resolution = f.resolution;
   query.nearest = options.splat == Splat::nearest;
@@ -266,7 +266,8 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
     f.slope_per_texel = f.warp.k3 * glm::dvec2(glm::length(s.frame.a), glm::length(s.frame.b));
     f.most_slope = most_slope(*s.relief, f.warp, f.slope_per_texel, from_d);
   }
-  const double splat = nearest ? 0.0 : options.splat_size * splat_stretch(f.most_slope);
+  const double splat =
+      nearest ? 0.0 : s.relief->splat_scale * options.splat_size * splat_stretch(f.most_slope);
   const ReliefRectangle rectangle = rectangle_beyond(*s.relief, f.warp, splat, from_d);
   const glm::dvec2 extent = rectangle.max - rectangle.min;
   f.resolution = options.resolution;

@@ -122,6 +122,13 @@ Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> 
 
 Result<ReliefSet> make_relief_set(const ReliefPictures& pictures, bool identifiers) {
   ReliefSet set;
+  // Texels of perspective pictures have no size of their own.
+  double largest = 0;
+  bool parallel = true;
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
+    largest = std::max(largest, texel_angle(picture.layers.camera));
+    parallel = parallel && picture.layers.camera.projection == Projection::parallel;
+  }
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
     Result<LayeredRelief> relief =
         build_layered_relief(picture.layers, {.identifiers = identifiers});
@@ -131,6 +138,8 @@ Result<ReliefSet> make_relief_set(const ReliefPictures& pictures, bool identifie
       return relief.error();
     }
     relief->merged_d = std::max(relief->merged_d, picture.merged);
+    if (parallel)
+      relief->splat_scale = relief_splat_scale(texel_angle(picture.layers.camera), largest);
     set.reliefs.push_back(*std::move(relief));
   }
   if (set.reliefs.empty()) return Error{"", "has no samples"};

@@ -94,6 +94,10 @@ Result<Camera> relief_camera(const Box& box, const glm::dvec3& direction, int si
   return camera;
 }
 
+double relief_splat_scale(double texel, double largest) {
+  return std::sqrt(std::clamp(largest / texel, 1.0, 2.0));
+}
+
 Result<ReliefSet> bake_reliefs(const RayScene& scene, std::span<const glm::dvec3> directions,
                                const ReliefBakeOptions& options) {
   ReliefSet set;

@@ -48,6 +48,13 @@ struct ReliefBakeOptions {
 [[nodiscard]] Result<Camera> relief_camera(const Box& box, const glm::dvec3& direction, int size,
                                            double ball = 0);
 
+// How many times as large as the others' are the splats of a relief with finer texels? Other
+// textures' samples lie as far apart as their texels, of which the largest has the side `largest`;
+// its own are as fine as `texel`, and so are the details that splats must not hide:
+//
+//   sqrt(min(2, largest / texel))
+[[nodiscard]] double relief_splat_scale(double texel, double largest);
+
 // Bakes the whole scene by ray casting, one relief for each direction.
 [[nodiscard]] Result<ReliefSet> bake_reliefs(const RayScene& scene,
                                              std::span<const glm::dvec3> directions,

@@ -52,13 +52,14 @@ std::unordered_set<std::uint32_t> find_closed_objects(
 SampleSides::SampleSides(const LayeredDepthImage& layers,
                          const std::unordered_set<std::uint32_t>& closed)
     : layers_(layers),
-      closed_(closed),
       normals_(layers.samples.size()),
+      is_closed_(layers.samples.size()),
       knows_normal_(layers.samples.size()),
       outer_(layers.samples.size()),
       z_(layers.samples.size()) {
   for (std::size_t i = 0; i + 1 < layers.first.size(); ++i)
     for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s) {
+      is_closed_[s] = closed.contains(layers.samples[s].object);
       if (!is_closed(s)) continue;
       const auto before = layers.samples.begin() + std::ptrdiff_t(layers.first[i]);
       const auto of_it = [&](const LayerSample& sample) {

@@ -25,7 +25,7 @@ inline constexpr double kClosedShare = 0.85;
 // The samples of a layered picture with the side that they show.
 class SampleSides {
  public:
-  // `layers` and `closed`, of find_closed_objects(), must outlive the object.
+  // `closed`: of find_closed_objects(). `layers` must outlive the object.
   SampleSides(const LayeredDepthImage& layers, const std::unordered_set<std::uint32_t>& closed);
 
   // The unit normal towards the picture's viewers, by the nearest samples of neighbouring lines of
@@ -48,15 +48,12 @@ class SampleSides {
   // side that they do not see. What is not closed has no order: 0.
   [[nodiscard]] int turn(std::size_t sample, const glm::dvec3& forward) const;
   static constexpr int kTurns = 3;
-  [[nodiscard]] bool is_closed(std::size_t sample) const {
-    return closed_.contains(layers_.samples[sample].object);
-  }
+  [[nodiscard]] bool is_closed(std::size_t sample) const { return is_closed_[sample] != 0; }
 
  private:
   const LayeredDepthImage& layers_;
-  const std::unordered_set<std::uint32_t>& closed_;
   std::vector<glm::vec3> normals_;
-  std::vector<std::uint8_t> knows_normal_;  // not of bool: threads write it
+  std::vector<std::uint8_t> is_closed_, knows_normal_;  // not of bool: threads write these
   std::vector<bool> outer_;
   std::vector<float> z_;
 };

@@ -7,10 +7,11 @@
 //
 // of the picture that hits the face most densely, at worst over all faces: farthest_from_hits,
 // 0.866 texels of six axes with equal texels (a face across two axes, along the third). Merging put
-// what was seen there within `merged`. That has a sample of the picture within reach t, t being the
-// picture's texel, or else stands in the middle of its texel, half a diagonal away:
+// what was seen there within `merged`. That has a sample of the picture within `reach` units
+// (share_unit), or, t being the picture's texel, stands in the middle of its texel, half a diagonal
+// away:
 //
-//   lacks = farthest_from_hits + merged + t max(reach, sqrt(1 / 2))
+//   lacks = farthest_from_hits + merged + max(reach share_unit, t sqrt(1 / 2))
 //
 // That is the worst face. Where neighbouring hits are known to lie on one surface, the places
 // between them count as hits (between_samples.h), which lie up to half of kOnePlane of a texel off
@@ -29,6 +30,7 @@
 
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/layered_relief/between_samples.h"
+#include "rilievo/layered_relief/sample_coverage.h"
 #include "rilievo/layered_relief/sample_sides.h"
 
 namespace rilievo {
@@ -66,9 +68,6 @@ Known known_of(const SampleSides& sides, std::uint32_t source, std::size_t s) {
 struct Added {
   std::vector<std::uint32_t> head;  // by line of sight, into the others
   std::vector<std::uint32_t> next;
-  // By line of sight, the depths of its list, sorted: there are hundreds where a line runs along a
-  // face that other pictures see.
-  std::vector<std::vector<float>> depths;
   std::vector<Known> known;  // as `next`
 };
 
@@ -107,70 +106,17 @@ double farthest_from_lattice(const Camera& camera, const glm::dvec3& normal) {
          (2 * glm::length(glm::cross(a, b)));
 }
 
-// Is there a sample, an own or an added one, within `reach` metres of a place? Looked for in the
-// nine lines of sight around it, first in the one through it, which has most of them.
-bool is_represented(const LayeredDepthImage& layers, const Added& added, const glm::dvec2& at,
-                    double depth, double per_metre, double reach) {
-  const Camera& camera = layers.camera;
-  const glm::dvec2 texel((camera.window.right - camera.window.left) / camera.width,
-                         (camera.window.top - camera.window.bottom) / camera.height);
-  const int x0 = std::clamp(int(at.x), 0, camera.width - 1);
-  const int y0 = std::clamp(int(at.y), 0, camera.height - 1);
-  const auto has_one = [&](int x, int y) {
-    const double across = (x + 0.5 - at.x) * texel.x, up = (y + 0.5 - at.y) * texel.y;
-    const double left = reach * reach - (across * across + up * up);
-    if (left < 0) return false;
-    const double along = std::sqrt(left) * per_metre;
-    const std::size_t line = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
-    // Its own are sorted, nearest first.
-    for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
-      const double farther = double(layers.samples[s].depth) - depth;
-      if (farther > along) break;
-      if (farther >= -along) return true;
-    }
-    const std::vector<float>& depths = added.depths[line];
-    const auto near = std::partition_point(depths.begin(), depths.end(), [&](float added_depth) {
-      return double(added_depth) - depth < -along;
-    });
-    return near != depths.end() && double(*near) - depth <= along;
-  };
-  if (has_one(x0, y0)) return true;
-  for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
-    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x)
-      if ((x != x0 || y != y0) && has_one(x, y)) return true;
-  return false;
-}
-
-// Where a picture has what another one sees; none if that is beside it.
-struct PlacedIn {
-  glm::dvec2 at{0.0};
-  std::size_t line = 0;
-  double depth = 0;  // in the picture's kind
-};
-std::optional<PlacedIn> place_in(const LayeredDepthImage& to, const glm::dvec3& world) {
-  const Camera& target = to.camera;
-  const glm::dvec3 there = raster_from_world(target, world);
-  // Faces of the box around everything lie on the picture's very edge.
-  constexpr double kRounding = 1e-3;
-  if (!(there.x >= -kRounding && there.x <= target.width + kRounding)) return std::nullopt;
-  if (!(there.y >= -kRounding && there.y <= target.height + kRounding)) return std::nullopt;
-  const auto x = std::size_t(std::clamp(there.x, 0.0, target.width - 0.5));
-  const auto y = std::size_t(std::clamp(there.y, 0.0, target.height - 0.5));
-  return PlacedIn{glm::dvec2(there), y * std::size_t(target.width) + x,
-                  depth_from_eye_z(to.depth_kind, there.z, target,
-                                   glm::dvec2(double(x) + 0.5, double(y) + 0.5))};
-}
-
-// Calls visit(sample, world place) for each sample.
-template <class Visit>
-void each_sample(const LayeredDepthImage& layers, Visit&& visit) {
+// Calls visit(sample, world place) for each sample that `of` wants.
+template <class Of, class Visit>
+void each_sample(const LayeredDepthImage& layers, const Of& of, const Visit& visit) {
   const auto width = std::size_t(layers.camera.width);
   for (std::size_t i = 0; i + 1 < layers.first.size(); ++i) {
     const glm::dvec2 at(double(i % width) + 0.5, double(i / width) + 0.5);
     for (std::uint64_t s = layers.first[i]; s < layers.first[i + 1]; ++s)
-      visit(s, world_from_raster(layers.camera, at,
-                                 eye_z_from(layers.depth_kind, double(layers.samples[s].depth),
-                                            layers.camera, at)));
+      if (of(s))
+        visit(s, world_from_raster(layers.camera, at,
+                                   eye_z_from(layers.depth_kind, double(layers.samples[s].depth),
+                                              layers.camera, at)));
   }
 }
 
@@ -179,11 +125,12 @@ OuterSides outer_sides(std::span<const SampleSides> sides, std::size_t own) {
   const LayeredDepthImage& to = sides[own].layers();
   OuterSides out;
   out.head.assign(to.first.size() - 1, kNone);
+  const Placing placing(to);
   for (std::size_t k = 0; k < sides.size(); ++k) {
     if (k == own) continue;
-    each_sample(sides[k].layers(), [&](std::size_t s, const glm::dvec3& world) {
-      if (!sides[k].is_outer(s)) return;
-      const std::optional<PlacedIn> place = place_in(to, world);
+    const auto is_outer = [&](std::size_t s) { return sides[k].is_outer(s); };
+    each_sample(sides[k].layers(), is_outer, [&](std::size_t s, const glm::dvec3& world) {
+      const std::optional<PlacedIn> place = placing.find(world);
       if (!place) return;
       LayerSample sample = sides[k].layers().samples[s];
       sample.depth = sample.back = float(place->depth);
@@ -196,23 +143,19 @@ OuterSides outer_sides(std::span<const SampleSides> sides, std::size_t own) {
   return out;
 }
 
-// Calls visit(line) for the line of sight and those around it.
+// Calls visit(line, squared distance) for the line of sight and those around it that are within
+// `reach` metres, from middle to middle.
 template <class Visit>
-void each_line_around(const Camera& camera, std::size_t line, Visit&& visit) {
+void each_line_around(const Camera& camera, std::size_t line, double reach, const Visit& visit) {
   const int x0 = int(line % std::size_t(camera.width)), y0 = int(line / std::size_t(camera.width));
   for (int y = std::max(y0 - 1, 0); y <= std::min(y0 + 1, camera.height - 1); ++y)
-    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x)
-      visit(std::size_t(y) * std::size_t(camera.width) + std::size_t(x));
-}
-
-// Squared, between the middles of lines of sight.
-double distance_squared(const Camera& camera, std::size_t a, std::size_t b, double along) {
-  const auto width = std::size_t(camera.width);
-  const double x = (double(a % width) - double(b % width)) *
-                   (camera.window.right - camera.window.left) / camera.width;
-  const double y = (double(a / width) - double(b / width)) *
-                   (camera.window.top - camera.window.bottom) / camera.height;
-  return x * x + y * y + along * along;
+    for (int x = std::max(x0 - 1, 0); x <= std::min(x0 + 1, camera.width - 1); ++x) {
+      const double across = (x - x0) * (camera.window.right - camera.window.left) / camera.width;
+      const double up = (y - y0) * (camera.window.top - camera.window.bottom) / camera.height;
+      const double aside = across * across + up * up;
+      if (aside <= reach * reach)
+        visit(std::size_t(y) * std::size_t(camera.width) + std::size_t(x), aside);
+    }
 }
 
 // The inner side of a wall has the outer side's colour, if another picture sees that: whichever eye
@@ -221,12 +164,12 @@ void color_as_outer(const LayeredDepthImage& to, const OuterSides& outer, const 
                     std::size_t line, double per_metre, LayerSample& sample) {
   const double reach = kOneSurface * largest_texel(to.camera);
   double least = reach * reach;
-  each_line_around(to.camera, line, [&](std::size_t beside) {
+  each_line_around(to.camera, line, reach, [&](std::size_t beside, double aside) {
     for (std::uint32_t k = outer.head[beside]; k != kNone; k = outer.next[k]) {
       const LayerSample& other = outer.samples[k];
       if (other.object != sample.object || glm::dot(outer.normals[k], normal) >= 0) continue;
-      const double off =
-          distance_squared(to.camera, beside, line, double(other.depth - sample.depth) / per_metre);
+      const double deeper = double(other.depth - sample.depth) / per_metre;
+      const double off = aside + deeper * deeper;
       if (off > least) continue;
       least = off;
       sample.color = other.color;
@@ -238,49 +181,55 @@ void color_as_outer(const LayeredDepthImage& to, const OuterSides& outer, const 
 class Lacking {
  public:
   Lacking(const LayeredDepthImage& to, const OuterSides& outer, double reach, double per_metre)
-      : to_(to), outer_(outer), reach_(reach), per_metre_(per_metre) {
+      : to_(to), placing_(to), coverage_(to, reach), outer_(outer), per_metre_(per_metre) {
     added_.head.assign(to.first.size() - 1, kNone);
-    added_.depths.resize(to.first.size() - 1);
   }
 
   // Samples of picture `source` whose turn it is (SampleSides::turn).
   void add_from(const SampleSides& sides, std::uint32_t source, int turn) {
-    each_sample(sides.layers(), [&](std::size_t s, const glm::dvec3& world) {
-      if (is_turn(sides, s, turn)) add(known_of(sides, source, s), world);
+    const auto of = [&](std::size_t s) { return sides.turn(s, to_.camera.forward()) == turn; };
+    each_sample(sides.layers(), of, [&](std::size_t s, const glm::dvec3& world) {
+      if (const std::optional<PlacedIn> place = lacks(world))
+        add(known_of(sides, source, s), *place);
     });
   }
-  // What lies between these.
-  void add_between(const SampleSides& sides, std::uint32_t source, int turn, double spacing) {
-    const auto of = [&](std::size_t s) { return is_turn(sides, s, turn); };
-    each_place_between(sides, spacing, of, [&](const PlaceBetween& place) {
-      Known known = known_of(sides, source, place.sample);
-      known.sample.color = place.color;
-      add(known, place.world);
+  // What lies between the samples of picture `source` (has_places_beside).
+  void add_between(const SampleSides& sides, const SurfaceLattice& lattice, std::uint32_t source,
+                   double spacing) {
+    const auto of = [&](std::size_t s) {
+      return has_places_beside(sides, s, to_.camera.forward());
+    };
+    lattice.each_place(spacing, of, [&](const PlaceBetween& between) {
+      const std::optional<PlacedIn> place = lacks(between.world);
+      if (!place) return;
+      Known known = known_of(sides, source, between.around[0]);
+      known.sample.color = color_of(sides.layers(), between);
+      add(known, *place);
     });
   }
   [[nodiscard]] const Added& added() const { return added_; }
 
  private:
-  [[nodiscard]] bool is_turn(const SampleSides& sides, std::size_t sample, int turn) const {
-    return sides.turn(sample, to_.camera.forward()) == turn;
+  // Where, if it is in the picture and no sample near it.
+  [[nodiscard]] std::optional<PlacedIn> lacks(const glm::dvec3& world) {
+    const std::optional<PlacedIn> place = placing_.find(world);
+    return place && coverage_.covers(*place) ? std::nullopt : place;
   }
-  void add(Known known, const glm::dvec3& world) {
-    const std::optional<PlacedIn> place = place_in(to_, world);
-    if (!place || is_represented(to_, added_, place->at, place->depth, per_metre_, reach_)) return;
-    known.sample.depth = known.sample.back = float(place->depth);
+  void add(Known known, const PlacedIn& place) {
+    known.sample.depth = known.sample.back = float(place.depth);
     if (known.inner)
-      color_as_outer(to_, outer_, known.normal, place->line, per_metre_, known.sample);
-    std::vector<float>& depths = added_.depths[place->line];
-    depths.insert(std::upper_bound(depths.begin(), depths.end(), known.sample.depth),
-                  known.sample.depth);
-    added_.next.push_back(added_.head[place->line]);
-    added_.head[place->line] = std::uint32_t(added_.known.size());
+      color_as_outer(to_, outer_, known.normal, place.line, per_metre_, known.sample);
+    coverage_.add(place.line, known.sample.depth);
+    added_.next.push_back(added_.head[place.line]);
+    added_.head[place.line] = std::uint32_t(added_.known.size());
     added_.known.push_back(known);
   }
 
   const LayeredDepthImage& to_;
+  Placing placing_;
+  SampleCoverage coverage_;
   const OuterSides& outer_;
-  double reach_, per_metre_;
+  double per_metre_;
   Added added_;
 };
 
@@ -311,7 +260,7 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
     for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s) {
       const Known& of = known[s];
       opinions.clear();
-      each_line_around(layers.camera, line, [&](std::size_t beside) {
+      each_line_around(layers.camera, line, reach, [&](std::size_t beside, double aside) {
         const auto begin = known.begin() + std::ptrdiff_t(layers.first[beside]),
                    end = known.begin() + std::ptrdiff_t(layers.first[beside + 1]);
         auto k = std::lower_bound(
@@ -320,7 +269,7 @@ void mix_sources(const LayeredDepthImage& layers, const std::vector<Known>& know
         for (; k != end && k->sample.depth <= of.sample.depth + along; ++k) {
           if (!same_side(of, *k)) continue;
           const double deeper = double(k->sample.depth - of.sample.depth) / per_metre;
-          if (distance_squared(layers.camera, beside, line, deeper) > reach * reach) continue;
+          if (aside + deeper * deeper > reach * reach) continue;
           auto found = std::find_if(opinions.begin(), opinions.end(),
                                     [&](const Opinion& o) { return o.source == k->source; });
           if (found == opinions.end()) found = opinions.insert(found, {.source = k->source});
@@ -396,6 +345,19 @@ double farthest_from_hits(std::span<const Camera> cameras) {
   return farthest;
 }
 
+bool has_places_beside(const SampleSides& sides, std::size_t sample, const glm::dvec3& forward) {
+  // A face is seen at this cosine by one of three axes at least (1 / sqrt(3)), and a little less by
+  // another one whose neighbours may be known where the first one's are not.
+  constexpr float kSeesWell = 0.5f;
+  if (!sides.is_closed(sample) || sides.turn(sample, forward) != 0) return false;
+  return -glm::dot(sides.normal(sample), glm::vec3(sides.layers().camera.forward())) >= kSeesWell;
+}
+
+double share_unit(const Camera& camera, double largest) {
+  const double texel = largest_texel(camera);
+  return texel * std::sqrt(relief_splat_scale(texel, largest));
+}
+
 void share_samples(ReliefPictures& pictures, double reach) {
   std::vector<LayeredDepthImage> shared(pictures.pictures.size());
   std::vector<Camera> cameras;
@@ -411,20 +373,21 @@ void share_samples(ReliefPictures& pictures, double reach) {
   const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
   std::vector<SampleSides> sides;
   for (const LayeredDepthImage* layers : all) sides.emplace_back(*layers, closed);
+  std::vector<SurfaceLattice> lattices;
+  for (const SampleSides& of : sides) lattices.emplace_back(of);
   parallel_for(std::size_t(0), shared.size(), [&](std::size_t i) {
     const LayeredDepthImage& to = pictures.pictures[i].layers;
-    const double metres = reach * largest_texel(to.camera);
+    const double unit = share_unit(to.camera, largest);
     const double per_metre =
         to.depth_kind == DepthKind::window_z ? 1 / (to.camera.z_far - to.camera.z_near) : 1.0;
     const OuterSides outer = outer_sides(sides, i);
-    Lacking lacking(to, outer, metres, per_metre);
+    Lacking lacking(to, outer, reach * unit, per_metre);
     for (int turn = 0; turn < SampleSides::kTurns; ++turn)
       for (std::size_t k = 0; k < shared.size(); ++k)
         if (k != i) lacking.add_from(sides[k], std::uint32_t(k), turn);
     // What was hit comes first. The picture's own samples may be far apart, too.
-    for (int turn = 0; turn < SampleSides::kTurns; ++turn)
-      for (std::size_t k = 0; k < shared.size(); ++k)
-        lacking.add_between(sides[k], std::uint32_t(k), turn, kBetween * largest_texel(to.camera));
+    for (std::size_t k = 0; k < shared.size(); ++k)
+      lacking.add_between(sides[k], lattices[k], std::uint32_t(k), kBetween * unit);
     shared[i] = with(sides[i], std::uint32_t(i), outer, lacking.added(), per_metre);
   });
   for (std::size_t i = 0; i < shared.size(); ++i) {
@@ -436,7 +399,8 @@ void share_samples(ReliefPictures& pictures, double reach) {
     picture.layers = std::move(shared[i]);
     picture.lacks = std::isfinite(from_hits)
                         ? from_hits + merged +
-                              largest_texel(picture.layers.camera) * std::max(reach, std::sqrt(0.5))
+                              std::max(reach * share_unit(picture.layers.camera, largest),
+                                       std::sqrt(0.5) * largest_texel(picture.layers.camera))
                         : 0;
   }
 }

@@ -215,11 +215,12 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen_or
   }
   known = seen;
   const std::unordered_set<std::uint32_t> closed = find_closed_objects(all);
-  for (const LayeredDepthImage* layers : all)
-    each_place_between(
-        SampleSides(*layers, closed), kBetween * texel_angle(layers->camera),
-        [](std::size_t) { return true; },
+  for (const LayeredDepthImage* layers : all) {
+    const SampleSides sides(*layers, closed);
+    SurfaceLattice(sides).each_place(
+        kBetween * texel_angle(layers->camera), [](std::size_t) { return true; },
         [&](const PlaceBetween& place) { known.push_back(place.world); });
+  }
   for (std::size_t k = 0; k < after.pictures.size(); ++k) {
     const ReliefPictures::Picture& picture = after.pictures[k];
     EXPECT_TRUE(validate(picture.layers).ok());
@@ -241,12 +242,17 @@ TEST(ShareSamples, each_sample_added_stands_within_moved_of_one_that_was_seen_or
 }
 
 // By definition: of the others' samples, one after the other, those that have none within
-// `metres`; then of the places between all samples. Lines of sight, and depths along them.
+// `reach` units; then of the places between samples. Lines of sight, and depths along them.
 std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pictures,
-                                                        std::size_t k, double metres) {
+                                                        std::size_t k, double reach) {
   const LayeredDepthImage& to = pictures.pictures[k].layers;
   const Camera& camera = to.camera;
   const double texel = (camera.window.right - camera.window.left) / camera.width;
+  // Those with finer texels than others get fewer samples, for larger splats.
+  double coarser = 1;
+  for (const ReliefPictures::Picture& picture : pictures.pictures)
+    coarser = std::max(coarser, texel_angle(picture.layers.camera) / texel);
+  const double unit = texel * std::pow(std::min(coarser, 2.0), 0.25), metres = reach * unit;
   std::vector<std::pair<int, float>> samples;
   std::vector<glm::dvec3> places;  // across and along, metres
   const auto add = [&](int line, float depth) {
@@ -292,13 +298,18 @@ std::vector<std::pair<int, float>> shared_by_definition(const ReliefPictures& pi
         offer(world_from_raster(from.camera, at, z));
       }
   }
-  for (std::size_t n = 0; n < SampleSides::kTurns * count; ++n) {
-    const SampleSides sides(pictures.pictures[n % count].layers, closed);
+  for (const ReliefPictures::Picture& picture : pictures.pictures) {
+    const SampleSides sides(picture.layers, closed);
+    const glm::dvec3 own = picture.layers.camera.forward();
+    // Outer sides of closed bodies that face the picture's viewers, or turn away by up to 30
+    // degrees, and their own picture's within 60 degrees.
     const auto of = [&](std::size_t sample) {
-      return sides.turn(sample, camera.forward()) == int(n / count);
+      const glm::dvec3 normal(sides.normal(sample));
+      return sides.is_closed(sample) && sides.is_outer(sample) &&
+             -glm::dot(normal, camera.forward()) > -0.5 && -glm::dot(normal, own) >= 0.5;
     };
-    each_place_between(sides, kBetween * texel, of,
-                       [&](const PlaceBetween& place) { offer(place.world); });
+    SurfaceLattice(sides).each_place(kBetween * unit, of,
+                                     [&](const PlaceBetween& place) { offer(place.world); });
   }
   std::sort(samples.begin(), samples.end());
   return samples;
@@ -324,7 +335,7 @@ TEST(ShareSamples, pictures_get_the_samples_that_have_none_of_their_own_within_r
         for (std::uint64_t s = layers.first[line]; s < layers.first[line + 1]; ++s)
           samples.emplace_back(int(line), layers.samples[s].depth);
       std::sort(samples.begin(), samples.end());
-      EXPECT_EQ(samples, shared_by_definition(before, k, reach * texel));
+      EXPECT_EQ(samples, shared_by_definition(before, k, reach));
       EXPECT_GT(samples.size(), before.pictures[k].layers.samples.size());
     }
   }

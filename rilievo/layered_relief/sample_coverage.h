@@ -1,0 +1,60 @@
+// Which places have a sample of a layered picture near them?
+//
+// World space, metres; of a parallel picture, to which samples are added.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "rilievo/core/depth_image.h"
+
+namespace rilievo {
+
+// Where a picture has a place of the world.
+struct PlacedIn {
+  glm::dvec2 at{0.0};    // raster
+  std::size_t line = 0;  // of sight
+  double depth = 0;      // in the picture's kind
+};
+
+// Finds places, as raster_from_world does, with what is the same for all of them. `to` must outlive
+// the object.
+class Placing {
+ public:
+  explicit Placing(const LayeredDepthImage& to);
+  // None if it is beside the picture.
+  [[nodiscard]] std::optional<PlacedIn> find(const glm::dvec3& world) const;
+
+ private:
+  const LayeredDepthImage& to_;
+  glm::dmat4 eye_from_world_;
+};
+
+// The samples of a picture, by their lines of sight. `layers` must outlive the object.
+class SampleCoverage {
+ public:
+  // `reach`: metres.
+  SampleCoverage(const LayeredDepthImage& layers, double reach);
+  // Adds a sample.
+  void add(std::size_t line, float depth);
+  // Is there a sample within the reach?
+  [[nodiscard]] bool covers(const PlacedIn& place);
+
+ private:
+  struct Sample {
+    int x = 0, y = 0;
+    float depth = std::numeric_limits<float>::infinity();
+  };
+  const LayeredDepthImage& layers_;
+  double reach_, per_metre_;
+  glm::dvec2 texel_;
+  int around_ = 1;  // so many lines of sight to each side are within the reach
+  Sample last_;     // which covered a place
+  // Sorted: there are hundreds where a line runs along a face that other pictures see.
+  std::vector<std::vector<float>> depths_;
+};
+
+}  // namespace rilievo
