@@ -291,7 +291,9 @@ void AutoFrames::look(const Camera& camera) {
 bool AutoFrames::good_enough(int method) {
   Loss& of = loss_[method];
   const auto good = [&] {
-    return !of.db || rilievo::good_enough(*of.db, cache_loss_, options_.loss_db);
+    // Nobody has seen it yet: what was looked at is one frame.
+    const double sure = decision_->mean_ms(method) == 0 ? kCertainly : 1;
+    return !of.db || rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
   };
   const int again = method == kLevels ? kLooksAgainAtLevels : kLooksAgain;
   if (!good() && preparing_ < 0 && frame_ - of.seen_in > again) {

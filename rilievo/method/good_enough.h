@@ -10,6 +10,9 @@ namespace rilievo {
 // What is at most so much below the cache is as good.
 inline constexpr double kAsGoodDb = 0.5;
 
+// PSNR of a mean difference of one step of a byte. Nobody sees what is better.
+inline constexpr double kUnseenDb = 48.13;
+
 // What one frame loses is certainly not too much, if it is this share of what is allowed.
 inline constexpr double kCertainly = 0.7;
 
@@ -22,13 +25,16 @@ inline constexpr double kCertainly = 0.7;
   return 10 * std::log10(std::max(ratio, kLeast));
 }
 
+// The cache's frames are in error by what was asked for. Where its pictures are of the moment
+// before, they lose more than other frames may: so many times what is allowed.
+inline constexpr double kMostTimes = 2;
+
 // `loss_db`: how much farther from the truth its frames are than direct drawing's. They may lose
-// `allowed_db`, or as much as the cache's frames at the error that was asked for; none: this is not
-// known.
+// `allowed_db`, or as much as the cache's frames, up to kMostTimes of it; none: this is not known.
 [[nodiscard]] inline bool good_enough(double loss_db, std::optional<double> cache_loss_db,
                                       double allowed_db) {
-  return loss_db <=
-         std::max(allowed_db, cache_loss_db.value_or(allowed_db - kAsGoodDb) + kAsGoodDb);
+  const double as_cache = cache_loss_db ? *cache_loss_db + kAsGoodDb : allowed_db;
+  return loss_db <= std::clamp(as_cache, allowed_db, kMostTimes * allowed_db);
 }
 
 }  // namespace rilievo

@@ -6,9 +6,10 @@
 //
 //   loss = 10 log10( sum (shown - true)^2 / sum (direct - true)^2 )   dB
 //
-// which is PSNR of direct drawing less that of the frames. Holes are filled as direct drawing
-// would; pixels of which a sample shows nothing do not count. Frames are forgotten after some
-// dozens of others. The same pixels of the same frames in every run.
+// which is PSNR of direct drawing less that of the frames; direct drawing's counts as 48.1 dB at
+// most, a mean difference of one step of a byte, which is not seen. Holes are filled as direct
+// drawing would; pixels of which some samples show nothing do not count. Frames are forgotten after
+// some dozens of others. The same pixels of the same frames in every run.
 #pragma once
 
 #include <cstdint>
