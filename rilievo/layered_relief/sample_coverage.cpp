@@ -6,7 +6,18 @@
 namespace rilievo {
 
 Placing::Placing(const LayeredDepthImage& to)
-    : to_(to), eye_from_world_(eye_from_world(to.camera)) {}
+    : to_(to), eye_from_world_(eye_from_world(to.camera)) {
+  const Camera& camera = to.camera;
+  const auto& [l, r, b, t] = camera.window;
+  const double across = camera.width / (r - l), down = camera.height / (t - b);
+  // Of a parallel picture a depth is a distance, or a share of that from z_near to z_far.
+  const bool share = to.depth_kind == DepthKind::window_z;
+  const double per_metre = share ? 1 / (camera.z_far - camera.z_near) : 1.0;
+  const glm::dmat4 about_from_eye(
+      {across, 0, 0, 0}, {0, -down, 0, 0}, {0, 0, -per_metre, 0},
+      {-l * across, t * down, share ? -camera.z_near * per_metre : 0.0, 1});
+  about_from_world_ = about_from_eye * eye_from_world_;
+}
 
 std::optional<PlacedIn> Placing::find(const glm::dvec3& world) const {
   const Camera& camera = to_.camera;
@@ -30,6 +41,7 @@ SampleCoverage::SampleCoverage(const LayeredDepthImage& layers, double reach)
     : layers_(layers), reach_(reach), depths_(layers.first.size() - 1) {
   const Camera& camera = layers.camera;
   per_metre_ = layers.depth_kind == DepthKind::window_z ? 1 / (camera.z_far - camera.z_near) : 1.0;
+  metres_ = 1 / per_metre_;
   texel_ = {(camera.window.right - camera.window.left) / camera.width,
             (camera.window.top - camera.window.bottom) / camera.height};
   around_ = int(std::ceil(reach / std::min(texel_.x, texel_.y) - 1e-9));
@@ -45,16 +57,16 @@ void SampleCoverage::add(std::size_t line, float depth) {
 
 // Looked for first where the last place had one, which is mostly beside this one, then in the line
 // of sight through the place, which has most of them.
-bool SampleCoverage::covers(const PlacedIn& place) {
+bool SampleCoverage::covers(const glm::dvec3& place) {
   const Camera& camera = layers_.camera;
-  const int x0 = std::clamp(int(place.at.x), 0, camera.width - 1);
-  const int y0 = std::clamp(int(place.at.y), 0, camera.height - 1);
+  const int x0 = std::clamp(int(place.x), 0, camera.width - 1);
+  const int y0 = std::clamp(int(place.y), 0, camera.height - 1);
   // The farthest along a line of sight, squared; negative: none.
   const auto left = [&](int x, int y) {
-    const double across = (x + 0.5 - place.at.x) * texel_.x, up = (y + 0.5 - place.at.y) * texel_.y;
+    const double across = (x + 0.5 - place.x) * texel_.x, up = (y + 0.5 - place.y) * texel_.y;
     return reach_ * reach_ - (across * across + up * up);
   };
-  const double deeper = (double(last_.depth) - place.depth) / per_metre_;
+  const double deeper = (double(last_.depth) - place.z) * metres_;
   if (deeper * deeper <= left(last_.x, last_.y)) return true;
   const auto has_one = [&](int x, int y) {
     const double squared = left(x, y);
@@ -63,9 +75,9 @@ bool SampleCoverage::covers(const PlacedIn& place) {
     const std::vector<float>& depths =
         depths_[std::size_t(y) * std::size_t(camera.width) + std::size_t(x)];
     const auto near = std::partition_point(depths.begin(), depths.end(), [&](float depth) {
-      return double(depth) - place.depth < -along;
+      return double(depth) - place.z < -along;
     });
-    if (near == depths.end() || double(*near) - place.depth > along) return false;
+    if (near == depths.end() || double(*near) - place.z > along) return false;
     last_ = {x, y, *near};
     return true;
   };

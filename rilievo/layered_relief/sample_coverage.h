@@ -27,10 +27,14 @@ class Placing {
   explicit Placing(const LayeredDepthImage& to);
   // None if it is beside the picture.
   [[nodiscard]] std::optional<PlacedIn> find(const glm::dvec3& world) const;
+  // Raster and depth, but for rounding; wherever it is.
+  [[nodiscard]] glm::dvec3 about(const glm::dvec3& world) const {
+    return glm::dvec3(about_from_world_ * glm::dvec4(world, 1));
+  }
 
  private:
   const LayeredDepthImage& to_;
-  glm::dmat4 eye_from_world_;
+  glm::dmat4 eye_from_world_, about_from_world_;
 };
 
 // The samples of a picture, by their lines of sight. `layers` must outlive the object.
@@ -40,8 +44,8 @@ class SampleCoverage {
   SampleCoverage(const LayeredDepthImage& layers, double reach);
   // Adds a sample.
   void add(std::size_t line, float depth);
-  // Is there a sample within the reach?
-  [[nodiscard]] bool covers(const PlacedIn& place);
+  // Is there a sample within the reach of a place (Placing::about)?
+  [[nodiscard]] bool covers(const glm::dvec3& place);
 
  private:
   struct Sample {
@@ -49,7 +53,7 @@ class SampleCoverage {
     float depth = std::numeric_limits<float>::infinity();
   };
   const LayeredDepthImage& layers_;
-  double reach_, per_metre_;
+  double reach_, per_metre_, metres_;
   glm::dvec2 texel_;
   int around_ = 1;  // so many lines of sight to each side are within the reach
   Sample last_;     // which covered a place

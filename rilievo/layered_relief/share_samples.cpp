@@ -212,8 +212,8 @@ class Lacking {
  private:
   // Where, if it is in the picture and no sample near it.
   [[nodiscard]] std::optional<PlacedIn> lacks(const glm::dvec3& world) {
-    const std::optional<PlacedIn> place = placing_.find(world);
-    return place && coverage_.covers(*place) ? std::nullopt : place;
+    if (coverage_.covers(placing_.about(world))) return std::nullopt;
+    return placing_.find(world);
   }
   void add(Known known, const PlacedIn& place) {
     known.sample.depth = known.sample.back = float(place.depth);
