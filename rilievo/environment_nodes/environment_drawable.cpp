@@ -9,6 +9,7 @@
 
 #include "rilievo/environment_nodes/environment_kind.h"
 #include "rilievo/environment_nodes/node_outline.h"
+#include "rilievo/environment_nodes/nodes_for_frame.h"
 #include "rilievo/environment_nodes/working_set.h"
 
 namespace rilievo {
@@ -50,8 +51,9 @@ Result<EnvironmentDrawOptions> environment_draw_options(const OptionValues& valu
   options.draw.skin = !values.flag("gaps");
   options.resident = std::size_t(values.integer("resident"));
   options.nodes = std::size_t(values.integer("nodes"));
+  options.fills = values.integer("more") > 0 && options.nodes > 1 && options.nodes < kMaxDrawnNodes;
   // What is merged must be in memory.
-  options.resident = std::max(options.resident, options.nodes);
+  options.resident = std::max(options.resident, options.nodes + (options.fills ? 1 : 0));
   return options;
 }
 
@@ -68,6 +70,9 @@ struct EnvironmentDrawable::State {
   // Of nodes that have been in memory, or asked for.
   mutable std::map<std::size_t, NodeErrorModel> errors;
   mutable std::mutex errors_mutex;
+  // The last frame for which nodes were chosen.
+  mutable std::optional<std::pair<Camera, FrameNodes>> last;
+  mutable std::mutex last_mutex;
   NodeWorkingSet working;
   std::vector<std::size_t> drawn;
   std::map<std::size_t, std::vector<glm::dvec3>> outlines;  // of the nodes in memory
@@ -83,27 +88,35 @@ struct EnvironmentDrawable::State {
     }
   }
 
+  // A frame is drawn more than once, and bounds are asked for it. Any thread.
+  [[nodiscard]] FrameNodes chosen(const Camera& frame) const {
+    const std::lock_guard lock(last_mutex);
+    if (!last || last->first != frame)
+      last.emplace(frame, nodes_for_frame(nodes, frame, options.nodes, options.fills));
+    return last->second;
+  }
+
   // Into `drawn`, the best first.
-  void choose(const glm::dvec3& eye) {
-    const std::vector<std::size_t> order = nodes_for_eye(nodes, eye);
+  void choose(const Camera& frame) {
+    const auto [order, count] = chosen(frame);
     working.want(order, [&](std::size_t node) {
       store->drop(node);
       outlines.erase(node);
     });
     drawn.clear();
-    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       take_all();
       if (!store->holds(order[k]) && working.wait_for(order[k])) take_all();
     }
-    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k)
+    for (std::size_t k = 0; k < count; ++k)
       if (store->holds(order[k])) drawn.push_back(order[k]);
   }
 
   [[nodiscard]] double bound(const Camera& frame) const {
-    const std::vector<std::size_t> order = nodes_for_eye(nodes, frame.position());
+    const auto [order, count] = chosen(frame);
     const std::lock_guard lock(errors_mutex);
     double widest = 0;
-    for (std::size_t k = 0; k < std::min(options.nodes, order.size()); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       auto found = errors.find(order[k]);
       if (found == errors.end()) {
         Result<LoadedNode> loaded = load_and_triangulate(nodes, order[k]);
@@ -139,7 +152,7 @@ void EnvironmentDrawable::draw(const Camera& frame, std::span<const Instance> in
   for (const Instance& instance : instances) {
     const std::optional<Camera> captured = captured_frame(frame, instance.world_from_capture);
     if (!captured) continue;
-    s.choose(captured->position());
+    s.choose(*captured);
     if (s.drawn.empty()) continue;
     s.store->draw(*captured, glm::length(glm::dvec3(instance.world_from_capture[0])), s.drawn,
                   output, instance.object, s.options.draw);
@@ -155,7 +168,7 @@ void EnvironmentDrawable::draw_outlines(const Camera& frame, std::span<const Ins
   for (const Instance& instance : instances) {
     const std::optional<Camera> captured = captured_frame(frame, instance.world_from_capture);
     if (!captured) continue;
-    s.choose(captured->position());
+    s.choose(*captured);
     for (const std::size_t node : s.drawn)
       for (const glm::dvec3& end : s.outlines[node]) {
         const glm::dvec3 at(instance.world_from_capture * glm::dvec4(end, 1));

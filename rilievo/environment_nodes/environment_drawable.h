@@ -1,6 +1,6 @@
 // How are environment nodes a drawable? The nodes that an eye needs are kept in memory.
 //
-// The nodes that are drawn depend only on the eye, so that frames are reproducible. A frame waits
+// The nodes that are drawn depend only on the frame, so that frames are reproducible. A frame waits
 // for a node that it draws; the nodes that are likely next are loaded meanwhile (working_set.h).
 #pragma once
 
@@ -17,6 +17,7 @@ namespace rilievo {
 struct EnvironmentDrawOptions {
   NodeDrawOptions draw{.skin = true};
   std::size_t nodes = 2;     // drawn at a time
+  bool fills = true;         // one more where these lack something of the view
   std::size_t resident = 4;  // in memory at a time
 };
 // Typed options from the values of the kind's draw_options.

@@ -80,6 +80,13 @@ const std::array kDrawOptions{
            .unit = "N",
            .min = 1,
            .max = 8},
+    Option{.name = "more",
+           .type = OptionType::integer,
+           .default_value = "1",
+           .help = "So many more in frames in which two or more lack something that another holds",
+           .unit = "N",
+           .min = 0,
+           .max = 1},
     Option{.name = "skin",
            .type = OptionType::flag,
            .default_value = "off",
@@ -88,13 +95,15 @@ const std::array kDrawOptions{
            .type = OptionType::flag,
            .default_value = "off",
            .help = "Gaps between surfaces stay open"},
-    Option{.name = "resident",
-           .type = OptionType::integer,
-           .default_value = "4",
-           .help = "So many nodes are in memory at a time, at most, or `nodes` if that is more",
-           .unit = "N",
-           .min = 1,
-           .max = 256},
+    Option{
+        .name = "resident",
+        .type = OptionType::integer,
+        .default_value = "4",
+        .help =
+            "So many nodes are in memory at a time, at most, or `nodes` and `more` if that is more",
+        .unit = "N",
+        .min = 1,
+        .max = 256},
 };
 
 Result<> check_options(const OptionValues& values) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -18,6 +19,39 @@ EnvironmentMap map_of(const DepthImage* faces, const std::string& name) {
   map.name = name;
   for (std::size_t f = 0; f < 6; ++f) map.faces[f] = faces[f];
   return map;
+}
+
+constexpr int kMostDisparities = 256;
+constexpr double kDisparityBytes = 16 << 20;
+
+// The upper half of a float, rounded.
+std::uint16_t upper_half(float value) {
+  return std::uint16_t((std::bit_cast<std::uint32_t>(value) + 0x8000u) >> 16);
+}
+
+// size x size disparities: in the middle of each texel between the face's four around it, if these
+// are about those of one surface.
+Image<std::uint16_t> few_disparities(const DepthImage& face, int size) {
+  constexpr float kOneSurface = 1.2f;
+  const Image<float> all = face_disparity(face);
+  const int n = face.camera.width;
+  const auto at = [&](int x, int y) {
+    return all(x, y) == kNothing ? std::numeric_limits<float>::infinity() : all(x, y);
+  };
+  Image<std::uint16_t> few(size, size);
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const float x = (float(i) + 0.5f) * float(n) / float(size) - 0.5f,
+                  y = (float(j) + 0.5f) * float(n) / float(size) - 0.5f;
+      const int x0 = std::clamp(int(x), 0, n - 2), y0 = std::clamp(int(y), 0, n - 2);
+      const float a = at(x0, y0), b = at(x0 + 1, y0), c = at(x0, y0 + 1), d = at(x0 + 1, y0 + 1);
+      const float u = x - float(x0), v = y - float(y0);
+      const bool one =
+          std::max({a, b, c, d}) <= kOneSurface * std::min({a, b, c, d}) && std::isfinite(a);
+      few(i, j) = upper_half(one ? glm::mix(glm::mix(a, b, u), glm::mix(c, d, u), v)
+                                 : at(u < 0.5f ? x0 : x0 + 1, v < 0.5f ? y0 : y0 + 1));
+    }
+  return few;
 }
 
 }  // namespace
@@ -37,8 +71,10 @@ std::size_t EnvironmentNodes::bytes() const {
     sum += picture.color.texels().size() * sizeof(glm::vec4) +
            picture.depth.texels().size() * sizeof(float) +
            picture.object.texels().size() * sizeof(std::uint32_t);
-  for (const NodeSketch& node : nodes)
+  for (const NodeSketch& node : nodes) {
     for (const Image<float>& face : node.distance) sum += face.texels().size() * sizeof(float);
+    for (const Image<std::uint16_t>& face : node.disparity) sum += 2 * face.texels().size();
+  }
   return sum;
 }
 
@@ -48,10 +84,12 @@ std::optional<Sky> EnvironmentNodes::sky() const {
   return fit_sky(sums);
 }
 
-NodeSketch make_sketch(const EnvironmentMap& map) {
+NodeSketch make_sketch(const EnvironmentMap& map, std::size_t nodes) {
   NodeSketch sketch;
   sketch.world_from_node = world_from_node(map);
   const int n = sketch.face_size = map.faces[0].camera.width;
+  const int size = std::min(
+      {n, kMostDisparities, std::max(2, int(std::sqrt(kDisparityBytes / (12.0 * double(nodes)))))});
   std::size_t covered = 0;
   for (std::size_t f = 0; f < 6; ++f) {
     const DepthImage& face = map.faces[f];
@@ -72,6 +110,7 @@ NodeSketch make_sketch(const EnvironmentMap& map) {
           sketch.bounds.add(glm::vec3(world_from_raster(
               face.camera, at, eye_z_from(face.depth_kind, face.depth(x, y), face.camera, at))));
         }
+    sketch.disparity[f] = few_disparities(face, size);
     sketch.distance[f] = Image<float>(NodeSketch::kSize, NodeSketch::kSize);
     for (int j = 0; j < NodeSketch::kSize; ++j)
       for (int i = 0; i < NodeSketch::kSize; ++i) {
@@ -100,7 +139,7 @@ Result<EnvironmentNodes> make_environment_nodes(std::vector<DepthImage> pictures
     const EnvironmentMap map = map_of(&nodes.pictures[6 * i], "");
     if (Result<> valid = validate_environment(map); !valid)
       return Error{fmt::format("node {}", i), valid.error().message()};
-    nodes.nodes.push_back(make_sketch(map));
+    nodes.nodes.push_back(make_sketch(map, nodes.pictures.size() / 6));
   }
   return nodes;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -30,6 +31,10 @@ struct NodeSketch {
   // infinite for the sky, 0 where nothing is shown.
   std::array<Image<float>, 6> distance;
   SkySums sky;
+  // 1 / eye_z of its face of what a direction shows, as the upper halves of floats; 0 for the sky,
+  // infinite where nothing is shown. Finer than `distance`: surfaces that are seen from beside are
+  // a few texels wide. From it the nodes of a frame are chosen (nodes_for_frame.h).
+  std::array<Image<std::uint16_t>, 6> disparity;
 
   [[nodiscard]] glm::dvec3 eye() const { return glm::dvec3(world_from_node[3]); }
 };
@@ -50,8 +55,9 @@ struct EnvironmentNodes {
   [[nodiscard]] std::optional<Sky> sky() const;
 };
 
-// The sketch of a node. Requires a valid environment.
-[[nodiscard]] NodeSketch make_sketch(const EnvironmentMap& map);
+// The sketch of one of `nodes` nodes. Their disparities take at most 16 MB together, and have at
+// most 256 x 256 texels a face. Requires a valid environment.
+[[nodiscard]] NodeSketch make_sketch(const EnvironmentMap& map, std::size_t nodes);
 
 // Makes nodes of six pictures each. The error names the node and the face that are invalid.
 [[nodiscard]] Result<EnvironmentNodes> make_environment_nodes(std::vector<DepthImage> pictures,

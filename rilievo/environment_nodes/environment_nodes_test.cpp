@@ -262,9 +262,13 @@ TEST(EnvironmentNodes, as_many_are_in_memory_as_are_drawn) {
   EXPECT_EQ(options({{"nodes", "8"}})->nodes, 8u);
   EXPECT_EQ(options({{"nodes", "8"}})->resident, 8u);
   EXPECT_EQ(options({{"resident", "1"}})->nodes, 2u);
-  EXPECT_EQ(options({{"resident", "1"}})->resident, 2u);
+  EXPECT_EQ(options({{"resident", "1"}})->resident, 3u);
+  EXPECT_EQ(options({{"more", "0"}, {"resident", "1"}})->resident, 2u);
   EXPECT_EQ(options({{"nodes", "1"}, {"resident", "1"}})->resident, 1u);
-  EXPECT_EQ(options({{"nodes", "3"}, {"resident", "2"}})->resident, 3u);
+  EXPECT_EQ(options({{"nodes", "3"}, {"resident", "2"}})->resident, 4u);
+  EXPECT_TRUE(options({})->fills);
+  EXPECT_FALSE(options({{"more", "0"}})->fills);
+  EXPECT_FALSE(options({{"nodes", "1"}})->fills);
 }
 
 // Seurat's own test data: its one view has parallel rays, which no node has.

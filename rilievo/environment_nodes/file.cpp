@@ -88,7 +88,7 @@ Result<EnvironmentNodes> open_environment_nodes(const std::filesystem::path& pat
   for (std::size_t i = 0; i < nodes.nodes.size(); ++i) {
     const Result<EnvironmentMap> map = load_node(nodes, i);
     if (!map) return map.error();
-    nodes.nodes[i] = make_sketch(*map);
+    nodes.nodes[i] = make_sketch(*map, nodes.nodes.size());
   }
   return nodes;
 }

@@ -130,6 +130,9 @@ Result<NodeDrawer> NodeDrawer::create() {
     if (!made) return made.error();
   for (int merge = 1; merge <= 4; ++merge)
     if (Result<> made = use_merge(drawer.color_, merge, 2); !made) return made.error();
+  // By default frames have a third one where two lack something.
+  if (Result<> made = use_merge(drawer.color_, int(NodeMerge::positional), 3); !made)
+    return made.error();
   drawer.no_vertices_ = gl::make_vertex_array();
   return drawer;
 }

@@ -1,0 +1,186 @@
+// A place is free if a node sees beyond it. Along a line of sight, the place that no node sees any
+// more is on a surface if nodes have one about there; else what no node knows begins, and the
+// search goes on behind it.
+#include "rilievo/environment_nodes/nodes_for_frame.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
+#include "rilievo/environment_nodes/cube_grid.h"
+
+namespace rilievo {
+namespace {
+// Disparities of a node and of a place agree to this share.
+constexpr double kAgrees = 0.05;
+// Neighbouring disparities of one surface differ by at most this factor.
+constexpr double kOneSlope = 1.5;
+// A step turns a node's line of sight by at most so many radians, and ends at the latest where the
+// node sees no more in the old direction; but it is at least this share of the distance.
+constexpr double kTurn = 0.03, kLeastStep = 0.01;
+constexpr int kMostSteps = 300, kHalvings = 6;
+// Nodes that are asked: the best.
+constexpr std::size_t kMostAsked = 16;
+
+// A line of sight in the space of a node.
+struct NodeRay {
+  const NodeSketch* node = nullptr;
+  glm::dvec3 from{0.0}, along{0.0};
+  double beside = 0;  // distance of the node from the line
+
+  [[nodiscard]] glm::dvec3 at(double t) const { return from + t * along; }
+};
+
+// A node's four disparities around a direction.
+struct Around {
+  double ahead = 0;  // eye_z of the place in this direction
+  float all[4] = {};
+
+  [[nodiscard]] double most() const { return std::max({all[0], all[1], all[2], all[3]}); }
+  [[nodiscard]] double least() const { return std::min({all[0], all[1], all[2], all[3]}); }
+};
+
+Around around(const NodeSketch& node, const glm::dvec3& to) {
+  const glm::dvec3 size = glm::abs(to);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const std::size_t f = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0));
+  const FaceAxes& axes = face_axes()[f];
+  const Image<std::uint16_t>& of = node.disparity[f];
+  const int last = of.width() - 1;
+  const double half = 0.5 * of.width(), scale = half / std::max(size[axis], 1e-300);
+  const auto texel = [&](double at) { return std::clamp(int(half - 0.5 + scale * at), 0, last); };
+  const int x = texel(glm::dot(to, glm::dvec3(axes.right))),
+            y = texel(-glm::dot(to, glm::dvec3(axes.up)));
+  const int x1 = std::min(x + 1, last), y1 = std::min(y + 1, last);
+  const auto value = [&](int i, int j) {
+    return std::bit_cast<float>(std::uint32_t(of(i, j)) << 16);
+  };
+  return {size[axis], {value(x, y), value(x1, y), value(x, y1), value(x1, y1)}};
+}
+
+// How far a node sees beyond a place, along its line of sight; negative if it does not see it.
+double seen_beyond(const NodeSketch& node, const glm::dvec3& to) {
+  const Around q = around(node, to);
+  if (q.ahead == 0) return 0;  // its own place
+  const double most = q.most();
+  return most == 0 ? INFINITY : (1 / most - q.ahead) * glm::length(to) / q.ahead;
+}
+
+// Has a node a surface about there? `plainly`: and no other beside it.
+bool holds(const NodeSketch& node, const glm::dvec3& to, bool plainly) {
+  const Around q = around(node, to);
+  const double most = q.most() * q.ahead, least = q.least() * q.ahead;
+  if (most <= kOneSlope * least) return most >= 1 - kAgrees && least <= 1 + kAgrees;
+  return !plainly && std::any_of(std::begin(q.all), std::end(q.all), [&](float one) {
+    return std::abs(double(one) * q.ahead - 1) <= kAgrees;
+  });
+}
+
+SeenPlace look(std::span<const NodeRay> rays, std::size_t drawn, double nearest) {
+  std::size_t by = 0;  // the node that sees the place: most often the same as before
+  double beyond = 0;
+  const auto is_free = [&](double t) {
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      beyond = seen_beyond(*rays[k].node, rays[k].at(t));
+      if (beyond >= 0) return by = k, true;
+    }
+    return false;
+  };
+  double t = nearest, before = 0;
+  bool free_before = false;
+  for (int step = 0; step < kMostSteps; ++step) {
+    beyond = seen_beyond(*rays[by].node, rays[by].at(t));
+    bool free = beyond >= 0;
+    if (!free) {
+      if (free_before && by < drawn && holds(*rays[by].node, rays[by].at(t), true))
+        return {t, 1u << by};
+      free = is_free(t);
+    }
+    if (!free && free_before) {
+      double low = before, high = t;
+      for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        (is_free(middle) ? low : high) = middle;
+      }
+      std::uint32_t held = 0;
+      for (std::size_t k = 0; k < rays.size(); ++k)
+        if (holds(*rays[k].node, rays[k].at(low), false)) held |= 1u << k;
+      if (held != 0) return {low, held};
+    }
+    const double r = glm::length(rays[by].at(t));
+    // From here on its line of sight stays where it shows the sky.
+    if (free && std::isinf(beyond) && rays[by].beside < kTurn * r) break;
+    free_before = free, before = t;
+    // It turns by beside / r^2 radians a metre.
+    const double turns = kTurn * r * r / std::max(rays[by].beside, 1e-300);
+    t += std::max(kLeastStep * std::max(r, t), free ? std::min(beyond, turns) : 0.0);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<SeenPlace> places_in_view(const EnvironmentNodes& nodes, const Camera& frame,
+                                      std::span<const std::size_t> asked, std::size_t drawn) {
+  RILIEVO_EXPECTS(asked.size() <= 32);
+  std::vector<SeenPlace> places(std::size_t(kViewColumns * kViewRows));
+  const ImageWindow& w = frame.window;
+  parallel_for(0, kViewRows, [&](int row) {
+    std::vector<NodeRay> rays(asked.size());
+    for (int column = 0; column < kViewColumns; ++column) {
+      const double u = (column + 0.5) / kViewColumns, v = (row + 0.5) / kViewRows;
+      const glm::dvec3 along = glm::normalize(
+          glm::dmat3(frame.world_from_eye) *
+          glm::dvec3(glm::mix(w.left, w.right, u), glm::mix(w.bottom, w.top, v), -1));
+      for (std::size_t k = 0; k < asked.size(); ++k) {
+        NodeRay& ray = rays[k];
+        ray.node = &nodes.nodes[asked[k]];
+        const glm::dmat3 node_from_world = glm::transpose(glm::dmat3(ray.node->world_from_node));
+        ray.from = node_from_world * (frame.position() - ray.node->eye());
+        ray.along = node_from_world * along;
+        ray.beside = glm::length(glm::cross(ray.from, ray.along));
+      }
+      places[std::size_t(row * kViewColumns + column)] = look(rays, drawn, frame.z_near);
+    }
+  });
+  return places;
+}
+
+FrameNodes nodes_for_frame(const EnvironmentNodes& nodes, const Camera& frame, std::size_t merged,
+                           bool fills) {
+  FrameNodes chosen{nodes_for_eye(nodes, frame.position()), 0};
+  std::vector<std::size_t>& order = chosen.order;
+  chosen.drawn = std::min(merged, order.size());
+  const std::size_t asked = std::min(order.size(), kMostAsked);
+  if (!fills || chosen.drawn >= asked || frame.projection != Projection::perspective) return chosen;
+  const std::vector<SeenPlace> places =
+      places_in_view(nodes, frame, std::span(order).first(asked), chosen.drawn);
+  const std::uint32_t held = (1u << chosen.drawn) - 1;
+  // A farther node has larger texels, and fewer highlights in common with the others: what it adds
+  // counts less, by the square root of its distance.
+  const auto distance = [&](std::size_t k) {
+    return glm::distance(nodes.nodes[order[k]].eye(), frame.position());
+  };
+  const double usual = distance(chosen.drawn - 1);
+  std::size_t best = 0;
+  double most = 0;
+  for (std::size_t k = chosen.drawn; k < asked && sees(nodes.nodes[order[k]], frame.position());
+       ++k) {
+    const auto adds = std::count_if(places.begin(), places.end(), [&](const SeenPlace& place) {
+      return (place.held & held) == 0 && (place.held >> k & 1) != 0;
+    });
+    const double score = double(adds) * std::sqrt(usual / std::max(distance(k), 1e-300));
+    if (score > most) most = score, best = k;
+  }
+  if (most == 0) return chosen;
+  // It is loaded before it is needed.
+  const auto at = order.begin() + std::ptrdiff_t(chosen.drawn),
+             from = order.begin() + std::ptrdiff_t(best);
+  std::rotate(at, from, from + 1);
+  if (most >= kLeastFilled * double(places.size())) ++chosen.drawn;
+  return chosen;
+}
+
+}  // namespace rilievo
