@@ -90,6 +90,7 @@ Result<> write_relief(const LayeredRelief& relief, WalkWriter& writer, const Wal
   to.plane_z = relief.plane_z;
   to.first_d = relief.first_d;
   to.d_step = relief.d_step;
+  to.splat_scale = relief.splat_scale;
   to.samples = relief.samples();
   const Image<Line> lines = lines_of(relief);
   const Image<std::uint16_t> layers = count_layers(lines);

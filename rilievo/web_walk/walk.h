@@ -117,6 +117,7 @@ struct WalkRelief {
   // A code c > 0 of a sample is the displacement first_d + (c - 1) d_step from the plane at eye_z
   // == plane_z, or -1 / eye_z of a perspective one (LayeredRelief).
   double plane_z = 1, first_d = 0, d_step = 0;
+  double splat_scale = 1;                 // as LayeredRelief's
   int sheet_width = 0, sheet_height = 0;  // texels
   std::size_t samples = 0;
   WalkFile colors;     // a WebP of the sheet, sRGB, with alpha; row 0 on top

@@ -128,6 +128,7 @@ nlohmann::json json_of(const WalkRelief& relief) {
       {"plane_z", relief.plane_z},
       {"first", relief.first_d},
       {"step", relief.d_step},
+      {"splat_scale", relief.splat_scale},
       {"hull", hull},
       {"samples", relief.samples},
       {"sheet", {relief.sheet_width, relief.sheet_height}},

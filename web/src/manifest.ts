@@ -109,6 +109,8 @@ export interface ReliefEntry extends SheetEntry {
   readonly bottom: number;
   readonly top: number;
   readonly planeZ: number;
+  /** Its splats are so many times as large as the set's. */
+  readonly splatScale: number;
   /** Code c > 0 is the displacement first + (c - 1) step. */
   readonly first: number;
   readonly step: number;
@@ -327,6 +329,8 @@ export function parseManifest(text: string, where: string): Manifest {
       worldFromEye: matrix(of.world_from_eye, `${name}.world_from_eye`),
       perspective, ...windowOf(of, name), width, height, sheetWidth, sheetHeight, samples, hull,
       planeZ: number(of.plane_z, `${name}.plane_z`, -1e12, 1e12),
+      // None in walks from before there were any.
+      splatScale: of.splat_scale === undefined ? 1 : number(of.splat_scale, `${name}.splat_scale`, 0.01, 64),
       first: number(of.first, `${name}.first`, -1e30, 1e30),
       step: number(of.step, `${name}.step`, 1e-30, 1e30),
       colors: file(of.colors, `${name}.colors`),

@@ -259,7 +259,7 @@ function slantingRelief(perspective) {
     worldFromEye: Float64Array.from([...right, 0, ...up, 0, ...back, 0, ...eye, 1]), perspective,
     left: -0.6, right: 0.5, bottom: -0.4, top: 0.7, width: 110, height: 90,
     planeZ: perspective ? 1 : 3, first: perspective ? -0.5 : -0.8, step: perspective ? 5e-6 : 2.5e-5,
-    hull: [[0, 0, perspective ? -0.5 : -0.8], [110, 90, perspective ? -0.18 : 0.8]], samples: 1,
+    hull: [[0, 0, perspective ? -0.5 : -0.8], [110, 90, perspective ? -0.18 : 0.8]], samples: 1, splatScale: 1,
   };
   const world = (u, v, code) => {
     const d = of.first + code * of.step, z = perspective ? -1 / d : of.planeZ + d;

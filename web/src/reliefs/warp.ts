@@ -105,7 +105,7 @@ export class ReliefWarp {
     const { k1, k2 } = this;
     this.leastCode = Math.max(0, Math.min(65535, Math.ceil((this.least - of.first) / of.step)));
     const least = this.d(this.leastCode);
-    const beyond = Math.max(0, 0.5 * (set.splat - 1));
+    const beyond = Math.max(0, 0.5 * (set.splat * of.splatScale - 1));
     let x0 = Infinity, y0 = Infinity, x1 = -Infinity, y1 = -Infinity, most = -Infinity, largest = 0;
     for (let i = 0; i < of.hull.length; ++i) {
       const corner = of.hull[i], d = Math.max(corner[2], least), m = this.magnified(d);
@@ -123,7 +123,7 @@ export class ReliefWarp {
     all[1] = Math.floor(y0 * this.resolution);
     all[2] = Math.max(all[0] + 1, Math.ceil(x1 * this.resolution));
     all[3] = Math.max(all[1] + 1, Math.ceil(y1 * this.resolution));
-    this.widest = set.splat * this.resolution * largest;
+    this.widest = set.splat * of.splatScale * this.resolution * largest;
     this.placeDepths(height, least);
     return true;
   }
@@ -208,7 +208,7 @@ export class ReliefWarp {
     out[4] = 1 + k3 * d;
     out[5] = k3 * step;
     out[6] = s;
-    out[7] = s * this.set.splat;
+    out[7] = s * this.set.splat * of.splatScale;
     if (of.perspective) {
       out[8] = steps * (1 + (k3 + near) * d);
       out[9] = steps * (k3 + near) * step;
