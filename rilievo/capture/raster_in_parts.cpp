@@ -36,10 +36,9 @@ Result<> RasterInParts::begin(const CaptureRequest& request) {
   return Done{};
 }
 
-DepthImage RasterInParts::read(int from, int to) {
-  DepthImage picture = parts_.read(from, to, with_sky_);
+void RasterInParts::read(int from, int to, DepthImage& picture) {
+  parts_.read(from, to, with_sky_, picture);
   if (!identifiers_) picture.object = {};
-  return picture;
 }
 
 }  // namespace rilievo

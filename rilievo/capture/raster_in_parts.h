@@ -25,7 +25,7 @@ class RasterInParts final : public PictureInParts {
   // Requires one sample a texel.
   Result<> begin(const CaptureRequest& request) override;
   int advance(double share) override { return parts_.advance(share); }
-  [[nodiscard]] DepthImage read(int from, int to) override;
+  void read(int from, int to, DepthImage& picture) override;
 
  private:
   const PlacedScene& placed_;

@@ -97,6 +97,7 @@ class KeyframeMaker {
   std::vector<std::uint32_t> objects_;
   Keyframe keyframe_;
   KeyframeBand band_;
+  DepthImage rows_of_parts_;
   int next_ = 1 << 30;  // column
   const CaptureSource* parts_of_ = nullptr;
   std::unique_ptr<PictureInParts> parts_;    // null: parts_of_ has none

@@ -37,10 +37,9 @@ int PictureParts::advance(double share) {
   return int(rows_);
 }
 
-DepthImage PictureParts::read(int from, int to, bool with_sky) {
+void PictureParts::read(int from, int to, bool with_sky, DepthImage& picture) {
   RILIEVO_EXPECTS(found_ && 0 <= from && from < to && to <= camera_.height);
   const int first = camera_.height - to;  // rows of the samples are from the bottom
-  DepthImage picture;
   picture.camera = camera_;
   const double per_row = (camera_.window.top - camera_.window.bottom) / camera_.height;
   picture.camera.window.top = camera_.window.top - from * per_row;
@@ -50,7 +49,6 @@ DepthImage PictureParts::read(int from, int to, bool with_sky) {
   PictureView view = raster_.view(camera_);
   view.scene.scale = ColorScale::linear;
   shader_.shade(view, picture, with_sky, first);
-  return picture;
 }
 
 }  // namespace rilievo

@@ -29,7 +29,7 @@ class PictureParts {
              std::span<const std::uint32_t> objects);
   // As PictureInParts::advance() and read() (capture/capture_source.h).
   int advance(double share);
-  [[nodiscard]] DepthImage read(int from, int to, bool with_sky);
+  void read(int from, int to, bool with_sky, DepthImage& picture);
 
  private:
   FrameRaster raster_;

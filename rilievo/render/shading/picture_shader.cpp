@@ -78,9 +78,11 @@ void identify(const SampleBuffer& samples, std::span<const PlacedMesh> meshes, i
   RILIEVO_EXPECTS(samples.samples == 1);
   const Camera& camera = picture.camera;
   const double near = 1 / camera.z_near, per_z = 1 / camera.z_near - 1 / camera.z_far;
-  picture.depth = Image<float>(samples.width, camera.height, kNoDepth);
-  picture.object = Image<std::uint32_t>(samples.width, camera.height, kNoObject);
+  picture.depth.resize(samples.width, camera.height);
+  picture.object.resize(samples.width, camera.height);
   parallel_for(0, camera.height, [&](int y) {
+    std::ranges::fill(picture.depth.row(y), kNoDepth);
+    std::ranges::fill(picture.object.row(y), kNoObject);
     const int row = first + camera.height - 1 - y;
     for_each_seen(samples, meshes, row, [&](int x, float depth, const PlacedMesh& mesh) {
       picture.depth(x, y) = float(1 / (near - double(depth) * per_z));
@@ -134,7 +136,7 @@ void PictureShader::shade(const PictureView& view, RasterPicture& picture) {
 void PictureShader::shade(const PictureView& view, DepthImage& picture, bool with_sky, int first) {
   RILIEVO_EXPECTS(view.scene.scale == ColorScale::linear);
   const int columns = view.samples.width, height = picture.camera.height;
-  picture.color = ColorImage(columns, height);
+  picture.color.resize(columns, height);
   const std::size_t width = std::size_t(columns);
   const float share = 1.0f / float(view.samples.samples);
   const SkyRays sky(picture.camera);
@@ -143,8 +145,9 @@ void PictureShader::shade(const PictureView& view, DepthImage& picture, bool wit
       const int y = first + height - 1 - row;  // rows from the top
       for (int x = 0; x < columns; ++x) {
         const std::size_t i = std::size_t(row - from) * width + std::size_t(x);
-        if (!with_sky && !picture.covered(x, y)) continue;
         glm::vec4& color = picture.color(x, y);
+        color = glm::vec4(0);
+        if (!with_sky && !picture.covered(x, y)) continue;
         color = share * glm::vec4(shaded.color_sums()[i], float(shaded.covered()[i]));
         if (with_sky && color.a < 1)
           color = glm::vec4(glm::vec3(color) +
