@@ -143,8 +143,9 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->type_name("SOURCE");
   command
       .add_option("--keyframe-ms", options.keyframe_ms,
-                  "keyframes: time that a frame spends on the next keyframe, in ms; after a jump a "
-                  "coarse one is made first (default: a sixteenth of a keyframe, which makes runs "
+                  "keyframes: time that a frame spends on the next keyframe, in ms, and more where "
+                  "holes take more; after a jump a coarse one is made first (default: a sixteenth "
+                  "of a keyframe, which makes runs "
                   "repeatable)")
       ->check(in_range(0.1, 1000.0))
       ->type_name("T");
@@ -161,8 +162,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       ->type_name("N");
   command
       .add_option("--loss-db", options.loss_db,
-                  "auto: how much farther than direct drawing frames from keyframes may be from "
-                  "what is true, in dB (default 4)")
+                  "auto: how much farther than direct drawing frames may be from what is true, in "
+                  "dB; up to twice as much where the cache's are (default 4)")
       ->check(in_range(0.0, 100.0))
       ->type_name("DB");
   command.add_flag(

@@ -81,8 +81,8 @@ class PictureInParts {
   // Goes on by about this share of all its work, and returns how many rows, from the top, can be
   // read; they are shaded when they are read, which is part of the work.
   virtual int advance(double share) = 0;
-  // Rows [from, to) as a picture of their own, in the memory of `picture`. Requires rows that can be
-  // read.
+  // Rows [from, to) as a picture of their own, in the memory of `picture`. Requires rows that can
+  // be read.
   virtual void read(int from, int to, DepthImage& picture) = 0;
 };
 

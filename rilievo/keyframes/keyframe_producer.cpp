@@ -273,14 +273,15 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
     return done();
   }
   // Parts of a keyframe take different times: what counts is that all of it takes not too many
-  // frames.
-  const double whole_ms = ms_per_column_ * maker_.camera().width;
+  // frames, by what the last one took. Of one that takes more, each frame makes its share.
+  const double whole_ms = measured_ ? ms_per_column_ * maker_.camera().width : 0;
   const double wanted_ms = std::max(ms_a_frame(), whole_ms / kMostInterval);
+  const int least = made_frames_++ < kMostInterval ? 1 : columns.least;
   double last_ms = 0;
   while (maker_.busy() && done() < columns.most) {
     // As near to the time as whole parts come.
     const double begun_ms = watch.ms();
-    if (begun_ms + last_ms / 2 >= wanted_ms) break;
+    if (done() >= least && begun_ms + last_ms / 2 >= wanted_ms) break;
     if (Result<> made = maker_.step(source_, std::min(kPart, columns.most - done())); !made)
       return made.error();
     last_ms = watch.ms() - begun_ms;
@@ -301,7 +302,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
     for (const Keyframe& key : ready_)
       if (!key.coarse && same_view(key.camera, camera)) return Done{};
     begin(eye);
-    made_ms_ = 0, made_columns_ = 0;
+    made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
   }
   const Result<int> made = step(columns, watch);
   if (!made) return made.error();

@@ -91,8 +91,9 @@ class KeyframeProducer {
   void add(Keyframe keyframe);
   void hide_left_out();
   [[nodiscard]] Keyframe reusable();
-  // How many a frame makes: at least and at most, and those that its time is expected to suffice
-  // for. And how many frames a keyframe is expected to take.
+  // How many a frame makes: at least (of parts, once a keyframe takes too many frames) and at most,
+  // and those that its time is expected to suffice for. And how many frames a keyframe is expected
+  // to take.
   struct Columns {
     int least, most, expected;
     double frames;
@@ -117,7 +118,7 @@ class KeyframeProducer {
   double ms_per_column_ = 0, ms_per_texel_ = 0;
   double holes_ms_ = 0;  // of the last frames
   double made_ms_ = 0;   // of the keyframe that is being made
-  int made_columns_ = 0;
+  int made_columns_ = 0, made_frames_ = 0;
   bool measured_ = false;  // was one completed?
   KeyframeWork done_;
 

@@ -113,25 +113,32 @@ TEST(KeyframeProducer, WithALimitOfTimeAJumpGetsACoarseKeyframeAndThenFineOnes) 
   for (const WarpedKeyframe& one : producer.chosen()) EXPECT_FALSE(one.keyframe->coarse);
 }
 
-TEST(KeyframeProducer, AKeyframeTakesAFewFramesHoweverLittleTimeThereIs) {
+// Keyframes that so many frames complete, with next to no time for them.
+int count_completed(int samples, int frames) {
   ProducerStage stage;
   KeyframeProducer producer(stage.source, stage.source,
-                            {.samples = 1, .interval = 4, .keyframe_ms = 1e-6});
+                            {.samples = samples, .interval = 4, .keyframe_ms = 1e-6});
   const auto eye = [](int i) {
     const glm::dvec3 at(0.01 * i, 1.7, 12);
     // Wide enough for more bands than frames.
     return look_at(at, at + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.3, 800, 40, 0.1, 200);
   };
   int completed = 0;
-  for (int i = 0; i < 70; ++i) {
+  for (int i = 0; i < frames; ++i) {
     if (producer.follow(eye(i), 0).empty()) {
-      ASSERT_TRUE(producer.make_now());
+      EXPECT_TRUE(producer.make_now());
       (void)producer.take_work();
     }
-    ASSERT_TRUE(producer.work());
+    EXPECT_TRUE(producer.work());
     completed += producer.take_work().completed;
   }
-  EXPECT_EQ(completed, 2);
+  return completed;
+}
+
+TEST(KeyframeProducer, AKeyframeTakesAFewFramesHoweverLittleTimeThereIs) {
+  EXPECT_EQ(count_completed(1, 70), 2);
+  // In parts at most twice as many, as the first one does.
+  EXPECT_GE(count_completed(4, 140), 2);
 }
 
 // A source that takes until it is told to go on.

@@ -158,8 +158,11 @@ void KeyframeMaker::step_of_parts(int columns) {
   next_ = std::min(next_ + columns, width);
   const int read = band_.first + band_.rows;
   if (readable - read < kLeastRows && !last) return;
-  parts_->read(read, readable, rows_of_parts_);
-  append(rows_of_parts_, band_);
+  // All of them may have been there before the last step.
+  if (readable > read) {
+    parts_->read(read, readable, rows_of_parts_);
+    append(rows_of_parts_, band_);
+  }
   // Those whose quarters have sides.
   const int complete = readable == 2 * height ? height : (readable - 1) / 2;
   take_over(band_, rows_, complete, 0, width, 0, smooth(), keyframe_);

@@ -122,11 +122,12 @@ Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> 
 
 Result<ReliefSet> make_relief_set(const ReliefPictures& pictures, bool identifiers) {
   ReliefSet set;
-  // Texels of perspective pictures have no size of their own.
+  // Texels of perspective pictures have no size of their own. Empty ones make no relief.
   double largest = 0;
   bool parallel = true;
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
-    largest = std::max(largest, texel_angle(picture.layers.camera));
+    if (!picture.layers.samples.empty())
+      largest = std::max(largest, texel_angle(picture.layers.camera));
     parallel = parallel && picture.layers.camera.projection == Projection::parallel;
   }
   for (const ReliefPictures::Picture& picture : pictures.pictures) {

@@ -51,9 +51,15 @@ Audition audition_rays(const ShownFrame& shown, int samples, RayVisibility& rays
   PlacedScene placed(rays.scene());
   placed.set_time(shown.time);
   Audition found;
+  const auto cast = [&] {
+    return rays.find_visible(camera, samples, placed, shown.in_view, {}).ok();
+  };
+  // The first time touches memory that others do not.
+  if (!cast()) return found;
   const double before = thread_ms();
-  if (!rays.find_visible(camera, samples, placed, shown.in_view, {})) return found;
+  if (!cast()) return found;
   const double times = pixels / (double(camera.width) * camera.height);
+  // Colours by the model.
   const FrameLoad shading{.triangles = 0, .pixels = pixels, .threads = 1};
   found.processor_ms = times * (thread_ms() - before) + shading.direct_ms();
   return found;

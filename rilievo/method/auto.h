@@ -6,7 +6,7 @@
 //   lod         levels of detail, within error_px as they state it, or half of it  estimated
 //   keyframes   whole frames from keyframes                                        measured
 //
-// Where it can be measured they lose at most loss_db, or as much as the cache
+// Where it can be measured they lose at most loss_db, or as much as the cache, up to twice that
 // (method/good_enough.h).
 //
 // method/auto_decision.h decides. A frame's time is measured by the clock, or counted

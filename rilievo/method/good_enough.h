@@ -10,7 +10,8 @@ namespace rilievo {
 // What is at most so much below the cache is as good.
 inline constexpr double kAsGoodDb = 0.5;
 
-// PSNR of a mean difference of one step of a byte. Nobody sees what is better.
+// PSNR of a mean difference of one step of a byte (SampledLoss::kUnseen). Nobody sees what is
+// better.
 inline constexpr double kUnseenDb = 48.13;
 
 // What one frame loses is certainly not too much, if it is this share of what is allowed.
@@ -26,7 +27,7 @@ inline constexpr double kCertainly = 0.7;
 }
 
 // The cache's frames are in error by what was asked for. Where its pictures are of the moment
-// before, they lose more than other frames may: so many times what is allowed.
+// before, they may lose more; other frames at most so many times what is allowed.
 inline constexpr double kMostTimes = 2;
 
 // `loss_db`: how much farther from the truth its frames are than direct drawing's. They may lose

@@ -9,9 +9,6 @@ namespace {
 constexpr int kSamples = 4;
 // Of the sums, when a frame is added.
 constexpr double kRemembered = 0.97;
-// A mean difference of one step of each byte is not seen (48.1 dB): direct drawing's counts as no
-// less.
-constexpr double kUnseen = 3;
 // Half a byte's step squared in three channels: rounding is no loss.
 constexpr double kRounding = 0.25;
 
@@ -98,7 +95,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
     from = to;
   }
   cast(fine, parts_, objects, true_sums_);
-  shown_ *= kRemembered, direct_ *= kRemembered, counted_ *= kRemembered;
+  for (double* sum : {&shown_, &direct_, &counted_, &surfaces_}) *sum *= kRemembered;
   for (std::size_t from = 0, part = 0; from < pixels_.size();) {
     std::size_t to = from;
     while (to < pixels_.size() && pixels_[to].y == pixels_[from].y) ++to;
@@ -108,7 +105,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
       const glm::ivec4 all =
           true_sums_[first] + true_sums_[first + 1] + true_sums_[second] + true_sums_[second + 1];
       const glm::ivec4& few = direct_sums_[i];
-      // The sky is the same in all.
+      // Where nothing but the sky is, it is taken to be the same in all.
       if (all.w == 0 && few.w == 0) ++counted_;
       if (all.w < 4 * kSamples || few.w < kSamples) continue;
       const glm::dvec3 truth = glm::dvec3(all) / double(all.w);
@@ -118,7 +115,7 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
                     ? of_direct
                     : square(glm::dvec3(seen & 255, seen >> 8 & 255, seen >> 16 & 255) - truth);
       direct_ += of_direct;
-      ++counted_;
+      ++counted_, ++surfaces_;
     }
     part += 4 * in_row;
     from = to;

@@ -4,7 +4,7 @@
 // that direct drawing takes. With the squared differences of a frame's bytes and of direct
 // drawing's
 //
-//   loss = 10 log10( sum (shown - true)^2 / sum (direct - true)^2 )   dB
+//   loss = 10 log10( sum (shown - true)^2 / max(sum (direct - true)^2, 3 n) )   dB
 //
 // which is PSNR of direct drawing less that of the frames; direct drawing's counts as 48.1 dB at
 // most, a mean difference of one step of a byte, which is not seen. Holes are filled as direct
@@ -27,6 +27,10 @@ class SampledLoss {
  public:
   // Pixels of a frame; and those after which the loss is known.
   static constexpr int kPixels = 256, kEnough = 1500;
+  // ... and how many of these must show surfaces.
+  static constexpr int kEnoughSurfaces = 300;
+  // A mean difference of one step of each of three bytes, squared: it is not seen.
+  static constexpr double kUnseen = 3;
 
   // `rays`, of the scene, must outlive the object.
   explicit SampledLoss(const RayScene& rays) : caster_(rays) {}
@@ -35,10 +39,10 @@ class SampledLoss {
   // is covered counts as direct drawing.
   void add(const Camera& camera, std::span<const std::uint32_t> objects,
            const Image<std::uint32_t>& shown);
-  void forget() { shown_ = direct_ = counted_ = 0; }
+  void forget() { shown_ = direct_ = counted_ = surfaces_ = 0; }
 
-  [[nodiscard]] bool known() const { return counted_ >= kEnough; }
-  // dB; negative: they are nearer than direct drawing. 0 where both are the truth.
+  [[nodiscard]] bool known() const { return counted_ >= kEnough && surfaces_ >= kEnoughSurfaces; }
+  // dB; negative: they are nearer than direct drawing, or than what is seen.
   [[nodiscard]] double loss_db() const;
 
  private:
@@ -48,7 +52,7 @@ class SampledLoss {
   PixelCaster caster_;
   SeenTriangles seen_;
   std::uint32_t random_ = 1;
-  double shown_ = 0, direct_ = 0, counted_ = 0;
+  double shown_ = 0, direct_ = 0, counted_ = 0, surfaces_ = 0;
   std::vector<FramePixel> pixels_, parts_;
   std::vector<glm::ivec4> direct_sums_, true_sums_;  // of bytes; the number of samples
 };
