@@ -30,7 +30,7 @@ struct AutoLevels {
 
 // Draws a frame of a software backend for the eye of the one that is shown, which touches all of a
 // target's memory, too: with error_px where that is good enough, else with half of it. `loss`, of
-// the same scene, may be null: then it is not known how good they are.
+// the same scene, may be null: then they are good enough if they look as the polygons.
 [[nodiscard]] Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
                                        FrameLoss* loss, AutoLevels& levels);
 
