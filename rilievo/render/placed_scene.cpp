@@ -1,7 +1,6 @@
 #include "rilievo/render/placed_scene.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include "rilievo/render/draw_list.h"
 
@@ -79,6 +78,26 @@ StrokeSize PlacedScene::stroke_size(std::span<const std::uint32_t> objects) cons
   return largest;
 }
 
+namespace {
+
+// 0, 1, ..., count - 1: std::views::iota does not compile with clang 14 and libstdc++ 12.
+struct Numbers {
+  struct Iterator {
+    std::uint32_t at;
+    std::uint32_t operator*() const { return at; }
+    Iterator& operator++() {
+      ++at;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return at != other.at; }
+  };
+  std::uint32_t count;
+  [[nodiscard]] Iterator begin() const { return {0}; }
+  [[nodiscard]] Iterator end() const { return {count}; }
+};
+
+}  // namespace
+
 template <class Objects>
 void PlacedScene::cull_any(const Camera& camera, const Objects& objects,
                            std::vector<std::uint32_t>& visible) const {
@@ -102,7 +121,7 @@ void PlacedScene::cull_any(const Camera& camera, const Objects& objects,
 }
 
 void PlacedScene::cull(const Camera& camera, std::vector<std::uint32_t>& visible) const {
-  cull_any(camera, std::views::iota(0u, std::uint32_t(bounds_.size())), visible);
+  cull_any(camera, Numbers{std::uint32_t(bounds_.size())}, visible);
 }
 
 void PlacedScene::cull(const Camera& camera, std::span<const std::uint32_t> objects,
