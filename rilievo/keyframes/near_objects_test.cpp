@@ -55,7 +55,7 @@ TEST(NearObjects, AreTheNearestWithinANumberOfTriangles) {
   const PlacedScene placed(made.scene);
   Random random(9);
   std::map<std::size_t, int> sizes;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     const auto some = [&](double size) { return random.between(-size, size); };
     const glm::dvec3 eye(some(15), 1.7, some(15)), to(some(15), 1, some(15)),
         step(some(1), 0, some(1));
