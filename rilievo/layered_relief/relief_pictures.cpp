@@ -120,15 +120,27 @@ Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> 
   return made;
 }
 
+namespace {
+
+bool has_square_texels(const Camera& camera) {
+  const ImageWindow& w = camera.window;
+  const double wide = (w.right - w.left) / camera.width, high = (w.top - w.bottom) / camera.height;
+  return std::abs(wide - high) <= 1e-6 * wide;
+}
+
+}  // namespace
+
 Result<ReliefSet> make_relief_set(const ReliefPictures& pictures, bool identifiers) {
   ReliefSet set;
-  // Texels of perspective pictures have no size of their own. Empty ones make no relief.
+  // Texels of perspective pictures have no size of their own, and of those that are not square one
+  // number does not tell how large splats are. Empty pictures make no relief.
   double largest = 0;
   bool parallel = true;
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
     if (!picture.layers.samples.empty())
       largest = std::max(largest, texel_angle(picture.layers.camera));
-    parallel = parallel && picture.layers.camera.projection == Projection::parallel;
+    parallel = parallel && picture.layers.camera.projection == Projection::parallel &&
+               has_square_texels(picture.layers.camera);
   }
   for (const ReliefPictures::Picture& picture : pictures.pictures) {
     Result<LayeredRelief> relief =
