@@ -88,7 +88,7 @@ class Software(command.Case):
 
     def test_whoever_is_faster_draws(self):
         kept = self.folder / "cache"
-        measured = self.drawn_by(kept)
+        self.drawn_by(kept)
         file = kept / "rilievo" / "draw_speed.json"
         if not file.exists():
             self.skipTest("there is no OpenGL to compare with")
@@ -101,10 +101,12 @@ class Software(command.Case):
         # Damaged, or another machine's: it is measured again.
         for text in "{", json.dumps({**speed, "gl_renderer": "another"}):
             file.write_text(text)
-            self.assertEqual(self.drawn_by(kept), measured)
+            # Beside other work either may be found to be the faster one.
+            self.assertIn(self.drawn_by(kept), ("opengl", "software"))
             again = json.loads(file.read_text())
             self.assertEqual(set(again), set(speed))
             self.assertNotEqual(again["gl_renderer"], "another")
+            self.assertNotEqual(again["software"]["triangle_ns"], speed["software"]["triangle_ns"])
 
     def test_no_place_to_keep_what_was_measured_is_no_error(self):
         self.assertIn(self.drawn_by("/dev/null"), ("opengl", "software"))
