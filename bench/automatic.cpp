@@ -274,10 +274,10 @@ Result<BenchReport> automatic(const BenchOptions& options) {
       "the most that "
       "such a frame changed beyond the true frames, FLIP in a tile (of {} frames without a "
       "change). "
-      "Methods count where they are at most {:g} dB below direct-raster (48.1 dB at most), or no "
-      "worse than the "
-      "cache, whose error is at most 1 px, and at most {:g} dB below; ! says that they are not.",
-      run.frames, kReference, kPlaces, kUsualFrames, run.method.loss_db,
+      "Methods count where they are at most {:g} dB below direct-raster ({:.1f} dB at most), or "
+      "no worse than the cache, whose error is at most 1 px, and at most {:g} dB below; ! says "
+      "that they are not.",
+      run.frames, kReference, kPlaces, kUsualFrames, run.method.loss_db, kUnseenDb,
       kMostTimes * run.method.loss_db));
   return {std::move(report)};
 }

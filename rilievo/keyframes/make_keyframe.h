@@ -100,9 +100,10 @@ class KeyframeMaker {
   DepthImage rows_of_parts_;
   int next_ = 1 << 30;  // column
   const CaptureSource* parts_of_ = nullptr;
-  std::unique_ptr<PictureInParts> parts_;    // null: parts_of_ has none
-  bool started_ = false, by_parts_ = false;  // this keyframe is
-  int rows_ = 0, ranges_ = 0;                // rows of texels that are complete, and with ranges
+  std::unique_ptr<PictureInParts> parts_;  // null: parts_of_ has none
+  bool started_ = false;                   // start() or step() was called for this keyframe
+  bool by_parts_ = false;                  // this keyframe is captured in parts
+  int rows_ = 0, ranges_ = 0;              // rows of texels that are complete, and with ranges
 };
 
 // All at once.

@@ -36,6 +36,12 @@ LayeredDepthImage by_eye_z(const LayeredDepthImage& layers, double max_depth, do
   return out;
 }
 
+bool has_square_texels(const Camera& camera) {
+  const ImageWindow& w = camera.window;
+  const double wide = (w.right - w.left) / camera.width, high = (w.top - w.bottom) / camera.height;
+  return std::abs(wide - high) <= 1e-6 * wide;
+}
+
 }  // namespace
 
 Box bounds_of(const ReliefPictures& pictures) {
@@ -119,16 +125,6 @@ Result<ReliefPictures> adopt_relief_pictures(std::span<const LayeredDepthImage> 
   if (made.bounds.empty()) return Error{"", "shows nothing"};
   return made;
 }
-
-namespace {
-
-bool has_square_texels(const Camera& camera) {
-  const ImageWindow& w = camera.window;
-  const double wide = (w.right - w.left) / camera.width, high = (w.top - w.bottom) / camera.height;
-  return std::abs(wide - high) <= 1e-6 * wide;
-}
-
-}  // namespace
 
 Result<ReliefSet> make_relief_set(const ReliefPictures& pictures, bool identifiers) {
   ReliefSet set;

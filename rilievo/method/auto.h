@@ -6,8 +6,8 @@
 //   lod         levels of detail, within error_px as they state it, or half of it  estimated
 //   keyframes   whole frames from keyframes                                        measured
 //
-// Where it can be measured they lose at most loss_db, or as much as the cache, up to twice that
-// (method/good_enough.h).
+// Where it can be measured they lose at most loss_db, or as much as the cache, but at most
+// twice loss_db (method/good_enough.h).
 //
 // method/auto_decision.h decides. A frame's time is measured by the clock, or counted
 // (MethodOptions::by_clock); only direct drawing and the cache are counted, and then the same input

@@ -28,27 +28,6 @@ Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels
   return Done{};
 }
 
-}  // namespace
-
-AutoLevels prepare_levels(const Backend& backend, const Scene& scene, double pixels,
-                          double error_px) {
-  AutoLevels levels;
-  LevelsOptions options;
-  options.most_triangles = std::uint64_t(FrameLoad::kFits * pixels);
-  levels.made = make_object_levels(scene, options);
-  if (backend.drawn_by() == DrawnBy::software)
-    static_cast<void>(make_frames(backend, kSafely * error_px, levels));
-  return levels;
-}
-
-Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& levels) {
-  if (levels.frames) return Done{};
-  if (!levels.made) return Error{"levels", "there are none"};
-  return make_frames(backend, kSafely * error_px, levels);
-}
-
-namespace {
-
 // Is their mean difference at most one step of a byte?
 bool look_the_same(const Rgba8Image& a, const Rgba8Image& b) {
   double squares = 0;
@@ -77,6 +56,23 @@ std::optional<Audition> compare_with_polygons(const ShownFrame& shown, double er
 }
 
 }  // namespace
+
+AutoLevels prepare_levels(const Backend& backend, const Scene& scene, double pixels,
+                          double error_px) {
+  AutoLevels levels;
+  LevelsOptions options;
+  options.most_triangles = std::uint64_t(FrameLoad::kFits * pixels);
+  levels.made = make_object_levels(scene, options);
+  if (backend.drawn_by() == DrawnBy::software)
+    static_cast<void>(make_frames(backend, kSafely * error_px, levels));
+  return levels;
+}
+
+Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& levels) {
+  if (levels.frames) return Done{};
+  if (!levels.made) return Error{"levels", "there are none"};
+  return make_frames(backend, kSafely * error_px, levels);
+}
 
 Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
                          FrameLoss* loss, AutoLevels& levels) {

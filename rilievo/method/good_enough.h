@@ -31,7 +31,8 @@ inline constexpr double kCertainly = 0.7;
 inline constexpr double kMostTimes = 2;
 
 // `loss_db`: how much farther from the truth its frames are than direct drawing's. They may lose
-// `allowed_db`, or as much as the cache's frames, up to kMostTimes of it; none: this is not known.
+// `allowed_db`, or as much as the cache's frames (none: not known), but at most kMostTimes
+// allowed_db.
 [[nodiscard]] inline bool good_enough(double loss_db, std::optional<double> cache_loss_db,
                                       double allowed_db) {
   const double as_cache = cache_loss_db ? *cache_loss_db + kAsGoodDb : allowed_db;
