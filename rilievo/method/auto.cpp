@@ -71,6 +71,8 @@ constexpr double kNewestSlowness = 0.05;
 constexpr double kFastest = 0.6, kSlowest = 10;
 // How far off models are taken to be, at most, by a frame that was drawn beside the others.
 constexpr double kMostOff = 5;
+// The share of a frame in how far off the model of polygons is.
+constexpr double kNewestOff = 0.2;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
@@ -88,8 +90,8 @@ void add_object(const Camera& camera, const Box& bounds, double triangles, Frame
   const double f = camera.width / (camera.window.right - camera.window.left);
   const double across = f * radius / std::max(way - radius, camera.z_near);
   const double pixels = std::min(3 * across * across, load.pixels);
-  // No finer levels are made than those of which a mesh fits the frame.
-  const double most = std::min(kLevelTriangles * pixels, FrameLoad::kFits * load.pixels);
+  // Of large meshes no finer levels are made (auto_levels.h).
+  const double most = std::min(kLevelTriangles * pixels, FrameLoad::kFew * load.pixels);
   load.level_triangles += std::min(triangles, std::max(most, kLeastLevel));
 }
 
@@ -134,6 +136,7 @@ class AutoFrames final : public FrameSource {
   void measure_load(const Camera& camera);
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
+  void learn_direct(double ms);
   void measure_loss(const Camera& camera, const AutoChoice& choice);
   void prepare(int method);
   void fade(const Camera& camera);
@@ -145,7 +148,8 @@ class AutoFrames final : public FrameSource {
   Backend& backend_;
   int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
   std::uint64_t triangles_, meshes_triangles_;
-  bool only_direct_ = true, bends_ = false, masked_ = false, moves_ = false;
+  bool only_direct_ = true, caches_ = false;  // does what may draw?
+  bool bends_ = false, masked_ = false, moves_ = false;
   int width_ = 0, height_ = 0;
   std::optional<AutoDecision> decision_;
   EyePrediction eye_;
@@ -178,7 +182,7 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
-  int frame_ = 0, counted_frames_ = 0, drawn_by_ = kDirect;
+  int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;  // times as slow as the machine of FrameLoad
   bool hurries_ = false;
   std::optional<IdleThread> beside_;  // last: it ends first
@@ -214,14 +218,17 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
 void AutoFrames::begin(const Camera& camera) {
   width_ = camera.width, height_ = camera.height;
   const FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
-  only_direct_ = bends_ || load.fits();
+  caches_ = !load.few();
+  // Costs that are counted are those of the cache and of direct drawing.
+  only_direct_ = bends_ || load.fits() || !(caches_ || options_.by_clock);
   if (only_direct_) {
     decision_.reset();
     return;
   }
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
-  // To try it later is dear: it captures for several frames. Direct drawing is tried at any time.
-  decision_.emplace(kCandidates, kCache, pace_ms);
+  // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
+  // time.
+  decision_.emplace(kCandidates, caches_ ? kCache : kDirect, pace_ms);
   outlook_.assign(kMethods, {});
   measure_load(camera);
 }
@@ -252,7 +259,7 @@ void AutoFrames::look(const Camera& camera) {
   if (frame_ % kLookFrames == 0 || eye_.jumped()) measure_load(camera);
   const FrameLoad& load = load_;
   outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
-  outlook_[kCache] = {!shared_chooser_->cache_failed(), false, true, 0, 0};
+  outlook_[kCache] = {caches_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
     AutoOutlook& one = outlook_[std::size_t(method)];
     one = {};
@@ -285,6 +292,13 @@ void AutoFrames::look(const Camera& camera) {
     outlook_[std::size_t(method)].guess_ms *= off_[method];
   // What is being prepared goes on, whatever the frames take meanwhile.
   if (preparing_ >= 0) outlook_[std::size_t(preparing_)].prepare_ms = 0;
+}
+
+// Polygons took that: how far off is their model? Levels are polygons, too.
+void AutoFrames::learn_direct(double ms) {
+  const double off = std::clamp(ms / (slowness_ * load_.direct_ms()), 1 / kMostOff, kMostOff);
+  off_[kDirect] += (off - off_[kDirect]) * std::max(kNewestOff, 1.0 / ++direct_frames_);
+  if (!frames_[kLevels]) off_[kLevels] = off_[kDirect];
 }
 
 // Is a method whose loss is measured? What was not may be, some time later.
@@ -509,6 +523,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     // Captures of large meshes take many times what is counted for them.
     if (active_->stats().captures == 0 || slowness < slowness_)
       slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
+    if (choice.draws == kDirect) learn_direct(ms);
   }
   if (timed) decision_->add(ms, disturbed);
   stats_ = active_->stats();

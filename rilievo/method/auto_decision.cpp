@@ -40,6 +40,8 @@ constexpr double kLikely = 0.5;
 constexpr int kWarmsUpLong = 5;
 // And one whose frames together take so many frames' time more.
 constexpr double kMostMore = 5;
+// What is prepared in the time of so many frames need not gain much.
+constexpr double kLittle = 2;
 
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
@@ -172,8 +174,8 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
     const bool promises =
         cost.mean_ms == 0 && one.guess_ms > 0 && one.guess_ms <= (1 - kMuchCheaper) * now;
-    if (!one.ready && !promises && (hope > kWorthPreparing * now || one.prepare_ms > pays))
-      continue;
+    const double worth = one.prepare_ms > kLittle * now ? kWorthPreparing : 1;
+    if (!one.ready && !promises && (hope > worth * now || one.prepare_ms > pays)) continue;
     // What must be prepared takes its time, in which nothing else can be.
     const double chance = ready      ? 1
                           : promises ? std::max(candidate.chance, kLikely)

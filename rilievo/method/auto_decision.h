@@ -42,9 +42,12 @@ struct FrameLoad {
   int threads = 1;
   bool masked = false;  // textures cut surfaces out, as leaves': rays go on through them
 
-  // The polygons are so few, for each pixel, that no picture can cost less: it has as many texels.
-  static constexpr double kFits = 0.25;
+  // The polygons are so few, for each pixel, that pixels take the time, and nothing can gain.
+  static constexpr double kFits = 0.02;
   [[nodiscard]] bool fits() const { return triangles <= kFits * pixels; }
+  // So few that no picture of an object costs less: it has as many texels. Levels may.
+  static constexpr double kFew = 0.25;
+  [[nodiscard]] bool few() const { return triangles <= kFew * pixels; }
   [[nodiscard]] double direct_ms() const;
   [[nodiscard]] double levels_ms() const;
   [[nodiscard]] double rays_ms() const;

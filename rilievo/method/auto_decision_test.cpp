@@ -218,6 +218,16 @@ TEST(AutoDecision, what_will_hardly_be_good_enough_must_gain_more) {
   EXPECT_GT(prepared(0.02, 20), 150);
 }
 
+TEST(AutoDecision, what_is_prepared_within_two_frames_need_not_gain_much) {
+  const auto drawn = [](int prepared_after) {
+    return walk({{{"direct", 0}, always(10)}, {{"lod", 2, 1}, always(9), 1.2, 1, prepared_after}},
+                0, 300, 0.01, 1)
+        .drawn[1];
+  };
+  EXPECT_GT(drawn(5), 200);
+  EXPECT_EQ(drawn(30), 0);
+}
+
 // Two thirds of the time were not enough: each step down in quality had to gain as much again.
 TEST(AutoDecision, a_worse_method_that_is_good_enough_draws_where_it_is_cheaper) {
   for (const int rank : {2, 3}) {

@@ -61,7 +61,7 @@ AutoLevels prepare_levels(const Backend& backend, const Scene& scene, double pix
                           double error_px) {
   AutoLevels levels;
   LevelsOptions options;
-  options.most_triangles = std::uint64_t(FrameLoad::kFits * pixels);
+  options.most_triangles = std::uint64_t(FrameLoad::kFew * pixels);
   levels.made = make_object_levels(scene, options);
   if (backend.drawn_by() == DrawnBy::software)
     static_cast<void>(make_frames(backend, kSafely * error_px, levels));

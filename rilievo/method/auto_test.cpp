@@ -38,8 +38,8 @@ TEST_F(AutoTest,
     const Result<Method> direct = make_method("direct-raster", {}, other);
     ASSERT_TRUE(made.ok() && direct.ok());
     for (int i = 0; i < 5; ++i) {
-      // 90 000 pixels.
-      const Camera eye = camera(i, 400, 225);
+      // Ninety pixels a triangle.
+      const Camera eye = camera(i, 1600, 1125);
       ASSERT_TRUE(made->frames->draw(eye, 0).ok() && direct->frames->draw(eye, 0).ok());
       const FrameStats& stats = made->frames->stats();
       EXPECT_EQ(stats.decision.method, "direct");
@@ -48,6 +48,23 @@ TEST_F(AutoTest,
       EXPECT_EQ(stats.picture_bytes, 0u);
       EXPECT_TRUE(made->frames->software_target()->color() ==
                   direct->frames->software_target()->color());
+    }
+  }
+}
+
+// 90 000 pixels: levels may gain.
+TEST_F(AutoTest, where_triangles_are_few_nothing_is_captured) {
+  SoftwareBackend backend(scene_, 4);
+  for (const bool by_clock : {false, true}) {
+    const Result<Method> made = make_method("auto", {.by_clock = by_clock}, backend);
+    ASSERT_TRUE(made.ok());
+    for (int i = 0; i < 60; ++i) {
+      ASSERT_TRUE(made->frames->draw(camera(i, 400, 225), frame_time(path_, i)).ok());
+      const FrameStats& stats = made->frames->stats();
+      EXPECT_NE(stats.decision.method, "cache");
+      if (i == 0 || !by_clock) {
+        EXPECT_EQ(stats.decision.method, "direct");
+      }
     }
   }
 }
