@@ -199,6 +199,7 @@ Result<> run_compare(CompareCommand options) {
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   options.method_options.eyes = eyes_of(plan->path, plan->frames);
+  options.method_options.eye_path = eye_path_of(plan->path, plan->frames);
   options.method_options.impostors.background = options.real_time;
   options.method_options.by_clock = options.method_options.by_clock || options.real_time;
   Stages stages(opened->scene, options.frames.samples, &opened->deformations);

@@ -131,10 +131,16 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Representation&
   return plan;
 }
 
+std::vector<glm::vec3> eye_path_of(const CameraPath& path, int frames) {
+  std::vector<glm::vec3> eyes;
+  for (int frame = 0; frame < frames; ++frame)
+    eyes.emplace_back(camera_at(path, frame_time(path, frame), 1, 1).position());
+  return eyes;
+}
+
 Box eyes_of(const CameraPath& path, int frames) {
   Box eyes;
-  for (int frame = 0; frame < frames; ++frame)
-    eyes.add(glm::vec3(camera_at(path, frame_time(path, frame), 1, 1).position()));
+  for (const glm::vec3& eye : eye_path_of(path, frames)) eyes.add(eye);
   return eyes;
 }
 

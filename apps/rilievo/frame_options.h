@@ -40,7 +40,9 @@ struct FramePlan {
 // The path asked for; or the representation's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options,
                                             const Representation& representation);
-// Around the eyes of a path, each at its frame.
+// The eyes of a path, each at its frame.
+[[nodiscard]] std::vector<glm::vec3> eye_path_of(const CameraPath& path, int frames);
+// Around these.
 [[nodiscard]] Box eyes_of(const CameraPath& path, int frames);
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);

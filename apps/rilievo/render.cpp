@@ -192,6 +192,7 @@ Result<> render_scene(const RenderCommand& options) {
   if (!plan) return plan.error();
   MethodOptions methods = options.methods;
   methods.eyes = eyes_of(plan->path, plan->frames);
+  methods.eye_path = eye_path_of(plan->path, plan->frames);
   const Result<std::unique_ptr<gl::Context>> context =
       open_opengl({&options.method, 1}, options.frames.samples, methods);
   if (!context) return context.error();

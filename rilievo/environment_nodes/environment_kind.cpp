@@ -18,7 +18,7 @@ namespace rilievo {
 namespace {
 
 // Of what is seen from a path its nodes hold so much, if so many can.
-constexpr double kEnoughForPath = 0.9999;
+constexpr double kEnoughForPath = 0.99999;
 constexpr int kMostForPath = 16;
 // Of what is seen from a region alone:
 constexpr int kForRegion = 4;
@@ -33,7 +33,7 @@ const std::array kBakeOptions{
            .type = OptionType::integer,
            .default_value = "0",
            .help = "Place so many nodes where they hold most of what is seen from --region; 0: as "
-                   "many as hold 99.99 % of it where a path is known, at most 16, else 4",
+                   "many as hold 99.999 % of it where a path is known, at most 16, else 4",
            .unit = "N",
            .min = 0,
            .max = 256},
@@ -141,7 +141,10 @@ Result<Baked> bake(const BakeInput& input, const OptionValues& values, const Pro
   NodeBakeOptions options = bake_options(values, world.origin);
   options.objects = input.objects;
   options.progress = progress;
-  if (options.placement.region.empty()) options.placement.region = input.eyes;
+  if (options.placement.region.empty()) {
+    options.placement.region = input.eyes;
+    options.placement.path = input.eye_path;
+  }
   if (values.integer("auto") == 0) {
     options.placement.nodes = input.eyes.empty() ? kForRegion : kMostForPath;
     if (!input.eyes.empty()) options.placement.enough = kEnoughForPath;

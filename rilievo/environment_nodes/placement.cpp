@@ -30,6 +30,17 @@ glm::vec3 point_in(const Box& box, Random& random) {
   return box.min + share * box.extent();
 }
 
+glm::vec3 point_on(const std::vector<glm::vec3>& path, Random& random) {
+  const std::size_t ways = path.size() - 1;
+  const std::size_t way = std::min(std::size_t(random.unit() * float(ways)), ways - 1);
+  return glm::mix(path[way], path[way + 1], random.unit());
+}
+
+glm::vec3 eye_of(const PlacementOptions& options, Random& random) {
+  if (options.path.size() > 1) return point_on(options.path, random);
+  return options.path.empty() ? point_in(options.region, random) : options.path[0];
+}
+
 // Not nearer to a surface than `clearance`, and not behind one's back: inside of something solid.
 bool is_free(const RayScene& scene, const glm::vec3& at, float clearance, std::uint64_t seed) {
   Random random(seed);
@@ -51,9 +62,9 @@ Result<std::vector<Sample>> look_around(const RayScene& scene, const PlacementOp
   std::vector<std::vector<Sample>> found(std::size_t(options.eyes));
   parallel_for(0, options.eyes, [&](int e) {
     Random random(combine(options.seed, 1, std::uint64_t(e)));
-    glm::vec3 eye = point_in(options.region, random);
+    glm::vec3 eye = eye_of(options, random);
     for (int tries = 0; tries < 20 && !is_free(scene, eye, 0.01f, options.seed); ++tries)
-      eye = point_in(options.region, random);
+      eye = eye_of(options, random);
     for (int r = 0; r < options.rays; ++r) {
       const glm::vec3 to = unit_vector(random);
       const std::optional<RayHit> hit = scene.first_hit(eye, to, 0.0f, kFar);
@@ -66,6 +77,19 @@ Result<std::vector<Sample>> look_around(const RayScene& scene, const PlacementOp
   for (const std::vector<Sample>& some : found) all.insert(all.end(), some.begin(), some.end());
   if (all.empty()) return Error{"nodes", "no surface is visible from the region"};
   return all;
+}
+
+// Free ones, as many as are asked for if there are so many.
+template <class Draw>
+std::vector<glm::vec3> free_places(const RayScene& scene, const PlacementOptions& options,
+                                   Random& random, const Draw& draw) {
+  std::vector<glm::vec3> places;
+  for (int tries = 0; tries < 10 * options.candidates && int(places.size()) < options.candidates;
+       ++tries) {
+    const glm::vec3 place = draw(random);
+    if (is_free(scene, place, float(options.clearance), options.seed)) places.push_back(place);
+  }
+  return places;
 }
 
 // Which samples does a node hold? A bit each.
@@ -109,13 +133,13 @@ Result<Placement> place_nodes(const RayScene& scene, const PlacementOptions& opt
   if (Result<> fine = check(options); !fine) return fine.error();
   const Result<std::vector<Sample>> samples = look_around(scene, options);
   if (!samples) return samples.error();
-  std::vector<glm::vec3> places;
   Random random(combine(options.seed, 2));
-  for (int tries = 0; tries < 10 * options.candidates && int(places.size()) < options.candidates;
-       ++tries) {
-    const glm::vec3 place = point_in(options.region, random);
-    if (is_free(scene, place, float(options.clearance), options.seed)) places.push_back(place);
-  }
+  std::vector<glm::vec3> places =
+      free_places(scene, options, random, [&](Random& r) { return eye_of(options, r); });
+  // A path may lie close to surfaces.
+  if (places.empty() && !options.path.empty())
+    places =
+        free_places(scene, options, random, [&](Random& r) { return point_in(options.region, r); });
   if (places.empty())
     return Error{"nodes", "no place in the region is as far from surfaces as a node must be"};
 

@@ -1,10 +1,11 @@
 // Where should nodes stand so that they show what is visible from a region? (Left open by S3)
 //
-// The visible surface is sampled by rays in all directions from points of the region. A node covers
-// a sample if nothing lies between them and it does not look along the surface, or no more so than
-// the eye that saw the sample. Nodes are chosen greedily, each where it covers most in addition: no
-// choice of the same number of candidates covers more than 1 / (1 - 1/e) times as much. The result
-// does not depend on the number of threads.
+// The visible surface is sampled by rays in all directions from points of the region, or of the
+// path that eyes take through it: what is seen from elsewhere in the region need not be held. A
+// node covers a sample if nothing lies between them and it does not look along the surface, or no
+// more so than the eye that saw the sample. Nodes are chosen greedily, each where it covers most in
+// addition: no choice of the same number of candidates covers more than 1 / (1 - 1/e) times as
+// much. The result does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,10 @@ namespace rilievo {
 
 // The region, the number of nodes and of samples.
 struct PlacementOptions {
-  Box region;              // where eyes will be; not empty, can be flat
+  Box region;  // where eyes will be; not empty, can be flat
+  // Places of an eye one after the other, between which it goes straight; empty: not known. Nodes
+  // then stand on the way where they can, else in the region.
+  std::vector<glm::vec3> path;
   int nodes = 8;           // at most
   double enough = 1.0;     // stop when this share is covered
   int candidates = 400;    // places to try

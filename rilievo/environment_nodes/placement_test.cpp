@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 #include "rilievo/core/random.h"
 
 namespace rilievo {
@@ -155,6 +159,82 @@ TEST(PlaceNodes, a_node_where_the_eye_is_holds_all_that_it_sees) {
   const Result<double> there = share_held(*rays, options, {{0, 1.6, -20}});
   ASSERT_TRUE(there.ok());
   EXPECT_LT(*there, 0.9);
+}
+
+// Around in the last room, to its door, and a step through it.
+std::vector<glm::vec3> way_through_rooms() {
+  return {{11, 1.6f, 1.5f}, {11, 1.6f, -1}, {8.5f, 1.6f, -1.6f}, {7.5f, 1.6f, -1.7f}};
+}
+
+// From the nearest point of the way, metres.
+double distance_from(const std::vector<glm::vec3>& path, const glm::vec3& at) {
+  double least = INFINITY;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const glm::vec3 along = path[i] - path[i - 1];
+    const float share = glm::dot(at - path[i - 1], along) / glm::dot(along, along);
+    const glm::vec3 foot = path[i - 1] + std::clamp(share, 0.0f, 1.0f) * along;
+    least = std::min(least, double(glm::distance(at, foot)));
+  }
+  return least;
+}
+
+// The slow way: which triangle each of many eyes sees in many directions, and whether a node sees
+// the same place.
+TEST(PlaceNodes, along_a_path_nodes_stand_on_it_and_hold_what_is_seen_from_it) {
+  const Scene scene = three_rooms();
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  PlacementOptions options = options_for_rooms();
+  options.nodes = 2;
+  const Result<Placement> in_region = place_nodes(*rays, options);
+  options.path = way_through_rooms();
+  const Result<Placement> on_path = place_nodes(*rays, options);
+  ASSERT_TRUE(in_region.ok() && on_path.ok());
+  ASSERT_EQ(on_path->eyes.size(), 2u);
+  for (const glm::dvec3& eye : on_path->eyes)
+    EXPECT_LT(distance_from(options.path, glm::vec3(eye)), 1e-5);
+  const auto hidden_share = [&](const std::vector<glm::dvec3>& nodes) {
+    Random random(7);
+    int seen = 0, hidden = 0;
+    for (std::size_t way = 1; way < options.path.size(); ++way)
+      for (int step = 0; step < 40; ++step) {
+        const glm::vec3 eye = glm::mix(options.path[way - 1], options.path[way], step / 40.0f);
+        for (int ray = 0; ray < 50; ++ray) {
+          const glm::vec3 to = glm::normalize(
+              glm::vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)));
+          const std::optional<RayHit> hit = rays->first_hit(eye, to, 0.0f, 1e6f);
+          if (!hit) continue;
+          const glm::vec3 at = eye + (hit->distance - 1e-3f) * to;
+          ++seen;
+          hidden += std::none_of(nodes.begin(), nodes.end(), [&](const glm::dvec3& node) {
+            return !rays->occluded(glm::vec3(node), at - glm::vec3(node), 0.0f, 1.0f);
+          });
+        }
+      }
+    EXPECT_GT(seen, 5000);
+    return double(hidden) / seen;
+  };
+  const double hidden = hidden_share(on_path->eyes);
+  EXPECT_LT(hidden, 0.5 * hidden_share(in_region->eyes));
+  // As it says, but for the error of 3600 and of 6000 rays.
+  EXPECT_NEAR(1 - hidden, on_path->share.back(), 0.01);
+}
+
+TEST(PlaceNodes, beside_a_path_that_is_too_close_to_walls_nodes_stand_in_the_region) {
+  const Scene scene = three_rooms();
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  PlacementOptions options = options_for_rooms();
+  options.path = {{1, 1.6f, -1.95f}, {3, 1.6f, -1.95f}};
+  const Result<Placement> placed = place_nodes(*rays, options);
+  ASSERT_TRUE(placed.ok()) << placed.error().message();
+  EXPECT_GT(placed->share.back(), 0.99);
+  options.path = {{2, 1.6f, 0}};
+  const Result<Placement> standing = place_nodes(*rays, options);
+  ASSERT_TRUE(standing.ok()) << standing.error().message();
+  ASSERT_EQ(standing->eyes.size(), 1u);
+  EXPECT_EQ(glm::vec3(standing->eyes[0]), options.path[0]);
+  EXPECT_EQ(standing->share[0], 1.0);
 }
 
 TEST(PlaceNodes, what_cannot_be_is_refused) {

@@ -57,6 +57,8 @@ struct BakeInput {
   CaptureSource& source;
   std::vector<std::uint32_t> objects;  // indices into the scene's objects; empty: all
   Box eyes = {};                       // the region of the eyes, world space; empty: unknown
+  // Places in it that an eye takes one after the other; empty: unknown.
+  std::vector<glm::vec3> eye_path = {};
 };
 
 // The result of a bake.

@@ -21,9 +21,10 @@ Result<std::unique_ptr<FrameChooser>> make_chooser(const KindMethod& method,
   Result<std::unique_ptr<CaptureSource>> source = backend.make_capture_source();
   if (!source) return source.error();
   if (method.kind->stands_for == StandsFor::surroundings) {
-    auto made = SurroundingChooser::create(
-        backend.placed(), **source, *method.kind, std::move(kind->factory),
-        {kind->bake, kind->draw, options.eyes, options.outlines, options.progress, options.note});
+    auto made = SurroundingChooser::create(backend.placed(), **source, *method.kind,
+                                           std::move(kind->factory),
+                                           {kind->bake, kind->draw, options.eyes, options.eye_path,
+                                            options.outlines, options.progress, options.note});
     if (!made) return made.error();
     return {std::move(*made)};
   }

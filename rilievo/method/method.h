@@ -72,6 +72,7 @@ struct MethodOptions {
   KindOptions kinds;
   ReliefImpostorOptions impostors;
   Box eyes = {};                                      // where eyes will be; empty: not known
+  std::vector<glm::vec3> eye_path = {};               // their places there; empty: not known
   std::optional<MachineCosts> machine = {};           // cache; none: the costs built in
   Progress progress = {};                             // of what is baked before the first frame
   std::function<void(const std::string&)> warn = {};  // of programs and stores; a line each

@@ -28,7 +28,8 @@ Result<std::unique_ptr<SurroundingChooser>> SurroundingChooser::create(
   };
   // No list at all where it would name everything: the source then culls for itself.
   if (still.size() == objects.size()) still.clear();
-  Result<Baked> baked = kind.bake({source, std::move(still), options.eyes}, options.bake, progress);
+  Result<Baked> baked =
+      kind.bake({source, std::move(still), options.eyes, options.eye_path}, options.bake, progress);
   if (!baked) return baked.error();
   for (const Fact& fact : baked->facts)
     if (options.note) options.note(std::string(kind.name) + ": " + fact.label + " " + fact.text);

@@ -16,8 +16,9 @@ namespace rilievo {
 
 // The surroundings to bake.
 struct SurroundingFramesOptions {
-  OptionValues bake, draw;  // of the kind
-  Box eyes = {};            // the region of the eyes; empty: unknown
+  OptionValues bake, draw;               // of the kind
+  Box eyes = {};                         // the region of the eyes; empty: unknown
+  std::vector<glm::vec3> eye_path = {};  // as BakeInput has it
   bool outlines = false;
   Progress progress;
   std::function<void(const std::string&)> note = {};  // a line for each fact of the bake
