@@ -10,6 +10,7 @@
 
 #include "rilievo/core/camera.h"
 #include "rilievo/core/color.h"
+#include "rilievo/method/fade_tile.h"
 #include "rilievo/render/software/software_target.h"
 
 namespace rilievo {
@@ -33,7 +34,6 @@ class FrameFade final : private TileDrawer {
 
  private:
   void draw_tile(FrameTile& tile) const override;
-  [[nodiscard]] std::uint32_t mixed(int x, int y) const;
 
   int left_ = 0;
   Rgba8Image old_;
@@ -41,12 +41,7 @@ class FrameFade final : private TileDrawer {
   Camera old_camera_, camera_;
   SoftwareTarget target_{1, 1, 1};
   const SoftwareTarget* frame_ = nullptr;
-  // Where a pixel of the new frame is seen from the old eye: axis_ (x, y, 1) + step_ / eye_z is
-  // that point over its new eye_z.
-  glm::mat3 axis_{1};
-  glm::vec3 step_{0};
-  glm::vec2 to_raster_{1}, raster_start_{0};
-  std::uint32_t weight_ = 0;  // of the old frame, in shares of 256
+  FadedFrames frames_;
 };
 
 }  // namespace rilievo

@@ -1,0 +1,31 @@
+// Mixes a tile of a frame with what an older frame shows of it. Internal: of FrameFade.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "rilievo/render/software/frame_tile.h"
+
+namespace rilievo {
+
+// Two frames of the same size.
+struct FadedFrames {
+  // sRGB bytes and 1 / eye_z of the new frame and of the old one, by rows.
+  const std::uint32_t *color = nullptr, *old_color = nullptr;
+  const float *inverse_z = nullptr, *old_inverse_z = nullptr;
+  int width = 0, height = 0;
+  // Where a pixel of the new frame is seen from the old eye: axis (x, y, 1) + step / eye_z is that
+  // point over its new eye_z.
+  glm::mat3 axis{1};
+  glm::vec3 step{0};
+  // From a point of the old eye's plane at distance 1 to the raster: (point - start) to_raster.
+  glm::vec2 to_raster{1}, raster_start{0};
+  std::uint32_t old_weight = 0;  // in shares of 256
+};
+
+// Fills the tile's first samples with the mixed colours, or with the new frame's where the old one
+// shows another surface, and with the new depths. SIMD.
+void fade_tile(const FadedFrames& frames, FrameTile& tile);
+
+}  // namespace rilievo
