@@ -120,14 +120,14 @@ KeyframeMargin KeyframeProducer::margin() const {
   return {along(prediction_.turning_sideways()), along(prediction_.turning_upwards())};
 }
 
-void KeyframeProducer::begin(const Camera& eye) {
+void KeyframeProducer::begin(const Camera& eye, bool stands) {
   KeyframeRequest request;
   request.camera = plain(eye, frame_, margin());
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
   const Camera standing = plain(frame_, frame_, margin());
-  request.sharp = same_view(request.camera, standing) &&
+  request.sharp = stands && same_view(request.camera, standing) &&
                   same_view(plain(prediction_.after(1), frame_, margin()), standing);
   if (near_) {
     near_->choose(request.camera, frame_);
@@ -171,6 +171,36 @@ void KeyframeProducer::hide_left_out() {
   }
 }
 
+Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {
+  begin(eye, stands);
+  // A source that captures in parts takes its memory for these now, not when frames are timed.
+  const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;
+  while (maker_.busy())
+    if (Result<> made = maker_.step(source_, columns); !made) return made.error();
+  add(maker_.take());
+  ++done_.completed;
+  return Done{};
+}
+
+Result<> KeyframeProducer::make_for(const Camera& eye) {
+  RILIEVO_EXPECTS(!options_.beside);
+  if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
+  const Stopwatch watch;
+  // It is not known yet whether the eye stands.
+  if (Result<> made = make_whole(eye, false); !made) return made;
+  const double ms = watch.ms();
+  done_.ms += ms;
+  made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
+  note_cost(ms, ready_.back().camera.width);
+  return Done{};
+}
+
+std::span<const WarpedKeyframe> KeyframeProducer::choose_for(const Camera& eye) {
+  frame_ = eye;
+  choose();
+  return chosen_;
+}
+
 Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   const Stopwatch watch;
   const bool coarse = options_.beside || (options_.keyframe_ms > 0 && any());
@@ -193,13 +223,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     add(maker.take());
     ++done_.coarse;
   } else {
-    begin(frame_);
-    // A source that captures in parts takes its memory for these now, not when frames are timed.
-    const int columns = maker_.takes_parts(source_) ? maker_.camera().width / 2 : 1 << 20;
-    while (maker_.busy())
-      if (Result<> made = maker_.step(source_, columns); !made) return made.error();
-    add(maker_.take());
-    ++done_.completed;
+    if (Result<> made = make_whole(frame_, true); !made) return made.error();
   }
   done_.ms += watch.ms();
   choose();
@@ -250,7 +274,7 @@ Result<> KeyframeProducer::work_beside() {
   const Camera camera = plain(eye, frame_, margin());
   for (const Keyframe& key : ready_)
     if (!key.coarse && same_view(key.camera, camera)) return Done{};
-  begin(eye);
+  begin(eye, true);
   stop_ = {};
   control_.stop = stop_.get_token();
   waited_ = 0, ordered_ = true;
@@ -301,7 +325,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
     const Camera camera = plain(eye, frame_, margin());
     for (const Keyframe& key : ready_)
       if (!key.coarse && same_view(key.camera, camera)) return Done{};
-    begin(eye);
+    begin(eye, true);
     made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
   }
   const Result<int> made = step(columns, watch);

@@ -63,6 +63,13 @@ class KeyframeProducer {
   [[nodiscard]] std::span<const WarpedKeyframe> follow(const Camera& frame, double time);
   // Makes a keyframe for this frame now, and returns those to warp from. Fails where a source does.
   [[nodiscard]] Result<std::span<const WarpedKeyframe>> make_now();
+  // Makes one for this eye now, with the last frame's window. Fails where the source does. Not
+  // beside the frames.
+  Result<> make_for(const Camera& eye);
+  // How many frames the next one is expected to take.
+  [[nodiscard]] double frames_for_one() const { return columns_a_frame().frames; }
+  // Those that a frame of this eye would be warped from: no frame begins.
+  [[nodiscard]] std::span<const WarpedKeyframe> choose_for(const Camera& eye);
   // Ends a frame of which holes took `holes_ms`: makes a part of a keyframe. Fails where the source
   // does.
   Result<> work(double holes_ms = 0);
@@ -87,7 +94,9 @@ class KeyframeProducer {
   void choose();
   [[nodiscard]] KeyframeMargin margin() const;
   Result<> work_beside();
-  void begin(const Camera& eye);
+  // `stands`: it may be an eye that stands, as far as is known.
+  void begin(const Camera& eye, bool stands);
+  Result<> make_whole(const Camera& eye, bool stands);
   void add(Keyframe keyframe);
   void hide_left_out();
   [[nodiscard]] Keyframe reusable();

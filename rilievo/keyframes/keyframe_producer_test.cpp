@@ -62,6 +62,35 @@ TEST(KeyframeProducer, TheEyeOfASteadyWalkIsBetweenTwoKeyframes) {
   EXPECT_GE(between, 30);
 }
 
+// So the first frames of a walk lie between two keyframes, too.
+TEST(KeyframeProducer, KeyframesForGivenEyesAreThereAtOnce) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {.samples = 1, .interval = 4});
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  ASSERT_TRUE(producer.make_for(ProducerStage::eye(0)));
+  EXPECT_FALSE(producer.has_two());
+  ASSERT_TRUE(producer.make_for(ProducerStage::eye(0.1)));
+  EXPECT_TRUE(producer.has_two());
+  EXPECT_EQ(producer.frames_for_one(), 4);
+  // An eye that is looked from and not followed.
+  const auto weights = [&](double x) {
+    std::vector<float> of;
+    for (const WarpedKeyframe& one : producer.choose_for(ProducerStage::eye(x)))
+      of.push_back(float(one.weight));
+    return of;
+  };
+  const std::vector<float> middle = weights(0.05);
+  ASSERT_EQ(middle.size(), 2u);
+  EXPECT_NEAR(middle[0], middle[1], 1e-3);
+  EXPECT_GT(weights(0.02)[0], weights(0.02)[1]);
+  for (int i = 1; i < 4; ++i) {
+    const Camera frame = ProducerStage::eye(0.02 * i);
+    ASSERT_EQ(producer.follow(frame, 0).size(), 2u);
+    EXPECT_LE(producer.chosen()[0].keyframe->camera.position().x, frame.position().x);
+    EXPECT_GE(producer.chosen()[1].keyframe->camera.position().x, frame.position().x);
+  }
+}
+
 TEST(KeyframeProducer, AnEyeThatTurnsGetsAWiderMarginAlongItsWay) {
   ProducerStage stage;
   for (const double turn : {0.0, 0.01}) {

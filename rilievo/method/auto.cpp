@@ -31,11 +31,20 @@ constexpr int kCacheWarmsUp = 12;
 constexpr int kWarmsUp = 1;
 // Keyframes are good enough in about half of the walks that were measured (bench/results/auto.md).
 constexpr double kKeyframesChance = 0.5;
-constexpr AutoCandidate kCandidates[] = {{"direct", 0, 0},
-                                         {"cache", 1, kCacheWarmsUp},
-                                         {"rays", 0, kWarmsUp},
-                                         {"lod", 2, kWarmsUp},
-                                         {"keyframes", 3, kWarmsUp, kKeyframesChance}};
+// Until there are three: those that began are filled more where the eye leaves the second one.
+constexpr int kKeyframesDwell = 48;
+constexpr AutoCandidate kCandidates[] = {
+    {"direct", 0, 0},
+    {"cache", 1, kCacheWarmsUp},
+    {"rays", 0, kWarmsUp},
+    {"lod", 2, kWarmsUp},
+    {"keyframes", 3, kWarmsUp, kKeyframesChance, kKeyframesDwell}};
+// Keyframes begin where direct drawing takes so many times as long, by counts: along flights 3
+// to 6. Nothing is counted where its model is below the second.
+constexpr double kKeyframesPay = 2.4, kKeyframesMayPay = 1.3;
+// The cache's share of direct drawing, while it was not drawn: 0.3 to 0.5 along flights, and 0.7 to
+// 0.9 indoors.
+constexpr double kCacheOfDirect = 0.6;
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
 constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 0.9e-3;
 // The share of it that frames lose, which leave the thread that prepares what they do not use.
@@ -57,7 +66,7 @@ constexpr int kKeyframesLast = 8, kKeyframesAgain = 120;
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
 // One frame in so many of keyframes or levels is looked at, once it is known how good they are; and
 // what was not good enough is looked at again after so many frames.
-constexpr int kLossFrames = 8, kLooksAgain = 600;
+constexpr int kLossFrames = 4, kLooksAgain = 600;
 // Levels are as good, or as bad, in most places.
 constexpr int kLooksAgainAtLevels = 3600;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
@@ -131,7 +140,11 @@ class AutoFrames final : public FrameSource {
         triangles_(count_triangles(backend.scene())),
         meshes_triangles_(triangles_of_meshes(backend.scene())) {}
 
-  void begin(const Camera& camera);
+  Result<> begin(const Camera& camera, double time);
+  Result<bool> keyframes_pay(const Camera& camera, double time);
+  Result<> begin_keyframes_here(const Camera& camera, double time);
+  Result<> begin_keyframes_ahead(double time);
+  [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
@@ -160,9 +173,10 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
-  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
-  AutoLevels levels_;        // of frames_[kLevels]
+  int keyframes_seen_ = 0;    // the last frame that they drew, or were prepared for
+  int keyframes_around_ = 0;  // the last frame that keyframes lie around, which began
+  int keyframes_again_ = 0;   // the first frame in which they may be prepared again
+  AutoLevels levels_;         // of frames_[kLevels]
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
@@ -182,6 +196,9 @@ class AutoFrames final : public FrameSource {
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
+  bool begins_with_keyframes_ = false;  // until the frame after begun_in_
+  int begun_in_ = 0;
+  double begun_ms_ = 0;  // of the frame that direct drawing drew to find out
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;  // times as slow as the machine of FrameLoad
   bool hurries_ = false;
@@ -215,22 +232,94 @@ Result<std::unique_ptr<AutoFrames>> AutoFrames::create(const MethodOptions& opti
 }
 
 // Before the first frame, and when the frame's size changes.
-void AutoFrames::begin(const Camera& camera) {
+Result<> AutoFrames::begin(const Camera& camera, double time) {
   width_ = camera.width, height_ = camera.height;
   const FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
   caches_ = !load.few();
   // Costs that are counted are those of the cache and of direct drawing.
   only_direct_ = bends_ || load.fits() || !(caches_ || options_.by_clock);
+  begins_with_keyframes_ = false;
   if (only_direct_) {
     decision_.reset();
-    return;
+    return Done{};
   }
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
-  // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
-  // time.
-  decision_.emplace(kCandidates, caches_ ? kCache : kDirect, pace_ms);
   outlook_.assign(kMethods, {});
   measure_load(camera);
+  const Result<bool> pay = keyframes_pay(camera, time);
+  if (!pay) return pay.error();
+  begins_with_keyframes_ = *pay, begun_in_ = frame_;
+  // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
+  // time.
+  decision_.emplace(kCandidates, caches_ && !begins_with_keyframes_ ? kCache : kDirect, pace_ms);
+  return Done{};
+}
+
+// Does direct drawing take so long that keyframes are worth waiting for? Draws the frame, whose
+// work is counted: times of a first frame say little.
+Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
+  if (!options_.by_clock || !caches_ || failed_[kKeyframes] || meshes_triangles_ > kMostForLoss ||
+      backend_.drawn_by() != DrawnBy::software)
+    return false;
+  const auto pay = [&](double times, double direct_ms) {
+    return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
+  };
+  if (!pay(kKeyframesMayPay, load_.direct_ms())) return false;
+  shared_chooser_->use_cache(false);
+  const Stopwatch watch;
+  if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
+  const double counted_ms = shared_chooser_->counted_ms();
+  // It touched memory for the first time.
+  begun_ms_ = std::min(watch.ms(), counted_ms);
+  learn_direct(counted_ms);
+  return pay(kKeyframesPay, counted_ms);
+}
+
+// After the frame that begins: makes its keyframe.
+Result<> AutoFrames::begin_keyframes_here(const Camera& camera, double time) {
+  if (!keyframes_) {
+    Result<SoftwareBackend*> software = backend_.software();
+    if (!software) return software.error();
+    Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
+    failed_[kKeyframes] = !made;
+    if (made) keyframes_ = made->get(), frames_[kKeyframes] = std::move(*made);
+  }
+  if (keyframes_) return keyframes_->prepare_first(camera, time);
+  begins_with_keyframes_ = false;
+  decision_->begin_with(kCache);
+  return Done{};
+}
+
+// Before the frame that follows, when it is known how the eye moves: keyframes draw it if they are
+// good enough.
+Result<> AutoFrames::begin_keyframes_ahead(double time) {
+  Loss& loss = loss_[kKeyframes];
+  if (!eye_.jumped()) {
+    const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, *keyframes_);
+    if (!begun) return begun.error();
+    loss = {begun->loss_db, frame_};
+    keyframes_seen_ = frame_;
+    if (good_enough(kKeyframes)) {
+      decision_->begin_with(kKeyframes);
+      return Done{};
+    }
+    keyframes_around_ = frame_ + int(begun->frames);
+  }
+  decision_->begin_with(kCache);
+  // They may be as good as the cache, once that has its pictures.
+  keyframes_seen_ = frame_ - kKeyframesLast - 1;
+  keyframes_again_ = frame_ + kCacheWarmsUp;
+  loss.db.reset(), keyframes_->forget_loss();
+  return Done{};
+}
+
+Result<std::unique_ptr<KeyframeFrames>> AutoFrames::make_keyframes(const Scene& scene) const {
+  KeyframeFramesOptions keyframes;
+  keyframes.samples = backend_.samples();
+  keyframes.polygons_where_cheaper = false;
+  keyframes.keyframes.samples = options_.keyframe_samples;
+  keyframes.keyframes.keyframe_ms = options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
+  return KeyframeFrames::create(scene, keyframes);
 }
 
 void AutoFrames::measure_load(const Camera& camera) {
@@ -259,7 +348,12 @@ void AutoFrames::look(const Camera& camera) {
   if (frame_ % kLookFrames == 0 || eye_.jumped()) measure_load(camera);
   const FrameLoad& load = load_;
   outlook_[kDirect] = {true, false, true, slowness_ * load.direct_ms(), 0};
+  const double direct_mean_ms = decision_->mean_ms(kDirect),
+               direct_ms = direct_mean_ms > 0 ? direct_mean_ms
+                                              : off_[kDirect] * slowness_ * load.direct_ms();
   outlook_[kCache] = {caches_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
+  if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
+    outlook_[kCache].guess_ms = kCacheOfDirect * direct_ms;
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
     AutoOutlook& one = outlook_[std::size_t(method)];
     one = {};
@@ -270,14 +364,11 @@ void AutoFrames::look(const Camera& camera) {
   const double slow = backend_.drawn_by() == DrawnBy::opengl ? 1 : slowness_;
   outlook_[kRays].guess_ms = slow * load.rays_ms();
   outlook_[kRays].prepare_ms = kOfFrames * slow * kRaysTriangleMs * double(meshes_triangles_);
-  const double direct_ms = decision_->mean_ms(kDirect);
   outlook_[kLevels].guess_ms = slowness_ * load.levels_ms();
   outlook_[kLevels].prepare_ms = (in_a_hurry(outlook_[kLevels].guess_ms) ? 1 : kOfFrames) * slow *
                                  kLevelsTriangleMs * double(meshes_triangles_);
   AutoOutlook& keyframes = outlook_[kKeyframes];
-  keyframes.guess_ms =
-      slow * load.keyframes_ms() +
-      FrameLoad::kKeyframesOfDirect * (direct_ms > 0 ? direct_ms : slowness_ * load.direct_ms());
+  keyframes.guess_ms = slow * load.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms;
   keyframes.prepare_ms = kOfFrames * (slow * kRaysTriangleMs * double(meshes_triangles_) +
                                       kFirstKeyframes * kKeyframeMs);
   keyframes.good_enough = good_enough(kKeyframes);
@@ -323,7 +414,9 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   Loss& of = loss_[choice.draws];
   of.seen_in = frame_;
   if (of.db && frame_ % kLossFrames != 0) return;
-  if (choice.draws == kKeyframes) of.db = loss_of(*keyframes_);
+  if (choice.draws == kKeyframes)
+    for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
+      of.db = loss_of(*keyframes_);
   if (choice.draws != kLevels || !losses_ || preparing_ >= 0) return;
   const SoftwareTarget* target = active_->software_target();
   if (!target) return;
@@ -352,7 +445,8 @@ void AutoFrames::prepare(int method) {
   // What moves is not where the rays' scene has it.
   const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
   const double pixels = double(width_) * height_;
-  beside_->run([this, method, &scene, measures, pixels, error_px = options_.error_px] {
+  const bool around = frame_ < keyframes_around_;
+  beside_->run([this, method, &scene, measures, pixels, around, error_px = options_.error_px] {
     if (measures && !losses_)
       if (Result<RayScene> rays = RayScene::create(scene))
         losses_ = std::make_unique<FrameLoss>(std::move(*rays));
@@ -360,17 +454,10 @@ void AutoFrames::prepare(int method) {
     if (method == kLevels) made_.levels = prepare_levels(backend_, scene, pixels, error_px);
     if (method == kKeyframes) {
       if (!keyframes_) {
-        KeyframeFramesOptions keyframes;
-        keyframes.samples = backend_.samples();
-        keyframes.polygons_where_cheaper = false;
-        keyframes.keyframes.samples = options_.keyframe_samples;
-        keyframes.keyframes.keyframe_ms =
-            options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
-        if (auto made = KeyframeFrames::create(scene, keyframes))
-          made_.keyframes = std::move(*made);
+        if (auto made = make_keyframes(scene)) made_.keyframes = std::move(*made);
       }
       KeyframeFrames* frames = keyframes_ ? keyframes_ : made_.keyframes.get();
-      made_.failed = !frames || !prepare_keyframes(shared_eye_, *frames);
+      made_.failed = !frames || !(around || prepare_keyframes(shared_eye_, *frames));
     }
     prepared_ = true;
   });
@@ -479,7 +566,8 @@ Result<> AutoFrames::draw_objects() {
 }
 
 Result<> AutoFrames::draw(const Camera& camera, double time) {
-  if (camera.width != width_ || camera.height != height_) begin(camera);
+  if (camera.width != width_ || camera.height != height_)
+    if (Result<> begun = begin(camera, time); !begun) return begun;
   if (only_direct_) {
     active_ = frames_[kDirect].get();
     shared_chooser_->use_cache(false);
@@ -491,6 +579,12 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   }
   if (Result<> adopted = adopt(); !adopted) return adopted;
   eye_.follow(camera);
+  // What was seen of them was elsewhere.
+  if (eye_.jumped() && drawn_by_ == kKeyframes)
+    loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  const bool first = frame_ == begun_in_;
+  if (!first && std::exchange(begins_with_keyframes_, false))
+    if (Result<> begun = begin_keyframes_ahead(time); !begun) return begun;
   look(camera);
   const bool disturbed = preparing_ >= 0;
   const AutoChoice choice = decision_->next(outlook_, eye_.jumped(), disturbed);
@@ -503,22 +597,29 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (options_.by_clock && frame_ > 1 && choice.draws != drawn_by_ && shown_)
     fade_.begin(*shown_, shown_camera_);
   drawn_by_ = choice.draws;
-  const Stopwatch watch;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
-  if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
-  if (opengl && timed) backend_.finish();
-  double ms = watch.ms();
+  double ms = begun_ms_;
+  const bool begins = first && begins_with_keyframes_;  // and the frame is drawn
+  if (!begins) {
+    const Stopwatch watch;
+    if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
+    if (opengl && timed) backend_.finish();
+    ms = watch.ms();
+  }
   show(camera, time, choice.draws);
   if (choice.draws == kKeyframes) keyframes_seen_ = frame_;
-  if (choice.prepares >= 0) prepare(choice.prepares);
+  // Those that began are looked at again beside the cache, with the pictures that it has by now.
+  const bool looks_again = frame_ >= keyframes_again_ && frame_ < keyframes_around_;
+  if (looks_again || choice.prepares >= 0) prepare(looks_again ? kKeyframes : choice.prepares);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     measure_loss(camera, choice);
   const double counted_ms = shared_chooser_->counted_ms();
   if (!options_.by_clock) {
     ms = counted_ms;
-  } else if (timed && !disturbed && active_ == frames_[kDirect].get() && counted_ms > 0) {
+  } else if (timed && !disturbed && !begins && active_ == frames_[kDirect].get() &&
+             counted_ms > 0) {
     const double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
     // Captures of large meshes take many times what is counted for them.
     if (active_->stats().captures == 0 || slowness < slowness_)
@@ -526,6 +627,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     if (choice.draws == kDirect) learn_direct(ms);
   }
   if (timed) decision_->add(ms, disturbed);
+  if (begins)
+    if (Result<> begun = begin_keyframes_here(camera, time); !begun) return begun;
   stats_ = active_->stats();
   stats_.decision = {kCandidates[choice.draws].name, describe(choice.reason), choice.expected_ms,
                      choice.rival < 0 ? std::string_view() : kCandidates[choice.rival].name,

@@ -22,9 +22,6 @@ constexpr int kGap = 40, kMostGap = 640;
 constexpr int kJumpAges = 200;
 // What is older than this is not known.
 constexpr int kKnown = 150;
-// Frames after a change before the next one, unless what draws takes much more than what it
-// replaced.
-constexpr int kDwell = 12;
 constexpr double kMuchMore = 1.3;
 // The frames of a trial after the warm-up; and of one that ends within kClose of the other's time.
 constexpr int kTrial = 3, kCloseTrial = 10;
@@ -46,7 +43,7 @@ constexpr double kLittle = 2;
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
-constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 24e-6;
+constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 16e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
@@ -99,6 +96,13 @@ AutoDecision::AutoDecision(std::span<const AutoCandidate> candidates, int first,
   int most = 0;
   for (const AutoCandidate& one : candidates_) most = std::max(most, one.warm_up);
   trial_ms_.reserve(std::size_t(most + kCloseTrial));
+}
+
+void AutoDecision::begin_with(int candidate) {
+  RILIEVO_EXPECTS(candidate >= 0 && candidate < int(candidates_.size()));
+  draws_ = candidate, trial_ = -1, prepares_ = -1;
+  since_change_ = 0;
+  reason_ = AutoReason::begins;
 }
 
 // What it takes now, as far as is known; 0: nothing is.
@@ -278,6 +282,10 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     cost.frames = std::min(cost.frames, 2);
   }
   ++since_change_;
+  // The frames of a warm-up are forgotten when it is over.
+  const int warm_up = candidates_[std::size_t(draws_)].warm_up;
+  if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1)
+    costs_[std::size_t(draws_)].frames = 0;
 
   if (prepares_ >= 0 && !outlook[std::size_t(prepares_)].preparable) prepares_ = -1;
   if (trial_ >= 0) {
@@ -301,8 +309,9 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     if (costs_[std::size_t(draws_)].frames >= kTrial) {
       const int best = best_known(outlook);
       const double now = costs_[std::size_t(draws_)].mean_ms;
-      if (best != draws_ &&
-          (since_change_ > kDwell || now > kMuchMore * costs_[std::size_t(best)].mean_ms)) {
+      const bool warm = since_change_ > candidates_[std::size_t(draws_)].warm_up;
+      if (best != draws_ && (since_change_ > candidates_[std::size_t(draws_)].dwell ||
+                             (warm && now > kMuchMore * costs_[std::size_t(best)].mean_ms))) {
         change(best);
         reason_ = pace_ms_ > 0 && costs_[std::size_t(best)].mean_ms < kKeepsPace * pace_ms_
                       ? AutoReason::best
@@ -345,11 +354,9 @@ void AutoDecision::add(double ms, bool disturbed) {
   Cost& cost = costs_[std::size_t(draws_)];
   // What a frame takes beside other work is no more than it takes.
   if (disturbed && cost.frames >= kTrial) ms = std::min(ms, cost.mean_ms);
-  // The first frames of a method that warms up are not what it takes: they are forgotten soon, and
-  // all of them when it has.
+  // The first frames of a method that warms up are not what it takes: they are forgotten soon.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;
-  if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1) cost.frames = 0;
   ++cost.frames;
   const double newest = std::max(warms_up ? kNewestOfWarmUp : kNewest, 1.0 / cost.frames);
   cost.mean_ms += (ms - cost.mean_ms) * newest;

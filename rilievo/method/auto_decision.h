@@ -32,6 +32,8 @@ struct AutoCandidate {
   int rank = 0;       // of its quality; 0 is the best
   int warm_up = 0;    // frames that it draws until it takes what it will take from then on
   double chance = 1;  // that its frames will be good enough, before that is known
+  // Frames that it draws before the next change, unless it takes much more than what it replaced.
+  int dwell = 12;
 };
 
 // The guesses before any frame was drawn, for frames of so many pixels and triangles in view on so
@@ -53,7 +55,7 @@ struct FrameLoad {
   [[nodiscard]] double rays_ms() const;
   // Without their share of direct drawing, which captures them and fills their holes.
   [[nodiscard]] double keyframes_ms() const;
-  static constexpr double kKeyframesOfDirect = 0.17;
+  static constexpr double kKeyframesOfDirect = 0.13;
 };
 
 // A method before a frame.
@@ -99,6 +101,9 @@ class AutoDecision {
 
   // Begins with `first`. `pace_ms`: faster frames are no gain; 0: there is no pace.
   AutoDecision(std::span<const AutoCandidate> candidates, int first, double pace_ms = 0);
+
+  // From the next frame on another one draws, as if it had been the first.
+  void begin_with(int candidate);
 
   // The next frame's, for an outlook of each candidate. `jumped`: the eye has, so that what was
   // measured says less. Requires that some candidate can draw.

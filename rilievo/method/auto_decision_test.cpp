@@ -228,6 +228,39 @@ TEST(AutoDecision, what_is_prepared_within_two_frames_need_not_gain_much) {
   EXPECT_EQ(drawn(30), 0);
 }
 
+TEST(AutoDecision, what_begins_later_draws_from_then_on_and_warms_up) {
+  const AutoCandidate candidates[] = {{"direct", 0}, {"cache", 1, 12}};
+  AutoDecision decision(candidates, 0);
+  const AutoOutlook outlook[] = {{true, false, true, 70, 0}, {true, false, true, 40, 0}};
+  EXPECT_EQ(decision.next(outlook).draws, 0);
+  decision.add(70);
+  decision.begin_with(1);
+  // Its first frames take twice as long as direct drawing, and do not count.
+  for (int frame = 0; frame < 60; ++frame) {
+    EXPECT_EQ(decision.next(outlook).draws, 1) << frame;
+    decision.add(frame < 12 ? 140 : 40);
+  }
+}
+
+TEST(AutoDecision, what_was_taken_stays_for_its_dwell) {
+  for (const int dwell : {5, 40}) {
+    const AutoCandidate candidates[] = {{"cache", 0}, {"keyframes", 1, 0, 1, dwell}};
+    AutoDecision decision(candidates, 0);
+    int drawn = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+      const AutoOutlook outlook[] = {{true, false, true, 0, 0}, {frame >= 5, false, true, 0, 0}};
+      const AutoChoice choice = decision.next(outlook);
+      drawn += choice.draws == 1;
+      // It takes less at first, and then a little more.
+      decision.add(choice.draws == 0 ? 30 : drawn < 12 ? 24 : 33);
+    }
+    if (dwell == 40)
+      EXPECT_GT(drawn, 30);
+    else
+      EXPECT_LT(drawn, 30);
+  }
+}
+
 // Two thirds of the time were not enough: each step down in quality had to gain as much again.
 TEST(AutoDecision, a_worse_method_that_is_good_enough_draws_where_it_is_cheaper) {
   for (const int rank : {2, 3}) {

@@ -1,5 +1,6 @@
 #include "rilievo/method/auto_keyframes.h"
 
+#include <iterator>
 #include <utility>
 
 #include "rilievo/method/good_enough.h"
@@ -11,6 +12,8 @@ namespace {
 constexpr int kParts = 3;
 // For an eye that stands there is no second keyframe.
 constexpr int kMostFrames = 160;
+// Places on the way from the first keyframe to the second one: in the middle both are the farthest.
+constexpr double kLookedAt[] = {0.25, 0.5};
 
 }  // namespace
 
@@ -55,6 +58,21 @@ Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
     }
   }
   return Done{};
+}
+
+Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
+                                       KeyframeFrames& frames) {
+  const Result<double> ahead = frames.prepare_second(eye, time);
+  if (!ahead) return ahead.error();
+  frames.forget_loss();
+  BegunKeyframes begun{{}, *ahead};
+  for (const double share : kLookedAt) {
+    if (Result<> done = frames.look_from(eye.after(share * *ahead), time); !done)
+      return done.error();
+    for (int i = 0; i < kAuditionLosses / int(std::size(kLookedAt)); ++i)
+      begun.loss_db = loss_of(frames);
+  }
+  return begun;
 }
 
 std::optional<double> loss_of(KeyframeFrames& frames) {

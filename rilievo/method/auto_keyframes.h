@@ -41,6 +41,17 @@ class SharedEye {
 // that `frames` has are of an eye some time ago. Fails where a capture does.
 [[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
 
+// Keyframes to begin with.
+struct BegunKeyframes {
+  std::optional<double> loss_db;  // none: not known
+  double frames = 0;              // until the eye is where the second one is
+};
+
+// Makes the second one at once, after the first one in the frame before, and looks at what is
+// warped from them where the eye will be on its way. Fails where a capture does.
+[[nodiscard]] Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
+                                                     KeyframeFrames& frames);
+
 // KeyframeFrames::sample_loss(), without the noise of its own truth.
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);
 

@@ -141,6 +141,26 @@ TEST_F(AutoTest, by_the_clock_no_object_is_missing) {
   }
 }
 
+TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_good_enough) {
+  auto built = make_builtin("builtin:stonehenge?triangles=200000");
+  ASSERT_TRUE(built.ok());
+  SoftwareBackend backend(built->scene, 4);
+  for (const double loss_db : {1000.0, -1000.0}) {
+    MethodOptions options{.by_clock = true};
+    options.loss_db = loss_db;
+    const Result<Method> made = make_method("auto", options, backend);
+    ASSERT_TRUE(made.ok());
+    std::vector<std::string> drawn;
+    for (int i = 0; i < 3; ++i) {
+      const double time = frame_time(built->path, i);
+      ASSERT_TRUE(made->frames->draw(camera_at(built->path, time, 160, 90), time).ok());
+      drawn.emplace_back(made->frames->stats().decision.method);
+    }
+    const std::string then = loss_db > 0 ? "keyframes" : "cache";
+    EXPECT_EQ(drawn, (std::vector<std::string>{"direct", then, then}));
+  }
+}
+
 TEST_F(AutoTest, what_only_the_cache_has_is_refused_by_its_name) {
   SoftwareBackend backend(scene_, 4);
   const Result<Method> bakes = make_method("auto", {.bake_mb = 10}, backend);

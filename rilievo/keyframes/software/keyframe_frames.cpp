@@ -314,6 +314,37 @@ Result<> KeyframeFrames::prepare(const Camera& camera, double time, bool anew) {
   return done;
 }
 
+Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
+  State& s = *state_;
+  if (!s.any_still) return Done{};
+  s.placed.set_time(time);
+  s.producer->forget();
+  (void)s.producer->follow(camera, time);
+  Result<> made = s.producer->make_for(camera);
+  (void)s.producer->take_work();
+  return made;
+}
+
+Result<double> KeyframeFrames::prepare_second(const EyePrediction& eye, double time) {
+  State& s = *state_;
+  const double frames = s.producer->frames_for_one();
+  if (!s.any_still) return frames;
+  s.placed.set_time(time);
+  if (Result<> made = s.producer->make_for(eye.after(frames)); !made) return made.error();
+  (void)s.producer->take_work();
+  return frames;
+}
+
+Result<> KeyframeFrames::look_from(const Camera& camera, double time) {
+  State& s = *state_;
+  RILIEVO_EXPECTS(prepared());
+  s.warps = s.any_still;
+  if (!s.warps) return Done{};
+  s.camera = camera;
+  s.placed.set_time(time);
+  return s.warp_from(s.producer->choose_for(camera));
+}
+
 std::optional<double> KeyframeFrames::sample_loss() {
   State& s = *state_;
   if (!s.loss) s.loss.emplace(s.rays);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "rilievo/frame/frame_source.h"
+#include "rilievo/keyframes/eye_prediction.h"
 #include "rilievo/keyframes/keyframe_producer.h"
 
 namespace rilievo {
@@ -75,6 +76,14 @@ class KeyframeFrames final : public FrameSource {
   // Beside a frame that something else draws: makes a part of a keyframe. `anew`: this is the first
   // such frame for some time, and keyframes from before are forgotten. Fails where a capture does.
   Result<> prepare(const Camera& camera, double time, bool anew);
+  // Forgets all keyframes, and makes one for this frame at once. Fails where a capture does.
+  Result<> prepare_first(const Camera& camera, double time);
+  // And the second one, in the next frame, whose eye is `eye`: for as many frames ahead as a
+  // keyframe takes, which are returned. Fails where a capture does.
+  Result<double> prepare_second(const EyePrediction& eye, double time);
+  // Warps for another eye, for sample_loss() alone. Requires prepared(). Fails where memory does
+  // not suffice.
+  Result<> look_from(const Camera& camera, double time);
   // Are there keyframes to begin with?
   [[nodiscard]] bool prepared() const;
 
