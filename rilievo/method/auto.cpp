@@ -151,7 +151,7 @@ class AutoFrames final : public FrameSource {
   [[nodiscard]] bool good_enough(int method);
   void learn_direct(double ms);
   void measure_loss(const Camera& camera, const AutoChoice& choice);
-  void prepare(int method);
+  void prepare(int method, int goes_on = 0);
   void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
   void look_at_prepared();
@@ -173,10 +173,9 @@ class AutoFrames final : public FrameSource {
   DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
   std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
   KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
-  int keyframes_seen_ = 0;    // the last frame that they drew, or were prepared for
-  int keyframes_around_ = 0;  // the last frame that keyframes lie around, which began
-  int keyframes_again_ = 0;   // the first frame in which they may be prepared again
-  AutoLevels levels_;         // of frames_[kLevels]
+  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
+  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
+  AutoLevels levels_;        // of frames_[kLevels]
   FrameSource* active_ = nullptr;
   FrameFade fade_;                         // from another method's frames
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
@@ -303,13 +302,12 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
       decision_->begin_with(kKeyframes);
       return Done{};
     }
-    keyframes_around_ = frame_ + int(begun->frames);
   }
   decision_->begin_with(kCache);
   // They may be as good as the cache, once that has its pictures.
   keyframes_seen_ = frame_ - kKeyframesLast - 1;
-  keyframes_again_ = frame_ + kCacheWarmsUp;
   loss.db.reset(), keyframes_->forget_loss();
+  if (!eye_.jumped()) prepare(kKeyframes, kCacheWarmsUp);
   return Done{};
 }
 
@@ -426,7 +424,8 @@ void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   if (const std::optional<double> db = losses_->db()) of.db = db;
 }
 
-void AutoFrames::prepare(int method) {
+// `goes_on`: with keyframes that there are, for so many frames.
+void AutoFrames::prepare(int method, int goes_on) {
   const bool again = method == kKeyframes && keyframes_;
   if (preparing_ >= 0 || failed_[method] || (frames_[method] && !again)) return;
   Result<SoftwareBackend*> software = backend_.software();
@@ -445,8 +444,7 @@ void AutoFrames::prepare(int method) {
   // What moves is not where the rays' scene has it.
   const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
   const double pixels = double(width_) * height_;
-  const bool around = frame_ < keyframes_around_;
-  beside_->run([this, method, &scene, measures, pixels, around, error_px = options_.error_px] {
+  beside_->run([this, method, &scene, measures, pixels, goes_on, error_px = options_.error_px] {
     if (measures && !losses_)
       if (Result<RayScene> rays = RayScene::create(scene))
         losses_ = std::make_unique<FrameLoss>(std::move(*rays));
@@ -457,7 +455,7 @@ void AutoFrames::prepare(int method) {
         if (auto made = make_keyframes(scene)) made_.keyframes = std::move(*made);
       }
       KeyframeFrames* frames = keyframes_ ? keyframes_ : made_.keyframes.get();
-      made_.failed = !frames || !(around || prepare_keyframes(shared_eye_, *frames));
+      made_.failed = !frames || !prepare_keyframes(shared_eye_, *frames, goes_on);
     }
     prepared_ = true;
   });
@@ -609,9 +607,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   }
   show(camera, time, choice.draws);
   if (choice.draws == kKeyframes) keyframes_seen_ = frame_;
-  // Those that began are looked at again beside the cache, with the pictures that it has by now.
-  const bool looks_again = frame_ >= keyframes_again_ && frame_ < keyframes_around_;
-  if (looks_again || choice.prepares >= 0) prepare(looks_again ? kKeyframes : choice.prepares);
+  if (choice.prepares >= 0) prepare(choice.prepares);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     measure_loss(camera, choice);

@@ -45,8 +45,15 @@ void SharedEye::end() {
   changed_.notify_all();
 }
 
-// What makes keyframes takes each part for a frame: the eye goes on by a part of its step.
-Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames) {
+Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on) {
+  for (int frame = 0; frame < goes_on; ++frame) {
+    const std::optional<SharedEye::Posted> posted = eye.next();
+    if (!posted) return Done{};
+    if (Result<> done = frames.prepare(posted->eye.after(0), posted->time, false); !done)
+      return done;
+  }
+  if (goes_on > 0) return Done{};
+  // What makes keyframes takes each part for a frame: the eye goes on by a part of its step.
   bool anew = true;
   for (int frame = 0; frame < kMostFrames && (anew || !frames.prepared()); ++frame) {
     const std::optional<SharedEye::Posted> posted = eye.next();

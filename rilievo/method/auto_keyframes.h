@@ -38,8 +38,9 @@ class SharedEye {
 };
 
 // Makes keyframes for the eye until there are enough to begin with, or some seconds long; those
-// that `frames` has are of an eye some time ago. Fails where a capture does.
-[[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames);
+// that `frames` has are of an eye some time ago. Or, if it `goes_on` with them, for so many frames,
+// as much as these would make. Fails where a capture does.
+[[nodiscard]] Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on = 0);
 
 // Keyframes to begin with.
 struct BegunKeyframes {
