@@ -43,7 +43,7 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters) {
   RILIEVO_EXPECTS(camera.projection == Projection::perspective);
   const int width = camera.width, height = camera.height;
   keyframe.camera = camera;
-  keyframe.left_out.clear(), keyframe.hidden.clear();
+  keyframe.left_out.clear(), keyframe.hidden.clear(), keyframe.shown.clear();
   keyframe.color.resize(quarters ? 2 * width : width, quarters ? 2 * height : height);
   keyframe.inverse_z.resize(width, height);
   keyframe.object.resize(width, height);
@@ -87,6 +87,24 @@ void hide_objects(Keyframe& keyframe, std::span<const std::uint32_t> objects) {
     }
   });
   find_ranges(keyframe, 0, keyframe.camera.width);
+}
+
+void find_shown(Keyframe& keyframe) {
+  std::vector<std::uint32_t>& shown = keyframe.shown;
+  shown.clear();
+  // First a mark for each object, then the marks' places.
+  std::uint32_t last = kNoObject;
+  for (const std::uint32_t object : keyframe.object.texels()) {
+    if (object == last) continue;
+    last = object;
+    if (object == kNoObject) continue;
+    if (object > shown.size()) shown.resize(object);
+    shown[object - 1] = 1;
+  }
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < shown.size(); ++i)
+    if (shown[i]) shown[count++] = i;
+  shown.resize(count);
 }
 
 Rgba8Image opaque_colors(const Image<std::uint32_t>& color) {

@@ -52,6 +52,8 @@ struct Keyframe {
   // Objects that it was captured without, and those whose texels are hidden: a hidden texel has the
   // negative of its 1 / eye_z, and is not warped. Ascending.
   std::vector<std::uint32_t> left_out, hidden;
+  // Objects of which a texel shows something, ascending.
+  std::vector<std::uint32_t> shown;
 
   [[nodiscard]] bool quarters() const { return color.width() > camera.width; }
 
@@ -64,6 +66,8 @@ void resize(Keyframe& keyframe, const Camera& camera, bool quarters = false);
 // Hides the texels of these objects (ascending), and shows those that were hidden and are not among
 // them. The ranges of depth follow.
 void hide_objects(Keyframe& keyframe, std::span<const std::uint32_t> objects);
+// Finds the objects of which it shows something.
+void find_shown(Keyframe& keyframe);
 // Finds the ranges of depth of columns [from, to), which begin and end at segments, or at the end.
 void find_ranges(Keyframe& keyframe, int from, int to);
 // ... of rows [from, to), which begin and end at blocks, or at the end.

@@ -217,6 +217,7 @@ void KeyframeMaker::start(CaptureSource& source, const CaptureControl* control) 
 
 Keyframe KeyframeMaker::take() {
   RILIEVO_EXPECTS(!busy() && !keyframe_.color.empty());
+  find_shown(keyframe_);
   return std::exchange(keyframe_, {});
 }
 

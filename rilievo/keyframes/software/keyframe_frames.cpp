@@ -18,6 +18,7 @@
 #include "rilievo/keyframes/keyframe_bound.h"
 #include "rilievo/keyframes/software/keyframe_tiles.h"
 #include "rilievo/keyframes/software/sampled_loss.h"
+#include "rilievo/keyframes/software/unshown_objects.h"
 #include "rilievo/render/raster/blended_tiles.h"
 #include "rilievo/render/raster/frame_raster.h"
 #include "rilievo/render/raster/polygon_tiles.h"
@@ -70,6 +71,7 @@ struct KeyframeFrames::State {
   std::unique_ptr<CaptureSource> own_source;
   std::vector<bool> moves, polygon;  // by object
   std::optional<NearObjects> near;
+  UnshownObjects unshown;
   bool any_still = false, blends = false;
   std::optional<KeyframeProducer> producer;
   std::optional<CheaperWay> cheaper;  // where polygons show the same and time matters
@@ -93,7 +95,9 @@ struct KeyframeFrames::State {
 
   State(const Scene& scene, RayScene made_rays, const KeyframeFramesOptions& options);
   void make_producer();
-  void find_view();
+  void find_view(std::span<const WarpedKeyframe> keyframes);
+  void divide_view(bool any_keyframes);
+  Result<> look_for_unshown();
   Result<> warp(double time);
   [[nodiscard]] float nearest_of(std::span<const std::uint32_t> objects) const;
   Result<> warp_from(std::span<const WarpedKeyframe> keyframes);
@@ -108,6 +112,7 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       ray_source(rays),
       moves(scene.objects.size()),
       polygon(scene.objects.size()),
+      unshown(placed, rays, options.near.triangles),
       target(1, 1, options.samples),
       keyframe_tiles(rays),
       sky(scene.sky),
@@ -140,14 +145,23 @@ void KeyframeFrames::State::make_producer() {
                    near ? &*near : nullptr);
 }
 
-void KeyframeFrames::State::find_view() {
+// What is seen as polygons, all of it if there are no keyframes, and what is warped.
+void KeyframeFrames::State::find_view(std::span<const WarpedKeyframe> keyframes) {
   in_view.clear();
   placed.cull(camera, in_view);
-  still.clear(), live.clear(), blended_in_view.clear();
   polygon = moves;
   for (const std::uint32_t object : producer->left_out()) polygon[object] = true;
+  divide_view(!keyframes.empty());
+  if (keyframes.empty()) return;
+  const std::span<const std::uint32_t> unshown = this->unshown.begin(camera, keyframes, still);
+  for (const std::uint32_t object : unshown) polygon[object] = true;
+  if (!unshown.empty()) divide_view(true);
+}
+
+void KeyframeFrames::State::divide_view(bool any_keyframes) {
+  still.clear(), live.clear(), blended_in_view.clear();
   for (const std::uint32_t object : in_view) {
-    (polygon[object] || !warps ? live : still).push_back(object);
+    (polygon[object] || !any_keyframes ? live : still).push_back(object);
     if (placed.has_blended_parts(object)) blended_in_view.push_back(object);
   }
 }
@@ -179,7 +193,7 @@ float KeyframeFrames::State::nearest_of(std::span<const std::uint32_t> objects) 
 // Polygons first: what they cover is not warped.
 Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyframes) {
   const Stopwatch watch;
-  find_view();
+  find_view(keyframes);
   if (Result<> done = polygons->place(camera, options.samples, placed, live, {}); !done)
     return done;
   WarpCover covers{&cover};
@@ -191,6 +205,20 @@ Result<> KeyframeFrames::State::warp_from(std::span<const WarpedKeyframe> keyfra
   warp_keyframes(keyframes, camera, warped, live.empty() ? nullptr : &covers);
   shares.polygons_ms += polygons_ms;
   shares.warp_ms += watch.ms() - polygons_ms;
+  return look_for_unshown();
+}
+
+// What nobody knew of is placed over what was warped.
+Result<> KeyframeFrames::State::look_for_unshown() {
+  const Stopwatch watch;
+  const std::span<const std::uint32_t> unshown = this->unshown.look(warped);
+  for (const std::uint32_t object : unshown) polygon[object] = true;
+  if (!unshown.empty()) {
+    divide_view(true);
+    if (Result<> done = polygons->place(camera, options.samples, placed, live, {}); !done)
+      return done;
+  }
+  shares.polygons_ms += watch.ms();
   return Done{};
 }
 
@@ -237,7 +265,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
     s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
     s.drawers.push_back(&s.keyframe_tiles);
   } else {
-    s.find_view();
+    s.find_view({});
     if (Result<> done = s.polygons->place(camera, s.options.samples, s.placed, s.live, {}); !done)
       return done;
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "rilievo/capture/shapes_test_helpers.h"
 #include "rilievo/method/test_source_test_helpers.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -225,6 +226,37 @@ TEST(KeyframeFrames, WhatIsNearIsDrawnAsPolygonsAndNothingBehindItIsMissing) {
   EXPECT_LT(with.wrong, without.wrong);
   EXPECT_LT(with.wrong, 0.002);
   EXPECT_EQ(with.missing, 0);
+}
+
+// Posts before bars. Through a slit between two posts the eye sees the same bars again three metres
+// on, and the same part of the wall: keyframes are as far apart, and others are seen between them.
+TEST(KeyframeFrames, WhatBothKeyframesHideIsNotMissing) {
+  Scene scene;
+  const auto add_box = [&](const glm::vec3& center, const glm::vec3& half) {
+    test_shapes::add(scene, test_shapes::box(half), {0.6f, 0.6f, 0.6f},
+                     glm::translate(glm::mat4(1), center));
+  };
+  add_box({0, 0, -13}, {60, 60, 1});
+  for (int i = -20; i <= 20; ++i) add_box({float(i), 0, -4}, {0.35f, 5, 0.05f});
+  for (int i = -20; i <= 20; ++i) add_box({float(i) + 0.5f, 0, -6}, {0.1f, 0.5f, 0.05f});
+  finish(scene);
+  KeyframeFramesOptions options;
+  options.keyframes.interval = 12, options.most_filled = 1, options.near.distance = 0;
+  auto frames = KeyframeFrames::create(scene, options);
+  ASSERT_TRUE(frames);
+  TestSource direct = software_direct(scene, 4);
+  int missing = 0, live = 0;
+  for (int i = 0; i < 60; ++i) {
+    const glm::dvec3 eye(-7 + 0.25 * i, 0.3, 0);
+    const Camera camera =
+        look_at(eye, eye + glm::dvec3(0, 0, -1), {0, 1, 0}, 0.9, kWidth, kHeight, 0.1, 200);
+    ASSERT_TRUE((*frames)->draw(camera, 0));
+    live += (*frames)->shares().live;
+    ASSERT_TRUE(direct.draw(camera, 0));
+    missing += missing_objects(direct, **frames, scene);
+  }
+  EXPECT_GT(live, 0);
+  EXPECT_EQ(missing, 0);
 }
 
 TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {

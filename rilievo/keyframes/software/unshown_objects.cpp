@@ -1,0 +1,134 @@
+#include "rilievo/keyframes/software/unshown_objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <iterator>
+
+#include "rilievo/core/box_distance.h"
+#include "rilievo/core/box_view.h"
+
+namespace rilievo {
+namespace {
+
+// Of one object, at most; and of so many pixels for each ray one is expected to be of use.
+constexpr int kMostRays = 64, kTries = 4;
+// An object that fills fewer pixels is not looked for.
+constexpr double kLeastPixels = 16;
+
+}  // namespace
+
+std::span<const std::uint32_t> UnshownObjects::begin(const Camera& frame,
+                                                     std::span<const WarpedKeyframe> keyframes,
+                                                     std::span<const std::uint32_t> objects) {
+  frame_ = frame;
+  objects_.assign(objects.begin(), objects.end());
+  shown_.clear(), hidden_before_.swap(hidden_), hidden_.clear(), grown_.clear();
+  for (const WarpedKeyframe& one : keyframes) {
+    scratch_.clear();
+    std::ranges::set_union(shown_, one.keyframe->shown, std::back_inserter(scratch_));
+    shown_.swap(scratch_);
+  }
+  std::ranges::set_difference(objects, shown_, std::back_inserter(hidden_));
+  const glm::dvec3 eye = frame.position();
+  for (const std::uint32_t object : objects) {
+    const Box& box = placed_.bounds()[object];
+    double least = HUGE_VAL;
+    for (const WarpedKeyframe& one : keyframes)
+      if (std::ranges::binary_search(one.keyframe->shown, object))
+        least = std::min(least, distance_to(box, one.keyframe->camera.position()));
+    if (least < HUGE_VAL && least > kMostGrown * distance_to(box, eye)) grown_.push_back(object);
+  }
+  scratch_.clear();
+  std::ranges::set_intersection(seen_, hidden_, std::back_inserter(scratch_));
+  seen_.swap(scratch_);
+  choose();
+  return found_;
+}
+
+std::span<const std::uint32_t> UnshownObjects::look(const WarpedFrame& warped) {
+  pixels_.clear();
+  // Those that keyframes showed a frame ago are probably seen.
+  scratch_.clear();
+  std::ranges::set_difference(hidden_, hidden_before_, std::back_inserter(scratch_));
+  look_for(scratch_, kNewRays, warped);
+  look_for(hidden_, kRays, warped);
+  if (pixels_.empty()) return {};
+  caster_.cast(frame_, 1, pixels_, objects_);
+  const std::size_t before = seen_.size();
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    if (!(caster_.inverse_z()[i] > 0)) continue;
+    const std::uint32_t object = caster_.object_of(caster_.triangles()[i]);
+    if (std::ranges::binary_search(hidden_, object)) seen_.push_back(object);
+  }
+  std::ranges::sort(seen_);
+  seen_.erase(std::unique(seen_.begin(), seen_.end()), seen_.end());
+  if (seen_.size() == before) return {};
+  choose();
+  return found_;
+}
+
+// In turn, from frame to frame.
+void UnshownObjects::look_for(std::span<const std::uint32_t> objects, int rays,
+                              const WarpedFrame& warped) {
+  if (objects.empty()) return;
+  const std::size_t count = std::min(objects.size(), std::size_t(rays));
+  const int each = std::min(rays / int(count), kMostRays);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t object = objects[(next_ + i) % objects.size()];
+    if (!std::ranges::binary_search(seen_, object)) aim(object, each, warped);
+  }
+  next_ += count;
+}
+
+// Chooses pixels where it may be seen: they show something farther than its nearest place. What is
+// in holes will be drawn anyway.
+void UnshownObjects::aim(std::uint32_t object, int rays, const WarpedFrame& warped) {
+  const BoxView view =
+      view_of_box(eye_from_world(frame_), placed_.bounds()[object], Projection::perspective);
+  double left = 0, right = frame_.width, top = 0, bottom = frame_.height;
+  float nearest = HUGE_VALF;
+  if (view.nearest > frame_.z_near) {
+    const ImageWindow& w = frame_.window;
+    const double across = frame_.width / (w.right - w.left),
+                 down = frame_.height / (w.top - w.bottom);
+    left = std::max(left, (view.window.left - w.left) * across);
+    right = std::min(right, (view.window.right - w.left) * across);
+    top = std::max(top, (w.top - view.window.top) * down);
+    bottom = std::min(bottom, (w.top - view.window.bottom) * down);
+    nearest = float(1 / view.nearest);
+  }
+  if (!(right > left && bottom > top) || (right - left) * (bottom - top) < kLeastPixels) return;
+  for (int i = 0; i < kTries * rays && rays > 0; ++i) {
+    const int x = std::min(int(random_.between(float(left), float(right))), frame_.width - 1),
+              y = std::min(int(random_.between(float(top), float(bottom))), frame_.height - 1);
+    const std::uint32_t color = warped.color(x, y);
+    if (color == 0 || color == kCoveredPixel || warped.inverse_z(x, y) > nearest) continue;
+    pixels_.push_back({std::uint16_t(x), std::uint16_t(y)});
+    --rays;
+  }
+}
+
+// The nearest of those that are seen or have grown too much, as many as triangles allow.
+void UnshownObjects::choose() {
+  chosen_.clear();
+  for (const std::vector<std::uint32_t>* list : {&seen_, &grown_})
+    for (const std::uint32_t object : *list)
+      chosen_.push_back({distance_to(placed_.bounds()[object], frame_.position()), object});
+  std::ranges::sort(chosen_, [](const Chosen& a, const Chosen& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.object < b.object;
+  });
+  found_.clear();
+  const Scene& scene = placed_.scene();
+  double left = triangles_;
+  for (const Chosen& one : chosen_) {
+    const double triangles =
+        double(scene.models[std::size_t(scene.objects[one.object].model)].triangles);
+    if (triangles > left) continue;
+    left -= triangles;
+    found_.push_back(one.object);
+  }
+  std::ranges::sort(found_);
+}
+
+}  // namespace rilievo
