@@ -1,8 +1,13 @@
+// Few texels have something in front on both sides in their row: these are found many at a time,
+// by the least Delta of eight, which three minima of the row with itself give. The others are asked
+// one by one.
 #include "rilievo/layered_relief/fill_pinholes.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
 
 #include "rilievo/core/depth.h"
 #include "rilievo/core/parallel_for.h"
@@ -11,22 +16,105 @@ namespace rilievo {
 namespace {
 
 constexpr int kPinholeRows = 32;
+static_assert(kPinholeReach == 8, "three minima");
 
 struct Filled {
-  std::size_t texel = 0;
+  std::size_t texel = 0, from = 0;
   glm::u8vec4 color{0};
-  std::uint16_t delta = 0;
 };
 
-// Of row `y`, which has rows above and below it: how many neighbours of each texel are in front.
-void count_in_front(const std::uint16_t* delta, std::size_t width, int step, std::uint8_t* counts) {
-  std::fill_n(counts, width, std::uint8_t(0));
-  const std::uint16_t* const rows[] = {delta - width, delta, delta + width};
-  for (int k = 0; k < 9; ++k) {
-    if (k == 4) continue;
-    const std::uint16_t* const beside = rows[k / 3] + k % 3 - 1;
-    for (std::size_t x = 1; x + 1 < width; ++x)
-      counts[x] = std::uint8_t(counts[x] + (int(delta[x]) > int(beside[x]) + step));
+// Finds pinholes in a picture's Deltas.
+class PinholeFinder {
+ public:
+  PinholeFinder(const PictureGeometry& geometry, double spacing, const std::uint16_t* delta)
+      : camera_(geometry.capture),
+        delta_(delta),
+        step_(pinhole_step(geometry)),
+        spacing_at_1_(spacing * geometry.plane_z) {}
+
+  // Appends those of row `y`.
+  void find(int y, std::vector<Filled>& found);
+
+ private:
+  // Both ends of the gap along a line, and its length.
+  struct Gap {
+    std::size_t near = 0, far = 0;  // the nearer and the farther end
+    int texels = 0;
+  };
+  [[nodiscard]] std::optional<Gap> gap(int x, int y, int right, int down) const;
+  [[nodiscard]] std::optional<std::size_t> end_of_pinhole(int x, int y) const;
+  // How many texels are neighbouring samples apart there?
+  [[nodiscard]] double spacing(std::uint16_t delta) const {
+    const double z = eye_z_from(DepthKind::window_z, decode_delta(delta, 16), camera_, {});
+    return std::max(1.0, std::round(spacing_at_1_ / z));
+  }
+
+  const Camera& camera_;
+  const std::uint16_t* delta_;
+  int step_;
+  double spacing_at_1_;  // at eye_z = 1
+  // Of a row, with eight more texels on both sides: the least of one, two, four, eight from each.
+  std::array<std::vector<std::uint16_t>, 4> least_;
+};
+
+std::optional<PinholeFinder::Gap> PinholeFinder::gap(int x, int y, int right, int down) const {
+  struct End {
+    int way, steps;
+    std::size_t texel;
+  };
+  const std::size_t texel = std::size_t(y) * std::size_t(camera_.width) + std::size_t(x);
+  const auto advance = [&](End& end) {
+    const std::size_t from = end.texel;
+    while (++end.steps <= kPinholeReach) {
+      const int u = x + end.way * end.steps * right, v = y + end.way * end.steps * down;
+      if (u < 0 || v < 0 || u >= camera_.width || v >= camera_.height) return false;
+      end.texel = std::size_t(v) * std::size_t(camera_.width) + std::size_t(u);
+      if (int(delta_[from]) > int(delta_[end.texel]) + step_) return true;
+    }
+    return false;
+  };
+  End near{-1, 0, texel}, far{1, 0, texel};
+  if (!advance(near) || !advance(far)) return std::nullopt;
+  for (;;) {
+    if (delta_[near.texel] > delta_[far.texel]) std::swap(near, far);
+    const int texels = near.steps + far.steps - 1;
+    if (texels > kPinholeReach) return std::nullopt;
+    if (int(delta_[far.texel]) - int(delta_[near.texel]) <= kPinholeEnds * step_)
+      return Gap{near.texel, far.texel, texels};
+    // The farther one shows what is seen through the gap.
+    if (!advance(far)) return std::nullopt;
+  }
+}
+
+std::optional<std::size_t> PinholeFinder::end_of_pinhole(int x, int y) const {
+  constexpr std::array<std::array<int, 2>, 4> kLines{{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
+  std::optional<Gap> shortest;
+  for (const auto& [right, down] : kLines) {
+    const std::optional<Gap> here = gap(x, y, right, down);
+    if (!here) return std::nullopt;
+    if (!shortest || here->texels < shortest->texels) shortest = here;
+  }
+  if (shortest->texels > spacing(delta_[shortest->near])) return std::nullopt;
+  return shortest->far;
+}
+
+void PinholeFinder::find(int y, std::vector<Filled>& found) {
+  const auto width = std::size_t(camera_.width), padded = width + 2 * kPinholeReach;
+  const std::uint16_t* const row = delta_ + std::size_t(y) * width;
+  for (std::vector<std::uint16_t>& least : least_) least.assign(padded, 0xffff);
+  std::copy_n(row, width, least_[0].begin() + kPinholeReach);
+  for (std::size_t k = 1; k < least_.size(); ++k) {
+    const std::size_t apart = std::size_t(1) << (k - 1);
+    const std::uint16_t* const from = least_[k - 1].data();
+    std::uint16_t* const to = least_[k].data();
+    for (std::size_t i = 0; i + apart < padded; ++i) to[i] = std::min(from[i], from[i + apart]);
+  }
+  const std::uint16_t* const before = least_[3].data();
+  const std::uint16_t* const after = before + kPinholeReach + 1;
+  for (std::size_t x = 0; x < width; ++x) {
+    if (int(row[x]) <= std::max(int(before[x]), int(after[x])) + step_) continue;
+    if (const auto from = end_of_pinhole(int(x), y))
+      found.push_back({std::size_t(y) * width + x, *from, {}});
   }
 }
 
@@ -42,38 +130,20 @@ int pinhole_step(const PictureGeometry& geometry) {
   return int(std::clamp(std::ceil(kPinholeDepth * texel * per_metre), 1.0, 65535.0));
 }
 
-void fill_pinholes(Prewarped& picture, std::vector<std::uint16_t>& before) {
-  const int w = picture.width(), h = picture.height();
-  if (w < 3 || h < 3) return;
+void fill_pinholes(Prewarped& picture, double spacing, std::vector<std::uint16_t>& before) {
+  const int h = picture.height();
   before = picture.delta;
-  const int step = pinhole_step(picture.geometry);
-  const auto width = std::size_t(w);
-  const std::array<std::ptrdiff_t, 8> around{-w - 1, -w, -w + 1, -1, 1, w - 1, w, w + 1};
   std::vector<std::vector<Filled>> filled(std::size_t((h + kPinholeRows - 1) / kPinholeRows));
   parallel_for(std::size_t(0), filled.size(), [&](std::size_t strip) {
-    std::vector<std::uint8_t> counts(width);
-    const int end = std::min((int(strip) + 1) * kPinholeRows, h - 1);
-    for (int y = std::max(int(strip) * kPinholeRows, 1); y < end; ++y) {
-      const std::uint16_t* const row = &before[std::size_t(y) * width];
-      count_in_front(row, width, step, counts.data());
-      for (std::size_t x = 1; x + 1 < width; ++x) {
-        if (counts[x] < kPinholeNeighbors) continue;
-        const std::size_t texel = std::size_t(y) * width + x;
-        std::size_t from = texel;
-        int farthest = -1;
-        for (const std::ptrdiff_t offset : around) {
-          const std::size_t beside = std::size_t(std::ptrdiff_t(texel) + offset);
-          const int delta = before[beside];
-          if (int(before[texel]) > delta + step && delta > farthest)
-            farthest = delta, from = beside;
-        }
-        filled[strip].push_back({texel, picture.color[from], before[from]});
-      }
-    }
+    PinholeFinder finder(picture.geometry, spacing, before.data());
+    const int end = std::min((int(strip) + 1) * kPinholeRows, h);
+    for (int y = int(strip) * kPinholeRows; y < end; ++y) finder.find(y, filled[strip]);
+    // An end of one pinhole may be within another.
+    for (Filled& f : filled[strip]) f.color = picture.color[f.from];
   });
   for (const std::vector<Filled>& of_strip : filled)
     for (const Filled& f : of_strip)
-      picture.color[f.texel] = f.color, picture.delta[f.texel] = f.delta;
+      picture.color[f.texel] = f.color, picture.delta[f.texel] = before[f.from];
 }
 
 }  // namespace rilievo

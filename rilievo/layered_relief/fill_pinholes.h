@@ -1,8 +1,10 @@
 // Closes pinholes between splats, in the picture that a pre-warp has made.
 //
 // Surfaces that are steep for the source and turn towards the eye have samples that lie apart, and
-// through a gap of a texel or two the far side shows, or nothing. Such a texel lies behind nearly
-// all of its neighbours; what is seen through a slit, or past an edge, does not.
+// through a gap of a few texels the far side shows, or nothing. A texel of such a gap lies behind
+// others on both sides along its row, its column and both diagonals, all of them near and each two
+// of one surface, and along one of these lines the gap is no longer than neighbouring samples are
+// apart: of a hole of its own a surface has samples around it, and wider ones stay.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +14,19 @@
 
 namespace rilievo {
 
-// Of the eight neighbours, so many lie in front of a pinhole: all around one of two texels.
-inline constexpr int kPinholeNeighbors = 7;
-// By more than so many texels' widths at the picture's plane.
+// A gap has at most so many texels along each line.
+inline constexpr int kPinholeReach = 8;
+// Its ends lie in front of it by more than so many texels' widths at the picture's plane, and
+// differ by at most so many times as much.
 inline constexpr double kPinholeDepth = 3;
+inline constexpr int kPinholeEnds = 3;
 
 // By how many Deltas of 16 bits is a neighbour in front?
 [[nodiscard]] int pinhole_step(const PictureGeometry& geometry);
 
-// Gives each pinhole the colour and the depth of the farthest neighbour that lies in front of it.
-// Pictures of identifiers have the same pinholes. `before` is scratch memory.
-void fill_pinholes(Prewarped& picture, std::vector<std::uint16_t>& before);
+// Gives each texel of a pinhole the colour and the depth of an end of its shortest gap, the farther
+// one. `spacing`: neighbouring samples are so many texels apart at the picture's plane; at least 1
+// everywhere. Pictures of identifiers have the same pinholes. `before` is scratch memory.
+void fill_pinholes(Prewarped& picture, double spacing, std::vector<std::uint16_t>& before);
 
 }  // namespace rilievo

@@ -303,7 +303,12 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
     stats.samples_warped += sum.samples_warped;
     stats.samples_drawn += sum.samples_drawn;
   }
-  if (options.fill_pinholes) fill_pinholes(result, s.before_filling);
+  if (options.fill_pinholes) {
+    // Samples of other textures lie as far apart as their texels.
+    const double scale = s.relief->splat_scale;
+    fill_pinholes(result, s.relief->perspective() ? 0 : f.resolution * scale * scale,
+                  s.before_filling);
+  }
   return stats;
 }
 
