@@ -65,11 +65,17 @@ Audition audition_rays(const ShownFrame& shown, int samples, RayVisibility& rays
   return found;
 }
 
+std::optional<double> audition_loss(const ShownFrame& shown, const Rgba8Image& color,
+                                    FrameLoss& loss) {
+  loss.forget();
+  for (int i = 0; i < kMostAuditions && (i == 0 || !loss.db()); ++i)
+    loss.add(shown.camera, shown.in_view, color, kAuditionLosses);
+  return loss.db();
+}
+
 std::optional<double> cache_loss(const ShownFrame& shown, FrameLoss* loss) {
   if (!loss || !shown.by_cache) return std::nullopt;
-  loss->forget();
-  loss->add(shown.camera, shown.in_view, shown.color, kAuditionLosses);
-  const std::optional<double> db = loss->db();
+  const std::optional<double> db = audition_loss(shown, shown.color, *loss);
   loss->forget();
   return db;
 }

@@ -50,8 +50,13 @@ struct Audition {
   double processor_ms = 0;                       // of a frame, on this thread alone; 0: not known
 };
 
-// So many times the pixels of SampledLoss are looked at in one frame.
-inline constexpr int kAuditionLosses = 16;
+// So many times the pixels of SampledLoss are looked at in one frame; and so many times as many, at
+// most, where these show too little but the sky.
+inline constexpr int kAuditionLosses = 16, kMostAuditions = 4;
+
+// The loss of a frame that is shown, in these colours, and of no other. None: it shows too little.
+[[nodiscard]] std::optional<double> audition_loss(const ShownFrame& shown, const Rgba8Image& color,
+                                                  FrameLoss& loss);
 
 // Draws the frame that is shown, on this thread alone, and says what that takes. Fails as draw()
 // does.

@@ -94,7 +94,10 @@ Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFr
   if (!ms) return found;
   found.processor_ms = *ms;
   frames.forget_loss();
-  for (int i = 0; i < kAuditionLosses; ++i) found.loss_db = loss_of(frames);
+  for (int i = 0; i < kMostAuditions * kAuditionLosses; ++i) {
+    found.loss_db = loss_of(frames);
+    if (found.loss_db && i + 1 >= kAuditionLosses) break;
+  }
   return found;
 }
 

@@ -1,5 +1,7 @@
 #include "rilievo/method/auto_levels.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -28,31 +30,22 @@ Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels
   return Done{};
 }
 
-// Is their mean difference at most one step of a byte?
-bool look_the_same(const Rgba8Image& a, const Rgba8Image& b) {
-  double squares = 0;
-  for (std::size_t i = 0; i < a.texels().size(); ++i) {
-    const glm::vec3 difference = glm::vec3(a.texels()[i]) - glm::vec3(b.texels()[i]);
-    squares += double(glm::dot(difference, difference));
-  }
-  return squares <= SampledLoss::kUnseen * double(a.texels().size());
-}
-
-// Where rays do not say what is true: are levels at this error and the polygons that they stand for
-// the same to the eye? None: they could not be drawn.
-std::optional<Audition> compare_with_polygons(const ShownFrame& shown, double error_px,
-                                              AutoLevels& levels) {
+// Where rays do not say what is true: how much worse than polygons are levels of a frame, as if
+// polygons were the truth? At the same samples, so that all of the difference is the levels'. None:
+// they could not be drawn.
+std::optional<double> loss_beside_polygons(const ShownFrame& shown, const Rgba8Image& of_levels,
+                                           AutoLevels& levels) {
   levels.chooser->set_error(0);
   if (!levels.frames->draw(shown.camera, shown.time)) return std::nullopt;
-  const Rgba8Image polygons = levels.frames->software_target()->color();
-  levels.chooser->set_error(error_px);
-  const Result<double> ms = time_audition(shown, *levels.frames);
-  if (!ms) return std::nullopt;
-  Audition found;
-  found.processor_ms = *ms;
-  // At the same samples, so that all of the difference is the levels'.
-  if (look_the_same(polygons, levels.frames->software_target()->color())) found.loss_db = 0;
-  return found;
+  const auto polygons = levels.frames->software_target()->color().texels(),
+             shown_levels = of_levels.texels();
+  double squares = 0;
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    const glm::vec3 difference = glm::vec3(polygons[i]) - glm::vec3(shown_levels[i]);
+    squares += double(glm::dot(difference, difference));
+  }
+  const double unseen = SampledLoss::kUnseen * double(polygons.size());
+  return 10 * std::log10(std::max(squares / unseen, 1.0));
 }
 
 }  // namespace
@@ -77,28 +70,19 @@ Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& leve
 Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
                          FrameLoss* loss, AutoLevels& levels) {
   Audition found;
-  if (!loss) {
-    levels.error_px = error_px;
-    const std::optional<Audition> compared = compare_with_polygons(shown, error_px, levels);
-    if (compared && compared->loss_db) return *compared;
-  }
   found.cache_loss_db = cache_loss(shown, loss);
   for (const double share : {1.0, kSafely}) {
-    if (!loss && share > kSafely) continue;
     levels.error_px = share * error_px;
     levels.chooser->set_error(levels.error_px);
     const Result<double> ms = time_audition(shown, *levels.frames);
     if (!ms) return found;
     found.processor_ms = *ms;
-    if (!loss) return found;
-    loss->forget();
-    loss->add(shown.camera, shown.in_view, levels.frames->software_target()->color(),
-              kAuditionLosses);
-    found.loss_db = loss->db();
-    if (good_enough(found.loss_db.value_or(allowed_db), found.cache_loss_db,
-                    kCertainly * allowed_db))
-      break;
+    const Rgba8Image color = levels.frames->software_target()->color();
+    found.loss_db = loss ? audition_loss(shown, color, *loss) : std::nullopt;
+    if (!found.loss_db) found.loss_db = loss_beside_polygons(shown, color, levels);
+    if (good_enough(found.loss_db.value_or(0), found.cache_loss_db, kCertainly * allowed_db)) break;
   }
+  levels.chooser->set_error(levels.error_px);
   return found;
 }
 

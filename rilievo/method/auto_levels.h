@@ -29,8 +29,9 @@ struct AutoLevels {
 [[nodiscard]] Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& levels);
 
 // Draws a frame of a software backend for the eye of the one that is shown, which touches all of a
-// target's memory, too: with error_px where that is good enough, else with half of it. `loss`, of
-// the same scene, may be null: then they are good enough if they look as the polygons.
+// target's memory, too: with error_px where that is good enough, else with half of it. Where rays
+// do not tell (`loss`, of the same scene, is null, or the objects are small) polygons count as the
+// truth.
 [[nodiscard]] Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
                                        FrameLoss* loss, AutoLevels& levels);
 
