@@ -45,6 +45,8 @@ constexpr double kKeyframesPay = 2.4, kKeyframesMayPay = 1.3;
 // The cache's share of direct drawing, while it was not drawn: 0.3 to 0.5 along flights, and 0.7 to
 // 0.9 indoors.
 constexpr double kCacheOfDirect = 0.6;
+// What is in view is cheap until direct drawing takes so many times what pixels alone take.
+constexpr double kNotCheap = 1.25;
 // What preparing takes for each triangle of the scene's meshes, ms: rays, levels.
 constexpr double kRaysTriangleMs = 5e-4, kLevelsTriangleMs = 0.9e-3;
 // The share of it that frames lose, which leave the thread that prepares what they do not use.
@@ -162,6 +164,7 @@ class AutoFrames final : public FrameSource {
   int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
   std::uint64_t triangles_, meshes_triangles_;
   bool only_direct_ = true, caches_ = false;  // does what may draw?
+  bool cheap_ = false;  // what is in view: there is nothing that the cache could gain
   bool bends_ = false, masked_ = false, moves_ = false;
   int width_ = 0, height_ = 0;
   std::optional<AutoDecision> decision_;
@@ -237,20 +240,22 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   caches_ = !load.few();
   // Costs that are counted are those of the cache and of direct drawing.
   only_direct_ = bends_ || load.fits() || !(caches_ || options_.by_clock);
-  begins_with_keyframes_ = false;
+  begins_with_keyframes_ = cheap_ = false;
   if (only_direct_) {
     decision_.reset();
     return Done{};
   }
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
   outlook_.assign(kMethods, {});
+  if (options_.by_clock && active_->software_target()) fade_.end(), fade_.reserve(width_, height_);
   measure_load(camera);
   const Result<bool> pay = keyframes_pay(camera, time);
   if (!pay) return pay.error();
   begins_with_keyframes_ = *pay, begun_in_ = frame_;
   // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
   // time.
-  decision_.emplace(kCandidates, caches_ && !begins_with_keyframes_ ? kCache : kDirect, pace_ms);
+  decision_.emplace(kCandidates, caches_ && !cheap_ && !begins_with_keyframes_ ? kCache : kDirect,
+                    pace_ms);
   return Done{};
 }
 
@@ -271,6 +276,7 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   // It touched memory for the first time.
   begun_ms_ = std::min(watch.ms(), counted_ms);
   learn_direct(counted_ms);
+  cheap_ = counted_ms < load_.pixels_ms();
   return pay(kKeyframesPay, counted_ms);
 }
 
@@ -349,7 +355,7 @@ void AutoFrames::look(const Camera& camera) {
   const double direct_mean_ms = decision_->mean_ms(kDirect),
                direct_ms = direct_mean_ms > 0 ? direct_mean_ms
                                               : off_[kDirect] * slowness_ * load.direct_ms();
-  outlook_[kCache] = {caches_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
+  outlook_[kCache] = {caches_ && !cheap_ && !shared_chooser_->cache_failed(), false, true, 0, 0};
   if (frame_ > 0 && decision_->mean_ms(kCache) == 0)
     outlook_[kCache].guess_ms = kCacheOfDirect * direct_ms;
   for (const int method : {int(kRays), int(kLevels), int(kKeyframes)}) {
@@ -621,6 +627,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     if (active_->stats().captures == 0 || slowness < slowness_)
       slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
     if (choice.draws == kDirect) learn_direct(ms);
+    if (choice.draws == kDirect && counted_ms > kNotCheap * load_.pixels_ms()) cheap_ = false;
   }
   if (timed) decision_->add(ms, disturbed);
   if (begins)

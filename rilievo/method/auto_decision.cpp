@@ -56,11 +56,12 @@ double trial_mean(std::span<const double> ms) {
 
 }  // namespace
 
+double FrameLoad::pixels_ms() const { return kDirectPixelMs * pixels * kThreads / threads; }
 double FrameLoad::direct_ms() const {
-  return (kDirectPixelMs * pixels + kDirectTriangleMs * triangles) * kThreads / threads;
+  return pixels_ms() + kDirectTriangleMs * triangles * kThreads / threads;
 }
 double FrameLoad::levels_ms() const {
-  return (kDirectPixelMs * pixels + kDirectTriangleMs * level_triangles) * kThreads / threads;
+  return pixels_ms() + kDirectTriangleMs * level_triangles * kThreads / threads;
 }
 double FrameLoad::rays_ms() const {
   return (masked ? kMaskedTimes : 1) * kRaysPixelMs * pixels * kThreads / threads;

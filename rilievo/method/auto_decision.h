@@ -51,6 +51,8 @@ struct FrameLoad {
   static constexpr double kFew = 0.25;
   [[nodiscard]] bool few() const { return triangles <= kFew * pixels; }
   [[nodiscard]] double direct_ms() const;
+  // Direct drawing without triangles: no method takes much less.
+  [[nodiscard]] double pixels_ms() const;
   [[nodiscard]] double levels_ms() const;
   [[nodiscard]] double rays_ms() const;
   // Without their share of direct drawing, which captures them and fills their holes.

@@ -14,6 +14,12 @@ const std::uint32_t* words(const Rgba8Image& image) {
 
 }  // namespace
 
+void FrameFade::reserve(int width, int height) {
+  old_ = Rgba8Image(width, height);
+  old_inverse_z_ = Image<float>(width, height);
+  target_ = SoftwareTarget(width, height, 1);
+}
+
 void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera) {
   old_ = shown.color();
   old_inverse_z_ = shown.inverse_z();

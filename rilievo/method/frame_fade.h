@@ -20,6 +20,8 @@ class FrameFade final : private TileDrawer {
  public:
   static constexpr int kFrames = 8;
 
+  // Takes the memory for frames of this size now, so that no fade does.
+  void reserve(int width, int height);
   // From `shown`, a frame of `camera`. May be the target() of a fade that goes on.
   void begin(const SoftwareTarget& shown, const Camera& camera);
   void end() { left_ = 0; }
