@@ -397,11 +397,14 @@ double KeyframeFrames::live_share() const {
   std::atomic<std::size_t> live = 0;
   const float nothing = float(1 / s.camera.z_far);
   parallel_for(0, s.target.height(), [&](int y) {
-    std::size_t in_row = 0;
-    for (int x = 0; x < s.target.width(); ++x) {
-      const float shown = s.target.inverse_z()(x, y);
-      in_row += !s.warped.hole(x, y) && shown > s.warped.inverse_z(x, y) && shown > nothing;
-    }
+    // So written that a compiler makes vectors of it.
+    const float *shown = s.target.inverse_z().row(y).data(),
+                *warped = s.warped.inverse_z.row(y).data();
+    const std::uint32_t* color = s.warped.color.row(y).data();
+    std::uint32_t in_row = 0;
+    for (int x = 0; x < s.target.width(); ++x)
+      in_row += std::uint32_t(color[x] != 0) & std::uint32_t(shown[x] > warped[x]) &
+                std::uint32_t(shown[x] > nothing);
     live += in_row;
   });
   return double(live) / (double(s.target.width()) * s.target.height());

@@ -39,6 +39,7 @@ struct KeyframeTiles::State {
   void find_holes(const Camera& camera);
   void draw_sky(FrameTile& tile) const;
   void copy_block(FrameTile& tile, int block) const;
+  [[nodiscard]] float farthest_in(int x, int y, int columns, int rows) const;
   void fill(FrameTile& tile) const;
 };
 
@@ -105,10 +106,21 @@ void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {
   if (x >= tile.width || y >= tile.height) return;
   const int columns = std::min(kBlockSize, tile.width - x),
             rows = std::min(kBlockSize, tile.height - y);
+  const Image<std::uint32_t>& shows = shown ? *shown : warped->color;
   FrameTile::Plane& plane = tile.first[block];
+  // Most blocks are surface: nothing has to be looked for behind it.
+  if (const float farthest = farthest_in(x, y, columns, rows); farthest > tile.nothing) {
+    for (int row = 0; row < rows; ++row) {
+      const int to = row * kBlockSize;
+      std::copy_n(warped->inverse_z.row(y + row).data() + x, kBlockSize, plane.inverse_z + to);
+      std::copy_n(shows.row(y + row).data() + x, kBlockSize, plane.content + to);
+    }
+    tile.farthest[block] = farthest;
+    return;
+  }
   for (int row = 0; row < rows; ++row) {
     const float* depths = warped->inverse_z.row(y + row).data() + x;
-    const std::uint32_t* contents = (shown ? *shown : warped->color).row(y + row).data() + x;
+    const std::uint32_t* contents = shows.row(y + row).data() + x;
     for (int column = 0; column < columns; ++column) {
       const int to = row * kBlockSize + column;
       if (!(depths[column] > tile.nothing)) continue;
@@ -117,6 +129,18 @@ void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {
     }
   }
   tile.changed[block] = true;
+}
+
+// The least 1 / eye_z of a block; 0 of one that is not whole.
+float KeyframeTiles::State::farthest_in(int x, int y, int columns, int rows) const {
+  if (columns < kBlockSize || rows < kBlockSize) return 0;
+  float least[kBlockSize];
+  std::copy_n(warped->inverse_z.row(y).data() + x, kBlockSize, least);
+  for (int row = 1; row < kBlockSize; ++row) {
+    const float* depths = warped->inverse_z.row(y + row).data() + x;
+    for (int i = 0; i < kBlockSize; ++i) least[i] = depths[i] < least[i] ? depths[i] : least[i];
+  }
+  return *std::min_element(least, least + kBlockSize);
 }
 
 void KeyframeTiles::State::fill(FrameTile& tile) const {
