@@ -263,7 +263,7 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
 // work is counted: times of a first frame say little.
 Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   if (!options_.by_clock || !caches_ || failed_[kKeyframes] || meshes_triangles_ > kMostForLoss ||
-      backend_.drawn_by() != DrawnBy::software)
+      backend_.drawn_by() != DrawnBy::software || preparing_ >= 0)
     return false;
   const auto pay = [&](double times, double direct_ms) {
     return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
@@ -274,10 +274,12 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
   const double counted_ms = shared_chooser_->counted_ms();
   // It touched memory for the first time.
-  begun_ms_ = std::min(watch.ms(), counted_ms);
-  learn_direct(counted_ms);
+  begun_ms_ = std::min(watch.ms(), slowness_ * counted_ms);
+  learn_direct(slowness_ * counted_ms);
   cheap_ = counted_ms < load_.pixels_ms();
-  return pay(kKeyframesPay, counted_ms);
+  const bool keeps_pace =
+      options_.fps > 0 && counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;
+  return !keeps_pace && pay(kKeyframesPay, counted_ms);
 }
 
 // After the frame that begins: makes its keyframe.
@@ -304,7 +306,7 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
     if (!begun) return begun.error();
     loss = {begun->loss_db, frame_};
     keyframes_seen_ = frame_;
-    if (good_enough(kKeyframes)) {
+    if (loss.db && good_enough(kKeyframes)) {
       decision_->begin_with(kKeyframes);
       return Done{};
     }
