@@ -66,11 +66,11 @@ constexpr int kKeyframesLast = 8, kKeyframesAgain = 120;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
-// One frame in so many of keyframes or levels is looked at, once it is known how good they are; and
-// what was not good enough is looked at again after so many frames.
+// One frame in so many of keyframes is looked at, once it is known how good they are; and what was
+// not good enough is looked at again after so many frames.
 constexpr int kLossFrames = 4, kLooksAgain = 600;
 // Levels are as good, or as bad, in most places.
-constexpr int kLooksAgainAtLevels = 3600;
+constexpr int kLossFramesOfLevels = 16, kLooksAgainAtLevels = 3600;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
 // few frames. Of larger meshes the rays' tree takes too much memory.
 constexpr int kLossesOfTrial = 4;
@@ -419,7 +419,7 @@ bool AutoFrames::good_enough(int method) {
 void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
   Loss& of = loss_[choice.draws];
   of.seen_in = frame_;
-  if (of.db && frame_ % kLossFrames != 0) return;
+  if (of.db && frame_ % (choice.draws == kLevels ? kLossFramesOfLevels : kLossFrames) != 0) return;
   if (choice.draws == kKeyframes)
     for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
       of.db = loss_of(*keyframes_);
