@@ -14,6 +14,8 @@ namespace {
 
 // Keyframes that are kept: one behind, one ahead. A coarse one is in the place of one.
 constexpr std::size_t kKept = 2;
+// Memory is kept for so many more.
+constexpr std::size_t kSpare = 2;
 // A coarse keyframe's texels for each pixel of the frame, in each direction; and its margin.
 constexpr double kCoarseTexels = 0.5, kCoarseMargin = 1.1;
 // The share of the last band in the mean cost of a column.
@@ -93,6 +95,16 @@ std::span<const WarpedKeyframe> KeyframeProducer::follow(const Camera& frame, do
   return chosen_;
 }
 
+void KeyframeProducer::keep_memory(Keyframe keyframe) {
+  if (!keyframe.coarse) spare_.push_back(std::move(keyframe));
+}
+
+// Of those to come, wide enough for an eye that turns: frames that are timed touch no new page.
+void KeyframeProducer::take_memory() {
+  const Camera wide = keyframe_camera(frame_, {options_.margin * kTurningMargin, options_.margin});
+  while (spare_.size() < kSpare) resize(spare_.emplace_back(), wide, ready_.back().quarters());
+}
+
 Keyframe KeyframeProducer::reusable() {
   if (spare_.empty()) return {};
   Keyframe key = std::move(spare_.back());
@@ -102,10 +114,10 @@ Keyframe KeyframeProducer::reusable() {
 
 void KeyframeProducer::forget() {
   RILIEVO_EXPECTS(!options_.beside);
-  if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
-  for (Keyframe& key : ready_) spare_.push_back(std::move(key));
+  if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
+  for (Keyframe& key : ready_) keep_memory(std::move(key));
   ready_.clear(), chosen_.clear(), left_out_.clear();
-  if (spare_.size() > 2) spare_.resize(2);
+  if (spare_.size() > kSpare) spare_.resize(kSpare);
 }
 
 bool KeyframeProducer::has_two() const {
@@ -148,13 +160,12 @@ void KeyframeProducer::add(Keyframe keyframe) {
       --kept;
       continue;
     }
-    spare_.push_back(std::move(ready_[i]));
+    keep_memory(std::move(ready_[i]));
     ready_.erase(ready_.begin() + std::ptrdiff_t(i));
   }
   ready_.push_back(std::move(keyframe));
   if (near_) hide_left_out();
-  // Memory for one that is made and one that is coarse.
-  while (spare_.size() > 2) spare_.erase(spare_.begin());
+  while (spare_.size() > kSpare) spare_.erase(spare_.begin());
 }
 
 // What one keyframe does not show is drawn as polygons: none may show it.
@@ -178,13 +189,14 @@ Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {
   while (maker_.busy())
     if (Result<> made = maker_.step(source_, columns); !made) return made.error();
   add(maker_.take());
+  if (options_.keyframe_ms > 0) take_memory();
   ++done_.completed;
   return Done{};
 }
 
 Result<> KeyframeProducer::make_for(const Camera& eye) {
   RILIEVO_EXPECTS(!options_.beside);
-  if (maker_.busy() || std::exchange(complete_, false)) spare_.push_back(maker_.give_up());
+  if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
   const Stopwatch watch;
   // It is not known yet whether the eye stands.
   if (Result<> made = make_whole(eye, false); !made) return made;
@@ -210,7 +222,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
   } else if ((maker_.busy() || complete_) && (!coarse || prediction_.jumped())) {
     // Beside a coarse one it goes on: else an eye that moves fast would never get another.
     complete_ = false;
-    spare_.push_back(maker_.give_up());
+    keep_memory(maker_.give_up());
   }
   if (coarse) {
     KeyframeMaker maker;
@@ -218,7 +230,8 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     request.camera = keyframe_camera(frame_, kCoarseMargin, kCoarseTexels);
     request.objects = objects_, request.samples = 1;
     request.time = time_, request.coarse = true;
-    maker.begin(request, reusable());
+    // Small: memory of others stays as large as they are.
+    maker.begin(request, {});
     if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
     add(maker.take());
     ++done_.coarse;
@@ -262,7 +275,7 @@ Result<> KeyframeProducer::work_beside() {
   if (std::exchange(ordered_, false)) {
     if (failed_) {
       const Error error = *std::exchange(failed_, std::nullopt);
-      spare_.push_back(maker_.give_up());
+      keep_memory(maker_.give_up());
       if (error.reason.find(kCaptureStopped) == std::string::npos) return error;
     } else {
       complete_ = true, ++done_.completed;
@@ -300,7 +313,9 @@ Result<int> KeyframeProducer::step(const Columns& columns, const Stopwatch& watc
   // frames, by what the last one took. Of one that takes more, each frame makes its share.
   const double whole_ms = measured_ ? ms_per_column_ * maker_.camera().width : 0;
   const double wanted_ms = std::max(ms_a_frame(), whole_ms / kMostInterval);
-  const int least = made_frames_++ < kMostInterval ? 1 : columns.least;
+  // To start takes as long as several parts.
+  const int least = made_frames_ == 0 ? 0 : made_frames_ < kMostInterval ? 1 : columns.least;
+  ++made_frames_;
   double last_ms = 0;
   while (maker_.busy() && done() < columns.most) {
     // As near to the time as whole parts come.
@@ -318,7 +333,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
   holes_ms_ += (holes_ms - holes_ms_) * kNewestHoles;
   const Columns columns = columns_a_frame();
   if (maker_.busy() && turn_between(maker_.camera(), frame_) > kElsewhere)
-    spare_.push_back(maker_.give_up());
+    keep_memory(maker_.give_up());
   const Stopwatch watch;
   if (!maker_.busy()) {
     const Camera eye = prediction_.after(2 * columns.frames);

@@ -99,6 +99,8 @@ class KeyframeProducer {
   Result<> make_whole(const Camera& eye, bool stands);
   void add(Keyframe keyframe);
   void hide_left_out();
+  void keep_memory(Keyframe keyframe);
+  void take_memory();
   [[nodiscard]] Keyframe reusable();
   // How many a frame makes: at least (of parts, once a keyframe takes too many frames) and at most,
   // and those that its time is expected to suffice for. And how many frames a keyframe is expected
