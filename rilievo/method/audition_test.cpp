@@ -1,0 +1,103 @@
+#include "rilievo/method/audition.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "rilievo/frame/software/software_backend.h"
+#include "rilievo/method/method.h"
+#include "rilievo/render/software/software_target.h"
+#include "rilievo/scene/builtin/builtin.h"
+
+namespace rilievo {
+namespace {
+
+class AuditionTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto built = make_builtin("builtin:teapots?triangles=20000");
+    ASSERT_TRUE(built.ok());
+    scene_ = std::move(built->scene);
+    camera_ = camera_at(built->path, 0, 320, 180);
+    Result<RayScene> rays = RayScene::create(scene_);
+    ASSERT_TRUE(rays.ok());
+    loss_.emplace(std::move(*rays));
+  }
+  // A frame of direct drawing, from so many times as far away.
+  ShownFrame shown(double times) {
+    SoftwareBackend backend(scene_, 4);
+    const Result<Method> direct = make_method("direct-raster", {}, backend);
+    EXPECT_TRUE(direct.ok());
+    ShownFrame shown;
+    shown.camera = camera_;
+    shown.camera.world_from_eye[3] =
+        glm::dvec4(camera_.position() - (times - 1) * 20 * camera_.forward(), 1);
+    shown.camera.z_far = 1000;
+    EXPECT_TRUE(direct->frames->draw(shown.camera, 0).ok());
+    shown.color = direct->frames->software_target()->color();
+    shown.in_view.resize(scene_.objects.size());
+    std::iota(shown.in_view.begin(), shown.in_view.end(), 0);
+    return shown;
+  }
+  static Rgba8Image darker(Rgba8Image color, int by) {
+    for (glm::u8vec4& one : color.texels())
+      for (int k = 0; k < 3; ++k) one[k] = std::uint8_t(std::max(0, int(one[k]) - by));
+    return color;
+  }
+
+  Scene scene_;
+  Camera camera_;
+  std::optional<FrameLoss> loss_;
+};
+
+TEST_F(AuditionTest, direct_drawing_loses_nothing_and_a_darker_frame_much) {
+  const ShownFrame frame = shown(1);
+  const std::optional<double> own = audition_loss(frame, frame.color, *loss_),
+                              dark = audition_loss(frame, darker(frame.color, 40), *loss_);
+  ASSERT_TRUE(own && dark);
+  // 4096 pixels: their noise.
+  EXPECT_LT(*own, 0.5);
+  EXPECT_GT(*dark, 8);
+}
+
+// With the error e of direct drawing and u of a step the loss is (e + u) / max(e, u), at most two.
+TEST_F(AuditionTest, what_is_off_by_a_step_of_a_byte_loses_at_most_three_decibels) {
+  const ShownFrame frame = shown(1);
+  const std::optional<double> loss = audition_loss(frame, darker(frame.color, 1), *loss_);
+  ASSERT_TRUE(loss);
+  EXPECT_GT(*loss, 0.2);
+  EXPECT_LT(*loss, 3.5);
+}
+
+TEST_F(AuditionTest, small_objects_in_front_of_the_sky_are_looked_at_for_longer) {
+  const ShownFrame frame = shown(2.7);
+  // A single look shows too little.
+  loss_->forget();
+  loss_->add(frame.camera, frame.in_view, frame.color, kAuditionLosses);
+  EXPECT_FALSE(loss_->db());
+  EXPECT_TRUE(audition_loss(frame, frame.color, *loss_));
+  // Nothing but the sky never tells.
+  EXPECT_FALSE(audition_loss(shown(40), shown(40).color, *loss_));
+}
+
+TEST_F(AuditionTest, the_cache_is_judged_where_it_was_shown_and_leaves_nothing) {
+  ShownFrame frame = shown(1);
+  EXPECT_FALSE(cache_loss(frame, &*loss_));
+  frame.by_cache = true;
+  EXPECT_TRUE(cache_loss(frame, &*loss_));
+  EXPECT_FALSE(cache_loss(frame, nullptr));
+  EXPECT_FALSE(loss_->db());
+}
+
+TEST_F(AuditionTest, rays_say_what_a_frame_takes) {
+  Result<std::unique_ptr<RayVisibility>> rays = RayVisibility::create(scene_);
+  ASSERT_TRUE(rays.ok());
+  const Audition found = audition_rays(shown(1), 4, **rays);
+  EXPECT_GT(found.processor_ms, 0);
+  EXPECT_FALSE(found.loss_db);
+}
+
+}  // namespace
+}  // namespace rilievo
