@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <glm/glm.hpp>
+
+#include "rilievo/core/stopwatch.h"
+#include "rilievo/method/auto_frames.h"
+
+namespace rilievo {
+namespace {
+
+// Keyframes begin where direct drawing takes so many times as long, by counts: along flights 3
+// to 6. Nothing is counted where its model is below the second.
+constexpr double kKeyframesPay = 2.4, kKeyframesMayPay = 1.3;
+// Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
+// an object at least.
+constexpr double kLevelTriangles = 2, kLeastLevel = 300;
+
+// An object of so many triangles in view.
+void add_object(const Camera& camera, const Box& bounds, double triangles, FrameLoad& load) {
+  load.triangles += triangles;
+  const double radius = double(bounds.radius());
+  const double way = glm::length(glm::dvec3(bounds.center()) - camera.position());
+  const double f = camera.width / (camera.window.right - camera.window.left);
+  const double across = f * radius / std::max(way - radius, camera.z_near);
+  const double pixels = std::min(3 * across * across, load.pixels);
+  // Of large meshes no finer levels are made (auto_levels.h).
+  const double most = std::min(kLevelTriangles * pixels, FrameLoad::kFew * load.pixels);
+  load.level_triangles += std::min(triangles, std::max(most, kLeastLevel));
+}
+
+}  // namespace
+
+void AutoFrames::measure_load(const Camera& camera) {
+  in_view_.clear();
+  backend_.placed().cull(camera, in_view_);
+  load_ = {0, double(camera.width) * camera.height, 0, threads_, masked_};
+  const Scene& scene = backend_.scene();
+  for (const std::uint32_t object : in_view_)
+    add_object(camera, backend_.placed().bounds()[object],
+               double(scene.models[std::size_t(scene.objects[object].model)].triangles), load_);
+  // Until there are levels it is a guess.
+  if (levels_.levels)
+    load_.level_triangles = count_level_triangles(camera, in_view_, backend_.placed(),
+                                                  levels_.error_px, *levels_.levels);
+}
+
+// Before the first frame, and when the frame's size changes.
+Result<> AutoFrames::begin(const Camera& camera, double time) {
+  width_ = camera.width, height_ = camera.height;
+  const FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
+  caches_ = !load.few();
+  // Costs that are counted are those of the cache and of direct drawing.
+  only_direct_ = bends_ || load.fits() || !(caches_ || options_.by_clock);
+  begins_with_keyframes_ = cheap_ = false;
+  if (only_direct_) {
+    decision_.reset();
+    return Done{};
+  }
+  const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
+  outlook_.assign(kMethods, {});
+  if (options_.by_clock && active_->software_target()) fade_.end(), fade_.reserve(width_, height_);
+  measure_load(camera);
+  const Result<bool> pay = keyframes_pay(camera, time);
+  if (!pay) return pay.error();
+  begins_with_keyframes_ = *pay, begun_in_ = frame_;
+  // To try the cache later is dear: it captures for several frames. Direct drawing is tried at any
+  // time.
+  decision_.emplace(kCandidates, caches_ && !cheap_ && !begins_with_keyframes_ ? kCache : kDirect,
+                    pace_ms);
+  return Done{};
+}
+
+// Does direct drawing take so long that keyframes are worth waiting for? Draws the frame, whose
+// work is counted: times of a first frame say little.
+Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
+  if (!options_.by_clock || !caches_ || failed_[kKeyframes] || meshes_triangles_ > kMostForLoss ||
+      backend_.drawn_by() != DrawnBy::software || preparing_ >= 0)
+    return false;
+  const auto pay = [&](double times, double direct_ms) {
+    return direct_ms >= times * (load_.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms);
+  };
+  if (!pay(kKeyframesMayPay, load_.direct_ms())) return false;
+  shared_chooser_->use_cache(false);
+  const Stopwatch watch;
+  if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
+  const double counted_ms = shared_chooser_->counted_ms();
+  // It touched memory for the first time.
+  begun_ms_ = std::min(watch.ms(), slowness_ * counted_ms);
+  learn_direct(slowness_ * counted_ms);
+  cheap_ = counted_ms < load_.pixels_ms();
+  const bool keeps_pace =
+      options_.fps > 0 && counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;
+  return !keeps_pace && pay(kKeyframesPay, counted_ms);
+}
+
+// After the frame that begins: makes its keyframe.
+Result<> AutoFrames::begin_keyframes_here(const Camera& camera, double time) {
+  if (!keyframes_) {
+    Result<SoftwareBackend*> software = backend_.software();
+    if (!software) return software.error();
+    Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
+    failed_[kKeyframes] = !made;
+    if (made) keyframes_ = made->get(), frames_[kKeyframes] = std::move(*made);
+  }
+  if (keyframes_) return keyframes_->prepare_first(camera, time);
+  begins_with_keyframes_ = false;
+  decision_->begin_with(kCache);
+  return Done{};
+}
+
+// Before the frame that follows, when it is known how the eye moves: keyframes draw it if they are
+// good enough.
+Result<> AutoFrames::begin_keyframes_ahead(double time) {
+  Loss& loss = loss_[kKeyframes];
+  if (!eye_.jumped()) {
+    const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, *keyframes_);
+    if (!begun) return begun.error();
+    loss = {begun->loss_db, frame_};
+    keyframes_seen_ = frame_;
+    if (loss.db && good_enough(kKeyframes)) {
+      decision_->begin_with(kKeyframes);
+      return Done{};
+    }
+  }
+  decision_->begin_with(kCache);
+  // They may be as good as the cache, once that has its pictures.
+  keyframes_seen_ = frame_ - kKeyframesLast - 1;
+  loss.db.reset(), keyframes_->forget_loss();
+  if (!eye_.jumped()) prepare(kKeyframes, kCacheWarmsUp);
+  return Done{};
+}
+
+}  // namespace rilievo

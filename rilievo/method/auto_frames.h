@@ -1,0 +1,158 @@
+// The frames of `auto` (method/auto.h). Internal: not a stable interface.
+//
+// auto_begin.cpp: before the first frame. auto_prepare.cpp: beside the frames. auto.cpp: the
+// frames.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "rilievo/core/idle_thread.h"
+#include "rilievo/frame/frame_source.h"
+#include "rilievo/method/audition.h"
+#include "rilievo/method/auto_decision.h"
+#include "rilievo/method/auto_keyframes.h"
+#include "rilievo/method/auto_levels.h"
+#include "rilievo/method/direct_or_cached.h"
+#include "rilievo/method/frame_fade.h"
+#include "rilievo/method/method.h"
+#include "rilievo/render/rays/ray_visibility.h"
+
+namespace rilievo {
+
+// The frames of `auto`.
+class AutoFrames final : public FrameSource {
+ public:
+  static Result<std::unique_ptr<AutoFrames>> create(const MethodOptions& options, Backend& backend);
+
+  Result<> draw(const Camera& camera, double time) override;
+  Result<> draw_objects() override;
+  [[nodiscard]] const SoftwareTarget* software_target() const override { return shown_; }
+  [[nodiscard]] const FrameStats& stats() const override { return stats_; }
+  [[nodiscard]] std::vector<DepthImage> read_pictures() const override {
+    return active_->read_pictures();
+  }
+  void follow(const MethodOptions& options);
+  // What is made beside the frames waits for the eye.
+  ~AutoFrames() override { shared_eye_.end(); }
+
+ private:
+  enum Methods { kDirect, kCache, kRays, kLevels, kKeyframes, kMethods };
+
+  // Frames of the cache after a change until it has the pictures that it wants.
+  static constexpr int kCacheWarmsUp = 12;
+  // The first frames of what has its own memory are slower.
+  static constexpr int kWarmsUp = 1;
+  // Keyframes are good enough in about half of the walks that were measured
+  // (bench/results/auto.md).
+  static constexpr double kKeyframesChance = 0.5;
+  // Until there are three: those that began are filled more where the eye leaves the second one.
+  static constexpr int kKeyframesDwell = 48;
+  // The time of a frame that goes into keyframes, if none is asked for.
+  static constexpr double kKeyframeMs = 8;
+  // Keyframes that no frame was drawn from for so many frames are of elsewhere.
+  static constexpr int kKeyframesLast = 8;
+  // Of larger meshes the tree of rays takes too much memory.
+  static constexpr std::uint64_t kMostForLoss = 2'000'000;
+  // How far off models are taken to be, at most, by a frame that was drawn beside the others.
+  static constexpr double kMostOff = 5;
+
+  static constexpr AutoCandidate kCandidates[] = {
+      {"direct", 0, 0},
+      {"cache", 1, kCacheWarmsUp},
+      {"rays", 0, kWarmsUp},
+      {"lod", 2, kWarmsUp},
+      {"keyframes", 3, kWarmsUp, kKeyframesChance, kKeyframesDwell}};
+
+  // What is made on another thread, while frames are drawn.
+  struct Prepared {
+    Result<std::unique_ptr<RayVisibility>> rays{Error{}};
+    AutoLevels levels;
+    std::unique_ptr<KeyframeFrames> keyframes;
+    bool failed = false;
+    ShownFrame shown;  // what it is compared with
+    Audition found;
+  };
+
+  // How far what is prepared is.
+  enum class Preparing { made, shown, looked_at };
+
+  AutoFrames(const MethodOptions& options, Backend& backend)
+      : options_(options),
+        backend_(backend),
+        threads_(options.by_clock ? int(std::max(1u, std::thread::hardware_concurrency())) : 2),
+        triangles_(count_triangles(backend.scene())),
+        meshes_triangles_(count_mesh_triangles(backend.scene())) {}
+
+  [[nodiscard]] static std::uint64_t count_mesh_triangles(const Scene& scene);
+  Result<> begin(const Camera& camera, double time);
+  Result<bool> keyframes_pay(const Camera& camera, double time);
+  Result<> begin_keyframes_here(const Camera& camera, double time);
+  Result<> begin_keyframes_ahead(double time);
+  [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
+  void look(const Camera& camera);
+  void measure_load(const Camera& camera);
+  [[nodiscard]] bool in_a_hurry(double guess_ms) const;
+  [[nodiscard]] bool good_enough(int method);
+  void learn_direct(double ms);
+  void measure_loss(const Camera& camera, const AutoChoice& choice);
+  void prepare(int method, int goes_on = 0);
+  void fade(const Camera& camera);
+  void show(const Camera& camera, double time, int drawn_by);
+  void look_at_prepared();
+  Result<> adopt();
+
+  MethodOptions options_;
+  Backend& backend_;
+  int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
+  std::uint64_t triangles_, meshes_triangles_;
+  bool only_direct_ = true, caches_ = false;  // does what may draw?
+  bool cheap_ = false;  // what is in view: there is nothing that the cache could gain
+  bool bends_ = false, masked_ = false, moves_ = false;
+  int width_ = 0, height_ = 0;
+  std::optional<AutoDecision> decision_;
+  EyePrediction eye_;
+  std::vector<AutoOutlook> outlook_;
+  std::vector<std::uint32_t> in_view_;
+  FrameLoad load_;  // of the last look
+
+  DirectOrCached* shared_chooser_ = nullptr;       // of frames_[kDirect]
+  std::unique_ptr<FrameSource> frames_[kMethods];  // kCache: none, they are kDirect's
+  KeyframeFrames* keyframes_ = nullptr;            // of frames_[kKeyframes]
+  int keyframes_seen_ = 0;   // the last frame that they drew, or were prepared for
+  int keyframes_again_ = 0;  // the first frame in which they may be prepared again
+  AutoLevels levels_;        // of frames_[kLevels]
+  FrameSource* active_ = nullptr;
+  FrameFade fade_;                         // from another method's frames
+  const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
+  Camera shown_camera_;
+  FrameStats stats_;
+  bool failed_[kMethods] = {};
+
+  int preparing_ = -1;
+  Preparing stage_ = Preparing::made;  // of preparing_: what it waits for
+  struct Loss {
+    std::optional<double> db;  // none: not known
+    int seen_in = 0;           // the last frame that the method drew
+  } loss_[kMethods];
+  double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says
+  std::optional<double> cache_loss_;        // none: not known
+  std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
+  SharedEye shared_eye_;
+  std::atomic<bool> prepared_{false};
+  Prepared made_;
+  bool begins_with_keyframes_ = false;  // until the frame after begun_in_
+  int begun_in_ = 0;
+  double begun_ms_ = 0;  // of the frame that direct drawing drew to find out
+  int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
+  double slowness_ = 1;  // times as slow as the machine of FrameLoad
+  bool hurries_ = false;
+  std::optional<IdleThread> beside_;  // last: it ends first
+};
+
+}  // namespace rilievo

@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <utility>
+
+#include "rilievo/frame/software/software_frames.h"
+#include "rilievo/method/auto_frames.h"
+
+namespace rilievo {
+namespace {
+
+// What is expected to take less than this share of what draws is prepared in a hurry: frames lose
+// all the time that preparing takes, for a short time.
+constexpr double kHurry = AutoDecision::kPlainlyWorth;
+// Keyframes that nobody wanted are made again after so many frames.
+constexpr int kKeyframesAgain = 120;
+
+}  // namespace
+
+// What takes that time, beside what draws, or beside direct drawing until that is known?
+bool AutoFrames::in_a_hurry(double guess_ms) const {
+  const double least = decision_->drawn_ms() > 0
+                           ? std::min(decision_->drawn_ms(), slowness_ * load_.direct_ms())
+                           : slowness_ * load_.direct_ms();
+  return guess_ms < kHurry * least;
+}
+
+Result<std::unique_ptr<KeyframeFrames>> AutoFrames::make_keyframes(const Scene& scene) const {
+  KeyframeFramesOptions keyframes;
+  keyframes.samples = backend_.samples();
+  keyframes.polygons_where_cheaper = false;
+  keyframes.keyframes.samples = options_.keyframe_samples;
+  keyframes.keyframes.keyframe_ms = options_.keyframe_ms > 0 ? options_.keyframe_ms : kKeyframeMs;
+  return KeyframeFrames::create(scene, keyframes);
+}
+
+// `goes_on`: with keyframes that there are, for so many frames.
+void AutoFrames::prepare(int method, int goes_on) {
+  const bool again = method == kKeyframes && keyframes_;
+  if (preparing_ >= 0 || failed_[method] || (frames_[method] && !again)) return;
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) {
+    failed_[method] = true;
+    return;
+  }
+  preparing_ = method, stage_ = Preparing::made;
+  shared_eye_.forget();
+  prepared_ = false;
+  // What will hardly be good enough is worth no frame's time.
+  const bool hurry =
+      decision_->likely(method) && in_a_hurry(outlook_[std::size_t(method)].guess_ms);
+  if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
+  const Scene& scene = (*software)->scene();
+  // What moves is not where the rays' scene has it.
+  const bool measures = method != kRays && meshes_triangles_ <= kMostForLoss && !moves_;
+  const double pixels = double(width_) * height_;
+  beside_->run([this, method, &scene, measures, pixels, goes_on, error_px = options_.error_px] {
+    if (measures && !losses_)
+      if (Result<RayScene> rays = RayScene::create(scene))
+        losses_ = std::make_unique<FrameLoss>(std::move(*rays));
+    if (method == kRays) made_.rays = RayVisibility::create(scene);
+    if (method == kLevels) made_.levels = prepare_levels(backend_, scene, pixels, error_px);
+    if (method == kKeyframes) {
+      if (!keyframes_) {
+        if (auto made = make_keyframes(scene)) made_.keyframes = std::move(*made);
+      }
+      KeyframeFrames* frames = keyframes_ ? keyframes_ : made_.keyframes.get();
+      made_.failed = !frames || !prepare_keyframes(shared_eye_, *frames, goes_on);
+    }
+    prepared_ = true;
+  });
+}
+
+// What was shown, for what is prepared to be compared with.
+void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
+  if (preparing_ < 0 || stage_ != Preparing::shown) return;
+  const SoftwareTarget* target = active_->software_target();
+  if (!target) return;
+  ShownFrame& shown = made_.shown;
+  shown.color = target->color();
+  shown.camera = camera, shown.time = time, shown.by_cache = drawn_by == kCache;
+  backend_.placed().cull(camera, shown.in_view);
+  look_at_prepared();
+}
+
+void AutoFrames::look_at_prepared() {
+  stage_ = Preparing::looked_at;
+  prepared_ = false;
+  beside_->run(
+      [this, method = preparing_, error_px = options_.error_px, loss_db = options_.loss_db] {
+        const ShownFrame& shown = made_.shown;
+        if (method == kRays) made_.found = audition_rays(shown, backend_.samples(), **made_.rays);
+        if (method == kLevels)
+          made_.found = audition_levels(shown, error_px, loss_db, losses_.get(), made_.levels);
+        if (method == kKeyframes)
+          made_.found =
+              audition_keyframes(shown, losses_.get(), keyframes_ ? *keyframes_ : *made_.keyframes);
+        prepared_ = true;
+      });
+}
+
+// Takes what was prepared.
+Result<> AutoFrames::adopt() {
+  if (preparing_ < 0 || !prepared_) return Done{};
+  // What draws may have changed to what no software shows.
+  if (stage_ == Preparing::shown && active_->software_target()) return Done{};
+  beside_->wait();
+  const bool can_be_seen =
+      active_->software_target() &&
+      ((preparing_ == kRays && made_.rays) || (preparing_ == kLevels && made_.levels.frames) ||
+       (preparing_ == kKeyframes && !made_.failed));
+  if (stage_ == Preparing::made && can_be_seen) {
+    stage_ = Preparing::shown;
+    return Done{};
+  }
+  const int method = std::exchange(preparing_, -1);
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) return software.error();
+  if (stage_ == Preparing::looked_at) {
+    loss_[method] = {made_.found.loss_db, frame_};
+    if (made_.found.cache_loss_db) cache_loss_ = made_.found.cache_loss_db;
+  }
+  Result<std::unique_ptr<FrameSource>> frames{Error{}};
+  if (method == kRays && made_.rays)
+    frames = backend_.present(std::make_unique<SoftwareFrames>(
+        **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
+  if (method == kLevels && finish_levels(backend_, options_.error_px, made_.levels)) {
+    levels_ = std::move(made_.levels);
+    frames = std::move(levels_.frames);
+  }
+  if (method == kKeyframes) {
+    keyframes_seen_ = frame_, keyframes_again_ = frame_ + kKeyframesAgain;
+    if (made_.failed) keyframes_ = nullptr, loss_[method] = {}, frames_[method].reset();
+  }
+  if (method == kKeyframes && made_.keyframes) {
+    keyframes_ = made_.keyframes.get();
+    frames = backend_.present(std::move(made_.keyframes));
+    if (!frames) keyframes_ = nullptr, loss_[method] = {};
+  }
+  const double ms = made_.found.processor_ms / threads_;
+  if (method == kLevels && levels_.levels && stage_ == Preparing::looked_at)
+    measure_load(made_.shown.camera);
+  const double guess_ms = method == kLevels ? slowness_ * load_.levels_ms()
+                                            : outlook_[std::size_t(method)].guess_ms / off_[method];
+  if (stage_ == Preparing::looked_at && ms > 0 && guess_ms > 0)
+    off_[method] = std::clamp(ms / guess_ms, 1 / kMostOff, kMostOff);
+  // Levels are polygons, too.
+  if (method == kLevels && decision_ && decision_->mean_ms(kDirect) == 0)
+    off_[kDirect] = std::max(1.0, off_[kLevels]);
+  made_ = {};
+  // Memory, mostly: the other methods go on.
+  if (frames) frames_[method] = std::move(*frames);
+  failed_[method] = !frames_[method];
+  return Done{};
+}
+
+}  // namespace rilievo
