@@ -164,22 +164,30 @@ void KeyframeProducer::add(Keyframe keyframe) {
     ready_.erase(ready_.begin() + std::ptrdiff_t(i));
   }
   ready_.push_back(std::move(keyframe));
-  if (near_) hide_left_out();
+  if (near_ || !also_hidden_.empty()) hide_objects_of_all();
   while (spare_.size() > kSpare) spare_.erase(spare_.begin());
 }
 
 // What one keyframe does not show is drawn as polygons: none may show it.
-void KeyframeProducer::hide_left_out() {
+void KeyframeProducer::hide_objects_of_all() {
   left_out_.clear();
   for (const Keyframe& key : ready_)
     left_out_.insert(left_out_.end(), key.left_out.begin(), key.left_out.end());
   std::ranges::sort(left_out_);
   left_out_.erase(std::unique(left_out_.begin(), left_out_.end()), left_out_.end());
+  scratch_.clear();
+  std::ranges::set_union(left_out_, also_hidden_, std::back_inserter(scratch_));
   for (Keyframe& key : ready_) {
     hidden_.clear();
-    std::ranges::set_difference(left_out_, key.left_out, std::back_inserter(hidden_));
+    std::ranges::set_difference(scratch_, key.left_out, std::back_inserter(hidden_));
     hide_objects(key, hidden_);
   }
+}
+
+void KeyframeProducer::hide(std::span<const std::uint32_t> objects) {
+  if (std::ranges::equal(objects, also_hidden_)) return;
+  also_hidden_.assign(objects.begin(), objects.end());
+  hide_objects_of_all();
 }
 
 Result<> KeyframeProducer::make_whole(const Camera& eye, bool stands) {

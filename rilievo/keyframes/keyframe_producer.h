@@ -77,6 +77,9 @@ class KeyframeProducer {
   // Objects of which the last frame's keyframes show nothing, ascending.
   [[nodiscard]] std::span<const std::uint32_t> left_out() const { return left_out_; }
 
+  // Hides these objects, too, ascending: keyframes show nothing of them until the next call.
+  void hide(std::span<const std::uint32_t> objects);
+
   [[nodiscard]] bool any() const { return !ready_.empty(); }
   // Forgets all keyframes: they are of where the eye was some time ago.
   void forget();
@@ -98,7 +101,7 @@ class KeyframeProducer {
   void begin(const Camera& eye, bool stands);
   Result<> make_whole(const Camera& eye, bool stands);
   void add(Keyframe keyframe);
-  void hide_left_out();
+  void hide_objects_of_all();
   void keep_memory(Keyframe keyframe);
   void take_memory();
   [[nodiscard]] Keyframe reusable();
@@ -118,7 +121,7 @@ class KeyframeProducer {
   KeyframeOptions options_;
   std::vector<std::uint32_t> objects_;
   NearObjects* near_;
-  std::vector<std::uint32_t> left_out_, hidden_;
+  std::vector<std::uint32_t> left_out_, also_hidden_, hidden_, scratch_;
   EyePrediction prediction_;
   Camera frame_;
   double time_ = 0;

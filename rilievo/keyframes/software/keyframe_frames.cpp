@@ -155,6 +155,7 @@ void KeyframeFrames::State::find_view(std::span<const WarpedKeyframe> keyframes)
   if (keyframes.empty()) return;
   const std::span<const std::uint32_t> unshown = this->unshown.begin(camera, keyframes, still);
   for (const std::uint32_t object : unshown) polygon[object] = true;
+  producer->hide(this->unshown.grown());
   if (!unshown.empty()) divide_view(true);
 }
 

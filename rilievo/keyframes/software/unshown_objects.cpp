@@ -129,6 +129,8 @@ void UnshownObjects::choose() {
     found_.push_back(one.object);
   }
   std::ranges::sort(found_);
+  drawn_grown_.clear();
+  std::ranges::set_intersection(found_, grown_, std::back_inserter(drawn_grown_));
 }
 
 }  // namespace rilievo

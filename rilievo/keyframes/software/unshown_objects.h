@@ -41,6 +41,8 @@ class UnshownObjects {
   [[nodiscard]] std::span<const std::uint32_t> begin(const Camera& frame,
                                                      std::span<const WarpedKeyframe> keyframes,
                                                      std::span<const std::uint32_t> objects);
+  // Those among the known that keyframes show, which are to be hidden there.
+  [[nodiscard]] std::span<const std::uint32_t> grown() const { return drawn_grown_; }
   // Looks for more in the frame, as warped. Returns those to draw, or none if there are no new
   // ones.
   [[nodiscard]] std::span<const std::uint32_t> look(const WarpedFrame& warped);
@@ -61,9 +63,10 @@ class UnshownObjects {
   Camera frame_;
   std::size_t next_ = 0;  // of the hidden ones, the first to look for
   // Those in view; those that keyframes show; of those in view the others, now and a frame ago, the
-  // ones among them that were seen, and the ones that have grown too much. And those to draw.
+  // ones among them that were seen, and the ones that have grown too much. And those to draw, and
+  // the grown ones among them.
   std::vector<std::uint32_t> objects_, shown_, hidden_, hidden_before_, seen_, grown_, found_,
-      scratch_;
+      drawn_grown_, scratch_;
   std::vector<FramePixel> pixels_;
   std::vector<Chosen> chosen_;
 };

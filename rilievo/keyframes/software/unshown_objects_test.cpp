@@ -90,6 +90,7 @@ TEST(UnshownObjects, AreThoseThatTheFrameSeesAndNoKeyframe) {
     for (int i = 0; i < 100; ++i) {
       const auto now = unshown.look(warped);
       if (!now.empty()) found.assign(now.begin(), now.end());
+      EXPECT_TRUE(unshown.grown().empty());
       if (i == 0) found_at_once += int(found.size());
     }
     const std::set<std::uint32_t> seen = objects_in(truth->picture.object);
@@ -144,6 +145,7 @@ TEST(UnshownObjects, AreThoseThatHaveGrown) {
               UnshownObjects::kMostGrown * distance(object, frame.position()))
         grown.push_back(object);
     EXPECT_TRUE(std::ranges::equal(unshown.begin(frame, {&warped_key, 1}, in_view), grown)) << i;
+    EXPECT_TRUE(std::ranges::equal(unshown.grown(), grown));
     most = std::max(most, grown.size());
     // A box has twelve triangles.
     const auto nearest = few.begin(frame, {&warped_key, 1}, in_view);
