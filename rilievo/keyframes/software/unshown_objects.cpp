@@ -7,6 +7,7 @@
 
 #include "rilievo/core/box_distance.h"
 #include "rilievo/core/box_view.h"
+#include "rilievo/core/parallel_for.h"
 
 namespace rilievo {
 namespace {
@@ -22,7 +23,6 @@ std::span<const std::uint32_t> UnshownObjects::begin(const Camera& frame,
                                                      std::span<const WarpedKeyframe> keyframes,
                                                      std::span<const std::uint32_t> objects) {
   frame_ = frame;
-  objects_.assign(objects.begin(), objects.end());
   shown_.clear(), hidden_before_.swap(hidden_), hidden_.clear(), grown_.clear();
   for (const WarpedKeyframe& one : keyframes) {
     scratch_.clear();
@@ -31,13 +31,19 @@ std::span<const std::uint32_t> UnshownObjects::begin(const Camera& frame,
   }
   std::ranges::set_difference(objects, shown_, std::back_inserter(hidden_));
   const glm::dvec3 eye = frame.position();
+  double way = 0;
+  for (const WarpedKeyframe& one : keyframes)
+    way = std::max(way, glm::distance(one.keyframe->camera.position(), eye));
   for (const std::uint32_t object : objects) {
     const Box& box = placed_.bounds()[object];
+    const double distance = distance_to(box, eye);
+    // No keyframe's eye was farther from it than that and the way.
+    if (distance + way <= kMostGrown * distance) continue;
     double least = HUGE_VAL;
     for (const WarpedKeyframe& one : keyframes)
       if (std::ranges::binary_search(one.keyframe->shown, object))
         least = std::min(least, distance_to(box, one.keyframe->camera.position()));
-    if (least < HUGE_VAL && least > kMostGrown * distance_to(box, eye)) grown_.push_back(object);
+    if (least < HUGE_VAL && least > kMostGrown * distance) grown_.push_back(object);
   }
   scratch_.clear();
   std::ranges::set_intersection(seen_, hidden_, std::back_inserter(scratch_));
@@ -54,13 +60,19 @@ std::span<const std::uint32_t> UnshownObjects::look(const WarpedFrame& warped) {
   look_for(scratch_, kNewRays, warped);
   look_for(hidden_, kRays, warped);
   if (pixels_.empty()) return {};
-  caster_.cast(frame_, 1, pixels_, objects_);
+  hits_.resize(pixels_.size());
+  const glm::dvec3 eye = frame_.position();
+  parallel_for(0, int(pixels_.size()), [&](int i) {
+    const FramePixel& pixel = pixels_[std::size_t(i)];
+    const glm::dvec3 through = world_from_raster(frame_, {pixel.x + 0.5, pixel.y + 0.5}, 1) - eye;
+    const std::optional<RayHit> hit =
+        rays_.first_hit(glm::vec3(eye + frame_.z_near * through), glm::vec3(through), 0,
+                        float(frame_.z_far - frame_.z_near));
+    hits_[std::size_t(i)] = hit ? hit->object : kNoObject;
+  });
   const std::size_t before = seen_.size();
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    if (!(caster_.inverse_z()[i] > 0)) continue;
-    const std::uint32_t object = caster_.object_of(caster_.triangles()[i]);
-    if (std::ranges::binary_search(hidden_, object)) seen_.push_back(object);
-  }
+  for (const std::uint32_t hit : hits_)
+    if (hit != kNoObject && std::ranges::binary_search(hidden_, hit - 1)) seen_.push_back(hit - 1);
   std::ranges::sort(seen_);
   seen_.erase(std::unique(seen_.begin(), seen_.end()), seen_.end());
   if (seen_.size() == before) return {};

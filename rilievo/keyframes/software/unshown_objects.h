@@ -34,7 +34,7 @@ class UnshownObjects {
   // `placed` and `rays`, of one scene, must outlive the object. Objects have at most so many
   // triangles together; the nearest come first.
   UnshownObjects(const PlacedScene& placed, const RayScene& rays, double triangles)
-      : placed_(placed), caster_(rays), triangles_(triangles) {}
+      : placed_(placed), rays_(rays), triangles_(triangles) {}
 
   // Begins a frame: those of `objects` in view that are known. Both ascending; valid until the next
   // call.
@@ -57,17 +57,18 @@ class UnshownObjects {
   void choose();
 
   const PlacedScene& placed_;
-  PixelCaster caster_;
+  const RayScene& rays_;
   double triangles_;
   Random random_{1};
   Camera frame_;
   std::size_t next_ = 0;  // of the hidden ones, the first to look for
-  // Those in view; those that keyframes show; of those in view the others, now and a frame ago, the
+  // Those that keyframes show; of those in view the others, now and a frame ago, the
   // ones among them that were seen, and the ones that have grown too much. And those to draw, and
   // the grown ones among them.
-  std::vector<std::uint32_t> objects_, shown_, hidden_, hidden_before_, seen_, grown_, found_,
-      drawn_grown_, scratch_;
+  std::vector<std::uint32_t> shown_, hidden_, hidden_before_, seen_, grown_, found_, drawn_grown_,
+      scratch_;
   std::vector<FramePixel> pixels_;
+  std::vector<std::uint32_t> hits_;  // index into Scene::objects + 1
   std::vector<Chosen> chosen_;
 };
 
