@@ -96,10 +96,15 @@ std::span<const WarpedKeyframe> KeyframeProducer::follow(const Camera& frame, do
 }
 
 void KeyframeProducer::keep_memory(Keyframe keyframe) {
-  if (!keyframe.coarse) spare_.push_back(std::move(keyframe));
+  // Small: whole ones would have to grow again.
+  if (keyframe.coarse)
+    spare_coarse_ = std::move(keyframe);
+  else
+    spare_.push_back(std::move(keyframe));
 }
 
-// Of those to come, wide enough for an eye that turns: frames that are timed touch no new page.
+// Of those to come, wide enough for an eye that turns sideways: frames that are timed touch no new
+// page.
 void KeyframeProducer::take_memory() {
   const Camera wide = keyframe_camera(frame_, {options_.margin * kTurningMargin, options_.margin});
   while (spare_.size() < kSpare) resize(spare_.emplace_back(), wide, ready_.back().quarters());
@@ -116,7 +121,7 @@ void KeyframeProducer::forget() {
   RILIEVO_EXPECTS(!options_.beside);
   if (maker_.busy() || std::exchange(complete_, false)) keep_memory(maker_.give_up());
   for (Keyframe& key : ready_) keep_memory(std::move(key));
-  ready_.clear(), chosen_.clear(), left_out_.clear();
+  ready_.clear(), chosen_.clear(), left_out_.clear(), also_hidden_.clear();
   if (spare_.size() > kSpare) spare_.resize(kSpare);
 }
 
@@ -132,15 +137,29 @@ KeyframeMargin KeyframeProducer::margin() const {
   return {along(prediction_.turning_sideways()), along(prediction_.turning_upwards())};
 }
 
+// Is a keyframe for this eye one of where the frame's eye is, and stays?
+bool KeyframeProducer::stands_at(const Camera& eye) const {
+  const Camera standing = plain(frame_, frame_, margin());
+  return same_view(plain(eye, frame_, margin()), standing) &&
+         same_view(plain(prediction_.after(1), frame_, margin()), standing);
+}
+
+// An eye that stands gets a sharp one.
+bool KeyframeProducer::has_one_of(const Camera& eye) const {
+  const Camera camera = plain(eye, frame_, margin());
+  const bool stands = stands_at(eye);
+  return std::ranges::any_of(ready_, [&](const Keyframe& key) {
+    return !key.coarse && (key.sharp || !stands) && same_view(key.camera, camera);
+  });
+}
+
 void KeyframeProducer::begin(const Camera& eye, bool stands) {
   KeyframeRequest request;
   request.camera = plain(eye, frame_, margin());
   request.objects = objects_;
   request.samples = options_.samples, request.whole_texels = options_.whole_texels;
   request.time = time_, request.sky = options_.sky;
-  const Camera standing = plain(frame_, frame_, margin());
-  request.sharp = stands && same_view(request.camera, standing) &&
-                  same_view(plain(prediction_.after(1), frame_, margin()), standing);
+  request.sharp = stands && stands_at(eye);
   if (near_) {
     near_->choose(request.camera, frame_);
     // No objects would mean all.
@@ -238,8 +257,7 @@ Result<std::span<const WarpedKeyframe>> KeyframeProducer::make_now() {
     request.camera = keyframe_camera(frame_, kCoarseMargin, kCoarseTexels);
     request.objects = objects_, request.samples = 1;
     request.time = time_, request.coarse = true;
-    // Small: memory of others stays as large as they are.
-    maker.begin(request, {});
+    maker.begin(request, std::exchange(spare_coarse_, {}));
     if (Result<> made = maker.step(quick_, 1 << 20); !made) return made.error();
     add(maker.take());
     ++done_.coarse;
@@ -292,9 +310,7 @@ Result<> KeyframeProducer::work_beside() {
     return Done{};
   }
   const Camera eye = prediction_.after(std::min(2 * frames_for_one_, kMostAhead));
-  const Camera camera = plain(eye, frame_, margin());
-  for (const Keyframe& key : ready_)
-    if (!key.coarse && same_view(key.camera, camera)) return Done{};
+  if (has_one_of(eye)) return Done{};
   begin(eye, true);
   stop_ = {};
   control_.stop = stop_.get_token();
@@ -345,9 +361,7 @@ Result<> KeyframeProducer::work(double holes_ms) {
   const Stopwatch watch;
   if (!maker_.busy()) {
     const Camera eye = prediction_.after(2 * columns.frames);
-    const Camera camera = plain(eye, frame_, margin());
-    for (const Keyframe& key : ready_)
-      if (!key.coarse && same_view(key.camera, camera)) return Done{};
+    if (has_one_of(eye)) return Done{};
     begin(eye, true);
     made_ms_ = 0, made_columns_ = 0, made_frames_ = 0;
   }

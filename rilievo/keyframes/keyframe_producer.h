@@ -96,6 +96,8 @@ class KeyframeProducer {
  private:
   void choose();
   [[nodiscard]] KeyframeMargin margin() const;
+  [[nodiscard]] bool stands_at(const Camera& eye) const;
+  [[nodiscard]] bool has_one_of(const Camera& eye) const;
   Result<> work_beside();
   // `stands`: it may be an eye that stands, as far as is known.
   void begin(const Camera& eye, bool stands);
@@ -126,6 +128,7 @@ class KeyframeProducer {
   Camera frame_;
   double time_ = 0;
   std::vector<Keyframe> ready_, spare_;  // the newest last
+  Keyframe spare_coarse_;
   KeyframeMaker maker_;
   bool complete_ = false;  // what is made: it is used from the next frame on
   std::vector<WarpedKeyframe> chosen_;

@@ -91,6 +91,27 @@ TEST(KeyframeProducer, KeyframesForGivenEyesAreThereAtOnce) {
   }
 }
 
+// Those that were made before anything was known of the eye are smooth.
+TEST(KeyframeProducer, AnEyeThatStandsFromTheFirstFrameOnGetsASharpOne) {
+  ProducerStage stage;
+  KeyframeProducer producer(stage.source, stage.source, {.samples = 4, .interval = 4});
+  (void)producer.follow(ProducerStage::eye(0), 0);
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(producer.make_for(ProducerStage::eye(0)));
+  const auto sharp = [&] {
+    int count = 0;
+    for (const WarpedKeyframe& one : producer.chosen()) count += one.keyframe->sharp;
+    return count;
+  };
+  EXPECT_EQ(sharp(), 0);
+  for (int i = 0; i < 10; ++i) {
+    (void)producer.follow(ProducerStage::eye(0), 0);
+    ASSERT_TRUE(producer.work());
+  }
+  EXPECT_EQ(sharp(), 1);
+  // And no other one.
+  EXPECT_EQ(producer.take_work().completed, 3);
+}
+
 TEST(KeyframeProducer, AnEyeThatTurnsGetsAWiderMarginAlongItsWay) {
   ProducerStage stage;
   for (const double turn : {0.0, 0.01}) {

@@ -114,7 +114,7 @@ void KeyframeMaker::begin(const KeyframeRequest& request, Keyframe reuse) {
   keyframe_ = std::move(reuse);
   resize(keyframe_, request.camera,
          request.samples == 16 || (request.samples == 4 && !request.whole_texels));
-  keyframe_.coarse = request.coarse;
+  keyframe_.coarse = request.coarse, keyframe_.sharp = request.sharp;
   keyframe_.left_out.assign(request.left_out.begin(), request.left_out.end());
   next_ = 0, started_ = by_parts_ = false;
 }

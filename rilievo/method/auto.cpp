@@ -196,6 +196,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   // What was seen of them was elsewhere.
   if (eye_.jumped() && drawn_by_ == kKeyframes)
     loss_[kKeyframes].db.reset(), keyframes_->forget_loss();
+  if (eye_.jumped()) cheap_ = false;
   const bool first = frame_ == begun_in_;
   if (!first && std::exchange(begins_with_keyframes_, false))
     if (Result<> begun = begin_keyframes_ahead(time); !begun) return begun;
@@ -227,7 +228,7 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
     measure_loss(camera, choice);
-  const double counted_ms = shared_chooser_->counted_ms();
+  const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   if (!options_.by_clock) {
     ms = counted_ms;
   } else if (timed && !disturbed && !begins && active_ == frames_[kDirect].get() &&

@@ -45,7 +45,7 @@ void AutoFrames::measure_load(const Camera& camera) {
 
 // Before the first frame, and when the frame's size changes.
 Result<> AutoFrames::begin(const Camera& camera, double time) {
-  width_ = camera.width, height_ = camera.height;
+  width_ = 0, height_ = 0;
   const FrameLoad load{double(triangles_), double(camera.width) * camera.height, 0, threads_};
   caches_ = !load.few();
   // Costs that are counted are those of the cache and of direct drawing.
@@ -53,11 +53,13 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   begins_with_keyframes_ = cheap_ = false;
   if (only_direct_) {
     decision_.reset();
+    width_ = camera.width, height_ = camera.height;
     return Done{};
   }
   const double pace_ms = options_.fps > 0 ? 1000 / options_.fps : 0;
   outlook_.assign(kMethods, {});
-  if (options_.by_clock && active_->software_target()) fade_.end(), fade_.reserve(width_, height_);
+  if (options_.by_clock && active_->software_target())
+    fade_.end(), fade_.reserve(camera.width, camera.height);
   measure_load(camera);
   const Result<bool> pay = keyframes_pay(camera, time);
   if (!pay) return pay.error();
@@ -66,6 +68,7 @@ Result<> AutoFrames::begin(const Camera& camera, double time) {
   // time.
   decision_.emplace(kCandidates, caches_ && !cheap_ && !begins_with_keyframes_ ? kCache : kDirect,
                     pace_ms);
+  width_ = camera.width, height_ = camera.height;
   return Done{};
 }
 
@@ -82,18 +85,19 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   shared_chooser_->use_cache(false);
   const Stopwatch watch;
   if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
-  const double counted_ms = shared_chooser_->counted_ms();
+  const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   // It touched memory for the first time.
   begun_ms_ = std::min(watch.ms(), slowness_ * counted_ms);
   learn_direct(slowness_ * counted_ms);
   cheap_ = counted_ms < load_.pixels_ms();
   const bool keeps_pace =
-      options_.fps > 0 && counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;
+      options_.fps > 0 && slowness_ * counted_ms < AutoDecision::kKeepsPace * 1000 / options_.fps;
   return !keeps_pace && pay(kKeyframesPay, counted_ms);
 }
 
 // After the frame that begins: makes its keyframe.
 Result<> AutoFrames::begin_keyframes_here(const Camera& camera, double time) {
+  begins_with_keyframes_ = false;
   if (!keyframes_) {
     Result<SoftwareBackend*> software = backend_.software();
     if (!software) return software.error();
@@ -101,10 +105,16 @@ Result<> AutoFrames::begin_keyframes_here(const Camera& camera, double time) {
     failed_[kKeyframes] = !made;
     if (made) keyframes_ = made->get(), frames_[kKeyframes] = std::move(*made);
   }
-  if (keyframes_) return keyframes_->prepare_first(camera, time);
-  begins_with_keyframes_ = false;
-  decision_->begin_with(kCache);
+  begins_with_keyframes_ = keyframes_ && keyframes_->prepare_first(camera, time);
+  if (!begins_with_keyframes_) give_keyframes_up();
   return Done{};
+}
+
+// Memory, mostly: the other methods go on.
+void AutoFrames::give_keyframes_up() {
+  failed_[kKeyframes] = true;
+  keyframes_ = nullptr, frames_[kKeyframes].reset();
+  decision_->begin_with(kCache);
 }
 
 // Before the frame that follows, when it is known how the eye moves: keyframes draw it if they are
@@ -113,7 +123,10 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
   Loss& loss = loss_[kKeyframes];
   if (!eye_.jumped()) {
     const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, *keyframes_);
-    if (!begun) return begun.error();
+    if (!begun) {
+      give_keyframes_up();
+      return Done{};
+    }
     loss = {begun->loss_db, frame_};
     keyframes_seen_ = frame_;
     if (loss.db && good_enough(kKeyframes)) {

@@ -56,17 +56,18 @@ double trial_mean(std::span<const double> ms) {
 
 }  // namespace
 
-double FrameLoad::pixels_ms() const { return kDirectPixelMs * pixels * kThreads / threads; }
+double FrameLoad::by_threads(double ms) const { return ms * kThreads / threads; }
+double FrameLoad::pixels_ms() const { return by_threads(kDirectPixelMs * pixels); }
 double FrameLoad::direct_ms() const {
-  return pixels_ms() + kDirectTriangleMs * triangles * kThreads / threads;
+  return pixels_ms() + by_threads(kDirectTriangleMs * triangles);
 }
 double FrameLoad::levels_ms() const {
-  return pixels_ms() + kDirectTriangleMs * level_triangles * kThreads / threads;
+  return pixels_ms() + by_threads(kDirectTriangleMs * level_triangles);
 }
 double FrameLoad::rays_ms() const {
-  return (masked ? kMaskedTimes : 1) * kRaysPixelMs * pixels * kThreads / threads;
+  return (masked ? kMaskedTimes : 1) * by_threads(kRaysPixelMs * pixels);
 }
-double FrameLoad::keyframes_ms() const { return kKeyframesPixelMs * pixels * kThreads / threads; }
+double FrameLoad::keyframes_ms() const { return by_threads(kKeyframesPixelMs * pixels); }
 
 std::string_view describe(AutoReason reason) {
   switch (reason) {

@@ -50,6 +50,8 @@ struct FrameLoad {
   // So few that no picture of an object costs less: it has as many texels. Levels may.
   static constexpr double kFew = 0.25;
   [[nodiscard]] bool few() const { return triangles <= kFew * pixels; }
+  // Of what takes so many ms on the machine of these models.
+  [[nodiscard]] double by_threads(double ms) const;
   [[nodiscard]] double direct_ms() const;
   // Direct drawing without triangles: no method takes much less.
   [[nodiscard]] double pixels_ms() const;

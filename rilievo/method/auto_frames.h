@@ -94,6 +94,7 @@ class AutoFrames final : public FrameSource {
   Result<bool> keyframes_pay(const Camera& camera, double time);
   Result<> begin_keyframes_here(const Camera& camera, double time);
   Result<> begin_keyframes_ahead(double time);
+  void give_keyframes_up();
   [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
@@ -111,7 +112,7 @@ class AutoFrames final : public FrameSource {
   Backend& backend_;
   int threads_;  // by counts as on the machine of FrameLoad, so that all machines draw the same
   std::uint64_t triangles_, meshes_triangles_;
-  bool only_direct_ = true, caches_ = false;  // does what may draw?
+  bool only_direct_ = true, caches_ = false;  // nothing else may draw; the cache may
   bool cheap_ = false;  // what is in view: there is nothing that the cache could gain
   bool bends_ = false, masked_ = false, moves_ = false;
   int width_ = 0, height_ = 0;

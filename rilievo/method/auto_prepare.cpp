@@ -143,8 +143,7 @@ Result<> AutoFrames::adopt() {
   if (stage_ == Preparing::looked_at && ms > 0 && guess_ms > 0)
     off_[method] = std::clamp(ms / guess_ms, 1 / kMostOff, kMostOff);
   // Levels are polygons, too.
-  if (method == kLevels && decision_ && decision_->mean_ms(kDirect) == 0)
-    off_[kDirect] = std::max(1.0, off_[kLevels]);
+  if (method == kLevels && direct_frames_ == 0) off_[kDirect] = std::max(1.0, off_[kLevels]);
   made_ = {};
   // Memory, mostly: the other methods go on.
   if (frames) frames_[method] = std::move(*frames);

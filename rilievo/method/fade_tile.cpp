@@ -49,13 +49,14 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
   const VF across = hn::Add(of(float(x)), hn::ConvertTo(f, hn::Iota(i, 0)));
   const glm::vec3 row = frames.axis * glm::vec3(0, float(y), 1);
   const auto coordinate = [&](int k) {
-    return hn::MulAdd(across, of(frames.axis[0][k]), hn::MulAdd(w, of(frames.step[k]), of(row[k])));
+    return hn::Add(hn::Mul(across, of(frames.axis[0][k])),
+                   hn::Add(hn::Mul(w, of(frames.step[k])), of(row[k])));
   };
   const VF z = coordinate(2);
   const VF near_by = hn::Div(of(-1), z), expected = hn::Mul(w, near_by);
   const auto to_raster = [&](int k) {
     const VF at = hn::Sub(hn::Mul(coordinate(k), near_by), of(frames.raster_start[k]));
-    return hn::MulSub(at, of(frames.to_raster[k]), of(0.5f));
+    return hn::Sub(hn::Mul(at, of(frames.to_raster[k])), of(0.5f));
   };
   const VF px = to_raster(0), py = to_raster(1), zero = hn::Zero(f);
   const auto inside = hn::And(

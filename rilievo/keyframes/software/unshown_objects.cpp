@@ -17,7 +17,21 @@ constexpr int kMostRays = 64, kTries = 4;
 // An object that fills fewer pixels is not looked for.
 constexpr double kLeastPixels = 16;
 
+// All of them if nothing moves.
+std::vector<std::uint32_t> still_objects(const Scene& scene) {
+  std::vector<std::uint32_t> objects;
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i)
+    if (!scene.objects[i].moving) objects.push_back(i);
+  return objects;
+}
+
 }  // namespace
+
+UnshownObjects::UnshownObjects(const PlacedScene& placed, const RayScene& rays, double triangles)
+    : placed_(placed),
+      rays_(rays),
+      still_(placed.scene(), still_objects(placed.scene())),
+      triangles_(triangles) {}
 
 std::span<const std::uint32_t> UnshownObjects::begin(const Camera& frame,
                                                      std::span<const WarpedKeyframe> keyframes,
@@ -30,6 +44,8 @@ std::span<const std::uint32_t> UnshownObjects::begin(const Camera& frame,
     shown_.swap(scratch_);
   }
   std::ranges::set_difference(objects, shown_, std::back_inserter(hidden_));
+  // What blends is in no keyframe.
+  std::erase_if(hidden_, [&](std::uint32_t object) { return !placed_.has_opaque_parts(object); });
   const glm::dvec3 eye = frame.position();
   double way = 0;
   for (const WarpedKeyframe& one : keyframes)
@@ -57,8 +73,9 @@ std::span<const std::uint32_t> UnshownObjects::look(const WarpedFrame& warped) {
   // Those that keyframes showed a frame ago are probably seen.
   scratch_.clear();
   std::ranges::set_difference(hidden_, hidden_before_, std::back_inserter(scratch_));
-  look_for(scratch_, kNewRays, warped);
-  look_for(hidden_, kRays, warped);
+  look_for(scratch_, 0, kNewRays, warped);
+  look_for(hidden_, next_, kRays, warped);
+  next_ += kRays;
   if (pixels_.empty()) return {};
   hits_.resize(pixels_.size());
   const glm::dvec3 eye = frame_.position();
@@ -67,7 +84,7 @@ std::span<const std::uint32_t> UnshownObjects::look(const WarpedFrame& warped) {
     const glm::dvec3 through = world_from_raster(frame_, {pixel.x + 0.5, pixel.y + 0.5}, 1) - eye;
     const std::optional<RayHit> hit =
         rays_.first_hit(glm::vec3(eye + frame_.z_near * through), glm::vec3(through), 0,
-                        float(frame_.z_far - frame_.z_near));
+                        float(frame_.z_far - frame_.z_near), RaySides::seen, still_);
     hits_[std::size_t(i)] = hit ? hit->object : kNoObject;
   });
   const std::size_t before = seen_.size();
@@ -80,17 +97,16 @@ std::span<const std::uint32_t> UnshownObjects::look(const WarpedFrame& warped) {
   return found_;
 }
 
-// In turn, from frame to frame.
-void UnshownObjects::look_for(std::span<const std::uint32_t> objects, int rays,
+// From the first on, around.
+void UnshownObjects::look_for(std::span<const std::uint32_t> objects, std::size_t first, int rays,
                               const WarpedFrame& warped) {
   if (objects.empty()) return;
   const std::size_t count = std::min(objects.size(), std::size_t(rays));
   const int each = std::min(rays / int(count), kMostRays);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t object = objects[(next_ + i) % objects.size()];
+    const std::uint32_t object = objects[(first + i) % objects.size()];
     if (!std::ranges::binary_search(seen_, object)) aim(object, each, warped);
   }
-  next_ += count;
 }
 
 // Chooses pixels where it may be seen: they show something farther than its nearest place. What is

@@ -33,8 +33,7 @@ class UnshownObjects {
 
   // `placed` and `rays`, of one scene, must outlive the object. Objects have at most so many
   // triangles together; the nearest come first.
-  UnshownObjects(const PlacedScene& placed, const RayScene& rays, double triangles)
-      : placed_(placed), rays_(rays), triangles_(triangles) {}
+  UnshownObjects(const PlacedScene& placed, const RayScene& rays, double triangles);
 
   // Begins a frame: those of `objects` in view that are known. Both ascending; valid until the next
   // call.
@@ -52,12 +51,14 @@ class UnshownObjects {
     double distance;
     std::uint32_t object;
   };
-  void look_for(std::span<const std::uint32_t> objects, int rays, const WarpedFrame& warped);
+  void look_for(std::span<const std::uint32_t> objects, std::size_t first, int rays,
+                const WarpedFrame& warped);
   void aim(std::uint32_t object, int rays, const WarpedFrame& warped);
   void choose();
 
   const PlacedScene& placed_;
   const RayScene& rays_;
+  ObjectSet still_;  // what moves is elsewhere for rays
   double triangles_;
   Random random_{1};
   Camera frame_;

@@ -115,6 +115,35 @@ TEST(UnshownObjects, AreThoseThatTheFrameSeesAndNoKeyframe) {
   EXPECT_GT(found_at_once, hidden / 2);
 }
 
+// Rays do not see what moves, which has gone elsewhere.
+TEST(UnshownObjects, AreFoundBehindWhereSomethingThatMovesBegan) {
+  Scene scene;
+  add_box(scene, {0, 0, -13}, {60, 60, 1});
+  add_box(scene, {0, 0, -6}, {0.5f, 0.5f, 0.1f});
+  add_box(scene, {0, 0, -3}, {1, 1, 0.1f});
+  finish(scene);
+  scene.objects.back().moving = true;
+  const PlacedScene placed(scene);
+  const Result<RayScene> rays = RayScene::create(scene);
+  ASSERT_TRUE(rays.ok());
+  RaySource source(*rays);
+  const std::uint32_t wall = 0;
+  KeyframeRequest request;
+  request.camera = keyframe_camera(eye_at({0, 0, 0}), 1.2);
+  request.samples = 1, request.objects = {&wall, 1};
+  const Result<Keyframe> key = make_keyframe(source, request);
+  ASSERT_TRUE(key.ok());
+  const WarpedKeyframe warped_key{&*key};
+  WarpedFrame warped;
+  warp_keyframes({&warped_key, 1}, eye_at({0, 0, 0}), warped);
+  UnshownObjects unshown(placed, *rays, 1e6);
+  const std::uint32_t in_view[] = {0, 1};
+  (void)unshown.begin(eye_at({0, 0, 0}), {&warped_key, 1}, in_view);
+  const auto found = unshown.look(warped);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0], 1u);
+}
+
 // What has come so much nearer that its texels would be far apart, by the definition.
 TEST(UnshownObjects, AreThoseThatHaveGrown) {
   Random random(5);
