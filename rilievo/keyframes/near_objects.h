@@ -19,6 +19,17 @@
 
 namespace rilievo {
 
+// An object, and how far it is from the eye.
+struct ObjectAtDistance {
+  double distance = 0;
+  std::uint32_t object = 0;
+};
+
+// Puts the nearest objects first, and takes those that have at most so many triangles together, one
+// after the other; `taken` is ascending.
+void take_nearest(const Scene& scene, double triangles, std::vector<ObjectAtDistance>& objects,
+                  std::vector<std::uint32_t>& taken);
+
 // How near, and how many.
 struct NearObjectsOptions {
   double distance = 1;         // at most so many times the eye's way
@@ -43,17 +54,10 @@ class NearObjects {
   [[nodiscard]] std::span<const std::uint32_t> rest() const { return rest_; }
 
  private:
-  struct Candidate {
-    double distance;
-    std::uint32_t object;
-  };
-
-  [[nodiscard]] double triangles_of(std::uint32_t object) const;
-
   const PlacedScene& placed_;
   std::vector<std::uint32_t> objects_;
   NearObjectsOptions options_;
-  std::vector<Candidate> candidates_;
+  std::vector<ObjectAtDistance> candidates_;
   std::vector<std::uint32_t> in_view_, near_, rest_;
 };
 

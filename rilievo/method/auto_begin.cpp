@@ -102,7 +102,6 @@ Result<> AutoFrames::begin_keyframes_here(const Camera& camera, double time) {
     Result<SoftwareBackend*> software = backend_.software();
     if (!software) return software.error();
     Result<std::unique_ptr<KeyframeFrames>> made = make_keyframes((*software)->scene());
-    failed_[kKeyframes] = !made;
     if (made) keyframes_ = made->get(), frames_[kKeyframes] = std::move(*made);
   }
   begins_with_keyframes_ = keyframes_ && keyframes_->prepare_first(camera, time);

@@ -143,20 +143,7 @@ void UnshownObjects::choose() {
   for (const std::vector<std::uint32_t>* list : {&seen_, &grown_})
     for (const std::uint32_t object : *list)
       chosen_.push_back({distance_to(placed_.bounds()[object], frame_.position()), object});
-  std::ranges::sort(chosen_, [](const Chosen& a, const Chosen& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.object < b.object;
-  });
-  found_.clear();
-  const Scene& scene = placed_.scene();
-  double left = triangles_;
-  for (const Chosen& one : chosen_) {
-    const double triangles =
-        double(scene.models[std::size_t(scene.objects[one.object].model)].triangles);
-    if (triangles > left) continue;
-    left -= triangles;
-    found_.push_back(one.object);
-  }
-  std::ranges::sort(found_);
+  take_nearest(placed_.scene(), triangles_, chosen_, found_);
   drawn_grown_.clear();
   std::ranges::set_intersection(found_, grown_, std::back_inserter(drawn_grown_));
 }

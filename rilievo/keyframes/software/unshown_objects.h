@@ -16,6 +16,7 @@
 
 #include "rilievo/core/camera.h"
 #include "rilievo/core/random.h"
+#include "rilievo/keyframes/near_objects.h"
 #include "rilievo/keyframes/warp_keyframes.h"
 #include "rilievo/render/placed_scene.h"
 #include "rilievo/render/rays/cast_pixels.h"
@@ -47,10 +48,6 @@ class UnshownObjects {
   [[nodiscard]] std::span<const std::uint32_t> look(const WarpedFrame& warped);
 
  private:
-  struct Chosen {
-    double distance;
-    std::uint32_t object;
-  };
   void look_for(std::span<const std::uint32_t> objects, std::size_t first, int rays,
                 const WarpedFrame& warped);
   void aim(std::uint32_t object, int rays, const WarpedFrame& warped);
@@ -63,14 +60,14 @@ class UnshownObjects {
   Random random_{1};
   Camera frame_;
   std::size_t next_ = 0;  // of the hidden ones, the first to look for
-  // Those that keyframes show; of those in view the others, now and a frame ago, the
-  // ones among them that were seen, and the ones that have grown too much. And those to draw, and
-  // the grown ones among them.
+  // Those that keyframes show; of those in view the others, now and a frame ago, the ones among
+  // them that were seen, and the ones that have grown too much. And those to draw, and the grown
+  // ones among them.
   std::vector<std::uint32_t> shown_, hidden_, hidden_before_, seen_, grown_, found_, drawn_grown_,
       scratch_;
   std::vector<FramePixel> pixels_;
   std::vector<std::uint32_t> hits_;  // index into Scene::objects + 1
-  std::vector<Chosen> chosen_;
+  std::vector<ObjectAtDistance> chosen_;
 };
 
 }  // namespace rilievo
