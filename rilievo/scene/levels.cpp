@@ -10,6 +10,7 @@
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/scene/mesh_distance.h"
+#include "rilievo/scene/shading_error.h"
 
 namespace rilievo {
 namespace {
@@ -78,6 +79,8 @@ std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelsOptions& option
   if (mesh.primitive != Primitive::triangles) return levels;
   const std::vector<std::uint32_t>* finer = &mesh.indices;
   double error = 0;
+  // The mesh's own normals may look aside, too.
+  const double own = shading_error(mesh, mesh.indices);
   while (int(levels.size()) < options.max_levels &&
          finer->size() / 3 >= std::max<std::uint64_t>(2 * options.min_triangles, 2)) {
     std::size_t target = finer->size() / 6 * 3;
@@ -87,7 +90,8 @@ std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelsOptions& option
     if (level.indices.empty() || level.indices.size() > finer->size() * 9 / 10) break;
     // Each level is made from the one before: their errors add up.
     error += level.error;
-    level.error = error;
+    const double shading = std::max(shading_error(mesh, level.indices) - own, 0.0);
+    level.error = std::max({error, shading, levels.empty() ? 0 : levels.back().error});
     meshopt_optimizeVertexCache(level.indices.data(), level.indices.data(), level.indices.size(),
                                 mesh.positions.size());
     levels.push_back(std::move(level));

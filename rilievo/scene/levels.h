@@ -1,7 +1,8 @@
 // Coarser levels of detail of a scene.
 //
 // Each mesh simplified again and again, to half of its triangles at a time, by meshoptimizer. A
-// level's error is what meshoptimizer states, a distance; it is no bound, but for bounded levels.
+// level's error is what meshoptimizer states, a distance, or what its normals are off by
+// (shading_error.h) where that is more; it is no bound, but for bounded levels.
 // Vertices are shared with the mesh, so that a level keeps its attributes. Where edges and seams
 // allow no more, the sloppy variant goes on, which keeps no topology.
 #pragma once
