@@ -123,5 +123,37 @@ TEST_F(SampledLossTest, it_is_the_ratio_of_the_whole_frames_errors) {
   EXPECT_FALSE(loss.known());
 }
 
+// Direct drawing of a wall of one colour is true: what frames lose is then over what is not seen,
+// and rounding. By steps of k in three channels that is 10 log10( (3 k^2 + r) / (3 + r) ).
+TEST_F(SampledLossTest, what_nobody_sees_is_the_least_that_direct_drawing_is_off_by) {
+  Scene wall;
+  wall.meshes.resize(1);
+  wall.meshes[0].positions = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
+  wall.meshes[0].normals.assign(4, {0, 0, 1});
+  wall.meshes[0].indices = {0, 1, 2, 0, 2, 3};
+  wall.models.resize(1);
+  wall.models[0].parts = {{0, glm::mat4(1)}};
+  wall.objects.resize(1);
+  finish(wall);
+  scene_ = std::move(wall);
+  const Result<RayScene> rays = RayScene::create(scene_);
+  ASSERT_TRUE(rays.ok());
+  const Camera camera = look_at({0, 0, 100}, {0, 0, 0}, {0, 1, 0}, 0.02, kWidth, kHeight, 1, 200);
+  const Rgba8Image own = draw(camera, 1);
+  for (const int steps : {0, 1, 2, 5}) {
+    Rgba8Image off = own;
+    for (glm::u8vec4& color : off.texels())
+      for (int c = 0; c < 3; ++c)
+        color[c] = std::uint8_t(color[c] > 128 ? color[c] - steps : color[c] + steps);
+    SampledLoss loss(*rays);
+    const std::uint32_t objects[] = {0};
+    for (int i = 0; i < 20; ++i) loss.add(camera, objects, warped_as(off));
+    ASSERT_TRUE(loss.known());
+    const double k = steps, rounding = 0.25;
+    EXPECT_NEAR(loss.loss_db(), 10 * std::log10((3 * k * k + rounding) / (3 + rounding)), 0.5)
+        << steps;
+  }
+}
+
 }  // namespace
 }  // namespace rilievo
