@@ -20,7 +20,9 @@ namespace rilievo {
 // How much less like the truth frames are than direct drawing, as rays measure it.
 class FrameLoss {
  public:
-  explicit FrameLoss(RayScene rays) : rays_(std::move(rays)), loss_(rays_) {}
+  explicit FrameLoss(RayScene rays) : rays_(std::move(rays)), loss_(*rays_) {}
+  // `rays` must outlive the object.
+  explicit FrameLoss(const RayScene* rays) : loss_(*rays) {}
 
   // Looks at some pixels of a frame of `objects`, `times` as many as SampledLoss does.
   void add(const Camera& camera, std::span<const std::uint32_t> objects, const Rgba8Image& color,
@@ -30,7 +32,7 @@ class FrameLoss {
   [[nodiscard]] std::optional<double> db() const;
 
  private:
-  RayScene rays_;
+  std::optional<RayScene> rays_;  // its own
   SampledLoss loss_;
   Image<std::uint32_t> shown_;
 };

@@ -26,11 +26,12 @@ constexpr double kOfFrames = 0.2;
 constexpr int kLookFrames = 8;
 // The parts that the first two keyframes are made in.
 constexpr int kFirstKeyframes = 64;
-// One frame in so many of keyframes is looked at, once it is known how good they are; and what was
-// not good enough is looked at again after so many frames.
-constexpr int kLossFrames = 4, kLooksAgain = 600;
-// Levels are as good, or as bad, in most places.
-constexpr int kLossFramesOfLevels = 16, kLooksAgainAtLevels = 3600;
+// One frame in so many of keyframes, or of levels, is looked at, once it is known how good they
+// are; and what was not good enough is looked at again after so many frames, then twice as many, at
+// most so many: somewhere else it may be.
+constexpr int kLossFrames = 4, kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
+// Levels that are not good enough get half the error, down to this share of what was asked for.
+constexpr double kFinestLevels = 0.125;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
 // few frames.
 constexpr int kLossesOfTrial = 4;
@@ -43,6 +44,12 @@ constexpr double kFastest = 0.6, kSlowest = 10;
 constexpr double kNewestOff = 0.2;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
+
+// The share of the last of so many frames in their mean. The first one touches memory that others
+// do not, and may take several times as long: the second one replaces it.
+double newest_share(double least, int frames) {
+  return std::max(least, 1.0 / std::max(1, frames - 1));
+}
 
 }  // namespace
 
@@ -122,7 +129,7 @@ void AutoFrames::look(const Camera& camera) {
 // Polygons took that: how far off is their model? Levels are polygons, too.
 void AutoFrames::learn_direct(double ms) {
   const double off = std::clamp(ms / (slowness_ * load_.direct_ms()), 1 / kMostOff, kMostOff);
-  off_[kDirect] += (off - off_[kDirect]) * std::max(kNewestOff, 1.0 / ++direct_frames_);
+  off_[kDirect] += (off - off_[kDirect]) * newest_share(kNewestOff, ++direct_frames_);
   if (!frames_[kLevels]) off_[kLevels] = off_[kDirect];
 }
 
@@ -131,33 +138,74 @@ bool AutoFrames::good_enough(int method) {
   Loss& of = loss_[method];
   const auto good = [&] {
     // Nobody has seen it yet: what was looked at is one frame.
-    const double sure = decision_->mean_ms(method) == 0 ? kCertainly : 1;
+    const double sure = decision_->mean_ms(method) == 0 && !of.compared ? kCertainly : 1;
     return !of.db || rilievo::good_enough(*of.db, cache_loss_, sure * options_.loss_db);
   };
-  const int again = method == kLevels ? kLooksAgainAtLevels : kLooksAgain;
+  const int again = std::min(kLooksAgain << std::min(of.refusals, 8), kLooksAgainAtMost);
   if (!good() && preparing_ < 0 && frame_ - of.seen_in > again) {
+    ++of.refusals;
     of.db.reset();
     if (method == kKeyframes && keyframes_) keyframes_->forget_loss();
     if (method == kLevels && losses_) losses_->forget();
+    if (method == kLevels && pieces_) pieces_->forget();
   }
   return good();
 }
 
 // Of the frame that was drawn last.
-void AutoFrames::measure_loss(const Camera& camera, const AutoChoice& choice) {
+Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoChoice& choice) {
   Loss& of = loss_[choice.draws];
   of.seen_in = frame_;
-  if (of.db && frame_ % (choice.draws == kLevels ? kLossFramesOfLevels : kLossFrames) != 0) return;
-  if (choice.draws == kKeyframes)
-    for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
-      of.db = loss_of(*keyframes_);
-  if (choice.draws != kLevels || !losses_ || preparing_ >= 0) return;
+  if (choice.draws == kLevels) return measure_loss_of_levels(camera, time);
+  if (of.db && frame_ % kLossFrames != 0) return Done{};
+  for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
+    of.db = loss_of(*keyframes_);
+  return Done{};
+}
+
+// Levels that lose too much become finer: they may still take less than polygons.
+Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
+  Loss& of = loss_[kLevels];
+  const Result<std::optional<double>> db = look_at_levels(camera, time);
+  if (!db) return db.error();
+  if (!*db) return Done{};
+  of.db = *db;
+  const double finer_px = levels_.error_px / 2;
+  if (good_enough(kLevels) || finer_px < kFinestLevels * options_.error_px) return Done{};
+  levels_.error_px = finer_px;
+  levels_.chooser->set_error(finer_px);
+  of.db.reset();
+  if (losses_) losses_->forget();
+  if (pieces_) pieces_->forget();
+  if (shown_) fade_.begin(*shown_, shown_camera_);
+  return Done{};
+}
+
+// By rays, or by polygons in a scene that rays do not know. Often until it is known, since the one
+// frame that was looked at before they drew says little of others. None: it is not known, or was
+// not looked at.
+Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, double time) {
+  const std::optional<double> unknown;
   const SoftwareTarget* target = active_->software_target();
-  if (!target) return;
-  in_view_.clear();
-  backend_.placed().cull(camera, in_view_);
-  losses_->add(camera, in_view_, target->color(), of.db ? 1 : kLossesOfTrial);
-  if (const std::optional<double> db = losses_->db()) of.db = db;
+  if (!target || preparing_ >= 0) return unknown;
+  const bool seldom = frame_ % kLossFramesOfLevels != 0;
+  if (losses_) {
+    const bool known = losses_->db().has_value();
+    if (known && seldom) return unknown;
+    in_view_.clear();
+    backend_.placed().cull(camera, in_view_);
+    losses_->add(camera, in_view_, target->color(), known ? 1 : kLossesOfTrial);
+    return losses_->db();
+  }
+  if (meshes_triangles_ > kMostForLoss) return unknown;
+  if (!pieces_) {
+    Result<SoftwareBackend*> software = backend_.software();
+    if (!software) return software.error();
+    pieces_.emplace(**software);
+  }
+  if (pieces_->db() && seldom) return unknown;
+  if (Result<> added = pieces_->add(camera, time, target->color()); !added) return added.error();
+  return pieces_->db();
 }
 
 // What another method showed in the last frame fades out.
@@ -215,8 +263,9 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();
   double ms = begun_ms_;
-  const bool begins = first && begins_with_keyframes_;  // and the frame is drawn
-  if (!begins) {
+  const bool begins = first && begins_with_keyframes_;
+  const bool has_drawn = std::exchange(begun_drawn_, false) && choice.draws == kDirect;
+  if (!has_drawn) {
     const Stopwatch watch;
     if (Result<> drawn = active_->draw(camera, time); !drawn) return drawn;
     if (opengl && timed) backend_.finish();
@@ -227,16 +276,16 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   if (choice.prepares >= 0) prepare(choice.prepares);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))
-    measure_loss(camera, choice);
+    if (Result<> measured = measure_loss(camera, time, choice); !measured) return measured;
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   if (!options_.by_clock) {
     ms = counted_ms;
-  } else if (timed && !disturbed && !begins && active_ == frames_[kDirect].get() &&
+  } else if (timed && !disturbed && !has_drawn && active_ == frames_[kDirect].get() &&
              counted_ms > 0) {
     const double slowness = std::clamp(ms / counted_ms, kFastest, kSlowest);
     // Captures of large meshes take many times what is counted for them.
     if (active_->stats().captures == 0 || slowness < slowness_)
-      slowness_ += (slowness - slowness_) * std::max(kNewestSlowness, 1.0 / ++counted_frames_);
+      slowness_ += (slowness - slowness_) * newest_share(kNewestSlowness, ++counted_frames_);
     if (choice.draws == kDirect) learn_direct(ms);
     if (choice.draws == kDirect && counted_ms > kNotCheap * load_.pixels_ms()) cheap_ = false;
   }

@@ -9,10 +9,12 @@ namespace {
 
 // Keyframes begin where direct drawing takes so many times as long, by counts: along flights 3
 // to 6. Nothing is counted where its model is below the second.
-constexpr double kKeyframesPay = 2.4, kKeyframesMayPay = 1.3;
+constexpr double kKeyframesPay = 2.75, kKeyframesMayPay = 1.3;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
+// The cache's pictures are as bad as they become after so many frames, more or less.
+constexpr double kCacheAges = 3;
 
 // An object of so many triangles in view.
 void add_object(const Camera& camera, const Box& bounds, double triangles, FrameLoad& load) {
@@ -85,6 +87,7 @@ Result<bool> AutoFrames::keyframes_pay(const Camera& camera, double time) {
   shared_chooser_->use_cache(false);
   const Stopwatch watch;
   if (Result<> drawn = frames_[kDirect]->draw(camera, time); !drawn) return drawn.error();
+  begun_drawn_ = true;
   const double counted_ms = load_.by_threads(shared_chooser_->counted_ms());
   // It touched memory for the first time.
   begun_ms_ = std::min(watch.ms(), slowness_ * counted_ms);
@@ -120,25 +123,64 @@ void AutoFrames::give_keyframes_up() {
 // good enough.
 Result<> AutoFrames::begin_keyframes_ahead(double time) {
   Loss& loss = loss_[kKeyframes];
+  bool may_be_as_cache = false;
   if (!eye_.jumped()) {
     const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, *keyframes_);
     if (!begun) {
       give_keyframes_up();
       return Done{};
     }
-    loss = {begun->loss_db, frame_};
+    loss = {.db = begun->loss_db, .seen_in = frame_};
     keyframes_seen_ = frame_;
+    may_be_as_cache = loss.db && *loss.db <= kMostTimes * options_.loss_db;
+    if (may_be_as_cache && !good_enough(kKeyframes)) {
+      const Result<std::optional<double>> cache = loss_of_cache_soon(time);
+      if (!cache) return cache.error();
+      cache_loss_ = *cache, loss.compared = cache->has_value();
+    }
     if (loss.db && good_enough(kKeyframes)) {
       decision_->begin_with(kKeyframes);
       return Done{};
     }
   }
   decision_->begin_with(kCache);
-  // They may be as good as the cache, once that has its pictures.
   keyframes_seen_ = frame_ - kKeyframesLast - 1;
-  loss.db.reset(), keyframes_->forget_loss();
-  if (!eye_.jumped()) prepare(kKeyframes, kCacheWarmsUp);
+  keyframes_->forget_loss();
+  loss.compared = false;
+  // They may be as good as the cache, once its pictures are older; or where the eye is then. What
+  // is worse than that is not looked at again soon.
+  if (eye_.jumped() || may_be_as_cache) loss.db.reset();
+  if (may_be_as_cache) prepare(kKeyframes, kCacheWarmsUp);
   return Done{};
+}
+
+// How good are the cache's frames, once its pictures are some frames old? Draws two of them, which
+// nobody sees: where the eye is, of which pictures are captured, and where it will be. None: it is
+// not known.
+Result<std::optional<double>> AutoFrames::loss_of_cache_soon(double time) {
+  Result<SoftwareBackend*> software = backend_.software();
+  if (!software) return software.error();
+  FrameSource& frames = *frames_[kDirect];
+  // These frames are drawn over the one that was shown.
+  if (shown_) fade_.begin(*shown_, shown_camera_);
+  shown_ = nullptr;
+  shared_chooser_->use_cache(true);
+  const Camera soon = eye_.after(kCacheAges);
+  for (const Camera& camera : {eye_.after(0), soon})
+    if (Result<> drawn = frames.draw(camera, time); !drawn) return drawn.error();
+  if (shared_chooser_->cache_failed()) return std::optional<double>();
+  const Rgba8Image color = frames.software_target()->color();
+  if (!moves_) {
+    in_view_.clear();
+    backend_.placed().cull(soon, in_view_);
+    FrameLoss loss(&keyframes_->rays());
+    loss.add(soon, in_view_, color, kAuditionLosses);
+    return loss.db();
+  }
+  PieceLoss loss(**software);
+  for (int i = 0; i < PieceLoss::kEnough; ++i)
+    if (Result<> added = loss.add(soon, time, color); !added) return added.error();
+  return loss.db();
 }
 
 }  // namespace rilievo

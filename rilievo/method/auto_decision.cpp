@@ -31,7 +31,7 @@ constexpr double kClose = 0.15;
 constexpr double kHopeless = 1.25;
 // Of what warms up for longer.
 constexpr double kHopelessWarmingUp = 1.6;
-// What is prepared before anything was measured must be as likely as this to be good enough.
+// What promises much counts as at least as likely as this to be good enough.
 constexpr double kLikely = 0.5;
 // What warms up for so many frames is dear to return to.
 constexpr int kWarmsUpLong = 5;
@@ -43,7 +43,7 @@ constexpr double kLittle = 2;
 // What was measured with kThreads threads (AVX-512, no GPU): direct-raster, direct-rays, keyframes.
 constexpr int kThreads = 2;
 constexpr double kDirectPixelMs = 18e-6, kDirectTriangleMs = 11e-6;
-constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 16e-6;
+constexpr double kRaysPixelMs = 180e-6, kMaskedTimes = 4, kKeyframesPixelMs = 13e-6;
 
 double doubt(int age) { return std::min(kMostDoubt, kDoubt * std::sqrt(double(age))); }
 
@@ -202,15 +202,11 @@ int AutoDecision::plainly_worth_preparing(std::span<const AutoOutlook> outlook) 
   for (int i = 0; i < int(candidates_.size()); ++i) {
     const AutoOutlook& one = outlook[std::size_t(i)];
     if (!one.preparable || !one.good_enough || one.guess_ms == 0) continue;
-    if (!likely(i) || one.guess_ms > kPlainlyWorth * least) continue;
+    if (one.guess_ms > kPlainlyWorth * least) continue;
     if (one.prepare_ms > kPaysWithin * (least - one.guess_ms)) continue;
     if (best < 0 || one.guess_ms < outlook[std::size_t(best)].guess_ms) best = i;
   }
   return best;
-}
-
-bool AutoDecision::likely(int candidate) const {
-  return candidates_[std::size_t(candidate)].chance >= kLikely;
 }
 
 void AutoDecision::change(int to) {
@@ -359,8 +355,10 @@ void AutoDecision::add(double ms, bool disturbed) {
   // The first frames of a method that warms up are not what it takes: they are forgotten soon.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;
+  // The first frame of all touches memory that no other does: the second one replaces it.
   ++cost.frames;
-  const double newest = std::max(warms_up ? kNewestOfWarmUp : kNewest, 1.0 / cost.frames);
+  const double newest =
+      std::max(warms_up ? kNewestOfWarmUp : kNewest, 1.0 / std::max(1, cost.frames - 1));
   cost.mean_ms += (ms - cost.mean_ms) * newest;
   cost.age = 0;
   cost.guess_ms = guesses_[std::size_t(draws_)];

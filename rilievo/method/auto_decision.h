@@ -122,8 +122,6 @@ class AutoDecision {
   }
   // The method's that draws, without trials; 0: not known yet.
   [[nodiscard]] double drawn_ms() const { return mean_ms(draws_); }
-  // Is a method as likely as not to be good enough, before that is known?
-  [[nodiscard]] bool likely(int candidate) const;
   void set_pace(double ms) { pace_ms_ = ms; }
 
  private:

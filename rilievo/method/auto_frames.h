@@ -21,6 +21,7 @@
 #include "rilievo/method/direct_or_cached.h"
 #include "rilievo/method/frame_fade.h"
 #include "rilievo/method/method.h"
+#include "rilievo/method/piece_loss.h"
 #include "rilievo/render/rays/ray_visibility.h"
 
 namespace rilievo {
@@ -95,13 +96,16 @@ class AutoFrames final : public FrameSource {
   Result<> begin_keyframes_here(const Camera& camera, double time);
   Result<> begin_keyframes_ahead(double time);
   void give_keyframes_up();
+  [[nodiscard]] Result<std::optional<double>> loss_of_cache_soon(double time);
   [[nodiscard]] Result<std::unique_ptr<KeyframeFrames>> make_keyframes(const Scene& scene) const;
   void look(const Camera& camera);
   void measure_load(const Camera& camera);
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
   void learn_direct(double ms);
-  void measure_loss(const Camera& camera, const AutoChoice& choice);
+  Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
+  Result<> measure_loss_of_levels(const Camera& camera, double time);
+  [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time);
   void prepare(int method, int goes_on = 0);
   void fade(const Camera& camera);
   void show(const Camera& camera, double time, int drawn_by);
@@ -140,16 +144,20 @@ class AutoFrames final : public FrameSource {
   struct Loss {
     std::optional<double> db;  // none: not known
     int seen_in = 0;           // the last frame that the method drew
+    bool compared = false;     // with the cache, where both are bad: no single look
+    int refusals = 0;          // in a row
   } loss_[kMethods];
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says
   std::optional<double> cache_loss_;        // none: not known
   std::unique_ptr<FrameLoss> losses_;       // of the other thread, while something is prepared
+  std::optional<PieceLoss> pieces_;         // of levels, where rays do not know the scene
   SharedEye shared_eye_;
   std::atomic<bool> prepared_{false};
   Prepared made_;
   bool begins_with_keyframes_ = false;  // until the frame after begun_in_
   int begun_in_ = 0;
-  double begun_ms_ = 0;  // of the frame that direct drawing drew to find out
+  bool begun_drawn_ = false;  // direct drawing drew the first frame, to find out
+  double begun_ms_ = 0;       // what that took
   int frame_ = 0, counted_frames_ = 0, direct_frames_ = 0, drawn_by_ = kDirect;
   double slowness_ = 1;  // times as slow as the machine of FrameLoad
   bool hurries_ = false;

@@ -11,7 +11,7 @@ namespace {
 // all the time that preparing takes, for a short time.
 constexpr double kHurry = AutoDecision::kPlainlyWorth;
 // Keyframes that nobody wanted are made again after so many frames.
-constexpr int kKeyframesAgain = 120;
+constexpr int kKeyframesAgain = 80;
 
 }  // namespace
 
@@ -44,9 +44,7 @@ void AutoFrames::prepare(int method, int goes_on) {
   preparing_ = method, stage_ = Preparing::made;
   shared_eye_.forget();
   prepared_ = false;
-  // What will hardly be good enough is worth no frame's time.
-  const bool hurry =
-      decision_->likely(method) && in_a_hurry(outlook_[std::size_t(method)].guess_ms);
+  const bool hurry = in_a_hurry(outlook_[std::size_t(method)].guess_ms);
   if (!beside_ || hurries_ != hurry) beside_.emplace(hurries_ = hurry);
   const Scene& scene = (*software)->scene();
   // What moves is not where the rays' scene has it.
@@ -115,7 +113,8 @@ Result<> AutoFrames::adopt() {
   Result<SoftwareBackend*> software = backend_.software();
   if (!software) return software.error();
   if (stage_ == Preparing::looked_at) {
-    loss_[method] = {made_.found.loss_db, frame_};
+    loss_[method] = {
+        .db = made_.found.loss_db, .seen_in = frame_, .refusals = loss_[method].refusals};
     if (made_.found.cache_loss_db) cache_loss_ = made_.found.cache_loss_db;
   }
   Result<std::unique_ptr<FrameSource>> frames{Error{}};

@@ -385,6 +385,8 @@ void KeyframeFrames::forget_loss() {
   if (state_->loss) state_->loss->forget();
 }
 
+const RayScene& KeyframeFrames::rays() const { return state_->rays; }
+
 bool KeyframeFrames::prepared() const { return !state_->any_still || state_->producer->has_two(); }
 
 const SoftwareTarget* KeyframeFrames::software_target() const { return &state_->target; }

@@ -93,6 +93,8 @@ class KeyframeFrames final : public FrameSource {
   std::optional<double> sample_loss();
   // Begins anew.
   void forget_loss();
+  // The scene as rays see it: what moves is where it began.
+  [[nodiscard]] const RayScene& rays() const;
 
  private:
   struct State;
