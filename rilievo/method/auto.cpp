@@ -112,7 +112,8 @@ void AutoFrames::look(const Camera& camera) {
   keyframes.guess_ms = slow * load.keyframes_ms() + FrameLoad::kKeyframesOfDirect * direct_ms;
   keyframes.prepare_ms = kOfFrames * (slow * kRaysTriangleMs * double(meshes_triangles_) +
                                       kFirstKeyframes * kKeyframeMs);
-  keyframes.good_enough = good_enough(kKeyframes);
+  // After a jump they show a coarse one, which pops when another method replaces it a frame later.
+  keyframes.good_enough = !eye_.jumped() && good_enough(kKeyframes);
   outlook_[kLevels].good_enough = good_enough(kLevels);
   if (keyframes_) {
     keyframes.ready = preparing_ != kKeyframes && frame_ - keyframes_seen_ <= kKeyframesLast &&

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <string>
 
@@ -158,6 +159,12 @@ TEST_F(AutoTest, where_direct_drawing_takes_long_keyframes_begin_if_they_are_goo
     }
     const std::string then = loss_db > 0 ? "keyframes" : "cache";
     EXPECT_EQ(drawn, (std::vector<std::string>{"direct", then, then}));
+    // Of what the eye sees after a jump there are none.
+    const double later = frame_time(built->path, 3);
+    Camera aside = camera_at(built->path, later, 160, 90);
+    aside.world_from_eye = glm::rotate(aside.world_from_eye, 1.5, {0, 1, 0});
+    ASSERT_TRUE(made->frames->draw(aside, later).ok());
+    EXPECT_NE(made->frames->stats().decision.method, "keyframes");
   }
 }
 
