@@ -82,31 +82,35 @@ void NodeLayer::place(const Camera& frame, int samples, std::span<const DrawnNod
   }
   for (const DrawnNode& drawn : nodes) {
     const glm::dmat4 clip = glm::transpose(clip_from_node(drawn.node->mesh, frame));
-    nodes_.push_back(
-        {drawn, 0.5 * width_ * (clip[0] + clip[3]), 0.5 * height_ * (clip[1] + clip[3]), clip[3]});
+    nodes_.push_back({drawn, 0.5 * width_ * (clip[0] + clip[3]),
+                      0.5 * height_ * (clip[1] + clip[3]), clip[3],
+                      visible_faces(drawn.node->mesh, drawn.node->reaches, frame),
+                      glm::distance(frame.position(), drawn.node->eye())});
   }
+  corners_.clear();
   // Of equal depths OpenGL shows the last, the rasteriser the first.
   for (std::size_t i = nodes_.size(); i-- > 0;) {
-    const Placed& placed = nodes_[i];
+    Placed& placed = nodes_[i];
     const SoftwareNode& node = *placed.drawn.node;
-    corners_.clear();
+    placed.first_corner = corners_.size();
     for (const NodeVertex& v : node.mesh.vertices) {
       const glm::dvec4 p(v.direction, v.disparity);
       corners_.emplace_back(glm::dot(placed.row_x, p), glm::dot(placed.row_y, p),
                             glm::dot(placed.row_w, p));
     }
-    const std::array<bool, 6> visible = visible_faces(node.mesh, node.reaches, frame);
-    add(std::uint32_t(i), visible, Part::surfaces, surfaces_);
-    add(std::uint32_t(i), visible, Part::skins, skins_);
-    add(std::uint32_t(i), visible, Part::doubtful, doubtful_);
+    add(std::uint32_t(i), Part::surfaces, surfaces_);
+    add(std::uint32_t(i), Part::skins, skins_);
+    add(std::uint32_t(i), Part::doubtful, doubtful_);
   }
   for (Soup* soup : {&surfaces_, &skins_}) rasterize(*soup, width_, height_, samples_);
   rasterize_doubtful();
   find_triangles();
 }
 
-void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup) {
+void NodeLayer::add(std::uint32_t node, Part part, Soup& soup) {
   const NodeMesh& mesh = nodes_[node].drawn.node->mesh;
+  const std::array<bool, 6>& visible = nodes_[node].visible;
+  const glm::dvec3* const corners = &corners_[nodes_[node].first_corner];
   const glm::dvec2 size(width_, height_);
   RasterInstance instance;
   instance.first_triangle = std::uint32_t(soup.triangle.size());
@@ -121,8 +125,8 @@ void NodeLayer::add(std::uint32_t node, const std::array<bool, 6>& visible, Part
       int outside = 0x1f;
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t v = mesh.indices[3 * std::size_t(t) + std::size_t(k)];
-        polygon[k] = {corners_[v], double(mesh.vertices[v].disparity)};
-        const glm::dvec3& c = corners_[v];
+        polygon[k] = {corners[v], double(mesh.vertices[v].disparity)};
+        const glm::dvec3& c = corners[v];
         outside &= int(c.x < 0 && c.z > 0) | int(c.x > size.x * c.z && c.z > 0) << 1 |
                    int(c.y < 0 && c.z > 0) << 2 | int(c.y > size.y * c.z && c.z > 0) << 3 |
                    int(c.z <= 0) << 4;

@@ -15,6 +15,7 @@
 #include "rilievo/core/camera.h"
 #include "rilievo/environment_nodes/node_store.h"
 #include "rilievo/environment_nodes/software/corner_edges.h"
+#include "rilievo/environment_nodes/software/edge_pixels.h"
 #include "rilievo/environment_nodes/software/software_node.h"
 #include "rilievo/render/raster/sample_raster.h"
 
@@ -42,6 +43,25 @@ class NodeLayer {
  public:
   // Requires a perspective camera.
   void place(const Camera& frame, int samples, std::span<const DrawnNode> nodes);
+
+  // Marks the pixels that silhouettes of surfaces cross, unless what lies before them hides them.
+  // Several layers may mark at a time.
+  void mark_silhouettes(EdgePixels& pixels) const;
+  // What kEdgeSamples samples of each marked pixel show: first of surfaces, of all pixels, then of
+  // skins, of `gaps` among them. After either, for all rows, fill_edge_samples(). Requires one
+  // sample a pixel.
+  void begin_edge_surfaces(const EdgePixels& pixels);
+  void begin_edge_skins(const EdgePixels& gaps);
+  // The rows [low, high) of the pixels `wanted`, whole blocks of them; `pixels` has their numbers.
+  void fill_edge_samples(const EdgePixels& pixels, const EdgePixels& wanted, int low, int high);
+  static constexpr int kEdgeSamples = 4;
+  // The samples of a marked pixel, by its number: depths, 1 for nothing, and triangles.
+  [[nodiscard]] const float* edge_depths(std::uint32_t pixel) const {
+    return &edge_depth_[kEdgeSamples * std::size_t(pixel)];
+  }
+  [[nodiscard]] const std::uint32_t* edge_triangles(std::uint32_t pixel) const {
+    return &edge_triangle_[kEdgeSamples * std::size_t(pixel)];
+  }
 
   [[nodiscard]] int samples() const { return samples_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_.size(); }
@@ -81,6 +101,9 @@ class NodeLayer {
     DrawnNode drawn;
     glm::dvec4 row_x, row_y,
         row_w;  // (x w, y w, w) in pixels, y upwards, of (direction, disparity)
+    std::array<bool, 6> visible{};
+    double eye_distance = 0;       // of the frame from the node
+    std::size_t first_corner = 0;  // in corners_
   };
   // Triangles that are ready to be rasterised: corners in pixels with their depth.
   struct Soup {
@@ -98,10 +121,16 @@ class NodeLayer {
   [[nodiscard]] SkinWidth skin_width(const Placed& placed, std::uint32_t triangle) const;
   [[nodiscard]] int narrowness(const Placed& placed, std::uint32_t triangle,
                                std::span<const ClipCorner> corners) const;
-  enum class Part { surfaces, skins, doubtful };
-  void add(std::uint32_t node, const std::array<bool, 6>& visible, Part part, Soup& soup);
+  enum class Part : std::uint8_t { surfaces, skins, doubtful };
+  void add(std::uint32_t node, Part part, Soup& soup);
   static void rasterize(Soup& soup, int width, int height, int samples);
   void rasterize_doubtful();
+  void mark_edge(const Placed& placed, const MeshEdge& edge, EdgePixels& pixels) const;
+  [[nodiscard]] bool shows_edge(int x, int y, float nearness) const;
+  void find_near_edges(const EdgePixels& pixels, Part part);
+  [[nodiscard]] const Soup& soup_of(Part part) const {
+    return part == Part::surfaces ? surfaces_ : part == Part::skins ? skins_ : doubtful_;
+  }
   // A skin that is narrow in part.
   struct DoubtfulSkin {
     CornerEdges edges;
@@ -113,11 +142,25 @@ class NodeLayer {
   int width_ = 0, height_ = 0, samples_ = 1;
   double nearest_ = 1;  // eye_z of the plane at which triangles are cut
   std::vector<Placed> nodes_;
-  std::vector<glm::dvec3> corners_;   // of a node's vertices
+  std::vector<glm::dvec3> corners_;   // of the nodes' vertices
   Soup surfaces_, skins_, doubtful_;  // doubtful: skins that are narrow in part
   std::vector<DoubtfulSkin> doubtful_edges_;
   SampleBuffer doubtful_seen_;  // where they are
   std::vector<NodeTriangle> triangles_;
+  // A triangle of a soup that reaches a marked pixel.
+  struct NearEdge {
+    Part part;
+    std::uint32_t triangle;
+    int low, high;  // its rows in the frame, from the top
+  };
+  std::vector<NearEdge> near_edges_;
+  std::vector<float> edge_depth_;
+  std::vector<std::uint32_t> edge_triangle_;
 };
+
+// Marks the silhouettes of layers of one frame, and finds what samples of the marked pixels show,
+// skins only where no layer has a surface: in `gaps`. Both begin with nothing marked.
+void find_edge_samples(std::span<NodeLayer> layers, int height, EdgePixels& edges,
+                       EdgePixels& gaps);
 
 }  // namespace rilievo

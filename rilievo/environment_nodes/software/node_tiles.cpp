@@ -104,6 +104,11 @@ void NodeTiles::draw(const Camera& frame, double scale, std::span<const std::siz
     for (std::size_t i = 0; i < all.size(); ++i)
       placed.layers[i].place(frame, 1, all.subspan(i, 1));
   }
+  placed.antialiased = placed.merged && output == Output::color && s.samples == 4;
+  if (!placed.antialiased) return;
+  placed.edges.begin(frame.width, frame.height);
+  placed.gaps.begin(frame.width, frame.height);
+  find_edge_samples({placed.layers.data(), placed.count}, frame.height, placed.edges, placed.gaps);
 }
 
 void NodeTiles::draw_lines(const Camera& frame, std::span<const glm::dvec3> ends) {

@@ -3,7 +3,8 @@
 // As environment_nodes/gl draws them. The rasteriser finds the triangle that each sample of the
 // frame shows, surfaces and skins apart; tiles look up its colour in the node's six faces, between
 // four texels, and merge what several nodes show of a pixel. Merged nodes have one sample a pixel,
-// as with OpenGL. What lies beyond the frame's far plane, such as the sky, is drawn just before it.
+// as with OpenGL, but four where a silhouette crosses it (layer_edges.cpp). What lies beyond the
+// frame's far plane, such as the sky, is drawn just before it.
 #pragma once
 
 #include <cstddef>

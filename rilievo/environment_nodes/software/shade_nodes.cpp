@@ -5,6 +5,7 @@
 #include "rilievo/environment_nodes/software/shade_nodes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -109,6 +110,75 @@ void draw_over(const PlacedNodes& placed, const NodeLayer& layer, FrameTile& til
   }
 }
 
+// What pixels show of merged layers, where it is nearer than `farthest`.
+struct MergedPixels {
+  MF seen;
+  VF inverse_z;
+  VU content;
+};
+
+// Of the pixels from the i-th on, at (px, py). False: of none.
+HWY_INLINE bool merge_pixels(const PlacedNodes& placed, const FrameTile& tile,
+                             const Shown (&shown)[kMaxDrawnNodes][1], int i, VF px, VF py,
+                             VF farthest, MergedPixels& out) {
+  const F f;
+  const U u32;
+  const VF zero = hn::Zero(f), half = hn::Set(f, 0.5f);
+  Merged merged;
+  Colors colors[kMaxDrawnNodes];
+  VU objects[kMaxDrawnNodes];
+  const auto shade_layer = [&](std::size_t k, MF wanted, VF inverse_z) {
+    colors[k] = Colors{zero, zero, zero, zero, zero};
+    objects[k] = hn::Zero(u32);
+    if (hn::AllFalse(f, wanted)) return;
+    const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
+    colors[k] = shade<true>(placed.layers[k], triangle, wanted, px, py);
+    objects[k] = keep_to_surfaces(placed, placed.layers[k], tile, k,
+                                  {triangle, wanted, px, py, inverse_z}, colors[k]);
+  };
+  if (placed.options.merge == NodeMerge::first) {
+    merge_first(placed, shown, i, merged);
+    out.seen = hn::Gt(merged.inverse_z, farthest);
+    if (hn::AllFalse(f, out.seen)) return false;
+    for (std::size_t k = 0; k < placed.count; ++k)
+      shade_layer(k, hn::And(out.seen, hn::Gt(merged.share[k], zero)), merged.inverse_z);
+  } else {
+    Candidates candidates;
+    find_candidates(placed, shown, i, px, py, tile.nothing, candidates);
+    out.seen = hn::Gt(candidates.nearest, farthest);
+    if (hn::AllFalse(f, out.seen)) return false;
+    VF weights[kMaxDrawnNodes];
+    for (std::size_t k = 0; k < placed.count; ++k) {
+      const MF counts = hn::And(out.seen, candidates.counts[k]);
+      shade_layer(k, counts, candidates.z[k]);
+      weights[k] = colors[k].weight;
+    }
+    merge(placed, candidates, weights, merged);
+    out.seen = hn::Gt(merged.inverse_z, farthest);
+  }
+  Colors sum{zero, zero, zero, zero, zero};
+  // The identifier of the layer that shows most of the colour.
+  VF most = zero;
+  VU object = hn::Zero(u32);
+  for (std::size_t k = 0; k < placed.count; ++k) {
+    const MF has_share = hn::And(out.seen, hn::Gt(merged.share[k], zero));
+    if (hn::AllFalse(f, has_share)) continue;
+    const MF more = hn::And(has_share, hn::Gt(merged.share[k], most));
+    most = hn::IfThenElse(more, merged.share[k], most);
+    object = hn::IfThenElse(hn::RebindMask(u32, more), objects[k], object);
+    const auto add = [&](VF& to, VF value) {
+      value = hn::Mul(merged.share[k], hn::Floor(hn::Add(value, half)));
+      to = hn::Add(to, hn::IfThenElseZero(has_share, value));
+    };
+    add(sum.r, colors[k].r), add(sum.g, colors[k].g), add(sum.b, colors[k].b);
+  }
+  out.inverse_z = merged.inverse_z;
+  out.content = tile.of == TileContent::color ? bytes_of(sum) : object;
+  return true;
+}
+
+#include "rilievo/environment_nodes/software/edge_samples.inl"
+
 // Draws merged layers over what the block shows.
 void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, int y) {
   const F f;
@@ -118,70 +188,30 @@ void draw_merged(const PlacedNodes& placed, FrameTile& tile, int block, int x, i
   for (std::size_t k = 0; k < placed.count; ++k)
     nearest = std::max(nearest,
                        find_shown<1, true>(placed.layers[k], placed.scale, tile, x, y, shown[k]));
+  EdgeSamples edges;
+  const std::uint64_t marked = placed.antialiased ? placed.edges.word(x, y) : 0;
+  if (marked != 0) {
+    tile.expand(block);
+    find_edge_samples(placed, tile, x, y, marked, shown, edges);
+    draw_edge_samples(placed, tile, block, edges);
+  }
   if (nearest == 0 || nearest <= tile.farthest[block]) return;
-  const bool first_alone = placed.options.merge == NodeMerge::first;
   const int planes = tile.planes(block);
-  const VF zero = hn::Zero(f), half = hn::Set(f, 0.5f);
   for (int i = 0; i < kPixels; i += int(hn::Lanes(f))) {
     VF farthest = hn::Load(f, tile.first[block].inverse_z + i);
     for (int s = 1; s < planes; ++s)
       farthest = hn::Min(farthest, hn::Load(f, tile.plane(block, s).inverse_z + i));
-    const VF px = center_x(x, i), py = center_y(y, i);
-    Merged merged;
-    Colors colors[kMaxDrawnNodes];
-    VU objects[kMaxDrawnNodes];
-    const auto shade_layer = [&](std::size_t k, MF wanted, VF inverse_z) {
-      colors[k] = Colors{zero, zero, zero, zero, zero};
-      objects[k] = hn::Zero(u32);
-      if (hn::AllFalse(f, wanted)) return;
-      const VU triangle = hn::Load(u32, shown[k][0].triangle + i);
-      colors[k] = shade<true>(placed.layers[k], triangle, wanted, px, py);
-      objects[k] = keep_to_surfaces(placed, placed.layers[k], tile, k,
-                                    {triangle, wanted, px, py, inverse_z}, colors[k]);
-    };
-    MF seen;
-    if (first_alone) {
-      merge_first(placed, shown, i, merged);
-      seen = hn::Gt(merged.inverse_z, farthest);
-      if (hn::AllFalse(f, seen)) continue;
-      for (std::size_t k = 0; k < placed.count; ++k)
-        shade_layer(k, hn::And(seen, hn::Gt(merged.share[k], zero)), merged.inverse_z);
-    } else {
-      Candidates candidates;
-      find_candidates(placed, shown, i, px, py, tile.nothing, candidates);
-      seen = hn::Gt(candidates.nearest, farthest);
-      if (hn::AllFalse(f, seen)) continue;
-      VF weights[kMaxDrawnNodes];
-      for (std::size_t k = 0; k < placed.count; ++k) {
-        const MF counts = hn::And(seen, candidates.counts[k]);
-        shade_layer(k, counts, candidates.z[k]);
-        weights[k] = colors[k].weight;
-      }
-      merge(placed, candidates, weights, merged);
-      seen = hn::Gt(merged.inverse_z, farthest);
-    }
-    Colors sum{zero, zero, zero, zero, zero};
-    // The identifier of the layer that shows most of the colour.
-    VF most = zero;
-    VU object = hn::Zero(u32);
-    for (std::size_t k = 0; k < placed.count; ++k) {
-      const MF has_share = hn::And(seen, hn::Gt(merged.share[k], zero));
-      if (hn::AllFalse(f, has_share)) continue;
-      const MF more = hn::And(has_share, hn::Gt(merged.share[k], most));
-      most = hn::IfThenElse(more, merged.share[k], most);
-      object = hn::IfThenElse(hn::RebindMask(u32, more), objects[k], object);
-      const auto add = [&](VF& to, VF value) {
-        value = hn::Mul(merged.share[k], hn::Floor(hn::Add(value, half)));
-        to = hn::Add(to, hn::IfThenElseZero(has_share, value));
-      };
-      add(sum.r, colors[k].r), add(sum.g, colors[k].g), add(sum.b, colors[k].b);
-    }
-    const VU content = tile.of == TileContent::color ? bytes_of(sum) : object;
+    MergedPixels merged;
+    if (!merge_pixels(placed, tile, shown, i, center_x(x, i), center_y(y, i), farthest, merged))
+      continue;
     for (int s = 0; s < planes; ++s) {
       FrameTile::Plane& plane = tile.plane(block, s);
-      const VF before = hn::Load(f, plane.inverse_z + i);
-      const MF nearer = hn::Gt(merged.inverse_z, before);
-      put(f, plane, i, nearer, merged.inverse_z, content);
+      MF nearer = hn::Gt(merged.inverse_z, hn::Load(f, plane.inverse_z + i));
+      if (marked != 0) {
+        const VU own = hn::Load(u32, edges.own[s] + i);
+        nearer = hn::AndNot(hn::RebindMask(f, hn::Ne(own, hn::Zero(u32))), nearer);
+      }
+      put(f, plane, i, nearer, merged.inverse_z, merged.content);
     }
     tile.changed[block] = true;
   }

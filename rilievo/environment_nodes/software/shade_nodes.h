@@ -31,10 +31,14 @@ struct PlacedNodes {
   // Through the frame's pixel (x, y), y downwards: at z = -1, xy + zw (x, y).
   glm::vec4 rays{0.0f};
   std::array<NodeLayer, kMaxDrawnNodes> layers;
+  // Of merged nodes: do the pixels that silhouettes cross have four samples, and which are they?
+  bool antialiased = false;
+  EdgePixels edges;
+  EdgePixels gaps;  // of these, where some sample shows no surface
 };
 
 // Draws them into a tile of the frame in which they were placed. Merged nodes have one sample a
-// pixel, others as many as the tile. SIMD.
+// pixel, but four where silhouettes cross it; others as many as the tile. SIMD.
 void shade_nodes(const PlacedNodes& placed, FrameTile& tile);
 
 }  // namespace rilievo

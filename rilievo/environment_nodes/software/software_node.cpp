@@ -34,6 +34,7 @@ SoftwareNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
   SoftwareNode node;
   node.mesh = mesh;
   node.reaches = side_reaches(mesh);
+  node.edges = find_mesh_edges(mesh);
   const int size = mesh.face_size, wide = size + 2;
   std::array<Rgba8Image, 6> faces;
   for (std::size_t f = 0; f < 6; ++f) {
@@ -80,7 +81,9 @@ SoftwareNode make_memory_node(const EnvironmentMap& map, const NodeMesh& mesh) {
 }
 
 std::size_t SoftwareNode::bytes() const {
-  return rilievo::bytes(mesh) + 4 * (color.size() + object.size() + disparity.size());
+  std::size_t edge_bytes = 0;
+  for (const std::vector<MeshEdge>& face : edges) edge_bytes += face.size() * sizeof(MeshEdge);
+  return rilievo::bytes(mesh) + edge_bytes + 4 * (color.size() + object.size() + disparity.size());
 }
 
 }  // namespace rilievo

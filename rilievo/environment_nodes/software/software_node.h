@@ -8,6 +8,7 @@
 
 #include "rilievo/core/depth_image.h"
 #include "rilievo/environment_nodes/node_mesh.h"
+#include "rilievo/environment_nodes/software/mesh_edges.h"
 #include "rilievo/environment_nodes/visible_faces.h"
 
 namespace rilievo {
@@ -16,6 +17,7 @@ namespace rilievo {
 struct SoftwareNode {
   NodeMesh mesh;
   std::array<SideReach, 6> reaches;
+  std::array<std::vector<MeshEdge>, 6> edges;
   // The faces one after the other, row by row. Colours are sRGB-encoded, with the texel's weight in
   // the highest byte, and faces of `wide` texels a side have a border of one texel from their
   // neighbours. No identifiers if the pictures have none.
