@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <utility>
 
 #include "rilievo/capture/plate_test_helpers.h"
 #include "rilievo/core/camera.h"
@@ -37,11 +38,19 @@ inline Scene scene_of(const Cable& cable) {
   const glm::dvec3 along = cable.end(1) - glm::dvec3(0, 0, 1);
   const glm::dvec3 across = 0.5 * cable.width * glm::normalize(glm::dvec3(-along.y, along.x, 0)),
                    deep(0, 0, 0.5 * cable.width);
-  for (int c = 0; c < 8; ++c)
-    box.positions.emplace_back(glm::dvec3(0, 0, 1) + (c & 1 ? along : -along) +
-                               (c & 2 ? across : -across) + (c & 4 ? deep : -deep));
-  box.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  // In pieces, since light objects are drawn as polygons.
+  constexpr int kPieces = 50;
+  for (int i = 0; i <= kPieces; ++i)
+    for (const auto& [u, v] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+      box.positions.emplace_back(glm::dvec3(0, 0, 1) + (2.0 * i / kPieces - 1) * along +
+                                 double(u) * across + double(v) * deep);
+  for (std::uint32_t i = 0; i < 4 * kPieces; ++i) {
+    const std::uint32_t next = i % 4 == 3 ? i - 3 : i + 1;
+    for (const std::uint32_t corner : {i, i + 4, next + 4, i, next + 4, next})
+      box.indices.push_back(corner);
+  }
+  for (const std::uint32_t first : {0u, 4u * kPieces})
+    for (const std::uint32_t corner : {0, 1, 2, 0, 2, 3}) box.indices.push_back(first + corner);
   box.material = 0, wall.material = 1;
   scene.meshes = {box, wall};
   scene.models = {{"cable", {{0, glm::mat4(1)}}, {}, 0}, {"wall", {{1, glm::mat4(1)}}, {}, 0}};

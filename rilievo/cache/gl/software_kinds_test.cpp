@@ -84,6 +84,9 @@ TEST_F(SoftwareKindsTest, layered_reliefs) {
 }
 
 TEST_F(SoftwareKindsTest, layered_impostors) {
+  // Of a pixel's neighbours OpenGL knows two, those in its quad, so that on the outer side half of
+  // the pixels along silhouettes show their centres alone (40.4 dB at least).
+  least_db_ = 39;
   ASSERT_NO_FATAL_FAILURE(load("builtin:teapots?triangles=20000"));
   const Kind& kind = *find_kind(kinds(), "layered-impostor");
   OptionValues options(kind.bake_options);

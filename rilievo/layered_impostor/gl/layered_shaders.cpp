@@ -235,22 +235,28 @@ vec4 color_at(int layer, March march, vec2 at) {
   return sum;
 }
 
-void main() {
+// What a ray shows. Its colour is premultiplied, its alpha is coverage; depth above 1: nothing.
+struct Shown { vec4 color; float depth; uint object; bool whole; };
+
+// The rules are those of warp_surfaces(). `whole`: no silhouette passes beside what is shown.
+Shown look(vec3 ray) {
   int instance = v_instance;
   mat4 clip_from_local = instances[instance].clip_from_local;
-  vec2 clip_zw = (clip_from_local * vec4(v_ray, 0.0)).zw, clip_zw_eye = clip_from_local[3].zw;
+  vec2 clip_zw = (clip_from_local * vec4(ray, 0.0)).zw, clip_zw_eye = clip_from_local[3].zw;
   ivec4 list = instances[instance].views;
-  vec3 a = instances[instance].box_min.xyz / v_ray, b = instances[instance].box_max.xyz / v_ray;
-  vec3 lo = min(a, b);
-  vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), 1.0);
+  vec3 a = instances[instance].box_min.xyz / ray, b = instances[instance].box_max.xyz / ray;
+  vec3 lo = min(a, b), hi = max(a, b);
+  // A sample's ray may pass beside the box.
+  vec2 t = vec2(max(max(max(lo.x, lo.y), lo.z), 1e-6), min(min(min(hi.x, hi.y), hi.z), 1.0));
 
-  // The rules are those of warp_surfaces().
+  Shown shown = Shown(vec4(0.0), 2.0, 0u, true);
   vec4 blended = vec4(0.0), doubtful_color = vec4(0.0);
   float surface = 0.0, nothing = 0.0, heaviest = 0.0;
   float depth = 2.0, doubtful_depth = 2.0;
   uint object = 0u, doubtful_object = 0u;
-  bool skin = false, sees_through = false;
+  bool skin = false, sees_through = false, doubtful_whole = true;
   int inside = 0;
+  if (t.x >= t.y) return shown;
   for (int i = 0; i < list.y; ++i) {
     bool weighted = i < list.z;
     if (!weighted && surface + nothing > 0.0) break;
@@ -259,7 +265,7 @@ void main() {
     vec3 from, to;
     vec2 stretch = t;
     March march = March(false, false, false, 0.0, ivec2(0));
-    if (frustum_segment(view, v_ray, stretch, from, to)) march = march_view(view, from, to);
+    if (frustum_segment(view, ray, stretch, from, to)) march = march_view(view, from, to);
     if (!march.hit) {
       if (!march.behind) {
         nothing += weight * view.depths.z;
@@ -281,27 +287,65 @@ void main() {
 #else
     c = color_at(layer, march, mix(from.xy, to.xy, march.s));
 #endif
+    bool linked = texelFetch(links_texture, ivec3(march.texel, layer), 0).r == 255u;
     if (!march.hit || skin || z < doubtful_depth) {
-      doubtful_depth = z, doubtful_color = c, doubtful_object = o;
+      doubtful_depth = z, doubtful_color = c, doubtful_object = o, doubtful_whole = linked;
       skin = !march.hit;
     }
     if (!march.hit || march.behind) continue;
     surface += weight;
     blended += weight * c;
+    shown.whole = shown.whole && linked;
     if (weight > heaviest) heaviest = weight, depth = z, object = o;
   }
   if (skin && (inside <= 0 || list.y == 1)) doubtful_depth = 2.0;
-  if (nothing > surface || (surface == 0.0 && sees_through)) discard;
-  if (surface == 0.0)
-    depth = doubtful_depth, object = doubtful_object, blended = doubtful_color, surface = 1.0;
-  if (depth > 1.0) discard;
-  gl_FragDepth = depth;
+  if (nothing > surface || (surface == 0.0 && sees_through)) return shown;
+  if (surface > 0.0)
+    shown.depth = depth, shown.object = object, shown.color = blended / (surface + nothing);
+  else
+    shown.depth = doubtful_depth, shown.object = doubtful_object, shown.color = doubtful_color,
+    shown.whole = doubtful_whole;
+  return shown;
+}
+
+void main() {
+  Shown shown = look(v_ray);
 #ifdef OBJECT_IDS
-  out_object = object;
+  if (shown.depth > 1.0) discard;
+  out_object = shown.object;
 #else
-  blended /= surface;
-  out_color = vec4(blended.rgb / max(blended.a, 1e-3), 1.0);
+  // All samples show what the centre shows. Along silhouettes, as
+  // layered_impostor/software/layered_tiles.cpp: a silhouette may pass beside the texel that is
+  // shown, or passes between this pixel and one that is drawn along with it.
+  bool some = shown.depth <= 1.0;
+  bool along = abs(dFdx(float(some))) + abs(dFdy(float(some))) > 0.0;
+  vec4 color = shown.color / max(shown.color.a, 1e-3);
+  int covered = some ? 15 : 0;
+  if (gl_NumSamples == 4 && (along || (some && !shown.whole))) {
+    const vec2 kPlaces[4] = vec2[](vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125),
+                                   vec2(0.125, 0.375));
+    vec4 at_samples[4];
+    for (int s = 0; s < 4; ++s) {
+      Shown at_sample = look(interpolateAtOffset(v_ray, kPlaces[s]));
+      bool met = at_sample.depth <= 1.0;
+      at_samples[s] = met ? at_sample.color : vec4(0.0);
+      along = along || !met;
+      if (met && !some) shown.depth = at_sample.depth, some = true;
+    }
+    vec4 sum = vec4(0.0);
+    covered = 0;
+    for (int s = 0; s < 4; ++s) {
+      if (along && int(4.0 * at_samples[s].a + 0.5) <= s) continue;
+      covered |= 1 << s;
+      sum += at_samples[s] / max(at_samples[s].a, 1e-3);
+    }
+    color = sum;
+  }
+  if (covered == 0) discard;
+  gl_SampleMask[0] = covered;
+  out_color = vec4(color.rgb / max(color.a, 1e-3), 1.0);
 #endif
+  gl_FragDepth = shown.depth;
 }
 )";
 

@@ -29,6 +29,12 @@ namespace rilievo {
   return content;
 }
 
+// Does a sample of a pixel show what covers the pixel by `alpha`? The nearest number of the four
+// samples does (SampleRounding::nearest).
+[[nodiscard]] inline bool covers_sample(float alpha, int sample) {
+  return sample < int(4 * alpha + 0.5f);
+}
+
 // Knows the impostor; who derives from it keeps its texels as it draws them, and draws.
 class ImpostorTiles : public Drawable, public TileDrawer {
  public:

@@ -17,48 +17,18 @@
 #include "rilievo/layered_impostor/software/impostor_tiles.h"
 #include "rilievo/layered_impostor/software/march_rays.h"
 #include "rilievo/layered_impostor/software/placed_camera.h"
+#include "rilievo/layered_impostor/software/placed_layered.h"
+#include "rilievo/layered_impostor/software/silhouette_pixels.h"
 #include "rilievo/layered_impostor/software/slice_tiles.h"
 #include "rilievo/render/software/frame_tile.h"
 
 namespace rilievo {
 namespace {
 
-constexpr float kNothing = 0;  // 1 / eye_z where there is none
-
 struct LayeredPicture {
   Image<glm::u8vec4> color;
   Image<std::uint32_t> object;  // empty if all show one
   MarchSurface surface;
-};
-
-// A picture that is marched through. With t the frame's eye_z, the point of a pixel's ray is, as
-// the picture's (u w, v w, w),
-//
-//   eye + t per_raster (x, y, 1)
-struct MarchedView {
-  std::size_t view = 0;
-  float weight = 0, rest = 0;  // rest: of the views after it
-  glm::dvec3 eye{0.0};
-  glm::dmat3 per_raster{0.0};
-};
-
-// An impostor in a frame. Its rays are those of `camera`, in the world of the capture.
-struct PlacedLayered {
-  Camera camera;
-  glm::dmat3 ray_from_raster{0.0};
-  double scale = 1;
-  std::uint32_t object = kNoObject;
-  std::array<MarchedView, ServingViews::kMaxCount> views;
-  int count = 0;
-  double distance = 0;
-  float nearest = 0;  // 1 / eye_z, which nothing exceeds
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-};
-
-struct SeenLayered {
-  float inverse_z = kNothing;
-  glm::vec4 color{0.0f};
-  std::uint32_t object = kNoObject;
 };
 
 class LayeredTiles final : public ImpostorTiles {
@@ -71,12 +41,23 @@ class LayeredTiles final : public ImpostorTiles {
  private:
   [[nodiscard]] bool place(const Camera& frame, const Instance& instance, PlacedLayered& out) const;
   void place_views(const glm::dvec3& eye, PlacedLayered& out) const;
-  void draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const;
   static constexpr int kRow = FrameTile::kBlock;
   static_assert(kRow == MarchRays::kCount);
+  // What the pixels of a tile show at their centres.
+  struct Centers;
+  void look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
+                       Centers& centers) const;
+  void draw_block(const PlacedLayered& placed, const Centers& centers, const TileBits& along,
+                  FrameTile& tile, int block) const;
+  void draw_samples(const PlacedLayered& placed, const Centers& centers, std::uint64_t pixels,
+                    FrameTile& tile, int block) const;
   struct Look;
-  // What pixels show from (x, y) to the right, those whose bit is set.
-  void look(const PlacedLayered& placed, int x, int y, std::uint32_t wanted,
+  // What some raster positions show, those whose bit is set, at some distances along their rays.
+  struct Gaze {
+    glm::dvec2 at{0.0};
+    double begin = 0, end = 1e300;
+  };
+  void look(const PlacedLayered& placed, const std::array<Gaze, kRow>& gazes, std::uint32_t wanted,
             SeenLayered (&shown)[kRow]) const;
   // Where a ray ended; `along` is its direction as the view's picture has it.
   [[nodiscard]] SeenLayered seen_at(const PlacedLayered& placed, const MarchedView& view,
@@ -119,6 +100,7 @@ bool LayeredTiles::place(const Camera& frame, const Instance& instance, PlacedLa
   const glm::dvec3 corner_ray = ray_at(0, 0);
   out.ray_from_raster = {ray_at(1, 0) - corner_ray, ray_at(0, 1) - corner_ray, corner_ray};
   place_views(eye, out);
+  out.margin = 0.1 * double(impostor_.bounds.radius());
 
   double x0 = 1e30, y0 = 1e30, x1 = -1e30, y1 = -1e30, nearest = 1e300;
   const double slack = 1e-4 * double(impostor_.bounds.radius());
@@ -216,25 +198,26 @@ struct LayeredTiles::Look {
   [[nodiscard]] SeenLayered shown(bool several_views) const {
     if (is_empty(0) || (surface == 0 && sees_through)) return {};
     if (surface == 0)
-      return doubtful.inverse_z == kNothing && inside > 0 && several_views ? skin : doubtful;
+      return doubtful.inverse_z == kSeesNothing && inside > 0 && several_views ? skin : doubtful;
     SeenLayered out = certain;
-    out.color = blended / surface;
+    out.color = blended / (surface + nothing);
     return out;
   }
 };
 
 // The rules are those of warp_surfaces().
-void LayeredTiles::look(const PlacedLayered& placed, int x, int y, std::uint32_t wanted,
-                        SeenLayered (&shown)[kRow]) const {
+void LayeredTiles::look(const PlacedLayered& placed, const std::array<Gaze, kRow>& gazes,
+                        std::uint32_t wanted, SeenLayered (&shown)[kRow]) const {
   std::array<Look, kRow> looks;
-  const auto raster = [&](std::size_t i) { return glm::dvec3(x + double(i) + 0.5, y + 0.5, 1); };
+  const auto raster = [&](std::size_t i) { return glm::dvec3(gazes[i].at, 1); };
   const auto for_bits = [](std::uint32_t bits, const auto& visit) {
     for (; bits; bits &= bits - 1) visit(std::size_t(std::countr_zero(bits)));
   };
   std::uint32_t looking = wanted;
   for_bits(wanted, [&](std::size_t i) {
     looks[i].ray = {placed.camera.position(), placed.ray_from_raster * raster(i),
-                    placed.camera.z_near, placed.camera.z_far};
+                    std::max(placed.camera.z_near, gazes[i].begin),
+                    std::min(placed.camera.z_far, gazes[i].end)};
     if (!bounds_.keep(looks[i].ray)) looking &= ~(1u << i);
   });
   const std::uint32_t in_bounds = looking;
@@ -276,7 +259,7 @@ void LayeredTiles::look(const PlacedLayered& placed, int x, int y, std::uint32_t
       } else {
         const bool outline = rays.passed_outline >> i & 1;
         look.inside += outline ? -1 : 1;
-        if (!outline && look.skin.inverse_z == kNothing)
+        if (!outline && look.skin.inverse_z == kSeesNothing)
           look.skin = seen_at(placed, view, rays, i, along[i]);
       }
     });
@@ -286,32 +269,104 @@ void LayeredTiles::look(const PlacedLayered& placed, int x, int y, std::uint32_t
   });
 }
 
-void LayeredTiles::draw_block(const PlacedLayered& placed, FrameTile& tile, int block) const {
-  constexpr int kBlock = FrameTile::kBlock;
-  const int x0 = tile.x + block % FrameTile::kBlocks * kBlock,
-            y0 = tile.y + block / FrameTile::kBlocks * kBlock;
-  if (x0 >= placed.x1 || y0 >= placed.y1 || x0 + kBlock <= placed.x0 || y0 + kBlock <= placed.y0)
+struct LayeredTiles::Centers {
+  TileBits asked, shown;
+  SeenLayered seen[FrameTile::kBlockCount][FrameTile::kBlockPixels];  // where asked for
+
+  // Where along its rays a pixel of a silhouette shows something, as it and its neighbours do.
+  [[nodiscard]] std::pair<double, double> stretch(const PlacedLayered& placed, int x, int y) const {
+    float farthest = 1e30f, nearest = 0;
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, 63); ++v)
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, 63); ++u)
+        if (shown.has(u, v)) {
+          const float z =
+              seen[v / kRow * FrameTile::kBlocks + u / kRow][v % kRow * kRow + u % kRow].inverse_z;
+          farthest = std::min(farthest, z), nearest = std::max(nearest, z);
+        }
+    return {1 / (double(nearest) * placed.scale) - placed.margin,
+            1 / (double(farthest) * placed.scale) + placed.margin};
+  }
+};
+
+void LayeredTiles::look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
+                                   Centers& centers) const {
+  const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
+  if (tile.x + x0 >= placed.x1 || tile.y + y0 >= placed.y1 || tile.x + x0 + kRow <= placed.x0 ||
+      tile.y + y0 + kRow <= placed.y0)
     return;
-  const int planes = tile.planes(block);
-  for (int row = 0; row < kBlock; ++row) {
-    const int y = y0 + row;
+  for (int row = 0; row < kRow; ++row) {
+    const int y = tile.y + y0 + row;
     if (y < placed.y0 || y >= placed.y1) continue;
     std::uint32_t wanted = 0;
-    float farthest[kRow];
+    std::array<Gaze, kRow> gazes;
     for (int k = 0; k < kRow; ++k) {
-      const int i = row * kBlock + k;
-      farthest[k] = tile.plane(block, 0).inverse_z[i];
-      for (int s = 1; s < planes; ++s)
-        farthest[k] = std::min(farthest[k], tile.plane(block, s).inverse_z[i]);
-      if (x0 + k >= placed.x0 && x0 + k < placed.x1 && placed.nearest > farthest[k])
-        wanted |= 1u << k;
+      const int x = tile.x + x0 + k, i = row * kRow + k;
+      float farthest = tile.first[block].inverse_z[i];
+      if (tile.expanded[block])
+        for (const FrameTile::Plane& plane : tile.more[block])
+          farthest = std::min(farthest, plane.inverse_z[i]);
+      gazes[std::size_t(k)].at = {x + 0.5, y + 0.5};
+      if (x >= placed.x0 && x < placed.x1 && placed.nearest > farthest) wanted |= 1u << k;
     }
     if (!wanted) continue;
     SeenLayered shown[kRow];
-    look(placed, x0, y, wanted, shown);
-    for (int k = 0; k < kRow; ++k)
-      if ((wanted >> k & 1) && shown[k].inverse_z > farthest[k])
-        write(shown[k], tile, block, row * kBlock + k);
+    look(placed, gazes, wanted, shown);
+    for (int k = 0; k < kRow; ++k) {
+      if (!(wanted >> k & 1)) continue;
+      centers.seen[block][row * kRow + k] = shown[k];
+      centers.asked.set(x0 + k, y0 + row);
+      if (shown[k].inverse_z != kSeesNothing) centers.shown.set(x0 + k, y0 + row);
+    }
+  }
+}
+
+// All samples of a pixel show what its centre shows. Along silhouettes each sample shows what its
+// own ray meets, if that covers so much of its texel: elsewhere, what is behind the edge of a texel
+// may be another part of the object, which its picture does not show.
+void LayeredTiles::draw_block(const PlacedLayered& placed, const Centers& centers,
+                              const TileBits& along, FrameTile& tile, int block) const {
+  const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
+  std::uint64_t by_samples = 0;
+  for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
+    const int x = x0 + i % kRow, y = y0 + i / kRow;
+    if (along.has(x, y))
+      by_samples |= std::uint64_t(1) << i;
+    else if (centers.shown.has(x, y))
+      write(centers.seen[block][i], tile, block, i);
+  }
+  if (by_samples) draw_samples(placed, centers, by_samples, tile, block);
+}
+
+void LayeredTiles::draw_samples(const PlacedLayered& placed, const Centers& centers,
+                                std::uint64_t pixels, FrameTile& tile, int block) const {
+  tile.expand(block);
+  tile.changed[block] = true;
+  const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
+  while (pixels) {
+    // The samples of two pixels march together.
+    std::array<Gaze, kRow> gazes;
+    int pixel[kRow], count = 0;
+    for (; pixels && count < kRow; pixels &= pixels - 1) {
+      const int i = std::countr_zero(pixels);
+      const auto [begin, end] = centers.stretch(placed, x0 + i % kRow, y0 + i / kRow);
+      for (int s = 0; s < 4; ++s, ++count) {
+        gazes[std::size_t(count)] = {
+            glm::dvec2(tile.x + x0 + i % kRow, tile.y + y0 + i / kRow) +
+                glm::dvec2(double(FrameTile::kSampleX[s]), double(FrameTile::kSampleY[s])),
+            begin, end};
+        pixel[count] = i;
+      }
+    }
+    SeenLayered shown[kRow];
+    look(placed, gazes, (1u << count) - 1, shown);
+    for (int k = 0; k < count; ++k) {
+      FrameTile::Plane& plane = tile.plane(block, k % 4);
+      if (!covers_sample(shown[k].color.a, k % 4) ||
+          !(shown[k].inverse_z > plane.inverse_z[pixel[k]]))
+        continue;
+      plane.inverse_z[pixel[k]] = shown[k].inverse_z;
+      plane.content[pixel[k]] = opaque_content(shown[k].color);
+    }
   }
 }
 
@@ -328,11 +383,18 @@ void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, in
 }
 
 void LayeredTiles::draw_tile(FrameTile& tile) const {
+  static thread_local Centers centers;
   for (const PlacedLayered& placed : placed_) {
     if (placed.x0 >= tile.x + FrameTile::kSize || placed.x1 <= tile.x ||
         placed.y0 >= tile.y + FrameTile::kSize || placed.y1 <= tile.y)
       continue;
-    for (int block = 0; block < FrameTile::kBlockCount; ++block) draw_block(placed, tile, block);
+    centers.asked = centers.shown = {};
+    for (int block = 0; block < FrameTile::kBlockCount; ++block)
+      look_at_centers(placed, tile, block, centers);
+    const TileBits along =
+        tile.samples == 4 ? silhouette_pixels(centers.asked, centers.shown) : TileBits{};
+    for (int block = 0; block < FrameTile::kBlockCount; ++block)
+      draw_block(placed, centers, along, tile, block);
   }
 }
 

@@ -2,8 +2,9 @@
 //
 // By the height-field ray march of layered_impostor/gl: the rays of the pixels' centres through the
 // surfaces of the nearest views, by the rules of warp_surfaces() (layered_impostor/warp.h), with
-// colours that are encoded as frames are. All samples of a pixel show the same. Pixels that
-// something nearer hides are not marched.
+// colours that are encoded as frames are. All samples of a pixel show the same, but along
+// silhouettes (silhouette_pixels.h): there the ray of each sample is marched, near the surfaces
+// that the pixel and its neighbours show. Pixels that something nearer hides are not marched.
 #pragma once
 
 #include <memory>

@@ -1,0 +1,40 @@
+#include "rilievo/layered_impostor/software/silhouette_pixels.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace rilievo {
+namespace {
+
+TEST(SilhouettePixels,
+     are_those_with_what_is_shown_and_what_is_not_among_them_and_four_neighbours) {
+  std::mt19937 rng(1);
+  int along = 0;
+  for (int round = 0; round < 40; ++round) {
+    TileBits asked, shown;
+    const unsigned one_in = 2 + unsigned(round) / 4;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        if (rng() % one_in == 0) continue;
+        asked.set(x, y);
+        if (rng() % one_in != 0) shown.set(x, y);
+      }
+    const TileBits found = silhouette_pixels(asked, shown);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        bool some = false, missing = false;
+        const auto look = [&](int u, int v) {
+          if (u < 0 || v < 0 || u > 63 || v > 63 || !asked.has(u, v)) return;
+          some |= shown.has(u, v), missing |= !shown.has(u, v);
+        };
+        look(x, y), look(x - 1, y), look(x + 1, y), look(x, y - 1), look(x, y + 1);
+        EXPECT_EQ(found.has(x, y), asked.has(x, y) && some && missing) << x << " " << y;
+        along += found.has(x, y);
+      }
+  }
+  EXPECT_GT(along, 10000);
+}
+
+}  // namespace
+}  // namespace rilievo
