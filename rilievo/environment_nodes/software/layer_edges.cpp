@@ -5,7 +5,6 @@
 // is not marked, and of triangles those alone are rasterised that reach a marked pixel.
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
@@ -123,11 +122,11 @@ void NodeLayer::find_near_edges(const EdgePixels& pixels, Part part) {
     };
     const glm::vec3 a = corner(0), b = corner(1), c = corner(2);
     const glm::vec3 least = glm::min(a, glm::min(b, c)), most = glm::max(a, glm::max(b, c));
-    const int left = std::max(int(std::floor(least.x)), 0),
-              right = std::min(int(std::floor(most.x)), width_ - 1);
-    const int low = std::max(height_ - 1 - int(std::floor(most.y)), 0),
-              high = std::min(height_ - 1 - int(std::floor(least.y)), height_ - 1);
-    if (left > right || low > high) continue;
+    if (most.x < 0 || most.y < 0 || least.x >= float(width_) || least.y >= float(height_)) continue;
+    const int left = int(std::max(least.x, 0.0f)),
+              right = std::min(int(std::min(most.x, float(width_))), width_ - 1);
+    const int low = height_ - 1 - std::min(int(std::min(most.y, float(height_))), height_ - 1),
+              high = height_ - 1 - int(std::max(least.y, 0.0f));
     if (part == Part::surfaces && nodes_[soup.node[t]].drawn.front_only &&
         !((b.x - a.x) * (c.y - a.y) > (c.x - a.x) * (b.y - a.y)))
       continue;

@@ -297,7 +297,7 @@ bool NodeLayer::SkinWidth::is_narrow(double x, double y) const {
     const double s0 = odd ? s - per_s : s, w0 = odd ? w - per_w : w;
     return Change{std::abs((s0 + per_s) * w0 - s0 * (w0 + per_w)), std::abs(w0 * (w0 + per_w))};
   };
-  const auto is_odd = [](double v) { return 2 * std::floor(v / 2) != v; };
+  const auto is_odd = [](double v) { return (std::int64_t(v) & 1) != 0; };
   const Change a = along(is_odd(x), stretch.x, weight.x), b = along(is_odd(y), stretch.y, weight.y);
   return !((a.by * b.of + b.by * a.of) * widest < a.of * b.of);
 }
