@@ -309,6 +309,7 @@ Result<> view_scene(const ViewCommand& options) {
     if (name != first) subject.methods.push_back(name);
   subject.make = [&](const std::string& method, MethodOptions methods) {
     methods.eyes = eyes_of(plan->path, plan->frames);
+    methods.eye_path = eye_path_of(plan->path, plan->frames);
     methods.impostors.background = true;
     return stage.make(method, methods);
   };

@@ -124,6 +124,9 @@ Result<> check(const PlacementOptions& options) {
       return Error{"nodes", "the region is not finite"};
   if (options.nodes < 1 || options.candidates < 1 || options.eyes < 1 || options.rays < 1)
     return Error{"nodes", "numbers of nodes, candidates, eyes and rays must be at least 1"};
+  for (const glm::vec3& place : options.path)
+    if (!std::isfinite(place.x) || !std::isfinite(place.y) || !std::isfinite(place.z))
+      return Error{"nodes", "a place of the path is not a number"};
   return Done{};
 }
 

@@ -245,6 +245,9 @@ TEST(PlaceNodes, what_cannot_be_is_refused) {
   options.region = {};
   EXPECT_FALSE(place_nodes(*rays, options).ok());
   options = options_for_rooms();
+  options.path = {{1, 1.6f, 0}, {std::nanf(""), 1.6f, 0}};
+  EXPECT_FALSE(place_nodes(*rays, options).ok());
+  options = options_for_rooms();
   options.clearance = 50;
   const Result<Placement> crowded = place_nodes(*rays, options);
   ASSERT_FALSE(crowded.ok());

@@ -17,11 +17,6 @@ namespace {
 constexpr int kPinholeRows = 32;
 static_assert(kPinholeReach == 8, "three minima");
 
-struct Filled {
-  std::size_t texel = 0, from = 0;
-  glm::u8vec4 color{0};
-};
-
 // Finds pinholes in a picture's Deltas.
 class PinholeFinder {
  public:
@@ -32,7 +27,7 @@ class PinholeFinder {
         spacing_at_1_(spacing * geometry.plane_z) {}
 
   // Appends those of row `y`.
-  void find(int y, std::vector<Filled>& found);
+  void find(int y, PinholeScratch::Strip& strip) const;
 
  private:
   // Both ends of the gap along a line, and its length.
@@ -52,8 +47,6 @@ class PinholeFinder {
   const std::uint16_t* delta_;
   int step_;
   double spacing_at_1_;  // at eye_z = 1
-  // Of a row, with eight more texels on both sides: the least of one, two, four, eight from each.
-  std::array<std::vector<std::uint16_t>, 4> least_;
 };
 
 std::optional<PinholeFinder::Gap> PinholeFinder::gap(int x, int y, int right, int down) const {
@@ -97,23 +90,24 @@ std::optional<std::size_t> PinholeFinder::end_of_pinhole(int x, int y) const {
   return shortest->far;
 }
 
-void PinholeFinder::find(int y, std::vector<Filled>& found) {
+void PinholeFinder::find(int y, PinholeScratch::Strip& strip) const {
+  auto& least_of = strip.least;
   const auto width = std::size_t(camera_.width), padded = width + 2 * kPinholeReach;
   const std::uint16_t* const row = delta_ + std::size_t(y) * width;
-  for (std::vector<std::uint16_t>& least : least_) least.assign(padded, 0xffff);
-  std::copy_n(row, width, least_[0].begin() + kPinholeReach);
-  for (std::size_t k = 1; k < least_.size(); ++k) {
+  for (std::vector<std::uint16_t>& least : least_of) least.assign(padded, 0xffff);
+  std::copy_n(row, width, least_of[0].begin() + kPinholeReach);
+  for (std::size_t k = 1; k < least_of.size(); ++k) {
     const std::size_t apart = std::size_t(1) << (k - 1);
-    const std::uint16_t* const from = least_[k - 1].data();
-    std::uint16_t* const to = least_[k].data();
+    const std::uint16_t* const from = least_of[k - 1].data();
+    std::uint16_t* const to = least_of[k].data();
     for (std::size_t i = 0; i + apart < padded; ++i) to[i] = std::min(from[i], from[i + apart]);
   }
-  const std::uint16_t* const before = least_[3].data();
+  const std::uint16_t* const before = least_of[3].data();
   const std::uint16_t* const after = before + kPinholeReach + 1;
   for (std::size_t x = 0; x < width; ++x) {
     if (int(row[x]) <= std::max(int(before[x]), int(after[x])) + step_) continue;
     if (const auto from = end_of_pinhole(int(x), y))
-      found.push_back({std::size_t(y) * width + x, *from, {}});
+      strip.filled.push_back({std::size_t(y) * width + x, *from, {}});
   }
 }
 
@@ -129,20 +123,23 @@ int pinhole_step(const PictureGeometry& geometry) {
   return int(std::clamp(std::ceil(kPinholeDepth * texel * per_metre), 1.0, 65535.0));
 }
 
-void fill_pinholes(Prewarped& picture, double spacing, std::vector<std::uint16_t>& before) {
+void fill_pinholes(Prewarped& picture, double spacing, PinholeScratch& scratch) {
   const int h = picture.height();
-  before = picture.delta;
-  std::vector<std::vector<Filled>> filled(std::size_t((h + kPinholeRows - 1) / kPinholeRows));
-  parallel_for(std::size_t(0), filled.size(), [&](std::size_t strip) {
-    PinholeFinder finder(picture.geometry, spacing, before.data());
-    const int end = std::min((int(strip) + 1) * kPinholeRows, h);
-    for (int y = int(strip) * kPinholeRows; y < end; ++y) finder.find(y, filled[strip]);
+  scratch.before = picture.delta;
+  const auto strips = std::size_t((h + kPinholeRows - 1) / kPinholeRows);
+  if (scratch.strips.size() < strips) scratch.strips.resize(strips);
+  const PinholeFinder finder(picture.geometry, spacing, scratch.before.data());
+  parallel_for(std::size_t(0), strips, [&](std::size_t i) {
+    PinholeScratch::Strip& strip = scratch.strips[i];
+    strip.filled.clear();
+    const int end = std::min((int(i) + 1) * kPinholeRows, h);
+    for (int y = int(i) * kPinholeRows; y < end; ++y) finder.find(y, strip);
     // An end of one pinhole may be within another.
-    for (Filled& f : filled[strip]) f.color = picture.color[f.from];
+    for (PinholeScratch::Filled& f : strip.filled) f.color = picture.color[f.from];
   });
-  for (const std::vector<Filled>& of_strip : filled)
-    for (const Filled& f : of_strip)
-      picture.color[f.texel] = f.color, picture.delta[f.texel] = before[f.from];
+  for (std::size_t i = 0; i < strips; ++i)
+    for (const PinholeScratch::Filled& f : scratch.strips[i].filled)
+      picture.color[f.texel] = f.color, picture.delta[f.texel] = scratch.before[f.from];
 }
 
 }  // namespace rilievo

@@ -7,7 +7,10 @@
 // apart: of a hole of its own a surface has samples around it, and wider ones stay.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <vector>
 
 #include "rilievo/nailboard/prewarped.h"
@@ -24,9 +27,26 @@ inline constexpr int kPinholeEnds = 3;
 // By how many Deltas of 16 bits is a neighbour in front?
 [[nodiscard]] int pinhole_step(const PictureGeometry& geometry);
 
+// What finding pinholes needs, kept from picture to picture, so that a steady frame allocates
+// nothing.
+struct PinholeScratch {
+  struct Filled {
+    std::size_t texel = 0, from = 0;
+    glm::u8vec4 color{0};
+  };
+  struct Strip {
+    std::vector<Filled> filled;
+    // Of a row, with eight more texels on both sides: the least Delta of one, two, four, eight from
+    // each.
+    std::array<std::vector<std::uint16_t>, 4> least;
+  };
+  std::vector<std::uint16_t> before;  // the Deltas of the picture
+  std::vector<Strip> strips;          // as many as any picture had
+};
+
 // Gives each texel of a pinhole the colour and the depth of an end of its shortest gap, the farther
 // one. `spacing`: neighbouring samples are so many texels apart at the picture's plane; at least 1
-// everywhere. Pictures of identifiers have the same pinholes. `before` is scratch memory.
-void fill_pinholes(Prewarped& picture, double spacing, std::vector<std::uint16_t>& before);
+// everywhere. Pictures of identifiers have the same pinholes.
+void fill_pinholes(Prewarped& picture, double spacing, PinholeScratch& scratch);
 
 }  // namespace rilievo

@@ -31,7 +31,7 @@ Prewarped wall() {
 }
 
 Prewarped filled(Prewarped picture, double spacing = 1) {
-  std::vector<std::uint16_t> scratch;
+  static PinholeScratch scratch;  // as pictures before left it
   fill_pinholes(picture, spacing, scratch);
   return picture;
 }

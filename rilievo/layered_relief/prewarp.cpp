@@ -78,7 +78,7 @@ struct Prewarp::State {
     std::vector<PrewarpRun> runs;
   };
   tbb::enumerable_thread_specific<Scratch> scratch;
-  std::vector<std::uint16_t> before_filling;
+  PinholeScratch pinholes;
 
   // What one warp() needs to know everywhere.
   struct Frame {
@@ -306,8 +306,7 @@ std::optional<PrewarpStats> Prewarp::warp(const glm::dvec3& eye, const Camera* v
   if (options.fill_pinholes) {
     // Samples of other textures lie as far apart as their texels.
     const double scale = s.relief->splat_scale;
-    fill_pinholes(result, s.relief->perspective() ? 0 : f.resolution * scale * scale,
-                  s.before_filling);
+    fill_pinholes(result, s.relief->perspective() ? 0 : f.resolution * scale * scale, s.pinholes);
   }
   return stats;
 }
