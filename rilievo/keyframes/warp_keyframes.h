@@ -64,9 +64,10 @@ inline constexpr float kSameSurfaceDepth = 0.03f;
 // Weights of the four texels around a place are whole numbers that make up this, or a little less.
 // So many of them must show the pixel's surface; with more than so many all of it is shown.
 inline constexpr int kTexelWeights = 256, kLeastShown = 64, kAllShown = 250;
-// A quarter of a surface's texel that shows another surface has a colour for want of a better one:
-// its weight is shifted by so many bits.
-inline constexpr int kOtherQuarterShift = 4;
+// A quarter of a surface's texel that shows another surface has a colour, too, which counts less:
+// its weight is shifted by so many bits. Away from edges it does not do alone: it would be a dot of
+// something nearer, which is elsewhere in the frame.
+inline constexpr int kOtherQuarterShift = 3;
 // Half of the side of a texel's square, in texels: a little more than half, against cracks.
 inline constexpr float kHalfSquare = 0.55f;
 // Texels do not grow by more. What is so much nearer than at capture has been left behind.

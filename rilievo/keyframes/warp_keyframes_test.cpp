@@ -63,7 +63,7 @@ float apply(const float (&row)[4], float x, float y, float w) {
 // The definition, pixel by pixel: no strips, no vectors, no ranges.
 struct Slow {
   struct Lookup {
-    float r = 0, g = 0, b = 0, weight = 0, cover = 0, front = 0;
+    float r = 0, g = 0, b = 0, weight = 0, cover = 0, front = 0, own = 0;
   };
   std::span<const WarpedKeyframe> keys;
   Camera frame;
@@ -133,7 +133,7 @@ struct Slow {
           continue;
         const int ix = int(qx), iy = int(qy);
         const float ax = qx - float(ix), ay = qy - float(iy), there = w * per_z;
-        int shown = 0, sure = 0, front = 0, r = 0, g = 0, b = 0;
+        int shown = 0, sure = 0, known = 0, front = 0, r = 0, g = 0, b = 0;
         for (int i = 0; i < 4; ++i) {
           const int x = ix + i % 2, y = iy + i / 2;
           const float across = (i % 2 ? ax : 1 - ax) * float(kTexelWeights);
@@ -150,11 +150,12 @@ struct Slow {
             front += all * int(color >> 24 & 7);
           if (!same) continue;
           const int weight = shows == Quarter::own ? all : all >> kOtherQuarterShift;
-          shown += all, sure += weight;
+          shown += all, sure += weight, known += shows == Quarter::own ? all : 0;
           r += weight * int(color & 255), g += weight * int(color >> 8 & 255);
           b += weight * int(color >> 16 & 255);
         }
         found.cover = std::max(found.cover, float(shown));
+        found.own = std::max(found.own, float(known));
         if (sure == 0) continue;
         const float magnified = std::max(z * scale(frame, key.camera), 1.0f);
         const float counts = one.weight / (magnified * magnified);
@@ -189,7 +190,7 @@ struct Slow {
         Lookup farther;
         if (edge) farther = find(px, py, back);
         const bool behind = farther.cover > kLeastShown;
-        if (!behind && !(nearer.cover > kLeastShown)) continue;
+        if (!behind && !(nearer.cover > kLeastShown && (edge || nearer.own > 0))) continue;
         const float covers = nearer.front / (nearer.weight > 0 ? nearer.weight : 1);
         const float part = behind ? std::min(covers * (1.0f / (8 * kTexelWeights)), 1.0f) : 1.0f;
         const auto byte = [&](float of_nearer, float of_farther) {

@@ -131,6 +131,7 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
 // bytes, with those quarters of texels behind that show what is in front.
 struct Found {
   VF r, g, b, weight, cover, front;
+  VF own;  // the weights of quarters that show the surface, if not 0
 };
 
 // The four quarters, or texels, around each place: upper left, upper right, and below; and the
@@ -291,7 +292,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
   const U u32;
   const VF one = number(1);
   const VF zero = hn::Zero(f);
-  Found found{zero, zero, zero, zero, zero, zero};
+  Found found{zero, zero, zero, zero, zero, zero, zero};
   for (int k = 0; k < count; ++k) {
     const WarpSource& source = sources[k];
     const Keyframe& key = *source.keyframe;
@@ -328,7 +329,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     const VF weights[4] = {hn::Mul(left_weight, up), hn::Mul(right_weight, up),
                            hn::Mul(left_weight, ay), hn::Mul(right_weight, ay)};
     const VU pairs = hn::Set(u32, 0x00ff00ffu);
-    VU shown = hn::Zero(u32), sure = hn::Zero(u32), front = hn::Zero(u32);
+    VU shown = hn::Zero(u32), sure = hn::Zero(u32), known = hn::Zero(u32), front = hn::Zero(u32);
     VU even = hn::Zero(u32), odd = hn::Zero(u32);  // bytes 0 and 2, 1 and 3
     const auto weight_of = [&](int i, Mask counts) {
       return hn::BitCast(u32, hn::ConvertTo(i32, hn::IfThenElseZero(counts, weights[i])));
@@ -352,7 +353,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         odd = hn::Add(odd, hn::Mul(weight, hn::And(hn::ShiftRight<8>(colors[i]), pairs)));
       }
       // Each quarter counts with its four sides.
-      sure = shown, front = hn::ShiftLeft<3>(shown);
+      sure = known = shown, front = hn::ShiftLeft<3>(shown);
     } else {
       for (int i = 0; i < 4; ++i) {
         const VF depth = depths[i];
@@ -378,6 +379,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
         front = hn::Add(front, hn::IfThenZeroElse(hidden, hn::Mul(all, eighths)));
         const VU weight = hn::IfThenElseZero(
             same, hn::IfThenElse(own, all, hn::ShiftRight<kOtherQuarterShift>(all)));
+        known = hn::Add(known, hn::IfThenElseZero(hn::And(same, own), all));
         sure = hn::Add(sure, weight);
         even = hn::Add(even, hn::Mul(weight, hn::And(color, pairs)));
         odd = hn::Add(odd, hn::Mul(weight, hn::And(hn::ShiftRight<8>(color), pairs)));
@@ -388,6 +390,7 @@ HWY_INLINE Found find(const WarpSource* sources, int count, VF px, float py, VF 
     const VF colored = number_of(sure);
     const Mask shows = hn::Gt(colored, hn::Zero(f));
     found.cover = hn::Max(found.cover, share);
+    found.own = hn::Max(found.own, number_of(known));
     const VF magnified = hn::Max(hn::Mul(z, number(source.pixels_per_texel)), one);
     const VF counts =
         hn::IfThenElseZero(shows, hn::Div(number(source.weight), hn::Mul(magnified, magnified)));
@@ -492,9 +495,9 @@ std::uint32_t shade(const WarpSource* sources, int count, const DepthStrip& stri
              back = select(is_behind, splatted, farthest);
     const Found nearer = find(sources, count, px, py, front);
     // Shown as a whole where it is no edge.
-    Mask shown = hn::Gt(nearer.cover, least);
+    Mask shown = hn::And(hn::Gt(nearer.cover, least), hn::Or(edge, hn::Gt(nearer.own, zero)));
     VF part = hn::IfThenElseZero(shown, one), w = front;
-    Found sum{zero, zero, zero, zero, zero, zero};
+    Found sum{zero, zero, zero, zero, zero, zero, zero};
     if (!hn::AllFalse(f, edge)) {
       const Found farther = find(sources, count, px, py, back);
       const Mask behind = hn::And(edge, hn::Gt(farther.cover, least));
