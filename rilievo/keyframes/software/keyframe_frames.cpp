@@ -29,9 +29,6 @@
 namespace rilievo {
 namespace {
 
-// Holes that get all samples: more than these are drawn coarse for the sake of time.
-constexpr std::size_t kMostFineHoles = 20000;
-
 DepthImage picture_of(const Keyframe& key, std::string name) {
   DepthImage picture;
   picture.name = std::move(name);
@@ -99,6 +96,7 @@ struct KeyframeFrames::State {
   void divide_view(bool any_keyframes);
   Result<> look_for_unshown();
   Result<> warp(double time);
+  std::size_t find_holes();
   [[nodiscard]] float nearest_of(std::span<const std::uint32_t> objects) const;
   Result<> warp_from(std::span<const WarpedKeyframe> keyframes);
 };
@@ -173,12 +171,22 @@ Result<> KeyframeFrames::State::warp(double time) {
   if (!from.empty()) {
     if (Result<> done = warp_from(from); !done) return done;
   }
-  if (from.empty() || double(warped.holes()) > most) {
+  if (from.empty() || double(find_holes()) > most) {
     Result<std::span<const WarpedKeyframe>> made = producer->make_now();
     if (!made) return made.error();
     if (Result<> done = warp_from(*made); !done) return done;
+    (void)find_holes();
   }
   return Done{};
+}
+
+// Those that rays have to fill.
+std::size_t KeyframeFrames::State::find_holes() {
+  const Stopwatch watch;
+  const std::size_t open = keyframe_tiles.find_holes(camera, warped, still, options.most_fine);
+  shares.cast = double(open) / (double(camera.width) * camera.height);
+  shares.fill_ms += watch.ms();
+  return open;
 }
 
 // 1 / eye_z of the nearest place that they may reach.
@@ -261,8 +269,8 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   if (s.warps) {
     if (Result<> done = s.warp(time); !done) return done;
     const Stopwatch watch;
-    s.keyframe_tiles.place(camera, s.options.samples, s.warped, s.still, kMostFineHoles);
-    s.shares.fill_ms = watch.ms();
+    s.keyframe_tiles.place(camera, s.options.samples, s.still);
+    s.shares.fill_ms += watch.ms();
     s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
     s.drawers.push_back(&s.keyframe_tiles);
   } else {

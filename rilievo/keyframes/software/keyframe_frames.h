@@ -32,8 +32,10 @@ struct KeyframeFramesOptions {
   KeyframeOptions keyframes;
   KeyframesBy by = KeyframesBy::raster;
   int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
-  // Frames of which a larger share would be holes get a keyframe at once.
+  // Frames of which rays would have to fill a larger share get a keyframe at once.
   double most_filled = 0.2;
+  // More holes than these get one sample each, for the sake of time, and the frames after show it.
+  std::size_t most_fine = 20000;
   NearObjectsOptions near;  // what is drawn as polygons because it is near; by the rasteriser only
   // With a limit of time, are whole frames polygons where these take less?
   bool polygons_where_cheaper = true;
@@ -42,6 +44,7 @@ struct KeyframeFramesOptions {
 // What the last frame consisted of, as shares of its pixels, and times.
 struct KeyframeShares {
   double filled = 0;
+  double cast = 0;      // filled by rays; the rest by what rays found in frames before
   int live = 0;         // objects that were drawn as polygons because they move or are near
   bool coarse = false;  // a coarse keyframe was made for this frame
   bool direct = false;  // it is all polygons

@@ -259,6 +259,39 @@ TEST(KeyframeFrames, WhatBothKeyframesHideIsNotMissing) {
   EXPECT_EQ(missing, 0);
 }
 
+TEST(KeyframeFrames, ManyHolesShowWhatRaysFoundBefore) {
+  const BuiltinScene made = *make_builtin("builtin:forest?triangles=200000");
+  KeyframeFramesOptions options;
+  options.keyframes.interval = 60, options.most_filled = 1, options.most_fine = 200;
+  options.near.distance = 0;
+  auto frames = KeyframeFrames::create(made.scene, options);
+  ASSERT_TRUE(frames);
+  TestSource direct = software_direct(made.scene, 4);
+  int many = 0, next = 0;
+  double least_psnr = 100, most_wrong = 0, cast = 0, filled = 0;
+  for (int i = 0; i < 24; ++i) {
+    const double time = frame_time(made.path, 4 * i);
+    const Camera camera = camera_at(made.path, time, 3 * kWidth, 3 * kHeight);
+    ASSERT_TRUE((*frames)->draw(camera, time));
+    const KeyframeShares& shares = (*frames)->shares();
+    // The first of them casts all.
+    if (shares.filled * 9 * kWidth * kHeight <= 200 || many++ == 0) continue;
+    cast += shares.cast, filled += shares.filled;
+    if (next++ % 4 != 0) continue;
+    ASSERT_TRUE(direct.draw(camera, time));
+    least_psnr = std::min(least_psnr, psnr_of((*frames)->software_target()->color(),
+                                              direct.software_target()->color()));
+    ASSERT_TRUE((*frames)->draw_objects());
+    ASSERT_TRUE(direct.draw_objects());
+    most_wrong = std::max(most_wrong, wrong_share((*frames)->software_target()->objects(),
+                                                  direct.software_target()->objects()));
+  }
+  EXPECT_GT(many, 8);
+  EXPECT_LT(cast, 0.4 * filled);
+  EXPECT_GT(least_psnr, 26);
+  EXPECT_LT(most_wrong, 0.01);
+}
+
 TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {
   BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
   bool any = false;

@@ -7,6 +7,7 @@
 
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/keyframes/software/hole_points.h"
 
 namespace rilievo {
 namespace {
@@ -25,22 +26,36 @@ struct KeyframeTiles::State {
   };
 
   PixelCaster caster;
+  std::size_t objects;               // of the scene
+  std::unique_ptr<bool[]> included;  // by object: can holes show it?
   const WarpedFrame* warped = nullptr;
   const Image<std::uint32_t>* shown = nullptr;  // the objects; null: colours
-  int samples = 1;                              // that were cast in holes
-  std::vector<FramePixel> holes;                // tile by tile
-  std::vector<std::uint32_t> first;             // of each tile, and the end
+  Camera camera;
+  int samples = 1;                               // that were cast in holes
+  bool uses_points = false;                      // there are many holes
+  std::vector<FramePixel> holes, open;           // tile by tile; those that no point shows
+  std::vector<std::uint32_t> first, first_open;  // of each tile, and the end
+  HolePoints points;
+  std::vector<FoundInHole> found;             // in the open holes
+  mutable std::vector<std::uint32_t> colors;  // of these; 0: not shaded
   std::optional<ShadedScene> view;
   mutable tbb::enumerable_thread_specific<SeenTriangles> threads;
   SkyDrawer sky{*this};
 
-  explicit State(const RayScene& rays) : caster(rays) {}
+  explicit State(const RayScene& rays)
+      : caster(rays),
+        objects(rays.scene().objects.size()),
+        included(std::make_unique<bool[]>(objects)) {}
 
-  void find_holes(const Camera& camera);
+  void find_holes();
+  void find_open();
+  void keep_points();
   void draw_sky(FrameTile& tile) const;
   void copy_block(FrameTile& tile, int block) const;
   [[nodiscard]] float farthest_in(int x, int y, int columns, int rows) const;
   void fill(FrameTile& tile) const;
+  void show_points(FrameTile& tile, std::size_t index) const;
+  void cast_open(FrameTile& tile, std::size_t index) const;
 };
 
 KeyframeTiles::KeyframeTiles(const RayScene& rays) : state_(new State(rays)) {}
@@ -48,7 +63,7 @@ KeyframeTiles::~KeyframeTiles() = default;
 
 const TileDrawer& KeyframeTiles::sky() const { return state_->sky; }
 
-void KeyframeTiles::State::find_holes(const Camera& camera) {
+void KeyframeTiles::State::find_holes() {
   const int across = tiles_of(camera.width), count = across * tiles_of(camera.height);
   holes.clear();
   first.assign(std::size_t(count) + 1, 0);
@@ -78,14 +93,59 @@ void KeyframeTiles::State::find_holes(const Camera& camera) {
   }
 }
 
-void KeyframeTiles::place(const Camera& camera, int samples, const WarpedFrame& warped,
-                          std::span<const std::uint32_t> objects, std::size_t most_fine) {
+// The holes that no point shows.
+void KeyframeTiles::State::find_open() {
+  open.clear();
+  first_open.assign(1, 0);
+  for (std::size_t tile = 0; tile + 1 < first.size(); ++tile) {
+    for (std::uint32_t i = first[tile]; i < first[tile + 1]; ++i)
+      if (!uses_points || !points.shows(i)) open.push_back(holes[i]);
+    first_open.push_back(std::uint32_t(open.size()));
+  }
+  colors.assign(uses_points ? open.size() : 0, 0);
+}
+
+// Takes what rays found in the last frame of colours.
+void KeyframeTiles::State::keep_points() {
+  if (!uses_points) {
+    points.clear();
+    return;
+  }
+  found.clear();
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const float inverse_z = caster.inverse_z()[i];
+    if (!(inverse_z > 0)) found.push_back({open[i]});
+    if (inverse_z > 0 && colors[i] != 0)
+      found.push_back({open[i], inverse_z, colors[i], caster.object_of(caster.triangles()[i])});
+  }
+  points.keep(camera, found);
+  colors.clear();
+}
+
+std::size_t KeyframeTiles::find_holes(const Camera& camera, const WarpedFrame& warped,
+                                      std::span<const std::uint32_t> objects,
+                                      std::size_t most_fine) {
   State& s = *state_;
+  s.keep_points();
+  s.camera = camera;
   s.warped = &warped;
+  s.find_holes();
+  s.uses_points = s.holes.size() > most_fine;
+  if (s.uses_points) {
+    std::fill_n(s.included.get(), s.objects, false);
+    for (const std::uint32_t object : objects) s.included[object] = true;
+    s.points.show(camera, s.holes, {s.included.get(), s.objects});
+  }
+  s.find_open();
+  return s.open.size();
+}
+
+void KeyframeTiles::place(const Camera& camera, int samples,
+                          std::span<const std::uint32_t> objects) {
+  State& s = *state_;
   s.shown = nullptr;
-  s.find_holes(camera);
-  s.samples = s.holes.size() > most_fine ? 1 : samples;
-  s.caster.cast(camera, s.samples, s.holes, s.holes.empty() ? objects.first(0) : objects);
+  s.samples = s.uses_points ? 1 : samples;
+  s.caster.cast(camera, s.samples, s.open, s.open.empty() ? objects.first(0) : objects);
   s.view.emplace(s.caster.view(camera, s.samples));
 }
 
@@ -93,11 +153,12 @@ void KeyframeTiles::place_objects(const Camera& camera, const WarpedFrame& warpe
                                   const Image<std::uint32_t>& shown,
                                   std::span<const std::uint32_t> objects) {
   State& s = *state_;
-  s.warped = &warped;
+  // Rays are cast anew, with one sample: what they found for colours is taken before.
+  if (s.uses_points) (void)find_holes(camera, warped, objects, 0);
+  s.colors.clear();
   s.shown = &shown;
-  s.find_holes(camera);
   s.samples = 1;
-  s.caster.cast(camera, 1, s.holes, objects);
+  s.caster.cast(camera, 1, s.open, objects);
 }
 
 void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {
@@ -146,16 +207,33 @@ float KeyframeTiles::State::farthest_in(int x, int y, int columns, int rows) con
 void KeyframeTiles::State::fill(FrameTile& tile) const {
   const int across = tiles_of(tile.width);
   const auto index = std::size_t(tile.y / kTileSize * across + tile.x / kTileSize);
-  const std::uint32_t from = first[index], to = first[index + 1];
+  if (first[index] == first[index + 1]) return;
+  if (uses_points) show_points(tile, index);
+  cast_open(tile, index);
+}
+
+void KeyframeTiles::State::show_points(FrameTile& tile, std::size_t index) const {
+  for (std::uint32_t i = first[index]; i < first[index + 1]; ++i) {
+    if (!points.shows(i) || !(points.inverse_z(i) > tile.nothing)) continue;
+    const TilePixel at(tile, holes[i].x, holes[i].y);
+    tile.first[at.block].inverse_z[at.pixel] = points.inverse_z(i);
+    tile.first[at.block].content[at.pixel] = shown ? points.object(i) + 1 : points.color(i);
+  }
+}
+
+void KeyframeTiles::State::cast_open(FrameTile& tile, std::size_t index) const {
+  const std::uint32_t from = first_open[index], to = first_open[index + 1];
   if (from == to) return;
   const std::span<const float> depths = caster.inverse_z();
   const std::span<const std::uint32_t> triangles = caster.triangles();
   SeenTriangles* seen = shown ? nullptr : &threads.local();
+  std::uint32_t open_at[kTileSize * kTileSize];
   const unsigned every = (1u << samples) - 1;
   for (std::uint32_t i = from; i < to; ++i) {
-    const FramePixel pixel = holes[i];
+    const FramePixel pixel = open[i];
     const std::size_t sample = std::size_t(i) * std::size_t(samples);
     const TilePixel at(tile, pixel.x, pixel.y);
+    open_at[at.block * FrameTile::kBlockPixels + at.pixel] = i;
     if (!seen) {
       if (!(depths[sample] > tile.nothing)) continue;
       tile.first[at.block].inverse_z[at.pixel] = depths[sample];
@@ -203,6 +281,7 @@ void KeyframeTiles::State::fill(FrameTile& tile) const {
       const TilePixel at(tile, pixel.x, tile.height - 1 - pixel.y);
       at.for_samples(tile, pixel.samples,
                      [&](FrameTile::Plane& plane) { plane.content[at.pixel] = bytes[i]; });
+      if (uses_points) colors[open_at[at.block * FrameTile::kBlockPixels + at.pixel]] = bytes[i];
     }
   });
 }

@@ -1,7 +1,8 @@
 // How does a warped frame get into the tiles of a SoftwareTarget?
 //
 // As one sample a pixel, with its depth, so that polygons before and behind it are drawn as ever.
-// What it does not show is filled by rays, with all samples of the frame. Uses all cores; the
+// What it does not show is filled by rays, with all samples of the frame; or, where that is much,
+// by what rays found in the frames before (hole_points.h) and one ray a pixel. Uses all cores; the
 // result does not depend on the number of threads.
 #pragma once
 
@@ -24,11 +25,15 @@ class KeyframeTiles final : public TileDrawer {
   explicit KeyframeTiles(const RayScene& rays);
   ~KeyframeTiles() override;
 
-  // Prepares a frame of colours with 1 or 4 samples: finds what `objects` show in the holes. More
-  // than `most_fine` holes get one sample each. `warped` must live until the frame is drawn.
-  void place(const Camera& camera, int samples, const WarpedFrame& warped,
-             std::span<const std::uint32_t> objects, std::size_t most_fine);
-  // Prepares a frame of identifiers: `shown` of what was warped, and what `objects` show in holes.
+  // Begins a frame: finds its holes, and what the frames before tell of `objects` there, if there
+  // are more than `most_fine`. Returns the number of those that rays have to tell of. `warped` must
+  // live until the frame is drawn.
+  std::size_t find_holes(const Camera& camera, const WarpedFrame& warped,
+                         std::span<const std::uint32_t> objects, std::size_t most_fine);
+  // Prepares a frame of colours with 1 or 4 samples: finds what the same `objects` show there.
+  void place(const Camera& camera, int samples, std::span<const std::uint32_t> objects);
+  // Prepares a frame of identifiers, after one of colours: `shown` of what was warped, and what
+  // `objects` show in holes.
   void place_objects(const Camera& camera, const WarpedFrame& warped,
                      const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);
 

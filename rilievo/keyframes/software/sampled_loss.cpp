@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rilievo/keyframes/warp_keyframes.h"
+
 namespace rilievo {
 namespace {
 

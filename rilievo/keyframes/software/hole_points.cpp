@@ -1,0 +1,116 @@
+#include "rilievo/keyframes/software/hole_points.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "rilievo/core/expects.h"
+#include "rilievo/core/parallel_for.h"
+
+namespace rilievo {
+namespace {
+
+// Points that a call of a thread places.
+constexpr std::size_t kRun = 4096;
+// In a key: the point is within kReach. No sign is lost, 1 / eye_z has none.
+constexpr std::uint64_t kClose = std::uint64_t(1) << 63;
+
+// From the points' space to raster coordinates times eye_z, and eye_z.
+struct ToRaster {
+  glm::vec4 x, y, z;
+};
+
+ToRaster to_raster(const Camera& camera, const glm::dvec3& origin) {
+  const glm::dmat3 axes(camera.world_from_eye);
+  const glm::dvec3 from_eye = origin - camera.position();
+  const auto along = [&](const glm::dvec3& axis) {
+    return glm::dvec4(axis, glm::dot(axis, from_eye));
+  };
+  const ImageWindow& w = camera.window;
+  const glm::dvec4 z = along(-axes[2]);
+  return {glm::vec4((along(axes[0]) - w.left * z) * (camera.width / (w.right - w.left))),
+          glm::vec4((w.top * z - along(axes[1])) * (camera.height / (w.top - w.bottom))),
+          glm::vec4(z)};
+}
+
+void raise(std::uint64_t& value, std::uint64_t to) {
+  const std::atomic_ref<std::uint64_t> shared(value);
+  std::uint64_t before = shared.load(std::memory_order_relaxed);
+  while (before < to && !shared.compare_exchange_weak(before, to, std::memory_order_relaxed)) {
+  }
+}
+
+}  // namespace
+
+void HolePoints::show(const Camera& camera, std::span<const FramePixel> holes,
+                      std::span<const bool> included) {
+  shown_.assign(holes.size(), 0);
+  if (points_.empty()) return;
+  if (index_.width() != camera.width || index_.height() != camera.height)
+    index_ = Image<std::uint32_t>(camera.width, camera.height);
+  for (std::size_t i = 0; i < holes.size(); ++i)
+    index_(holes[i].x, holes[i].y) = std::uint32_t(i + 1);
+  const ToRaster to = to_raster(camera, origin_);
+  const auto width = float(camera.width), height = float(camera.height);
+  const auto near = float(camera.z_near);
+  parallel_for(std::size_t(0), (points_.size() + kRun - 1) / kRun, [&](std::size_t run) {
+    const std::size_t end = std::min((run + 1) * kRun, points_.size());
+    for (std::size_t i = run * kRun; i < end; ++i) {
+      const Point& point = points_[i];
+      const bool surface = point.place.w > 0;
+      if (surface && !included[point.object]) continue;
+      const float z = glm::dot(to.z, point.place);
+      if (!(z > (surface ? near : 0.0f))) continue;
+      // The middle of pixel x is at x + 0.5.
+      const float x = glm::dot(to.x, point.place) / z - 0.5f,
+                  y = glm::dot(to.y, point.place) / z - 0.5f;
+      if (!(x > -1 && x < width && y > -1 && y < height)) continue;
+      const std::uint64_t key =
+          std::uint64_t(std::bit_cast<std::uint32_t>(surface ? 1 / z : 0.0f)) << 32 | (i + 1);
+      const int x0 = std::max(int(std::ceil(x - kFarReach)), 0),
+                x1 = std::min(int(std::floor(x + kFarReach)), camera.width - 1);
+      const int y0 = std::max(int(std::ceil(y - kFarReach)), 0),
+                y1 = std::min(int(std::floor(y + kFarReach)), camera.height - 1);
+      for (int py = y0; py <= y1; ++py)
+        for (int px = x0; px <= x1; ++px)
+          if (const std::uint32_t hole = index_(px, py); hole != 0) {
+            const bool close = std::max(std::abs(x - float(px)), std::abs(y - float(py))) <= kReach;
+            raise(shown_[hole - 1], close ? key | kClose : key);
+          }
+    }
+  });
+  for (const FramePixel& hole : holes) index_(hole.x, hole.y) = 0;
+}
+
+float HolePoints::inverse_z(std::size_t hole) const {
+  return std::bit_cast<float>(std::uint32_t((shown_[hole] & ~kClose) >> 32));
+}
+
+void HolePoints::keep(const Camera& camera, std::span<const FoundInHole> found) {
+  used_.assign(points_.size(), 0);
+  for (const std::uint64_t key : shown_)
+    if (key != 0) used_[std::uint32_t(key) - 1] = 1;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if (used_[i]) points_[kept++] = points_[i];
+  points_.resize(kept);
+  shown_.clear();
+  if (points_.empty()) origin_ = camera.position();
+  const glm::dmat3 axes(camera.world_from_eye);
+  const ImageWindow& w = camera.window;
+  const glm::dvec3 corner = axes * glm::dvec3(w.left, w.top, -1);
+  const glm::dvec3 per_x = (w.right - w.left) / camera.width * axes[0];
+  const glm::dvec3 per_y = (w.bottom - w.top) / camera.height * axes[1];
+  const glm::dvec3 eye = camera.position() - origin_;
+  for (const FoundInHole& one : found) {
+    const glm::dvec3 ray = corner + (one.pixel.x + 0.5) * per_x + (one.pixel.y + 0.5) * per_y;
+    points_.push_back(
+        {one.inverse_z > 0 ? glm::vec4(eye + ray / double(one.inverse_z), 1) : glm::vec4(ray, 0),
+         one.color, one.object});
+  }
+}
+
+void HolePoints::clear() { points_.clear(), shown_.clear(); }
+
+}  // namespace rilievo
