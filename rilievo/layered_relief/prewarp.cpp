@@ -66,7 +66,7 @@ std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief, con
   const double least = warp.least_d(kMaxPrewarpMagnification);
   for (const glm::dvec3& corner : relief.hull)
     if (!(corner.z >= least)) return std::nullopt;
-  return rectangle_beyond(relief, warp, splat_size, least);
+  return rectangle_beyond(relief, warp, relief.splat_scale * splat_size, least);
 }
 
 struct Prewarp::State {

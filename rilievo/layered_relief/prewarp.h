@@ -84,8 +84,8 @@ class Prewarp {
 struct ReliefRectangle {
   glm::dvec2 min{0.0}, max{0.0};
 };
-// The tight rectangle that contains all samples' splats (S4.3); none if Prewarp::warp leaves some
-// out. The hull's corners touch it on all sides.
+// The tight rectangle that contains all samples' splats (S4.3), `splat_size` times the relief's
+// scale; none if Prewarp::warp leaves some out. The hull's corners touch it on all sides.
 [[nodiscard]] std::optional<ReliefRectangle> relief_rectangle(const LayeredRelief& relief,
                                                               const ReliefWarp& warp,
                                                               double splat_size = 1.0);

@@ -176,6 +176,13 @@ TEST(Prewarp, the_rectangle_of_a_box_is_that_of_its_corners) {
         }
     const auto rectangle = relief_rectangle(relief, *warp);
     EXPECT_LT(glm::distance(rectangle->min, min) + glm::distance(rectangle->max, max), 1e-9);
+    // A relief's own scale makes splats larger.
+    LayeredRelief scaled = relief;
+    scaled.splat_scale = 1.25f;
+    const auto larger = relief_rectangle(relief, *warp, 1.25 * 1.4),
+               same = relief_rectangle(scaled, *warp, 1.4);
+    EXPECT_LT(glm::distance(larger->min, same->min) + glm::distance(larger->max, same->max), 1e-9);
+    EXPECT_LT(same->min.x, rectangle->min.x);
     // And the picture's window is it, rounded outwards to whole texels of the source's grid.
     Prewarped result;
     const auto stats = Prewarp(relief, {.max_size = 1 << 20}).warp(eye, nullptr, result);
