@@ -13,6 +13,9 @@ namespace {
 
 // Points that a call of a thread places.
 constexpr std::size_t kRun = 4096;
+// How far the origin may be from the eye, in distances of the near plane: single precision is then
+// off by less than a tenth of a pixel at that plane.
+constexpr double kFarOrigin = 1000;
 // In a key: the point is within kReach. No sign is lost, 1 / eye_z has none.
 constexpr std::uint64_t kClose = std::uint64_t(1) << 63;
 
@@ -96,7 +99,13 @@ void HolePoints::keep(const Camera& camera, std::span<const FoundInHole> found) 
     if (used_[i]) points_[kept++] = points_[i];
   points_.resize(kept);
   shown_.clear();
-  if (points_.empty()) origin_ = camera.position();
+  // Near points are as exact as the distance from the origin allows.
+  if (const glm::dvec3 way = camera.position() - origin_;
+      glm::length(way) > kFarOrigin * camera.z_near) {
+    for (Point& point : points_)
+      if (point.place.w > 0) point.place = glm::vec4(glm::vec3(glm::dvec3(point.place) - way), 1);
+    origin_ = camera.position();
+  }
   const glm::dmat3 axes(camera.world_from_eye);
   const ImageWindow& w = camera.window;
   const glm::dvec3 corner = axes * glm::dvec3(w.left, w.top, -1);

@@ -1,9 +1,10 @@
 // What rays found in holes, shown again in the frames after.
 //
-// A hole stays one until a keyframe shows what is there, for some twenty frames. So what a ray
-// found is kept as a point of the world with its colour. A hole shows the point nearest to the eye
-// of those within kReach pixels of its middle, or else within kFarReach, and rays are cast of the
-// other holes only. A point that no hole shows is forgotten: there are at most as many as holes.
+// A hole stays open until a keyframe shows what is there, for some twenty frames. So what a ray
+// found is kept as a point of the world with its colour; of the sky, as a direction. A hole shows
+// the point nearest to the eye of those within kReach pixels of its middle; if there is none,
+// within kFarReach. Rays are cast of the other holes only. A point that no hole shows is forgotten:
+// there are at most as many as holes.
 //
 // Among leaves points come as close to each other as it happens: squares of a pixel's size would
 // leave a third of the holes without one, those of kFarReach leave a twentieth.
@@ -66,7 +67,7 @@ class HolePoints {
     return points_[std::uint32_t(shown_[hole]) - 1];
   }
 
-  glm::dvec3 origin_{0.0};  // the eye's place when there were no points
+  glm::dvec3 origin_{0.0};  // where the eye was some time ago
   std::vector<Point> points_;
   // By hole: whether it is within kReach, 1 / eye_z as bits, and the index of the point + 1; 0: no
   // point. The largest is shown.

@@ -176,5 +176,33 @@ TEST(HolePoints, WhatNoHoleShowsIsForgotten) {
   EXPECT_EQ(points.size(), 0u);
 }
 
+// Each frame sees the same points, 3 m and more away, from farther on.
+TEST(HolePoints, PointsStayInTheirPixelsHoweverFarTheEyeGoes) {
+  Random random(8);
+  const bool included[] = {true};
+  HolePoints points;
+  std::vector<FramePixel> all = random_pixels(random, 1);
+  int shown = 0;
+  for (int i = 0; i < 200; ++i) {
+    const glm::dvec3 eye(100.0 * i, 0, 0);
+    const Camera camera = eye_at(eye, eye + glm::dvec3(0, 0, -10));
+    std::vector<FoundInHole> found;
+    for (const FramePixel pixel : all)
+      found.push_back(
+          {pixel, 1 / 3.0f, 0xff000000u | std::uint32_t(pixel.y * kColumns + pixel.x), 0});
+    points.keep(camera, found);
+    // Three tenths of a pixel on.
+    const double pixel = 3 * (camera.window.right - camera.window.left) / kColumns;
+    const glm::dvec3 on = eye + glm::dvec3(0.3 * pixel, 0, 0);
+    points.show(eye_at(on, on + glm::dvec3(0, 0, -10)), all, included);
+    for (std::size_t hole = 0; hole < all.size(); ++hole) {
+      ASSERT_TRUE(points.shows(hole)) << i;
+      ASSERT_EQ(points.color(hole) & 0xffffffu, std::uint32_t(hole)) << i;
+      ++shown;
+    }
+  }
+  EXPECT_EQ(shown, 200 * kColumns * kRows);
+}
+
 }  // namespace
 }  // namespace rilievo

@@ -269,7 +269,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   if (s.warps) {
     if (Result<> done = s.warp(time); !done) return done;
     const Stopwatch watch;
-    s.keyframe_tiles.place(camera, s.options.samples, s.still);
+    s.keyframe_tiles.place(s.options.samples, s.still);
     s.shares.fill_ms += watch.ms();
     s.shares.filled = double(s.warped.holes()) / (double(camera.width) * camera.height);
     s.drawers.push_back(&s.keyframe_tiles);
@@ -331,7 +331,7 @@ Result<> KeyframeFrames::draw_objects() {
   s.drawers.clear();
   if (s.warps) {
     warp_objects(s.producer->chosen(), s.camera, s.warped, s.shown);
-    s.keyframe_tiles.place_objects(s.camera, s.warped, s.shown, s.still);
+    s.keyframe_tiles.place_objects(s.shown, s.still);
     s.drawers.push_back(&s.keyframe_tiles);
   }
   if (Result<> done = s.polygons->place_objects(s.camera, s.placed, s.live, {}); !done) return done;

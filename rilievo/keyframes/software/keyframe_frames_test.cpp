@@ -292,6 +292,34 @@ TEST(KeyframeFrames, ManyHolesShowWhatRaysFoundBefore) {
   EXPECT_LT(most_wrong, 0.01);
 }
 
+// The eye turns, then jumps: frames of points, and at once after them a keyframe.
+TEST(KeyframeFrames, AJumpFromManyHolesIsShownWhole) {
+  const BuiltinScene made = *make_builtin("builtin:stonehenge?triangles=20000");
+  KeyframeFramesOptions options;
+  options.keyframes.interval = 40, options.most_fine = 50, options.near.distance = 0;
+  auto frames = KeyframeFrames::create(made.scene, options);
+  ASSERT_TRUE(frames);
+  TestSource direct = software_direct(made.scene, 4);
+  double most_wrong = 0;
+  int cast = 0, at_once = 0;
+  for (int i = 0; i < 60; ++i) {
+    Camera camera = camera_at(made.path, 0, kWidth, kHeight);
+    // 1.5 degrees a frame, and a jump of 120 every fifteenth.
+    const double turn = glm::radians(1.5 * i + 120.0 * (i / 15));
+    camera.world_from_eye = camera.world_from_eye * glm::rotate(glm::dmat4(1), turn, {0, 1, 0});
+    ASSERT_TRUE((*frames)->draw(camera, 0));
+    cast += (*frames)->shares().cast > 0, at_once += i > 0 && (*frames)->stats().captures > 0;
+    ASSERT_TRUE(direct.draw(camera, 0));
+    ASSERT_TRUE((*frames)->draw_objects());
+    ASSERT_TRUE(direct.draw_objects());
+    most_wrong = std::max(most_wrong, wrong_share((*frames)->software_target()->objects(),
+                                                  direct.software_target()->objects()));
+  }
+  EXPECT_GT(cast, 20);
+  EXPECT_GE(at_once, 3);
+  EXPECT_LT(most_wrong, 0.01);
+}
+
 TEST(KeyframeFrames, WhatMovesIsDrawnAsPolygonsInFrontOfAndBehindWhatStands) {
   BuiltinScene made = *make_builtin("builtin:teapots?triangles=20000");
   bool any = false;

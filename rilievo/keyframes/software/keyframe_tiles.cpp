@@ -95,14 +95,13 @@ void KeyframeTiles::State::find_holes() {
 
 // The holes that no point shows.
 void KeyframeTiles::State::find_open() {
-  open.clear();
+  open.clear(), colors.clear();
   first_open.assign(1, 0);
   for (std::size_t tile = 0; tile + 1 < first.size(); ++tile) {
     for (std::uint32_t i = first[tile]; i < first[tile + 1]; ++i)
       if (!uses_points || !points.shows(i)) open.push_back(holes[i]);
     first_open.push_back(std::uint32_t(open.size()));
   }
-  colors.assign(uses_points ? open.size() : 0, 0);
 }
 
 // Takes what rays found in the last frame of colours.
@@ -111,6 +110,7 @@ void KeyframeTiles::State::keep_points() {
     points.clear();
     return;
   }
+  RILIEVO_EXPECTS(colors.empty() || colors.size() == caster.inverse_z().size());
   found.clear();
   for (std::size_t i = 0; i < colors.size(); ++i) {
     const float inverse_z = caster.inverse_z()[i];
@@ -119,7 +119,6 @@ void KeyframeTiles::State::keep_points() {
       found.push_back({open[i], inverse_z, colors[i], caster.object_of(caster.triangles()[i])});
   }
   points.keep(camera, found);
-  colors.clear();
 }
 
 std::size_t KeyframeTiles::find_holes(const Camera& camera, const WarpedFrame& warped,
@@ -140,25 +139,28 @@ std::size_t KeyframeTiles::find_holes(const Camera& camera, const WarpedFrame& w
   return s.open.size();
 }
 
-void KeyframeTiles::place(const Camera& camera, int samples,
-                          std::span<const std::uint32_t> objects) {
+void KeyframeTiles::place(int samples, std::span<const std::uint32_t> objects) {
   State& s = *state_;
+  const Camera& camera = s.camera;
+  RILIEVO_EXPECTS(s.warped);
   s.shown = nullptr;
   s.samples = s.uses_points ? 1 : samples;
   s.caster.cast(camera, s.samples, s.open, s.open.empty() ? objects.first(0) : objects);
+  // From now on there is something to take.
+  s.colors.assign(s.uses_points ? s.open.size() : 0, 0);
   s.view.emplace(s.caster.view(camera, s.samples));
 }
 
-void KeyframeTiles::place_objects(const Camera& camera, const WarpedFrame& warped,
-                                  const Image<std::uint32_t>& shown,
+void KeyframeTiles::place_objects(const Image<std::uint32_t>& shown,
                                   std::span<const std::uint32_t> objects) {
   State& s = *state_;
+  RILIEVO_EXPECTS(s.warped);
   // Rays are cast anew, with one sample: what they found for colours is taken before.
-  if (s.uses_points) (void)find_holes(camera, warped, objects, 0);
+  if (s.uses_points) (void)find_holes(Camera(s.camera), *s.warped, objects, 0);
   s.colors.clear();
   s.shown = &shown;
   s.samples = 1;
-  s.caster.cast(camera, 1, s.open, objects);
+  s.caster.cast(s.camera, 1, s.open, objects);
 }
 
 void KeyframeTiles::State::copy_block(FrameTile& tile, int block) const {

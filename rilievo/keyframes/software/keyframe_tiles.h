@@ -30,12 +30,11 @@ class KeyframeTiles final : public TileDrawer {
   // live until the frame is drawn.
   std::size_t find_holes(const Camera& camera, const WarpedFrame& warped,
                          std::span<const std::uint32_t> objects, std::size_t most_fine);
-  // Prepares a frame of colours with 1 or 4 samples: finds what the same `objects` show there.
-  void place(const Camera& camera, int samples, std::span<const std::uint32_t> objects);
-  // Prepares a frame of identifiers, after one of colours: `shown` of what was warped, and what
-  // `objects` show in holes.
-  void place_objects(const Camera& camera, const WarpedFrame& warped,
-                     const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);
+  // After find_holes() of this frame and the same `objects`: prepares colours with 1 or 4 samples.
+  void place(int samples, std::span<const std::uint32_t> objects);
+  // After the colours: prepares identifiers, `shown` of what was warped, and what `objects` show in
+  // holes.
+  void place_objects(const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);
 
   void draw_tile(FrameTile& tile) const override;
   // The sky as keyframes show it, with what was before it in part of a texel.

@@ -1,7 +1,12 @@
 // Does a steady frame of keyframes allocate memory?
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "rilievo/core/count_allocations_test_helpers.h"
+#include "rilievo/keyframes/software/hole_points.h"
 #include "rilievo/keyframes/software/keyframe_frames.h"
 #include "rilievo/scene/builtin/builtin.h"
 
@@ -27,6 +32,26 @@ TEST(KeyframeFrames, frames_of_an_eye_that_stands_allocate_nothing) {
   for (int i = 0; i < 20; ++i) {
     const bool drawn = (*frames)->draw(camera, 0).ok();
     if (!drawn) FAIL();
+  }
+  EXPECT_EQ(allocations_here - before, 0u);
+}
+
+TEST(HolePoints, SteadyFramesAllocateNothing) {
+  const bool included[] = {true};
+  const Camera camera = look_at({0, 0, 0}, {0, 0, -10}, {0, 1, 0}, 0.9, 60, 40, 0.1, 500);
+  std::vector<FramePixel> holes;
+  for (int i = 0; i < 60 * 40; i += 2)
+    holes.push_back({std::uint16_t(i % 60), std::uint16_t(i / 60)});
+  std::vector<FoundInHole> found;
+  for (const FramePixel pixel : holes) found.push_back({pixel, 0.1f, 0xff0000ffu, 0});
+  HolePoints points;
+  points.keep(camera, found);
+  std::size_t before = 0;
+  for (int i = 0; i < 20; ++i) {
+    if (i == 10) before = allocations_here;
+    points.show(camera, holes, included);
+    // A quarter is found anew, the others stay.
+    points.keep(camera, std::span(found).first(i % 2 == 0 ? found.size() / 4 : 0));
   }
   EXPECT_EQ(allocations_here - before, 0u);
 }
