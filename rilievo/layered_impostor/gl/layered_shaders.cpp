@@ -320,7 +320,7 @@ void main() {
   bool some = shown.depth <= 1.0;
   bool along = abs(dFdx(float(some))) + abs(dFdy(float(some))) > 0.0;
   vec4 color = shown.color / max(shown.color.a, 1e-3);
-  int covered = some ? 15 : 0;
+  int covered = some ? -1 : 0;  // however many samples the frame has
   if (gl_NumSamples == 4 && (along || (some && !shown.whole))) {
     const vec2 kPlaces[4] = vec2[](vec2(-0.125, -0.375), vec2(0.375, -0.125), vec2(-0.375, 0.125),
                                    vec2(0.125, 0.375));
