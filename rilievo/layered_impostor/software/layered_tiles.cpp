@@ -339,8 +339,6 @@ void LayeredTiles::draw_block(const PlacedLayered& placed, const Centers& center
 
 void LayeredTiles::draw_samples(const PlacedLayered& placed, const Centers& centers,
                                 std::uint64_t pixels, FrameTile& tile, int block) const {
-  tile.expand(block);
-  tile.changed[block] = true;
   const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
   while (pixels) {
     // The samples of two pixels march together.
@@ -360,10 +358,13 @@ void LayeredTiles::draw_samples(const PlacedLayered& placed, const Centers& cent
     SeenLayered shown[kRow];
     look(placed, gazes, (1u << count) - 1, shown);
     for (int k = 0; k < count; ++k) {
-      FrameTile::Plane& plane = tile.plane(block, k % 4);
+      const FrameTile::Plane& before = tile.plane(block, tile.expanded[block] ? k % 4 : 0);
       if (!covers_sample(shown[k].color.a, k % 4) ||
-          !(shown[k].inverse_z > plane.inverse_z[pixel[k]]))
+          !(shown[k].inverse_z > before.inverse_z[pixel[k]]))
         continue;
+      tile.expand(block);
+      tile.changed[block] = true;
+      FrameTile::Plane& plane = tile.plane(block, k % 4);
       plane.inverse_z[pixel[k]] = shown[k].inverse_z;
       plane.content[pixel[k]] = opaque_content(shown[k].color);
     }
@@ -378,8 +379,8 @@ void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, in
     if (!(seen.inverse_z > plane.inverse_z[pixel])) continue;
     plane.inverse_z[pixel] = seen.inverse_z;
     plane.content[pixel] = content;
+    tile.changed[block] = true;
   }
-  tile.changed[block] = true;
 }
 
 void LayeredTiles::draw_tile(FrameTile& tile) const {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <span>
 #include <vector>
@@ -89,6 +90,45 @@ TEST(LayeredTiles, a_one_sided_lawn_is_what_the_slow_drawing_shows) {
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < 16; ++i) directions.push_back(test_shapes::grazing_direction(rng, i % 4 < 3));
   expect_same_surfaces(test_shapes::impostor_of_scene(test_shapes::lawn(false), 96), directions);
+}
+
+// The impostor's bounds begin before all of these samples, so that it is marched.
+TEST(LayeredTiles, blocks_that_show_as_near_a_surface_already_stay_as_they_are) {
+  constexpr int kBlocks = FrameTile::kBlockCount;
+  const LayeredImpostor impostor = test_shapes::jug_impostor(64);
+  const auto drawable = make_layered_tiles(impostor, {});
+  const glm::dvec3 center(impostor.bounds.center());
+  const double radius = double(impostor.bounds.radius());
+  const Camera camera = look_at(center + 3 * radius * glm::dvec3(0, 0, 1), center, {0.1, 1, 0}, 0.7,
+                                FrameTile::kSize, FrameTile::kSize, 0.02 * radius, 8 * radius);
+  const Instance instance{glm::dmat4(1.0), 0, kNoObject};
+  drawable->draw(camera, {&instance, 1}, Output::color);
+  const auto tile = std::make_unique<FrameTile>();
+  tile->width = tile->height = FrameTile::kSize;
+  tile->samples = 4;
+  tile->nothing = float(1 / camera.z_far);
+  for (int block = 0; block < kBlocks; ++block) {
+    std::fill_n(tile->first[block].inverse_z, FrameTile::kBlockPixels, tile->nothing);
+    std::fill_n(tile->first[block].content, FrameTile::kBlockPixels, 0u);
+    tile->expanded[block] = tile->changed[block] = false;
+    tile->farthest[block] = tile->nothing;
+  }
+  drawable->tiles()->draw_tile(*tile);
+  EXPECT_GT(std::count(tile->changed, tile->changed + kBlocks, true), 10);
+  EXPECT_GT(std::count(tile->expanded, tile->expanded + kBlocks, true), 10);
+
+  // What each block shows nearest, at all samples of it.
+  for (int block = 0; block < kBlocks; ++block) {
+    float nearest = 0;
+    for (int s = 0; s < tile->planes(block); ++s)
+      for (const float z : tile->plane(block, s).inverse_z) nearest = std::max(nearest, z);
+    std::fill_n(tile->first[block].inverse_z, FrameTile::kBlockPixels, nearest);
+    tile->expanded[block] = tile->changed[block] = false;
+    tile->farthest[block] = nearest;
+  }
+  drawable->tiles()->draw_tile(*tile);
+  EXPECT_EQ(std::count(tile->changed, tile->changed + kBlocks, true), 0);
+  EXPECT_EQ(std::count(tile->expanded, tile->expanded + kBlocks, true), 0);
 }
 
 }  // namespace
