@@ -86,10 +86,15 @@ void NodeLayer::mark_edge(const Placed& placed, const MeshEdge& edge, EdgePixels
   if (top.y > bottom.y) std::swap(top, bottom);
   const double dx = bottom.x - top.x, dy = bottom.y - top.y, length2 = dx * dx + dy * dy;
   const double x_per_y = dy > 0 ? dx / dy : 0;
-  const auto pixel = [](double at, int size) { return std::clamp(int(at), 0, size - 1); };
-  for (int y = pixel(top.y, height_), last = pixel(bottom.y, height_); y <= last; ++y) {
+  // Ends may be farther away than an int reaches. What is no number becomes 0: max() compares with
+  // it, and keeps its first argument.
+  const auto pixel = [](double at, int size) {
+    return int(std::min(std::max(0.0, at), double(size - 1)));
+  };
+  const int first = pixel(top.y, height_), last = pixel(bottom.y, height_);
+  for (int y = first; y <= last; ++y) {
     // Of a line that is nearly level, all of it lies in a row or two.
-    const double enters = y <= int(top.y) ? top.x : top.x + (y - top.y) * x_per_y,
+    const double enters = y <= first ? top.x : top.x + (y - top.y) * x_per_y,
                  leaves = y >= last ? bottom.x : top.x + (y + 1 - top.y) * x_per_y;
     const int x0 = pixel(std::min(enters, leaves), width_),
               x1 = pixel(std::max(enters, leaves), width_);
