@@ -9,6 +9,7 @@
 #include "rilievo/core/count_allocations_test_helpers.h"
 #include "rilievo/environment_nodes/software/mesh_edges.h"
 #include "rilievo/environment_nodes/software/slow_nodes_test_helpers.h"
+#include "rilievo/environment_nodes/visible_faces.h"
 
 namespace rilievo {
 namespace {
@@ -233,6 +234,51 @@ TEST_F(EdgeSamplesTest, edges_are_borders_or_turn_away_from_eyes_beyond_their_re
   EXPECT_GT(turned, 50);
   // Each inner edge once; of the others some lie behind.
   EXPECT_GE(3 * int(mesh.surface_triangles()) - 2 * inner, borders);
+}
+
+// Where two faces of the cube meet, an edge is one face's, and the other may be visible alone.
+TEST_F(EdgeSamplesTest, no_edge_is_in_view_of_a_face_that_is_not_visible) {
+  const NodeMesh& mesh = nodes_[0].mesh;
+  const std::array<SideReach, 6> reaches = side_reaches(mesh);
+  const std::array<std::vector<MeshEdge>, 6> found = find_mesh_edges(mesh);
+  const auto between_faces = [&](const MeshEdge& edge) {
+    const glm::vec3 middle =
+        glm::abs(mesh.vertices[edge.from].direction) + glm::abs(mesh.vertices[edge.to].direction);
+    const float most = std::max(middle.x, std::max(middle.y, middle.z));
+    return edge.outer != MeshEdge::kNone &&
+           int(middle.x == most) + int(middle.y == most) + int(middle.z == most) > 1;
+  };
+  Random random(17);
+  const auto in = [&](float reach) { return double(random.between(-reach, reach)); };
+  int hidden = 0, seen = 0;
+  for (int i = 0; i < 200; ++i) {
+    const glm::dvec3 eye = i % 2 == 0 ? glm::dvec3(0) : glm::dvec3(in(1.5f), in(1), in(1.5f));
+    const Camera frame = look_at(eye, eye + glm::dvec3(in(1), in(1), in(1)) + 1e-6, {0, 1, 0},
+                                 double(random.between(0.2f, 1.2f)), 16, 9, 0.1, 10);
+    const std::array<bool, 6> visible = visible_faces(mesh, reaches, frame);
+    const glm::dmat4 to_clip = clip_from_node(mesh, frame);
+    for (std::size_t f = 0; f < 6; ++f)
+      for (const MeshEdge& edge : found[f]) {
+        const auto corner = [&](std::uint32_t v) {
+          return to_clip *
+                 glm::dvec4(glm::dvec3(mesh.vertices[v].direction), mesh.vertices[v].disparity);
+        };
+        const glm::dvec4 a = corner(edge.from), b = corner(edge.to);
+        double low = 0, high = 1;
+        for (const glm::dvec4& plane : {glm::dvec4(1, 0, 0, 1), glm::dvec4(-1, 0, 0, 1),
+                                        glm::dvec4(0, 1, 0, 1), glm::dvec4(0, -1, 0, 1)}) {
+          const double at_a = glm::dot(plane, a), at_b = glm::dot(plane, b);
+          if (at_a < 0 && at_b < 0) high = -1;
+          if (at_a < 0 && at_b >= 0) low = std::max(low, at_a / (at_a - at_b));
+          if (at_a >= 0 && at_b < 0) high = std::min(high, at_a / (at_a - at_b));
+        }
+        const bool in_view = low + 1e-9 < high;
+        EXPECT_TRUE(visible[f] || !in_view) << i << " " << f;
+        if (between_faces(edge)) (visible[f] ? seen : hidden) += visible[f] ? in_view : 1;
+      }
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_GT(hidden, 100);
 }
 
 }  // namespace

@@ -23,7 +23,8 @@ struct MeshEdge {
 
 // The edges of each face's surfaces, by reach. Not those of surfaces that begin behind a
 // silhouette of another: both lie on the same lines of sight of the node, and the eye sees a skin
-// beside them.
+// beside them. An edge where two faces meet is one face's: it lies on the border of both faces'
+// pyramids, and a face whose pyramid reaches into the frame is not left out (visible_faces.h).
 [[nodiscard]] std::array<std::vector<MeshEdge>, 6> find_mesh_edges(const NodeMesh& mesh);
 
 }  // namespace rilievo
