@@ -161,6 +161,7 @@ Result<> AutoFrames::measure_loss(const Camera& camera, double time, const AutoC
   if (of.db && frame_ % kLossFrames != 0) return Done{};
   for (int i = of.db ? kLossesOfTrial - 1 : 0; i < kLossesOfTrial; ++i)
     of.db = loss_of(*keyframes_);
+  if (of.db && good_enough(choice.draws)) of.refusals = 0;
   return Done{};
 }
 
@@ -171,14 +172,16 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
   if (!db) return db.error();
   if (!*db) return Done{};
   of.db = *db;
+  const bool good = good_enough(kLevels);
+  if (good) of.refusals = 0;
   const double finer_px = levels_.error_px / 2;
-  if (good_enough(kLevels) || finer_px < kFinestLevels * options_.error_px) return Done{};
+  if (good || finer_px < kFinestLevels * options_.error_px) return Done{};
   levels_.error_px = finer_px;
   levels_.chooser->set_error(finer_px);
   of.db.reset();
   if (losses_) losses_->forget();
   if (pieces_) pieces_->forget();
-  if (shown_) fade_.begin(*shown_, shown_camera_);
+  refined_ = true;
   return Done{};
 }
 
@@ -229,6 +232,7 @@ Result<> AutoFrames::draw_objects() {
 }
 
 Result<> AutoFrames::draw(const Camera& camera, double time) {
+  begun_drawn_ = false;
   if (camera.width != width_ || camera.height != height_)
     if (Result<> begun = begin(camera, time); !begun) return begun;
   if (only_direct_) {
@@ -258,8 +262,8 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   ++frame_;
   if (opengl && timed) backend_.finish();
   // By counts the methods are direct drawing and the cache, whose frames keep to what they say.
-  if (options_.by_clock && frame_ > 1 && choice.draws != drawn_by_ && shown_)
-    fade_.begin(*shown_, shown_camera_);
+  const bool differs = std::exchange(refined_, false) || choice.draws != drawn_by_;
+  if (options_.by_clock && frame_ > 1 && differs && shown_) fade_.begin(*shown_, shown_camera_);
   drawn_by_ = choice.draws;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();

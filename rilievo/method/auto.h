@@ -3,7 +3,7 @@
 //   direct      polygons, by the backend                                           exact
 //   rays        polygons, found by rays: their time hardly depends on the scene    exact
 //   cache       pictures of groups, within error_px                                a bound
-//   lod         levels of detail, within error_px as they state it, or half of it  estimated
+//   lod         levels of detail, within error_px as they state it, or less        estimated
 //   keyframes   whole frames from keyframes                                        measured
 //
 // Where it can be measured they lose at most loss_db, or as much as the cache, but at most

@@ -136,7 +136,8 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
     if (may_be_as_cache && !good_enough(kKeyframes)) {
       const Result<std::optional<double>> cache = loss_of_cache_soon(time);
       if (!cache) return cache.error();
-      cache_loss_ = *cache, loss.compared = cache->has_value();
+      if (*cache) cache_loss_ = *cache;
+      loss.compared = cache->has_value();
     }
     if (loss.db && good_enough(kKeyframes)) {
       decision_->begin_with(kKeyframes);

@@ -136,6 +136,7 @@ class AutoFrames final : public FrameSource {
   FrameFade fade_;                         // from another method's frames
   const SoftwareTarget* shown_ = nullptr;  // the last frame; null: no software drew it
   Camera shown_camera_;
+  bool refined_ = false;  // levels draw with a smaller error from the next frame on
   FrameStats stats_;
   bool failed_[kMethods] = {};
 
@@ -145,7 +146,7 @@ class AutoFrames final : public FrameSource {
     std::optional<double> db;  // none: not known
     int seen_in = 0;           // the last frame that the method drew
     bool compared = false;     // with the cache, where both are bad: no single look
-    int refusals = 0;          // in a row
+    int refusals = 0;          // since it was seen to be good enough
   } loss_[kMethods];
   double off_[kMethods] = {1, 1, 1, 1, 1};  // times as much as its model says
   std::optional<double> cache_loss_;        // none: not known

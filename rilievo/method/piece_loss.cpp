@@ -32,11 +32,12 @@ PieceLoss::PieceLoss(SoftwareBackend& backend)
 FramePiece piece_of(const Camera& camera, int i) {
   RILIEVO_EXPECTS(i >= 0 && i < kPieces);
   RILIEVO_EXPECTS(camera.width >= PieceLoss::kAcross && camera.height >= PieceLoss::kAcross);
-  const auto from = [](int size, int k) { return size * k / PieceLoss::kAcross; };
-  const int column = i % PieceLoss::kAcross, row = i / PieceLoss::kAcross;
-  FramePiece piece{from(camera.width, column), from(camera.height, row), camera};
-  piece.camera.width = from(camera.width, column + 1) - piece.x;
-  piece.camera.height = from(camera.height, row + 1) - piece.y;
+  constexpr int kAcross = PieceLoss::kAcross;
+  const int width = (camera.width + kAcross - 1) / kAcross,
+            height = (camera.height + kAcross - 1) / kAcross;
+  FramePiece piece{std::min(i % kAcross * width, camera.width - width),
+                   std::min(i / kAcross * height, camera.height - height), camera};
+  piece.camera.width = width, piece.camera.height = height;
   const ImageWindow& all = camera.window;
   const double across = (all.right - all.left) / camera.width,
                down = (all.bottom - all.top) / camera.height;

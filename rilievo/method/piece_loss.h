@@ -15,7 +15,8 @@
 
 namespace rilievo {
 
-// One of kAcross x kAcross pieces of a frame, which has the same pixels.
+// One of kAcross x kAcross pieces of a frame, which has the same pixels. All are as large: the last
+// ones of a row and a column may overlap those before.
 struct FramePiece {
   int x = 0, y = 0;  // of the frame: its first pixel
   Camera camera;

@@ -54,6 +54,8 @@ TEST_F(PieceLossTest, pieces_make_up_the_frame) {
   int differ = 0;
   for (int i = 0; i < kPieces; ++i) {
     const FramePiece piece = piece_of(camera_, i);
+    EXPECT_EQ(piece.camera.width, (camera_.width + 7) / 8);
+    EXPECT_EQ(piece.camera.height, (camera_.height + 7) / 8);
     const Rgba8Image part = draw(piece.camera, 0);
     for (int y = 0; y < part.height(); ++y)
       for (int x = 0; x < part.width(); ++x) {
@@ -62,7 +64,8 @@ TEST_F(PieceLossTest, pieces_make_up_the_frame) {
         for (int c = 0; c < 3; ++c) differ += std::abs(off[c]) > 2;
       }
   }
-  for (const int times : seen.texels()) EXPECT_EQ(times, 1);
+  // The last ones overlap.
+  for (const int times : seen.texels()) EXPECT_GE(times, 1);
   // Edges are rounded to a grid of each picture's own.
   EXPECT_LT(differ, 3 * camera_.width * camera_.height / 200);
 }
