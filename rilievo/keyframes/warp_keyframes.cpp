@@ -1,6 +1,7 @@
 #include "rilievo/keyframes/warp_keyframes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numeric>
@@ -97,6 +98,21 @@ double pixels_per_tangent(const Camera& camera) {
   return camera.width / (camera.window.right - camera.window.left);
 }
 
+// Of vectors of the world, from the target's eye, whose sum, by four coordinates, is a place.
+RasterMap map_of(const Camera& to, const std::array<glm::dvec3, 4>& columns) {
+  const glm::dmat3 axes(to.world_from_eye);
+  const ImageWindow& t = to.window;
+  RasterMap map{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const glm::dvec3 eye = glm::transpose(axes) * columns[i];
+    const double z = -eye.z;
+    map.x[i] = float((eye.x - t.left * z) / (t.right - t.left) * to.width);
+    map.y[i] = float((t.top * z - eye.y) / (t.top - t.bottom) * to.height);
+    map.z[i] = float(z);
+  }
+  return map;
+}
+
 // What each keyframe needs, the spare ones last. Kept by the thread that draws frames, until its
 // next call.
 std::span<const WarpSource> make_sources(std::span<const WarpedKeyframe> keyframes,
@@ -163,22 +179,16 @@ void copy_row(const Keyframe& key, int left, int y, std::span<std::uint32_t> col
 }  // namespace
 
 RasterMap raster_map(const Camera& to, const Camera& from) {
-  // World space, relative to the target's eye: R(x, y) and E.
-  const glm::dmat3 from_axes(from.world_from_eye), to_axes(to.world_from_eye);
-  const ImageWindow &f = from.window, &t = to.window;
-  const glm::dvec3 per_x = (f.right - f.left) / from.width * from_axes[0];
-  const glm::dvec3 per_y = (f.bottom - f.top) / from.height * from_axes[1];
-  const glm::dvec3 corner = from_axes * glm::dvec3(f.left, f.top, -1);
-  const glm::dvec3 columns[4] = {per_x, per_y, corner, from.position() - to.position()};
-  RasterMap map{};
-  for (int i = 0; i < 4; ++i) {
-    const glm::dvec3 eye = glm::transpose(to_axes) * columns[i];
-    const double z = -eye.z;
-    map.x[i] = float((eye.x - t.left * z) / (t.right - t.left) * to.width);
-    map.y[i] = float((t.top * z - eye.y) / (t.top - t.bottom) * to.height);
-    map.z[i] = float(z);
-  }
-  return map;
+  // World space: R(x, y), and E from the target's eye.
+  const glm::dmat3 axes(from.world_from_eye);
+  const ImageWindow& w = from.window;
+  return map_of(
+      to, {(w.right - w.left) / from.width * axes[0], (w.bottom - w.top) / from.height * axes[1],
+           axes * glm::dvec3(w.left, w.top, -1), from.position() - to.position()});
+}
+
+RasterMap raster_map(const Camera& to, const glm::dvec3& origin) {
+  return map_of(to, {glm::dvec3(1, 0, 0), {0, 1, 0}, {0, 0, 1}, origin - to.position()});
 }
 
 std::size_t WarpedFrame::holes() const {

@@ -39,6 +39,8 @@ struct RasterMap {
   float x[4], y[4], z[4];
 };
 [[nodiscard]] RasterMap raster_map(const Camera& to, const Camera& from);
+// The same of places (x, y, z, 1) and of directions (x, y, z, 0): world axes, from `origin` on.
+[[nodiscard]] RasterMap raster_map(const Camera& to, const glm::dvec3& origin);
 
 // A keyframe and how much it counts.
 struct WarpedKeyframe {

@@ -131,7 +131,7 @@ void splat(const WarpSource& source, int y, int from, int to, float near, const 
 // bytes, with those quarters of texels behind that show what is in front.
 struct Found {
   VF r, g, b, weight, cover, front;
-  VF own;  // the weights of quarters that show the surface, if not 0
+  VF own;  // of quarters that show the surface: the most of all keyframes
 };
 
 // The four quarters, or texels, around each place: upper left, upper right, and below; and the

@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
+#include "rilievo/keyframes/warp_keyframes.h"
 
 namespace rilievo {
 namespace {
@@ -19,22 +19,8 @@ constexpr double kFarOrigin = 1000;
 // In a key: the point is within kReach. No sign is lost, 1 / eye_z has none.
 constexpr std::uint64_t kClose = std::uint64_t(1) << 63;
 
-// From the points' space to raster coordinates times eye_z, and eye_z.
-struct ToRaster {
-  glm::vec4 x, y, z;
-};
-
-ToRaster to_raster(const Camera& camera, const glm::dvec3& origin) {
-  const glm::dmat3 axes(camera.world_from_eye);
-  const glm::dvec3 from_eye = origin - camera.position();
-  const auto along = [&](const glm::dvec3& axis) {
-    return glm::dvec4(axis, glm::dot(axis, from_eye));
-  };
-  const ImageWindow& w = camera.window;
-  const glm::dvec4 z = along(-axes[2]);
-  return {glm::vec4((along(axes[0]) - w.left * z) * (camera.width / (w.right - w.left))),
-          glm::vec4((w.top * z - along(axes[1])) * (camera.height / (w.top - w.bottom))),
-          glm::vec4(z)};
+float along(const float (&row)[4], const glm::vec4& place) {
+  return row[0] * place.x + row[1] * place.y + row[2] * place.z + row[3] * place.w;
 }
 
 void raise(std::uint64_t& value, std::uint64_t to) {
@@ -54,7 +40,7 @@ void HolePoints::show(const Camera& camera, std::span<const FramePixel> holes,
     index_ = Image<std::uint32_t>(camera.width, camera.height);
   for (std::size_t i = 0; i < holes.size(); ++i)
     index_(holes[i].x, holes[i].y) = std::uint32_t(i + 1);
-  const ToRaster to = to_raster(camera, origin_);
+  const RasterMap to = raster_map(camera, origin_);
   const auto width = float(camera.width), height = float(camera.height);
   const auto near = float(camera.z_near);
   parallel_for(std::size_t(0), (points_.size() + kRun - 1) / kRun, [&](std::size_t run) {
@@ -63,11 +49,10 @@ void HolePoints::show(const Camera& camera, std::span<const FramePixel> holes,
       const Point& point = points_[i];
       const bool surface = point.place.w > 0;
       if (surface && !included[point.object]) continue;
-      const float z = glm::dot(to.z, point.place);
+      const float z = along(to.z, point.place);
       if (!(z > (surface ? near : 0.0f))) continue;
       // The middle of pixel x is at x + 0.5.
-      const float x = glm::dot(to.x, point.place) / z - 0.5f,
-                  y = glm::dot(to.y, point.place) / z - 0.5f;
+      const float x = along(to.x, point.place) / z - 0.5f, y = along(to.y, point.place) / z - 0.5f;
       if (!(x > -1 && x < width && y > -1 && y < height)) continue;
       const std::uint64_t key =
           std::uint64_t(std::bit_cast<std::uint32_t>(surface ? 1 / z : 0.0f)) << 32 | (i + 1);
@@ -106,17 +91,13 @@ void HolePoints::keep(const Camera& camera, std::span<const FoundInHole> found) 
       if (point.place.w > 0) point.place = glm::vec4(glm::vec3(glm::dvec3(point.place) - way), 1);
     origin_ = camera.position();
   }
-  const glm::dmat3 axes(camera.world_from_eye);
-  const ImageWindow& w = camera.window;
-  const glm::dvec3 corner = axes * glm::dvec3(w.left, w.top, -1);
-  const glm::dvec3 per_x = (w.right - w.left) / camera.width * axes[0];
-  const glm::dvec3 per_y = (w.bottom - w.top) / camera.height * axes[1];
-  const glm::dvec3 eye = camera.position() - origin_;
   for (const FoundInHole& one : found) {
-    const glm::dvec3 ray = corner + (one.pixel.x + 0.5) * per_x + (one.pixel.y + 0.5) * per_y;
-    points_.push_back(
-        {one.inverse_z > 0 ? glm::vec4(eye + ray / double(one.inverse_z), 1) : glm::vec4(ray, 0),
-         one.color, one.object});
+    const glm::dvec2 raster(one.pixel.x + 0.5, one.pixel.y + 0.5);
+    const glm::vec4 place =
+        one.inverse_z > 0
+            ? glm::vec4(world_from_raster(camera, raster, 1 / double(one.inverse_z)) - origin_, 1)
+            : glm::vec4(world_from_raster(camera, raster, 1) - camera.position(), 0);
+    points_.push_back({place, one.color, one.object});
   }
 }
 

@@ -156,7 +156,7 @@ void KeyframeTiles::place_objects(const Image<std::uint32_t>& shown,
   State& s = *state_;
   RILIEVO_EXPECTS(s.warped);
   // Rays are cast anew, with one sample: what they found for colours is taken before.
-  if (s.uses_points) (void)find_holes(Camera(s.camera), *s.warped, objects, 0);
+  if (s.uses_points) (void)find_holes(s.camera, *s.warped, objects, 0);
   s.colors.clear();
   s.shown = &shown;
   s.samples = 1;
