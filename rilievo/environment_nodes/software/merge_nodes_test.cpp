@@ -31,12 +31,7 @@ class MergeNodesTest : public testing::Test {
     tile->width = frame.width, tile->height = frame.height, tile->samples = 1;
     tile->of = TileContent::color;
     tile->nothing = float(1 / frame.z_far);
-    for (int block = 0; block < FrameTile::kBlockCount; ++block) {
-      tile->expanded[block] = tile->changed[block] = false;
-      tile->farthest[block] = tile->nothing;
-      std::fill_n(tile->first[block].content, FrameTile::kBlockPixels, 0u);
-      std::fill_n(tile->first[block].inverse_z, FrameTile::kBlockPixels, tile->nothing);
-    }
+    tile->clear(0);
     const std::size_t all[] = {0, 1};
     tiles_.set_samples(1);
     tiles_.begin();

@@ -370,12 +370,7 @@ class DrawnNodesTest : public testing::Test {
     tile->samples = samples;
     tile->of = output == Output::color ? TileContent::color : TileContent::object_id;
     tile->nothing = float(1 / frame.z_far);
-    for (int block = 0; block < FrameTile::kBlockCount; ++block) {
-      tile->expanded[block] = tile->changed[block] = false;
-      tile->farthest[block] = tile->nothing;
-      std::fill_n(tile->first[block].content, FrameTile::kBlockPixels, 0u);
-      std::fill_n(tile->first[block].inverse_z, FrameTile::kBlockPixels, tile->nothing);
-    }
+    tile->clear(0);
     const std::size_t all[] = {0, 1, 2};
     tiles_.set_samples(samples);
     tiles_.begin();

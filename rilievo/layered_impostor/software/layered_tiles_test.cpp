@@ -107,12 +107,7 @@ TEST(LayeredTiles, blocks_that_show_as_near_a_surface_already_stay_as_they_are) 
   tile->width = tile->height = FrameTile::kSize;
   tile->samples = 4;
   tile->nothing = float(1 / camera.z_far);
-  for (int block = 0; block < kBlocks; ++block) {
-    std::fill_n(tile->first[block].inverse_z, FrameTile::kBlockPixels, tile->nothing);
-    std::fill_n(tile->first[block].content, FrameTile::kBlockPixels, 0u);
-    tile->expanded[block] = tile->changed[block] = false;
-    tile->farthest[block] = tile->nothing;
-  }
+  tile->clear(0);
   drawable->tiles()->draw_tile(*tile);
   EXPECT_GT(std::count(tile->changed, tile->changed + kBlocks, true), 10);
   EXPECT_GT(std::count(tile->expanded, tile->expanded + kBlocks, true), 10);

@@ -50,6 +50,16 @@ struct alignas(64) FrameTile {
   [[nodiscard]] Plane& plane(int block, int sample) {
     return sample == 0 ? first[block] : more[block][sample - 1];
   }
+  // Nothing is drawn, before this background. `nothing` must be set.
+  void clear(std::uint32_t background) {
+    for (Plane& plane : first) {
+      std::fill_n(plane.content, kBlockPixels, background);
+      std::fill_n(plane.inverse_z, kBlockPixels, nothing);
+    }
+    std::fill_n(expanded, kBlockCount, false);
+    std::fill_n(changed, kBlockCount, false);
+    std::fill_n(farthest, kBlockCount, nothing);
+  }
   // Gives a block samples of its own at each pixel.
   void expand(int block) {
     if (expanded[block]) return;

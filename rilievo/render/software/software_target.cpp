@@ -15,16 +15,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "colours are bytes of a word");
 static_assert(sizeof(glm::u8vec4) == sizeof(std::uint32_t));
 
-void clear(FrameTile& tile, std::uint32_t background) {
-  for (FrameTile::Plane& plane : tile.first) {
-    std::fill_n(plane.content, FrameTile::kBlockPixels, background);
-    std::fill_n(plane.inverse_z, FrameTile::kBlockPixels, tile.nothing);
-  }
-  std::fill_n(tile.expanded, FrameTile::kBlockCount, false);
-  std::fill_n(tile.changed, FrameTile::kBlockCount, false);
-  std::fill_n(tile.farthest, FrameTile::kBlockCount, tile.nothing);
-}
-
 }  // namespace
 
 SoftwareTarget::SoftwareTarget(int width, int height, int samples)
@@ -52,7 +42,7 @@ void SoftwareTarget::draw_tiles(TileContent of, double z_far,
     tile.samples = of == TileContent::color ? samples_ : 1;
     tile.of = of;
     tile.nothing = nothing_;
-    clear(tile, background);
+    tile.clear(background);
     for (const TileDrawer* drawer : drawers) drawer->draw_tile(tile);
     resolve_tile(tile, content, inverse_z, std::size_t(width()));
   });
