@@ -36,18 +36,11 @@ class NameHash {
   std::uint64_t state_ = 0xcbf29ce484222325u;
 };
 
-// The window of `count` columns from `first` on and as many rows, as fractions of the frame's.
+// One of so many parts of a frame in each direction, as large as the frame.
 Camera part_of(const Camera& frame, int across, int down, int parts) {
-  Camera camera = frame;
-  const ImageWindow& w = frame.window;
   const int columns = (frame.width + parts - 1) / parts, rows = (frame.height + parts - 1) / parts;
-  const double per_column = (w.right - w.left) / frame.width,
-               per_row = (w.top - w.bottom) / frame.height;
-  camera.window.left = w.left + across * columns * per_column;
-  camera.window.right = camera.window.left + columns * per_column;
-  camera.window.top = w.top - down * rows * per_row;
-  camera.window.bottom = camera.window.top - rows * per_row;
-  camera.width = columns * parts, camera.height = rows * parts;
+  Camera camera = camera_of_part(frame, across * columns, down * rows, columns, rows);
+  camera.width *= parts, camera.height *= parts;
   return camera;
 }
 

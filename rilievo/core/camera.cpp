@@ -84,6 +84,20 @@ glm::dvec3 world_from_raster(const Camera& camera, const glm::dvec2& raster, dou
   return glm::dvec3(camera.world_from_eye * eye);
 }
 
+Camera camera_of_part(const Camera& camera, int x, int y, int width, int height) {
+  Camera part = camera;
+  const ImageWindow& w = camera.window;
+  const double per_column = (w.right - w.left) / camera.width,
+               per_row = (w.top - w.bottom) / camera.height;
+  // A side that they share stays what it is.
+  if (x != 0) part.window.left = w.left + x * per_column;
+  if (x + width != camera.width) part.window.right = w.left + (x + width) * per_column;
+  if (y != 0) part.window.top = w.top - y * per_row;
+  if (y + height != camera.height) part.window.bottom = w.top - (y + height) * per_row;
+  part.width = width, part.height = height;
+  return part;
+}
+
 double texel_angle(const Camera& camera) {
   const double step = (camera.window.right - camera.window.left) / camera.width;
   if (camera.projection == Projection::parallel) return step;

@@ -61,6 +61,9 @@ struct Camera {
 [[nodiscard]] glm::dvec3 world_from_raster(const Camera& camera, const glm::dvec2& raster,
                                            double eye_z);
 
+// The camera of a rectangle of its texels, `x` and `y` from the top left; it may reach beyond.
+[[nodiscard]] Camera camera_of_part(const Camera& camera, int x, int y, int width, int height);
+
 // Angle in radians between the rays through two horizontally adjacent texels at the image's centre.
 // For a parallel camera: the width of a texel in metres.
 [[nodiscard]] double texel_angle(const Camera& camera);

@@ -38,6 +38,22 @@ TEST(Camera, raster_and_clip_agree_and_invert) {
   }
 }
 
+TEST(Camera, a_part_shows_the_same_texels) {
+  std::mt19937 rng(2);
+  for (int i = 0; i < 1000; ++i) {
+    const Camera c =
+        look_at(random_point(rng, 10), random_point(rng, 1), {0, 1, 0}, 1.0, 640, 480, 0.1, 100);
+    const int x = int(rng() % 600), y = int(rng() % 400);
+    const Camera part = camera_of_part(c, x, y, 1 + int(rng() % 300), 1 + int(rng() % 300));
+    const glm::dvec2 at(rng() % 300 + 0.25, rng() % 300 + 0.5);
+    const glm::dvec3 here = world_from_raster(part, at, 7),
+                     there = world_from_raster(c, at + glm::dvec2(x, y), 7);
+    EXPECT_LT(glm::distance(here, there), 1e-12);
+  }
+  const Camera c = look_at({1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 1.0, 640, 480, 0.1, 100);
+  EXPECT_EQ(camera_of_part(c, 0, 0, 640, 480), c);
+}
+
 TEST(Camera, tight_camera_holds_the_box_and_no_more) {
   std::mt19937 rng(2);
   for (int i = 0; i < 500; ++i) {

@@ -95,12 +95,8 @@ void add_sky(const Sky& sky, DepthImage& picture) {
 
 // Columns [from, to) of a camera, at `scale` times its size.
 Camera band_of(const Camera& camera, int from, int to, int scale) {
-  Camera band = camera;
-  const ImageWindow& w = camera.window;
-  const double per_column = (w.right - w.left) / camera.width;
-  band.window.left = w.left + from * per_column;
-  band.window.right = w.left + to * per_column;
-  band.width = (to - from) * scale, band.height = camera.height * scale;
+  Camera band = camera_of_part(camera, from, 0, to - from, camera.height);
+  band.width *= scale, band.height *= scale;
   return band;
 }
 

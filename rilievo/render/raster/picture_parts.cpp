@@ -40,11 +40,7 @@ int PictureParts::advance(double share) {
 void PictureParts::read(int from, int to, bool with_sky, DepthImage& picture) {
   RILIEVO_EXPECTS(found_ && 0 <= from && from < to && to <= camera_.height);
   const int first = camera_.height - to;  // rows of the samples are from the bottom
-  picture.camera = camera_;
-  const double per_row = (camera_.window.top - camera_.window.bottom) / camera_.height;
-  picture.camera.window.top = camera_.window.top - from * per_row;
-  picture.camera.window.bottom = camera_.window.top - to * per_row;
-  picture.camera.height = to - from;
+  picture.camera = camera_of_part(camera_, 0, from, camera_.width, to - from);
   identify(raster_.seen(), raster_.meshes(), first, picture);
   PictureView view = raster_.view(camera_);
   view.scene.scale = ColorScale::linear;
