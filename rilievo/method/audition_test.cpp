@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rilievo/frame/software/software_backend.h"
+#include "rilievo/method/darker_test_helpers.h"
 #include "rilievo/method/method.h"
 #include "rilievo/render/software/software_target.h"
 #include "rilievo/scene/builtin/builtin.h"
@@ -40,11 +41,6 @@ class AuditionTest : public ::testing::Test {
     shown.in_view.resize(scene_.objects.size());
     std::iota(shown.in_view.begin(), shown.in_view.end(), 0);
     return shown;
-  }
-  static Rgba8Image darker(Rgba8Image color, int by) {
-    for (glm::u8vec4& one : color.texels())
-      for (int k = 0; k < 3; ++k) one[k] = std::uint8_t(std::max(0, int(one[k]) - by));
-    return color;
   }
 
   Scene scene_;

@@ -45,12 +45,6 @@ constexpr double kNewestOff = 0.2;
 // With OpenGL frames overlap: one in so many is waited for, to be timed.
 constexpr int kTimedFrames = 8;
 
-// The share of the last of so many frames in their mean. The first one touches memory that others
-// do not, and may take several times as long: the second one replaces it.
-double newest_share(double least, int frames) {
-  return std::max(least, 1.0 / std::max(1, frames - 1));
-}
-
 }  // namespace
 
 std::uint64_t AutoFrames::count_mesh_triangles(const Scene& scene) {

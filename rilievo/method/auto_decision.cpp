@@ -56,6 +56,10 @@ double trial_mean(std::span<const double> ms) {
 
 }  // namespace
 
+double newest_share(double least, int frames) {
+  return std::max(least, 1.0 / std::max(1, frames - 1));
+}
+
 double FrameLoad::by_threads(double ms) const { return ms * kThreads / threads; }
 double FrameLoad::pixels_ms() const { return by_threads(kDirectPixelMs * pixels); }
 double FrameLoad::direct_ms() const {
@@ -355,10 +359,7 @@ void AutoDecision::add(double ms, bool disturbed) {
   // The first frames of a method that warms up are not what it takes: they are forgotten soon.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   const bool warms_up = since_change_ <= warm_up;
-  // The first frame of all touches memory that no other does: the second one replaces it.
-  ++cost.frames;
-  const double newest =
-      std::max(warms_up ? kNewestOfWarmUp : kNewest, 1.0 / std::max(1, cost.frames - 1));
+  const double newest = newest_share(warms_up ? kNewestOfWarmUp : kNewest, ++cost.frames);
   cost.mean_ms += (ms - cost.mean_ms) * newest;
   cost.age = 0;
   cost.guess_ms = guesses_[std::size_t(draws_)];

@@ -91,6 +91,10 @@ struct AutoChoice {
   double rival_ms = 0;
 };
 
+// The share of the last of so many frames in their mean, `least` of many. The first one touches
+// memory that others do not, and may take several times as long: the second one replaces it.
+[[nodiscard]] double newest_share(double least, int frames);
+
 // Decides for one sequence of frames.
 class AutoDecision {
  public:

@@ -18,8 +18,6 @@ constexpr int kPieces = PieceLoss::kAcross * PieceLoss::kAcross;
 constexpr int kStride = 27;
 // Of the sums, when a piece is added: those of a few hundred frames ago are of elsewhere.
 constexpr double kRemembered = 0.97;
-// As SampledLoss has it: rounding is no loss.
-constexpr double kRounding = 0.25;
 
 double square(const glm::dvec3& a) { return glm::dot(a, a); }
 
@@ -35,18 +33,9 @@ FramePiece piece_of(const Camera& camera, int i) {
   constexpr int kAcross = PieceLoss::kAcross;
   const int width = (camera.width + kAcross - 1) / kAcross,
             height = (camera.height + kAcross - 1) / kAcross;
-  FramePiece piece{std::min(i % kAcross * width, camera.width - width),
-                   std::min(i / kAcross * height, camera.height - height), camera};
-  piece.camera.width = width, piece.camera.height = height;
-  const ImageWindow& all = camera.window;
-  const double across = (all.right - all.left) / camera.width,
-               down = (all.bottom - all.top) / camera.height;
-  ImageWindow& part = piece.camera.window;
-  part.left = all.left + piece.x * across;
-  part.right = all.left + (piece.x + piece.camera.width) * across;
-  part.top = all.top + piece.y * down;
-  part.bottom = all.top + (piece.y + piece.camera.height) * down;
-  return piece;
+  const int x = std::min(i % kAcross * width, camera.width - width),
+            y = std::min(i / kAcross * height, camera.height - height);
+  return {x, y, camera_of_part(camera, x, y, width, height)};
 }
 
 Result<> PieceLoss::add(const Camera& camera, double time, const Rgba8Image& color) {
@@ -74,10 +63,7 @@ Result<> PieceLoss::add(const Camera& camera, double time, const Rgba8Image& col
 
 std::optional<double> PieceLoss::db() const {
   if (pieces_ < kEnough) return std::nullopt;
-  const double rounding = kRounding * counted_;
-  return without_own_noise(
-      10 * std::log10((shown_ + rounding) /
-                      (std::max(direct_, SampledLoss::kUnseen * counted_) + rounding)));
+  return without_own_noise(SampledLoss::loss_db(shown_, direct_, counted_));
 }
 
 }  // namespace rilievo

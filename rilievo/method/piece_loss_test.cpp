@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "rilievo/method/darker_test_helpers.h"
 #include "rilievo/method/direct.h"
 #include "rilievo/method/good_enough.h"
 #include "rilievo/render/software/software_target.h"
@@ -36,11 +37,6 @@ class PieceLossTest : public ::testing::Test {
     PieceLoss loss(*backend_);
     for (int i = 0; i < pieces; ++i) EXPECT_TRUE(loss.add(camera_, time, color).ok());
     return loss.db();
-  }
-  static Rgba8Image darker(Rgba8Image color, int by) {
-    for (glm::u8vec4& one : color.texels())
-      for (int k = 0; k < 3; ++k) one[k] = std::uint8_t(std::max(0, int(one[k]) - by));
-    return color;
   }
 
   Scene scene_;

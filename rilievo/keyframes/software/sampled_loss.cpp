@@ -124,9 +124,9 @@ void SampledLoss::add(const Camera& camera, std::span<const std::uint32_t> objec
   }
 }
 
-double SampledLoss::loss_db() const {
-  const double rounding = kRounding * counted_ + 1e-9;
-  return 10 * std::log10((shown_ + rounding) / (std::max(direct_, kUnseen * counted_) + rounding));
+double SampledLoss::loss_db(double shown, double direct, double counted) {
+  const double rounding = kRounding * counted + 1e-9;
+  return 10 * std::log10((shown + rounding) / (std::max(direct, kUnseen * counted) + rounding));
 }
 
 }  // namespace rilievo
