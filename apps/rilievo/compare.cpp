@@ -198,8 +198,7 @@ Result<> run_compare(CompareCommand options) {
         fmt::format("{} bends by time, and colours that tell positions do not", options.scene)};
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
-  options.method_options.eyes = eyes_of(plan->path, plan->frames);
-  options.method_options.eye_path = eye_path_of(plan->path, plan->frames);
+  set_eyes(*plan, options.method_options);
   options.method_options.impostors.background = options.real_time;
   options.method_options.by_clock = options.method_options.by_clock || options.real_time;
   Stages stages(opened->scene, options.frames.samples, &opened->deformations);

@@ -32,6 +32,19 @@ CameraPath turn_path(const Box& bounds, int frames, const Vantage& vantage) {
   return path;
 }
 
+std::vector<glm::vec3> eye_path_of(const CameraPath& path, int frames) {
+  std::vector<glm::vec3> eyes;
+  for (int frame = 0; frame < frames; ++frame)
+    eyes.emplace_back(camera_at(path, frame_time(path, frame), 1, 1).position());
+  return eyes;
+}
+
+Box bounds_of(std::span<const glm::vec3> places) {
+  Box bounds;
+  for (const glm::vec3& place : places) bounds.add(place);
+  return bounds;
+}
+
 }  // namespace
 
 bool is_frame_size(int width, int height) {
@@ -131,17 +144,11 @@ Result<FramePlan> plan_frames(const FrameOptions& options, const Representation&
   return plan;
 }
 
-std::vector<glm::vec3> eye_path_of(const CameraPath& path, int frames) {
-  std::vector<glm::vec3> eyes;
-  for (int frame = 0; frame < frames; ++frame)
-    eyes.emplace_back(camera_at(path, frame_time(path, frame), 1, 1).position());
-  return eyes;
-}
+Box eyes_of(const CameraPath& path, int frames) { return bounds_of(eye_path_of(path, frames)); }
 
-Box eyes_of(const CameraPath& path, int frames) {
-  Box eyes;
-  for (const glm::vec3& eye : eye_path_of(path, frames)) eyes.add(eye);
-  return eyes;
+void set_eyes(const FramePlan& plan, MethodOptions& options) {
+  options.eye_path = eye_path_of(plan.path, plan.frames);
+  options.eyes = bounds_of(options.eye_path);
 }
 
 Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened) {

@@ -9,6 +9,7 @@
 #include "rilievo/core/camera_path.h"
 #include "rilievo/core/result.h"
 #include "rilievo/kind/kind.h"
+#include "rilievo/method/method.h"
 
 namespace rilievo::app {
 
@@ -40,10 +41,10 @@ struct FramePlan {
 // The path asked for; or the representation's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options,
                                             const Representation& representation);
-// The eyes of a path, each at its frame.
-[[nodiscard]] std::vector<glm::vec3> eye_path_of(const CameraPath& path, int frames);
-// Around these.
+// The bounds of a path's eyes, each at its frame.
 [[nodiscard]] Box eyes_of(const CameraPath& path, int frames);
+// Tells a method of the eyes that the frames have, and of their bounds.
+void set_eyes(const FramePlan& plan, MethodOptions& options);
 // The path asked for; or the scene's own walk; or one found from its bounds.
 [[nodiscard]] Result<FramePlan> plan_frames(const FrameOptions& options, const OpenedScene& opened);
 

@@ -191,8 +191,7 @@ Result<> render_scene(const RenderCommand& options) {
   const Result<FramePlan> plan = plan_frames(options.frames, *opened);
   if (!plan) return plan.error();
   MethodOptions methods = options.methods;
-  methods.eyes = eyes_of(plan->path, plan->frames);
-  methods.eye_path = eye_path_of(plan->path, plan->frames);
+  set_eyes(*plan, methods);
   const Result<std::unique_ptr<gl::Context>> context =
       open_opengl({&options.method, 1}, options.frames.samples, methods);
   if (!context) return context.error();

@@ -308,8 +308,7 @@ Result<> view_scene(const ViewCommand& options) {
   for (const std::string& name : method_names())
     if (name != first) subject.methods.push_back(name);
   subject.make = [&](const std::string& method, MethodOptions methods) {
-    methods.eyes = eyes_of(plan->path, plan->frames);
-    methods.eye_path = eye_path_of(plan->path, plan->frames);
+    set_eyes(*plan, methods);
     methods.impostors.background = true;
     return stage.make(method, methods);
   };
