@@ -6,8 +6,8 @@
 // within kFarReach. Rays are cast of the other holes only. A point that no hole shows is forgotten:
 // there are at most as many as holes.
 //
-// Among leaves points come as close to each other as it happens: squares of a pixel's size would
-// leave a third of the holes without one, those of kFarReach leave a twentieth.
+// Among leaves points land where they happen to: with squares of a pixel's size alone, rays would
+// be cast of more than a third of a grove's holes; with those of kFarReach it is a fifth.
 //
 // For what stands still. All cores; the result does not depend on the number of threads. A steady
 // frame allocates nothing.

@@ -34,7 +34,8 @@ struct KeyframeFramesOptions {
   int samples = 4;  // of a pixel, for polygons and what is filled: 1 or 4
   // Frames of which rays would have to fill a larger share get a keyframe at once.
   double most_filled = 0.2;
-  // More holes than these get one sample each, for the sake of time, and the frames after show it.
+  // Up to so many holes get all samples of a pixel. Of more each gets one, which later frames show
+  // again (hole_points.h).
   std::size_t most_fine = 20000;
   NearObjectsOptions near;  // what is drawn as polygons because it is near; by the rasteriser only
   // With a limit of time, are whole frames polygons where these take less?
