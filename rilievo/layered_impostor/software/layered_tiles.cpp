@@ -47,6 +47,7 @@ class LayeredTiles final : public ImpostorTiles {
   struct Centers;
   void look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
                        Centers& centers) const;
+  void look_beside(const PlacedLayered& placed, const FrameTile& tile, Centers& centers) const;
   void draw_block(const PlacedLayered& placed, const Centers& centers, const TileBits& along,
                   FrameTile& tile, int block) const;
   void draw_samples(const PlacedLayered& placed, const Centers& centers, std::uint64_t pixels,
@@ -272,21 +273,62 @@ void LayeredTiles::look(const PlacedLayered& placed, const std::array<Gaze, kRow
 struct LayeredTiles::Centers {
   TileBits asked, shown;
   SeenLayered seen[FrameTile::kBlockCount][FrameTile::kBlockPixels];  // where asked for
+  // What the pixels beside the tile show: above, below, left, right.
+  float beside[4][FrameTile::kSize];
 
+  [[nodiscard]] float inverse_z(int x, int y) const {
+    if (y < 0 || y > 63) return beside[y < 0 ? 0 : 1][x];
+    if (x < 0 || x > 63) return beside[x < 0 ? 2 : 3][y];
+    return seen[y / kRow * FrameTile::kBlocks + x / kRow][y % kRow * kRow + x % kRow].inverse_z;
+  }
   // Where along its rays a pixel of a silhouette shows something, as it and its neighbours do.
   [[nodiscard]] std::pair<double, double> stretch(const PlacedLayered& placed, int x, int y) const {
     float farthest = 1e30f, nearest = 0;
-    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, 63); ++v)
-      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, 63); ++u)
+    for (int v = y - 1; v <= y + 1; ++v)
+      for (int u = x - 1; u <= x + 1; ++u)
         if (shown.has(u, v)) {
-          const float z =
-              seen[v / kRow * FrameTile::kBlocks + u / kRow][v % kRow * kRow + u % kRow].inverse_z;
+          const float z = inverse_z(u, v);
           farthest = std::min(farthest, z), nearest = std::max(nearest, z);
         }
     return {1 / (double(nearest) * placed.scale) - placed.margin,
             1 / (double(farthest) * placed.scale) + placed.margin};
   }
 };
+
+// The pixels beside the tile, next to those asked for: a silhouette may pass along its border. What
+// is nearer there is in another tile, and is not looked for.
+void LayeredTiles::look_beside(const PlacedLayered& placed, const FrameTile& tile,
+                               Centers& centers) const {
+  constexpr int kLast = FrameTile::kSize - 1;
+  for (int side = 0; side < 4; ++side)
+    for (int begin = 0; begin < FrameTile::kSize; begin += kRow) {
+      // Of the k-th: itself if `out` is 1, and its neighbour in the tile if that is 0.
+      const auto place = [&](int k, int out) {
+        const int across = side % 2 == 0 ? -out : kLast + out;
+        return side < 2 ? glm::ivec2(begin + k, across) : glm::ivec2(across, begin + k);
+      };
+      std::uint32_t wanted = 0;
+      std::array<Gaze, kRow> gazes;
+      for (int k = 0; k < kRow; ++k) {
+        const glm::ivec2 within = place(k, 0);
+        const int x = tile.x + place(k, 1).x, y = tile.y + place(k, 1).y;
+        gazes[std::size_t(k)].at = {x + 0.5, y + 0.5};
+        if (centers.asked.has(within.x, within.y) && x >= placed.x0 && x < placed.x1 &&
+            y >= placed.y0 && y < placed.y1)
+          wanted |= 1u << k;
+      }
+      if (!wanted) continue;
+      SeenLayered shown[kRow];
+      look(placed, gazes, wanted, shown);
+      for (int k = 0; k < kRow; ++k) {
+        if (!(wanted >> k & 1)) continue;
+        const glm::ivec2 at = place(k, 1);
+        centers.beside[side][begin + k] = shown[k].inverse_z;
+        centers.asked.set(at.x, at.y);
+        if (shown[k].inverse_z != kSeesNothing) centers.shown.set(at.x, at.y);
+      }
+    }
+}
 
 void LayeredTiles::look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
                                    Centers& centers) const {
@@ -392,6 +434,7 @@ void LayeredTiles::draw_tile(FrameTile& tile) const {
     centers.asked = centers.shown = {};
     for (int block = 0; block < FrameTile::kBlockCount; ++block)
       look_at_centers(placed, tile, block, centers);
+    if (tile.samples == 4) look_beside(placed, tile, centers);
     const TileBits along =
         tile.samples == 4 ? silhouette_pixels(centers.asked, centers.shown) : TileBits{};
     for (int block = 0; block < FrameTile::kBlockCount; ++block)

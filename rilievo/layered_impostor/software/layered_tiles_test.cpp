@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <random>
 #include <span>
@@ -92,6 +93,21 @@ TEST(LayeredTiles, a_one_sided_lawn_is_what_the_slow_drawing_shows) {
   expect_same_surfaces(test_shapes::impostor_of_scene(test_shapes::lawn(false), 96), directions);
 }
 
+// A tile of a frame that shows nothing yet.
+std::unique_ptr<FrameTile> empty_tile(const Camera& camera, int x, int y) {
+  auto tile = std::make_unique<FrameTile>();
+  tile->x = x, tile->y = y, tile->width = camera.width, tile->height = camera.height;
+  tile->samples = 4;
+  tile->nothing = float(1 / camera.z_far);
+  tile->clear(0);
+  return tile;
+}
+
+std::uint32_t content_at(FrameTile& tile, int x, int y, int sample) {
+  const TilePixel at(tile, x, y);
+  return tile.plane(at.block, tile.expanded[at.block] ? sample : 0).content[at.pixel];
+}
+
 // The impostor's bounds begin before all of these samples, so that it is marched.
 TEST(LayeredTiles, blocks_that_show_as_near_a_surface_already_stay_as_they_are) {
   constexpr int kBlocks = FrameTile::kBlockCount;
@@ -103,11 +119,7 @@ TEST(LayeredTiles, blocks_that_show_as_near_a_surface_already_stay_as_they_are) 
                                 FrameTile::kSize, FrameTile::kSize, 0.02 * radius, 8 * radius);
   const Instance instance{glm::dmat4(1.0), 0, kNoObject};
   drawable->draw(camera, {&instance, 1}, Output::color);
-  const auto tile = std::make_unique<FrameTile>();
-  tile->width = tile->height = FrameTile::kSize;
-  tile->samples = 4;
-  tile->nothing = float(1 / camera.z_far);
-  tile->clear(0);
+  const auto tile = empty_tile(camera, 0, 0);
   drawable->tiles()->draw_tile(*tile);
   EXPECT_GT(std::count(tile->changed, tile->changed + kBlocks, true), 10);
   EXPECT_GT(std::count(tile->expanded, tile->expanded + kBlocks, true), 10);
@@ -124,6 +136,50 @@ TEST(LayeredTiles, blocks_that_show_as_near_a_surface_already_stay_as_they_are) 
   drawable->tiles()->draw_tile(*tile);
   EXPECT_EQ(std::count(tile->changed, tile->changed + kBlocks, true), 0);
   EXPECT_EQ(std::count(tile->expanded, tile->expanded + kBlocks, true), 0);
+}
+
+// The borders of four tiles pass through the middle of a fifth one.
+TEST(LayeredTiles, silhouettes_along_the_borders_of_tiles_are_as_elsewhere) {
+  constexpr int kSide = FrameTile::kSize, kHalf = kSide / 2;
+  const LayeredImpostor impostor = test_shapes::jug_impostor(64);
+  const auto drawable = make_layered_tiles(impostor, {});
+  const glm::dvec3 center(impostor.bounds.center());
+  const double radius = double(impostor.bounds.radius());
+  Random random(3);
+  int mixed = 0, along_borders = 0, other = 0;
+  for (int i = 0; i < 24; ++i) {
+    const auto in = [&](double reach) { return reach * double(random.between(-1, 1)); };
+    const glm::dvec3 eye =
+        center + 3 * radius * glm::normalize(glm::dvec3(in(1), in(1), in(1)) + 1e-6);
+    const glm::dvec3 aim = center + radius * glm::dvec3(in(0.7), in(0.7), in(0.7));
+    const Camera camera =
+        look_at(eye, aim, {0.1, 1, 0}, 0.8, 2 * kSide, 2 * kSide, 0.02 * radius, 8 * radius);
+    const Instance instance{glm::dmat4(1.0), 0, kNoObject};
+    drawable->draw(camera, {&instance, 1}, Output::color);
+    const auto middle = empty_tile(camera, kHalf, kHalf);
+    drawable->tiles()->draw_tile(*middle);
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const auto tile = empty_tile(camera, quarter % 2 * kSide, quarter / 2 * kSide);
+      drawable->tiles()->draw_tile(*tile);
+      // Not the border of the fifth one itself.
+      for (int v = std::max(tile->y, kHalf + 1); v < std::min(tile->y, kHalf - 1) + kSide; ++v)
+        for (int u = std::max(tile->x, kHalf + 1); u < std::min(tile->x, kHalf - 1) + kSide; ++u) {
+          const bool at_border = u == kSide - 1 || u == kSide || v == kSide - 1 || v == kSide;
+          bool differs = false, mixes = false;
+          for (int s = 0; s < 4; ++s) {
+            const std::uint32_t here = content_at(*tile, u, v, s);
+            differs |= here != content_at(*middle, u, v, s);
+            mixes |= (here == 0) != (content_at(*tile, u, v, 0) == 0);
+          }
+          other += differs;
+          mixed += mixes, along_borders += mixes && at_border;
+        }
+    }
+  }
+  RecordProperty("other", other);
+  EXPECT_GT(mixed, 1000);
+  EXPECT_GT(along_borders, 50);
+  EXPECT_EQ(other, 0);
 }
 
 }  // namespace
