@@ -40,6 +40,56 @@ HWY_INLINE VU mix_bytes(VU a, VU b, VU of_b) {
   return hn::Or(hn::And(hn::ShiftRight<8>(low), even), hn::AndNot(even, high));
 }
 
+// What the old frame shows between four texels, the nearest one's depth, and these places.
+struct OldTexels {
+  VI first, right, below;  // of the top left texel; what is added for the nearest one
+  VU to_right, down;       // shares of 256
+};
+
+struct OldPixels {
+  VF inverse_z;
+  VU color;
+};
+
+HWY_INLINE VU mixed_texels(const OldTexels& at, VU a, VU b, VU c, VU d) {
+  return mix_bytes(mix_bytes(a, b, at.to_right), mix_bytes(c, d, at.to_right), at.down);
+}
+
+// Where all texels lie in 2 N of two rows, N lanes: several times as fast as to gather them.
+// `offset`: from the first one.
+HWY_INLINE OldPixels load_texels(const FadedFrames& frames, const OldTexels& at, std::size_t from,
+                                 VI offset) {
+  const F f;
+  const I i;
+  const U u;
+  const std::size_t below = from + std::size_t(frames.width);
+  const VI last = hn::Set(i, int(hn::Lanes(i)) - 1);
+  const auto look = [&](auto d, const auto* row, VI index) {
+    const auto lane = hn::IndicesFromVec(d, hn::And(index, last));
+    return hn::IfThenElse(hn::RebindMask(d, hn::Gt(index, last)),
+                          hn::TableLookupLanes(hn::LoadU(d, row + hn::Lanes(d)), lane),
+                          hn::TableLookupLanes(hn::LoadU(d, row), lane));
+  };
+  const VI next = hn::Add(offset, hn::Set(i, 1)), nearest = hn::Add(offset, at.right);
+  const float* depths = frames.old_inverse_z;
+  const std::uint32_t* colors = frames.old_color;
+  const auto lower = hn::RebindMask(f, hn::Gt(at.below, hn::Zero(i)));
+  return {hn::IfThenElse(lower, look(f, depths + below, nearest), look(f, depths + from, nearest)),
+          mixed_texels(at, look(u, colors + from, offset), look(u, colors + from, next),
+                       look(u, colors + below, offset), look(u, colors + below, next))};
+}
+
+HWY_INLINE OldPixels gather_texels(const FadedFrames& frames, const OldTexels& at) {
+  const F f;
+  const I i;
+  const U u;
+  const VI one = hn::Set(i, 1), lower = hn::Add(at.first, hn::Set(i, frames.width));
+  const auto texels = [&](VI index) { return hn::GatherIndex(u, frames.old_color, index); };
+  return {hn::GatherIndex(f, frames.old_inverse_z, hn::Add(at.first, hn::Add(at.right, at.below))),
+          mixed_texels(at, texels(at.first), texels(hn::Add(at.first, one)), texels(lower),
+                       texels(hn::Add(lower, one)))};
+}
+
 // Pixels from (x, y) on, whose colours and depths are given.
 HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
   const F f;
@@ -69,24 +119,26 @@ HWY_INLINE VU mixed(const FadedFrames& frames, int x, int y, VU color, VF w) {
   const VF right_by = hn::Sub(x_in, hn::ConvertTo(f, left)),
            down_by = hn::Sub(y_in, hn::ConvertTo(f, top));
   const VI stride = hn::Set(i, frames.width), first = hn::Add(hn::Mul(top, stride), left);
-  // The nearest texel shows the surface.
-  const VF half = of(0.5f);
-  const VI right = hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(right_by, half)), hn::Set(i, 1));
-  const VI below = hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(down_by, half)), stride);
-  const VF shown = hn::GatherIndex(f, frames.old_inverse_z, hn::Add(first, hn::Add(right, below)));
-  const auto same = hn::And(
-      inside, hn::Le(hn::Abs(hn::Sub(shown, expected)), hn::Mul(of(kSameSurface), expected)));
-  if (hn::AllFalse(f, same)) return color;
-  const auto texels = [&](VI at) { return hn::GatherIndex(u, frames.old_color, at); };
-  const VI one = hn::Set(i, 1), lower = hn::Add(first, stride);
   const auto shares = [&](VF of_one) {
     return hn::BitCast(u, hn::ConvertTo(i, hn::Mul(of_one, of(256))));
   };
-  const VU to_right = shares(right_by), down = shares(down_by);
-  const VU old = mix_bytes(mix_bytes(texels(first), texels(hn::Add(first, one)), to_right),
-                           mix_bytes(texels(lower), texels(hn::Add(lower, one)), to_right), down);
+  // The nearest texel shows the surface.
+  const VF half = of(0.5f);
+  const OldTexels texels{
+      first, hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(right_by, half)), hn::Set(i, 1)),
+      hn::IfThenElseZero(hn::RebindMask(i, hn::Ge(down_by, half)), stride), shares(right_by),
+      shares(down_by)};
+  // Where the frames differ little a row's pixels lie in one row.
+  const int lanes = int(hn::Lanes(i)), from = hn::GetLane(hn::MinOfLanes(i, first));
+  const VI offset = hn::Sub(first, hn::Set(i, from));
+  const bool near_by_each_other = hn::AllTrue(i, hn::Lt(offset, hn::Set(i, 2 * lanes - 1))) &&
+                                  from + frames.width + 2 * lanes <= frames.width * frames.height;
+  const OldPixels old = near_by_each_other ? load_texels(frames, texels, std::size_t(from), offset)
+                                           : gather_texels(frames, texels);
+  const auto same = hn::And(inside, hn::Le(hn::Abs(hn::Sub(old.inverse_z, expected)),
+                                           hn::Mul(of(kSameSurface), expected)));
   return hn::IfThenElse(hn::RebindMask(u, same),
-                        mix_bytes(color, old, hn::Set(u, frames.old_weight)), color);
+                        mix_bytes(color, old.color, hn::Set(u, frames.old_weight)), color);
 }
 
 void fade(const FadedFrames& frames, FrameTile& tile) {
