@@ -30,6 +30,9 @@ constexpr int kFirstKeyframes = 64;
 // are; and what was not good enough is looked at again after so many frames, then twice as many, at
 // most so many: somewhere else it may be.
 constexpr int kLossFrames = 4, kLossFramesOfLevels = 8, kLooksAgain = 80, kLooksAgainAtMost = 1280;
+// Of levels that lose less than this share of what is allowed one frame in so many.
+constexpr double kFarFrom = 0.5;
+constexpr int kLossFramesIfSure = 32;
 // Levels that are not good enough get half the error, down to this share of what was asked for.
 constexpr double kFinestLevels = 0.125;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
@@ -179,6 +182,12 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
   return Done{};
 }
 
+// Are its frames as near to the truth as polygons, or as can be seen?
+bool AutoFrames::looks_exact(int method) const {
+  const Loss& of = loss_[method];
+  return method == kDirect || method == kRays || (method != kCache && of.db && *of.db <= 0);
+}
+
 // By rays, or by polygons in a scene that rays do not know. Often until it is known, since the one
 // frame that was looked at before they drew says little of others. None: it is not known, or was
 // not looked at.
@@ -186,7 +195,9 @@ Result<std::optional<double>> AutoFrames::look_at_levels(const Camera& camera, d
   const std::optional<double> unknown;
   const SoftwareTarget* target = active_->software_target();
   if (!target || preparing_ >= 0) return unknown;
-  const bool seldom = frame_ % kLossFramesOfLevels != 0;
+  const bool sure = loss_[kLevels].db && *loss_[kLevels].db <= kFarFrom * options_.loss_db;
+  const bool seldom =
+      !eye_.jumped() && frame_ % (sure ? kLossFramesIfSure : kLossFramesOfLevels) != 0;
   if (losses_) {
     const bool known = losses_->db().has_value();
     if (known && seldom) return unknown;
@@ -256,8 +267,11 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
   ++frame_;
   if (opengl && timed) backend_.finish();
   // By counts the methods are direct drawing and the cache, whose frames keep to what they say.
-  const bool differs = std::exchange(refined_, false) || choice.draws != drawn_by_;
-  if (options_.by_clock && frame_ > 1 && differs && shown_) fade_.begin(*shown_, shown_camera_);
+  const bool changes = std::exchange(refined_, false) || choice.draws != drawn_by_;
+  const bool differs_little = looks_exact(drawn_by_) && looks_exact(choice.draws);
+  if (options_.by_clock && frame_ > 1 && changes && shown_)
+    fade_.begin(*shown_, shown_camera_,
+                differs_little ? FrameFade::kFewFrames : FrameFade::kFrames);
   drawn_by_ = choice.draws;
   shared_chooser_->use_cache(choice.draws == kCache);
   active_ = frames_[choice.draws == kCache ? kDirect : choice.draws].get();

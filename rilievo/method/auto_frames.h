@@ -102,6 +102,7 @@ class AutoFrames final : public FrameSource {
   void measure_load(const Camera& camera);
   [[nodiscard]] bool in_a_hurry(double guess_ms) const;
   [[nodiscard]] bool good_enough(int method);
+  [[nodiscard]] bool looks_exact(int method) const;
   void learn_direct(double ms);
   Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
   Result<> measure_loss_of_levels(const Camera& camera, double time);

@@ -20,11 +20,12 @@ void FrameFade::reserve(int width, int height) {
   target_ = SoftwareTarget(width, height, 1);
 }
 
-void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera) {
+void FrameFade::begin(const SoftwareTarget& shown, const Camera& camera, int frames) {
+  RILIEVO_EXPECTS(frames > 0);
   old_ = shown.color();
   old_inverse_z_ = shown.inverse_z();
   old_camera_ = camera;
-  left_ = kFrames;
+  of_ = left_ = frames;
 }
 
 void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
@@ -36,7 +37,7 @@ void FrameFade::mix(const SoftwareTarget& frame, const Camera& camera) {
   frames_.inverse_z = frame.inverse_z().texels().data();
   frames_.old_inverse_z = old_inverse_z_.texels().data();
   frames_.width = frame.width(), frames_.height = frame.height();
-  frames_.old_weight = std::uint32_t(256 * left_ / (kFrames + 1));
+  frames_.old_weight = std::uint32_t(256 * left_ / (of_ + 1));
   --left_;
   if (target_.width() != frame.width() || target_.height() != frame.height())
     target_ = SoftwareTarget(frame.width(), frame.height(), 1);

@@ -19,11 +19,15 @@ namespace rilievo {
 class FrameFade final : private TileDrawer {
  public:
   static constexpr int kFrames = 8;
+  // Where both methods show as nearly the truth as can be seen, on the whole: a small part of the
+  // frame may still differ.
+  static constexpr int kFewFrames = 2;
 
   // Takes the memory for frames of this size now, so that no fade does.
   void reserve(int width, int height);
-  // From `shown`, a frame of `camera`. May be the target() of a fade that goes on.
-  void begin(const SoftwareTarget& shown, const Camera& camera);
+  // From `shown`, a frame of `camera`, in so many frames. May be the target() of a fade that goes
+  // on.
+  void begin(const SoftwareTarget& shown, const Camera& camera, int frames = kFrames);
   void end() { left_ = 0; }
   [[nodiscard]] bool goes_on() const { return left_ > 0; }
 
@@ -37,7 +41,7 @@ class FrameFade final : private TileDrawer {
  private:
   void draw_tile(FrameTile& tile) const override;
 
-  int left_ = 0;
+  int of_ = kFrames, left_ = 0;
   Rgba8Image old_;
   Image<float> old_inverse_z_;
   Camera old_camera_, camera_;
