@@ -285,7 +285,10 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     ms = watch.ms();
   }
   show(camera, time, choice.draws);
-  if (choice.draws == kKeyframes) keyframes_seen_ = frame_;
+  // During a trial of another they go on: it may fail.
+  const bool kept = choice.draws != kKeyframes && decision_->draws() == kKeyframes && keyframes_ &&
+                    preparing_ < 0 && keyframes_->prepare(camera, time, false);
+  if (choice.draws == kKeyframes || kept) keyframes_seen_ = frame_;
   if (choice.prepares >= 0) prepare(choice.prepares);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);
   if (options_.by_clock && (choice.draws == kKeyframes || choice.draws == kLevels))

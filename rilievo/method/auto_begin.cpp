@@ -13,8 +13,9 @@ constexpr double kKeyframesPay = 2.75, kKeyframesMayPay = 1.3;
 // Levels of detail leave about so many triangles for a pixel of an object's bounds, and so many of
 // an object at least.
 constexpr double kLevelTriangles = 2, kLeastLevel = 300;
-// The cache's pictures are as bad as they become after so many frames, more or less.
-constexpr double kCacheAges = 3;
+// The cache's pictures are as bad as they become after so many frames, more or less: until then
+// some that were captured are still good enough to be drawn, and others not yet captured.
+constexpr double kCacheAges[] = {0, 3, 6};
 
 // An object of so many triangles in view.
 void add_object(const Camera& camera, const Box& bounds, double triangles, FrameLoad& load) {
@@ -155,7 +156,7 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
   return Done{};
 }
 
-// How good are the cache's frames, once its pictures are some frames old? Draws two of them, which
+// How good are the cache's frames, once its pictures are some frames old? Draws some of them, which
 // nobody sees: where the eye is, of which pictures are captured, and where it will be. None: it is
 // not known.
 Result<std::optional<double>> AutoFrames::loss_of_cache_soon(double time) {
@@ -166,9 +167,11 @@ Result<std::optional<double>> AutoFrames::loss_of_cache_soon(double time) {
   if (shown_) fade_.begin(*shown_, shown_camera_);
   shown_ = nullptr;
   shared_chooser_->use_cache(true);
-  const Camera soon = eye_.after(kCacheAges);
-  for (const Camera& camera : {eye_.after(0), soon})
-    if (Result<> drawn = frames.draw(camera, time); !drawn) return drawn.error();
+  Camera soon;
+  for (const double age : kCacheAges) {
+    soon = eye_.after(age);
+    if (Result<> drawn = frames.draw(soon, time); !drawn) return drawn.error();
+  }
   if (shared_chooser_->cache_failed()) return std::optional<double>();
   const Rgba8Image color = frames.software_target()->color();
   if (!moves_) {

@@ -35,6 +35,8 @@ constexpr double kHopelessWarmingUp = 1.6;
 constexpr double kLikely = 0.5;
 // What warms up for so many frames is dear to return to.
 constexpr int kWarmsUpLong = 5;
+// So much more than later on its frames take while it warms up again.
+constexpr double kWarmUpMore = 0.3;
 // And one whose frames together take so many frames' time more.
 constexpr double kMostMore = 5;
 // What is prepared in the time of so many frames need not gain much.
@@ -179,8 +181,12 @@ int AutoDecision::worth_trying(std::span<const AutoOutlook> outlook, bool ready)
     // A model knows what has changed since; without one the method may have become cheaper.
     if (one.guess_ms > 0 && likely > kMaySpike * free_ms()) continue;
     const int frames = candidate.warm_up + kTrial;
-    // What is likely to be no dearer is no expense, however much others were.
-    if (likely > free_ms() && !affordable((likely - free_ms()) * frames)) continue;
+    // What is likely to be no dearer is no expense, however much others were; but to return to what
+    // warms up for long is one.
+    double expense = std::max(0.0, likely - free_ms()) * frames;
+    if (cost.mean_ms > 0 && candidate.warm_up >= kWarmsUpLong)
+      expense += kWarmUpMore * likely * candidate.warm_up;
+    if (expense > 0 && !affordable(expense)) continue;
     const double pays = kPaysWithin * candidate.chance * (now - (hope + likely) / 2);
     const bool promises =
         cost.mean_ms == 0 && one.guess_ms > 0 && one.guess_ms <= (1 - kMuchCheaper) * now;

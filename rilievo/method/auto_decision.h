@@ -126,6 +126,8 @@ class AutoDecision {
   }
   // The method's that draws, without trials; 0: not known yet.
   [[nodiscard]] double drawn_ms() const { return mean_ms(draws_); }
+  // It draws, but for a trial of another.
+  [[nodiscard]] int draws() const { return draws_; }
   void set_pace(double ms) { pace_ms_ = ms; }
 
  private:

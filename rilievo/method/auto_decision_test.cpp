@@ -242,6 +242,25 @@ TEST(AutoDecision, what_begins_later_draws_from_then_on_and_warms_up) {
   }
 }
 
+// The cache took as much as keyframes do: to return to it takes a dozen dear frames.
+TEST(AutoDecision, what_warms_up_for_long_is_not_tried_again_where_it_gains_little) {
+  const auto drawn_again = [](double more) {
+    const AutoCandidate candidates[] = {{"cache", 1, 12}, {"keyframes", 3, 1, 0.5, 20}};
+    AutoDecision decision(candidates, 0);
+    int drawn = 0;
+    for (int frame = 0; frame < 100; ++frame) {
+      const AutoOutlook outlook[] = {{true, false, true, 0, 0}, {frame >= 20, false, true, 24, 0}};
+      const AutoChoice choice = decision.next(outlook);
+      drawn += frame >= 50 && choice.draws == 0;
+      // Keyframes take less at first, and then hardly less than the cache, or much more.
+      decision.add(choice.draws == 0 ? 30 : frame < 50 ? 24 : 24 + more);
+    }
+    return drawn;
+  };
+  EXPECT_EQ(drawn_again(5), 0);
+  EXPECT_GT(drawn_again(16), 30);
+}
+
 TEST(AutoDecision, what_was_taken_stays_for_its_dwell) {
   for (const int dwell : {5, 40}) {
     const AutoCandidate candidates[] = {{"cache", 0}, {"keyframes", 1, 0, 1, dwell}};
