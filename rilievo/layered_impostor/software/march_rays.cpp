@@ -49,6 +49,8 @@ HWY_INLINE VI select(MF mask, VI yes, VI no) {
 }
 HWY_INLINE VF select(MF mask, VF yes, VF no) { return hn::IfThenElse(mask, yes, no); }
 
+#include "rilievo/core/load_records.inl"
+
 // A vector of rays on their way over a surface.
 class March {
  public:
@@ -127,6 +129,7 @@ class March {
 
   struct Patch {
     VF q, slope[4];
+    VI links;
   };
   HWY_INLINE VI index_of(VI x, VI y) const {
     constexpr int kFields = sizeof(MarchSurface::Texel) / sizeof(float);
@@ -134,10 +137,11 @@ class March {
     return hn::Mul(texel, hn::Set(i32, kFields));
   }
   HWY_INLINE Patch patch_at(VI index) const {
-    const MarchSurface::Texel& first = surface_.texels[0];
-    Patch patch;
-    patch.q = hn::GatherIndex(f, &first.q, index);
-    for (int k = 0; k < 4; ++k) patch.slope[k] = hn::GatherIndex(f, &first.slope[k], index);
+    const float* first = &surface_.texels[0].q;
+    VF four[4], two[2];
+    load_four(f, first, i32, index, four);
+    load_two(f, first + 4, i32, index, two);
+    Patch patch{four[0], {four[1], four[2], four[3], two[0]}, hn::BitCast(i32, two[1])};
     return patch;
   }
   // > 0 in front of the patch of surface over a texel.
@@ -167,10 +171,15 @@ class March {
         const VI inside = hn::Min(hn::Max(texel_[a], hn::Zero(i32)), last_[a]);
         cell[a] = hn::Shr(inside, bits), low[a] = hn::Shl(cell[a], bits);
       }
-      const VI column = hn::Add(cell[0], hn::GatherIndex(i32, surface_.level_at.data(), level_));
+      VI column = cell[0];
+      for (int level = 1; level < kLevels; ++level)
+        column = hn::Add(column,
+                         hn::IfThenElseZero(hn::Eq(level_, hn::Set(i32, level)),
+                                            hn::Set(i32, surface_.level_at[std::size_t(level)])));
       const VI index = hn::Mul(hn::Add(hn::Mul(cell[1], columns_), column), hn::Set(i32, 2));
-      const VF front = hn::GatherIndex(f, cells, index),
-               back = hn::GatherIndex(f, cells + 1, index);
+      VF range[2];
+      load_two(f, cells, i32, index, range);
+      const VF front = range[0], back = range[1];
       const VF exits[] = {exit(0, low[0], side), exit(1, low[1], side)};
       const VF end = hn::Min(hn::Min(exits[0], exits[1]), one);
       const VF sigma = hn::Set(f, surface_.sigma);
@@ -263,8 +272,6 @@ class March {
     }
     const VI index = index_of(inside[0], inside[1]);
     const Patch patch = patch_at(index);
-    const auto* links = reinterpret_cast<const std::int32_t*>(&surface_.texels[0].links);
-    const VI linked_to = hn::GatherIndex(i32, links, index);
     // Bits of kLinkSteps: right 0, down 2, left 4, up 6.
     const MF in_u = hn::RebindMask(f, hn::Ne(moved_[0], hn::Zero(i32)));
     const MF on = hn::RebindMask(f, hn::Gt(hn::Add(moved_[0], moved_[1]), hn::Zero(i32)));
@@ -272,8 +279,8 @@ class March {
                            select(on, hn::Zero(i32), hn::Set(i32, 4)));
     const MF stands = hn::RebindMask(f, hn::Eq(hn::Or(moved_[0], moved_[1]), hn::Zero(i32)));
     const MF hole = hn::Or(stands, hn::Eq(patch.q, zero));
-    const MF has_link =
-        hn::RebindMask(f, hn::Ne(hn::And(hn::Shr(linked_to, bit), hn::Set(i32, 1)), hn::Zero(i32)));
+    const MF has_link = hn::RebindMask(
+        f, hn::Ne(hn::And(hn::Shr(patch.links, bit), hn::Set(i32, 1)), hn::Zero(i32)));
     const VF ahead = side_of(patch, last[0], last[1], t_);
     const VF gap = hn::Mul(hn::Set(f, surface_.gap_per_q), patch.q);
     const MF meets = hn::And(hn::AndNot(hole, has_link), hn::Le(hn::Sub(ahead, enters_), gap));
