@@ -40,7 +40,7 @@ class FrameLoss {
 // A frame that was shown.
 struct ShownFrame {
   Rgba8Image color;
-  Camera camera;
+  Camera camera, before;  // before: of the frame before
   double time = 0;
   std::vector<std::uint32_t> in_view;  // objects
   bool by_cache = false;
@@ -60,6 +60,9 @@ inline constexpr int kAuditionLosses = 16, kMostAuditions = 4;
 [[nodiscard]] std::optional<double> audition_loss(const ShownFrame& shown, const Rgba8Image& color,
                                                   FrameLoss& loss);
 
+// Draws the frame before the one that is shown, for what touches memory for the first time. It is
+// not the same one: keyframes would take the eye to stand. Fails as draw() does.
+[[nodiscard]] Result<> begin_audition(const ShownFrame& shown, FrameSource& frames);
 // Draws the frame that is shown, on this thread alone, and says what that takes. Fails as draw()
 // does.
 [[nodiscard]] Result<double> time_audition(const ShownFrame& shown, FrameSource& frames);

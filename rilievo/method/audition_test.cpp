@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include "rilievo/frame/software/software_backend.h"
 #include "rilievo/method/darker_test_helpers.h"
@@ -85,6 +86,28 @@ TEST_F(AuditionTest, the_cache_is_judged_where_it_was_shown_and_leaves_nothing) 
   EXPECT_TRUE(cache_loss(frame, &*loss_));
   EXPECT_FALSE(cache_loss(frame, nullptr));
   EXPECT_FALSE(loss_->db());
+}
+
+// Keyframes would take an eye that is the same in two frames to stand.
+TEST_F(AuditionTest, the_frame_before_the_one_that_is_shown_touches_memory) {
+  struct Recorded final : FrameSource {
+    std::vector<glm::dvec3> eyes;
+    FrameStats of;
+    Result<> draw(const Camera& camera, double) override {
+      eyes.push_back(camera.position());
+      return Done{};
+    }
+    Result<> draw_objects() override { return Done{}; }
+    [[nodiscard]] const SoftwareTarget* software_target() const override { return nullptr; }
+    [[nodiscard]] const FrameStats& stats() const override { return of; }
+    [[nodiscard]] std::vector<DepthImage> read_pictures() const override { return {}; }
+  } frames;
+  ShownFrame frame = shown(1);
+  frame.before = frame.camera;
+  frame.before.world_from_eye[3][0] += 1;
+  ASSERT_TRUE(begin_audition(frame, frames).ok());
+  ASSERT_TRUE(time_audition(frame, frames).ok());
+  EXPECT_EQ(frames.eyes, (std::vector{frame.before.position(), frame.camera.position()}));
 }
 
 TEST_F(AuditionTest, rays_say_what_a_frame_takes) {

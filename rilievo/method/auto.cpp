@@ -33,8 +33,6 @@ constexpr int kLossFrames = 4, kLossFramesOfLevels = 8, kLooksAgain = 80, kLooks
 // Of levels that lose less than this share of what is allowed one frame in so many.
 constexpr double kFarFrom = 0.5;
 constexpr int kLossFramesIfSure = 32;
-// Levels that are not good enough get half the error, down to this share of what was asked for.
-constexpr double kFinestLevels = 0.125;
 // So many times as many pixels of each frame are looked at until the loss is known: a trial is a
 // few frames.
 constexpr int kLossesOfTrial = 4;
@@ -171,15 +169,18 @@ Result<> AutoFrames::measure_loss_of_levels(const Camera& camera, double time) {
   of.db = *db;
   const bool good = good_enough(kLevels);
   if (good) of.refusals = 0;
-  const double finer_px = levels_.error_px / 2;
-  if (good || finer_px < kFinestLevels * options_.error_px) return Done{};
-  levels_.error_px = finer_px;
-  levels_.chooser->set_error(finer_px);
-  of.db.reset();
-  if (losses_) losses_->forget();
-  if (pieces_) pieces_->forget();
-  refined_ = true;
+  if (!good && make_finer(options_.error_px, levels_)) forget_levels();
   return Done{};
+}
+
+// They draw with another error from the next frame on: what was seen of them says nothing, and they
+// show something else.
+void AutoFrames::forget_levels() {
+  loss_[kLevels].db.reset();
+  // Of the other thread, while something is prepared.
+  if (losses_ && preparing_ < 0) losses_->forget();
+  if (pieces_) pieces_->forget();
+  refined_ = drawn_by_ == kLevels;
 }
 
 // Are its frames as near to the truth as polygons, or as can be seen?
@@ -317,7 +318,12 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
 }
 
 void AutoFrames::follow(const MethodOptions& options) {
+  const bool other_error = options_.error_px != options.error_px;
   options_.error_px = options.error_px;
+  if (other_error && levels_.chooser) {
+    follow_error(options_.error_px, levels_);
+    forget_levels();
+  }
   options_.fps = options.fps;
   if (decision_) decision_->set_pace(options.fps > 0 ? 1000 / options.fps : 0);
   follow_cache(options, shared_chooser_->options());

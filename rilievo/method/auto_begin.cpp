@@ -42,8 +42,8 @@ void AutoFrames::measure_load(const Camera& camera) {
                double(scene.models[std::size_t(scene.objects[object].model)].triangles), load_);
   // Until there are levels it is a guess.
   if (levels_.levels)
-    load_.level_triangles = count_level_triangles(camera, in_view_, backend_.placed(),
-                                                  levels_.error_px, *levels_.levels);
+    load_.level_triangles = count_level_triangles(
+        camera, in_view_, backend_.placed(), levels_.share * options_.error_px, *levels_.levels);
 }
 
 // Before the first frame, and when the frame's size changes.

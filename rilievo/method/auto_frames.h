@@ -106,6 +106,7 @@ class AutoFrames final : public FrameSource {
   void learn_direct(double ms);
   Result<> measure_loss(const Camera& camera, double time, const AutoChoice& choice);
   Result<> measure_loss_of_levels(const Camera& camera, double time);
+  void forget_levels();
   [[nodiscard]] Result<std::optional<double>> look_at_levels(const Camera& camera, double time);
   void prepare(int method, int goes_on = 0);
   void fade(const Camera& camera);

@@ -90,6 +90,7 @@ std::optional<double> loss_of(KeyframeFrames& frames) {
 Audition audition_keyframes(const ShownFrame& shown, FrameLoss* loss, KeyframeFrames& frames) {
   Audition found;
   found.cache_loss_db = cache_loss(shown, loss);
+  if (!begin_audition(shown, frames)) return found;
   const Result<double> ms = time_audition(shown, frames);
   if (!ms) return found;
   found.processor_ms = *ms;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "rilievo/core/expects.h"
 #include "rilievo/method/auto_decision.h"
 #include "rilievo/method/good_enough.h"
 
@@ -14,15 +15,17 @@ namespace {
 
 // What is taken of an error that only simplification vouches for.
 constexpr double kSafely = 0.5;
+// Levels that are not good enough get half the error, down to this share of what was asked for.
+constexpr double kFinest = 0.125;
 
 Result<> make_frames(const Backend& backend, double error_px, AutoLevels& levels) {
   Result<std::unique_ptr<LeveledBackend>> made =
       LeveledBackend::create(backend, *std::exchange(levels.made, {}));
   if (!made) return made.error();
   levels.levels = made->get();
-  auto chooser = std::make_unique<LevelChooser>(std::move(*made), error_px);
+  levels.share = kSafely;
+  auto chooser = std::make_unique<LevelChooser>(std::move(*made), levels.share * error_px);
   levels.chooser = chooser.get();
-  levels.error_px = error_px;
   Result<std::unique_ptr<FrameSource>> frames =
       levels.levels->backend().make_frames(std::move(chooser));
   if (!frames) return frames.error();
@@ -57,23 +60,36 @@ AutoLevels prepare_levels(const Backend& backend, const Scene& scene, double pix
   options.most_triangles = std::uint64_t(FrameLoad::kFew * pixels);
   levels.made = make_object_levels(scene, options);
   if (backend.drawn_by() == DrawnBy::software)
-    static_cast<void>(make_frames(backend, kSafely * error_px, levels));
+    static_cast<void>(make_frames(backend, error_px, levels));
   return levels;
 }
 
 Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& levels) {
   if (levels.frames) return Done{};
   if (!levels.made) return Error{"levels", "there are none"};
-  return make_frames(backend, kSafely * error_px, levels);
+  return make_frames(backend, error_px, levels);
+}
+
+void follow_error(double error_px, AutoLevels& levels) {
+  RILIEVO_EXPECTS(levels.chooser != nullptr);
+  levels.chooser->set_error(levels.share * error_px);
+}
+
+bool make_finer(double error_px, AutoLevels& levels) {
+  if (levels.share / 2 < kFinest) return false;
+  levels.share /= 2;
+  follow_error(error_px, levels);
+  return true;
 }
 
 Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
                          FrameLoss* loss, AutoLevels& levels) {
   Audition found;
   found.cache_loss_db = cache_loss(shown, loss);
+  if (!begin_audition(shown, *levels.frames)) return found;
   for (const double share : {1.0, kSafely}) {
-    levels.error_px = share * error_px;
-    levels.chooser->set_error(levels.error_px);
+    levels.share = share;
+    follow_error(error_px, levels);
     const Result<double> ms = time_audition(shown, *levels.frames);
     if (!ms) return found;
     found.processor_ms = *ms;
@@ -82,7 +98,7 @@ Audition audition_levels(const ShownFrame& shown, double error_px, double allowe
     if (!found.loss_db) found.loss_db = loss_beside_polygons(shown, color, levels);
     if (good_enough(found.loss_db.value_or(0), found.cache_loss_db, kCertainly * allowed_db)) break;
   }
-  levels.chooser->set_error(levels.error_px);
+  follow_error(error_px, levels);
   return found;
 }
 

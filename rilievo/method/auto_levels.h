@@ -14,8 +14,8 @@ struct AutoLevels {
   LeveledBackend* levels = nullptr;  // of the frames, as the chooser
   LevelChooser* chooser = nullptr;
   std::unique_ptr<FrameSource> frames;  // null: of a backend that must make them on its own thread
-  double error_px = 0;
-  std::optional<ObjectLevels> made;  // what the frames are made of, until there are frames
+  double share = 0;                     // of the error that is asked for
+  std::optional<ObjectLevels> made;     // what the frames are made of, until there are frames
 };
 
 // Makes levels of the scene for frames of so many pixels, on any thread. Of a mesh that has more
@@ -28,10 +28,15 @@ struct AutoLevels {
 // Makes the frames, if prepare_levels() did not. Fails where their backend cannot be made.
 [[nodiscard]] Result<> finish_levels(const Backend& backend, double error_px, AutoLevels& levels);
 
+// From the next frame on this error is asked for, of which they take their share. Requires frames.
+void follow_error(double error_px, AutoLevels& levels);
+// From the next frame on they take half of their share. No, if that would be too little to gain.
+[[nodiscard]] bool make_finer(double error_px, AutoLevels& levels);
+
 // Draws a frame of a software backend for the eye of the one that is shown, which touches all of a
-// target's memory, too: with error_px where that is good enough, else with half of it. Where rays
-// do not tell (`loss`, of the same scene, is null, or the objects are small) polygons count as the
-// truth.
+// target's memory, too: with all of error_px where that is good enough, else with half of it. Where
+// rays do not tell (`loss`, of the same scene, is null, or the objects are small) polygons count as
+// the truth.
 [[nodiscard]] Audition audition_levels(const ShownFrame& shown, double error_px, double allowed_db,
                                        FrameLoss* loss, AutoLevels& levels);
 

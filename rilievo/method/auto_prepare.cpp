@@ -75,6 +75,9 @@ void AutoFrames::show(const Camera& camera, double time, int drawn_by) {
   ShownFrame& shown = made_.shown;
   shown.color = target->color();
   shown.camera = camera, shown.time = time, shown.by_cache = drawn_by == kCache;
+  const bool same_size =
+      shown_camera_.width == camera.width && shown_camera_.height == camera.height;
+  shown.before = same_size ? shown_camera_ : camera;
   backend_.placed().cull(camera, shown.in_view);
   look_at_prepared();
 }
@@ -123,6 +126,7 @@ Result<> AutoFrames::adopt() {
         **software, std::make_unique<DirectChooser>(), std::move(*made_.rays)));
   if (method == kLevels && finish_levels(backend_, options_.error_px, made_.levels)) {
     levels_ = std::move(made_.levels);
+    follow_error(options_.error_px, levels_);
     frames = std::move(levels_.frames);
   }
   if (method == kKeyframes) {
