@@ -8,7 +8,7 @@ namespace {
 // How much less a coarse keyframe counts.
 constexpr float kCoarseWeight = 1e-4f;
 // A keyframe whose weight is a smaller share of the largest is spare.
-constexpr float kSpareWeight = 0.2f;
+constexpr float kSpareWeight = 0.4f;
 
 }  // namespace
 
