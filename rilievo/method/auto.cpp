@@ -286,9 +286,10 @@ Result<> AutoFrames::draw(const Camera& camera, double time) {
     ms = watch.ms();
   }
   show(camera, time, choice.draws);
-  // During a trial of another they go on: it may fail.
+  // During a trial of another they go on, as much as they must to be taken again: it may fail.
   const bool kept = choice.draws != kKeyframes && decision_->draws() == kKeyframes && keyframes_ &&
-                    preparing_ < 0 && keyframes_->prepare(camera, time, false);
+                    preparing_ < 0 && frame_ - keyframes_seen_ >= kKeyframesLast - 3 &&
+                    keyframes_->prepare(camera, time, false);
   if (choice.draws == kKeyframes || kept) keyframes_seen_ = frame_;
   if (choice.prepares >= 0) prepare(choice.prepares);
   if (preparing_ == kKeyframes) shared_eye_.post(eye_, time);

@@ -237,10 +237,14 @@ bool AutoDecision::trial_over() const {
   const double now = costs_[std::size_t(draws_)].mean_ms;
   const double hopeless = (long_warm_up ? kHopelessWarmingUp : kHopeless) * free_ms();
   if (trial_ms_.empty()) return false;
-  // The first frames of what must warm up say little; of what need not, enough.
+  // The first frames of what must warm up say little; of what need not, one says enough, unless it
+  // was expected to be no dearer: that may be the work of another program.
   const int measured = int(trial_ms_.size()) - (long_warm_up ? warm_up / 2 : warm_up);
-  if (trial_ms_.back() > hopeless && measured > 0 &&
-      (!long_warm_up || trial_ms_[trial_ms_.size() - 2] > hopeless))
+  const bool unlikely = trial_expected_ms_ > 0 && trial_expected_ms_ <= free_ms();
+  const int needed = long_warm_up || unlikely ? 2 : 1;
+  if (measured >= (long_warm_up ? 1 : needed) &&
+      std::all_of(trial_ms_.end() - needed, trial_ms_.end(),
+                  [&](double ms) { return ms > hopeless; }))
     return true;
   double more = 0;
   for (const double ms : trial_ms_) more += ms - free_ms();
@@ -327,7 +331,10 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
       } else if (since_change_ > candidates_[std::size_t(draws_)].warm_up) {
         prepares_ = worth_trying(outlook, false);
         const int tries = disturbed ? -1 : worth_trying(outlook, true);
-        if (tries >= 0) trial_ = tries, trial_ms_.clear();
+        if (tries >= 0) {
+          trial_ = tries, trial_ms_.clear();
+          trial_expected_ms_ = expected(tries, outlook[std::size_t(tries)]);
+        }
       }
     }
     if (since_change_ <= candidates_[std::size_t(draws_)].warm_up &&

@@ -159,6 +159,7 @@ class AutoDecision {
   AutoReason reason_ = AutoReason::begins;
   int since_change_ = 0;
   std::vector<double> trial_ms_;
+  double trial_expected_ms_ = 0;  // when it began; 0: unknown
   double all_ms_ = 0, trials_ms_ = 0;
   std::vector<double> guesses_;  // of this frame
 };

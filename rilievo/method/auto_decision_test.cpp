@@ -261,6 +261,27 @@ TEST(AutoDecision, what_warms_up_for_long_is_not_tried_again_where_it_gains_litt
   EXPECT_GT(drawn_again(16), 30);
 }
 
+// One frame may be the work of another program.
+TEST(AutoDecision, a_dear_frame_ends_the_trial_of_what_was_expected_to_be_dearer_alone) {
+  const auto frames_drawn = [](double guess, int dear_frames) {
+    const AutoCandidate candidates[] = {{"direct", 0}, {"lod", 2, 1}};
+    AutoDecision decision(candidates, 0);
+    int drawn = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+      const AutoOutlook outlook[] = {{true, false, true, 0, 0},
+                                     {frame >= 5, false, true, guess, 0}};
+      const AutoChoice choice = decision.next(outlook);
+      drawn += choice.draws == 1;
+      const bool dear = choice.draws == 1 && drawn >= 2 && drawn < 2 + dear_frames;
+      decision.add(choice.draws == 0 ? 30 : dear ? 60 : 20);
+    }
+    return drawn;
+  };
+  EXPECT_GT(frames_drawn(20, 1), 30);
+  EXPECT_EQ(frames_drawn(20, 2), 3);
+  EXPECT_EQ(frames_drawn(32, 1), 2);
+}
+
 TEST(AutoDecision, what_was_taken_stays_for_its_dwell) {
   for (const int dwell : {5, 40}) {
     const AutoCandidate candidates[] = {{"cache", 0}, {"keyframes", 1, 0, 1, dwell}};
