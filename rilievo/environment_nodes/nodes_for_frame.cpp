@@ -4,6 +4,7 @@
 #include "rilievo/environment_nodes/nodes_for_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -42,17 +43,35 @@ struct Around {
   [[nodiscard]] double least() const { return std::min({all[0], all[1], all[2], all[3]}); }
 };
 
+// Where a direction has a face's coordinates: to the right, and downwards.
+struct FaceColumns {
+  int x_axis = 0, y_axis = 0;
+  double x_sign = 0, y_sign = 0;
+};
+std::array<FaceColumns, 6> make_face_columns() {
+  std::array<FaceColumns, 6> columns;
+  for (std::size_t f = 0; f < 6; ++f) {
+    const FaceAxes& axes = face_axes()[f];
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axes.right[axis] != 0) columns[f].x_axis = axis, columns[f].x_sign = axes.right[axis];
+      if (axes.up[axis] != 0) columns[f].y_axis = axis, columns[f].y_sign = -axes.up[axis];
+    }
+  }
+  return columns;
+}
+const std::array<FaceColumns, 6> kFaceColumns = make_face_columns();
+
 Around around(const NodeSketch& node, const glm::dvec3& to) {
   const glm::dvec3 size = glm::abs(to);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const std::size_t f = std::size_t(2 * axis + (to[axis] < 0 ? 1 : 0));
-  const FaceAxes& axes = face_axes()[f];
+  const FaceColumns& columns = kFaceColumns[f];
   const Image<std::uint16_t>& of = node.disparity[f];
   const int last = of.width() - 1;
   const double half = 0.5 * of.width(), scale = half / std::max(size[axis], 1e-300);
   const auto texel = [&](double at) { return std::clamp(int(half - 0.5 + scale * at), 0, last); };
-  const int x = texel(glm::dot(to, glm::dvec3(axes.right))),
-            y = texel(-glm::dot(to, glm::dvec3(axes.up)));
+  const int x = texel(columns.x_sign * to[columns.x_axis]),
+            y = texel(columns.y_sign * to[columns.y_axis]);
   const int x1 = std::min(x + 1, last), y1 = std::min(y + 1, last);
   const auto value = [&](int i, int j) {
     return std::bit_cast<float>(std::uint32_t(of(i, j)) << 16);
@@ -60,12 +79,14 @@ Around around(const NodeSketch& node, const glm::dvec3& to) {
   return {size[axis], {value(x, y), value(x1, y), value(x, y1), value(x1, y1)}};
 }
 
-// How far a node sees beyond a place, along its line of sight; negative if it does not see it.
+// How far a node sees beyond a place, along its line of sight; -1 if it does not see it.
 double seen_beyond(const NodeSketch& node, const glm::dvec3& to) {
   const Around q = around(node, to);
   if (q.ahead == 0) return 0;  // its own place
   const double most = q.most();
-  return most == 0 ? INFINITY : (1 / most - q.ahead) * glm::length(to) / q.ahead;
+  if (most == 0) return INFINITY;
+  const double more = 1 / most - q.ahead;
+  return more < 0 ? -1 : more * glm::length(to) / q.ahead;
 }
 
 // Has a node a surface about there? `plainly`: and no other beside it.

@@ -32,13 +32,14 @@ HWY_INLINE Directions find_directions(const NodeTriangle* triangles, VU number, 
     return {axis(0), axis(1), axis(2)};
   }
   const VI index = index_of(number, wanted);
-  const auto field = [&](const float& of_first) { return hn::GatherIndex(f, &of_first, index); };
-  const NodeTriangle& first = triangles[0];
-  const VF dx = hn::Sub(x, field(first.x)), dy = hn::Sub(y, field(first.y));
-  const auto axis = [&](int k) {
-    return along(field(first.at[k]), field(first.per_x[k]), field(first.per_y[k]), dx, dy);
-  };
-  return {axis(0), axis(1), axis(2)};
+  // As a NodeTriangle has them: at, per_x, per_y, x, y.
+  static_assert(offsetof(NodeTriangle, y) == 10 * sizeof(float));
+  const float* first = &triangles[0].at.x;
+  VF of[3][4];
+  for (int k = 0; k < 3; ++k) load_four(f, first + 4 * k, I(), index, of[k]);
+  const VF dx = hn::Sub(x, of[2][1]), dy = hn::Sub(y, of[2][2]);
+  return {along(of[0][0], of[0][3], of[1][2], dx, dy), along(of[0][1], of[1][0], of[1][3], dx, dy),
+          along(of[0][2], of[1][1], of[2][0], dx, dy)};
 }
 
 // Where directions meet a cube's faces: u to the right and v downwards, each from 0 to 1.
@@ -107,9 +108,10 @@ HWY_INLINE Colors find_colors(const SoftwareNode& node, const FacePoints& at) {
   const VI row = hn::Add(hn::Mul(at.face, hn::Set(i32, wide)), y);
   const VI index = hn::Add(hn::Mul(row, hn::Set(i32, wide)), x);
   const std::uint32_t* texels = node.color.data();
-  const VU t00 = hn::GatherIndex(u32, texels, index), t10 = hn::GatherIndex(u32, texels + 1, index),
-           t01 = hn::GatherIndex(u32, texels + wide, index),
-           t11 = hn::GatherIndex(u32, texels + wide + 1, index);
+  VU upper[2], lower[2];
+  load_two(u32, texels, i32, index, upper);
+  load_two(u32, texels + wide, i32, index, lower);
+  const VU t00 = upper[0], t10 = upper[1], t01 = lower[0], t11 = lower[1];
   const auto mix = [](VF a, VF b, VF by) { return hn::Add(a, hn::Mul(by, hn::Sub(b, a))); };
   const auto channel = [&]<int shift>() {
     const auto of = [&](VU texel) {

@@ -37,6 +37,8 @@ constexpr int kBlock = FrameTile::kBlock, kPixels = FrameTile::kBlockPixels;
 // Just before the far plane: what is drawn there covers nothing's 1 / eye_z.
 constexpr float kBeforeFar = 1 + 0x1p-20f;
 
+#include "rilievo/core/load_records.inl"
+
 #include "rilievo/environment_nodes/software/node_texels.inl"
 
 #include "rilievo/render/software/tile_kernels.inl"
