@@ -31,4 +31,25 @@ struct BoxView {
   return view;
 }
 
+// A rectangle of a picture, in raster space.
+struct RasterRect {
+  double left = 0, top = 0, right = 0, bottom = 0;
+  [[nodiscard]] bool empty() const { return !(right > left && bottom > top); }
+};
+
+// The rectangle of a perspective camera's picture in which a box appears, by its view; all of it if
+// the box reaches the near plane.
+[[nodiscard]] inline RasterRect rect_of_box(const Camera& camera, const BoxView& view) {
+  RasterRect rect{0, 0, double(camera.width), double(camera.height)};
+  if (!(view.nearest > camera.z_near)) return rect;
+  const ImageWindow& w = camera.window;
+  const double across = camera.width / (w.right - w.left),
+               down = camera.height / (w.top - w.bottom);
+  rect.left = std::max(rect.left, (view.window.left - w.left) * across);
+  rect.right = std::min(rect.right, (view.window.right - w.left) * across);
+  rect.top = std::max(rect.top, (w.top - view.window.top) * down);
+  rect.bottom = std::min(rect.bottom, (w.top - view.window.bottom) * down);
+  return rect;
+}
+
 }  // namespace rilievo

@@ -114,22 +114,15 @@ void UnshownObjects::look_for(std::span<const std::uint32_t> objects, std::size_
 void UnshownObjects::aim(std::uint32_t object, int rays, const WarpedFrame& warped) {
   const BoxView view =
       view_of_box(eye_from_world(frame_), placed_.bounds()[object], Projection::perspective);
-  double left = 0, right = frame_.width, top = 0, bottom = frame_.height;
-  float nearest = HUGE_VALF;
-  if (view.nearest > frame_.z_near) {
-    const ImageWindow& w = frame_.window;
-    const double across = frame_.width / (w.right - w.left),
-                 down = frame_.height / (w.top - w.bottom);
-    left = std::max(left, (view.window.left - w.left) * across);
-    right = std::min(right, (view.window.right - w.left) * across);
-    top = std::max(top, (w.top - view.window.top) * down);
-    bottom = std::min(bottom, (w.top - view.window.bottom) * down);
-    nearest = float(1 / view.nearest);
-  }
-  if (!(right > left && bottom > top) || (right - left) * (bottom - top) < kLeastPixels) return;
+  const RasterRect rect = rect_of_box(frame_, view);
+  if (rect.empty() || (rect.right - rect.left) * (rect.bottom - rect.top) < kLeastPixels) return;
+  const float nearest = view.nearest > frame_.z_near ? float(1 / view.nearest) : HUGE_VALF;
+  const auto between = [&](double low, double high, int size) {
+    return std::min(int(random_.between(float(low), float(high))), size - 1);
+  };
   for (int i = 0; i < kTries * rays && rays > 0; ++i) {
-    const int x = std::min(int(random_.between(float(left), float(right))), frame_.width - 1),
-              y = std::min(int(random_.between(float(top), float(bottom))), frame_.height - 1);
+    const int x = between(rect.left, rect.right, frame_.width),
+              y = between(rect.top, rect.bottom, frame_.height);
     const std::uint32_t color = warped.color(x, y);
     if (color == 0 || color == kCoveredPixel || warped.inverse_z(x, y) > nearest) continue;
     pixels_.push_back({std::uint16_t(x), std::uint16_t(y)});

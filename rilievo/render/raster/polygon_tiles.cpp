@@ -3,10 +3,13 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "rilievo/core/box_view.h"
 #include "rilievo/core/expects.h"
 #include "rilievo/core/parallel_for.h"
 #include "rilievo/render/raster/frame_raster.h"
@@ -17,6 +20,8 @@ namespace rilievo {
 namespace {
 
 constexpr int kBlock = FrameTile::kBlock;
+// Of so many objects, at most, it is found where in the frame they lie.
+constexpr std::size_t kFewObjects = 64;
 constexpr std::uint32_t kNotYetShaded = 0xff000000u;
 
 // The upper left pixel of a block, in the frame; it may lie beyond.
@@ -27,6 +32,24 @@ struct BlockPlace {
         y(tile.y + block / FrameTile::kBlocks * kBlock) {}
   [[nodiscard]] bool within(const FrameTile& tile) const {
     return x < tile.width && y < tile.height;
+  }
+};
+
+// A rectangle of the frame's pixels: columns [left, right), rows [top, bottom).
+struct PixelRect {
+  int left = 0, top = 0, right = 0, bottom = 0;
+
+  [[nodiscard]] bool meets(const BlockPlace& block) const {
+    return block.x < right && block.x + kBlock > left && block.y < bottom && block.y + kBlock > top;
+  }
+  // Grows to where a box appears, as rasterisers round.
+  void add(const RasterRect& rect) {
+    if (rect.empty()) return;
+    const PixelRect other{int(rect.left) - 1, int(rect.top) - 1, int(rect.right) + 2,
+                          int(rect.bottom) + 2};
+    *this = right == left ? other
+                          : PixelRect{std::min(left, other.left), std::min(top, other.top),
+                                      std::max(right, other.right), std::max(bottom, other.bottom)};
   }
 };
 
@@ -72,6 +95,7 @@ struct PolygonTiles::State {
   std::unique_ptr<FrameVisibility> visibility;  // or rays; null: a FrameRaster, once it is needed
   std::optional<PictureView> view;              // of the frame of colours
   bool any = false;                             // does the frame show any?
+  PixelRect reach;                              // where, at most
   ObjectPicture objects;
   // Of each block of the frame: is any sample covered? draw_tile() finds it, shade_tile() uses it.
   mutable std::vector<std::uint8_t> covered;
@@ -93,6 +117,8 @@ struct PolygonTiles::State {
 
   Result<> rasterize(const Camera& camera, int samples, const PlacedScene& placed,
                      std::span<const std::uint32_t> drawn, std::span<const CrossFade> fading);
+  void find_reach(const Camera& camera, const PlacedScene& placed,
+                  std::span<const std::uint32_t> drawn, std::span<const CrossFade> fading);
   void draw_identifiers(FrameTile& tile, int block, const BlockPlace& place) const;
   void shade_tile(FrameTile& tile) const;
 };
@@ -112,7 +138,37 @@ Result<> PolygonTiles::State::rasterize(const Camera& camera, int samples,
   tile_depth = {float(1 / camera.z_far), float(1 / camera.z_near - 1 / camera.z_far)};
   const SampleBuffer& in = visibility->seen();
   covered.assign(blocks_in(in.width) * blocks_in(in.height), 0);
+  find_reach(camera, placed, drawn, fading);
   return Done{};
+}
+
+// Few objects often lie in a small part of the frame: the rest need not be looked through.
+void PolygonTiles::State::find_reach(const Camera& camera, const PlacedScene& placed,
+                                     std::span<const std::uint32_t> drawn,
+                                     std::span<const CrossFade> fading) {
+  const PixelRect whole{0, 0, camera.width, camera.height};
+  reach = {};
+  if (drawn.size() + fading.size() > kFewObjects) {
+    reach = whole;
+    return;
+  }
+  const glm::dmat4 eye = eye_from_world(camera);
+  const auto add = [&](std::uint32_t object) {
+    // Lines and points are wider than their bounds.
+    for (const Part& part : scene.models[std::size_t(scene.objects[object].model)].parts)
+      if (scene.meshes[std::size_t(part.mesh)].primitive != Primitive::triangles) reach = whole;
+    Box box = placed.bounds()[object];
+    if (box.empty()) return;
+    // Bounds in single precision are rounded.
+    const glm::vec3 slack =
+        4 * std::numeric_limits<float>::epsilon() * glm::max(glm::abs(box.min), glm::abs(box.max));
+    box.min -= slack, box.max += slack;
+    reach.add(rect_of_box(camera, view_of_box(eye, box, Projection::perspective)));
+  };
+  for (const std::uint32_t object : drawn) add(object);
+  for (const CrossFade& one : fading) add(one.object);
+  reach = {std::max(reach.left, 0), std::max(reach.top, 0), std::min(reach.right, camera.width),
+           std::min(reach.bottom, camera.height)};
 }
 
 PolygonTiles::PolygonTiles(const Scene& scene, std::unique_ptr<FrameVisibility> visibility)
@@ -149,10 +205,16 @@ void PolygonTiles::find_cover(const Camera& camera, Image<float>& cover) const {
     return;
   }
   const SampleBuffer& in = s.visibility->seen();
+  const PixelRect& reach = s.reach;
   parallel_for(0, camera.height, [&](int y) {
-    const float* depths = in.depths(camera.height - 1 - y);
     float* const to = cover.row(y).data();
-    for (int x = 0; x < camera.width; ++x, depths += in.samples) {
+    const bool reached = reach.top <= y && y < reach.bottom;
+    std::fill_n(to, reached ? reach.left : camera.width, 0.0f);
+    if (!reached) return;
+    std::fill(to + reach.right, to + camera.width, 0.0f);
+    const float* depths =
+        in.depths(camera.height - 1 - y) + std::ptrdiff_t(reach.left) * in.samples;
+    for (int x = reach.left; x < reach.right; ++x, depths += in.samples) {
       float farthest = depths[0];
       for (int i = 1; i < in.samples; ++i) farthest = std::max(farthest, depths[i]);
       to[x] = farthest < 1 ? s.tile_depth(farthest) : 0;
@@ -202,7 +264,7 @@ void PolygonTiles::draw_tile(FrameTile& tile) const {
   RILIEVO_EXPECTS(in.width == tile.width && in.height == tile.height && in.samples == tile.samples);
   for (int block = 0; block < FrameTile::kBlockCount; ++block) {
     const BlockPlace place(tile, block);
-    if (!place.within(tile)) continue;
+    if (!place.within(tile) || !s.reach.meets(place)) continue;
     const BlockSamples samples(in, place.x, place.y);
     const BlockCoverage coverage = find_coverage(samples);
     s.covered_at(place) = coverage.any;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
@@ -94,6 +95,57 @@ TEST(PolygonTiles, show_what_the_rasteriser_draws) {
       EXPECT_GT(shown, 2000);
     }
   }
+}
+
+// A few objects are looked for only where their bounds lie in the frame.
+TEST(PolygonTiles, few_objects_are_found_wherever_they_lie) {
+  TileScene scene("builtin:teapots?triangles=20000");
+  std::mt19937 random(5);
+  const auto between = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  std::size_t covered = 0, frames = 0;
+  for (const float away : {0.0f, 20000.0f}) {
+    for (Object& object : scene.made.scene.objects)
+      object.placement[3] += glm::vec4(away, 0, -away, 0);
+    scene.placed = PlacedScene(scene.made.scene);
+    const glm::dvec3 moved(away, 0, -away);
+    for (int i = 0; i < 40; ++i) {
+      Camera camera = camera_at(scene.made.path, between(0, 8), kTilesWidth, kTilesHeight);
+      camera.world_from_eye[3] += glm::dvec4(moved, 0);
+      camera.world_from_eye =
+          glm::rotate(camera.world_from_eye, between(-1, 1), glm::dvec3(0.3, 1, 0.2));
+      std::vector<std::uint32_t> few;
+      for (int k = 0; k < 1 + i % 3; ++k)
+        few.push_back(std::uint32_t(random() % scene.placed.bounds().size()));
+      std::ranges::sort(few);
+      few.erase(std::unique(few.begin(), few.end()), few.end());
+      const int samples = i % 2 ? 4 : 1;
+      PolygonTiles tiles(scene.made.scene);
+      ASSERT_TRUE(tiles.place(camera, samples, scene.placed, few, {}).ok());
+      Image<float> cover(kTilesWidth, kTilesHeight, 7.0f);
+      tiles.find_cover(camera, cover);
+      SoftwareTarget target(kTilesWidth, kTilesHeight, samples);
+      const TileDrawer* drawers[] = {&tiles, &tiles.shading()};
+      target.draw(camera.z_far, drawers);
+
+      FrameRaster raster(scene.made.scene);
+      ASSERT_TRUE(raster.find_visible(camera, samples, scene.placed, few, {}).ok());
+      std::size_t any = 0;
+      for (int y = 0; y < kTilesHeight; ++y)
+        for (int x = 0; x < kTilesWidth; ++x) {
+          const float* depths =
+              raster.seen().depths(kTilesHeight - 1 - y) + std::ptrdiff_t(x) * samples;
+          const auto shown = std::count_if(depths, depths + samples, [](float d) { return d < 1; });
+          ASSERT_EQ(cover(x, y) > 0, shown == samples) << x << " " << y;
+          ASSERT_EQ(target.color()(x, y).a > 0, shown > 0) << x << " " << y;
+          any += shown > 0;
+        }
+      covered += any, frames += any > 0;
+    }
+  }
+  EXPECT_GT(frames, 15u);
+  EXPECT_GT(covered, 3000u);
 }
 
 TEST(PolygonTiles, objects_that_fade_share_the_pixels_by_their_hash) {
