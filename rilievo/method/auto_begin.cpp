@@ -126,7 +126,8 @@ Result<> AutoFrames::begin_keyframes_ahead(double time) {
   Loss& loss = loss_[kKeyframes];
   bool may_be_as_cache = false;
   if (!eye_.jumped()) {
-    const Result<BegunKeyframes> begun = begin_keyframes(eye_, time, *keyframes_);
+    const Result<BegunKeyframes> begun =
+        begin_keyframes(eye_, time, kMostTimes * options_.loss_db, *keyframes_);
     if (!begun) {
       give_keyframes_up();
       return Done{};

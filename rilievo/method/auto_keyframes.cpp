@@ -13,7 +13,9 @@ constexpr int kParts = 3;
 // For an eye that stands there is no second keyframe.
 constexpr int kMostFrames = 160;
 // Places on the way from the first keyframe to the second one: in the middle both are the farthest.
-constexpr double kLookedAt[] = {0.25, 0.5};
+constexpr double kMiddle = 0.5, kLookedAt[] = {0.25, kMiddle};
+// So many times SampledLoss looks at what the first one shows alone.
+constexpr int kLooksAtFirst = 8;
 
 }  // namespace
 
@@ -67,18 +69,25 @@ Result<> prepare_keyframes(SharedEye& eye, KeyframeFrames& frames, int goes_on) 
   return Done{};
 }
 
-Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
+Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time, double most_db,
                                        KeyframeFrames& frames) {
+  BegunKeyframes begun;
+  const auto look = [&](double at, int times) -> Result<> {
+    if (Result<> done = frames.look_from(eye.after(at), time); !done) return done;
+    for (int i = 0; i < times; ++i) begun.loss_db = loss_of(frames);
+    return Done{};
+  };
+  frames.forget_loss();
+  if (Result<> done = look(kMiddle * frames.frames_for_one(), kLooksAtFirst); !done)
+    return done.error();
+  if (begun.loss_db && *begun.loss_db > most_db) return begun;
   const Result<double> ahead = frames.prepare_second(eye, time);
   if (!ahead) return ahead.error();
+  begun.frames = *ahead;
   frames.forget_loss();
-  BegunKeyframes begun{{}, *ahead};
-  for (const double share : kLookedAt) {
-    if (Result<> done = frames.look_from(eye.after(share * *ahead), time); !done)
+  for (const double share : kLookedAt)
+    if (Result<> done = look(share * *ahead, kAuditionLosses / int(std::size(kLookedAt))); !done)
       return done.error();
-    for (int i = 0; i < kAuditionLosses / int(std::size(kLookedAt)); ++i)
-      begun.loss_db = loss_of(frames);
-  }
   return begun;
 }
 

@@ -45,13 +45,15 @@ class SharedEye {
 // Keyframes to begin with.
 struct BegunKeyframes {
   std::optional<double> loss_db;  // none: not known
-  double frames = 0;              // until the eye is where the second one is
+  double frames = 0;              // until the eye is where the second one is; 0: there is none
 };
 
 // Makes the second one at once, after the first one in the frame before, and looks at what is
-// warped from them where the eye will be on its way. Fails where a capture does.
+// warped from them where the eye will be on its way. Where the first one alone loses more than
+// `most_db` in the middle of that way the second one is not made: it takes tenths of a second, and
+// brings a few dB. Fails where a capture does.
 [[nodiscard]] Result<BegunKeyframes> begin_keyframes(const EyePrediction& eye, double time,
-                                                     KeyframeFrames& frames);
+                                                     double most_db, KeyframeFrames& frames);
 
 // KeyframeFrames::sample_loss(), without the noise of its own truth.
 [[nodiscard]] std::optional<double> loss_of(KeyframeFrames& frames);

@@ -364,7 +364,7 @@ Result<> KeyframeFrames::prepare_first(const Camera& camera, double time) {
 
 Result<double> KeyframeFrames::prepare_second(const EyePrediction& eye, double time) {
   State& s = *state_;
-  const double frames = s.producer->frames_for_one();
+  const double frames = frames_for_one();
   if (!s.any_still) return frames;
   s.placed.set_time(time);
   if (Result<> made = s.producer->make_for(eye.after(frames)); !made) return made.error();
@@ -372,9 +372,11 @@ Result<double> KeyframeFrames::prepare_second(const EyePrediction& eye, double t
   return frames;
 }
 
+double KeyframeFrames::frames_for_one() const { return state_->producer->frames_for_one(); }
+
 Result<> KeyframeFrames::look_from(const Camera& camera, double time) {
   State& s = *state_;
-  RILIEVO_EXPECTS(prepared());
+  RILIEVO_EXPECTS(!s.any_still || s.producer->any());
   s.warps = s.any_still;
   if (!s.warps) return Done{};
   s.camera = camera;

@@ -85,7 +85,9 @@ class KeyframeFrames final : public FrameSource {
   // And the second one, in the next frame, whose eye is `eye`: for as many frames ahead as a
   // keyframe takes, which are returned. Fails where a capture does.
   Result<double> prepare_second(const EyePrediction& eye, double time);
-  // Warps for another eye, for sample_loss() alone. Requires prepared(). Fails where memory does
+  // How many frames the next one is expected to take.
+  [[nodiscard]] double frames_for_one() const;
+  // Warps for another eye, for sample_loss() alone. Requires a keyframe. Fails where memory does
   // not suffice.
   Result<> look_from(const Camera& camera, double time);
   // Are there keyframes to begin with?
