@@ -79,9 +79,9 @@ struct KeyframeFrames::State {
   WarpedFrame warped;
   Image<float> cover;  // of polygons
   Image<std::uint32_t> shown;
+  SkyTiles sky;
   KeyframeTiles keyframe_tiles;
   std::optional<PolygonTiles> polygons;
-  SkyTiles sky;
   BlendedTiles blended;
   std::vector<std::uint32_t> in_view, still, live, blended_in_view;
   std::vector<const TileDrawer*> drawers;
@@ -112,8 +112,8 @@ KeyframeFrames::State::State(const Scene& scene, RayScene made_rays,
       polygon(scene.objects.size()),
       unshown(placed, rays, options.near.triangles),
       target(1, 1, options.samples),
-      keyframe_tiles(rays),
       sky(scene.sky),
+      keyframe_tiles(rays, sky),
       blended(scene) {}
 
 void KeyframeFrames::State::make_producer() {
@@ -282,8 +282,7 @@ Result<> KeyframeFrames::draw(const Camera& camera, double time) {
   s.shares.live = int(s.live.size());
   if (!s.live.empty()) s.drawers.insert(s.drawers.end(), {&*s.polygons, &s.polygons->shading()});
   s.sky.place(camera);
-  s.drawers.push_back(&s.sky);
-  if (s.warps) s.drawers.push_back(&s.keyframe_tiles.sky());
+  s.drawers.push_back(s.warps ? &s.keyframe_tiles.sky() : &s.sky);
   if (s.blends) {
     s.blended.place(camera, s.options.samples, s.placed, s.blended_in_view);
     if (s.blended.any()) s.drawers.push_back(&s.blended);

@@ -26,6 +26,7 @@ struct KeyframeTiles::State {
   };
 
   PixelCaster caster;
+  const TileDrawer& scene_sky;
   std::size_t objects;               // of the scene
   std::unique_ptr<bool[]> included;  // by object: can holes show it?
   const WarpedFrame* warped = nullptr;
@@ -42,8 +43,9 @@ struct KeyframeTiles::State {
   mutable tbb::enumerable_thread_specific<SeenTriangles> threads;
   SkyDrawer sky{*this};
 
-  explicit State(const RayScene& rays)
+  State(const RayScene& rays, const TileDrawer& scene_sky)
       : caster(rays),
+        scene_sky(scene_sky),
         objects(rays.scene().objects.size()),
         included(std::make_unique<bool[]>(objects)) {}
 
@@ -51,6 +53,8 @@ struct KeyframeTiles::State {
   void find_open();
   void keep_points();
   void draw_sky(FrameTile& tile) const;
+  void copy_sky(FrameTile& tile, int block) const;
+  [[nodiscard]] std::size_t tile_index(const FrameTile& tile) const;
   void copy_block(FrameTile& tile, int block) const;
   [[nodiscard]] float farthest_in(int x, int y, int columns, int rows) const;
   void fill(FrameTile& tile) const;
@@ -58,7 +62,8 @@ struct KeyframeTiles::State {
   void cast_open(FrameTile& tile, std::size_t index) const;
 };
 
-KeyframeTiles::KeyframeTiles(const RayScene& rays) : state_(new State(rays)) {}
+KeyframeTiles::KeyframeTiles(const RayScene& rays, const TileDrawer& sky)
+    : state_(new State(rays, sky)) {}
 KeyframeTiles::~KeyframeTiles() = default;
 
 const TileDrawer& KeyframeTiles::sky() const { return state_->sky; }
@@ -206,9 +211,12 @@ float KeyframeTiles::State::farthest_in(int x, int y, int columns, int rows) con
   return *std::min_element(least, least + kBlockSize);
 }
 
+std::size_t KeyframeTiles::State::tile_index(const FrameTile& tile) const {
+  return std::size_t(tile.y / kTileSize * tiles_of(tile.width) + tile.x / kTileSize);
+}
+
 void KeyframeTiles::State::fill(FrameTile& tile) const {
-  const int across = tiles_of(tile.width);
-  const auto index = std::size_t(tile.y / kTileSize * across + tile.x / kTileSize);
+  const std::size_t index = tile_index(tile);
   if (first[index] == first[index + 1]) return;
   if (uses_points) show_points(tile, index);
   cast_open(tile, index);
@@ -295,25 +303,33 @@ void KeyframeTiles::draw_tile(FrameTile& tile) const {
 
 void KeyframeTiles::State::draw_sky(FrameTile& tile) const {
   if (tile.of != TileContent::color) return;
-  for (int block = 0; block < FrameTile::kBlockCount; ++block) {
-    const int x = tile.x + block % FrameTile::kBlocks * kBlockSize,
-              y = tile.y + block / FrameTile::kBlocks * kBlockSize;
-    if (!tile.changed[block] && tile.farthest[block] > tile.nothing) continue;
-    const int columns = std::min(kBlockSize, tile.width - x),
-              rows = std::min(kBlockSize, tile.height - y);
-    const int planes = tile.planes(block);
-    for (int row = 0; row < rows; ++row)
+  // Without holes keyframes show all of the sky.
+  if (const std::size_t index = tile_index(tile); first[index] != first[index + 1])
+    scene_sky.draw_tile(tile);
+  for (int block = 0; block < FrameTile::kBlockCount; ++block)
+    if (tile.changed[block] || !(tile.farthest[block] > tile.nothing)) copy_sky(tile, block);
+}
+
+void KeyframeTiles::State::copy_sky(FrameTile& tile, int block) const {
+  const int x = tile.x + block % FrameTile::kBlocks * kBlockSize,
+            y = tile.y + block / FrameTile::kBlocks * kBlockSize;
+  const int columns = std::min(kBlockSize, tile.width - x),
+            rows = std::min(kBlockSize, tile.height - y);
+  const int planes = tile.planes(block);
+  for (int row = 0; row < rows; ++row) {
+    const float* depths = warped->inverse_z.row(y + row).data() + x;
+    const std::uint32_t* colors = warped->color.row(y + row).data() + x;
+    for (int s = 0; s < planes; ++s) {
+      FrameTile::Plane& plane = tile.plane(block, s);
+      float* nearest = plane.inverse_z + row * kBlockSize;
+      std::uint32_t* contents = plane.content + row * kBlockSize;
+      // So written that a compiler makes vectors of it.
       for (int column = 0; column < columns; ++column) {
-        if (warped->inverse_z(x + column, y + row) > tile.nothing ||
-            warped->hole(x + column, y + row))
-          continue;
-        for (int s = 0; s < planes; ++s) {
-          FrameTile::Plane& plane = tile.plane(block, s);
-          const int at = row * kBlockSize + column;
-          if (!(plane.inverse_z[at] > tile.nothing))
-            plane.content[at] = warped->color(x + column, y + row);
-        }
+        const bool shows = !(depths[column] > tile.nothing) & (colors[column] != 0) &
+                           !(nearest[column] > tile.nothing);
+        contents[column] = shows ? colors[column] : contents[column];
       }
+    }
   }
 }
 

@@ -18,11 +18,12 @@
 
 namespace rilievo {
 
-// Draws a warped frame: itself first; and sky() after the scene's sky.
+// Draws a warped frame: itself first; and sky() after everything opaque.
 class KeyframeTiles final : public TileDrawer {
  public:
-  // `rays`, of the scene, fills holes, and must outlive the object.
-  explicit KeyframeTiles(const RayScene& rays);
+  // `rays`, of the scene, fills holes, and `sky` those in which they find nothing; both must
+  // outlive the object.
+  KeyframeTiles(const RayScene& rays, const TileDrawer& sky);
   ~KeyframeTiles() override;
 
   // Begins a frame: finds its holes, and what the frames before tell of `objects` there, if there
@@ -37,7 +38,7 @@ class KeyframeTiles final : public TileDrawer {
   void place_objects(const Image<std::uint32_t>& shown, std::span<const std::uint32_t> objects);
 
   void draw_tile(FrameTile& tile) const override;
-  // The sky as keyframes show it, with what was before it in part of a texel.
+  // The sky as keyframes show it, with what was before it in part of a texel, and that of holes.
   [[nodiscard]] const TileDrawer& sky() const;
 
  private:
