@@ -7,16 +7,6 @@
 namespace rilievo {
 namespace {
 
-// Known faults, not mended: nailboards and layered impostors have wide gaps
-// (bench/results/seen.md). Their limits are the gaps that were measured, so that these cannot
-// become wider unseen.
-constexpr double kFaultyNailboardGapPx = 37.125, kFaultyLayeredGapPx = 11;
-
-double most_gap_px(const std::string& method) {
-  if (method == "nailboard") return kFaultyNailboardGapPx;
-  return method == "layered-impostor" ? kFaultyLayeredGapPx : test_cable::kMostGapPx;
-}
-
 class CableMethods : public testing::TestWithParam<const char*> {};
 
 TEST_P(CableMethods, no_gap_along_a_cable_of_half_a_texel_is_wider_than_a_pixel) {
@@ -24,7 +14,7 @@ TEST_P(CableMethods, no_gap_along_a_cable_of_half_a_texel_is_wider_than_a_pixel)
     return std::unique_ptr<Backend>(std::make_unique<SoftwareBackend>(scene, 4));
   });
   RecordProperty("widest_gap_px", std::to_string(gap));
-  EXPECT_LE(gap, most_gap_px(GetParam()));
+  EXPECT_LE(gap, test_cable::kMostGapPx);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CableMethods,

@@ -18,6 +18,7 @@
 #include "rilievo/layered_impostor/software/march_rays.h"
 #include "rilievo/layered_impostor/software/placed_camera.h"
 #include "rilievo/layered_impostor/software/placed_layered.h"
+#include "rilievo/layered_impostor/software/sampled_pixels.h"
 #include "rilievo/layered_impostor/software/silhouette_pixels.h"
 #include "rilievo/layered_impostor/software/slice_tiles.h"
 #include "rilievo/render/software/frame_tile.h"
@@ -53,10 +54,10 @@ class LayeredTiles final : public ImpostorTiles {
   void look_at_centers(const PlacedLayered& placed, const FrameTile& tile, int block,
                        Centers& centers) const;
   void look_beside(const PlacedLayered& placed, const FrameTile& tile, Centers& centers) const;
-  void draw_block(const PlacedLayered& placed, const Centers& centers, const TileBits& along,
-                  FrameTile& tile, int block) const;
-  void draw_samples(const PlacedLayered& placed, const Centers& centers, std::uint64_t pixels,
-                    FrameTile& tile, int block) const;
+  static void draw_block(const Centers& centers, const SampledPixels& pixels, FrameTile& tile,
+                         int block);
+  void draw_samples(const PlacedLayered& placed, const Centers& centers, SampledPixels& pixels,
+                    FrameTile& tile) const;
   struct Look;
   // A raster position, and some distances along its ray.
   struct Gaze {
@@ -72,6 +73,8 @@ class LayeredTiles final : public ImpostorTiles {
                                     const MarchRays& rays, std::size_t ray,
                                     const glm::dvec3& along) const;
   static void write(const SeenLayered& seen, FrameTile& tile, int block, int pixel);
+  static void write_sample(const SeenLayered& seen, FrameTile& tile, int block, int pixel,
+                           int sample);
 
   RayBounds bounds_;
   std::vector<LayeredPicture> pictures_;
@@ -373,52 +376,56 @@ void LayeredTiles::look_at_centers(const PlacedLayered& placed, const FrameTile&
 // All samples of a pixel show what its centre shows. Along silhouettes each sample shows what its
 // own ray meets in the best view, if that covers so much of its texel: elsewhere, what is behind
 // the edge of a texel may be another part of the object, which its picture does not show.
-void LayeredTiles::draw_block(const PlacedLayered& placed, const Centers& centers,
-                              const TileBits& along, FrameTile& tile, int block) const {
+void LayeredTiles::draw_block(const Centers& centers, const SampledPixels& pixels, FrameTile& tile,
+                              int block) {
   const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
-  std::uint64_t by_samples = 0;
   for (int i = 0; i < FrameTile::kBlockPixels; ++i) {
     const int x = x0 + i % kRow, y = y0 + i / kRow;
-    if (along.has(x, y))
-      by_samples |= std::uint64_t(1) << i;
-    else if (centers.shown.has(x, y))
-      write(centers.seen[block][i], tile, block, i);
+    if (centers.shown.has(x, y) && !pixels.has(x, y)) write(centers.seen[block][i], tile, block, i);
   }
-  if (by_samples) draw_samples(placed, centers, by_samples, tile, block);
 }
 
 void LayeredTiles::draw_samples(const PlacedLayered& placed, const Centers& centers,
-                                std::uint64_t pixels, FrameTile& tile, int block) const {
-  const int x0 = block % FrameTile::kBlocks * kRow, y0 = block / FrameTile::kBlocks * kRow;
-  while (pixels) {
+                                SampledPixels& pixels, FrameTile& tile) const {
+  const SampledPixels::Pixel* pixel[2];
+  while ((pixel[0] = pixels.next()) != nullptr) {
     // The samples of two pixels march together.
+    pixel[1] = pixels.next();
     std::array<Gaze, kRow> gazes;
-    int pixel[kRow], count = 0;
-    for (; pixels && count < kRow; pixels &= pixels - 1) {
-      const int i = std::countr_zero(pixels);
-      const auto [begin, end] = centers.stretch(placed, x0 + i % kRow, y0 + i / kRow);
-      for (int s = 0; s < 4; ++s, ++count) {
-        gazes[std::size_t(count)] = {
-            glm::dvec2(tile.x + x0 + i % kRow, tile.y + y0 + i / kRow) +
-                glm::dvec2(double(FrameTile::kSampleX[s]), double(FrameTile::kSampleY[s])),
-            begin, end};
-        pixel[count] = i;
-      }
+    const int count = pixel[1] ? 8 : 4;
+    for (int k = 0; k < count; ++k) {
+      const SampledPixels::Pixel& of = *pixel[k / 4];
+      gazes[std::size_t(k)] = {
+          glm::dvec2(tile.x + of.x, tile.y + of.y) +
+              glm::dvec2(double(FrameTile::kSampleX[k % 4]), double(FrameTile::kSampleY[k % 4])),
+          of.begin, of.end};
     }
     SeenLayered shown[kRow];
     look(placed, gazes, (1u << count) - 1, shown, true);
-    for (int k = 0; k < count; ++k) {
-      const FrameTile::Plane& before = tile.plane(block, tile.expanded[block] ? k % 4 : 0);
-      if (!covers_sample(shown[k].color.a, k % 4) ||
-          !(shown[k].inverse_z > before.inverse_z[pixel[k]]))
-        continue;
-      tile.expand(block);
-      tile.changed[block] = true;
-      FrameTile::Plane& plane = tile.plane(block, k % 4);
-      plane.inverse_z[pixel[k]] = shown[k].inverse_z;
-      plane.content[pixel[k]] = opaque_content(shown[k].color);
+    for (int of = 0; 4 * of < count; ++of) {
+      const SampledPixels::Pixel& at = *pixel[of];
+      if (!centers.shown.has(at.x, at.y)) {
+        unsigned some = 0;
+        for (int s = 0; s < 4; ++s)
+          some |= unsigned(shown[4 * of + s].inverse_z != kSeesNothing) << s;
+        pixels.add_beside(at, some, centers.asked, centers.shown);
+      }
+      const TilePixel in_tile(tile, tile.x + at.x, tile.y + at.y);
+      for (int s = 0; s < 4; ++s)
+        write_sample(shown[4 * of + s], tile, in_tile.block, in_tile.pixel, s);
     }
   }
+}
+
+void LayeredTiles::write_sample(const SeenLayered& seen, FrameTile& tile, int block, int pixel,
+                                int sample) {
+  const FrameTile::Plane& before = tile.plane(block, tile.expanded[block] ? sample : 0);
+  if (!covers_sample(seen.color.a, sample) || !(seen.inverse_z > before.inverse_z[pixel])) return;
+  tile.expand(block);
+  tile.changed[block] = true;
+  FrameTile::Plane& plane = tile.plane(block, sample);
+  plane.inverse_z[pixel] = seen.inverse_z;
+  plane.content[pixel] = opaque_content(seen.color);
 }
 
 void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, int pixel) {
@@ -435,6 +442,7 @@ void LayeredTiles::write(const SeenLayered& seen, FrameTile& tile, int block, in
 
 void LayeredTiles::draw_tile(FrameTile& tile) const {
   static thread_local Centers centers;
+  static thread_local SampledPixels pixels;
   for (const PlacedLayered& placed : placed_) {
     if (placed.x0 >= tile.x + FrameTile::kSize || placed.x1 <= tile.x ||
         placed.y0 >= tile.y + FrameTile::kSize || placed.y1 <= tile.y)
@@ -443,10 +451,19 @@ void LayeredTiles::draw_tile(FrameTile& tile) const {
     for (int block = 0; block < FrameTile::kBlockCount; ++block)
       look_at_centers(placed, tile, block, centers);
     if (tile.samples == 4) look_beside(placed, tile, centers);
-    const TileBits along =
-        tile.samples == 4 ? silhouette_pixels(centers.asked, centers.shown) : TileBits{};
+    pixels.clear();
+    if (tile.samples == 4) {
+      const TileBits along = silhouette_pixels(centers.asked, centers.shown);
+      for (int y = 0; y < FrameTile::kSize; ++y)
+        for (std::uint64_t row = along.row[std::size_t(y)]; row; row &= row - 1) {
+          const int x = std::countr_zero(row);
+          const auto [begin, end] = centers.stretch(placed, x, y);
+          pixels.add({x, y, begin, end});
+        }
+    }
     for (int block = 0; block < FrameTile::kBlockCount; ++block)
-      draw_block(placed, centers, along, tile, block);
+      draw_block(centers, pixels, tile, block);
+    draw_samples(placed, centers, pixels, tile);
   }
 }
 

@@ -4,7 +4,9 @@
 // surfaces of the nearest views, by the rules of warp_surfaces() (layered_impostor/warp.h), with
 // colours that are encoded as frames are. All samples of a pixel show the same, but along
 // silhouettes (silhouette_pixels.h): there the ray of each sample is marched, near the surfaces
-// that the pixel and its neighbours show. Pixels that something nearer hides are not marched.
+// that the pixel and its neighbours show; and beside pixels of which samples alone show something,
+// so that what is thinner than a pixel has no gaps. Pixels that something nearer hides are not
+// marched.
 #pragma once
 
 #include <memory>

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <memory>
 #include <random>
+
+#include "rilievo/layered_impostor/software/sampled_pixels.h"
 
 namespace rilievo {
 namespace {
@@ -35,6 +40,32 @@ TEST(SilhouettePixels,
       }
   }
   EXPECT_GT(along, 10000);
+}
+
+// A wire along the border of two rows of pixels, whose centres show it in two columns alone.
+TEST(SampledPixels, follow_what_is_thinner_than_a_pixel) {
+  TileBits asked, shown;
+  for (std::uint64_t& row : asked.row) row = ~std::uint64_t(0);
+  shown.set(9, 20), shown.set(50, 21);
+  const auto shows = [](const SampledPixels::Pixel& at, int s) {
+    return std::abs(float(at.y) + FrameTile::kSampleY[s] - 21) < 0.4f;
+  };
+  const auto pixels = std::make_unique<SampledPixels>();
+  pixels->clear();
+  pixels->add({10, 20, 1, 2});
+  int count = 0;
+  while (const SampledPixels::Pixel* at = pixels->next()) {
+    ++count;
+    unsigned samples = 0;
+    for (int s = 0; s < 4; ++s) samples |= unsigned(shows(*at, s)) << s;
+    pixels->add_beside(*at, samples, asked, shown);
+    EXPECT_EQ(at->begin, 1);
+    EXPECT_EQ(at->end, 2);
+  }
+  for (int x = 0; x < 64; ++x)
+    for (int y = 0; y < 64; ++y)
+      EXPECT_EQ(pixels->has(x, y), (y == 20 || y == 21) && !shown.has(x, y)) << x << ' ' << y;
+  EXPECT_EQ(count, 126);
 }
 
 }  // namespace
