@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kTileSize = FrameTile::kSize, kBlockSize = FrameTile::kBlock;
 
+static_assert(WarpedFrame::kStrip % kBlockSize == 0, "a block lies in one strip");
+
 int tiles_of(int pixels) { return (pixels + kTileSize - 1) / kTileSize; }
 
 }  // namespace
@@ -79,6 +81,8 @@ void KeyframeTiles::State::find_holes() {
       for (int block = 0; block < FrameTile::kBlockCount; ++block) {
         const int x0 = tile % across * kTileSize + block % FrameTile::kBlocks * kBlockSize,
                   y0 = tile / across * kTileSize + block / FrameTile::kBlocks * kBlockSize;
+        if (y0 >= camera.height || warped->holes_in_strip(y0 / WarpedFrame::kStrip, 0) == 0)
+          continue;
         for (int y = y0; y < std::min(y0 + kBlockSize, camera.height); ++y)
           for (int x = x0; x < std::min(x0 + kBlockSize, camera.width); ++x)
             if (warped->hole(x, y)) hole(FramePixel{std::uint16_t(x), std::uint16_t(y)});
