@@ -6,11 +6,12 @@
 namespace rilievo {
 
 Result<> SoftwareBackendTarget::draw(FrameSource& source, const Camera& camera, double time) {
-  frame_ = source.software_target();
-  RILIEVO_EXPECTS(frame_ != nullptr);
   const Stopwatch watch;
   if (Result<> drawn = source.draw(camera, time); !drawn) return drawn;
   frame_ms_ = watch.ms();
+  // Only now: a source that changes its method has another one from then on.
+  frame_ = source.software_target();
+  RILIEVO_EXPECTS(frame_ != nullptr);
   return Done{};
 }
 
