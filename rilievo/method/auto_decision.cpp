@@ -23,6 +23,9 @@ constexpr int kJumpAges = 200;
 // What is older than this is not known.
 constexpr int kKnown = 150;
 constexpr double kMuchMore = 1.3;
+// What is left in the next frame of a change that counts as recent; and the most gain that many
+// recent ones ask for.
+constexpr double kStaysRecent = 0.99, kMostGain = 0.2;
 // The frames of a trial after the warm-up; and of one that ends within kClose of the other's time.
 constexpr int kTrial = 3, kCloseTrial = 10;
 constexpr double kClose = 0.15;
@@ -137,7 +140,12 @@ bool AutoDecision::better(double ms, int candidate, double than_ms, int than) co
     const bool keeps = ms < kKeepsPace * pace_ms_, than_keeps = than_ms < kKeepsPace * pace_ms_;
     if (keeps && than_keeps) return rank < than_rank;
   }
-  return ms < (rank < than_rank ? 1 : 1 - kGain) * than_ms;
+  return ms < (rank < than_rank ? 1 : 1 - needed_gain()) * than_ms;
+}
+
+// Each change costs a trial and a fade: what changed often must gain more.
+double AutoDecision::needed_gain() const {
+  return std::min(kGain * std::max(1.0, recent_changes_), kMostGain);
 }
 
 // What a frame may take at no loss.
@@ -228,6 +236,7 @@ void AutoDecision::change(int to) {
   ++left.fails;
   draws_ = to;
   since_change_ = 0;
+  ++recent_changes_;
 }
 
 bool AutoDecision::trial_over() const {
@@ -294,6 +303,7 @@ AutoChoice AutoDecision::next(std::span<const AutoOutlook> outlook, bool jumped,
     cost.frames = std::min(cost.frames, 2);
   }
   ++since_change_;
+  recent_changes_ = jumped ? 0 : kStaysRecent * recent_changes_;
   // The frames of a warm-up are forgotten when it is over.
   const int warm_up = candidates_[std::size_t(draws_)].warm_up;
   if (warm_up >= kWarmsUpLong && since_change_ == warm_up + 1)

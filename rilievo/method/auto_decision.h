@@ -143,6 +143,7 @@ class AutoDecision {
   [[nodiscard]] double expected(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] double hoped(int i, const AutoOutlook& outlook) const;
   [[nodiscard]] bool better(double ms, int candidate, double than_ms, int than) const;
+  [[nodiscard]] double needed_gain() const;
   [[nodiscard]] double free_ms() const;
   [[nodiscard]] bool affordable(double ms) const;
   [[nodiscard]] int best_known(std::span<const AutoOutlook> outlook) const;
@@ -158,6 +159,7 @@ class AutoDecision {
   int draws_, trial_ = -1, prepares_ = -1, drawn_ = -1;
   AutoReason reason_ = AutoReason::begins;
   int since_change_ = 0;
+  double recent_changes_ = 0;  // each counts less with each frame
   std::vector<double> trial_ms_;
   double trial_expected_ms_ = 0;  // when it began; 0: unknown
   double all_ms_ = 0, trials_ms_ = 0;

@@ -184,6 +184,19 @@ TEST(AutoDecision, equal_methods_do_not_take_turns) {
   }
 }
 
+// Each change takes a trial and a fade, so that after some of them little gain is no reason.
+TEST(AutoDecision, methods_that_gain_little_by_turns_change_seldom) {
+  const auto changes = [](double gain, int each) {
+    const auto turns = [=](int turn) {
+      return [=](int frame) { return 10 * (frame / each % 2 == turn ? 1 : 1 + gain); };
+    };
+    return walk({{{"a", 0}, turns(0), 1}, {{"b", 0}, turns(1), 1}}, 0, 1200, 0.02, 3).changes;
+  };
+  const int little = changes(0.07, 25), much = changes(0.5, 25);
+  EXPECT_LE(little, 20);
+  EXPECT_GE(much, 30);
+}
+
 TEST(AutoDecision, what_is_not_good_enough_does_not_draw) {
   const Walk drawn =
       walk({{{"direct", 0}, always(40)}, {{"keyframes", 2}, always(10), 1, 1, 0, false}}, 0, 500,
