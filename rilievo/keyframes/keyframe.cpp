@@ -118,6 +118,8 @@ Rgba8Image opaque_colors(const Image<std::uint32_t>& color) {
 
 Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels) {
   RILIEVO_EXPECTS(margin.x >= 1 && margin.y >= 1 && texels > 0);
+  // Three are what is rounded up.
+  texels = std::min(texels, (Keyframe::kMostRows - 3) / (margin.y * frame.height));
   Camera camera = frame;
   // As many texels on either side, so that a pixel's texels keep their places.
   const auto wider = [&](int pixels, double times) {

@@ -42,6 +42,8 @@ inline constexpr std::uint32_t kWholeTexel = quarter_code(Quarter::own, 4, 0);
 struct Keyframe {
   // Columns of a segment and rows of a block, for which ranges of depth are kept.
   static constexpr int kColumns = 64, kRows = 16;
+  // With quarters that are as many as the rasteriser captures.
+  static constexpr int kMostRows = 2048;
 
   Camera camera;                // perspective
   Image<std::uint32_t> color;   // sRGB bytes R, G, B, the first one in the lowest bits; above them
@@ -87,7 +89,8 @@ struct KeyframeMargin {
 
 // The camera of a keyframe at a frame's eye, with `texels` texels for each pixel of the frame.
 // Sizes are rounded up, and the window with them, so that with texels = 1 the texels' centres lie
-// on the frame's pixels' centres.
+// on the frame's pixels' centres. Of frames whose keyframes would have more than kMostRows rows
+// there are fewer texels for each pixel.
 [[nodiscard]] Camera keyframe_camera(const Camera& frame, KeyframeMargin margin, double texels = 1);
 
 }  // namespace rilievo

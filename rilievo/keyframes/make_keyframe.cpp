@@ -93,6 +93,11 @@ void add_sky(const Sky& sky, DepthImage& picture) {
   });
 }
 
+// Of one band, so that with the columns beside it twice its width is no more than the rasteriser
+// captures.
+constexpr int kMostColumns = 125 * KeyframeMaker::kBand;
+static_assert(2 * (kMostColumns + 2) <= 2 * Keyframe::kMostRows);
+
 // Columns [from, to) of a camera, at `scale` times its size.
 Camera band_of(const Camera& camera, int from, int to, int scale) {
   Camera band = camera_of_part(camera, from, 0, to - from, camera.height);
@@ -201,8 +206,14 @@ Result<> KeyframeMaker::step(CaptureSource& source, int columns, const CaptureCo
   if (columns < keyframe_.camera.width) start(source, control);
   started_ = true;
   columns = std::max(columns, 1);
-  if (!by_parts_) return step_of_bands(source, (columns + kBand - 1) / kBand * kBand, control);
-  step_of_parts(columns);
+  if (by_parts_) {
+    step_of_parts(columns);
+    return Done{};
+  }
+  // A wide frame's bands are as many as sources can capture.
+  for (int left = (columns + kBand - 1) / kBand * kBand; left > 0 && busy(); left -= kMostColumns)
+    if (Result<> done = step_of_bands(source, std::min(left, kMostColumns), control); !done)
+      return done;
   return Done{};
 }
 

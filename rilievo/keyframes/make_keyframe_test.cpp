@@ -166,6 +166,42 @@ TEST(MakeKeyframe, WhatIsTooLargeForPartsIsCapturedInBands) {
   EXPECT_NE(made.error().reason.find("texels a side"), std::string::npos);
 }
 
+// Frames of any size have keyframes: of high ones with fewer texels, of wide ones in bands.
+TEST(MakeKeyframe, LargeFramesHaveKeyframesTheRasteriserCanCapture) {
+  MakerStage stage;
+  for (const glm::ivec2 size : {glm::ivec2(3840, 2160), {1080, 1920}, {40, 6000}, {2200, 30}}) {
+    for (const double margin : {1.0, 1.2, 1.44}) {
+      Camera frame = stage.frame;
+      frame.width = size.x, frame.height = size.y;
+      const Camera camera = keyframe_camera(frame, margin);
+      EXPECT_LE(camera.height, Keyframe::kMostRows);
+      // Its window holds the margin, and its texels are square where pixels are.
+      const auto wide = [](const Camera& c) { return c.window.right - c.window.left; };
+      const auto high = [](const Camera& c) { return c.window.top - c.window.bottom; };
+      EXPECT_GE(wide(camera), margin * wide(frame) * (1 - 1e-9));
+      EXPECT_GE(high(camera), margin * high(frame) * (1 - 1e-9));
+      EXPECT_NEAR(wide(camera) / camera.width * frame.width / wide(frame),
+                  high(camera) / camera.height * frame.height / high(frame), 1e-9);
+    }
+  }
+  Camera frame = stage.frame;
+  frame.width = 2200, frame.height = 30;
+  const Camera camera = keyframe_camera(frame, 1.2);
+  const Result<Keyframe> key = make_keyframe(stage.source, {camera, {}, 4});
+  ASSERT_TRUE(key) << key.error().reason;
+  EXPECT_TRUE(key->quarters());
+  // As in bands of a few columns, but for the rounding of their cameras.
+  KeyframeMaker maker;
+  maker.begin({camera, {}, 4});
+  while (maker.busy()) ASSERT_TRUE(maker.step(stage.source, 160));
+  const Keyframe narrow = maker.take();
+  ASSERT_EQ(key->color.width(), narrow.color.width());
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < key->color.texels().size(); ++i)
+    differ += key->color.texels()[i] != narrow.color.texels()[i];
+  EXPECT_LT(double(differ), 0.02 * double(key->color.texels().size()));
+}
+
 TEST(MakeKeyframe, SixteenSamplesKeepTheSecondNearestOfFourDepths) {
   MakerStage stage;
   const Camera camera = keyframe_camera(stage.frame, 1);
