@@ -138,8 +138,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command
       .add_option(
           "--source", options.source,
-          "keyframes: who makes them: raster, rays, or, beside the frames, which begin with "
-          "coarse ones by rays, raytrace or exec:PROGRAM (default raster)")
+          "keyframes: who makes them: raster, rays, raytrace or exec:PROGRAM (default raster); "
+          "where frames go by the clock the last two work beside them, after coarse ones by rays")
       ->type_name("SOURCE");
   command
       .add_option("--keyframe-ms", options.keyframe_ms,
@@ -169,7 +169,8 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_flag(
       "--by-clock", options.by_clock,
       "auto: decide by the time that frames take, which makes no two runs alike (view, "
-      "and compare --real-time, do), and not by counts of work");
+      "and compare --real-time, do), and not by counts of work; keyframes by raytrace and exec: "
+      "are made beside the frames, which wait for them otherwise");
   add_impostor_options(command, options.impostors);
   add_set_option(command, options.kinds);
 }

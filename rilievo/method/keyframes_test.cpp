@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "rilievo/frame/software/software_backend.h"
 #include "rilievo/method/method.h"
@@ -42,15 +43,42 @@ TEST(Method, keyframes_of_either_source_show_every_object_in_view) {
   }
 }
 
+// Of sources that would work beside frames by the clock.
+TEST(Method, frames_that_do_not_go_by_the_clock_wait_for_a_slow_source) {
+  const auto built = make_builtin("builtin:teapots?triangles=20000");
+  ASSERT_TRUE(built.ok());
+  std::vector<Rgba8Image> runs[2];
+  for (std::vector<Rgba8Image>& run : runs) {
+    SoftwareBackend backend(built->scene, 4);
+    MethodOptions options;
+    options.source = "raytrace";
+    const Result<Method> made = make_method("keyframes", options, backend);
+    ASSERT_TRUE(made.ok());
+    int captures = 0;
+    for (int i = 0; i < 20; ++i) {
+      const double time = frame_time(built->path, i);
+      ASSERT_TRUE(made->frames->draw(camera_at(built->path, time, 96, 64), time).ok());
+      EXPECT_EQ(made->frames->stats().late, 0);
+      captures += made->frames->stats().captures;
+      run.push_back(made->frames->software_target()->color());
+    }
+    EXPECT_GE(captures, 2);
+  }
+  EXPECT_EQ(runs[0], runs[1]);
+}
+
 TEST(Method, keyframes_by_an_unknown_source_are_an_error_that_names_the_option) {
   const auto built = make_builtin("builtin:teapots?triangles=20000");
   ASSERT_TRUE(built.ok());
   SoftwareBackend backend(built->scene, 4);
   MethodOptions options;
-  options.source = "paint";
-  const Result<Method> made = make_method("keyframes", options, backend);
-  ASSERT_FALSE(made.ok());
-  EXPECT_EQ(made.error().where, "--source");
+  // A distance field is not the scene.
+  for (const char* const source : {"paint", "sdf:torus"}) {
+    options.source = source;
+    const Result<Method> made = make_method("keyframes", options, backend);
+    ASSERT_FALSE(made.ok());
+    EXPECT_EQ(made.error().where, "--source");
+  }
 }
 
 }  // namespace

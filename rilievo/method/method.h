@@ -66,9 +66,11 @@ struct MethodOptions {
   std::string source = "raster";          // keyframes: raster, rays, raytrace, exec:PROGRAM
   double keyframe_ms = 0;                 // keyframes: time a frame; 0: no limit
   int keyframe_samples = 4;               // keyframes: of a texel: 1, 4 or 16
-  double fps = 0;         // auto: frames a second that are enough; 0: as many as can be
-  double loss_db = 4;     // auto: how much worse than direct drawing keyframes may look
-  bool by_clock = false;  // auto: decide by the time that frames take; else by counts of work
+  double fps = 0;      // auto: frames a second that are enough; 0: as many as can be
+  double loss_db = 4;  // auto: how much worse than direct drawing keyframes may look
+  // auto: decide by the time that frames take; else by counts of work. keyframes by raytrace and
+  // exec: are made beside the frames; else frames wait for them, and runs are alike.
+  bool by_clock = false;
   KindOptions kinds;
   ReliefImpostorOptions impostors;
   Box eyes = {};                                      // where eyes will be; empty: not known

@@ -131,10 +131,19 @@ class Sources(Case):
                               "--frames", "6", "--draw", "software", "-o", out)
                 made[source] = files_below(out)
                 self.assertEqual(len(made[source]), 6)
-        # Nobody waits for the slow ones: frames begin with a coarse keyframe by rays.
+        # Each frame shows what its source does.
         first = sorted(made["raytrace"])[0]
-        self.assertEqual(made["raytrace"][first], made[self.exec][first])
-        self.assertNotEqual(made["raytrace"][first], made["rays"][first])
+        self.assertEqual(len({made[source][first] for source in ("rays", "raytrace", self.exec)}), 3)
+
+    def test_frames_by_the_clock_do_not_wait_for_slow_sources(self):
+        made = []
+        for source in ("raytrace", self.exec):
+            out = self.folder / f"clock-{len(made)}"
+            self.succeeds("render", STONES, "--method", "keyframes", "--source", source, "--by-clock", "--size",
+                          "64x48", "--frames", "1", "--draw", "software", "-o", out)
+            made.append(list(files_below(out).values()))
+        # They begin with a coarse keyframe by rays.
+        self.assertEqual(made[0], made[1])
 
     def test_a_program_gets_the_scene_and_may_have_one_of_its_own(self):
         glb = self.folder / "stones.glb"
